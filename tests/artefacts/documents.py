@@ -13,14 +13,17 @@ from typing import Any
 import jsonschema
 import numpy as np
 import pypdfium2
+import pypdfium2.raw as raw
 import pytest
 from pypdf import PdfReader
 
 WIDE, NARROW, HEIGHT = 1200, 390, 900  # pixels
 VIEWS = ((WIDE, "light"), (WIDE, "dark"), (NARROW, "light"))
-MARGIN = {"html": 14, "pdf": 18}  # mm, left and right of the text on A4
+MARGIN = 14  # mm, left and right of the text on A4
 POINTS = 72 / 25.4  # in a millimetre
 SLACK = 6  # points: punctuation hangs out
+LEAST_LETTERS = 8  # points in the PDF
+LEAST_FIGURE = 700  # pixels of a figure on a phone, whose letters then are 10 pixels high
 TOUCH = 2  # points by which letters of neighbours may reach into each other
 
 
@@ -61,14 +64,17 @@ def check_in_browser(report: Path, folder: Path, views: Sequence[tuple[int, str]
             if (width, scheme) == views[0]:
                 page.pdf(path=str(folder / "print.pdf"), prefer_css_page_size=True)
             page.close()
-    check_margins(folder / "print.pdf", MARGIN["html"])
+    check_margins(folder / "print.pdf", MARGIN)
 
 
 def check_on_a_phone(page: Any) -> None:
-    """Figures and captions are visible as a whole; headers of wide tables leave room."""
+    """Captions are visible as a whole, figures as wide as one can read; headers leave room."""
     right = "all => all.map(one => one.getBoundingClientRect().right)"
-    for whole in ("figure img", "figcaption", "caption div"):
+    for whole in (".drawing", "figcaption", "caption div"):
         assert max(page.eval_on_selector_all(whole, right)) <= NARROW, whole
+    shown = ".drawing:not(.replaced) img"
+    widths = page.eval_on_selector_all(shown, "all => all.map(one => one.clientWidth)")
+    assert min(widths, default=LEAST_FIGURE) >= LEAST_FIGURE
     scrolled = """all => all.filter(one => {
         const around = one.closest(".scroll");
         return around.scrollWidth > around.clientWidth;
@@ -133,7 +139,7 @@ def check_pdf(report: Path, sections: list[str]) -> None:
     """Contents, bookmarks, numbered and mentioned figures and tables, fonts, margins."""
     reader = PdfReader(report)
     texts = page_texts(report)
-    assert any("Contents" in text for text in texts[:3])  # below the first screen
+    assert "Contents" in texts[0]
     bookmarks = [entry.title for entry in reader.outline if not isinstance(entry, list)]
     assert [title for title in sections if not any(title in known for known in bookmarks)] == []
     whole = " ".join(texts)
@@ -147,8 +153,9 @@ def check_pdf(report: Path, sections: list[str]) -> None:
             embedded = font.get_object().get("/DescendantFonts", [font])[0].get_object()
             described = embedded["/FontDescriptor"].get_object()
             assert {"/FontFile", "/FontFile2", "/FontFile3"} & set(described)
-    check_margins(report, MARGIN["pdf"])
+    check_margins(report, MARGIN)
     check_overlaps(report)
+    check_letters(report)
 
 
 def check_margins(document: Path, margin: float) -> None:
@@ -160,6 +167,15 @@ def check_margins(document: Path, margin: float) -> None:
             left, _, end, _ = text.get_rect(i)
             assert left >= margin * POINTS - SLACK, f"page {number}"
             assert end <= right + SLACK, f"page {number}"
+
+
+def check_letters(document: Path) -> None:
+    """No letters are too small to read."""
+    for number, page in enumerate(pypdfium2.PdfDocument(document), start=1):
+        text = page.get_textpage()
+        letters = enumerate(text.get_text_range(errors="replace"))
+        sizes = [raw.FPDFText_GetFontSize(text, i) for i, one in letters if not one.isspace()]
+        assert min(sizes, default=LEAST_LETTERS) > LEAST_LETTERS - 0.01, f"page {number}"
 
 
 def check_overlaps(document: Path) -> None:

@@ -1,4 +1,4 @@
-"""Whether *Look closer* draws an arm where its kinematics and its forces say."""
+"""Whether *Replay* draws an arm where its kinematics and its forces say."""
 
 import re
 from pathlib import Path
@@ -57,7 +57,9 @@ def check_arm(results: Path, recording: str) -> None:
     with browser() as chromium:
         page = chromium.new_page()
         page.goto((results / "report.html").as_uri())
-        page.locator(f"figure[data-recording='{recording}'] .look").first.click()
+        closed = f"figure[data-recording='{recording}'] .look[aria-expanded=false]"
+        if not page.query_selector(f"figure[data-recording='{recording}'][data-open]"):
+            page.locator(closed).first.click()
         page.wait_for_selector(".arm canvas")
         for share, view in zip((0.5, 0.9, 0.98), VIEWS, strict=True):
             row = known[int(share * len(known))]

@@ -174,7 +174,8 @@ def report(figures: Path) -> Path:
         Picture("Currents.", currents, words, "currents", "b.csv", "draw", "pushed"),
         Picture("Others.", others, words, "others", "b.csv", "draw", "still"),
     ]
-    document = Document("Report", "Of a test.", [Section("Figures", [*pictures])]).numbered()
+    sections = [Section("First", pictures[:1]), Section("Others", [*pictures[1:]])]
+    document = Document("Report", "Of a test.", sections).numbered()
     assert packed_scenes(document.as_data()).keys() == {"pushed"}
     write_text(html_page(document), figures / "report.html")
     return figures / "report.html"
@@ -199,15 +200,45 @@ def page(chromium: Any, report: Path) -> Iterator[Any]:
     assert [line for line in told if not line.startswith(("data:", report.as_uri()))] == []
 
 
-SIZED = "(name) => document.querySelector(`#${name} .u-over`).clientWidth > 250"
+EXTENT = """() => {
+  const stretch = stretches.get("pushed"), [{ arm }] = stretch.looks, { time } = stretch;
+  const points = arm.scene.at(time).origins.map((origin) => arm.place(origin));
+  const [across, down] = [0, 1].map((i) => points.map((one) => one[i]));
+  return [across, down].map((ends) => Math.max(...ends) - Math.min(...ends));
+}"""
+SIZED = "(name) => document.querySelector(`#${name} .u-over`).clientWidth > 150"
 
 
 def opened(page: Any, name: str) -> Any:
     """The plots of a figure."""
-    page.click(f"#{name} .look")
+    if page.get_attribute(f"#{name} .look", "aria-expanded") == "false":
+        page.click(f"#{name} .look")
     page.wait_for_selector(f"#{name} .plots")
     page.wait_for_function(SIZED, arg=name)
+    page.focus(f"#{name} .plots")
     return page.locator(f"#{name} .plots")
+
+
+def test_the_first_screen_shows_the_arm_beside_its_curves(page: Any) -> None:
+    """Without a click, and filling at least half of its canvas."""
+    page.wait_for_function(SIZED, arg="forces")
+    parts = (".arm canvas", ".plots")
+    canvas, plots = (page.locator(f"#forces {one}").bounding_box() for one in parts)
+    assert canvas["x"] + canvas["width"] < plots["x"]
+    assert max(one["y"] + one["height"] for one in (canvas, plots)) < 900
+    wide, high = page.evaluate(EXTENT)
+    assert max(wide / canvas["width"], high / canvas["height"]) > 0.5
+    assert page.is_visible("#others img")
+
+
+def test_the_arm_is_seen_along_the_normal_of_its_mean_plane(page: Any) -> None:
+    opened(page, "forces")
+    poses = np.array(page.evaluate("[...stretches.get('pushed').looks][0].arm.scene.path"))
+    normal = np.linalg.svd(poses - poses.mean(axis=0), full_matrices=False)[2][-1]
+    normal *= np.sign(normal[2])
+    view = page.evaluate("stretches.get('pushed').view")
+    assert view["tilt"] == pytest.approx(np.clip(np.arcsin(normal[2]), 0.2, 1.2), abs=0.01)
+    assert view["turn"] == pytest.approx(np.arctan2(normal[1], normal[0]), abs=0.02)
 
 
 def shown(page: Any, name: str) -> tuple[float, float]:
@@ -244,13 +275,13 @@ def test_keys_zoom_and_move(page: Any) -> None:
 
 def test_a_drag_shows_a_stretch(page: Any) -> None:
     box = opened(page, "forces").bounding_box()
-    page.mouse.move(box["x"] + 150, box["y"] + 60)
+    page.mouse.move(box["x"] + 80, box["y"] + 60)
     page.mouse.down()
-    page.mouse.move(box["x"] + 250, box["y"] + 60)
+    page.mouse.move(box["x"] + 120, box["y"] + 60)
     page.mouse.up()
     start, end = shown(page, "forces")
     assert 0 < start < end < LENGTH / 2
-    page.mouse.dblclick(box["x"] + 200, box["y"] + 60)
+    page.mouse.dblclick(box["x"] + 150, box["y"] + 60)
     assert shown(page, "forces") == pytest.approx((0, LENGTH), abs=0.01)
 
 
@@ -295,14 +326,14 @@ def test_figures_of_one_recording_move_together(page: Any) -> None:
 
 def test_lines_and_panels_can_be_hidden(page: Any) -> None:
     plots = opened(page, "forces")
-    height = plots.bounding_box()["height"]
+    page.click("#forces summary")
     for label in ("estimate", "Fx", "nx"):
         page.uncheck(f"#forces label:has-text('{label}') input")
     plots.press("+")
     text = page.text_content("#forces [role=status]")
     assert "Fx" not in text
     assert re.search(r"Fy \[N\] [^\s,]+;", text)  # of the sensor alone
-    assert plots.bounding_box()["height"] < height
+    assert page.locator("#forces .panel:visible").count() == 4
 
 
 @pytest.mark.parametrize("view", VIEWS)

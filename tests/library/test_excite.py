@@ -106,15 +106,6 @@ def test_the_summary_tells_each_parameter(folder: Path) -> None:
     assert all(row["std_error_before"] == row["std_error_prior"] for row in rows)
 
 
-def test_the_page_tells_each_parameter_and_the_command(folder: Path) -> None:
-    page = (folder / "excitation.html").read_text()
-    assert "What to record next on ur5e" in page
-    assert f"--move {folder}/trajectory.csv --speed 1" in page
-    names = {row["parameter"] for row in read_json(folder / "excitation.json")["parameters"]}
-    assert all(f">{name}</th>" in page for name in names)
-    assert page.count("data:image/svg+xml") == 1
-
-
 def test_the_arm_of_the_stand_follows_it(folder: Path, ur5e: Robot, tmp_path: Path) -> None:
     (recording,) = read_study(folder / "stand.yaml").recordings
     plan = recording.simulate

@@ -2,7 +2,9 @@
 
 import math
 import re
+import zipfile
 from dataclasses import asdict
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -50,6 +52,7 @@ from ur5lib.report.views.first_screen import _each, left_out_fits
 from ur5lib.report.views.forces import SMALLEST_PUSHES, pushes_found
 from ur5lib.report.views.models import contradictions
 from ur5lib.report.views.recordings import configuration, configuration_heading
+from ur5lib.steps.write_report import archived
 from ur5lib.tables import write_bytes, write_text
 from ur5lib.thesis.reference import Lookup, Printed, PrintedTable, Published, read_reference
 from ur5lib.tidy import forces, friction, models
@@ -103,8 +106,8 @@ def test_html_shows_text_from_outside_as_text(document: Document, tmp_path: Path
     page = fromstring((tmp_path / "report.html").read_text())
     scripts = [element.attrib for element in page.iter("script")]
     assert scripts == [{"type": "text/plain"}, {}, {}]  # the figure's lines, uPlot, what uses it
-    # title, notice, 3 headings, subtitle, contents, paragraph, item, 3 captions, 2 cells, code
-    assert page.text_content().count(HOSTILE) == 15
+    # title, notice, 3 headings, subtitle, 2 contents, paragraph, item, 3 captions, 2 cells, code
+    assert page.text_content().count(HOSTILE) == 16
     (image,) = page.iter("img")
     assert image.get("alt") == HOSTILE
     assert image.get("src").startswith("data:image/svg+xml,%3C?xml")
@@ -147,7 +150,7 @@ def test_extremes_are_marked_where_values_differ() -> None:
         ("value | fixed(3)", 1.23456, "1.235"),
         ("value | fixed(1)", -1.5, "−1.5"),
         ("value | fixed(3)", math.nan, "–"),
-        ("value | error(value, 3)", math.nan, "–"),
+        ("value | with_error(value)", math.nan, "–"),
         ("value | signed(1, ' %')", -0.5, "−0.5 %"),
         ("value | signed(2)", 0.5, "+0.50"),
         ("{{ value }} of 2", 1, "1 of 2"),
@@ -288,7 +291,7 @@ def test_a_load_taken_up_is_no_contact() -> None:
     taken_up = results.rows("contacts", kind="load")
     assert [*map(stated, _each("findings.load taken up", taken_up))] == [[2.04, 0.05]]
     lines = shown("contacts", results, "grasp")
-    assert [line["load [kg]"] for line in lines] == ["–", "2.04 ± 0.05"]
+    assert [line["load [kg]"] for line in lines] == ["–", "2.040 ± 0.050"]
 
 
 # Forces beside the sensor
@@ -391,8 +394,8 @@ def test_pushes_never_found_are_told_as_such() -> None:
     results = Results({}, {"detection": rows, "payload": payloads()}, Path())
     (line,) = shown("detection.smallest_pushes", results)
     pushes = {
-        "in motion: x [N]": "9 ± 2",
-        "in motion: z [N]": "20 ± 2",
+        "in motion: x [N]": "9.0 ± 2.0",
+        "in motion: z [N]": "20.0 ± 2.0",
         "at rest: y [N]": "70 ± 20",
     }
     assert line == {"recording": "free"} | pushes
@@ -422,7 +425,7 @@ def load_of(name: str, mass: float, taken: bool) -> tuple[str, dict]:
 def test_what_a_run_carries_stands_in_a_table() -> None:
     cells = shown("payload", Results({}, {"payload": payloads()}, Path()))
     assert [own["used in prediction"] for own in cells] == ["no", "yes"]
-    assert cells[1]["additional [kg]"] == "2.75 ± 0.03"
+    assert cells[1]["additional [kg]"] == "2.750 ± 0.030"
     assert cells[1]["declared [kg]"] == "0.50"
     heavy = payloads().set_index("recording").loc["heavy"]
     assert heavy["low"] < heavy["mass"] < heavy["high"]
@@ -484,3 +487,30 @@ def test_the_configuration_is_listed_as_it_can_be_read() -> None:
         "Configuration with every default filled in (first 60 recordings); complete in "
         "configuration.yaml:"
     ]
+
+
+def test_files_that_a_text_names_are_links_where_they_are(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words = Paragraph(["See tables.zip and docs/methods.md."])
+    page = Document("t", "", [Section("First", [words])], home="../")
+    monkeypatch.chdir(tmp_path)
+    assert links(page) >= {"../tables.zip"}
+    write_text("methods", tmp_path / "docs" / "methods.md")
+    assert links(page) >= {"../tables.zip", "../../../docs/methods.md"}
+
+
+def links(document: Document) -> set[str]:
+    return {one.get("href") for one in fromstring(html_page(document)).iter("a")}
+
+
+def test_the_archive_has_every_table_and_is_the_same_again(tmp_path: Path) -> None:
+    files = [tmp_path / "a.csv", tmp_path / "b.csv"]
+    for file in files:
+        write_text(file.stem, file)
+    archive = zipfile.ZipFile(BytesIO(archived(files)))
+    assert {name: archive.read(name) for name in archive.namelist()} == {
+        "tables/a.csv": b"a",
+        "tables/b.csv": b"b",
+    }
+    assert archived(files) == archived(files)

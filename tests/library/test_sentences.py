@@ -10,7 +10,7 @@ from tests.conftest import PROJECT
 from ur5lib.errors import remark
 from ur5lib.records.wording import WORDS, in_words, templates
 from ur5lib.report.page import sentences
-from ur5lib.report.page.formats import error
+from ur5lib.report.page.formats import with_error
 from ur5lib.report.page.sentences import say
 from ur5lib.strict import read_yaml
 
@@ -25,11 +25,23 @@ def test_a_number_below_its_bound_is_not_zero() -> None:
     assert say("error.worst", row=pd.Series({"error": 0.03, "zero": 100.0})) == "< 1 %"
 
 
-def test_an_error_has_three_figures_at_most() -> None:
-    assert error(1814.842, 221.09, 2) == "1815 ± 221"
-    assert error(240.319, 21.684, 2) == "240.3 ± 21.7"
-    assert error(8.146, 0.604, 2) == "8.15 ± 0.60"
-    assert error(0.05, 0.001, 2) == "0.05 ± < 0.01"
+@pytest.mark.parametrize(
+    ("value", "std", "text"),
+    [
+        (1814.842, 221.09, "1810 ± 220"),
+        (240.319, 21.684, "240 ± 22"),
+        (8.146, 0.604, "8.15 ± 0.60"),
+        (0.05, 0.00996, "0.050 ± 0.010"),
+        (1.04, 3.5e-4, "1.04000 ± 0.00035"),
+        (283.564, math.nan, "284"),
+        (1e-9, 0.0, "< 0.0001"),
+        (math.nan, 1.0, "–"),
+    ],
+)
+def test_two_digits_of_the_error_decide_how_a_value_is_shown(
+    value: float, std: float, text: str
+) -> None:
+    assert with_error(value, std) == text
 
 
 def test_a_value_that_a_template_lacks_is_an_error() -> None:

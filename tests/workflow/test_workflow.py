@@ -132,14 +132,6 @@ def test_every_step_leaves_a_log_and_its_time(built_workflow: Workflow) -> None:
     assert {*EACH_RECORDING} <= {*read_csv(folder / "tables" / "run_times.csv")["step"]}
 
 
-def test_snakemake_makes_its_own_report(built_workflow: Workflow, tmp_path: Path) -> None:
-    done = built_workflow.run("--report", str(tmp_path / "report.html"))
-    assert done.returncode == 0, done.stdout
-    report = (tmp_path / "report.html").read_text()
-    assert "Recording pushed, drawn by rule draw_figures" in report
-    assert all(f'"{category}"' in report for category in ("Figures", "Tables", "Report"))
-
-
 def test_a_figure_for_a_paper_is_drawn_of_the_results_as_they_are(workflow: Workflow) -> None:
     """Nothing else is made, even if it is missing."""
     (workflow.folder / "results" / "small" / "report.html").unlink()

@@ -32,18 +32,16 @@ from ur5lib.finished import FinishedStudy
 from ur5lib.records.friction import Friction
 from ur5lib.records.models import Identification
 from ur5lib.records.motion import Motion
+from ur5lib.report.figures.excitation import excitation_figure
 from ur5lib.report.figures.house_style import save
-from ur5lib.report.page.excitation import LOAD_ADVICE, excitation_figure, excitation_page
-from ur5lib.report.page.render import html_page
-from ur5lib.report.page.sentences import speaking_of
 from ur5lib.robots.collisions import Surroundings
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.strict import read_yaml
-from ur5lib.tables import write_text
 
+LOAD_ADVICE = "a known load on the flange (--payload) or a longer motion (--seconds) may"
 SAFETY_ADVICE = (
-    "Look at the sweep, run stand.yaml, and go along the way-points slowly before the arm moves "
-    "at full speed."
+    "Look at the sweep in excitation.svg, run stand.yaml, and go along the way-points slowly "
+    "before the arm moves at full speed."
 )
 RECORD_COMMAND = "ur5 record STUDY NAME --move"
 DRIVER_ADVICE = (
@@ -80,22 +78,16 @@ def excite(options: ExciteOptions, folder: Path, effort: Effort = USUAL_EFFORT) 
     arm, earlier_study = earlier(options)
     designed = _design(task_of(options, arm, earlier_study), options.seed, effort)
     asked = {"robot": options.robot, "question": options.question, "seed": options.seed}
-    drawing, drawn = excitation_figure(designed), folder / "excitation.svg"
     write_files(folder, asked, options.payload, designed)
-    save(drawing, drawn)
-    ur = arm.is_ur()
-    command = f"{RECORD_COMMAND} {folder}/trajectory.csv --speed 1" if ur else ""
-    before = [] if options.payload is None else [_mounting(options.payload, len(arm.joints))]
-    outlook = outlook_of(arm, earlier_study, designed)
-    steps = [*before, SAFETY_ADVICE, *([] if ur else [DRIVER_ADVICE])]
-    with speaking_of(arm.measured):
-        page = excitation_page(asked, steps, command, designed, outlook, drawn)
-    write_text(html_page(page), folder / "excitation.html")
+    save(excitation_figure(designed), folder / "excitation.svg")
     yield from designed.margins.lines()
     yield from _worth_lines(designed.task.problem, designed.worth)
-    yield from _band_lines(outlook, arm.measured)
-    yield from before
-    yield f"{folder} written; next: {command or DRIVER_ADVICE}"
+    yield from _band_lines(outlook_of(arm, earlier_study, designed), arm.measured)
+    if options.payload is not None:
+        yield _mounting(options.payload, len(arm.joints))
+    yield SAFETY_ADVICE
+    command = f"{RECORD_COMMAND} {folder}/trajectory.csv --speed 1"
+    yield f"{folder} written; next: {command if arm.is_ur() else DRIVER_ADVICE}"
 
 
 def _design(task: Task, seed: int, effort: Effort) -> Design:

@@ -1,4 +1,4 @@
-"""What *Look closer* shows of an arm."""
+"""What *Replay* shows of an arm."""
 
 from dataclasses import dataclass
 

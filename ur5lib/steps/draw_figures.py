@@ -41,6 +41,7 @@ def draw_figures(
         "accelerations": figures.acceleration_figure(accelerations),
         "accelerations_published": figures.euler_figure(accelerations, felt, modelled),
         "forces_estimated": figures.estimate_figure(forces, sensor, hidden),
+        "moments_estimated": figures.estimate_figure(forces, sensor, hidden, moments=True),
         "scene": arm_scene(
             arm.mounted(gravity), signals.anew(), currents, forces, sensor, threshold
         ),

@@ -1,6 +1,8 @@
-"""The study's report, as HTML, as PDF and its summary as JSON, its details, and its study."""
+"""The study's report, as HTML, as PDF and its summary as JSON, its details, study and tables."""
 
+import zipfile
 from collections.abc import Mapping
+from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,8 +14,8 @@ from ur5lib.robots.description import Robot
 
 
 class Report(NamedTuple):
-    """The report of a study, what it leaves to another page, the study as YAML, and the report's
-    summary with the schema of this.
+    """The report of a study, what it leaves to another page, the study as YAML, the report's
+    summary with the schema of this, and all tables as one archive.
     """
 
     html: str
@@ -22,6 +24,7 @@ class Report(NamedTuple):
     study: str
     results: dict[str, Any]
     schema: dict[str, Any]
+    archive: bytes
 
 
 def write_report(
@@ -35,4 +38,15 @@ def write_report(
     results = Results.read(study, tables, figures, reference, [*described.values()])
     report, details = compose_study(results)
     data = summary(report, results), summary_schema()
-    return Report(html_page(report), html_page(details), pdf_document(report), study, *data)
+    pages = html_page(report), html_page(details), pdf_document(report)
+    return Report(*pages, study, *data, archived(tables))
+
+
+def archived(files: list[Path]) -> bytes:
+    """Return files as one archive, which is the same as long as they are."""
+    content = BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
+        for file in files:
+            entry = zipfile.ZipInfo(f"tables/{file.name}")  # of 1980
+            archive.writestr(entry, file.read_bytes(), zipfile.ZIP_DEFLATED)
+    return content.getvalue()

@@ -144,15 +144,7 @@ def tables_of(studies, names):
 
 def tables(names):
     """Return the tables of results."""
-    return {
-        name: report(
-            f"{RESULTS}/tables/{name}.csv",
-            caption="../captions/tables.rst",
-            category="Tables",
-            labels={"table": name.replace("_", " ")},
-        )
-        for name in names
-    }
+    return {name: f"{RESULTS}/tables/{name}.csv" for name in names}
 
 
 def drawn_by(rule, of=""):
@@ -164,16 +156,7 @@ def drawn_by(rule, of=""):
     pictures = (block for block in contents().blocks() if isinstance(block, Picture))
     names = dict.fromkeys(block.figure for block in pictures if block.rule == rule)
     folder = f"{RESULTS}/figures/{of}" if of else f"{RESULTS}/figures"
-    figures = {
-        name: report(
-            f"{folder}/{name}.svg",
-            caption="../captions/figures.rst",
-            category="Figures",
-            subcategory=of or "study",
-            labels={"figure": name.replace("_", " ")},
-        )
-        for name in names
-    }
+    figures = {name: f"{folder}/{name}.svg" for name in names}
     return figures | {f"{name}_data": f"{folder}/{name}.csv" for name in names}
 
 

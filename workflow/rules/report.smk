@@ -181,14 +181,13 @@ rule write_report:
         tables=outputs_in("tables"),
         figures=outputs_in("figures"),
     output:
-        html=report(f"{RESULTS}/report.html", caption="../captions/report.rst", category="Report"),
-        details=report(
-            f"{RESULTS}/details.html", caption="../captions/report.rst", category="Report"
-        ),
-        pdf=report(f"{RESULTS}/report.pdf", caption="../captions/report.rst", category="Report"),
+        html=f"{RESULTS}/report.html",
+        details=f"{RESULTS}/details.html",
+        pdf=f"{RESULTS}/report.pdf",
         study=f"{RESULTS}/configuration.yaml",
         results=f"{RESULTS}/results.json",
         schema=f"{RESULTS}/results.schema.json",
+        archive=f"{RESULTS}/tables.zip",
     log:
         **traces("write_report"),
     params:

@@ -157,4 +157,4 @@ def _shares(axis: Axes, rows: pd.DataFrame, wanted: float) -> None:
     axis.set(xscale="log", xlabel="speed of the joint [rad/s]", ylim=(0, 102))
     axis.set_ylabel("within the 95 % band [%]")
     axis.xaxis.set_major_formatter(FuncFormatter(lambda speed, _: f"{speed:g}"))
-    axis.legend(loc="lower right", frameon=False, fontsize=6.5)
+    axis.legend(loc="lower right", frameon=False)

@@ -92,10 +92,10 @@ def knowledge_bars(parameters: Sequence[Parameter]) -> Drawing:
             empty.set_visible(False)
         for axis, (joint, of_joint) in zip(axes, data.groupby("joint"), strict=False):
             _draw_shares(axis, of_joint)
-            axis.set_title(f"joint {joint}", fontsize=8)
-        figure.supxlabel("share of what is known [%]", fontsize=7.5)
+            axis.set_title(f"joint {joint}")
+        figure.supxlabel("share of what is known [%]", fontsize="medium")
         bars, labels = axes[0].get_legend_handles_labels()
-        figure.legend(bars, labels, loc="outside upper center", frameon=False, ncols=4, fontsize=7)
+        figure.legend(bars, labels, loc="outside upper center", frameon=False, ncols=4)
     return Drawing(figure, data)
 
 

@@ -65,10 +65,10 @@ LINE_STYLES = {
 HOUSE_STYLE: Any = {
     "axes.formatter.limits": (-3, 4),
     "axes.grid": True,
-    "axes.labelsize": 7.5,
+    "axes.labelsize": 8.1,
     "axes.spines.right": False,
     "axes.spines.top": False,
-    "font.size": 8,
+    "font.size": 8.1,  # 8 points in the PDF
     "grid.alpha": 0.3,
     "grid.linewidth": 0.5,
     "path.simplify_threshold": 0.5,

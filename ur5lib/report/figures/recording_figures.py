@@ -19,6 +19,8 @@ from ur5lib.report.figures.panels import Panel, joint_quantity
 from ur5lib.report.figures.traces import (
     ACCELERATION_PANELS,
     CURRENT_PANELS,
+    FORCE_PANELS,
+    MOMENT_PANELS,
     TORQUE_PANELS,
     UNFILTERED,
     WRENCH_PANELS,
@@ -171,8 +173,14 @@ def published_force_figure(
     return draw_lines(sensor, lines, WRENCH_PANELS)
 
 
-def estimate_figure(forces: Forces, sensor: SensorWrenches, hidden: Mask) -> Drawing:
-    """Return the new estimates, the band of the first, and the sensor; hidden: see Traces."""
+def estimate_figure(
+    forces: Forces, sensor: SensorWrenches, hidden: Mask, moments: bool = False
+) -> Drawing:
+    """Return the new estimates, the band of the first, and the sensor; hidden: see Traces.
+
+    Drawn are forces and their size, or moments.
+    """
+    part, panels = (_moments, MOMENT_PANELS) if moments else (_forces, FORCE_PANELS)
     labels = {name: label for name, label in NEW.items() if name in forces.wrench}
     lines: dict[str, tuple[Array | None, str]] = {
         "force sensor": (sensor.wrench.get("compensated"), "measured")
@@ -182,8 +190,23 @@ def estimate_figure(forces: Forces, sensor: SensorWrenches, hidden: Mask) -> Dra
     band = None
     if (lead := next(iter(labels), None)) in forces.std:
         whole, half = forces.wrench[lead], NORMAL95 * forces.std[lead]
-        band = whole - half, whole + half
-    return draw_lines(forces, lines, WRENCH_PANELS, band=band, hidden=hidden)
+        band = part(whole - half), part(whole + half)
+        for edge in band:
+            edge[:, 3:] = np.nan  # a size has no such band
+    shown = {
+        label: (part(own) if own is not None else None, how) for label, (own, how) in lines.items()
+    }
+    return draw_lines(forces, shown, panels, band=band, hidden=hidden)
+
+
+def _forces(wrench: Array) -> Array:
+    """Return the force and its size (N, 4) of a wrench (N, 6)."""
+    return np.column_stack([wrench[:, :3], np.linalg.norm(wrench[:, :3], axis=1)])
+
+
+def _moments(wrench: Array) -> Array:
+    """Return the moment (N, 3) of a wrench (N, 6)."""
+    return wrench[:, 3:]
 
 
 def draw_lines(

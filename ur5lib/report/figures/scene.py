@@ -1,4 +1,4 @@
-"""The arm of a recording as *Look closer* shows it."""
+"""The arm of a recording as *Replay* shows it."""
 
 from collections.abc import Mapping, Sequence
 

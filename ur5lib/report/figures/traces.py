@@ -42,6 +42,8 @@ BAND_EDGES = ("95 % band, lower", "95 % band, upper")
 TORQUE_PANELS = joint_quantity(r"\tau", "Nm")
 CURRENT_PANELS = joint_quantity("i", "A")
 WRENCH_PANELS = cartesian_quantity(("F", "F", "N"), ("n", "n", "Nm"))
+FORCE_PANELS = [*WRENCH_PANELS[:3], Panel("size", "|F|", "N")]
+MOMENT_PANELS = WRENCH_PANELS[3:]
 ACCELERATION_PANELS = cartesian_quantity(
     ("a", r"\ddot{p}", "m/s²"), ("α", r"\dot{\omega}", "rad/s²")
 )
@@ -124,7 +126,7 @@ def _grid(traces: Traces, panels: Sequence[Panel]) -> tuple[Figure, list[Axes], 
     figure.align_ylabels(axes)
     for axis in axes[-1]:
         axis.set_xlabel("time [s]")
-    by_rows = panels[0].name.startswith("joint")  # 1 2, 3 4, 5 6; else linear left
+    by_rows = panels[0].name.startswith("joint") or rows < 3  # 1 2, 3 4, 5 6; else linear left
     places = [(i // 2, i % 2) if by_rows else (i % 3, i // 3) for i in range(len(panels))]
     above = [axes[pairs * row, column] for row, column in places]
     below = [axes[pairs * row + 1, column] for row, column in places] if traces.errors else []

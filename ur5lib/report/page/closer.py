@@ -1,4 +1,4 @@
-"""*Look closer*: what its scripts need of the figures over time and of the arm, in few bytes."""
+"""*Replay*: what its scripts need of the figures over time and of the arm, in few bytes."""
 
 import json
 import re

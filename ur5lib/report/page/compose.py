@@ -9,6 +9,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
+from ur5lib import __version__
 from ur5lib.force.estimators import ESTIMATES, LEADING
 from ur5lib.report.figures.traces import BAND_EDGES, ERROR, HIDDEN, LINE_COLUMN, UNFILTERED
 from ur5lib.report.page.document import (
@@ -31,12 +32,14 @@ from ur5lib.report.page.document import (
     Verdicts,
     contents,
 )
+from ur5lib.report.page.formats import day
 from ur5lib.report.page.sentences import say, speaking_of, spoken
 from ur5lib.report.page.tabulated import Body, tabulate
 from ur5lib.report.results import Results
 from ur5lib.report.views import (
     arm_state,
     audit,
+    citing,
     comparison,
     contacts,
     currents,
@@ -44,15 +47,14 @@ from ur5lib.report.views import (
     forces,
     models,
     motion,
-    overview,
     recordings,
 )
 
 VIEWS: dict[str, ModuleType] = {
     module.__name__.rpartition(".")[2]: module
     for module in (
-        *(arm_state, audit, comparison, contacts, currents, first_screen, forces),
-        *(models, motion, overview, recordings),
+        *(arm_state, audit, citing, comparison, contacts, currents, first_screen, forces),
+        *(models, motion, recordings),
     )
 }
 REPORT_FILE, DETAILS_FILE = "report.html", "details.html"
@@ -84,19 +86,18 @@ def compose_study(results: Results) -> StudyPages:
         replace(section, blocks=[*section.blocks, *_link(further.get(section.title))])
         for section in report.sections
     ]
-    back = Mention(report.sections[0].label, "the report", REPORT_FILE)
-    first, *others = details.sections
-    first = replace(first, blocks=[Paragraph(["What ", back, " leaves out."]), *first.blocks])
-    title = f"Details: {details.title}"
+    there, here = Mention(details.sections[0].label, "Supplement", DETAILS_FILE), report.sections[0]
+    details = replace(details, title=f"Supplement: {details.title}")
     return StudyPages(
-        replace(report, sections=linked), replace(details, title=title, sections=[first, *others])
+        replace(report, sections=linked, pages=[there]),
+        replace(details, pages=[Mention(here.label, "Report", REPORT_FILE)]),
     )
 
 
 def _link(section: Section | None) -> Iterator[Paragraph]:
     """Yield a link to a section of the details, if there is one."""
     if section:
-        text = f"{section.counted()} in {DETAILS_FILE}"
+        text = f"{section.counted()} in the supplement"
         yield Paragraph(["More: ", Mention(section.label, text, DETAILS_FILE)])
 
 
@@ -147,9 +148,11 @@ def _analysed(results: Results) -> str:
     roles = [*results.roles().values()]
     counts = ", ".join(f"{roles.count(role)} {role}" for role in dict.fromkeys(roles))
     minutes = results.tables["recordings"]["duration_s"].sum() / 60
+    date = citing.analysed_on(results)
     return (
         f"Study “{results.study['study']}” of {', '.join(results.robots())}, recordings: "
         f"{len(roles)} ({counts}; {minutes:.1f} min)"
+        + (f". Analysed on {day(date)} by ur5lib {__version__}" if date else "")
     )
 
 
@@ -166,10 +169,13 @@ def _blocks(
 ) -> list[Block]:
     """Return the blocks of a section, without sentences about missing tables and figures.
 
-    above: labels of the tables and figures in an earlier section; elsewhere: on another page.
+    above: labels of the tables and figures in an earlier section; elsewhere: on another page,
+    beside which a table of one row is a sentence.
     """
     drafts, shown = list[Block | DraftedText](), {*above}
     for draft in _drafts(part, results):
+        if elsewhere and isinstance(draft, TableBlock) and len(draft.rows) == 1:
+            draft = _in_a_sentence(draft)
         if not (label := _labels([draft])) & (shown | elsewhere):
             drafts.append(draft)
             shown |= label
@@ -245,6 +251,8 @@ def _single(
                 )
         case Verdicts():
             yield replace(declared, verdicts=view(declared.judged)(*arguments))
+        case Code(listings=listings) if listings:
+            yield from view(listings)(*arguments)
         case Code():
             yield replace(declared, text=view(declared.listing)(*arguments))
         case _:
@@ -292,13 +300,18 @@ def _table(declared: DeclaredTable, body: Body, results: Results, name: str) -> 
     caption = _filled(declared.caption, results, name, titles)
     if len(rows) > MOST_ROWS:
         caption += f" The first {MOST_ROWS} of {len(rows)} rows."
-    pages = {name: f"runs/{name}.html" for name in results.roles()} if results.many else {}
-    pages |= {file: file for file in map("tables/{}.csv".format, results.tables)}
+    pages = {file: file for file in map("tables/{}.csv".format, results.tables)}
     linked = [
         [replace(cell, link=pages.get(cell.text, "")) for cell in row] for row in rows[:MOST_ROWS]
     ]
     source = f"tables/{declared.results}.csv" if declared.results in results.tables else ""
     return TableBlock(caption, body.header, linked, _label(declared.table, name), source)
+
+
+def _in_a_sentence(table: TableBlock) -> Items:
+    cells = zip(table.header, table.rows[0], strict=True)
+    told = "; ".join(f"{title}: {cell.text}" for title, cell in cells)
+    return Items([f"{table.caption} {told}."])
 
 
 def _has_numbers(path: Path) -> bool:

@@ -28,8 +28,8 @@ UNDETERMINED_TEXT = "undetermined"  # replaces a number that the data do not det
 class Cell:
     """A table's cell.
 
-    mark: set for the smallest and the largest error of a row; link: the recording's page or file
-    that it names, relative to the study's results.
+    mark: set for the smallest and the largest error of a row; link: the file that it names,
+    relative to the study's results.
     """
 
     text: str
@@ -230,10 +230,15 @@ class Verdicts(FromContents):
 
 @dataclass(frozen=True)
 class Code(FromContents):
-    """Text shown as typed; listing: the view that returns it."""
+    """Text shown as typed; listing: the view that returns it, listings: the one of several blocks.
+
+    folded: what unfolds it on a page, where it is only there to be copied.
+    """
 
     text: str = ""
     listing: str = ""
+    listings: str = ""
+    folded: str = ""
 
 
 Block = Paragraph | Heading | Items | TableBlock | Picture | Verdicts | Code
@@ -264,13 +269,17 @@ class Section:
 
 @dataclass(frozen=True)
 class Document:
-    """A complete report; `notice`: text on every page, if any; home: from it to the results."""
+    """A complete report; `notice`: text on every page, if any; home: from it to the results.
+
+    pages: what its contents list beside its own sections.
+    """
 
     title: str
     subtitle: str
     sections: list[Section]
     notice: str = ""
     home: str = ""
+    pages: list[Mention] = field(default_factory=list)
 
     def numbered(self) -> "Document":
         """Return the document with tables and figures numbered from 1, also where mentioned.

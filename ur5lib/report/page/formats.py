@@ -12,7 +12,6 @@ import pandas as pd
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 VISIBLE_DIFFERENCE = 5e-5  # visible with four decimals
-FIGURES_OF_ERRORS = 3
 
 
 def capital(text: str) -> str:
@@ -43,6 +42,13 @@ def significant(value: float, digits: int, unit: str = "") -> str:
     return _with_unit(text.replace("-", "−"), unit)
 
 
+def measured(value: float, unit: str = "") -> str:
+    """Format a value of unknown error with three significant digits, but at most four decimals."""
+    if pd.isna(value) or value == 0:
+        return fixed(value, 0, unit)
+    return rounded(value, min(max(2 - math.floor(math.log10(abs(value))), 0), 4), unit)
+
+
 def percent(share: float, digits: int = 0) -> str:
     """Format a share in per cent."""
     return fixed(100 * share, digits, "%")
@@ -67,16 +73,13 @@ def counted(count: int) -> str:
     return f"{count:,}"
 
 
-def error(value: float, std: float, digits: int, unit: str = "") -> str:
-    """Format a value with its standard error and its unit; a dash for NaN.
-
-    digits: after the point, fewer of an error of more than three figures.
-    """
-    if pd.isna(value):
-        return "–"
-    if std > 0:
-        digits = min(digits, max(0, FIGURES_OF_ERRORS - 1 - math.floor(math.log10(std))))
-    return _with_unit(f"{fixed(value, digits)} ± {rounded(std, digits)}", unit)
+def with_error(value: float, std: float, unit: str = "") -> str:
+    """Format a value with its standard error, two significant digits of which decide both."""
+    if pd.isna(value) or not 0 < std < math.inf:
+        return measured(value, unit)
+    digits = 1 - math.floor(math.log10(float(f"{std:.1e}")))
+    parts = [fixed(round(part, digits), max(digits, 0)) for part in (value, std)]
+    return _with_unit(" ± ".join(parts), unit)
 
 
 def to(low: float, high: float, digits: int, unit: str = "") -> str:

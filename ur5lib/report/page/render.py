@@ -10,17 +10,20 @@ from urllib.parse import quote
 
 import jinja2
 import typst
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from ur5lib.report.page import closer
 from ur5lib.report.page.document import Document
+from ur5lib.report.page.formats import measured
 
 TEMPLATE_FOLDER = Path(__file__).parent / "templates"
+NAMED_FILES = re.compile(r"\b(docs/[\w-]+\.md|tables\.zip)")
+DOCUMENTS = Path("docs")  # of a clone, two folders above the results of a study
 UNESCAPED_CHARACTERS = " '!$()*+,-./:;=?@[]_~"  # characters that a data URI need not escape
 
 
 def html_page(document: Document) -> str:
-    """Return a self-contained page, with styles, figures and the scripts of *Look closer*."""
+    """Return a self-contained page, with styles, figures and the scripts of *Replay*."""
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TEMPLATE_FOLDER),
         autoescape=True,
@@ -29,7 +32,8 @@ def html_page(document: Document) -> str:
         undefined=jinja2.StrictUndefined,
     )
     environment.filters |= {"data_uri": _data_uri, "packed_lines": closer.packed_lines}
-    environment.filters["packed_scenes"] = closer.packed_scenes
+    environment.filters |= {"packed_scenes": closer.packed_scenes, "measured": measured}
+    environment.filters |= {"breakable": _breakable, "with_links": _with_links}
     environment.globals["closer"] = closer
     return environment.get_template("report.html.jinja").render(document=document.as_data())
 
@@ -56,6 +60,26 @@ def pdf_document(document: Document) -> bytes:
 
 def _blocks(data: dict[str, Any], kind: str) -> list[dict[str, Any]]:
     return [b for section in data["sections"] for b in section["blocks"] if b["kind"] == kind]
+
+
+def _with_links(text: str, home: str) -> Markup:
+    """Return a text in which the files that it names are links; home: from its page to the results.
+
+    Documents are there in a clone alone.
+    """
+
+    def link(named: re.Match[str]) -> str:
+        name, up = named[0], "../../" if named[0].startswith(f"{DOCUMENTS}/") else ""
+        known = not up or Path(name).is_file()
+        return f'<a href="{home}{up}{name}">{name}</a>' if known else name
+
+    return Markup(NAMED_FILES.sub(link, str(escape(text))))
+
+
+def _breakable(text: str) -> Markup:
+    """Return the text of a cell, in which a line may break within long names, not after < or >."""
+    whole = re.sub(r"(?<=&[lg]t;) ", "\u00a0", str(escape(text)))
+    return Markup(re.sub(r"(?<=\w{9}[_/.-])(?=\w{9})", "<wbr>", whole))
 
 
 def _data_uri(path: str) -> Markup:

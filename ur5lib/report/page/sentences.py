@@ -22,8 +22,8 @@ from ur5lib.strict import read_yaml
 
 _SPOKEN = ContextVar("_SPOKEN", default=CURRENT)
 FORMAT_NAMES = (
-    *("capital", "counted", "days", "each", "error", "fixed", "flange_speeds", "joints"),
-    *("percent", "power", "rounded", "signed", "significant", "to"),
+    *("capital", "counted", "days", "each", "fixed", "flange_speeds", "joints"),
+    *("measured", "percent", "power", "rounded", "signed", "significant", "to", "with_error"),
 )
 
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from ur5lib.report.page.document import UNDETERMINED_TEXT, Cell, DeclaredTable, Mark
-from ur5lib.report.page.formats import VISIBLE_DIFFERENCE
+from ur5lib.report.page.formats import VISIBLE_DIFFERENCE, power
 from ur5lib.report.page.sentences import cell, filled, names, spoken
 
 RowValues = dict[Hashable, Any]  # the values of a row by column
@@ -27,7 +27,8 @@ class Body(NamedTuple):
 def tabulate(declared: DeclaredTable, rows: pd.DataFrame, further: RowValues) -> Body:
     """Return header and rows of a table; further: values for its templates.
 
-    Without any declared column: all columns and rows, numbers to four digits.
+    Left out are rows and columns of dashes alone. Without any declared column: all columns and
+    rows, numbers to four digits.
     """
     if not declared.columns | declared.cells:
         return _whole(rows)
@@ -43,12 +44,13 @@ def tabulate(declared: DeclaredTable, rows: pd.DataFrame, further: RowValues) ->
     named = [(title, [cell or EMPTY_CELL for cell in cells]) for title, cells in columns]
     filled_columns = [(title, cells) for title, cells in named if {*cells} != {EMPTY_CELL}]
     body = zip(*(cells for _, cells in filled_columns), strict=True)
-    return Body([title for title, _ in filled_columns], [list(row) for row in body])
+    known = [[*row] for row in body if len(row) == 1 or {*row[1:]} != {EMPTY_CELL}]
+    return Body([title for title, _ in filled_columns], known)
 
 
 def _whole(rows: pd.DataFrame) -> Body:
     cells = [
-        [Cell(f"{value:.4g}" if isinstance(value, float) else str(value)) for value in row]
+        [Cell(power(value, 4) if isinstance(value, float) else str(value)) for value in row]
         for row in rows.itertuples(index=False)
     ]
     return Body([str(name).replace("_", " ") for name in rows], cells)

@@ -12,6 +12,7 @@ from ur5lib.force.estimators import LEADING
 from ur5lib.force.trial_contacts import MAX_TRIAL_FORCE as MOST_TRIED
 from ur5lib.identification.samples import MIN_UNITS
 from ur5lib.report.page.document import MOST_SHOWN, Verdict
+from ur5lib.report.page.formats import capital
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import AT_REST, Results
 from ur5lib.report.views import (
@@ -27,16 +28,18 @@ from ur5lib.report.views.arms import Judge, by_arm
 from ur5lib.report.views.audit import faults as wrist_sensor_faults
 from ur5lib.report.views.forces import SMALLEST_PUSHES, pushes_found, searched
 from ur5lib.tidy.models import STOP
+from ur5lib.timeseries.metrics import NORMAL95
 
 VERDICTS: list[Judge] = [
+    contacts.judge_force,
     recordings.judge_files,
-    by_arm(models.judge_links),
     by_arm(currents.judge_constants),
     by_arm(currents.judge_currents),
-    contacts.judge_force,
+    by_arm(models.judge_links),
     by_arm(motion.judge_motion),
     by_arm(arm_state.judge_drift),
 ]
+PUSH = "smallest_push_95"  # in the table of observability, by speed of the flange
 MAX_STEPS = 3  # steps that a reader remembers
 WORTHWHILE_BAND_RATIO = 0.95  # of the band of forces, from which on a recording is worth naming
 HIGH_LOST_SHARE = 0.1  # share of lost frames from which a recording is worth repeating
@@ -54,6 +57,18 @@ def verdicts(results: Results) -> list[Verdict]:
         for judge in VERDICTS
         if (verdict := judge(results))
     ]
+
+
+def result(results: Results) -> Iterator[str]:
+    """Say in one sentence which pushes are noticed, and how far off forces and constants are."""
+    rows = results.rows("observability", quantity=PUSH)
+    forces = contacts.errors_in_contact(results).sort_values("mae")
+    fitted = results.rows("friction", parameter=currents.CONSTANTS, determined="yes")
+    errors = NORMAL95 * fitted["std_error"] / fitted["value"]
+    if not results.stopped() and (len(forces) or len(fitted)):
+        pushes = rows.loc[rows["std_error"] < rows["value"], "value"]
+        found = {"pushes": pushes, "most": MOST_TRIED, "force": forces[-1:], "errors": errors}
+        yield capital(say("result.sentence", **found))
 
 
 def drawn(results: Results, wanted: str) -> list[str]:

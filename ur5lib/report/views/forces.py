@@ -22,6 +22,12 @@ def compared(results: Results) -> list[str]:
     return results.shown([*results.printed("force_mae", "printed_mae"), *beside, *touched])
 
 
+def with_moments(results: Results) -> list[str]:
+    """Return recordings on which the leading estimate determines a moment in contact."""
+    rows = results.rows("force_mae", kind="compensated", during="contact", determined="yes")
+    return results.shown([*leading(rows[rows["component"].str.startswith("n")])["recording"]])
+
+
 def searched(results: Results) -> pd.DataFrame:
     """Return the detections by the estimates of this study, without published ones."""
     return results.rows("detection", estimate=GATED)

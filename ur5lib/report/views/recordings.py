@@ -6,7 +6,7 @@ import pandas as pd
 import yaml
 
 from ur5lib.records.accepted import ACCEPTED
-from ur5lib.report.page.document import MOST_ROWS, Number, State, Verdict
+from ur5lib.report.page.document import MOST_ROWS, MOST_SHOWN, Number, State, Verdict
 from ur5lib.report.page.findings import (
     MAX_NAMED_PLACES,
     SEVERITIES,
@@ -35,6 +35,16 @@ def late(results: Results) -> list[str]:
     """Return the recording with figures that lost most frames."""
     lost = results.rows("quality", device="robot", finding=LOST_FRAMES)
     return results.shown([*lost.sort_values("count", ascending=False)["recording"]], 1)
+
+
+def pages(results: Results) -> Iterator[str]:
+    """Say how the page of one of many recordings is made, and name those that were left out."""
+    if not results.many:
+        return
+    yield say("recordings.pages", study=results.study["study"], name=next(iter(results.roles())))
+    if absent := results.unusable():
+        more = len(absent) - MOST_SHOWN
+        yield say("recordings.left out", count=len(absent), names=absent[:MOST_SHOWN], more=more)
 
 
 def trust(results: Results) -> pd.DataFrame:

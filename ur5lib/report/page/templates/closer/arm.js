@@ -1,18 +1,19 @@
 // The arm at the time pointed at, drawn in parallel projection, with a line of time below.
 "use strict";
 
-const TALLEST = 420, MARGIN = 32; // pixels
-const LINK = "#8a8f96", INK = "#404040";
+const TALLEST = 380, MARGIN = 28; // pixels
+const LEAST_FILL = 0.55; // share of the picture's width or height
+const LINK = "#c3c8ce", EDGE = "#6a7078", INK = "#404040", GROUND = "#e6e6e6";
+const THICK = 0.05, THIN = 0.03; // radii of the first and the last link, shares of the reach
 const ARROWS = { force: { colour: ESTIMATE, dashes: [], width: 4 }, sensed: { colour: "#000000", dashes: [3, 2], width: 2 } };
 const BAND95 = 1.96; // standard deviations, of 95 % of a normal distribution
-const ELLIPSE = Math.sqrt(-2 * Math.log(0.05)); // standard deviations, of 95 % of a plane's normal distribution
 const TURNS = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] };
 
 class Arm {
   constructor(packed, stretch) {
     this.scene = new Scene(packed);
     this.stretch = stretch;
-    this.room = this.scene.room();
+    stretch.view ??= this.scene.bestView();
     this.largestTorque = this.scene.largestTorque();
     this.element = this.build();
     this.listen();
@@ -34,7 +35,7 @@ class Arm {
     if (contacts) this.lanes.push(lane("Contact by the force sensor", "contact", contacts));
     if (alarms) this.lanes.push(lane(`Contact by ${estimate} (gate)`, "gate", alarms));
     const line = make("div", { className: "timeline" }, this.slider, ...this.lanes.map((one) => one.element));
-    return make("div", { className: "arm" }, this.canvas, readout, this.button, line);
+    return make("div", { className: "arm" }, this.canvas, this.button, line, readout);
   }
 
   listen() {
@@ -96,42 +97,73 @@ class Arm {
   drawPicture() {
     const now = this.scene.at(this.stretch.time), pen = this.canvas.getContext("2d");
     pen.clearRect(0, 0, this.wide, this.high);
-    this.aim();
+    this.aim(now);
     if (now) this.drawArm(pen, now);
     this.drawScales(pen);
     this.tell(now);
   }
 
-  // Set the projection: the axes to the right and upwards of the picture, and its scale.
-  aim() {
-    const { turn, tilt } = this.stretch.view, [c, s] = [Math.cos(turn), Math.sin(turn)];
-    this.axes = [[-s, c, 0], [-Math.sin(tilt) * c, -Math.sin(tilt) * s, Math.cos(tilt)]];
-    const { wide, high } = this, { radius, half } = this.room;
-    const upwards = half * Math.cos(tilt) + radius * Math.abs(Math.sin(tilt));
-    this.scale = Math.min((wide / 2 - MARGIN) / radius, (high / 2 - MARGIN) / upwards); // pixels per m
+  // Set the projection: the axes to the right, upwards and out of the picture, its middle, that of the arm now, and
+  // its scale [pixels/m], by which the arm at its widest fills it, and now enough of it.
+  aim(now) {
+    const { turn, tilt } = this.stretch.view, [c, s] = [Math.cos(turn), Math.sin(turn)], [ct, st] = [Math.cos(tilt), Math.sin(tilt)];
+    this.axes = [[-s, c, 0], [-st * c, -st * s, ct], [ct * c, ct * s, st]];
+    const { frames, reach } = this.scene, sizes = [this.wide, this.high], aimed = [turn, tilt, ...sizes].join();
+    if (aimed !== this.aimed) this.widest = [0, 1].map((i) => Math.max(...frames.map((points) => this.extent(i, points)[1] || 0)));
+    this.aimed = aimed;
+    const seen = now ? this.scene.points(now.origins, [now.force, now.sensed]) : [[0, 0, 0]];
+    const extents = [0, 1].map((i) => this.extent(i, seen)), filling = Math.min(...sizes.map((size, i) => size / (extents[i][1] || reach)));
+    const fitting = Math.min(...sizes.map((size, i) => (size - 2 * MARGIN) / (this.widest[i] + 2 * THICK * reach)));
+    this.middle = extents.map(([middle]) => middle);
+    this.scale = Math.max(fitting, LEAST_FILL * filling);
+  }
+
+  // The middle of points along an axis of the picture, and how far they reach [m].
+  extent(i, points) {
+    const along = points.map((point) => dot(this.axes[i], point)), ends = [Math.min(...along), Math.max(...along)];
+    return [(ends[0] + ends[1]) / 2, ends[1] - ends[0]];
   }
 
   // Where a point [m] is in the picture.
   place(point) {
-    const [right, up] = applied(this.axes, added(point, this.room.middle, -1));
-    return [this.wide / 2 + this.scale * right, this.high / 2 - this.scale * up];
+    const [right, up] = this.axes.slice(0, 2).map((axis, i) => this.scale * (dot(axis, point) - this.middle[i]));
+    return [this.wide / 2 + right, this.high / 2 - up];
   }
 
   drawArm(pen, { origins, axes, torque, force, std, sensed }) {
-    const points = origins.map((origin) => this.place(origin)), flange = origins.at(-1);
-    stroke(pen, origins.map(([x, y]) => this.place([x, y, 0])), "#e0e0e0", 3); // its shadow on the ground
+    const flange = origins.at(-1), nearness = (point) => dot(this.axes[2], point);
+    this.drawGround(pen, origins);
     this.drawAxes(pen);
-    stroke(pen, points, LINK, 5);
-    const rightOf = axes.map((axis, k) => { // where its number stands
-      const half = 0.035 * this.scene.reach, ends = [-half, half].map((part) => this.place(added(origins[k], axis, part)));
-      stroke(pen, ends, INK, 12);
-      stroke(pen, ends, shade(torque ? Math.abs(torque[k]) / this.largestTorque : NaN), 9);
-      return [Math.max(ends[0][0], ends[1][0]), points[k][1]];
+    const pieces = axes.flatMap((axis, k) => { // the drawing of each link and joint, and how near it is
+      const radius = this.scene.reach * (THICK + ((THIN - THICK) * k) / axes.length), ends = [origins[k], origins[k + 1]];
+      const mark = [-radius, radius].map((part) => added(origins[k], axis, part));
+      const share = torque ? Math.abs(torque[k]) / this.largestTorque : NaN;
+      return [[nearness(ends[0]) + nearness(ends[1]), () => this.drawCapsule(pen, ends, radius, LINK, EDGE)],
+        [2 * nearness(origins[k]) + radius, () => this.drawCapsule(pen, mark, 0.8 * radius, shade(share), INK)]];
     });
-    this.drawNumbers(pen, rightOf, origins);
-    pen.fillRect(points.at(-1)[0] - 4, points.at(-1)[1] - 4, 8, 8);
+    pieces.sort(([a], [b]) => a - b).forEach(([, piece]) => piece());
+    const beside = THICK * this.scene.reach * this.scale;
+    this.drawNumbers(pen, axes.map((_, k) => this.place(origins[k])).map(([x, y]) => [x + beside, y]), origins);
+    const [x, y] = this.place(flange);
+    pen.fillRect(x - 4, y - 4, 8, 8);
     if (force) this.drawArrow(pen, flange, force, ARROWS.force, std);
     if (sensed) this.drawArrow(pen, flange, sensed, ARROWS.sensed);
+  }
+
+  drawCapsule(pen, ends, radius, colour, edge) {
+    const points = ends.map((end) => this.place(end)), width = 2 * radius * this.scale;
+    stroke(pen, points, edge, width + 2);
+    stroke(pen, points, colour, width);
+  }
+
+  // A grid at the height of the base, and the arm's shadow on it.
+  drawGround(pen, origins) {
+    const { reach } = this.scene, step = roundNumber(reach / 3), half = step * Math.ceil(reach / step);
+    for (let at = -half; at <= half + step / 2; at += step) {
+      stroke(pen, [[at, -half, 0], [at, half, 0]].map((end) => this.place(end)), GROUND, 1);
+      stroke(pen, [[-half, at, 0], [half, at, 0]].map((end) => this.place(end)), GROUND, 1);
+    }
+    stroke(pen, origins.map(([x, y]) => this.place([x, y, 0])), "#d4d4d4", THIN * reach * this.scale);
   }
 
   // The numbers of joints; those in the same place stand side by side.
@@ -176,7 +208,7 @@ class Arm {
     const { across, along, angle } = this.ellipse(std);
     pen.beginPath();
     pen.ellipse(x, y, across, along, angle, 0, 2 * Math.PI);
-    pen.fillStyle = `${colour}40`;
+    pen.fillStyle = `${colour}26`;
     pen.fill();
     pen.strokeStyle = colour;
     pen.lineWidth = 1;
@@ -185,7 +217,7 @@ class Arm {
 
   // Half-axes [pixels] and angle in the picture of the 95 % ellipse of a force: P diag(σ²) Pᵀ, P the projection.
   ellipse(std) {
-    const [right, up] = product(this.axes, this.scene.upright).map((row) => row.map((one, i) => one * std[i]));
+    const [right, up] = product(this.axes.slice(0, 2), this.scene.upright).map((row) => row.map((one, i) => one * std[i]));
     const [xx, xy, yy] = [dot(right, right), -dot(right, up), dot(up, up)]; // the picture's y points down
     const middle = (xx + yy) / 2, half = Math.hypot((xx - yy) / 2, xy), factor = ELLIPSE * this.scene.perNewton * this.scale;
     const [across, along] = [middle + half, Math.max(middle - half, 0)].map((square) => factor * Math.sqrt(square));

@@ -1,7 +1,8 @@
-// *Look closer*: a figure over time to zoom into, and the arm at the time pointed at. The report is
+// *Replay*: a figure over time to zoom into, and the arm at the time pointed at. The report is
 // complete without it. It asks no server for anything.
 "use strict";
 
+const FEW = 4; // panels that stand below each other
 const HELP = "Keys, once the figure is selected: arrows move, plus and minus zoom, Escape shows everything; once the " +
   "arm is selected: arrows step, space plays, shift and arrows turn the arm. Mouse: drag across a stretch of time to see " +
   "it alone, double-click for everything; the wheel zooms a selected figure; drag the arm to turn it. Two fingers zoom. " +
@@ -32,23 +33,22 @@ class Look {
   }
 
   build(figure, data) {
-    // joints in rows, forces beside moments
-    const order = data.panels[0][0].startsWith("joint") ? this.panels.keys() : [0, 3, 1, 4, 2, 5];
-    const panels = [...order].map((i) => this.panels[i]);
     const help = make("p", { className: "source", id: `${figure.id}-help`, textContent: HELP });
     this.status = make("p", { className: "source", role: "status" });
     this.plots = make("div", { className: "plots", tabIndex: 0, role: "application", ariaRoleDescription: "zoomable figure",
-      onkeydown: (event) => this.press(event) }, ...panels.map((panel) => panel.element));
+      onkeydown: (event) => this.press(event) }, ...this.panels.map((panel) => panel.element));
+    this.plots.classList.toggle("few", this.panels.length <= FEW);
     this.plots.setAttribute("aria-label", figure.querySelector("img").alt);
     this.plots.setAttribute("aria-describedby", help.id);
     const lines = data.lines.map(({ label }, k) => [swatch(this.panels[0].lines[k]), ` ${label}`]);
     if (data.band) lines.push(["95 % band"]);
-    const tools = make("div", { className: "tools" },
-      make("div", {}, ...Object.values(COMMANDS).map(([textContent, ariaLabel, command]) =>
-        make("button", { type: "button", textContent, ariaLabel, onclick: () => this.carryOut(command) }))),
-      group("Lines", lines.map((label, k) => choice(label, (show) => this.panels.forEach((panel) => panel.toggle(k, show))))),
-      group("Panels", panels.map((panel) => choice([panel.name], (show) => (panel.element.hidden = !show)))));
-    return make("div", { className: "closer" }, tools, ...(this.arm ? [this.arm.element] : []), this.plots, this.status, help);
+    const tools = make("div", { className: "tools" }, ...Object.values(COMMANDS).map(([textContent, ariaLabel, command]) =>
+      make("button", { type: "button", textContent, ariaLabel, onclick: () => this.carryOut(command) })));
+    tools.append(group("Lines", lines.map((label, k) => choice(label, (show) => this.panels.forEach((panel) => panel.toggle(k, show))))));
+    const further = make("details", {}, make("summary", {}, "Panels and keys"),
+      group("Panels", this.panels.map((panel) => choice([panel.name], (show) => (panel.element.hidden = !show)))), help);
+    const views = make("div", { className: "views" }, ...(this.arm ? [this.arm.element] : []), this.plots);
+    return make("div", { className: "closer" }, views, tools, further, this.status);
   }
 
   press(event) {
@@ -68,10 +68,14 @@ class Look {
     this.status.textContent = `${from} s to ${to} s. At ${at} s: ${read.join("; ")}.`;
   }
 
+  // Beside the arm, the plots are as high as it is.
   resize() {
-    const shown = this.panels.filter((panel) => panel.element.clientWidth > 0);
-    shown.forEach((panel) => panel.plot.setSize({ width: panel.element.clientWidth, height: HEIGHT }));
     this.arm?.resize();
+    const shown = this.panels.filter((panel) => panel.element.clientWidth > 0);
+    const rows = new Set(shown.map((panel) => panel.element.offsetTop)).size;
+    const isBeside = this.arm && this.plots.offsetTop < this.arm.canvas.offsetTop + this.arm.high;
+    const height = isBeside ? Math.max(this.arm.element.clientHeight / rows - TITLE, LOWEST) : HEIGHT;
+    shown.forEach((panel) => panel.plot.setSize({ width: panel.element.clientWidth, height }));
     this.stretch.draw(); // once uPlot has its new size
   }
 
@@ -90,26 +94,32 @@ function choice(label, onChange) {
   return make("label", {}, make("input", { type: "checkbox", checked: true, onchange }), " ", ...label);
 }
 
-// Offer a closer look at a figure that holds its lines.
+// Offer a closer look at a figure that holds its lines; that of the first screen is open from the start.
 function offer(figure) {
-  const image = figure.querySelector("img");
-  const button = make("button", { type: "button", className: "look", textContent: "Look closer", ariaExpanded: "false" });
+  const image = figure.querySelector(".drawing");
+  const button = make("button", { type: "button", className: "look", ariaExpanded: "false" });
   const scene = [...document.querySelectorAll("script[data-scene]")].find((one) => one.dataset.scene === figure.dataset.recording);
   let made = null;
-  button.onclick = async () => {
-    const packed = [figure.querySelector("script"), ...(scene ? [scene] : [])].map((one) => unpacked(one.textContent));
-    made ??= Promise.all(packed).then((data) => new Look(figure, ...data));
-    const look = await made, open = button.ariaExpanded === "false";
+  const show = async (open) => {
+    const packed = () => [figure.querySelector("script"), ...(scene ? [scene] : [])].map((one) => unpacked(one.textContent));
+    if (open) made ??= Promise.all(packed()).then((data) => new Look(figure, ...data));
     button.ariaExpanded = String(open);
-    button.textContent = open ? "Back to the picture" : "Look closer";
+    button.textContent = open ? "Back to the picture" : "Replay";
+    const look = await made;
     image.classList.toggle("replaced", open);
     if (open) image.after(look.element);
-    else look.element.remove();
+    else look?.element.remove();
     if (open) look.stretch.add(look, look.times);
-    else look.stretch.remove(look);
+    else look?.stretch.remove(look);
+    return look;
+  };
+  button.onclick = async () => {
+    const open = button.ariaExpanded === "false", look = await show(open);
     (open ? look.plots : button).focus({ preventScroll: true });
+    figure.scrollIntoView({ block: "nearest" });
   };
   figure.querySelector("figcaption").before(button);
+  show("open" in figure.dataset);
 }
 
 if ("DecompressionStream" in window) document.querySelectorAll("figure[data-recording]").forEach(offer);

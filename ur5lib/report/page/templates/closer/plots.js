@@ -1,7 +1,7 @@
 // A figure over time, drawn by uPlot: a plot for each panel, with the values at the time pointed at.
 "use strict";
 
-const HEIGHT = 170; // pixels of a plot, with its times
+const HEIGHT = 170, LOWEST = 96, TITLE = 24; // pixels of a plot, with its times, and of its title
 const ESTIMATE = "#009e73"; // of the leading estimate; its band is translucent
 const FONT = "12px 'Source Sans 3', 'Segoe UI', Helvetica, Arial, sans-serif";
 

@@ -1,6 +1,8 @@
 // The arm of a recording as it moves, and what acts on it: postures by the poses of its links.
 "use strict";
 
+const ELLIPSE = Math.sqrt(-2 * Math.log(0.05)); // standard deviations, of 95 % of a plane's normal distribution
+const LEAST_TILT = 0.2, MOST_TILT = 1.2; // rad: the ground stays in sight, and so does what is upright
 const dot = (a, b) => a.reduce((sum, one, i) => sum + one * b[i], 0);
 const applied = (matrix, vector) => matrix.map((row) => dot(row, vector));
 const product = (a, b) => a.map((row) => b[0].map((_, j) => dot(row, b.map((other) => other[j]))));
@@ -15,8 +17,11 @@ class Scene {
     [this.times, this.segment] = [packed.time, packed.segment].map((column) => values(column, NaN));
     this.rows = [...this.times.keys()];
     this.usualForce = this.sizeOfMost([...this.sizes(this.force), ...this.sizes(this.sensed)]);
-    this.reach = Math.max(...this.rows.flatMap((row) => this.originsIn(row)).map((origin) => Math.hypot(...origin) || 0));
-    this.perNewton = (0.4 * this.reach) / this.usualForce; // m of an arrow
+    this.path = this.rows.flatMap((row) => this.originsIn(row)).filter(([x]) => !Number.isNaN(x));
+    this.reach = this.path.reduce((reach, origin) => Math.max(reach, Math.hypot(...origin)), 0);
+    this.perNewton = (0.3 * this.reach) / (this.usualForce + this.usualBand()); // m of an arrow, with its ellipse
+    const inRow = (columns, row) => columns && columns.map((column) => column[row]);
+    this.frames = this.rows.map((row) => this.points(this.originsIn(row), [inRow(this.force, row), inRow(this.sensed, row)]));
   }
 
   // What is known at a time, between two rows; null in a gap.
@@ -53,20 +58,26 @@ class Scene {
     return applied(this.upright, force).map((one) => this.perNewton * one);
   }
 
-  // Ends of the arrows of a row, without those longer than most.
-  tipsIn(row, flange) {
-    const forces = [this.force, this.sensed].filter(Boolean).map((columns) => columns.map((column) => column[row]));
-    return forces.filter((force) => Math.hypot(...force) <= this.usualForce).map((force) => added(flange, this.arrow(force)));
+  // What is seen of an arm: the origins of its frames and the ends of its arrows, but of those longer than most.
+  points(origins, forces) {
+    const usual = forces.filter((force) => force && Math.hypot(...force) <= this.usualForce);
+    return [...origins, ...usual.map((force) => added(origins.at(-1), this.arrow(force)))];
   }
 
-  // The upright cylinder [m] in which the arm and its arrows move: middle, radius, half its height.
-  room() {
-    const inRow = (row, origins) => [...origins, ...this.tipsIn(row, origins.at(-1))];
-    const points = this.rows.flatMap((row) => inRow(row, this.originsIn(row))).filter(([x]) => !Number.isNaN(x));
-    const ends = [0, 1, 2].map((i) => [Math.min, Math.max].map((end) => points.reduce((found, point) => end(found, point[i]), points[0][i])));
-    const middle = ends.map(([from, to]) => (from + to) / 2);
-    const radius = points.reduce((found, [x, y]) => Math.max(found, Math.hypot(x - middle[0], y - middle[1])), 0);
-    return { middle, radius, half: ends[2][1] - middle[2] };
+  // From where the arm is seen best [rad]: along the normal of the mean plane of its path, from above.
+  bestView() {
+    const { path } = this, middle = [0, 1, 2].map((i) => path.reduce((sum, point) => sum + point[i], 0) / path.length);
+    const apart = path.map((point) => added(point, middle, -1));
+    const spread = [0, 1, 2].map((i) => [0, 1, 2].map((j) => -apart.reduce((sum, point) => sum + point[i] * point[j], 0)));
+    const whole = -spread.reduce((sum, row, i) => sum + row[i], 0) || 1;
+    spread.forEach((row, i) => (row[i] += whole)); // its largest eigenvalue is that of the least spread
+    let normal = [1, 0.9, 0.8];
+    for (let i = 0; i < 100; i++) {
+      normal = applied(spread, normal);
+      normal = normal.map((one) => one / Math.hypot(...normal));
+    }
+    const [x, y, z] = normal.map((one) => one * (normal[2] < 0 ? -1 : 1));
+    return { turn: Math.atan2(y, x), tilt: Math.min(Math.max(Math.asin(z), LEAST_TILT), MOST_TILT) };
   }
 
   // Sizes of a vector in each row, 0 where it is unknown.
@@ -77,6 +88,11 @@ class Scene {
   // The size that few are larger than, at least 10 [N].
   sizeOfMost(sizes) {
     return Math.max(sizes.sort((a, b) => a - b)[Math.floor(0.99 * sizes.length)] ?? 0, 10);
+  }
+
+  // Half of the longest axis of most ellipses [N].
+  usualBand() {
+    return this.std ? ELLIPSE * this.sizeOfMost(this.rows.map((row) => Math.max(...this.std.map((column) => column[row])) || 0)) : 0;
   }
 
   largestTorque() {

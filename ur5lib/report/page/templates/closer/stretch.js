@@ -8,7 +8,7 @@ class Stretch {
   last = -Infinity;
   time = null;
   playing = false;
-  view = { turn: -1.1, tilt: 0.35 }; // from where the arm is seen, rad
+  view = null; // from where the arm is seen, turn and tilt [rad]
   looks = new Set();
 
   add(look, times) {

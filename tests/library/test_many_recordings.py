@@ -1,4 +1,4 @@
-"""A report of many recordings: an overview by month, and a page of each recording on demand."""
+"""A report of many recordings, and the page of one of them on demand."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -19,7 +19,6 @@ from ur5lib.report.page.document import (
 )
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.views.overview import estimates, friction, quality
 from ur5lib.report.views.recordings import judge_files
 from ur5lib.tidy import columns
 
@@ -56,36 +55,10 @@ def made(count: int = MANY) -> Results:
     return Results(study, tables, Path())
 
 
-def test_each_month_counts_its_recordings_and_names_the_worst() -> None:
-    months = pd.concat([quality(made(), arm) for arm in ("arm_0", "arm_1")])
-    assert months["recordings"].sum() == MANY
-    assert (months["recordings"] - months["used"]).sum() == 1
-    assert set(months["month"]) == {day.strftime("%Y-%m") for day in DAYS}
-    (worst,) = months[months["warning"] > 0].itertuples()
-    assert (worst.month, worst.lost_of, worst.lost_most) == ("2026-02", LOST, 0.05)
-
-
-def test_estimates_of_a_month_are_those_of_its_recordings() -> None:
-    rows = estimates(made(), "arm_0")
-    assert (rows["current_median"] == 1).all()
-    assert (rows["alarm_most"] == 2).all()
-    (loaded,) = rows.dropna(subset="load_of").itertuples()
-    assert (loaded.load_count, loaded.load_most, loaded.load_of) == (1, 0.5, LOADED)
-
-
-def test_friction_is_the_median_of_a_months_dates() -> None:
-    days = ["2026-01-01", "2026-01-02", "2026-01-30", "2026-02-01"]
-    rows = pd.DataFrame({"date": days, "value": [1.0, 2.0, 9.0, 3.0], "temperature_c": 30.0})
-    rows = rows.assign(robot="ur5", quantity="coulomb", joint=1)
-    found = friction(Results({}, {"health": rows}, Path()), "ur5")
-    assert [*found["value"]] == [2.0, 3.0]
-
-
 SHOWN = [
     DeclaredSection.model_validate(part)
     for part in (
-        {"title": "First", "blocks": [{"sentences": "overview.pages"}]},
-        next(one for one in contents().report(False) if one.title == "Overview by month"),
+        {"title": "First", "blocks": [{"sentences": "recordings.pages"}]},
         {"title": "Runs", "blocks": [{"table": "recordings.a",
          "caption": "", "columns": {"run": "recording"}},
          {"table": "current_rmse.b",
@@ -100,17 +73,20 @@ def document() -> Document:
     return compose(SHOWN, made())
 
 
-def test_many_recordings_have_an_overview_in_place_of_a_row_each(document: Document) -> None:
-    tables = {block.label: block for block in document.blocks() if isinstance(block, TableBlock)}
-    assert "recordings.a" not in tables
-    assert "current_rmse.b" in tables  # its rows are joints
-    cells = [cell for row in tables["quality.by_month-arm_1"].rows for cell in row]
-    assert {cell.link for cell in cells} == {"", f"runs/{LOST}.html"}
-    few = compose(SHOWN, made(MOST_ROWS))
-    assert [block.label for block in few.blocks() if isinstance(block, TableBlock)] == [
-        "recordings.a",
-        "current_rmse.b",
-    ]
+def test_many_recordings_have_no_row_each(document: Document) -> None:
+    assert [*shown_tables(document)] == ["current_rmse.b"]  # its rows are joints
+    assert [*shown_tables(compose(SHOWN, made(MOST_ROWS)))] == ["recordings.a", "current_rmse.b"]
+
+
+def test_no_cell_leads_to_a_page_that_was_not_made(document: Document) -> None:
+    links = {
+        cell.link for table in shown_tables(document).values() for row in table.rows for cell in row
+    }
+    assert links == {""}
+
+
+def shown_tables(document: Document) -> dict[str, TableBlock]:
+    return {block.label: block for block in document.blocks() if isinstance(block, TableBlock)}
 
 
 def test_a_file_that_cannot_be_used_is_no_good_data() -> None:
