@@ -134,6 +134,7 @@ class Live {
   int n = 0;
   double evidence = 0;
   Joints observed{}, torque{};
+  std::array<int, MAX_JOINTS> state{};
 
   explicit Live(const Numbers& arm) {
     n = arm.count("links");
@@ -174,6 +175,7 @@ class Live {
     for (int s = 0; s < 5; ++s) {
       noise_[s] = arm.joints(std::string("noise.std.") + STATES[s], n);
       hidden_[s] = arm.joints(std::string("noise.hidden.") + STATES[s], n);
+      absorbed_[s] = arm.joints(std::string("noise.absorbed.") + STATES[s], n);
     }
     threshold_ = arm.at("threshold.log_odds");
     const auto constant = [&arm](const char* name) { return arm.at(std::string("constants.") + name); };
@@ -185,7 +187,7 @@ class Live {
     wide_ = constant("wide"), rare_ = constant("rare"), lever_ = constant("lever");
     duration_ = constant("duration"), hysteresis_ = constant("hysteresis");
     freeze_ = constant("freeze"), thaw_ = constant("thaw"), slow_ = constant("slow");
-    quiet_ = arm.at("constants.quiet.0");
+    quiet_ = arm.at("constants.quiet.0"), typical_ = constant("typical");
     count_ = arm.count("constants.sizes");
     if (count_ < 1 || count_ > MAX_SIZES) throw std::runtime_error("the arm's file has no 1 to 8 sizes");
     for (int s = 0; s < count_; ++s) sizes_[s] = arm.at("constants.sizes." + std::to_string(s));
@@ -200,13 +202,13 @@ class Live {
 
   void restart() noexcept {
     time_ = std::numeric_limits<double>::quiet_NaN();
-    passed_ = run_ = evidence = above_ = quiet_for_ = 0;
+    passed_ = run_ = rested_ = evidence = above_ = quiet_for_ = 0;
     q_ = qd_ = lag_ = momentum_ = rate_ = observed = Joints{};
-    friction_ = drift_ = scale_ = rest_ = torque = slow_for_ = rested_ = Joints{};
+    friction_ = drift_ = scale_ = rest_ = torque = slow_for_ = Joints{};
     direction_ = {};
     slow_ago_.fill(std::numeric_limits<double>::infinity());
-    state_.fill(MOVING);
-    touched_ = false;
+    state.fill(MOVING);
+    touched_ = at_rest_ = false;
     missed_ = 0;
     answer_ = Answer{};
     const double largest = *std::max_element(sizes_.begin(), sizes_.begin() + count_);
@@ -355,50 +357,53 @@ class Live {
   }
 
   void move() noexcept {
-    bool settled = true;
+    at_rest_ = true;
     for (int k = 0; k < n; ++k) {
       const bool slow = std::abs(qd_[k]) < rest_speed_;
       slow_for_[k] = slow ? slow_for_[k] + passed_ : 0.0;
       slow_ago_[k] = slow ? 0.0 : slow_ago_[k] + passed_;
-      if (slow_for_[k] < stop_) rested_[k] = 0;
-      settled = settled && rested_[k] >= settle_;
+      at_rest_ = at_rest_ && slow_for_[k] >= stop_;
     }
+    if (!at_rest_) rested_ = 0;
     for (int k = 0; k < n; ++k) {
       if (slow_for_[k] >= stop_)
-        state_[k] = rested_[k] < settle_ ? SETTLING : settled ? STILL : RESTING;
+        state[k] = !at_rest_ ? RESTING : rested_ >= settle_ ? STILL : SETTLING;
       else
-        state_[k] = slow_ago_[k] <= reversal_ ? REVERSING : MOVING;
+        state[k] = slow_ago_[k] <= reversal_ ? REVERSING : MOVING;
     }
   }
 
   void judge(const std::array<Wrench, MAX_JOINTS>& jacobian) noexcept {
-    Joints variance{}, wider{}, touching{};
+    Joints variance{}, wider{}, touching{}, carried{};
     bool doubtful = run_ < settle_;
     for (int k = 0; k < n; ++k) {
-      torque[k] = observed[k] - (state_[k] >= RESTING ? rest_[k] : drift_[k] + scale_[k] * friction_[k]);
+      torque[k] = observed[k] - (state[k] == STILL ? rest_[k] : drift_[k] + scale_[k] * friction_[k]);
       const double unseen = std::max(std::abs(qd_[k]) / fastest_[k], 1.0);
       doubtful = doubtful || unseen > 1;
-      const double own = noise_[state_[k]][k] * unseen * unseen, lost = hidden_[state_[k]][k];
+      const double own = noise_[state[k]][k] * unseen * unseen, lost = hidden_[state[k]][k];
       variance[k] = own * own;
       wider[k] = wide_ * wide_ * variance[k];
       touching[k] = variance[k] + lost * lost;
+      carried[k] = torque[k] + absorbed_[state[k]][k] * std::tanh(torque[k] / breakaway_[k]);
     }
-    const double still = std::log(1 - rare_) + posterior(jacobian, variance, &quiet_, 1).density[0];
-    const double wide = std::log(rare_) + posterior(jacobian, wider, &quiet_, 1).density[0];
+    const double still = std::log(1 - rare_) + posterior(torque, jacobian, variance, &quiet_, 1).density[0];
+    const double wide = std::log(rare_) + posterior(torque, jacobian, wider, &quiet_, 1).density[0];
     const double free = std::max(still, wide) + std::log1p(std::exp(-std::abs(still - wide)));
-    const Posterior touch = posterior(jacobian, touching, sizes_.data(), count_);
+    const Posterior touch = posterior(carried, jacobian, touching, sizes_.data(), count_);
     const double largest = *std::max_element(touch.density.begin(), touch.density.begin() + count_);
-    double total = 0;
+    double all = 0, total = 0;
     Wrench mean{}, square{};
     for (int s = 0; s < count_; ++s) {
-      const double weight = std::exp(touch.density[s] - largest);
+      const double likely = std::exp(touch.density[s] - largest);
+      const double weight = sizes_[s] >= typical_ ? likely : 0.0;
+      all += likely;
       total += weight;
       for (int i = 0; i < 6; ++i) {
         mean[i] += weight * touch.mean[s][i];
         square[i] += weight * (touch.variance[s][i] + touch.mean[s][i] * touch.mean[s][i]);
       }
     }
-    evidence = largest + std::log(total / count_) - free;
+    evidence = largest + std::log(all / count_) - free;
     for (int i = 0; i < 6; ++i) {
       answer_.wrench[i] = mean[i] / total;
       const double spread = square[i] / total - answer_.wrench[i] * answer_.wrench[i];
@@ -407,16 +412,16 @@ class Live {
     contact(doubtful);
   }
 
-  Posterior posterior(const std::array<Wrench, MAX_JOINTS>& jacobian, const Joints& variance,
-                      const double* sizes, int count) const noexcept {
+  Posterior posterior(const Joints& sensed, const std::array<Wrench, MAX_JOINTS>& jacobian,
+                      const Joints& variance, const double* sizes, int count) const noexcept {
     Square told{};
     Wrench seen{};
     double alone = 0;
     for (int k = 0; k < n; ++k) {
-      alone += torque[k] * torque[k] / variance[k] + std::log(variance[k]);
+      alone += sensed[k] * sensed[k] / variance[k] + std::log(variance[k]);
       for (int i = 0; i < 6; ++i) {
         const double weighted = jacobian[k][i] / variance[k];
-        seen[i] += weighted * torque[k];
+        seen[i] += weighted * sensed[k];
         for (int j = 0; j < 6; ++j) told[i][j] += weighted * jacobian[k][j];
       }
     }
@@ -475,17 +480,16 @@ class Live {
     if (quiet_for_ < thaw_ || run_ < thaw_) return;
     const double share = passed_ / slow_;
     for (int k = 0; k < n; ++k) {
-      if (state_[k] == MOVING) {
+      if (state[k] == MOVING) {
         const double error = share * torque[k];
         drift_[k] += error;
         scale_[k] += error * friction_[k] / (friction_[k] * friction_[k] + breakaway_[k] * breakaway_[k]);
       }
-      rested_[k] = state_[k] >= SETTLING ? rested_[k] + passed_ : 0.0;
-      if (state_[k] >= SETTLING) {
-        const double own = state_[k] == SETTLING ? passed_ / std::max(rested_[k], passed_) : share;
-        rest_[k] += own * (observed[k] - rest_[k]);
-      }
     }
+    if (!at_rest_) return;
+    rested_ += passed_;
+    const double own = rested_ <= settle_ ? passed_ / std::max(rested_, passed_) : share;
+    for (int k = 0; k < n; ++k) rest_[k] += own * (observed[k] - rest_[k]);
   }
 
   std::array<Matrix, MAX_JOINTS> turn_{}, inertia_{};
@@ -493,20 +497,19 @@ class Live {
   Vector gravity_{};
   Joints mass_{}, rotor_{}, constant_{}, offset_{}, breakaway_{}, fastest_{}, strongest_{}, held_{};
   std::array<Joints, TERMS> terms_{};
-  std::array<Joints, 5> noise_{}, hidden_{};
+  std::array<Joints, 5> noise_{}, hidden_{}, absorbed_{};
   std::array<double, MAX_PARTS> distance_{}, share_{};
   std::array<double, MAX_SIZES> sizes_{};
   int parts_ = 0, count_ = 0;
   double threshold_, period_, max_gap_, turns_, margin_, jump_, gain_, acceleration_, encoder_;
-  double dead_zone_, rest_speed_, stop_, settle_, reversal_, wide_, rare_, lever_, quiet_;
+  double dead_zone_, rest_speed_, stop_, settle_, reversal_, wide_, rare_, lever_, quiet_, typical_;
   double duration_, hysteresis_, freeze_, thaw_, slow_;
   // of the run
-  double time_, passed_, run_, above_, quiet_for_;
+  double time_, passed_, run_, rested_, above_, quiet_for_;
   Joints q_{}, qd_{}, lag_{}, momentum_{}, rate_{}, friction_{}, drift_{}, scale_{}, rest_{};
-  Joints slow_for_{}, slow_ago_{}, rested_{};
+  Joints slow_for_{}, slow_ago_{};
   std::array<Joints, MAX_PARTS> direction_{};
-  std::array<int, MAX_JOINTS> state_{};
-  bool touched_ = false;
+  bool touched_ = false, at_rest_ = false;
   int missed_ = 0;
   Answer answer_;
 };

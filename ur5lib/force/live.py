@@ -77,9 +77,9 @@ class Live:
             np.array([[one[name]] for one in friction["presliding"]], float)
             for name in ("distance", "share")
         )
-        self.noise, self.hidden = (
+        self.noise, self.hidden, self.absorbed = (
             np.array([arm["noise"][name][state] for state in STATES], float)
-            for name in ("std", "hidden")
+            for name in ("std", "hidden", "absorbed")
         )
         self.threshold, self.set = float(arm["threshold"]["log_odds"]), dict(arm["constants"])
         self.sizes, self.quiet = (
@@ -100,8 +100,8 @@ class Live:
         self.q, self.qd, self.lag, self.momentum, self.rate, self.observed = np.zeros((6, n))
         self.friction, self.drift, self.scale, self.rest, self.torque = np.zeros((5, n))
         self.direction = np.zeros((len(self.share), n))
-        # seconds: for which each joint is slow, since it was, and of its rest
-        self.slow_for, self.slow_ago, self.rested = np.zeros(n), np.full(n, np.inf), np.zeros(n)
+        # seconds: for which each joint is slow, since it was, and of the whole arm's rest
+        self.slow_for, self.slow_ago, self.rested = np.zeros(n), np.full(n, np.inf), 0.0
         self.state = np.zeros(n, np.int64)
         self.evidence, self.above, self.quiet_for = 0.0, 0.0, 0.0
         self.touched, self.missed = False, 0
@@ -238,37 +238,40 @@ class Live:
         self.slow_for = np.where(slow, self.slow_for + self.passed, 0.0)
         self.slow_ago = np.where(slow, 0.0, self.slow_ago + self.passed)
         stopped = self.slow_for >= self.set["stop"]
-        self.rested = np.where(stopped, self.rested, 0.0)
-        settled = self.rested >= self.set["settle"]
-        rest = np.where(settled, STILL if settled.all() else RESTING, SETTLING)
+        self.rested = self.rested if stopped.all() else 0.0
+        at_rest = STILL if self.rested >= self.set["settle"] else SETTLING
         moves = np.where(self.slow_ago <= self.set["reversal"], REVERSING, MOVING)
-        self.state = np.where(stopped, rest, moves)
+        self.state = np.where(stopped, at_rest if stopped.all() else RESTING, moves)
 
     def _judge(self, jacobian: Array) -> None:
         """State the wrench, its deviation, and whether there is a contact."""
         slow = self.drift + self.scale * self.friction
-        self.torque = self.observed - np.where(self.state >= RESTING, self.rest, slow)
+        self.torque = self.observed - np.where(self.state == STILL, self.rest, slow)
         unseen = np.maximum(np.abs(self.qd) / self.fastest, 1.0)
         own = self.state, np.arange(len(unseen))
         variance = (self.noise[own] * unseen**2) ** 2
         # a free arm: its noise, and now and then a wider one
         free, wide = (
-            self._posterior(jacobian, factor**2 * variance, self.quiet)[0][0]
+            self._posterior(self.torque, jacobian, factor**2 * variance, self.quiet)[0][0]
             for factor in (1.0, self.set["wide"])
         )
         rare = self.set["rare"]
         free = np.logaddexp(np.log(1 - rare) + free, np.log(rare) + wide)
-        touched, mean, spread = self._posterior(
-            jacobian, variance + self.hidden[own] ** 2, self.sizes
-        )
+        # of a contact at rest, dry friction takes a part
+        carried = self.torque + self.absorbed[own] * np.tanh(self.torque / self.breakaway)
+        variance += self.hidden[own] ** 2
+        touched, mean, spread = self._posterior(carried, jacobian, variance, self.sizes)
         weight = np.exp(touched - touched.max())
         self.evidence = float(touched.max() + np.log(weight.mean()) - free)
+        weight *= self.sizes[:, 0] >= self.set["typical"]
         weight /= weight.sum()
         wrench, square = weight @ mean, weight @ (spread + mean**2)
         std = np.sqrt(np.maximum(square - wrench**2, 0.0))
         self.answer = Answer(wrench, std, self._contact(bool((unseen > 1).any())))
 
-    def _posterior(self, jacobian: Array, variance: Array, sizes: Array) -> Posterior:
+    def _posterior(
+        self, torque: Array, jacobian: Array, variance: Array, sizes: Array
+    ) -> Posterior:
         """Return log-density of the torque, and mean and variance of the wrench, by its size.
 
         F = (P⁻¹ + Λ)⁻¹ J S⁻¹ τ, Λ = J S⁻¹ Jᵀ. variance: diagonal of S, (n,) [Nm²]; sizes: (K, 6).
@@ -277,9 +280,9 @@ class Live:
         information = np.tile(weighted @ jacobian.T, (len(sizes), 1, 1))
         information[:, diagonal, diagonal] += sizes**-2.0
         covariance = np.linalg.inv(information)
-        told = weighted @ self.torque
+        told = weighted @ torque
         mean = covariance @ told
-        misfit = (self.torque**2 / variance + np.log(variance)).sum() - mean @ told
+        misfit = (torque**2 / variance + np.log(variance)).sum() - mean @ told
         misfit = misfit + np.log(np.linalg.det(information)) + 2 * np.log(sizes).sum(axis=1)
         return -misfit / 2, mean, covariance[:, diagonal, diagonal]
 
@@ -305,12 +308,11 @@ class Live:
         usual = self.friction**2 + self.breakaway**2
         self.scale = self.scale + error * self.friction / usual
         # at rest: the mean of what settles, then a slow one
-        stopped = self.state >= SETTLING
-        self.rested = np.where(stopped, self.rested + self.passed, 0.0)
-        settling = self.passed / np.maximum(self.rested, self.passed)
-        share_at_rest = np.where(self.state == SETTLING, settling, share)
-        gained = share_at_rest * (self.observed - self.rest)
-        self.rest = np.where(stopped, self.rest + gained, self.rest)
+        if self.state.min() >= SETTLING and self.state.max() != RESTING:
+            self.rested += self.passed
+            settles = self.rested <= self.set["settle"]
+            share = self.passed / max(self.rested, self.passed) if settles else share
+            self.rest = self.rest + share * (self.observed - self.rest)
 
 
 def cross(a: Array, b: Array) -> Array:

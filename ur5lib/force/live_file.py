@@ -8,7 +8,8 @@ import numpy as np
 from ur5lib.errors import InputError
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import MIN_STOP_DURATION, RELAXATION_TIME
-from ur5lib.force.live import CONTACT, SETTLING, STATES, TERMS, UNKNOWN, Live
+from ur5lib.force.force_input import MEAN_STICTION
+from ur5lib.force.live import CONTACT, STATES, STILL, TERMS, UNKNOWN, Live
 from ur5lib.force.residual_model import TorqueStretch, few_paths, fit_residual_model
 from ur5lib.records.friction import Friction
 from ur5lib.records.signals import Signals
@@ -23,10 +24,11 @@ PRIOR = ContactPrior()
 CONSTANTS: dict[str, Any] = {  # chosen on dates and pushes left out, docs/methods.md#live
     "gain": 30.0,  # 1/s, of the observer
     "lever": PRIOR.lever,  # m
-    "sizes": [size for size in PRIOR.sizes if size >= PRIOR.force],  # N, of contacts
+    "sizes": [*PRIOR.sizes],  # N, of contacts
+    "typical": PRIOR.force,  # N, from which on sizes count for the wrench
     "quiet": [PRIOR.quiet],  # N, of forces that do not count
-    "rare": 0.1,  # share of the samples of a free arm whose noise is `wide` times wider
-    "wide": 2.5,
+    "rare": 0.2,  # share of the samples of a free arm whose noise is `wide` times wider
+    "wide": 2.0,
     "duration": 0.06,  # s, for which evidence lasts before a contact is stated
     "hysteresis": 2.0,  # in log-odds, by which it then may fall
     "freeze": 0.0,  # evidence above which the slow errors of the run are not learnt
@@ -223,12 +225,17 @@ def _thinned(run: Measured) -> Measured:
 
 
 def _noise(std: Array, breakaway: Array) -> dict[str, Any]:
-    """Return standard deviations by state (5, n) [Nm], and what dry friction hides of a contact."""
-    hides = [PRIOR.stiction if row >= SETTLING else PRIOR.rubbing for row in range(len(STATES))]
-    hidden = np.outer(hides, breakaway)
+    """Return by state [Nm]: standard deviations (5, n); of a contact, what dry friction absorbs on
+    average, and what it hides beyond that, as `contact_wrench` of the whole recording assumes it.
+    """
+    still = np.arange(len(STATES)) >= STILL
+    absorbed = np.where(still, MEAN_STICTION * PRIOR.stiction, 0.0)
+    hidden = np.where(still, np.sqrt(1 - MEAN_STICTION**2) * PRIOR.stiction, PRIOR.rubbing)
+    shares = {"absorbed": absorbed, "hidden": hidden}
+    rows = {"std": std} | {name: np.outer(share, breakaway) for name, share in shares.items()}
     return {
-        name: {state: values.tolist() for state, values in zip(STATES, rows, strict=True)}
-        for name, rows in {"std": std, "hidden": hidden}.items()
+        name: {state: own.tolist() for state, own in zip(STATES, values, strict=True)}
+        for name, values in rows.items()
     }
 
 
