@@ -56,7 +56,7 @@ def make_record(seed: int, seconds: float = 24.0) -> CurrentSamples:
 def with_current(record: CurrentSamples) -> CurrentSamples:
     """The record with the current that its motion and torque need."""
     motions = [record.joint(joint) for joint in range(6)]
-    exact = [columns_of(motions[j], BASE_TERMS)[0] @ coefficients(j) for j in range(6)]
+    exact = [columns_of(motions[j], BASE_TERMS) @ coefficients(j) for j in range(6)]
     return replace(record, current=np.stack(exact, axis=1))
 
 

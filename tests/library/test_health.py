@@ -51,7 +51,7 @@ def worn(seed: int, coulomb: dict[int, float], viscous: dict[int, float]) -> Cur
     current = record.current + NOISE * random.standard_normal(record.current.shape)
     for kind, more in ((BASE_TERMS[0], coulomb), (BASE_TERMS[1], viscous)):
         for joint, size in more.items():
-            columns, _ = columns_of(record.joint(joint - 1), [kind])
+            columns = columns_of(record.joint(joint - 1), [kind])
             current[:, joint - 1] += size * columns[:, -1] / CONSTANT[joint - 1]
     return replace(record, current=current)
 

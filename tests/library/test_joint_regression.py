@@ -35,7 +35,7 @@ LOADED = (6.0, 4.0, 0.05)  # Coulomb, viscous and load friction
 
 
 def known(joint: int) -> Prior:
-    return prior().of_joint(joint)
+    return replace(prior(), terms=BASE_TERMS).of_joint(joint)
 
 
 def made(joint: int, friction: tuple[float, ...], records: int = 6) -> JointSamples:
@@ -43,17 +43,18 @@ def made(joint: int, friction: tuple[float, ...], records: int = 6) -> JointSamp
     study = []
     for seed in range(records):
         record = make_record(seed)
-        columns, _ = columns_of(record.joint(joint), BASE_TERMS)
+        columns = columns_of(record.joint(joint), BASE_TERMS)
         current = record.current.copy()
         current[:, joint] = columns @ [1.0, -0.4, *friction] / CONSTANT[joint]
         study.append(replace(record, current=current))
-    return joint_samples(study, smooth)[joint]
+    return joint_samples(study, smooth)[joint].of(BASE_TERMS, ())
 
 
 def test_a_single_path_is_judged_by_its_own_fit() -> None:
     samples = made(1, LOADED, records=1)
     coefficients = regress_samples(samples, known(1)).coefficients
-    predicted = samples.columns @ coefficients + held_current(samples, coefficients) * samples.held
+    predicted = samples.columns @ coefficients
+    predicted += samples.held @ held_current(samples, coefficients)
     np.testing.assert_allclose(left_out_residuals(samples, known(1)), samples.current - predicted)
 
 
@@ -62,7 +63,7 @@ def test_friction_at_rest_beyond_that_in_motion_comes_back_from_many_stops() -> 
     samples = made(1, LOADED, records=30)
     coefficients = regress_samples(samples, known(1)).coefficients
     for held in (0.3, -0.2):
-        current = samples.columns @ coefficients + held * samples.held
+        current = samples.columns @ coefficients + held * samples.held[:, 0]
         current[::5] += 1.0
         stopped = replace(samples, current=current)
         assert held_current(stopped, coefficients) == pytest.approx(held, abs=0.05)
@@ -75,7 +76,7 @@ def test_a_single_pose_counts_for_friction_at_rest_as_much_as_other_arms() -> No
     samples = made(1, LOADED, records=1)
     coefficients = regress_samples(samples, known(1)).coefficients
     pose = np.flatnonzero(~samples.moving)[:1].repeat(100)
-    one = replace(samples.where(pose), held=np.ones(100))
+    one = replace(samples.where(pose), held=np.ones((100, 1)))
     for drawn in (-2.0, 0.0):  # times Coulomb friction, beyond that in motion
         current = one.columns @ coefficients + drawn * coefficients[2]
         found = held_current(replace(one, current=current), coefficients)

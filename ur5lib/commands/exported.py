@@ -37,7 +37,7 @@ FORMATS = (*WRITERS, "json", "sensor")
 MIN_MOVING_SAMPLES = 100  # from which a joint's friction is determined
 UNIT_NOTE = "SI: m, kg, s, rad, N, Nm, A; joints from 1; low and high: the 95 % interval"
 BANDS = "band_moving", "band_reversing", "band_standing"
-FITTED_FIELDS = ("terms", "held", *BANDS, "contradicted")
+FITTED_FIELDS = ("terms", "distances", "held", *BANDS, "contradicted")
 
 
 def exported(robot: str, model: str | None, to: str, results: Path | None, as_in: str) -> str:

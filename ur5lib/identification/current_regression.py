@@ -29,6 +29,7 @@ from ur5lib.identification.estimation import (
 )
 from ur5lib.identification.joint_regression import (
     HELD_FRICTION_SHARE,
+    MAX_FOLDS,
     MIN_SAMPLES,
     held_current,
     left_out_residuals,
@@ -46,7 +47,8 @@ from ur5lib.identification.samples import (
     record_days,
     record_paths,
 )
-from ur5lib.robots.friction import BASE_TERMS, CONSIDERED_TERMS
+from ur5lib.identification.selection import with_shown_terms
+from ur5lib.robots.friction import BASE_TERMS, CONSIDERED_TERMS, SPEED_TERMS
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -59,7 +61,6 @@ CONTRADICTING_DEVIATIONS = 5.0
 CONTRADICTING_RATIO = 1.75
 # The gain of a measured torque is 1, or that of another side, link or sign than the description's.
 GAIN_RANGE = 0.9, 1.1
-MAX_FOLDS = 10  # of cross-fitting
 # Usual errors of a current along a path that no fit has seen, by `MotionState`, and least ones,
 # relative to Coulomb friction: dry friction holds a joint at rest anywhere within it.
 UNSEEN_ERRORS = 0.25, 0.5, 1.25
@@ -74,7 +75,13 @@ def fit_currents(
     smooth: a zero-phase low-pass at, for example, 2 Hz: above, the measured current is noise.
     A joint whose current does not follow its torque keeps the known torque constant.
     """
-    return _with_known_where_lost(prior, lambda known: _fit_with(records, smooth, known, seed))
+    shown = with_shown_terms(joint_samples(records, smooth, _tried(prior)), prior)
+    return _with_known_where_lost(shown, lambda known: _fit_with(records, smooth, known, seed))
+
+
+def _tried(prior: Prior) -> tuple[str, ...]:
+    """Return the terms that a prior has, and those that are tried or considered beside them."""
+    return tuple(dict.fromkeys([*prior.terms, *SPEED_TERMS, *CONSIDERED_TERMS]))
 
 
 def fit_postures(prior: Prior, seed: int = 0) -> CurrentFit:
@@ -143,8 +150,9 @@ def _fit_without_motion(estimate: CoefficientEstimate, doubt: Array) -> JointFit
     coulomb = float(estimate.coefficients[2])
     return JointFit(
         terms=BASE_TERMS,
+        distances=(),
         estimate=estimate,
-        held=HELD_FRICTION_SHARE * coulomb,
+        held=np.array([HELD_FRICTION_SHARE * coulomb]),
         **_bands(np.array(UNSEEN_ERRORS) * coulomb),
         unseen=np.zeros(len(estimate.coefficients)),
         remarks=(),
@@ -190,8 +198,11 @@ def _fit_with(
     records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior, seed: int
 ) -> CurrentFit:
     """Return the fit under a prior as it is."""
-    fuller = joint_samples(records, smooth, (*prior.terms, *CONSIDERED_TERMS))
-    samples = [fuller_joint.without(CONSIDERED_TERMS) for fuller_joint in fuller]
+    considered = *prior.terms, *CONSIDERED_TERMS
+    every = joint_samples(records, smooth, _tried(prior))
+    samples, fuller = (
+        [own.of(terms, prior.distances) for own in every] for terms in (prior.terms, considered)
+    )
     estimates, units = estimate_together(samples, prior, seed)
     estimates = [*map(with_fuller_errors, estimates, estimate_together(fuller, prior, seed)[0])]
     joint_priors = [prior.of_joint(joint) for joint in range(len(samples))]
@@ -232,6 +243,7 @@ def _joint_fit(samples: JointSamples, prior: Prior, estimate: CoefficientEstimat
     of_motion = samples.day[moving], samples.record[moving], path[moving]
     return JointFit(
         terms=samples.terms,
+        distances=samples.distances,
         estimate=estimate,
         held=held_current(samples, coefficients),
         **_bands(_unseen_errors(samples, prior, dry_friction(samples.terms, coefficients))),

@@ -20,7 +20,7 @@ from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.robots.drives import coupled_motors, shaft_matrix
-from ur5lib.robots.friction import FITTED_TERMS, PRESLIDING_DISTANCE
+from ur5lib.robots.friction import FITTED_TERMS
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.segments import by_segment
@@ -64,7 +64,6 @@ def measured_samples(
         temperature=signals.joint_temperatures,
         shafts=shafts_of(arm, motion),
         balanced=[joint - 1 for joint in arm.balanced_joints],
-        presliding=arm.presliding or PRESLIDING_DISTANCE,
         qdd=None if arm.knows_rotors() else motion.qdd,
     )
 
@@ -140,4 +139,4 @@ def arm_terms(robot: Robot) -> list[str]:
         "rotor": not robot.knows_rotors(),
         "coupled": robot.drives.coupling,
     }
-    return [*robot.friction_terms, *(name for name, part in described.items() if part)]
+    return [name for name, part in described.items() if part]

@@ -18,6 +18,7 @@ from ur5lib.identification.samples import (
     CurrentSamples,
     Smooth,
     columns_of,
+    held_columns,
     motion_states,
 )
 from ur5lib.robots.friction import OPTIONAL_TERMS, TERMS, JointMotion, coefficient_names
@@ -44,7 +45,8 @@ OPTIONAL_COEFFICIENTS = coefficient_names(OPTIONAL_TERMS)
 class JointFit:
     """One joint's map from motion to current.
 
-    terms: of friction; held: [A], friction at rest beyond that in motion, may be negative;
+    terms: of friction; held: (1 + D,) [A], friction at rest beyond that in motion, may be negative,
+    and what of it reverses over D other distances [rad], see `held_columns`;
     band_moving, band_reversing, band_standing: half of the 95 % band [A] around the low-passed
     current of a recording that was left out, by its `MotionState`, without what days change;
     unseen: (P,), see `unseen_difference`; remarks: doubts about the fit; doubt:
@@ -54,8 +56,9 @@ class JointFit:
     """
 
     terms: tuple[str, ...]
+    distances: tuple[float, ...]
     estimate: CoefficientEstimate
-    held: float
+    held: Array
     band_moving: float
     band_reversing: float
     band_standing: float
@@ -162,10 +165,10 @@ def motions(record: CurrentSamples) -> Iterator[JointMotion]:
 def predicted_currents(fit: CurrentFit, joints: Iterable[JointMotion]) -> Array:
     """Predict the currents (N, n) [A] of n joints' motion without contact."""
     currents = [
-        columns @ (model.estimate.coefficients if model.alone is None else model.alone)
-        + model.held * held_direction
+        columns_of(motion, model.terms)
+        @ (model.estimate.coefficients if model.alone is None else model.alone)
+        + held_columns(motion, model.distances) @ model.held
         for model, motion in zip(fit.joints, joints, strict=True)
-        for columns, held_direction in [columns_of(motion, model.terms)]
     ]
     return np.stack(currents, axis=1)
 
@@ -173,7 +176,7 @@ def predicted_currents(fit: CurrentFit, joints: Iterable[JointMotion]) -> Array:
 def friction_current(fit: CurrentFit, record: CurrentSamples) -> Array:
     """Return the part (N, 6) [A] of the predicted current that friction takes in motion."""
     currents = [
-        columns_of(motion, model.terms)[0][:, 2:] @ model.estimate.coefficients[2:]
+        columns_of(motion, model.terms)[:, 2:] @ model.estimate.coefficients[2:]
         for model, motion in zip(fit.joints, motions(record), strict=True)
     ]
     return np.stack(currents, axis=1)
@@ -218,7 +221,7 @@ def _coefficients_doubt(fit: CurrentFit, record: CurrentSamples) -> Array:
     doubts = np.zeros_like(record.q)
     for joint, (model, motion) in enumerate(zip(fit.joints, motions(record), strict=True)):
         if model.doubt is not None:
-            columns, _ = columns_of(motion, model.terms)
+            columns = columns_of(motion, model.terms)
             doubts[:, joint] = np.sqrt(((columns @ model.doubt) * columns).sum(axis=1))
     return doubts
 

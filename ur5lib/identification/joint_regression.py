@@ -1,13 +1,24 @@
 """Regression of one joint's samples: in motion, at rest, and with each path left out."""
 
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
 import numpy as np
 
 from ur5lib.identification.prior import Prior
-from ur5lib.identification.regression import REWEIGHTING_ROUNDS, Regression, huber_weight, regress
+from ur5lib.identification.regression import (
+    REWEIGHTING_ROUNDS,
+    Normal,
+    Regression,
+    huber_weight,
+    posterior_mean,
+    regress,
+)
 from ur5lib.identification.samples import JointSamples, apart_from
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Mask
 
 HELD_FRICTION_SHARE = -0.45  # `held_current` over Coulomb friction: median of four arms' 24 joints
+MAX_FOLDS = 10  # of cross-fitting
 MIN_SAMPLES = 20  # (2 s) of which an error is stated
 
 
@@ -16,17 +27,35 @@ def left_out_residuals(samples: JointSamples, prior: Prior) -> Array:
 
     They are of other days, too, if these have enough paths. A single path is predicted from itself.
     """
+    return unseen_residuals(samples, [*fits_to_others(samples, prior)])
+
+
+class LeftOutFit(NamedTuple):
+    """Samples that are left out (n,), those that are fitted to, and the coefficients (P,) of these
+    in motion.
+    """
+
+    test: Mask
+    fitted: Mask
+    coefficients: Array
+
+
+def fits_to_others(samples: JointSamples, prior: Prior) -> Iterator[LeftOutFit]:
+    """Yield fits to what shares neither path nor day with samples, at most MAX_FOLDS together."""
+    fold = np.unique(samples.path, return_inverse=True)[1] % MAX_FOLDS
+    for left_out in np.unique(fold):
+        test = fold == left_out
+        fitted = apart_from(test, samples.path, samples.day) | bool(test.all())
+        coefficients = regress_samples(samples.where(fitted), prior).coefficients
+        yield LeftOutFit(test, fitted, coefficients)
+
+
+def unseen_residuals(samples: JointSamples, fits: Sequence[LeftOutFit]) -> Array:
+    """Return measured minus predicted current (n,) [A] by `fits_to_others`."""
     residual = np.full(len(samples.current), np.nan)
-    present = np.unique(samples.path)
-    for left_out in present:
-        test = samples.path == left_out
-        training = samples.where(apart_from(test, samples.path, samples.day) | (len(present) == 1))
-        tested = samples.where(test)
-        coefficients = regress_samples(training, prior).coefficients
-        held_friction = held_current(training, coefficients)
-        residual[test] = (
-            tested.current - tested.columns @ coefficients - held_friction * tested.held
-        )
+    for test, fitted, coefficients in fits:
+        held, tested = held_current(samples.where(fitted), coefficients), samples.where(test)
+        residual[test] = tested.current - tested.columns @ coefficients - tested.held @ held
     return residual
 
 
@@ -37,21 +66,21 @@ def regress_samples(samples: JointSamples, prior: Prior) -> Regression:
     return regress(moving.columns, moving.current, moving.block, *prior_and_noise)
 
 
-def held_current(samples: JointSamples, coefficients: Array) -> float:
-    """Return the current [A] of friction at rest beyond that in motion, may be negative.
+def held_current(samples: JointSamples, coefficients: Array) -> Array:
+    """Return the currents s (1 + D,) [A] of friction at rest beyond that in motion, of any sign.
 
-    Huber's estimate of s in residual = s held, over the samples at rest. Friction differs from stop
-    to stop, and one hardly shows s: HELD_FRICTION_SHARE of Coulomb friction counts as one more, of
-    mean length.
+    Huber's estimate of s in residual = held s, over the samples at rest. Friction differs from stop
+    to stop, and one hardly shows s: HELD_FRICTION_SHARE of Coulomb friction, and nothing over other
+    distances, counts as one more, of mean length.
     """
     resting, stop = samples.where(~samples.moving), samples.stop[~samples.moving]
     residual = resting.current - resting.columns @ coefficients
     stop_weight = len(stop) / max(1, len(np.unique(stop)))
-    usual = slope = HELD_FRICTION_SHARE * max(0.0, float(coefficients[2]))
+    usual = np.zeros(resting.held.shape[1])
+    usual[0] = HELD_FRICTION_SHARE * max(0.0, float(coefficients[2]))
+    known, slopes = Normal(usual, stop_weight * np.eye(len(usual))), usual
     for _ in range(REWEIGHTING_ROUNDS if resting.held.any() else 0):
-        # s = (Σ w h r + n s₀) / (Σ w h² + n)
-        weight = huber_weight(residual - slope * resting.held) * resting.held
-        slope = float(
-            (weight @ residual + stop_weight * usual) / (weight @ resting.held + stop_weight)
-        )
-    return slope
+        # (Hᵀ W H + n) s = Hᵀ W r + n s₀
+        weighted = resting.held.T * huber_weight(residual - resting.held @ slopes)
+        slopes = posterior_mean(weighted @ resting.held, weighted @ residual, known)
+    return slopes

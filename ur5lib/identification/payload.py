@@ -18,6 +18,7 @@ from ur5lib.identification.samples import (
     Smooth,
     blocks,
     columns_of,
+    held_columns,
     smoothed_moving,
 )
 from ur5lib.robots.friction import GEAR_EFFICIENCY_STD, JointMotion
@@ -222,7 +223,7 @@ def _motions_under(joints: Sequence[JointMotion], torque: Array) -> Iterator[Joi
 def _low_passed_columns(
     fit: CurrentFit, joints: Iterable[JointMotion], record: CurrentSamples, smooth: Smooth
 ) -> list[Array]:
-    """Return columns, held and current (n, P + 2) of each joint, low-passed and thinned.
+    """Return columns, held and current (n, P + D + 2) of each joint, low-passed and thinned.
 
     They are NaN, and break the low-pass, where those of any joint are.
     """
@@ -230,7 +231,8 @@ def _low_passed_columns(
     finite = np.isfinite(record.current - predicted_currents(fit, moves)).all(axis=1)
     sources = []
     for motion, model, current in zip(moves, fit.joints, record.current.T, strict=True):
-        columns = np.column_stack([*columns_of(motion, model.terms), current])
+        known = columns_of(motion, model.terms), held_columns(motion, model.distances)
+        columns = np.column_stack([*known, current])
         columns[~finite] = np.nan
         sources.append(smooth(columns, record)[::stride].copy())
     return sources
@@ -240,7 +242,7 @@ def _unexplained_current(fit: CurrentFit, maps: Maps, sources: Sequence[Array]) 
     """Return the currents (n, 6) [A] less those predicted; sources: as by `_low_passed_columns`."""
     joints = zip(sources, maps, fit.joints, strict=True)
     currents = [
-        columns @ [*-coefficients, -model.held, 1.0] for columns, coefficients, model in joints
+        columns @ [*-coefficients, *-model.held, 1.0] for columns, coefficients, model in joints
     ]
     return np.stack(currents, axis=1)
 

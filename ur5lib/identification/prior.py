@@ -59,15 +59,16 @@ class Prior:
     """Prior of n joints: of 1/k [A/Nm]; torque_max: of the motors (n,) [Nm]; measured: what is
     predicted; of torques, k is the gain [Nm/Nm].
 
-    terms: of friction, that are fitted; pinned: joints from 0 whose 1/k keeps the prior's mean,
-    regardless of the data; typical:
-    friction and offset by their names, none where they are unknown;
-    at_rest: postures of the arm, whose gravity tells 1/k beside its motions.
+    terms: of friction, that are fitted; distances: [rad], over which friction at rest reverses
+    beside the usual one; pinned: joints from 0 whose 1/k keeps the prior's mean, regardless of the
+    data; typical: friction and offset by their names, none where they are unknown; at_rest:
+    postures of the arm, whose gravity tells 1/k beside its motions.
     """
 
     inverse_constant: Normal
     torque_max: Array
     terms: tuple[str, ...] = FITTED_TERMS
+    distances: tuple[float, ...] = ()
     pinned: tuple[int, ...] = ()
     typical: Mapping[str, Typical] = field(default_factory=dict)
     at_rest: AtRest | None = None
@@ -103,7 +104,12 @@ class Prior:
             for name, coefficient in self.typical.items()
         }
         return Prior(
-            inverse, self.torque_max[rows], self.terms, typical=typical, measured=self.measured
+            inverse,
+            self.torque_max[rows],
+            self.terms,
+            self.distances,
+            typical=typical,
+            measured=self.measured,
         )
 
     def over(self, terms: Sequence[str]) -> Normal:

@@ -15,6 +15,7 @@ import numpy as np
 from ur5lib.robots.friction import (
     FITTED_TERMS,
     PRESLIDING_DISTANCE,
+    REST_DISTANCES,
     USUAL_TEMPERATURE,
     JointMotion,
     ShaftMotion,
@@ -58,9 +59,8 @@ class CurrentSamples:
     period: [s]; segment: (N,) labels of unbroken stretches; q, qd: (N, 6) [rad, rad/s];
     torque: (N, 6) [Nm], of the rigid-body model at that motion; current: (N, 6) [A]; temperature:
     (N, 6) [°C], of the motors, where it was recorded; shafts: of coupled motors; balanced: joints
-    from 0 on which springs or counterbalances act; presliding: [rad], over which dry friction
-    reverses; qdd: (N, 6) [rad/s²], where rotors are fitted, too; day: any label of its date, the
-    same for all where dates are unknown.
+    from 0 on which springs or counterbalances act; qdd: (N, 6) [rad/s²], where rotors are fitted,
+    too; day: any label of its date, the same for all where dates are unknown.
     """
 
     name: str
@@ -73,7 +73,6 @@ class CurrentSamples:
     temperature: Array | None = None
     shafts: Shafts | None = None
     balanced: Sequence[int] = ()
-    presliding: float = PRESLIDING_DISTANCE
     qdd: Array | None = None
     day: str = ""
     # What was low-passed once: fits without each path need the same samples again.
@@ -88,22 +87,19 @@ class CurrentSamples:
     def joint(self, joint: int) -> JointMotion:
         """Return the motion of joint 0 to 5."""
         q, qd, torque = (values[:, joint] for values in (self.q, self.qd, self.torque))
-        direction = self._direction(q, qd)
+        direction_over = partial(direction_between, q, qd, self.segment, self.period)
         warmth = 0.0 if self.temperature is None else self.temperature[:, joint] - USUAL_TEMPERATURE
         shaft, is_balanced = self._shaft(joint), joint in self.balanced
         qdd = 0.0 if self.qdd is None else self.qdd[:, joint]
-        return JointMotion(q, qd, torque, direction, warmth, shaft, is_balanced, qdd)
+        further = warmth, shaft, is_balanced, qdd, direction_over
+        return JointMotion(q, qd, torque, direction_over(PRESLIDING_DISTANCE), *further)
 
     def _shaft(self, joint: int) -> ShaftMotion | None:
         """Return the motion of the coupled motor that a joint turns with, if any."""
         if self.shafts is None or np.isnan(self.shafts.q[:, joint]).all():
             return None
         q, qd, qdd = (values[:, joint] for values in vars(self.shafts).values())
-        return ShaftMotion(qd, qdd, self._direction(q, qd))
-
-    def _direction(self, q: Array, qd: Array) -> Array:
-        """Return the direction (N,) of dry friction of a motion (N,) [rad, rad/s]."""
-        return direction_between(q, qd, self.segment, self.period, self.presliding)
+        return ShaftMotion(qd, qdd, direction_between(q, qd, self.segment, self.period))
 
 
 # A zero-phase low-pass of (N, M) samples of a recording, within its segments.
@@ -114,14 +110,15 @@ Smooth = Callable[[Array, CurrentSamples], Array]
 class JointSamples:
     """Samples of one joint from all recordings.
 
-    columns: (n, P), of the torque, an offset, and the terms; held: (n,), direction of
-    the friction that holds a joint at rest; current: (n,) [A]; state: (n,), a `MotionState`;
+    columns: (n, P), of the torque, an offset, and the terms; held: (n, 1 + D), see `held_columns`,
+    of these distances; current: (n,) [A]; state: (n,), a `MotionState`;
     block, record, path, day: (n,) labels; recordings of one trajectory
     share a path and are left out together; unit: (n,) labels of the units of the bootstrap: paths,
     or stretches of 10 s if paths are few, or blocks if stretches are few, too.
     """
 
     terms: tuple[str, ...]
+    distances: tuple[float, ...]
     columns: Array
     held: Array
     current: Array
@@ -143,11 +140,14 @@ class JointSamples:
         new = self.moving | (np.diff(self.record, prepend=0) != 0)
         return np.cumsum(new)
 
-    def without(self, last: Sequence[str]) -> "JointSamples":
-        """Return the samples without the last terms."""
-        terms = self.terms[: -len(last)]
+    def of(self, terms: Sequence[str], distances: Sequence[float]) -> "JointSamples":
+        """Return the samples with some of their terms and distances."""
+        names, wanted = coefficient_names(self.terms), coefficient_names(terms)
+        places = [0, 1, *(2 + names.index(name) for name in wanted)]
+        held = [0, *(1 + self.distances.index(distance) for distance in distances)]
+        columns, kept = self.columns[:, places], self.held[:, held]
         return replace(
-            self, terms=terms, columns=self.columns[:, : 2 + len(coefficient_names(terms))]
+            self, terms=tuple(terms), distances=tuple(distances), columns=columns, held=kept
         )
 
     def where(self, rows: Mask) -> "JointSamples":
@@ -188,7 +188,7 @@ def joint_samples(
         parts = (path, block // BLOCKS_PER_STRETCH)
         unit = next((part for part in parts if len(np.unique(part)) >= MIN_UNITS), block)
         remaining = held, current, state, block, record, path, days[record], unit
-        joints.append(JointSamples(tuple(terms), columns, *remaining))
+        joints.append(JointSamples(tuple(terms), REST_DISTANCES, columns, *remaining))
     return joints
 
 
@@ -222,13 +222,19 @@ def path_of(q: Array, qd: Array, period: float) -> PathStates:
     return PathStates.from_motion(q, qd, max(1, round(INDEPENDENT_STEP / period)))
 
 
-def columns_of(motion: JointMotion, terms: Sequence[str]) -> tuple[Array, Array]:
-    """Return the columns (N, P) of a joint's torque, an offset and terms, and the direction (N,) of
-    the friction that holds the joint at rest.
-    """
+def columns_of(motion: JointMotion, terms: Sequence[str]) -> Array:
+    """Return the columns (N, P) of a joint's torque, an offset and terms."""
     ones = np.ones_like(motion.torque)
-    columns = np.column_stack([motion.torque, ones, friction_columns(motion, terms)])
-    return columns, motion.direction * rest_factor(motion.qd)
+    return np.column_stack([motion.torque, ones, friction_columns(motion, terms)])
+
+
+def held_columns(motion: JointMotion, distances: Sequence[float]) -> Array:
+    """Return the columns (N, 1 + D) of the friction that holds a joint at rest: its direction, and
+    by how much that over each of other distances [rad] differs.
+    """
+    others = [motion.direction_over(distance) - motion.direction for distance in distances]
+    columns: Array = np.stack([motion.direction, *others], axis=1) * rest_factor(motion.qd)[:, None]
+    return columns
 
 
 def smoothed_moving(record: CurrentSamples, smooth: Smooth) -> Mask:
@@ -259,8 +265,9 @@ def _record_samples(
         key = smooth, terms, joint
         smoothed = record.once(key, partial(_smoothed_columns, record, *key, stride))
         finite = np.isfinite(smoothed).all(axis=1)
-        columns, (held, current) = smoothed[finite, :-2], smoothed[finite, -2:].T
-        joints.append((columns, held, current, state[finite, joint], block[::stride][finite]))
+        columns, held, current = np.split(smoothed[finite], [-2 - len(REST_DISTANCES), -1], axis=1)
+        labels = state[finite, joint], block[::stride][finite]
+        joints.append((columns, held, current[:, 0], *labels))
     return joints
 
 
@@ -269,8 +276,8 @@ def _smoothed_columns(
 ) -> Array:
     """Return the columns of a joint, held and current, low-passed, and every so many rows."""
     motion = record.joint(joint)
-    sources = (*columns_of(motion, terms), record.current[:, joint])
-    return smooth(np.column_stack(sources), record)[::stride].copy()
+    sources = columns_of(motion, terms), held_columns(motion, REST_DISTANCES)
+    return smooth(np.column_stack([*sources, record.current[:, joint]]), record)[::stride].copy()
 
 
 def blocks(record: CurrentSamples) -> Labels:

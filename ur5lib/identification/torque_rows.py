@@ -5,7 +5,6 @@
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
-from typing import Self
 
 import numpy as np
 
@@ -40,10 +39,6 @@ class MeasuredRun:
     qdd: Array
     regressor: Callable[[Array, Array, Array], Array]
 
-    def over(self, presliding: float) -> Self:
-        """Return the same with friction that reverses over another distance [rad]."""
-        return replace(self, samples=replace(self.samples, presliding=presliding))
-
 
 @dataclass(frozen=True)
 class TorqueRows:
@@ -51,13 +46,12 @@ class TorqueRows:
 
     units: blocks that are left out together; terms: of friction whose columns they have, after
     those of the links: of joint 1 an offset, the terms' and a balance's, then of joint 2; motors:
-    those, from 1, that turn with two joints, whose one friction brakes both; presliding: [rad].
+    those, from 1, that turn with two joints, whose one friction brakes both.
     """
 
     units: Sequence[Block]
     terms: Sequence[str]
     motors: Collection[int]
-    presliding: float
 
     @property
     def joints(self) -> int:
@@ -120,7 +114,7 @@ def torque_rows(
         raise RefusalError("no torque of joints", joints=[str(joint) for joint in still])
     units = [(rows[unit == label], torques[unit == label]) for label in np.unique(unit)]
     motors = [*(1 + np.flatnonzero(coupled_motors(shafts)))]
-    return TorqueRows(units, [*terms], motors, samples[0].presliding)
+    return TorqueRows(units, [*terms], motors)
 
 
 def run_rows(

@@ -270,12 +270,10 @@ class Robot(Described):
     behind them, or of a side that nobody said, which count as the joints'; drives: how its
     controller counts; links: `unknown` where masses, centres and
     inertias are placeholders, which the recordings replace, `fitted` where they have; weight: of
-    all links together, at most [kg]; friction_terms: of its gears, beside the usual ones
-    (`ur5lib.robots.friction`); presliding: [rad], over which their friction reverses, None: as a
-    UR's; balanced_joints: on which a spring or a counterbalance acts, 1 to n; wrist_sensor: whether
-    a force sensor is built into its flange; calibration: of one individual arm, frame k as the
-    turned joint k carries it, in place of `denavit_hartenberg`, which an arm described from its
-    URDF has not.
+    all links together, at most [kg]; balanced_joints: on which a spring or a counterbalance acts,
+    1 to n; wrist_sensor: whether a force sensor is built into its flange; calibration: of one
+    individual arm, frame k as the turned joint k carries it, in place of `denavit_hartenberg`,
+    which an arm described from its URDF has not.
     """
 
     name: str
@@ -289,8 +287,6 @@ class Robot(Described):
     drives: Drives = Drives()
     links: Literal["known", "unknown", "fitted"] = "known"
     weight: Positive | None = None
-    friction_terms: list[Literal["velocity_root", "velocity_square"]] = Field(default_factory=list)
-    presliding: Positive | None = None
     balanced_joints: list[int] = Field(default_factory=list)
     masses: PerLink[Positive]
     models: dict[str, Model]

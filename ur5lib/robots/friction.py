@@ -11,15 +11,17 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.segments import DEAD_ZONE, starts
+from ur5lib.timeseries.segments import DEAD_ZONE, by_segment, starts
 from ur5lib.workspace.extensions import additions, failed
 
 GEAR_EFFICIENCY_STD = 0.03  # relative, of the gears' efficiency between runs and poses
 # With which the largest torque turns a rotor alone, at least: 90 rad/s² on a UR5, 360 on a TX40.
 ROTOR_ACCELERATION = 50.0  # rad/s²
-# Presliding distance: Coulomb torque over it is the stiffness of a gear, 1e4 to 1e5 Nm/rad; shorter
-# ones are below the encoder's resolution of a UR.
+# Presliding distance: Coulomb torque over it is the stiffness of a gear, 1e4 to 1e5 Nm/rad.
 PRESLIDING_DISTANCE = 1e-4  # rad
+# Over which a part of the friction that holds a joint at rest may reverse: at once, as by noise and
+# hunting, or with a long memory.
+REST_DISTANCES = (1e-5, 1e-3)  # rad
 FINE_STEP = 0.01  # s; within steps of slower logs, joints reverse between samples
 # Of a joint in motion, at which friction has the coefficients of its other terms.
 USUAL_TEMPERATURE = 30.0  # °C
@@ -44,7 +46,8 @@ class JointMotion:
     q [rad], qd [rad/s]; torque: of the rigid-body model [Nm]; direction: of its dry friction, -1 to
     1, see `friction_direction`; warmth: [K], above USUAL_TEMPERATURE, 0 where it was not recorded;
     shaft: of a coupled motor, with the joint's own motion in it or not; balanced: whether a spring
-    or a counterbalance acts on the joint; qdd: [rad/s²], 0 where the link model has the rotor.
+    or a counterbalance acts on the joint; qdd: [rad/s²], 0 where the link model has the rotor;
+    direction_over: returns the direction of dry friction that reverses over another distance [rad].
     """
 
     q: Array
@@ -55,6 +58,7 @@ class JointMotion:
     shaft: ShaftMotion | None = None
     balanced: bool = False
     qdd: Array | float = 0.0
+    direction_over: Callable[[float], Array] = lambda _: np.zeros(1)
 
 
 @dataclass(frozen=True)
@@ -85,8 +89,16 @@ TERMS = {
         expected=lambda torque_max: 0.005 * torque_max,
         parts=("sin", "cos"),
     ),
-    # lubricated gears: friction grows less, or more, than in proportion to speed
-    "velocity_root": Term(lambda motion: [np.sqrt(np.abs(motion.qd)) * np.sign(motion.qd)]),
+    # lubricated gears: friction grows less, or more, than in proportion to speed; the root is less
+    # its nearest line up to 1 rad/s, so that Coulomb and viscous friction are what is known of them
+    "velocity_root": Term(
+        lambda motion: [
+            np.sqrt(np.abs(motion.qd)) * np.sign(motion.qd)
+            - 4 / 15 * motion.direction
+            - 4 / 5 * motion.qd
+        ],
+        expected=lambda torque_max: 0.1 * torque_max,
+    ),
     "velocity_square": Term(lambda motion: [np.abs(motion.qd) * motion.qd]),
     # a spring or a counterbalance, as a mass that no link has
     "balance": Term(
@@ -100,8 +112,8 @@ TERMS = {
     ),
     "coupled": Term(lambda motion: _shaft_columns(motion), parts=("coulomb", "viscous", "rotor")),
 }
-# Of gears of other makers, chosen for an arm by paths that no fit has seen.
-OPTIONAL_TERMS = ("velocity_root", "velocity_square", "coupled", "balance")
+SPEED_TERMS = ("velocity_root", "velocity_square")  # kept, or added, by paths left out
+OPTIONAL_TERMS = (*SPEED_TERMS, "coupled", "balance")  # which some arms or joints have
 
 
 def _shaft_columns(motion: JointMotion) -> list[Array]:
@@ -137,7 +149,7 @@ def direction_between(
     distance: float = PRESLIDING_DISTANCE,
 ) -> Array:
     """Return the direction (N,) of dry friction, as `friction_direction`, of a motion that may be
-    logged slowly: the joint reverses between samples, too.
+    logged slowly: the joint reverses between samples, too, about each of which it is the mean.
 
     q, qd: (N,) [rad, rad/s], cubic Hermite splines from sample to sample; period: [s]; distance:
     [rad].
@@ -148,12 +160,19 @@ def direction_between(
     # q(s) of 0 < s <= 1 between samples, by both ends' positions and velocities
     s = np.arange(1, parts + 1) / parts
     rising, start, end = s * s * (3 - 2 * s), s * (1 - s) ** 2, s * s * (s - 1)
-    step, velocity = np.diff(q)[:, None], period * qd[:, None]
-    fine = q[:-1, None] + rising * step + start * velocity[:-1] + end * velocity[1:]
-    whole = np.append(q[0], fine)
+    unbroken, step, velocity = ~starts(segment)[1:, None], np.diff(q)[:, None], period * qd[:, None]
+    moved = rising * step + start * velocity[:-1] + end * velocity[1:]
+    fine = q[:-1, None] + unbroken * moved
+    fine[:, -1] = q[1:]  # each last one is the next sample
     labels = np.repeat(segment[:-1, None], parts, axis=1)
-    labels[:, -1] = segment[1:]  # each last one is the next sample
-    return friction_direction(whole, np.append(segment[0], labels), distance)[::parts]
+    labels[:, -1] = segment[1:]
+    labels = np.append(segment[0], labels)
+    direction = friction_direction(np.append(q[0], fine), labels, distance)
+    from scipy.ndimage import uniform_filter1d  # slow to import, as above
+
+    return by_segment(uniform_filter1d, direction[:, None], labels, parts // 2 * 2 + 1, 0)[
+        ::parts, 0
+    ]
 
 
 def rest_factor(qd: Array) -> Array:
@@ -186,7 +205,7 @@ def extension_terms(shipped: Collection[str]) -> dict[str, Term]:
 
 EXTENSION_TERMS = extension_terms(TERMS)
 TERMS |= EXTENSION_TERMS
-FITTED_TERMS = (*BASE_TERMS, *EXTENSION_TERMS)
+FITTED_TERMS = (*BASE_TERMS, "velocity_root", *EXTENSION_TERMS)
 
 
 def term_of(name: str) -> Term:

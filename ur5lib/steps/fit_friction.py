@@ -125,7 +125,9 @@ def fitted_friction(
         parameters=parameters(fit, prior.measured),
         known_constants=known_constants(prior),
         least_squares=least_squares_coefficients(records),
-        cross_validation=fitted_on_tested_on(records, smooth, prior),
+        cross_validation=fitted_on_tested_on(
+            records, smooth, replace(prior, terms=fit.joints[0].terms)
+        ),
         model=model,
         remarks=doubts,
     )

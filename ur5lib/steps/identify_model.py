@@ -144,8 +144,6 @@ def with_fitted(arm: Robot, fitted: FittedArm) -> Robot:
             "masses": model.masses,
             "models": {"identified": model},
             "chosen_model": "identified",
-            "friction_terms": fitted.terms,
-            "presliding": fitted.presliding,
             "balanced_joints": fitted.balanced,
         }
     )

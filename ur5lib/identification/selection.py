@@ -1,0 +1,106 @@
+"""Which terms of friction an arm has beside the usual ones: those with which paths, or dates, are
+predicted better by fits that have not seen them.
+
+In motion, an arm may do without the root of the velocity, or have its square, too; at rest, a part
+of the friction that holds a joint may reverse over one other distance.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ur5lib.identification.joint_regression import LeftOutFit, fits_to_others, unseen_residuals
+from ur5lib.identification.prior import Prior
+from ur5lib.identification.samples import MIN_PATHS, JointSamples
+from ur5lib.robots.friction import REST_DISTANCES, SPEED_TERMS
+from ur5lib.timeseries.arrays import Array
+
+# What a change takes at least off the squared error on what is left out, in motion or at rest, and
+# by how many standard errors.
+MIN_SHARE, MIN_SHARE_AT_REST, MIN_DEVIATIONS = 0.02, 0.1, 2.0
+
+
+def with_shown_terms(samples: Sequence[JointSamples], prior: Prior) -> Prior:
+    """Return a prior over the terms and the distance that what is left out shows, of all joints.
+
+    samples: of the joints, with all columns. Of fewer paths than MIN_PATHS, stretches are left out.
+    """
+    samples = [*map(in_units, samples)]
+    fits = fits_of(samples, prior)
+    known = residuals(samples, prior, fits)
+    for term in SPEED_TERMS:
+        others = tuple(own for own in prior.terms if own != term)
+        changed = replace(prior, terms=others if term in prior.terms else (*others, term))
+        trial_fits = fits_of(samples, changed)
+        trial = residuals(samples, changed, trial_fits)
+        if shows(samples, known, trial, moving=True):
+            prior, fits, known = changed, trial_fits, trial
+    trials = {
+        distance: residuals(samples, replace(prior, distances=(distance,)), fits)
+        for distance in REST_DISTANCES
+    }
+    best = min(trials, key=lambda own: float(np.sum(errors(samples, known, trials[own], False))))
+    shown = shows(samples, known, trials[best], moving=False)
+    return replace(prior, distances=(best,)) if shown else prior
+
+
+def in_units(samples: JointSamples) -> JointSamples:
+    """Return samples whose paths are what is left out together."""
+    if len(np.unique(samples.path)) >= MIN_PATHS:
+        return samples
+    return replace(samples, path=samples.unit, day=0 * samples.day)
+
+
+def fits_of(samples: Sequence[JointSamples], prior: Prior) -> list[list[LeftOutFit]]:
+    """Return the fits of each joint to what is not left out."""
+    return [
+        [*fits_to_others(own.of(prior.terms, ()), prior.of_joint(joint))]
+        for joint, own in enumerate(samples)
+    ]
+
+
+def residuals(
+    samples: Sequence[JointSamples], prior: Prior, fits: Sequence[Sequence[LeftOutFit]]
+) -> list[Array]:
+    """Return what each joint's fits to others leave of its samples (n,) [A]."""
+    chosen = [own.of(prior.terms, prior.distances) for own in samples]
+    return [*map(unseen_residuals, chosen, fits)]
+
+
+def errors(
+    samples: Sequence[JointSamples], known: Sequence[Array], left: Sequence[Array], moving: bool
+) -> Array:
+    """Return Σ r² / mean(r₀²) over the joints, in motion or at rest, of each path (G,).
+
+    left, known: residuals r, and those by which they are weighed r₀, of each joint.
+    """
+    count = 1 + max(int(own.path.max(initial=0)) for own in samples)
+    total = np.zeros(count)
+    for own, usual, residual in zip(samples, known, left, strict=True):
+        rows = own.moving == moving
+        size = float(np.sum(usual[rows] ** 2)) / max(1, np.count_nonzero(rows))
+        total += np.bincount(own.path[rows], residual[rows] ** 2 / (size or 1.0), count)
+    return total
+
+
+def shows(
+    samples: Sequence[JointSamples], known: Sequence[Array], trial: Sequence[Array], moving: bool
+) -> bool:
+    """Return whether residuals on trial are less than the known ones, in motion or at rest."""
+    before, after = (errors(samples, known, left, moving) for left in (known, trial))
+    met = before > 0
+    share = MIN_SHARE if moving else MIN_SHARE_AT_REST
+    return is_less(after[met], before[met], share, MIN_DEVIATIONS)
+
+
+def is_less(trial: Array, errors: Array, share: float, deviations: float) -> bool:
+    """Return whether squared errors on what is left out (G,) are surely less, and by some share.
+
+    A paired test of their logarithms: their mean falls by so many standard errors.
+    """
+    if len(errors) < MIN_PATHS:
+        return False
+    gain = np.log(errors / trial)
+    error = gain.std(ddof=1) / np.sqrt(len(gain))
+    return bool(gain.mean() > max(share, deviations * error))
