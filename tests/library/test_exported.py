@@ -17,7 +17,7 @@ from tests.rigid import check_rigid
 from ur5lib.cli import app
 from ur5lib.commands.compensation import offset_of
 from ur5lib.commands.described import describe_urdf
-from ur5lib.commands.exported import exported, simulator_friction
+from ur5lib.commands.exported import WRITERS, exported, simulator_friction
 from ur5lib.commands.replay import SERVO_RANGE, deviation, inverse_dynamics, read_model
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
@@ -35,7 +35,7 @@ from ur5lib.timeseries.arrays import Array
 JOINTS = [f"joint_{k}" for k in range(1, 7)]
 RANDOM = np.random.default_rng(3)
 STATES = RANDOM.uniform(-1.5, 1.5, (3, 40, 6))
-FRICTION = JointFriction(np.arange(1.0, 7.0), np.linspace(0.5, 3, 6))
+FRICTION = JointFriction(np.arange(1.0, 7.0), np.linspace(0.5, 3, 6), np.linspace(0.9, 1, 6))
 GRAVITY = np.array([1.0, -2.0, 9.0])
 
 
@@ -170,7 +170,8 @@ def test_friction_is_that_of_all_joints() -> None:
     study = SimpleNamespace(parameters=lambda *_: found, record=lambda kind, _: records[kind])
     exported_friction = simulator_friction("mine", "maker", study)
     assert exported_friction is not None
-    np.testing.assert_allclose([*vars(exported_friction).values()], [coulomb, viscous])
+    known = [coulomb, viscous, np.ones(7)]
+    np.testing.assert_allclose([*vars(exported_friction).values()], known)
 
 
 def test_urdf_has_the_same_friction() -> None:
@@ -184,7 +185,10 @@ def test_urdf_has_the_same_friction() -> None:
 @pytest.mark.parametrize("unknown", [2, 6])
 def test_unknown_friction_is_left_out(unknown: int) -> None:
     coulomb = np.where(np.arange(1, 7) == unknown, np.nan, FRICTION.coulomb)
-    friction, robot = JointFriction(coulomb, FRICTION.viscous), load_robot(robot_path("ur5e"))
+    friction, robot = (
+        JointFriction(coulomb, FRICTION.viscous, FRICTION.share),
+        load_robot(robot_path("ur5e")),
+    )
     bodies, others = rigid_bodies(robot, "maker"), {*JOINTS} - {f"joint_{unknown}"}
     for text, place in (
         (urdf(robot, bodies, friction), "dynamics"),
@@ -270,6 +274,15 @@ def test_sdf_has_limits_and_friction() -> None:
 def test_links_can_exist(name: str) -> None:
     for model in load_robot(robot_path(name)).models:
         check_rigid(name, model)
+
+
+def test_each_format_says_which_part_of_friction_it_has() -> None:
+    """And of an arm as described, whose friction nobody identified, nothing."""
+    robot = load_robot(robot_path("ur5e"))
+    for to in ("urdf", "mjcf", "sdf", "isaac"):
+        texts = [WRITERS[to](robot, "maker", friction) for friction in (FRICTION, None)]
+        assert [FRICTION.note() in text for text in texts] == [True, False]
+    assert "90.0%" in FRICTION.note()
 
 
 def test_isaac_has_rotors_limits_and_friction() -> None:

@@ -128,7 +128,8 @@ def motor_torque(fit: CurrentFit, current: Array) -> Array:
 
 
 def _coulomb_and_viscous(qd: Array, torque: Array) -> Array:
-    """Return Coulomb and viscous friction (2,) [Nm, Nm s/rad] by non-negative least squares.
+    """Return Coulomb and viscous friction [Nm, Nm s/rad] by non-negative least squares, and the
+    share of the mean square that they have, (3,).
 
     NaN for a joint with too few samples in motion.
     """
@@ -136,9 +137,10 @@ def _coulomb_and_viscous(qd: Array, torque: Array) -> Array:
 
     moving = (np.abs(qd) > DEAD_ZONE) & np.isfinite(torque)
     if np.count_nonzero(moving) < MIN_MOVING_SAMPLES:
-        return np.full(2, np.nan)
+        return np.full(3, np.nan)
     columns = np.column_stack([np.sign(qd), qd])[moving]
-    return np.asarray(nnls(columns, torque[moving])[0])
+    values, left = nnls(columns, torque[moving])
+    return np.append(values, 1 - left**2 / np.sum(torque[moving] ** 2))
 
 
 def described_arm(arm: Robot, model: str) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from xml.etree.ElementTree import Element, SubElement, indent, tostring
+from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 
 import yaml
 
@@ -12,6 +12,10 @@ from ur5lib.robots.inertia import RigidBodies, link_tail, rigid_bodies
 from ur5lib.timeseries.arrays import Array
 
 SDF_VERSION = "1.9"
+FRICTION_NOTE = (
+    "Of the identified friction, Coulomb and viscous friction that come closest to it; root and "
+    "square of the velocity, friction by load and its reversal over a distance have no element."
+)
 STICK_RADIUS = 0.03  # m
 ISAAC_HEAD = """\
 # Fields of ImplicitActuatorCfg in Isaac Lab 2, for the joints of `ur5 export --to urdf`.
@@ -24,16 +28,23 @@ ISAAC_HEAD = """\
 class JointFriction:
     """Friction in the form of simulators, (6,) each: coulomb [Nm], viscous [Nm s/rad].
 
-    NaN for joints that moved too little.
+    NaN for joints that moved too little. share: of the mean square of the identified friction in
+    motion, what these two have of it; the rest is of terms that no simulator knows.
     """
 
     coulomb: Array
     viscous: Array
+    share: Array
 
     def coefficients(self, joint: int) -> tuple[float, float] | None:
         """Return coulomb and viscous friction of joint 1 to 6, None where it is unknown."""
         pair = float(self.coulomb[joint - 1]), float(self.viscous[joint - 1])
         return None if any(map(math.isnan, pair)) else pair
+
+    def note(self) -> str:
+        """Return which part of the identified friction a simulator has."""
+        shares = ", ".join("-" if math.isnan(own) else f"{own:.1%}" for own in self.share)
+        return f"{FRICTION_NOTE} Joints from 1 have so much of its mean square in motion: {shares}."
 
 
 def urdf(robot: Robot, bodies: RigidBodies, friction: JointFriction | None = None) -> str:
@@ -45,6 +56,7 @@ def urdf(robot: Robot, bodies: RigidBodies, friction: JointFriction | None = Non
     `model.dof_armature` in MuJoCo.
     """
     root = Element("robot", name=robot.name)
+    _add_note(root, friction)
     SubElement(root, "link", name="frame_0")
     for k, pose in zip(robot.joint_numbers, robot.link_poses(), strict=True):
         link = SubElement(root, "link", name=f"link_{k}")
@@ -76,6 +88,7 @@ def sdf(robot: Robot, bodies: RigidBodies, friction: JointFriction | None = None
     world, in which an arm on a wall has to be turned. SDF has no element for rotor inertias.
     """
     root = Element("sdf", version=SDF_VERSION)
+    _add_note(root, friction)
     arm = SubElement(root, "model", name=robot.name)
     SubElement(arm, "link", name="frame_0")
     _sdf_joint(arm, "base", "fixed", "world", "frame_0")
@@ -120,7 +133,14 @@ def isaac(robot: Robot, model: str, friction: JointFriction | None) -> str:
         for name, values in fields.items()
     }
     arm = {"joint_names_expr": names, **by_joint}
-    return ISAAC_HEAD + yaml.safe_dump({"arm": arm}, sort_keys=False)
+    note = "" if friction is None else f"# {friction.note()}\n"
+    return ISAAC_HEAD + note + yaml.safe_dump({"arm": arm}, sort_keys=False)
+
+
+def _add_note(root: Element, friction: JointFriction | None) -> None:
+    """Add which part of the identified friction is written, as a comment."""
+    if friction is not None:
+        root.append(Comment(f" {friction.note()} "))
 
 
 def _urdf_joint(root: Element, name: str, kind: str, parent: str, child: str) -> Element:

@@ -37,7 +37,8 @@ def mjcf(robot: Robot, model: str, friction: JointFriction | None) -> str:
         motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
         motor.ctrllimited, motor.ctrlrange = True, (-torque_max, torque_max)
     spec.compile()
-    return str(spec.to_xml())
+    note = "" if friction is None else f"<!-- {friction.note()} -->\n"
+    return note + str(spec.to_xml())
 
 
 def add_arm(spec: mujoco.MjSpec, robot: Robot, model: str, share: float = 1e-12) -> mujoco.MjsBody:
