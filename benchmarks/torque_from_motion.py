@@ -24,6 +24,7 @@ from benchmarks.harness.torque_models import (
     linear_map,
     rigid_links,
     with_gears,
+    with_memory,
 )
 from ur5lib.leaderboard.tables import markdown
 from ur5lib.robots.description import load_robot, robot_path
@@ -83,6 +84,7 @@ def rows(fitted: Sequence[Run], judged: Sequence[Run]) -> Iterator[Row]:
     yield Row("linear map of 18 inputs", by_least_squares(linear_map))
     yield Row("rigid links, rotors, Coulomb, viscous, offset", by_least_squares(rigid_links))
     yield Row("+ root and square of velocity, counterbalances", by_least_squares(with_gears))
+    yield Row("+ dry friction with four memories", by_least_squares(with_memory))
     ours = Ours(fitted[0].arm, fitted)
     torques, halves = zip(*map(ours.predicted, judged), strict=True)
     yield Row("ours", torques, halves)

@@ -23,6 +23,7 @@ from ur5lib.records.carried import carried
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, robot_of
+from ur5lib.robots.friction import direction_between
 from ur5lib.steps.align_recording import align_recording
 from ur5lib.steps.compute_torques import joint_torques
 from ur5lib.steps.fit_friction import fitted_friction
@@ -34,6 +35,7 @@ from ur5lib.timeseries.lowpass import Butterworth
 MAX_GAP = 0.1  # s, as in studies
 MOTION, CURRENTS = Butterworth(4, 10.0), Butterworth(4, 2.0)
 SMOOTH = Smoother(*CURRENTS)
+MEMORIES = (1e-5, 1e-4, 1e-3, 1e-2)  # rad, over which parts of dry friction reverse
 RIDGE = 1e-8  # of the columns' mean squares: the regressor's columns depend on each other
 POINTS_OF_PROCESS = 600  # that a Gaussian process learns from
 
@@ -90,6 +92,17 @@ def with_gears(run: Run) -> Array:
     gears = [np.sign(qd) * np.sqrt(np.abs(qd)), qd * np.abs(qd), np.sin(q), np.cos(q)]
     further = np.stack(gears, axis=2).swapaxes(0, 1)
     return np.concatenate([rigid_links(run), in_rows(further)], axis=2)
+
+
+def with_memory(run: Run) -> Array:
+    """Return the same with Coulomb friction that reverses over distances beside each other (Dahl)."""
+    q, qd, _ = run.by_spline
+    known = run.signals.segment, run.signals.period
+    states = [
+        np.stack([direction_between(*own, *known, distance) for distance in MEMORIES], axis=1)
+        for own in zip(q.T, qd.T, strict=True)
+    ]
+    return np.concatenate([with_gears(run), in_rows(states)], axis=2)
 
 
 def in_rows(columns: Sequence[Array] | Array) -> Array:

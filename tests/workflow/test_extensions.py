@@ -45,7 +45,7 @@ def write_log(path: Path, seed: int) -> None:
     """A made-up UR5 that swings with the page's friction, in the page's format."""
     time, channels = made_up_channels(path.parent / path.stem, seed=seed)
     q, qd, current = (channels[name] for name in ("actual_q", "actual_qd", "actual_current"))
-    rubbing = current + 0.3 * np.sign(qd) * np.sqrt(np.abs(qd))
+    rubbing = current + 0.3 * np.sign(qd) * np.exp(-np.abs(qd) / 0.1)
     np.savetxt(path, np.column_stack([time, q, qd, rubbing]), header="a log\nof numbers")
 
 
@@ -66,7 +66,7 @@ def test_a_study_uses_them(lab: Workflow) -> None:
     assert "next: ur5 run" in lab.ur5("check", "config.yaml")
     forces = read_table(lab.folder / FORCES)
     assert forces.filter(regex="damped").notna().to_numpy().mean() > 0.5
-    assert '"root"' in (lab.folder / FRICTION).read_text()
+    assert '"stribeck"' in (lab.folder / FRICTION).read_text()
     assert "format: own" in ur5(lab.folder, "import", "raw/free.mylog", "--robot", "ur5").stdout
 
 
