@@ -20,7 +20,7 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import RefusalError
 from ur5lib.finished import FinishedStudy
 from ur5lib.identification.current_samples import Smoother, measured_samples
-from ur5lib.identification.measured_torques import BASE_TERMS, GEAR_TERMS, ArmFit
+from ur5lib.identification.measured_torques import JOINT_TERMS, ArmFit
 from ur5lib.identification.torque_rows import MeasuredRun, torque_rows
 from ur5lib.leaderboard.tables import markdown
 from ur5lib.records.friction import Friction
@@ -67,12 +67,11 @@ def of_study(study: FinishedStudy, most: int) -> Iterator[list[str]]:
 def of_arm(arm: Robot, study: FinishedStudy, names: list[str]) -> list[str]:
     """Return how many recordings tell an arm, the ratios of errors, and the balanced joints."""
     runs = [run for name in names for run in runs_of(arm, study, name)]
-    rows = torque_rows(runs, [*BASE_TERMS, *GEAR_TERMS], SMOOTH, shaft_matrix(arm))
-    fit = ArmFit(arm, rows, BASE_TERMS)
-    terms = [*BASE_TERMS, *fit.gear_terms(BASE_TERMS)]
-    any_links, bodies = (fit.unseen_errors(rows.places(terms), own) for own in (None, fit.bounds))
+    rows = torque_rows(runs, JOINT_TERMS, SMOOTH, shaft_matrix(arm))
+    fit, places = ArmFit(arm, rows, JOINT_TERMS), rows.places(JOINT_TERMS)
+    any_links, bodies = (fit.unseen_errors(places, own) for own in (None, fit.bounds))
     ratios = bodies.sum(axis=0) / any_links.sum(axis=0)
-    found = fit.balanced_joints(terms)
+    found = fit.balanced_joints(JOINT_TERMS)
     text = ", ".join(f"{ratio:.3f}" for ratio in ratios)
     return [str(len(runs)), text, ", ".join(map(str, found)) or "none"]
 

@@ -1,6 +1,6 @@
 """What each part of F̂ᵐᵃᵖ earns: its scores without the part, beside those with all of them.
 
-    python -m benchmarks.worth [<study> [<robot>]] [--constants] [--quick]
+    python -m benchmarks.worth [<study> [<robot>]] [--constants | --currents] [--quick]
 
 Takes results/<study> as built; by default that of `make`, of a ur5. Each path of the recordings to
 fit on is left out in turn, with its day if other days have enough paths, and judged; before, all
@@ -8,8 +8,9 @@ are fitted, and what shares neither path nor day with them is judged. In contact
 sensor, and in pushes that are drawn with a seed and put onto recordings without contact: RMSE of
 the force, share of samples inside its 95 % band, contacts found. Without contact: false alarms.
 PARTS says what stands in the place of a part. `--constants` multiplies each of CONSTANTS by FACTORS
-instead, and prints the range within which no score differs by more than SAME. `--quick` does the
-first fold alone.
+instead, and prints the range within which no score differs by more than SAME. `--currents` prints
+what is left of the currents of paths and dates left out, beside plain least squares. `--quick` does
+the first fold alone.
 """
 
 import sys
@@ -28,6 +29,7 @@ import torch
 
 from benchmarks.harness.drawn_pushes import drawn_pushes
 from benchmarks.harness.options import arm_options, built
+from benchmarks.harness.plain_currents import currents_table
 from benchmarks.leave_out import Fold, Recording, Study, read_study, refusal, unseen, without_each
 from ur5lib.force import force_input, residual_model
 from ur5lib.force.contact_prior import ContactPrior
@@ -141,11 +143,15 @@ def main() -> None:
     """Print a line for each part, or constant."""
     options = arm_options(__doc__)
     options.add_argument("--constants", action="store_true", help="the range of each constant")
+    options.add_argument("--currents", action="store_true", help="currents by least squares, too")
     given = options.parse_args()
     parts = {WHOLE: Part()} | all_scaled() if given.constants else PARTS
     [folder] = built([Path("results") / given.study])
     torch.set_num_threads(1)
     study = read_study(folder, given.robot, ("fit", "validate", "contact"))
+    if given.currents:
+        print(currents_table(study, given.quick))
+        return
     rows: list[dict[str, Any]] = []
     for fitted, tested in folds(study)[: 1 if given.quick else None]:
         with tempfile.TemporaryDirectory() as kept:

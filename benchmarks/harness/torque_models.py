@@ -95,7 +95,7 @@ def with_gears(run: Run) -> Array:
 
 
 def with_memory(run: Run) -> Array:
-    """Return the same with Coulomb friction that reverses over distances beside each other (Dahl)."""
+    """Return the same with dry friction that reverses over MEMORIES beside each other (Dahl)."""
     q, qd, _ = run.by_spline
     known = run.signals.segment, run.signals.period
     states = [

@@ -46,7 +46,7 @@ def fits_to_others(samples: JointSamples, prior: Prior) -> Iterator[LeftOutFit]:
     for left_out in np.unique(fold):
         test = fold == left_out
         fitted = apart_from(test, samples.path, samples.day) | bool(test.all())
-        coefficients = regress_samples(samples.where(fitted), prior).coefficients
+        coefficients = regress_samples(samples.where(fitted & samples.moving), prior).coefficients
         yield LeftOutFit(test, fitted, coefficients)
 
 
