@@ -19,7 +19,7 @@ from ur5lib.timeseries.arrays import Array
 
 DRAWN_STEP = 0.1  # s between the samples that are drawn
 BAR_HEIGHT = 0.16  # inches, with the space to the next
-CURRENT_AXIS, TORQUE_AXIS = "i_{} [A]", "measured τ_{} [Nm]"
+SYMBOLS = {CURRENT: "i_{0}", TORQUE: "measured τ_{0}"}
 KNOWLEDGE_SOURCES = {  # the shares of a parameter's knowledge, and their colours, darker in turn
     "prior_share": ("other arms and the maker", "#E0E0E0"),
     "arm_share": ("other days", "#E69F00"),
@@ -123,13 +123,14 @@ def friction_figures(
     constant, known: torque constants (6,) [Nm/A] of the fit, and those known before it; effort:
     that is measured.
     """
-    axis, unit = TORQUE_AXIS if effort == TORQUE else CURRENT_AXIS, effort.unit
+    symbol, unit = SYMBOLS[effort], effort.unit
+    axis = f"{symbol} [{unit}]"
     friction = constant * samples.predicted - samples.torque
     needed = samples.torque + friction
     ends = np.stack([np.nanmin(needed, axis=0), np.nanmax(needed, axis=0)])
     lines = [(ends, ends / constant), (ends, ends / known)]
     measured = constant * samples.current - samples.torque
-    labels = ("velocity of joint {} [rad/s]", "k i_{0} − τ_{0} [Nm]")
+    labels = ("velocity of joint {} [rad/s]", f"k {symbol} − τ_{{0}} [Nm]")
     against = {
         "position [rad]": samples.q,
         "velocity [rad/s]": samples.qd,
@@ -156,12 +157,12 @@ def printed_friction(
     """
     if samples is None:
         return nothing_to_draw(), nothing_to_draw()
-    labels = "τ_{} of rigid links [Nm]", CURRENT_AXIS
+    labels = "τ_{} of rigid links [Nm]", f"{SYMBOLS[CURRENT]} [A]"
     rigid = scatter_panels(samples.rigid, samples.current, labels)
     if constants is None:
         return rigid, nothing_to_draw()
     torque = samples.total
     ends = np.stack([torque.min(axis=0), torque.max(axis=0)])
     lines = [(ends, (ends - constants.offset) / constants.torque_constant)]
-    labels = "τ_{} with friction [Nm]", CURRENT_AXIS
+    labels = "τ_{} with friction [Nm]", f"{SYMBOLS[CURRENT]} [A]"
     return rigid, scatter_panels(torque, samples.current, labels, lines)
