@@ -2,14 +2,13 @@
 
 import sys
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import Any, TypeVar
 
 from rich.console import Console
 
 from ur5lib.errors import printable
 
-Item = TypeVar("Item", str, Path)
+Item = TypeVar("Item")
 
 
 def text_console(**settings: Any) -> Console:

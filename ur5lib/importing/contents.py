@@ -20,8 +20,10 @@ from ur5lib.importing.blocks import (
     with_names,
 )
 from ur5lib.importing.clocks import ROW_CLOCK, FileClocks, clocks_of, equally_spaced
+from ur5lib.importing.parted_runs import PartedRun
 from ur5lib.importing.spellings import CLOCK_NAME, NAME_COLUMN, names_positions
 from ur5lib.recordings.array_files import LOADERS, UNREAD, format_of
+from ur5lib.recordings.channel_files import at_stamps, has_stamps
 from ur5lib.recordings.delimited import (
     expect_row_each_sample,
     first_cells,
@@ -35,6 +37,7 @@ from ur5lib.robots.description import robot_names
 from ur5lib.timeseries.arrays import Array
 
 TABLE_FORMAT = "table-csv"
+PARTED_FORMAT = "channel-files"
 MAX_POSSIBLE_VALUE = 1e9  # in any unit of a channel; larger numbers are none
 GRIPPER_RANGE = (-0.1, 1.1)  # rad, m, or the share that it is open
 REPEATED_INFIX = " again "  # and its number: a column whose name is taken
@@ -132,15 +135,20 @@ class FileContents:
         return replace(self, blocks=blocks, clocks=clocks)
 
 
-def contents(path: Path, stated: UserStatement = NO_STATEMENT) -> FileContents:
-    """Return a file's contents. Raises InputError for an unreadable file."""
+def contents(file: Path | PartedRun, stated: UserStatement = NO_STATEMENT) -> FileContents:
+    """Return the contents of a file, or of the files of one run. Raises InputError for an
+    unreadable file, and where rows of several do not belong together.
+    """
     findings: list[Finding] = []
-    format, account = format_of(path) or TABLE_FORMAT, Account()
+    path, account = file.folder / file.name if isinstance(file, PartedRun) else file, Account()
+    format = PARTED_FORMAT if isinstance(file, PartedRun) else format_of(path) or TABLE_FORMAT
     if format == TABLE_FORMAT:
         expect_row_each_sample(path)
     header = read_header(path, stated) if format == TABLE_FORMAT else TableHeader()
     if header.columns:
         arrays = _table(path, header, findings, account)
+    elif isinstance(file, PartedRun):
+        arrays = _together(file, findings, account)
     else:
         arrays = LOADERS[format](path, None, findings)
         _state_unread(findings, account)
@@ -157,6 +165,32 @@ def contents(path: Path, stated: UserStatement = NO_STATEMENT) -> FileContents:
     blocks = [block for block in all_blocks if not is_silent(block.rows)]
     described_by = path, format, header, blocks, silent, clocks, findings, stated, joints, account
     return FileContents(*described_by)
+
+
+def _together(run: PartedRun, findings: list[Finding], account: Account) -> dict[str, np.ndarray]:
+    """Return the columns of a run's files: stamps of their own, and quantities by their files.
+
+    Raises InputError where the files differ in rows and not each has stamps that tell how.
+    """
+    first, tables = run.files[0], LOADERS[PARTED_FORMAT](run.folder, run.files, findings)
+    stamps = {name: rows[:, 0] for name, rows in tables.items() if has_stamps(rows)}
+    if len({*map(len, tables.values())}) > 1 and len(stamps) < len(tables):
+        counts = ", ".join(f"{name} {len(tables[name])}" for name in run.files)
+        raise InputError(
+            f"{run.folder}: files of one run differ in rows ({counts}), and not each has stamps in "
+            "its first column: record the time in each, or cut them to the same rows"
+        )
+    arrays = dict[str, np.ndarray]()
+    if first in stamps:
+        tables, arrays = at_stamps(tables, first), {f"{first}_0": stamps[first]}
+        moved = [n for n in stamps if not np.array_equal(stamps[n], stamps[first])]
+        if moved:
+            at_its = f"{', '.join(moved)}: values between their own stamps, at those of {first}"
+            account.tell("assumed", "rows", f"those of {first}", "numbers", at_its)
+    for name, rows in tables.items():
+        columns = {f"{name}_{k}": rows[:, k] for k in range(1, rows.shape[1])}
+        arrays |= columns if name in stamps else {name: rows}
+    return arrays
 
 
 def _state_unread(findings: Iterable[Finding], account: Account) -> None:

@@ -12,7 +12,7 @@ from ur5lib.channels import JOINT_CHANNELS, RECORDED_CHANNELS, SUFFIXES, suffixe
 from ur5lib.channels import columns as columns_of
 from ur5lib.importing.blocks import JOINTS_OF_UR, ColumnBlock
 from ur5lib.importing.clocks import MIN_EPOCH_STAMP
-from ur5lib.importing.contents import TABLE_FORMAT
+from ur5lib.importing.contents import PARTED_FORMAT, TABLE_FORMAT
 from ur5lib.importing.efforts import UNITS_BY_CHANNEL
 from ur5lib.importing.motion import TARGET_UNITS
 from ur5lib.importing.proposal import Proposal, is_clockless
@@ -35,7 +35,10 @@ CONTROLLER_COLUMNS = {c for name in CONTROLLER_CHANNELS for c in columns_of(name
 
 def entry_of(proposal: Proposal) -> StudyEntry:
     """Return the entry of a file's recording."""
-    place, format = place_of_file(proposal.contents.path), proposal.contents.format
+    path, format = proposal.contents.path, proposal.contents.format
+    place = place_of_file(path)
+    if format == PARTED_FORMAT:
+        del place["file"]
     head = {"name": place["name"], "robot": proposal.arm, "format": format} | place
     head["role"] = "contact" if proposal.pushed else "fit"
     return head | (_of_table(proposal) if format == TABLE_FORMAT else _of_arrays(proposal))

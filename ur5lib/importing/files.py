@@ -14,6 +14,7 @@ from ur5lib.importing.blocks import NAMELESS_PREFIX
 from ur5lib.importing.contents import NO_STATEMENT, FileContents, UserStatement, contents
 from ur5lib.importing.entry import StudyEntry, entry_of, episodes, identifier, place_of_file
 from ur5lib.importing.identity import UNDESCRIBED_ARM
+from ur5lib.importing.parted_runs import PartedRun
 from ur5lib.importing.proposal import meanings, propose
 from ur5lib.recordings.entries import SKIPPED_COLUMN
 from ur5lib.records.account import AccountRow
@@ -47,14 +48,16 @@ class ImportedFiles(list[ImportedRecording]):
     refused: tuple[str, ...] = ()
 
 
-def import_files(paths: Iterable[Path], stated: UserStatement = NO_STATEMENT) -> ImportedFiles:
+def import_files(
+    paths: Iterable[Path | PartedRun], stated: UserStatement = NO_STATEMENT
+) -> ImportedFiles:
     """Return the entries of recordings, each read back and checked; stated: by the user.
 
     Raises InputError, with all reasons, where no file can be read and has positions.
     """
-    imported: dict[Path, list[ImportedRecording]] = {}
-    refused: dict[Path, str] = {}
-    headers: dict[Path, list[str]] = {}
+    imported: dict[Path | PartedRun, list[ImportedRecording]] = {}
+    refused: dict[Path | PartedRun, str] = {}
+    headers: dict[Path | PartedRun, list[str]] = {}
     for path in paths:
         try:
             file = contents(path, stated)
@@ -63,7 +66,7 @@ def import_files(paths: Iterable[Path], stated: UserStatement = NO_STATEMENT) ->
         except InputError as error:
             refused[path] = str(error)
     for path, columns in headers.items():
-        if columns[:1] == [f"{NAMELESS_PREFIX}1"]:
+        if isinstance(path, Path) and columns[:1] == [f"{NAMELESS_PREFIX}1"]:
             alike = [other for own, (other, *_) in imported.items() if headers[own] == columns]
             _take_columns(path, alike, imported)
     files = ImportedFiles(one for path in headers for one in imported.get(path, []))
@@ -75,7 +78,9 @@ def import_files(paths: Iterable[Path], stated: UserStatement = NO_STATEMENT) ->
 
 
 def _take_columns(
-    path: Path, alike: Sequence[ImportedRecording], imported: dict[Path, list[ImportedRecording]]
+    path: Path,
+    alike: Sequence[ImportedRecording],
+    imported: dict[Path | PartedRun, list[ImportedRecording]],
 ) -> None:
     """Read a file without names like the one of as many columns of which most are named."""
     other, present = min(alike, key=_skipped, default=None), imported.get(path, [None])[0]

@@ -17,6 +17,7 @@ from ur5lib.importing.files import (
     import_files,
     write_study,
 )
+from ur5lib.importing.parted_runs import runs_of
 from ur5lib.study.address import is_study, study_file
 
 ACCOUNT_WIDTH = 160  # characters of a table that no terminal limits
@@ -38,7 +39,7 @@ def user_statement(
 
 def imported_files(files: Sequence[Path], stated: UserStatement) -> ImportedFiles:
     """Return the entries of recordings; the file that is being read is printed on stderr."""
-    return import_files(announced(files), stated)
+    return import_files(announced(runs_of(files)), stated)
 
 
 def write_imported(

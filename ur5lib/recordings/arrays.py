@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-import ur5lib.recordings.channel_files
 import ur5lib.recordings.own_formats
-import ur5lib.recordings.rosbag  # noqa: F401 - all register their formats
+import ur5lib.recordings.rosbag  # noqa: F401 - both register their formats
 from ur5lib.channels import JOINT_CHANNELS, MOST_JOINTS, joint_count
 from ur5lib.channels import suffixes as suffixes_of
 from ur5lib.errors import InputError
 from ur5lib.recordings.array_files import LOADERS, Arrays
+from ur5lib.recordings.channel_files import at_stamps
 from ur5lib.recordings.delimited import drop_untimed
 from ur5lib.recordings.entries import ArrayFiles, StoredTable
 from ur5lib.recordings.plausibility import drop_zeroed, first_time
@@ -35,7 +35,7 @@ def read_arrays(recording: ArrayFiles) -> RawRecording:
         for channel in JOINT_CHANNELS
         for place, joint in enumerate(recording.joints or [])
     }
-    table = _table(recording, arrays, path)
+    table = _table(recording, _on_its_clock(recording, arrays), path)
     _expect_listed(recording, table)
     table = table.rename(columns=in_arm_order)
     table = drop_untimed(drop_zeroed(table, findings), Log(path, "robot", findings))
@@ -49,6 +49,13 @@ def read_arrays(recording: ArrayFiles) -> RawRecording:
         if record is not None:
             present[device] = on_robot_clock(record) if shares else record
     return RawRecording(robot, recording.cycle, present, findings)
+
+
+def _on_its_clock(recording: ArrayFiles, arrays: Arrays) -> Arrays:
+    """Return the tables of a folder at the stamps of the one that names the time, as `q.csv_0`."""
+    name, mark, column = str(recording.channels.get("time", "")).rpartition("_")
+    is_stamped = recording.format == "channel-files" and mark and column == "0" and name in arrays
+    return at_stamps(arrays, name) if is_stamped else arrays
 
 
 def _expect_listed(recording: ArrayFiles, table: pd.DataFrame) -> None:
@@ -117,7 +124,7 @@ def _array(arrays: Arrays, channel: str, given: str | list[str], path: Path) -> 
     """
     if isinstance(given, str) and given in arrays:
         return arrays[given]
-    single = _single(arrays, channel, given) if isinstance(given, str) else given
+    single = given if isinstance(given, list) else _single(arrays, channel, given) or [given]
     arrays = arrays | {
         name: part for name in single if (part := _element(arrays, name)) is not None
     }

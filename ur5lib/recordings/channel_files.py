@@ -16,6 +16,8 @@ from ur5lib.records.quality import Finding, Log
 from ur5lib.timeseries.arrays import Array
 
 BLANK_LINE = re.compile(rb"\n[ \t\r]*\n")
+MIN_STAMPS, MIN_SHARE_FORWARD = 4, 0.95  # of a table's stamps, and of their steps
+MAX_STEP = 1.5  # of a table's usual step, between rows that tell what is between them
 SEPARATORS_TO_BLANKS = bytes.maketrans(b",;\t", b"   ")
 
 
@@ -34,6 +36,38 @@ def channel_file_arrays(
         for name in there
         if wanted is None or name in wanted
     }
+
+
+def has_stamps(rows: Array) -> bool:
+    """Return whether a table's first column increases like a clock, as no other of it does."""
+    if rows.ndim != 2 or rows.shape[1] < 2 or len(rows) < MIN_STAMPS:
+        return False
+    forward = (np.diff(rows, axis=0) > 0).mean(axis=0) >= MIN_SHARE_FORWARD
+    return bool(forward[0] and not forward[1:].any())
+
+
+def at_stamps(tables: Arrays, name: str) -> Arrays:
+    """Return tables with stamps of their own at the stamps of one of them, between their rows.
+
+    tables: (n, k) each, first column stamps; others stay as they are. NaN where a table has no row
+    within one and a half of its steps on both sides.
+    """
+    stamps = tables[name][:, 0]
+    return {
+        other: _between(rows, stamps) if has_stamps(rows) else rows
+        for other, rows in tables.items()
+    }
+
+
+def _between(rows: Array, stamps: Array) -> Array:
+    own, order = np.unique(rows[:, 0], return_index=True)
+    if np.array_equal(own, stamps):
+        return rows
+    place = np.clip(np.searchsorted(own, stamps), 1, len(own) - 1)
+    step = own[place] - own[place - 1]
+    known = (stamps >= own[0]) & (stamps <= own[-1]) & (step <= MAX_STEP * np.median(np.diff(own)))
+    columns = [np.interp(stamps, own, column) for column in rows[order, 1:].T]
+    return np.column_stack([stamps, *(np.where(known, column, np.nan) for column in columns)])
 
 
 def _read_rows(path: Path, findings: list[Finding]) -> np.ndarray:
