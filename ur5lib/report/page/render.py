@@ -78,7 +78,7 @@ def _with_links(text: str, home: str) -> Markup:
 
 def _breakable(text: str) -> Markup:
     """Return the text of a cell, in which a line may break within long names, not after < or >."""
-    whole = re.sub(r"(?<=&[lg]t;) ", "\u00a0", str(escape(text)))
+    whole = re.sub(r"(?<=&[lg]t;) (?=\d)", "\u00a0", str(escape(text)))
     return Markup(re.sub(r"(?<=\w{9}[_/.-])(?=\w{9})", "<wbr>", whole))
 
 
