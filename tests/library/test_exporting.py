@@ -26,6 +26,7 @@ from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
 from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.motion import Motion
 from ur5lib.robots.description import load_robot, robot_path, robot_yaml
 from ur5lib.tables import columns, write_json, write_table, write_text
 
@@ -164,6 +165,34 @@ def test_csv_has_the_study_s_numbers(results: Path) -> None:
     tables = from_csv(exported(results, "csv"))
     assert tables.keys() == {"signals", "forces"}
     assert_as_in_study(tables, FinishedStudy(results), "pushed")
+
+
+def test_forces_have_the_push_that_would_have_been_found(results: Path) -> None:
+    """At rest 68 N, slow more than 100 N, fast 12 N; unknown where the pose is."""
+    recording, q = results / "recordings" / "pushed", np.zeros((5, 6))
+    speed = np.array([0.0, 0.1, 0.3, 9.0, np.nan])
+    kinematics = flange_kinematics_of(q)
+    qd = np.zeros((5, 6))
+    qd[:, 0] = speed / np.linalg.norm(kinematics.jacobian[0, :3, 0])
+    head = {"time": TIME, "segment": np.zeros(5, dtype=int)}
+    motion = dict.fromkeys(("q", "q_std", "qd_std", "qdd", "qdd_std"), q) | {"qd": qd}
+    Motion(**head, **motion, motor_qd=qd).write(recording / "motion.parquet")
+    kinematics.write(recording / "kinematics.parquet")
+    forces = head | dict(zip(WRENCH, np.zeros((6, 5)), strict=True))
+    untouched = {"if_untouched": np.ones(5, bool)}
+    write_table(
+        pd.DataFrame(forces | untouched),
+        recording / "forces.parquet",
+        UNITS | {"if_untouched": "1"},
+    )
+    pushes = pd.DataFrame({"robot": "ur5", "quantity": "smallest_push_95"}, index=range(3))
+    pushes = pushes.assign(speed_low=[0.0, 0.01, 0.25], speed_high=[0.01, 0.25, np.nan])
+    pushes = pushes.assign(value=[68.0, 100.0, 12.0], std_error=[10.0, np.nan, 2.0])
+    write_text(pushes.to_csv(index=False), results / "tables" / "observability.csv")
+    table = from_csv(exported(results, "csv"))["forces"]
+    np.testing.assert_array_equal(table["smallest_push_95"], [68.0, 100.0, 12.0, 12.0, np.nan])
+    np.testing.assert_array_equal(table["smallest_push_95_std"], [10, np.nan, 2, 2, np.nan])
+    assert (table["if_untouched"] == 1).all()
 
 
 def test_mcap_has_the_study_s_numbers(results: Path) -> None:

@@ -16,9 +16,12 @@ from ur5lib.commands.foxglove import Stream, drawn
 from ur5lib.commands.layouts import foxglove_layout, plotjuggler_layout
 from ur5lib.errors import InputError, unknown
 from ur5lib.finished import FinishedStudy
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.motion import Motion
 from ur5lib.tables import write_aside, write_csv, write_text
 
 CSV_DIGITS = 12
+PUSH_COLUMNS = ("smallest_push_95", "smallest_push_95_std")
 EXPORTED_TABLES = ("signals", "motion", "currents", "forces", "sensor")
 COLUMN_INDEX = re.compile(r"_[0-9]+$|_[Fnft][xyz]$|(?<=imu_[agm])[xyz]$")
 
@@ -42,6 +45,23 @@ def channels(columns: list[str]) -> dict[str, list[str]]:
     """Return the columns of each channel: those of `actual_q` are actual_q_0 to actual_q_5."""
     groups = groupby(columns, key=lambda column: COLUMN_INDEX.sub("", column))
     return {name: [*group] for name, group in groups}
+
+
+def with_smallest_push(study: FinishedStudy, name: str, forces: pd.DataFrame) -> pd.DataFrame:
+    """Return a recording's forces with the push [N] that would have been found at each sample by
+    the speed of the flange, and its standard error, which is NaN beyond the largest trial.
+    """
+    table, robot = study.table("observability"), study.recording(name).arm.known_as
+    linear = study.record(Kinematics, name).jacobian[:, :3]
+    speed = np.linalg.norm(np.matvec(linear, study.record(Motion, name).qd), axis=1)
+    push = np.full((len(speed), len(PUSH_COLUMNS)), np.nan)
+    of_arm = (table["robot"] == robot) & (table["quantity"] == PUSH_COLUMNS[0])
+    for row in table[of_arm].itertuples():
+        # the fastest state has no upper end
+        push[(speed >= row.speed_low) & ~(speed >= row.speed_high)] = row.value, row.std_error
+    found = forces.assign(**dict(zip(PUSH_COLUMNS, push.T, strict=True)))
+    found.attrs["units"] = forces.attrs["units"] | dict.fromkeys(PUSH_COLUMNS, "N")
+    return found
 
 
 def write_csv_folder(contents: RecordingTables, folder: Path) -> None:
@@ -176,6 +196,8 @@ def write_recordings(
     folder, seen = into or results / "exported", dict[str, dict[str, None]]()
     for name in names or study.recordings:
         frames = {table: study.frame(name, table) for table in EXPORTED_TABLES}
+        if "if_untouched" in frames["forces"] and "observability" in study.tables:
+            frames["forces"] = with_smallest_push(study, name, frames["forces"])
         filled = {table: frame for table, frame in frames.items() if len({*frame} - {"segment"})}
         path = folder / f"{name}{ending}"
         write(RecordingTables(study, name, study.start(name), filled), path)
