@@ -386,7 +386,11 @@ def export(
         typer.Option(help="name of one of its link models; default: the chosen or identified one"),
     ] = None,
     to: Annotated[
-        str, typer.Option(help="output format: urdf, mjcf, sdf, isaac, json, sensor")
+        str,
+        typer.Option(
+            help="output format: urdf, mjcf, sdf, isaac, json, sensor, live, and of the estimator "
+            "that reads this: live.py, live.hpp, live.schema.json"
+        ),
     ] = "urdf",
     results: Annotated[
         Path | None,
@@ -396,8 +400,8 @@ def export(
         str, typer.Option(help="a recording of that study: with its payload and mounting")
     ] = "",
 ) -> None:
-    """Print an arm for other programs: as a model, all known parameters (json), or the bias and
-    tool of its force sensor (sensor)."""
+    """Print an arm for other programs: as a model, all known parameters (json), the bias and tool
+    of its force sensor (sensor), or what tells the force while it runs (live)."""
     from ur5lib.commands.exported import exported
 
     typer.echo(exported(robot, model, to, results, as_in))

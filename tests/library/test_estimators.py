@@ -1,7 +1,7 @@
 """The estimators of the benchmark, by identity: on an arm whose external torque is known."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -13,10 +13,7 @@ from benchmarks.harness import page
 from tests.conftest import PROJECT
 from tests.library.synthetic_run import COUNT, PERIOD, STIFFNESS, synthetic_run
 from ur5lib.errors import InputError
-from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.contact_wrench import regularised_wrench
 from ur5lib.force.external_torque import FITTED_STATE_COUNT
-from ur5lib.force.gate import TorqueVariances, diagonal
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.leaderboard import tuning
 from ur5lib.leaderboard.estimator import Learned
@@ -34,7 +31,6 @@ from ur5lib.leaderboard.estimators.long_short_term_memory import (
 )
 from ur5lib.leaderboard.estimators.momentum_observer import FirstOrder
 from ur5lib.leaderboard.estimators.ours import OURS
-from ur5lib.leaderboard.estimators.ours_causal import OURS_CAUSAL, mixed_wrench
 from ur5lib.leaderboard.estimators.position_error import PositionError, fitted_loops
 from ur5lib.leaderboard.estimators.recursive_least_squares import ForgettingLeastSquares, forgotten
 from ur5lib.leaderboard.estimators.sliding_mode_observer import SlidingMode
@@ -254,7 +250,7 @@ def test_a_push_is_shown_in_newton_with_a_band(name: str, learned: dict[str, Lea
 
 @pytest.mark.parametrize(
     "name",
-    [own.name for own in all_estimators() if own.causal and own.name in {*NAMES, OURS_CAUSAL}],
+    [own.name for own in all_estimators() if own.causal and own.name in NAMES],
 )
 def test_the_future_does_not_change_the_past(name: str, learned: dict[str, Learned]) -> None:
     run = synthetic_run(4, noise=0.3)
@@ -265,28 +261,6 @@ def test_the_future_does_not_change_the_past(name: str, learned: dict[str, Learn
     assert after is not None
     assert np.array_equal(before.wrench[:LATER], after.wrench[:LATER])
     assert not np.allclose(before.wrench[LATER:], after.wrench[LATER:])
-
-
-def test_our_causal_force_is_in_its_band(learned: dict[str, Learned]) -> None:
-    run = synthetic_run(3, noise=0.3)
-    for size in (15.0, 60.0):
-        push = size * np.array([1.0, -1.0, 0.5, 0, 0, 0])
-        found = learned[OURS_CAUSAL].method(run.pushed(run.jacobian.mT @ push))
-        assert found is not None
-        assert found.std is not None
-        off = np.abs(found.wrench - push)[round(1 / PERIOD) :, :3]
-        assert (off < 1.96 * found.std[round(1 / PERIOD) :, :3]).mean() > 0.9
-        assert off.mean() < 0.25 * size
-
-
-def test_our_causal_force_shows_large_pushes_better_than_a_usual_prior() -> None:
-    run, push = synthetic_run(3), np.array([0.0, 0.0, 90.0, 0, 0, 0])
-    noise = TorqueVariances.of(run.states, unsure(5.0), ContactPrior(), np.zeros((COUNT, 6)))
-    torque = (run.jacobian.mT @ push)[:1]
-    few = TorqueVariances(*(getattr(noise, own.name)[:1] for own in fields(noise)))
-    spread = diagonal(few.spread)
-    usual = regularised_wrench(torque, run.jacobian[:1], spread, ContactPrior().usual()).mean
-    assert usual[0, 2] < mixed_wrench(torque, run.jacobian[:1], few).mean[0, 2] < push[2] / 0.9
 
 
 def unsure(spread: float) -> ResidualModel:

@@ -3,12 +3,14 @@
 from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from importlib import metadata
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ur5lib.commands.compensation import compensation
+from ur5lib.commands.live_arm import live_arm
 from ur5lib.errors import InputError, perhaps, unknown
 from ur5lib.finished import FinishedStudy
 from ur5lib.identification.currents import CurrentFit, Parameter, torque_constants
@@ -33,7 +35,8 @@ WRITERS: dict[str, Callable[[Robot, str, JointFriction | None], str]] = {
     "sdf": lambda arm, model, friction: sdf(arm, written_bodies(arm, model), friction),
     "isaac": isaac,
 }
-FORMATS = (*WRITERS, "json", "sensor")
+LIVE_FILES = ("live.py", "live.hpp", "live.schema.json")  # what reads `--to live`
+FORMATS = (*WRITERS, "json", "sensor", "live", *LIVE_FILES)
 MIN_MOVING_SAMPLES = 100  # from which a joint's friction is determined
 UNIT_NOTE = "SI: m, kg, s, rad, N, Nm, A; joints from 1; low and high: the 95 % interval"
 BANDS = "band_moving", "band_reversing", "band_standing"
@@ -41,8 +44,8 @@ FITTED_FIELDS = ("terms", "distances", "held", *BANDS, "contradicted")
 
 
 def exported(robot: str, model: str | None, to: str, results: Path | None, as_in: str) -> str:
-    """Return an arm with one of its link models, by default the chosen or the identified one, or
-    what its force sensor reads without contact.
+    """Return an arm with one of its link models, by default the chosen or the identified one, what
+    its force sensor reads without contact, or what the live estimator needs, and its files.
 
     results: of a study that identified it; as_in: recording of the study whose payload and mounting
     the arm has, empty for none. Raises InputError for unknown names and missing results.
@@ -50,8 +53,12 @@ def exported(robot: str, model: str | None, to: str, results: Path | None, as_in
     if to not in FORMATS:
         raise unknown("format", to, FORMATS)
     study = None if results is None else FinishedStudy(results)
+    if to in LIVE_FILES:
+        return (files("ur5lib.force") / to).read_text(encoding="utf-8")
     if to == "sensor":
         return compensation(study, robot, as_in)
+    if to == "live":
+        return live_arm(study, robot, as_in)
     arm = described(robot) if study is None else study.arm(robot)
     if as_in and study is None:
         raise InputError("--as-in names a recording of a study; name its folder by --results")

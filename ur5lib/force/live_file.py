@@ -29,7 +29,7 @@ CONSTANTS: dict[str, Any] = {  # chosen on dates and pushes left out, docs/metho
     "quiet": [PRIOR.quiet],  # N, of forces that do not count
     "rare": 0.2,  # share of the samples of a free arm whose noise is `wide` times wider
     "wide": 2.0,
-    "duration": 0.06,  # s, for which evidence lasts before a contact is stated
+    "duration": 0.1,  # s, for which evidence lasts before a contact is stated
     "hysteresis": 2.0,  # in log-odds, by which it then may fall
     "freeze": 0.0,  # evidence above which the slow errors of the run are not learnt
     "thaw": 0.5,  # s, of less evidence before they are again
@@ -46,7 +46,7 @@ CONSTANTS: dict[str, Any] = {  # chosen on dates and pushes left out, docs/metho
     "acceleration": 20.0,  # rad/s² and rad, standard deviations of the filter of positions
     "encoder": 5e-5,
 }
-MIN_LOG_ODDS = 2.5  # of a contact, likewise
+MIN_LOG_ODDS = 1.5  # of a contact, likewise
 LEARNING_STEP = 0.008  # s
 LONGEST = 300.0  # s of each recording from which noise is learnt
 MIN_SPEED = 0.1  # rad/s, that counts as seen

@@ -1,12 +1,13 @@
 """One recording as every estimator of the benchmark is given it."""
 
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
 from ur5lib.force.external_torque import States, finite_rows
 from ur5lib.force.force_input import Gears
+from ur5lib.force.live_file import Measured
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import unbroken
 
@@ -31,8 +32,10 @@ class Run:
     zero-phase low-pass; momentum: p = D q̇ [Nm s]; rate: dp/dt of an arm without contact,
     tau_m - tau_f + Cᵀ q̇ - g [Nm]; breakaway: (6,) [Nm], up to which dry friction holds a joint;
     gears: unfiltered; position_error: target less actual angles [rad], None where the target was
-    not recorded; repeats: other runs of its path without contact; ready: estimates that the study
-    already holds; sensor: the force sensor's wrench less bias and tool weight, as in `Estimate`.
+    not recorded; measured: what the controller states, while all else is smoothed; arm: numbers of
+    the live estimator, by the fit without the run's path; repeats: other runs of its path without
+    contact; ready: estimates that the study already holds; sensor: the force sensor's wrench less
+    bias and tool weight, as in `Estimate`.
     """
 
     name: str
@@ -53,6 +56,8 @@ class Run:
     breakaway: Array
     gears: Gears
     position_error: Array | None = None
+    measured: Measured | None = None
+    arm: dict[str, Any] = field(default_factory=dict)
     repeats: tuple["Run", ...] = ()
     ready: dict[str, Estimate] = field(default_factory=dict)
     sensor: Array | None = None
@@ -63,15 +68,19 @@ class Run:
         names += ["torque", "smoothed", "momentum", "rate", "position_error"]
         sampled = {name: getattr(self, name) for name in names}
         parts = {name: values[rows] for name, values in sampled.items() if values is not None}
-        return replace(self, **parts, gears=self.gears.at(rows), ready={}, sensor=None)
+        measured = self.measured and self.measured.at(rows)
+        others = {"gears": self.gears.at(rows), "measured": measured}
+        return replace(self, **parts, **others, ready={}, sensor=None)
 
     def pushed(self, torque: Array) -> Self:
         """Return the same motion under an additional external torque (N, 6) [Nm].
 
         The motors then carry that much less, and the motion stays as it is.
         """
+        constant = np.array(self.arm.get("torque_constant", np.inf))
         return replace(
             self,
+            measured=self.measured and self.measured.pushed(torque / constant),
             torque=self.torque + torque,
             smoothed=self.smoothed + torque,
             rate=self.rate - torque,

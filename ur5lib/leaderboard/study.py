@@ -10,6 +10,7 @@ import numpy as np
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.force.force_input import Gears, force_input
+from ur5lib.force.live_file import Measured, numbers
 from ur5lib.force.published import controller_estimate
 from ur5lib.identification.current_samples import current_record
 from ur5lib.identification.currents import (
@@ -90,7 +91,12 @@ def read_arm(folder: Path, entries: Sequence[Mapping[str, Any]], name: str) -> S
         for entry in entries
         if arm_of(entry) == name
         and len(robot.joints) == JOINT_COUNT
-        and (run := read_run(folder / "recordings" / entry["name"], robot, friction)) is not None
+        and (
+            run := read_run(
+                folder / "recordings" / entry["name"], robot.mounted(entry.get("gravity")), friction
+            )
+        )
+        is not None
     ]
     roles, runs = [role for role, _ in used], label_paths([run for _, run in used])
     free = [run for role, run in zip(roles, runs, strict=True) if role != "contact"]
@@ -149,6 +155,8 @@ def read_run(folder: Path, robot: Robot, fitted: Friction) -> Run | None:
             record.torque, load_loss(fit, record), constant * friction_current(fit, record)
         ),
         position_error=None if signals.target_q is None else signals.target_q - signals.actual_q,
+        measured=Measured.of(signals),
+        arm=numbers(robot, fitted, folder.name, payload),
         ready=ready_estimates(folder, robot, signals),
         sensor=SensorWrenches.read(folder / "sensor.parquet").wrench.get("compensated"),
     )

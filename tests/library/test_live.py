@@ -1,0 +1,220 @@
+"""The force while the arm runs: identities, pushes, faults of the stream, and the same in C++."""
+
+import json
+import shutil
+import subprocess
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.conftest import PROJECT
+from tests.live_arm import PERIOD, arm_file, friction, hostile, push, robot, samples
+from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.errors import InputError
+from ur5lib.force.live import CONTACT, FREE, UNKNOWN, Answer, Live
+from ur5lib.force.live_file import MIN_LOG_ODDS, Measured, follow, learned, numbers
+from ur5lib.robots.description import load_robot, robot_path
+
+HEADER = PROJECT / "ur5lib" / "force"
+AT_REST_AND_IN_MOTION = pytest.mark.parametrize("moving", [False, True])
+Sample = tuple[Any, Any, Any, Any]
+
+
+@pytest.mark.parametrize("name", ["ur5", "ur10e"])
+def test_one_sweep_gives_what_mass_matrices_give(name: str) -> None:
+    """p = M q̇, Cᵀ q̇ - g."""
+    arm = load_robot(robot_path(name)).with_rotors().mounted([1.0, -2.0, -9.5])
+    estimator = Live(arm_file() | numbers(arm, friction(arm), "", None))
+    model = LinkModel(arm, arm.fullest_model())
+    q, qd = np.random.default_rng(0).uniform(-2, 2, (2, 100, 6))
+    swept = [estimator.sweep(*state) for state in zip(q, qd, strict=True)]
+    for own, expected in (
+        ([one.momentum for one in swept], model.momentum(q, qd)),
+        ([one.rate for one in swept], model.coriolis_torque(q, qd) - model.gravity_torque(q)),
+    ):
+        np.testing.assert_allclose(own, expected, rtol=0, atol=2e-14 * np.abs(expected).max())
+
+
+@AT_REST_AND_IN_MOTION
+def test_a_push_is_told_within_50_ms_and_stated_soon(moving: bool) -> None:
+    force = np.array([20.0, -25.0, 15.0])
+    run = samples(8.0, moving, push(6.0, 7.0, *force))
+    found = follow(arm_file(), run)
+    before, after = (found.wrench[round(t / PERIOD), :3] for t in (5.99, 6.05))
+    assert (after - before) @ force > (1 - np.exp(-1)) * force @ force
+    inside = slice(round(6.4 / PERIOD), round(6.9 / PERIOD))
+    off = np.abs(found.wrench[inside, :3] - force)
+    assert off.mean() < 2.0
+    assert (off < 1.96 * found.std[inside, :3]).mean() > 0.9
+    [(first, last)] = found.alarms()
+    assert 6.0 < run.time[first] < 6.15
+    assert 7.0 < run.time[last] < 7.2
+
+
+@AT_REST_AND_IN_MOTION
+@pytest.mark.parametrize("noise", [0.3, 3.0])  # of the model: the push is found, or is not
+def test_a_held_push_stays_and_goes(moving: bool, noise: float) -> None:
+    force = np.array([0.0, -8.0, 6.0])
+    run, free = samples(15.0, moving, push(4.0, 14.0, *force)), samples(15.0, moving)
+    arm = arm_file(noise)
+    shown = (follow(arm, run).wrench - follow(arm, free).wrench)[:, :3] @ force / (force @ force)
+    first, held, gone = (
+        shown[round(a / PERIOD) : round(b / PERIOD)].mean()
+        for a, b in ((4.3, 4.8), (13.5, 13.95), (14.3, 14.8))
+    )
+    assert held > 0.8 * first
+    assert abs(gone) < 0.2 * first
+
+
+def test_friction_of_the_run_is_learnt() -> None:
+    run = samples(20.0, moving=True)
+    arm = arm_file(1.0, slow=5.0)
+    arm["friction"]["terms"]["coulomb"] = [4.0] * 6  # of 5 Nm
+    error = np.abs(follow(arm, run).torque).mean(axis=1)
+    assert error[-500:].mean() < 0.5 * error[150:650].mean()
+
+
+def fed(estimator: Live, stream: Iterable[Sample]) -> list[Answer]:
+    """Return the answers to a stream."""
+    return [estimator.step(*sample) for sample in stream]
+
+
+def stream_of(run: Measured) -> list[Sample]:
+    """Return a recording as samples."""
+    assert run.qd is not None
+    return [*zip(run.time, run.q, run.qd, run.current, strict=True)]
+
+
+def test_each_fault_of_the_stream_has_its_answer() -> None:
+    stream, estimator = stream_of(samples(3.0, moving=True)), Live(arm_file())
+    answer = fed(estimator, stream)[-1]
+    assert answer.contact == FREE
+    time, q, qd, current = stream[-1]
+    lost = np.full(6, np.nan)
+    # repeated, late, or not a number: the last answer
+    for one in (
+        stream[-1],
+        stream[-3],
+        (time + PERIOD, q, lost, current),
+        (np.nan, q, qd, current),
+    ):
+        assert estimator.step(*one) is answer
+    # the next is as if nothing had been
+    later = Live(arm_file())
+    fed(later, stream)
+    following = time + PERIOD, q + PERIOD * qd, qd, current
+    assert np.array_equal(estimator.step(*following).wrench, later.step(*following).wrench)
+    # none for long, a clock that jumps either way: a fresh start, in which nothing is known
+    assert fed(estimator, [(time + 0.02, q, lost, current)] * 20)[-1].contact == UNKNOWN
+    for jump in (30.0, -30.0):
+        fed(estimator, stream)
+        assert estimator.step(time + jump, q, qd, current).contact == UNKNOWN
+    # what is no sample at all
+    for wrong in ((time, q[:3], qd, current), (time, "text", qd, current), (None, q, qd, current)):
+        estimator.step(*wrong)
+
+
+def test_a_speed_that_was_never_seen_widens_the_band() -> None:
+    run = samples(4.0, moving=True)
+    arm, slower = arm_file(), arm_file() | {"speed": [0.15] * 6}
+    usual, unseen = follow(arm, run), follow(slower, run)
+    fast = (np.abs(run.qd) > 0.15).any(axis=1) & (run.time > 1.5)
+    assert {unseen.contact[k] for k in np.flatnonzero(fast)} == {UNKNOWN}
+    assert (unseen.std[fast] >= usual.std[fast] - 1e-9).all()
+    assert unseen.std[fast, :3].mean() > 1.2 * usual.std[fast, :3].mean()
+
+
+def test_velocities_may_be_missing() -> None:
+    run = samples(6.0, True, push(4.0, 5.0, 30.0, 0.0, 0.0))
+    found = follow(arm_file(1.0), run._replace(qd=None))
+    middle = slice(round(4.4 / PERIOD), round(4.9 / PERIOD))
+    assert found.wrench[middle, 0].mean() == pytest.approx(30.0, abs=5.0)
+
+
+def streams(count: int) -> list[list[Sample]]:
+    """Return hostile streams of 4 s."""
+    run = samples(4.0, True, push(2.0, 3.0, 0.0, 30.0, 0.0))
+    return [hostile(run, seed) for seed in range(count)]
+
+
+def check_hostile(count: int) -> None:
+    """No exception, nothing but numbers, and nothing known after a fresh start."""
+    estimator = Live(arm_file())
+    for stream in streams(count):
+        for sample in stream:
+            answer = estimator.step(*sample)
+            assert np.isfinite([*answer.wrench, *answer.std]).all()
+            assert answer.contact == UNKNOWN or estimator.run >= estimator.set["settle"]
+
+
+def test_hostile_streams_have_answers() -> None:
+    check_hostile(5)
+
+
+@pytest.mark.thorough
+def test_a_thousand_hostile_streams_have_answers() -> None:
+    check_hostile(1000)
+
+
+def test_noise_is_learnt_and_alarms_are_few() -> None:
+    run, arm = samples(20.0, True), arm_file()
+    known = learned([(arm, run)], 5, 1.0)
+    assert known["threshold"]["log_odds"] >= MIN_LOG_ODDS
+    assert not follow({**arm, **known}, run).alarms()
+    assert (np.array(known["noise"]["std"]["moving"]) < 0.5).all()
+
+
+def test_friction_that_is_not_the_joint_s_own_is_refused() -> None:
+    arm = robot()
+    known = friction(arm)
+    joints = [replace(joint, terms=("load", "coupled")) for joint in known.fit.joints]
+    known = replace(known, fit=replace(known.fit, joints=tuple(joints)))
+    with pytest.raises(InputError, match="coupled"):
+        numbers(arm, known, "", None)
+
+
+@pytest.fixture(scope="module")
+def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The header, compiled."""
+    if (compiler := shutil.which("g++")) is None:
+        pytest.skip("no g++ is installed, so the header is not compared with the reference")
+    built = tmp_path_factory.mktemp("live") / "live_samples"
+    flags = ["-std=c++17", "-O2", "-Wall", "-Wextra", "-Werror", "-Wno-mismatched-new-delete"]
+    source = str(PROJECT / "tests" / "live_samples.cpp")
+    subprocess.run([compiler, *flags, f"-I{HEADER}", source, "-o", str(built)], check=True)
+    return built
+
+
+def in_cpp(program: Path, arm: dict[str, Any], stream: list[Sample], folder: Path) -> Any:
+    """Return the header's answers (N, 12 + 2 n + 2) to a stream, and what it says of its step."""
+    (folder / "arm.json").write_text(json.dumps(arm))
+    lines = [" ".join(map(repr, map(float, [t, *q, *qd, *i]))) for t, q, qd, i in stream]
+    done = subprocess.run(
+        [program, folder / "arm.json"],
+        input="\n".join(lines),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return np.loadtxt(done.stdout.splitlines()), done.stderr
+
+
+def test_the_header_is_the_reference(program: Path, tmp_path: Path) -> None:
+    arm = arm_file()
+    arm["friction"]["presliding"] = [
+        {"distance": 1e-4, "share": 0.6},
+        {"distance": 0.02, "share": 0.4},
+    ]
+    names = (FREE, CONTACT, UNKNOWN)
+    runs = [samples(8.0, moving, push(5.0, 6.0, 20.0, 0.0, 5.0)) for moving in (False, True)]
+    for stream in (*map(stream_of, runs), *streams(3)):
+        found, said = in_cpp(program, arm, stream, tmp_path)
+        expected = fed(Live(arm), stream)
+        numbers_of = np.array([[*one.wrench, *one.std] for one in expected])
+        np.testing.assert_allclose(found[:, :12], numbers_of, rtol=0, atol=1e-9)
+        assert [names[int(code)] for code in found[:, -2]] == [one.contact for one in expected]
+        assert said.startswith("0 allocations")
