@@ -2,8 +2,10 @@
 
 import json
 import re
+import shutil
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pandas as pd
 import pytest
@@ -27,6 +29,7 @@ from tests.rigid import check_rigid
 from ur5lib.cli import app
 from ur5lib.commands.convert import write_recordings
 from ur5lib.commands.exported import exported
+from ur5lib.errors import InputError
 from ur5lib.importing.contents import UserStatement
 from ur5lib.importing.files import import_files
 from ur5lib.leaderboard import board
@@ -66,6 +69,7 @@ def test_figures_draw_what_their_tables_state(
     [
         ("counterbalance", ["demo"], ["| demo | ur5 | 3 |", "| none |"]),
         ("leave_out", [], ["alarms a minute", "friction differs by"]),
+        ("live", [], ["NumPy, a step: median", "alarms a minute", "are left after its release"]),
         ("worth", [], ["| nothing |", "| cross-fitting |"]),
     ],
 )
@@ -263,6 +267,30 @@ def test_all_that_is_known_of_the_arm_is_exported(results: Path) -> None:
     assert len(known["torque_noise"]) == len(known["current_model"]) == 6
     quality = read_json(results / "recordings" / "excitation" / "quality.json")
     assert known["files"]["excitation"] == quality["read"]
+
+
+def test_what_the_live_estimator_needs_is_exported(results: Path, tmp_path: Path) -> None:
+    """The file is what its schema says, tells the force, and is refused where the report does."""
+    text = exported("ur5", None, "live", results, "way_points_pushed")
+    known, schema = (
+        json.loads(text),
+        json.loads(exported("ur5", None, "live.schema.json", None, "")),
+    )
+    jsonschema.validate(known, schema)
+    [pushed] = [row for row in known["judged_on"] if row["recording"] == "way_points_pushed"]
+    [zero] = read_csv(results / "tables" / "force_mae.csv").query(
+        "recording == 'way_points_pushed' and estimate == 'Fmap' and during == 'contact' "
+        "and component == 'Fx' and kind == 'compensated'"
+    )["zero_mae"]
+    assert pushed["rmse_in_contact"] < np.sqrt(3) * zero
+    shutil.copytree(results / "parameters", tmp_path / "parameters")
+    for part in ("tables", "recordings", "configuration.yaml"):
+        (tmp_path / part).symlink_to(results / part)
+    path = tmp_path / "parameters" / "ur5" / "friction.json"
+    friction = read_json(path) | {"refused": {"code": "short recordings", "values": {"seconds": 2}}}
+    path.write_text(json.dumps(friction))
+    with pytest.raises(InputError, match="no force of ur5 is stated: "):
+        exported("ur5", None, "live", tmp_path, "")
 
 
 @pytest.mark.parametrize("name", ["way_points_pushed", "standstill_pushed"])

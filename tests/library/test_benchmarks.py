@@ -40,6 +40,7 @@ OF_A_BUILT_STUDY = {
     "counterbalance",
     "leave_out",
     "leaderboard",
+    "live",
     "worth",
 }  # in tests/artefacts/test_demo.py
 

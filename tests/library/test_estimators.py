@@ -31,6 +31,7 @@ from ur5lib.leaderboard.estimators.long_short_term_memory import (
 )
 from ur5lib.leaderboard.estimators.momentum_observer import FirstOrder
 from ur5lib.leaderboard.estimators.ours import OURS
+from ur5lib.leaderboard.estimators.ours_live import OURS_LIVE
 from ur5lib.leaderboard.estimators.position_error import PositionError, fitted_loops
 from ur5lib.leaderboard.estimators.recursive_least_squares import ForgettingLeastSquares, forgotten
 from ur5lib.leaderboard.estimators.sliding_mode_observer import SlidingMode
@@ -84,7 +85,8 @@ def few_rounds() -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def learned() -> dict[str, Learned]:
-    return {own.name: own.learn(free_runs()) for own in all_estimators()}
+    """All but what needs a controller's own samples (test_live.py)."""
+    return {own.name: own.learn(free_runs()) for own in all_estimators() if own.name != OURS_LIVE}
 
 
 @each_torque

@@ -341,6 +341,7 @@ def test_limits_are_those_of_the_joints() -> None:
         ({"model": "Z"}, "no link model 'Z'"),
         ({"as_in": "pushed"}, "--results"),
         ({"to": "sensor"}, "--results"),
+        ({"to": "live"}, "--results"),
         ({"results": Path("nowhere")}, "run snakemake"),
     ],
 )

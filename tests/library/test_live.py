@@ -184,7 +184,7 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
         pytest.skip("no g++ is installed, so the header is not compared with the reference")
     built = tmp_path_factory.mktemp("live") / "live_samples"
     flags = ["-std=c++17", "-O2", "-Wall", "-Wextra", "-Werror", "-Wno-mismatched-new-delete"]
-    source = str(PROJECT / "tests" / "live_samples.cpp")
+    source = str(PROJECT / "benchmarks" / "harness" / "live_samples.cpp")
     subprocess.run([compiler, *flags, f"-I{HEADER}", source, "-o", str(built)], check=True)
     return built
 

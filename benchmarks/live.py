@@ -1,0 +1,193 @@
+"""The live estimate of a built study: how long a step takes, and what it tells on dates left out.
+
+Time beside Pinocchio's inverse dynamics of the same arm, in one run. Then noise and threshold are
+learnt without the recordings of a date, and friction without their paths, and these recordings are
+followed as they are, and with pushes at the flange: drawn ones, and one of 10 N held for 10 s.
+"""
+
+import json
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pinocchio
+import torch
+
+from benchmarks.harness.drawn_pushes import drawn_pushes
+from benchmarks.harness.options import arm_options, built
+from ur5lib.errors import InputError
+from ur5lib.force.live import CONTACT, UNKNOWN, Live
+from ur5lib.force.live_file import Measured, follow, learned
+from ur5lib.leaderboard.run import Run
+from ur5lib.leaderboard.study import read_arms
+from ur5lib.robots.description import load_robot
+from ur5lib.robots.exports import urdf
+from ur5lib.robots.inertia import rigid_bodies
+from ur5lib.strict import read_yaml
+from ur5lib.study.model import CurrentLowpass
+from ur5lib.timeseries.arrays import Array
+
+FALSE_PER_MIN = 1.0
+LONG = 40.0  # s, of a long run
+HELD, LASTS = 10.0, 10.0  # N, s
+HEADER = Path(__file__).parents[1] / "ur5lib" / "force"
+SOURCE = Path(__file__).parent / "harness" / "live_samples.cpp"
+
+
+def main() -> None:
+    """Print both."""
+    given = arm_options(__doc__).parse_args()
+    [folder] = built([Path("results") / given.study])
+    torch.set_num_threads(1)
+    [arm] = [own for own in read_arms(folder) if own.robot == given.robot]
+    runs = [run for run in [*arm.fit, *arm.free] if run.measured is not None]
+    entries = read_yaml(folder / "configuration.yaml")["recordings"]
+    dates = {entry["name"]: str(entry.get("date") or entry["name"]) for entry in entries}
+    if given.quick:
+        arm.fit[:] = arm.fit[:3]
+        runs = runs[:1]
+    known = learned_on(arm.fit)
+    print_times(folder / "parameters" / given.robot / "arm.yaml", runs[0], known)
+    rows = [row for date in sorted({dates[own.name] for own in runs})
+            for row in on_date(date, runs, arm.fit, dates)]  # fmt: skip
+    report(pd.DataFrame(rows))
+
+
+def learned_on(runs: list[Run]) -> dict[str, Any]:
+    """What runs without contact tell."""
+    return learned(
+        [(own.arm, own.measured) for own in runs if own.measured is not None],
+        len({own.path for own in runs}),
+        FALSE_PER_MIN,
+    )
+
+
+def print_times(arm_file: Path, run: Run, known: dict[str, Any]) -> None:
+    """Median and 99th percentile of a step [µs]."""
+    assert run.measured is not None
+    part, arm = run.measured.at(slice(2000)), {**run.arm, **known}
+    robot = load_robot(arm_file)
+    text = urdf(robot, rigid_bodies(robot, robot.fullest_model()))
+    model = pinocchio.buildModelFromXML(text)
+    data, estimator = model.createData(), Live(arm)
+    velocities = np.zeros_like(part.q) if part.qd is None else part.qd
+    took: dict[str, list[float]] = {"NumPy, a step": [], "Pinocchio, rnea": []}
+    for time, q, qd, current in zip(part.time, part.q, velocities, part.current, strict=True):
+        for name, call in (
+            ("NumPy, a step", lambda: estimator.step(time, q, qd, current)),  # noqa: B023
+            ("Pinocchio, rnea", lambda: pinocchio.rnea(model, data, q, qd, qd)),  # noqa: B023
+        ):
+            start = perf_counter()
+            call()
+            took[name].append(1e6 * (perf_counter() - start))
+    for name, times in took.items():
+        median, late = np.quantile(times, [0.5, 0.99])
+        print(f"{name}: median {median:.1f} us, 99th percentile {late:.1f} us")
+    print(f"C++, a step: {in_cpp(arm, part)}", flush=True)
+
+
+def in_cpp(arm: dict[str, Any], run: Measured) -> str:
+    """What the compiled header says of its steps."""
+    if (compiler := shutil.which("g++")) is None:
+        return "no g++ is installed"
+    with tempfile.TemporaryDirectory() as folder:
+        program, file = Path(folder) / "live_samples", Path(folder) / "arm.json"
+        flags = ["-std=c++17", "-O2", "-Wno-mismatched-new-delete", f"-I{HEADER}"]
+        subprocess.run([compiler, *flags, SOURCE, "-o", program], check=True)
+        file.write_text(json.dumps(arm))
+        velocities = np.zeros_like(run.q) if run.qd is None else run.qd
+        rows = np.column_stack([run.time, run.q, velocities, run.current]).tolist()
+        lines = "\n".join(" ".join(map(repr, row)) for row in rows)
+        done = subprocess.run([program, file], input=lines, capture_output=True, text=True)
+        return done.stderr.strip()
+
+
+def on_date(
+    date: str, runs: list[Run], fit: list[Run], dates: dict[str, str]
+) -> Iterator[dict[str, Any]]:
+    """A row for each recording of a date of which nothing was learnt."""
+    others = [own for own in fit if dates[own.name] != date]
+    try:
+        known = learned_on(others)
+    except InputError as error:
+        print(f"{date}: {error}")
+        return
+    for own in runs:
+        if dates[own.name] == date and own.measured is not None:
+            found = follow({**own.arm, **known}, own.measured)
+            row = {"date": date, "recording": own.name, "alarms": len(found.alarms())}
+            row |= {"minutes": len(own.q) * own.period / 60, "known": found.known()}
+            row |= held_push(own, known, found.wrench) | dict(zip(*drawn(own, known), strict=True))
+            print(row, flush=True)
+            yield row
+
+
+def held_push(run: Run, known: dict[str, Any], free: Array) -> dict[str, float]:
+    """How much of a push of 10 N is left after 10 s, and just after its release, of what its first
+    half second shows; median over the axes.
+    """
+    first, seconds = round(len(run.q) * run.period / 3), np.arange(len(run.q)) * run.period
+    if seconds[-1] < first + LASTS + 1:
+        return {}
+    shown = []
+    for axis in range(3):
+        push = HELD * run.jacobian[:, axis]
+        push[(seconds < first) | (seconds >= first + LASTS)] = 0.0
+        pushed = run.pushed(push).measured
+        assert pushed is not None
+        change = (follow({**run.arm, **known}, pushed).wrench - free)[:, axis]
+        spans = ((0.2, 0.7), (LASTS - 0.5, LASTS), (LASTS + 0.2, LASTS + 0.7))
+        shown.append(
+            [np.nanmean(change[(seconds >= first + a) & (seconds < first + b)]) for a, b in spans]
+        )
+    early, late, gone = np.median(shown, axis=0)
+    return {"held": late / early, "left": gone / early}
+
+
+def drawn(run: Run, known: dict[str, Any]) -> tuple[list[str], list[float]]:
+    """Drawn pushes, how many of them are found, and the median delay [s]."""
+    wrench = next(drawn_pushes(np.arange(len(run.q)) * run.period, CurrentLowpass()))
+    torque = (run.jacobian.mT @ wrench[..., None])[..., 0]
+    pushed = run.pushed(np.nan_to_num(torque)).measured
+    assert pushed is not None
+    found = follow({**run.arm, **known}, pushed)
+    size = np.linalg.norm(wrench[:, :3], axis=1)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], size > HELD, [False]])))
+    delays = []
+    for first, last in edges.reshape(-1, 2):
+        contact = [k for k in range(first, last) if found.contact[k] == CONTACT]
+        if UNKNOWN not in found.contact[first:last]:
+            delays.append((contact[0] - first) * run.period if contact else np.inf)
+    late = np.array(delays)
+    names = ["pushes", "found", "delay"]
+    seen = late[np.isfinite(late)]
+    return names, [len(late), len(seen), float(np.median(seen)) if len(seen) else np.nan]
+
+
+def report(rows: pd.DataFrame) -> None:
+    """Print all together."""
+    minutes = (rows["minutes"] * rows["known"]).sum()
+    unknown = 1 - rows[rows["minutes"] >= LONG / 60]["known"].mean()
+    print(
+        f"{rows['alarms'].sum() / minutes:.2f} alarms a minute ({rows['alarms'].sum()} in "
+        f"{minutes:.1f} min of known time), unknown {unknown:.1%} of long runs; of pushes above "
+        f"{HELD:.0f} N found {rows['found'].sum():.0f} of {rows['pushes'].sum():.0f}, after "
+        f"{rows['delay'].median():.2f} s"
+    )
+    if "held" in rows:
+        held, left = rows["held"].dropna(), rows["left"].dropna()
+        print(
+            f"of a push of {HELD:.0f} N held for {LASTS:.0f} s, {held.median():.0%} stay "
+            f"(least {held.min():.0%}), and {left.abs().median():.0%} are left after its release "
+            f"(most {left.abs().max():.0%})"
+        )
+
+
+if __name__ == "__main__":
+    main()
