@@ -83,7 +83,7 @@ def check_currents(drawing: Drawing, rows: pd.DataFrame) -> list[str]:
     if rows.empty:
         return []
     joints = sorted(rows["joint"])
-    error = drawn.error("predicted")
+    error = drawn.error("prediction")
     measured = next(line for label, line in drawn.lines.items() if " below " in label)
     rmse = np.sqrt(np.nanmean(error**2, axis=0))
     np.testing.assert_allclose(rmse, by_place(rows, "rmse_2hz", joints), rtol=1e-4)

@@ -655,7 +655,7 @@ def test_table_5_6_shows_the_numbers_of_the_csv(page: HtmlElement, torque: pd.Da
             assert cells[f"{model} rebuilt"].lstrip("▼▲ ") == f"{expected.loc[joint, 'mae']:.4f}"
 
 
-LABELS = {"F̂ᵘ": "Fu", "F̂": "F", "F̂*": "F*", "F̂ᵐᵃᵖ": "Fmap", "least squares": "least_squares"}
+LABELS = {"F̂ᵘ": "Fu", "F̂": "F", "F̂*": "F*", "F̂ᵐᵃᵖ": "Fmap", "gated least squares": "least_squares"}
 DURING = {"in contact": "contact", "free": "free", "whole run": "all"}
 
 

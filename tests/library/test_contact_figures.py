@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from ur5lib.force.contact_figures import (
     ContactErrors,
     contact_errors,
+    error_figures,
     figures_by_contact,
     periods,
     resampled_figures,
@@ -229,3 +230,13 @@ def test_a_contact_is_named_by_its_first_and_last_sample() -> None:
     assert rows_of(0.24 * reference, 0.24 * reference) == []
     one = 6.0 * (np.arange(9) == 4)[:, None] * np.eye(3)[0]  # of a single sample: no duration
     assert rows_of(one, one)[0].impulse == 0.0
+
+
+def test_bands_that_hold_zero_on_every_axis_at_once_are_counted_and_their_factor_told() -> None:
+    """Pushes along one axis after the other: each band holds zero most of the time, all never."""
+    force = np.eye(3)[np.arange(300) % 3] * 10.0
+    figures = error_figures(force + 1.0, np.full((300, 3), 1.0), force)
+    np.testing.assert_allclose(figures["zero_in_band95"], 0.0)
+    np.testing.assert_allclose(figures["band_factor95"], 1 / 1.96)
+    wide = error_figures(force, np.full((300, 3), 10.0), force)
+    np.testing.assert_allclose(wide["zero_in_band95"], 1.0)

@@ -3,6 +3,7 @@ and arms.
 """
 
 from base64 import b64decode
+from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 
@@ -37,6 +38,7 @@ from ur5lib.report.figures.recording_figures import (
 from ur5lib.report.figures.traces import TORQUE_PANELS, WRENCH_PANELS, Traces, decimate, draw_traces
 from ur5lib.robots.description import Cylinder, Robot
 from ur5lib.steps.draw_filters import FILTERED, OF_THESIS, draw_filters
+from ur5lib.tidy.models import is_led
 from ur5lib.timeseries.lowpass import Butterworth
 
 LONG = 20_000
@@ -303,3 +305,10 @@ def test_the_frames_are_those_of_the_arm(ur5: Robot) -> None:
     assert data[["x [m]", "y [m]", "z [m]"]].to_numpy() == pytest.approx(origin)
     assert data.filter(like="z axis").to_numpy() == pytest.approx(rotation[:, :, 2])
     assert data["d [m]"][1:].tolist() == [0.08916, 0, 0, 0.10915, 0.09465, 0.0823]  # Table 5.2
+
+
+def test_targets_of_an_arm_that_a_hand_leads_judge_no_link_model() -> None:
+    """The torque of a target that rests is not that of the motion."""
+    own = signals()
+    assert not is_led(own)
+    assert is_led(replace(own, target_q=np.zeros_like(own.actual_q)))

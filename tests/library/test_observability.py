@@ -85,7 +85,9 @@ def test_dry_friction_and_gears_bear_their_part_of_a_push(state: int) -> None:
 def test_a_push_beyond_the_trials_is_the_largest_one_and_said_to_be_beyond(limits: float) -> None:
     """Before, the files had 10,355 N, or nothing where none was found; the report, above 100 N."""
     trials = detected_above(np.full(COUNT, limits))
-    pushes = [row for row in observability([trials], []) if row.quantity == "smallest_push_95"]
+    pushes = [
+        row for row in observability([trials], []) if row.quantity.startswith("smallest_push_95_")
+    ]
     assert len(pushes) > 1
     for row in pushes:
         assert (row.bound, row.value) == (">", MAX_TRIAL_FORCE)
@@ -140,16 +142,13 @@ def test_the_table_has_each_joint_and_push(tmp_path: Path) -> None:
     least = table[table["quantity"] == "least_velocity"].set_index("joint")["value"]
     assert least.to_dict() == {1: 0.0, 2: 0.0, 3: 0.2, 4: 0.0, 5: 0.0, 6: 0.0}
     assert (table["quantity"] == "friction_in_band").sum() == 6 * 9
-    pushes = table[table["quantity"] == "smallest_push_95"]
-    assert [*pushes["speed_low"]] == [0.0, 0.25]
-    assert pushes["value"].to_numpy() == pytest.approx(10.0, rel=0.4)
-    along = table[table["quantity"].str.startswith("smallest_push_95_")]
+    along = pushes = table[table["quantity"].str.startswith("smallest_push_95_")]
     assert [*along["quantity"].str[-1]] == [*"xyzxyz"]
-    assert [*along["speed_low"]] == [0.0] * 3 + [0.01] * 3
+    assert [*along["speed_low"]] == [0.0] * 3 + [0.25] * 3
     assert along["value"].to_numpy() == pytest.approx(10.0, rel=0.5)
     assert (along["std_error"] > 0).all()
     assert along["samples"].sum() == len(trials.force)
-    assert len(observability_figure(table, 0.9, MAX_TRIAL_FORCE).data) == 2 + 6 * 9
+    assert len(observability_figure(table, 0.9, MAX_TRIAL_FORCE).data) == 6 + 6 * 9
     shares = table[table["quantity"] == "friction_in_band"]
     for pushed in (pushes[:0], pushes[:1].assign(speed_high=np.nan)):
         drawing = observability_figure(pd.concat([pushed, shares]), 0.9, MAX_TRIAL_FORCE)

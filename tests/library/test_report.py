@@ -49,7 +49,6 @@ from ur5lib.report.views.contacts import (
 )
 from ur5lib.report.views.currents import loaded, remarks
 from ur5lib.report.views.first_screen import _each, left_out_fits
-from ur5lib.report.views.forces import SMALLEST_PUSHES, pushes_found
 from ur5lib.report.views.models import contradictions
 from ur5lib.report.views.recordings import configuration, configuration_heading
 from ur5lib.steps.write_report import archived
@@ -140,8 +139,11 @@ def test_pdf_is_made_from_text_from_outside(document: Document, tmp_path: Path) 
 def test_extremes_are_marked_where_values_differ() -> None:
     low, middle, high = ("A",), ("B",), ("C",)
     marks = {low: "lowest", middle: None, high: "highest"}
-    assert extremes({low: 1.0, middle: 2.0, high: 3.0}) == marks
-    assert extremes({low: 1.0, middle: 1.0}) == {low: None, middle: None}
+    values = {low: (1.0, "1.0"), middle: (2.0, "2.0"), high: (3.0, "3.0")}
+    assert extremes(values) == extremes(values, zero=1.1) == marks
+    assert extremes(values, zero=0.9) == marks | {low: None}
+    assert extremes({low: (1.0, "1.0"), middle: (1.01, "1.0")}) == {low: None, middle: None}
+    assert extremes(values | {middle: (1.01, "1.0")}) == marks | {low: None}
 
 
 @pytest.mark.parametrize(
@@ -382,25 +384,6 @@ def test_the_fixed_threshold_shows_time_above_and_pushes_found() -> None:
     assert shown("fixed_threshold", without) == []
 
 
-def test_pushes_never_found_are_told_as_such() -> None:
-    """A push that is never found is infinite, and null in the file."""
-    found = {"raised": [], "alarms_per_min": 0.0, "threshold": 0.0}
-    sizes = zip("xyz", (9.0, None, 20.0), strict=True)
-    found["smallest_force_95"] = [
-        *({"axis": axis, "speed_low": 0.01, "force": force, "std": 2.0} for axis, force in sizes),
-        {"axis": "y", "speed_low": 0.0, "force": 70.0, "std": 20.0},
-    ]
-    rows = table(forces.detection, {"free": {"Fmap": found}})
-    results = Results({}, {"detection": rows, "payload": payloads()}, Path())
-    (line,) = shown("detection.smallest_pushes", results)
-    pushes = {
-        "in motion: x [N]": "9.0 ± 2.0",
-        "in motion: z [N]": "20.0 ± 2.0",
-        "at rest: y [N]": "70 ± 20",
-    }
-    assert line == {"recording": "free"} | pushes
-
-
 def payloads() -> pd.DataFrame:
     loads = [load_of("free", 0.02, taken=False), load_of("heavy", 2.75, taken=True)]
     return table(friction.payload, dict(loads))
@@ -433,11 +416,8 @@ def test_what_a_run_carries_stands_in_a_table() -> None:
     assert table(friction.payload, {"at rest": {"load": None}, "no currents": {}}).empty
 
 
-def test_a_load_that_the_model_lacks_is_told_and_judges_nothing() -> None:
-    pushes = dict.fromkeys(SMALLEST_PUSHES, 5.0) | {"estimate": "Fmap"}
-    detection = pd.DataFrame([{"recording": name} | pushes for name in ("free", "heavy")])
-    results = Results({}, {"detection": detection, "payload": payloads()}, Path())
-    assert [*pushes_found(results)["recording"]] == ["free"]
+def test_a_load_that_the_model_lacks_is_told() -> None:
+    results = Results({}, {"payload": payloads()}, Path())
     (told,) = _each("findings.load", loaded(results))
     assert "heavy" in told
     assert stated(told) == [2.75, 0.03]

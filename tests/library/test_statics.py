@@ -58,3 +58,23 @@ def test_gravity_of_unknown_links_is_in_its_columns(arm: Robot, gravity: tuple[f
     for basis, own in zip(columns[1:], torque[1:], strict=True):
         np.testing.assert_allclose(basis @ (basis.T @ own), own, atol=1e-2 * np.abs(torque).max())
     assert [basis.shape[0] for basis in statics.gravity_columns(unknown, Q[:0])] == [0] * 6
+
+
+def test_gravity_loads_no_joint_with_an_upright_axis() -> None:
+    """Joint 1 of an upright arm shows no torque constant; on a wall, it does."""
+    arm = load_robot(robot_path("ur3"))
+    assert {2, 3, 4} <= {*statics.bearing_joints(arm)} <= {2, 3, 4, 5}
+    assert 1 in statics.bearing_joints(arm.mounted([9.81, 0.0, 0.0]))
+
+
+def test_a_known_load_fits_the_arm() -> None:
+    """An arm of 300 kg payload was told to carry 2 kg."""
+    loads = {name: load_robot(robot_path(name)).known_load() for name in ("ur5", "kuka-kr300")}
+    assert {name: load and load.mass for name, load in loads.items()} == {
+        "ur5": 2.0,
+        "kuka-kr300": 100.0,
+    }
+    unrated = load_robot(robot_path("ur5")).model_copy(update={"rated_payload": None})
+    assert unrated.known_load().mass == pytest.approx(2.0)
+    unknown = unrated.model_copy(update={"links": "unknown"})
+    assert unknown.known_load() is None

@@ -29,7 +29,7 @@ from ur5lib.excitation.problem import (
 )
 from ur5lib.identification.currents import SEASON, CurrentFit, Parameter, friction_std
 from ur5lib.identification.samples import INDEPENDENT_STEP
-from ur5lib.robots.description import Payload, Robot
+from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -38,7 +38,6 @@ SCALING_ROUNDS = 4  # after which predicted standard errors are within 3 % of th
 # Speed and acceleration of recordings that may come next.
 FAST_MOTION = (1.5, 3.0)  # rad/s, rad/s²
 SLOW_MOTION = (0.2, 0.4)
-CANDIDATE_LOAD = Payload(mass=2.0, center_of_mass=(0.06, 0.0, 0.05))  # kg, m
 WEIGHING_DURATION = 20.0  # s, along which a load is found
 MIN_LEVER = 1e-6  # m; a smaller lever is none
 
@@ -204,10 +203,12 @@ class Outlook:
 
     def candidates(self, seconds: float) -> Iterator[tuple[str, Array]]:
         """Yield what recordings of some length would tell, (P, P)."""
+        load = self._arm.known_load()
+        loaded = [(f"all joints with {load.mass:g} kg", load, FAST_MOTION)] if load else []
         for name, load, motion in (
             ("all joints", None, FAST_MOTION),
             ("all joints slowly", None, SLOW_MOTION),
-            ("all joints with 2 kg", CANDIDATE_LOAD, FAST_MOTION),
+            *loaded,
         ):
             model = LinkModel(self._arm.carrying(load), self._arm.fullest_model())
             q, qd, qdd = random_states(self._arm, *motion)

@@ -8,6 +8,8 @@ import numpy as np
 from ur5lib.force.detection import CONTACT_FORCE, contacts, in_contact, is_free, overlap
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import (
+    NORMAL95,
+    band_factor,
     correlation,
     coverage,
     interval_score,
@@ -81,6 +83,9 @@ def error_figures(estimate: Array, std: Array | None, reference: Array) -> dict[
     }
     if std is not None:
         figures["interval_score95"] = interval_score(estimate, std, reference)
+        figures["band_factor95"] = band_factor(estimate, std, reference)
+        inside = (np.abs(estimate) <= NORMAL95 * std)[:, :3]  # of the force
+        figures["zero_in_band95"] = np.full(len(mean), inside.all(axis=1).mean())
         for stated in NOMINAL_COVERAGES:
             figures[f"coverage{100 * stated:.0f}"] = coverage(estimate, std, reference, stated)
     return figures

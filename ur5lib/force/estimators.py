@@ -136,7 +136,7 @@ def checked(estimator: Estimator, place: str, run: Run) -> Answer:
 PUBLISHED = {"Fu": "F̂ᵘ", "F": "F̂", "F*": "F̂*"}  # the controller's and the thesis's
 ESTIMATORS = {  # by their names in records and tables
     "Fmap": Estimator("F̂ᵐᵃᵖ", lambda run: run.fmap),
-    "least_squares": Estimator("least squares", least_squares, gated=False),
+    "least_squares": Estimator("gated least squares", least_squares, gated=False),
     "static": Estimator("uncalibrated static estimate", lambda run: run.static, False, "the "),
     "controller_currents": Estimator(
         "controller, from currents", controller, False, "the force by the "
@@ -145,7 +145,8 @@ ESTIMATORS = {  # by their names in records and tables
 OWN = added(ESTIMATORS)
 ESTIMATORS |= OWN
 NEW = {name: one.label for name, one in ESTIMATORS.items()}
-ESTIMATES = PUBLISHED | NEW
+UNGATED = "ungated_least_squares"  # the rival of all others, known beside a sensor alone
+ESTIMATES = PUBLISHED | NEW | {UNGATED: "plain least squares"}
 SPOKEN = PUBLISHED | {name: one.article + one.label for name, one in ESTIMATORS.items()}
 GATED = [name for name, one in ESTIMATORS.items() if one.gated]
 LEADING = GATED[0]  # its contacts, alarms and smallest pushes are those of a study

@@ -51,6 +51,12 @@ class Trials:
         return Trials(self.force[rows], self.axis[rows], self.speed[rows], self.found[rows])
 
 
+def flange_speed(jacobian: Array, qd: Array) -> Array:
+    """Return the speed (N,) [m/s] of the flange; jacobian: (N, 6, n); qd: (N, n) [rad/s]."""
+    speed: Array = np.linalg.norm(np.matvec(jacobian[:, :3], qd), axis=1)
+    return speed
+
+
 def felt_push(
     torque: Array,
     time: Array,

@@ -5,12 +5,15 @@ from typing import Literal
 
 from ur5lib.timeseries.arrays import Array
 
+SPEEDS = {0.0: "at rest", 0.01: "slow", 0.25: "fast"}  # of the flange, from [m/s] on
+
 
 @dataclass(frozen=True)
 class Alarm:
     """An alarm: start, end and time of the largest force [s], this force (3,) [N] and its standard
-    deviation, and the joints (n,) [rad] there; whether it is a contact or a load, and the mass of a
-    load [kg]; whether the torques exclude that the contact is at the flange.
+    deviation, and the joints (n,) [rad] there; the flange's mean speed [m/s]; whether it is a
+    contact or a load, and the mass of a load [kg]; whether the torques exclude that the contact is
+    at the flange.
     """
 
     start: float
@@ -19,6 +22,7 @@ class Alarm:
     force: Array
     force_std: Array
     q: Array
+    flange_speed: float = float("nan")
     kind: Literal["contact", "load"] = "contact"
     load_mass: float | None = None
     load_mass_std: float | None = None
@@ -68,7 +72,7 @@ class Matched:
 @dataclass(frozen=True)
 class SmallestPush:
     """The force [N] that is detected in 95 of 100 trials, with its standard error, in a range of
-    the flange's speed [m/s], along an axis or along any.
+    the flange's speed [m/s], along an axis.
 
     tried, found: numbers of trials; beyond: whether it is larger than all of them, of which `force`
     is the largest, and has no standard error.
@@ -80,7 +84,7 @@ class SmallestPush:
     found: int
     force: float
     std: float
-    axis: str = ""
+    axis: str
     beyond: bool = False
 
 

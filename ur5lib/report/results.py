@@ -22,6 +22,7 @@ from ur5lib.records.quality import UNREADABLE
 from ur5lib.records.truth import COLUMNS as TRUTH
 from ur5lib.report.page.document import MOST_ROWS, MOST_SHOWN
 from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import bearing_joints
 from ur5lib.strict import FAST_LOADER
 from ur5lib.tables import read_csv
 from ur5lib.thesis.printed_numbers import PRINTED_COLUMNS as PRINTED
@@ -58,7 +59,8 @@ class Results:
     study: the configuration; tables: by name; figures: the folder of figures; drawn: recordings
     with figures; left_out: for each omitted section, a sentence with the reason; other_arms: those
     that are no UR arms; placeholders: those whose links are found from their measured torques;
-    effort: that is measured, of torques where all arms measure these.
+    effort: that is measured, of torques where all arms measure these; bearing: by arm, the joints
+    that gravity loads; loads: by arm, a known load [kg] that it carries well.
     """
 
     study: Mapping[str, Any]
@@ -72,6 +74,8 @@ class Results:
     other_arms: frozenset[str] = frozenset()
     placeholders: frozenset[str] = frozenset()
     effort: Effort = CURRENT
+    bearing: Mapping[str, Sequence[int]] = field(default_factory=dict)
+    loads: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod
     def read(
@@ -98,6 +102,8 @@ class Results:
             other_arms=frozenset(arm.name for arm in arms if not arm.denavit_hartenberg),
             placeholders=frozenset(arm.name for arm in arms if arm.links == "unknown"),
             effort=TORQUE if {arm.measured for arm in arms} == {TORQUE} else CURRENT,
+            bearing={arm.name: bearing_joints(arm) for arm in arms},
+            loads={arm.name: load.mass for arm in arms if (load := arm.known_load())},
         )
 
     def of_run(self, name: str) -> "Results":

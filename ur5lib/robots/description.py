@@ -27,6 +27,8 @@ DESCRIPTION_FOLDER = Path(__file__).parent
 JOINT_SIZES_FILE = DESCRIPTION_FOLDER / "joint_sizes.yaml"
 PROJECT_FOLDER = Path("robots")  # of the user's project, for further arms
 INVALID_DESCRIPTION = "is not a valid description of an arm (docs/robots.md)"
+LOAD_SHARE, LINKS_SHARE = 0.4, 0.1  # of a known load, in the rated payload, in the links' mass
+LOAD_PLACE = (0.06, 0.0, 0.05)  # m, of its centre of mass
 SAME_LINKS = {"ur7e": "ur5e", "ur12e": "ur10e"}  # by their kinematics, masses and inertias
 GRAVITY_RANGE = (9.0, 10.5)  # m/s², on earth
 USUAL_ACCELERATION = 15.0  # rad/s²
@@ -270,7 +272,8 @@ class Robot(Described):
     behind them, or of a side that nobody said, which count as the joints'; drives: how its
     controller counts; links: `unknown` where masses, centres and
     inertias are placeholders, which the recordings replace, `fitted` where they have; weight: of
-    all links together, at most [kg]; balanced_joints: on which a spring or a counterbalance acts,
+    all links together, at most [kg]; rated_payload: by the maker [kg]; balanced_joints: on which a
+    spring or a counterbalance acts,
     1 to n; wrist_sensor: whether a force sensor is built into its flange; calibration: of one
     individual arm, frame k as the turned joint k carries it, in place of `denavit_hartenberg`,
     which an arm described from its URDF has not.
@@ -287,6 +290,7 @@ class Robot(Described):
     drives: Drives = Drives()
     links: Literal["known", "unknown", "fitted"] = "known"
     weight: Positive | None = None
+    rated_payload: Positive | None = None
     balanced_joints: list[int] = Field(default_factory=list)
     masses: PerLink[Positive]
     models: dict[str, Model]
@@ -465,6 +469,17 @@ class Robot(Described):
     def with_model(self, name: str, model: Model) -> Self:
         """Return the arm with a model added, or replaced if the name exists."""
         return self.model_copy(update={"models": self.models | {name: model}})
+
+    def known_load(self) -> Payload | None:
+        """Return a load that shows the wrist's constants and that the arm carries well: a share of
+        the rated payload or, without one, of the links' mass; None of unknown links.
+        """
+        mass = LOAD_SHARE * (self.rated_payload or 0.0)
+        if not mass and self.links != "unknown":
+            mass = LINKS_SHARE * sum(self.masses)
+        if not mass:
+            return None
+        return Payload(mass=float(f"{mass:.1g}"), center_of_mass=LOAD_PLACE)
 
     def carrying(self, payload: Payload | None) -> Self:
         """Return the arm with a further payload on its flange, in each of its models."""

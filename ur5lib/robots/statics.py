@@ -16,6 +16,9 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.inertia import link_tail, rigid_bodies
 from ur5lib.timeseries.arrays import Array
 
+POSTURES = 200  # at random, of which one loads each joint that gravity can load
+BEARING_SHARE = 0.03  # of a joint's largest torque
+
 STANDARD_GRAVITY = 9.81  # m/s²
 MIN_SINGULAR_VALUE = 0.03  # of J_g, with rows in m and rad
 # of the largest, of torques per mass and first moment; what is smaller does not tell links apart
@@ -53,6 +56,18 @@ def gravity_torque(robot: Robot, model: str, q: Array) -> Array:
     carried = np.cumsum(weights[::-1], axis=0)[::-1]
     about_joints = moment - np.cross(origin[:, :-1], carried)
     return -np.einsum("nji,nji->nj", rotation[:, :-1, :, 2], about_joints)
+
+
+def bearing_joints(robot: Robot) -> list[int]:
+    """Return the joints, from 1, that gravity loads by a share of their largest torque that shows
+    their torque constant, in some posture; all of unknown links.
+    """
+    count = len(robot.joints)
+    if robot.links == "unknown":
+        return [*range(1, count + 1)]
+    postures = np.random.default_rng(0).uniform(-np.pi, np.pi, size=(POSTURES, count))
+    torque = np.abs(gravity_torque(robot, robot.fullest_model(), postures)).max(axis=0)
+    return (np.flatnonzero(torque > BEARING_SHARE * np.array(robot.torque_limits())) + 1).tolist()
 
 
 def load_torque(robot: Robot, q: Array) -> Array:

@@ -89,18 +89,26 @@ def detected(
     found: Mapping[str, Alarms],
     sensor: SensorWrenches,
     q: Array,
+    speed: Array,
     thresholds: Mapping[str, float],
     named: Named,
 ) -> dict[str, Detected]:
     """Return the alarms of each estimate, and their comparison with the sensor.
 
-    q: (N, n) [rad]; named: returns an alarm with its kind, a contact or a load.
+    q: (N, n) [rad]; speed: of the flange (N,) [m/s]; named: returns an alarm with its kind, a
+    contact or a load.
     """
     return {
         name: Detected(
             **vars(matched(own.raised, sensor)),
             threshold=thresholds[name],
-            raised=[named(span, strongest(span, sensor.time, q, own)) for span in own.raised],
+            raised=[
+                replace(
+                    named(span, strongest(span, sensor.time, q, own)),
+                    flange_speed=float(speed[slice(*span)].mean()),
+                )
+                for span in own.raised
+            ],
             time_in_alarm=float(inside_spans(own.raised, len(sensor.time)).mean()),
             axes={axis: by_axis(own, sensor, i) for i, axis in enumerate("xyz")},
             free_time_in_alarm=free_time_in_alarm(own, sensor),

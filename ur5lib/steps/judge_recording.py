@@ -6,6 +6,7 @@ from typing import NamedTuple
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.estimators import LEADING
 from ur5lib.force.problem import fmap_problem, unusual_friction
+from ur5lib.force.trial_contacts import flange_speed
 from ur5lib.identification.current_samples import Smoother, current_record
 from ur5lib.records.accelerations import Accelerations, ImuComparison
 from ur5lib.records.arm_state import Checkup
@@ -73,7 +74,8 @@ def detect_contacts(evidence: Evidence, sensor: SensorWrenches) -> dict[str, Det
     """
     forces, currents, thresholds = evidence.forces, evidence.currents, evidence.threshold
     alarms = all_alarms(forces, published_forces(evidence), thresholds)
-    contacts = detected(alarms, sensor, evidence.motion.q, thresholds, load_finder(evidence))
+    moved = evidence.motion.q, flange_speed(evidence.kinematics.jacobian, evidence.motion.qd)
+    contacts = detected(alarms, sensor, *moved, thresholds, load_finder(evidence))
     problem = fmap_problem(evidence.motion, currents, evidence.residuals)
     if problem is None or LEADING not in contacts:
         return contacts

@@ -7,7 +7,7 @@ import numpy as np
 
 from ur5lib.force.contact_figures import contact_errors, figures_by_contact
 from ur5lib.force.detection import sensed_contact
-from ur5lib.force.estimators import LEADING
+from ur5lib.force.estimators import LEADING, UNGATED
 from ur5lib.force.published import controller_estimate
 from ur5lib.force.sensor import (
     measured_columns,
@@ -44,6 +44,9 @@ def compare_with_sensor(evidence: Evidence) -> tuple[SensorWrenches, Compared]:
     reading = read_sensor(evidence, robot)
     sensor = sensor_wrenches(robot, signals, reading, kinematics.rotation)
     estimates = compared_estimates(robot, signals, reading, published_forces(evidence), forces)
+    if (torque := evidence.currents.external_torque) is not None and forces.wrench:
+        known = torque, kinematics.jacobian, evidence.min_singular_value
+        estimates["compensated"] = estimates["compensated"] | {UNGATED: (ungated(*known), None)}
     return sensor, beside_sensor(compared, reading, sensor, estimates, kinematics.rotation)
 
 
@@ -91,6 +94,18 @@ def sensor_wrenches(
     if not reading.own_clock:
         del wrenches["printed"]
     return SensorWrenches(time=signals.time, segment=signals.segment, wrench=wrenches)
+
+
+def ungated(torque: Array, jacobian: Array, min_singular_value: float) -> Array:
+    """Return the wrench (N, 6) [N, Nm] by least squares of the external torques (N, n) [Nm], in and
+    out of contact: the simplest rival of an estimate that knows when nothing touches the arm.
+
+    jacobian: (N, 6, n), of which directions with smaller singular values are left out.
+    """
+    left, size, right = np.linalg.svd(jacobian.mT, full_matrices=False)
+    inverse = np.where(size > min_singular_value, 1 / size, 0.0)
+    wrench: Array = np.matvec(right.mT, inverse * np.matvec(left.mT, torque))
+    return wrench
 
 
 def compared_estimates(

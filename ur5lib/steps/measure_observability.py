@@ -1,7 +1,7 @@
 """What an arm's contact-free recordings let one observe.
 
-The smallest push that F̂ᵐᵃᵖ detects, by the flange's speed; and the velocities of each joint at
-which its friction is predicted within its band.
+The smallest push that F̂ᵐᵃᵖ detects along each axis, by the flange's speed; and the velocities of
+each joint at which its friction is predicted within its band.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,13 +20,14 @@ from ur5lib.force.trial_contacts import (
     MAX_TRIAL_FORCE,
     Trials,
     felt_push,
+    flange_speed,
     try_each_place,
 )
 from ur5lib.identification.currents import CurrentFit, torque_constants
 from ur5lib.identification.samples import INDEPENDENT_STEP
 from ur5lib.identification.validation import ShareBySpeed, share_by_speed
 from ur5lib.records.arm_state import Observed
-from ur5lib.records.contacts import SmallestPush
+from ur5lib.records.contacts import SPEEDS, SmallestPush
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.forces import Forces
@@ -35,8 +36,9 @@ from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
 from ur5lib.timeseries.arrays import Array
 
-FLANGE_SPEEDS = (0.0, 0.01, 0.25, np.inf)  # m/s: at rest, slow, fast
+FLANGE_SPEEDS = (*SPEEDS, np.inf)  # m/s
 ROUNDS = 2  # of trial pushes
+LEAST_TRIALS = 270  # of an arm: thirty for each axis and range of speeds
 FEWEST_TRIALS = 10  # of which some are detected and some are not
 
 
@@ -55,6 +57,7 @@ def measure_observability(
     typical contact.
     """
     prior, trials, errors = ContactPrior(force=contact_force_n), list[Trials](), list[Judged]()
+    least = LEAST_TRIALS // max(1, len(motion))
     for name, moved in motion.items():
         predicted = currents[name]
         if predicted.external_torque is None or predictions[name].is_loaded:
@@ -64,7 +67,7 @@ def measure_observability(
         odds = forces[name].log_odds.get(LEADING)
         if LEADING in threshold and problem is not None and odds is not None:
             jacobian = kinematics[name].jacobian
-            trials.append(pushed(problem, jacobian, prior, threshold[LEADING], odds))
+            trials.append(pushed(problem, jacobian, prior, threshold[LEADING], odds, least))
     return [*observability(trials, errors)]
 
 
@@ -88,7 +91,7 @@ def pushed(
     odds: without any (N,); least: number of pushes, if there is a place for any.
     """
     one, random = problem.input, np.random.default_rng(0)
-    speed = np.linalg.norm(np.matvec(jacobian[:, :3], one.qd), axis=1)
+    speed = flange_speed(jacobian, one.qd)
     time = np.arange(len(speed), dtype=np.float64) * one.period
     known = time, one.states, one.gears, prior.stiction * problem.model.breakaway
     friction = np.random.default_rng(1)
@@ -123,9 +126,7 @@ def observability(trials: Sequence[Trials], errors: Sequence[Judged]) -> Iterato
     """Yield smallest pushes by speed, and by joint the shares by speed and where they suffice."""
     if trials:
         together = Trials.joined([*trials])
-        for low, high in pairwise(FLANGE_SPEEDS):
-            yield from map(_push, limit(together.within(low, high), low, high))
-        yield from map(_push, by_axis(together))
+        yield from map(_push, by_axis(together, FLANGE_SPEEDS))
     if errors:
         speed, inside = (np.concatenate(part) for part in zip(*errors, strict=True))
         known = np.isfinite(inside).T
@@ -138,7 +139,7 @@ def observability(trials: Sequence[Trials], errors: Sequence[Judged]) -> Iterato
 
 def _push(push: SmallestPush) -> Observed:
     return Observed(
-        quantity="_".join(filter(None, ["smallest_push_95", push.axis])),
+        quantity=f"smallest_push_95_{push.axis}",
         speed_low=push.speed_low,
         speed_high=push.speed_high,
         speed_unit="m/s",
@@ -177,14 +178,16 @@ def _predicted(joint: int, low: float, high: float) -> Observed:
     )
 
 
-def by_axis(trials: Trials) -> Iterator[SmallestPush]:
-    """Yield the smallest pushes along x, y and z, at rest and in motion."""
-    for low, high in pairwise((*FLANGE_SPEEDS[:2], np.inf)):
+def by_axis(
+    trials: Trials, speeds: Sequence[float] = (*FLANGE_SPEEDS[:2], np.inf)
+) -> Iterator[SmallestPush]:
+    """Yield the smallest pushes along x, y and z between speeds [m/s]: at rest and in motion."""
+    for low, high in pairwise(speeds):
         for axis, name in enumerate("xyz"):
             yield from limit(trials.within(low, high).along(axis), low, high, name)
 
 
-def limit(trials: Trials, low: float, high: float, axis: str = "") -> Iterator[SmallestPush]:
+def limit(trials: Trials, low: float, high: float, axis: str) -> Iterator[SmallestPush]:
     """Yield the smallest push that is detected between two speeds, if trials suffice.
 
     Beyond the largest trial, a logistic curve tells nothing: it is that one, and `beyond`.

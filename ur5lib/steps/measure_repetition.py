@@ -26,9 +26,8 @@ from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.quality import Quality
-from ur5lib.records.signals import Signals
+from ur5lib.records.signals import Signals, slowly
 from ur5lib.robots.description import Robot
-from ur5lib.tidy.models import slowly
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.trajectories import (
     REST_SPEED,

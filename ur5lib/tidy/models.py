@@ -10,15 +10,13 @@ from ur5lib.records.closed_loop import ClosedLoop
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import Friction
 from ur5lib.records.models import Identification, Rotors
-from ur5lib.records.signals import Signals
+from ur5lib.records.signals import Signals, slowly
 from ur5lib.records.wording import in_words
 from ur5lib.thesis.reference import Published
 from ur5lib.tidy import Column, Row, by_joint
-from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import mean_absolute_error
-from ur5lib.timeseries.segments import by_segment
 
-ORDER, CUTOFF = 4, 2.0  # Hz, above which measured accelerations are noise, the controller's are not
+MIN_TARGET_TRAVEL, MIN_LED_TRAVEL = 0.01, 0.1  # rad, of a target that moves, of a joint that is led
 COMPARED = ("closed_loop", "target")  # motions to which a published torque error is compared
 STOP = "stop sign"  # in the place of a step: no forces are stated for the arm
 
@@ -29,7 +27,7 @@ def torque_mae(
     """Yield the MAE of torques by motion and link model against `target_moment`, below 2 Hz, too,
     the printed MAE and that of zero torque; interpolated frames are left out.
     """
-    if signals.target_moment is None:
+    if signals.target_moment is None or is_led(signals):
         return
     received = ~signals.interpolated
     moment = signals.target_moment[received]
@@ -56,11 +54,15 @@ def torque_mae(
         yield from by_joint(columns, motion="closed_loop", model=model)
 
 
-def slowly(values: Array, signals: Signals, lowpass: tuple[int, float] = (ORDER, CUTOFF)) -> Array:
-    """Return torques or currents (N, n), low-passed; lowpass: order and cut-off [Hz]."""
-    from ur5lib.timeseries.lowpass import zero_phase_lowpass  # slow to import
-
-    return by_segment(zero_phase_lowpass, values, signals.segment, 1 / signals.period, *lowpass)
+def is_led(signals: Signals) -> bool:
+    """Return whether a joint moves while its target rests: a hand leads the arm, and the torque of
+    the target is not that of the motion.
+    """
+    if signals.target_q is None:
+        return False
+    rests = np.ptp(signals.target_q, axis=0) < MIN_TARGET_TRAVEL
+    moves = np.ptp(signals.actual_q, axis=0) > MIN_LED_TRAVEL
+    return bool((rests & moves).any())
 
 
 def rotor_inertia(rotors: Rotors) -> Iterator[Row]:

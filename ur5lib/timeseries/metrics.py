@@ -58,6 +58,13 @@ def coverage(estimate: Array, std: Array, reference: Array, stated: float = 0.95
     return inside.sum(axis=0) / finite.sum(axis=0)
 
 
+def band_factor(estimate: Array, std: Array, reference: Array) -> Array:
+    """Return the factor by which each column's 95 % band would have to be wider to hold 95 % of the
+    references: below 1, it is too wide.
+    """
+    return np.nanquantile(np.abs(reference - estimate) / (NORMAL95 * std), BAND_COVERAGE, axis=0)
+
+
 def interval_score(estimate: Array, std: Array, reference: Array) -> Array:
     """Return the mean Winkler score of each column's 95 % band: width + 2 / 0.05 times misses.
 

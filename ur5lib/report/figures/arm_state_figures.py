@@ -12,6 +12,7 @@ from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, date2num
 from matplotlib.ticker import FuncFormatter
 
 from ur5lib.channels import CURRENT, Effort
+from ur5lib.records.contacts import SPEEDS
 from ur5lib.report.figures.house_style import (
     JOINT_COLOURS,
     SHADE_STYLE,
@@ -19,7 +20,6 @@ from ur5lib.report.figures.house_style import (
     house_style,
     nothing_to_draw,
 )
-from ur5lib.report.page.formats import flange_speeds
 from ur5lib.timeseries.metrics import NORMAL95
 
 PANEL_LABELS = {
@@ -34,6 +34,7 @@ PANEL_LABELS = {
 FIGURE_HEIGHT = 7.4  # inches, of six rows of panels
 JOINT_MARKERS = ("o", "s", "^", "v", "D", "P", "X", "*")
 TEXT_SIZES: Any = {"axes.titlesize": 7.5, "xtick.labelsize": 6.5}
+AXIS_STEP = 0.22  # of the step between speeds, from axis to axis
 MIN_DRAWN_SPEED = 0.003  # rad/s, where the axis of speeds begins
 DRIFT_STYLE: Any = SHADE_STYLE | {"alpha": 0.06}  # a drift, which lasts all the time
 
@@ -115,9 +116,8 @@ def observability_figure(rows: pd.DataFrame, wanted: float, most: float) -> Draw
 
     rows: observability.csv; wanted: share that suffices; most: largest push that was tried [N].
     """
-    pushes, shares = (
-        rows[rows["quantity"] == name] for name in ("smallest_push_95", "friction_in_band")
-    )
+    pushes = rows[rows["quantity"].str.startswith("smallest_push_95_")]
+    shares = rows[rows["quantity"] == "friction_in_band"]
     if pushes.empty and shares.empty:
         return nothing_to_draw()
     with house_style(2.9, 1, 2) as (figure, ((left, right),)):
@@ -127,20 +127,22 @@ def observability_figure(rows: pd.DataFrame, wanted: float, most: float) -> Draw
 
 
 def _pushes(axis: Axes, rows: pd.DataFrame, most: float) -> None:
-    """Draw the push that is detected in each range of speeds; an arrow where it is beyond."""
-    for place, row in enumerate(rows.itertuples()):
-        if row.value >= most:
-            axis.annotate(
-                "", (place, 1.1 * most), (place, 0.95 * most), arrowprops={"arrowstyle": "->"}
-            )
-            axis.text(place, 0.94 * most, f"> {most:.0f}", ha="center", va="top")
+    """Draw the push along x, y and z in each range of speeds; an arrow where it is beyond."""
+    speeds = [*rows["speed_low"].unique()]
+    for row in rows.itertuples():
+        along = "xyz".index(row.quantity[-1])
+        place, style = speeds.index(row.speed_low) + AXIS_STEP * (along - 1), JOINT_COLOURS[along]
+        if row.bound:
+            arrow = {"arrowstyle": "->", "color": style}
+            axis.annotate("", (place, 1.1 * most), (place, 0.95 * most), arrowprops=arrow)
         else:
-            half = NORMAL95 * row.std_error
-            axis.errorbar(place, row.value, half, fmt="o", markersize=4, color=JOINT_COLOURS[0])
-    speeds = [flange_speeds(row.speed_low, row.speed_high) for row in rows.itertuples()]
-    axis.set_xticks(range(len(rows)), speeds)
+            half, mark = NORMAL95 * row.std_error, JOINT_MARKERS[along]
+            axis.errorbar(place, row.value, half, fmt=mark, markersize=4, color=style)
+        axis.text(place, 0.02 * most, row.quantity[-1], ha="center", color=style)
+    words = [f"{SPEEDS[low]}\n≥ {low:g}" for low in speeds]
+    axis.set_xticks(range(len(speeds)), words)
     axis.set(xlabel="speed of the flange [m/s]", ylabel="smallest push [N]")
-    axis.set(xlim=(-0.5, len(rows) - 0.5), ylim=(0, 1.12 * most))
+    axis.set(xlim=(-0.5, len(speeds) - 0.5), ylim=(0, 1.12 * most))
 
 
 def _shares(axis: Axes, rows: pd.DataFrame, wanted: float) -> None:

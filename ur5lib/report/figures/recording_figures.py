@@ -13,7 +13,7 @@ from ur5lib.records.closed_loop import ClosedLoop
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
-from ur5lib.records.signals import Signals
+from ur5lib.records.signals import CUTOFF, Signals, slowly
 from ur5lib.report.figures.house_style import JOINT_COLOURS, Drawing, house_style, nothing_to_draw
 from ur5lib.report.figures.panels import Panel, joint_quantity
 from ur5lib.report.figures.traces import (
@@ -28,7 +28,6 @@ from ur5lib.report.figures.traces import (
     draw_traces,
 )
 from ur5lib.robots.description import Robot
-from ur5lib.tidy.models import CUTOFF, slowly
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import starts
@@ -91,9 +90,8 @@ def torque_figure(signals: Signals, torques: Torques, robot: Robot) -> Drawing:
     models = dict.fromkeys((robot.chosen_model, robot.fullest_model()))
     for model, style in zip(models, ("first", "second"), strict=False):
         motion = "target" if model in torques.target else "measured"
-        name = f"Model {model}" if model[0].isupper() else model
         torque = slowly(getattr(torques, motion)[model], signals)
-        lines[f"{name}, {motion} motion"] = torque, style
+        lines[f"Model {model} at the {motion} motion"] = torque, style
     return draw_lines(signals, lines, TORQUE_PANELS, unfiltered=signals.target_moment)
 
 
@@ -126,15 +124,15 @@ def effort_figure(
     lines: OptionalLines = {f"{name}, unfiltered": (measured, "pale")}
     if measured is None or predicted is None:
         return draw_lines(signals, lines, panels)
-    known = np.isfinite(measured + predicted).all(axis=1)
+    known = np.isfinite(measured + predicted).all(axis=1, keepdims=True)
 
     def smooth(values: Array) -> Array:
-        return slowly(np.where(known[:, None], values, np.nan), signals, lowpass)
+        return slowly(np.where(known, values, np.nan), signals, lowpass)
 
     slow, half = smooth(predicted), currents.band
     lines = {
         f"{name} below {lowpass[1]:g} Hz": (smooth(measured), "measured"),
-        "predicted without contact": (slow, "joint"),
+        "prediction without contact": (slow, "joint"),
     }
     band = None if half is None else (slow - half, slow + half)
     return draw_lines(signals, lines, panels, band=band, unfiltered=measured)

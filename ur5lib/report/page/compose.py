@@ -332,9 +332,9 @@ def drawn_in_words(numbers: Path) -> str:
     shown = [
         label for label in labels if label not in (*BAND_EDGES, UNFILTERED) and ERROR not in label
     ]
-    words = {"lines": shown, "errors": errors, "band": BAND_EDGES[0] in labels}
-    words |= {"pale": UNFILTERED in labels, "hidden": HIDDEN in header}
-    return say("figure.drawn", **words) if shown else ""
+    banded = [*errors, *shown][0] if BAND_EDGES[0] in labels else None
+    words = {"banded": banded, "pale": UNFILTERED in labels, "hidden": HIDDEN in header}
+    return say("figure.drawn", lines=shown, errors=errors, **words) if shown else ""
 
 
 def _is_evidence(block: DeclaredBlock | DraftedText) -> bool:

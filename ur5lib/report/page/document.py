@@ -123,7 +123,7 @@ class DeclaredTable(FromContents):
     by default those of `lines`; cells: those of each value of the columns `across`, between the
     former. Cells are templates (`sentences.cell`), headers of `cells` likewise; a column of empty
     cells or dashes is left out. marked: the column of errors whose smallest and largest are marked
-    in each line, in the cells that begin with its name.
+    in each line, in the cells that begin with its name, but no smallest one above `zero_` of it.
     """
 
     table: str

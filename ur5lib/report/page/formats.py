@@ -120,13 +120,6 @@ def numbered(numbers: Sequence[int]) -> str:
     return f"{numbers[0]} to {numbers[-1]}" if row else ", ".join(map(str, numbers))
 
 
-def flange_speeds(low: float, high: float) -> str:
-    """Return a range of the flange's speeds [m/s] in words; the slowest counts as rest."""
-    if pd.isna(high):
-        return f"≥ {low:g}"
-    return f"{low:g}–{high:g}" if low > 0 else "at rest"
-
-
 def days(first: str, last: str, word: str) -> str:
     """Return two ISO dates in words, without repeating month and year."""
     _, month, year = day(last).split()

@@ -22,7 +22,7 @@ from ur5lib.strict import read_yaml
 
 _SPOKEN = ContextVar("_SPOKEN", default=CURRENT)
 FORMAT_NAMES = (
-    *("capital", "counted", "days", "each", "fixed", "flange_speeds", "joints"),
+    *("capital", "counted", "days", "each", "fixed", "joints"),
     *("measured", "percent", "power", "rounded", "signed", "significant", "to", "with_error"),
 )
 

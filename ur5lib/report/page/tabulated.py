@@ -1,5 +1,6 @@
 """Tables of the report: rows of a study's tables in the lines and columns that they declare."""
 
+import math
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from itertools import product
 from typing import Any, NamedTuple
@@ -7,7 +8,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from ur5lib.report.page.document import UNDETERMINED_TEXT, Cell, DeclaredTable, Mark
-from ur5lib.report.page.formats import VISIBLE_DIFFERENCE, power
+from ur5lib.report.page.formats import power
 from ur5lib.report.page.sentences import cell, filled, names, spoken
 
 RowValues = dict[Hashable, Any]  # the values of a row by column
@@ -99,7 +100,8 @@ def _across(
     declared: DeclaredTable, places: Sequence[Place], lines: Sequence[Line], further: RowValues
 ) -> Iterator[tuple[str, list[Cell | None]]]:
     """Yield columns of the records side by side, their smallest and largest value marked."""
-    marks = [_marks(line, declared.marked) for line in lines]
+    shown = next((own for own in declared.cells.values() if own.startswith(declared.marked)), "")
+    marks = [_marks(line, declared.marked, shown, further) for line in lines]
     for place in places:
         heading = next(line[place] for line in lines if place in line)
         for title, template in declared.cells.items():
@@ -113,13 +115,21 @@ def _across(
             yield filled(title, further | heading), cells
 
 
-def _marks(line: Line, marked: str) -> dict[Place, Mark | None]:
-    """Return the marks of a line, whose records are compared where only the last place differs."""
-    groups: dict[Place, dict[Place, float]] = {}
+def _marks(line: Line, marked: str, shown: str, further: RowValues) -> dict[Place, Mark | None]:
+    """Return the marks of a line, whose records are compared where only the last place differs.
+
+    shown: template of the marked cells.
+    """
+    groups: dict[Place, dict[Place, tuple[float, str | None]]] = {}
+    zero = math.inf
     for place, record in line.items() if marked else ():
         if pd.notna(record[marked]):
-            groups.setdefault(place[:-1], {})[place] = record[marked]
-    return {place: mark for values in groups.values() for place, mark in extremes(values).items()}
+            text = cell(shown, further | record)
+            groups.setdefault(place[:-1], {})[place] = record[marked], text
+            zero = min(zero, record.get(f"zero_{marked}", math.inf))
+    return {
+        place: mark for values in groups.values() for place, mark in extremes(values, zero).items()
+    }
 
 
 def _cell(template: str, values: RowValues, mark: Mark | None = None) -> Cell | None:
@@ -127,10 +137,16 @@ def _cell(template: str, values: RowValues, mark: Mark | None = None) -> Cell | 
     return None if text is None else Cell(text, None if text == UNDETERMINED_TEXT else mark)
 
 
-def extremes(values: Mapping[Place, float]) -> dict[Place, Mark | None]:
-    """Mark the lowest and the highest entry; none if they agree."""
+def extremes(
+    values: Mapping[Place, tuple[float, str | None]], zero: float = math.inf
+) -> dict[Place, Mark | None]:
+    """Mark the lowest and the highest entry, of value and text, where its text is its own; no
+    lowest one that `zero`, the error of an estimate of zero, beats.
+    """
     marks: dict[Place, Mark | None] = dict.fromkeys(values)
-    lowest, highest = min(values, key=values.__getitem__), max(values, key=values.__getitem__)
-    if values[highest] - values[lowest] > VISIBLE_DIFFERENCE:
-        marks |= {lowest: "lowest", highest: "highest"}
+    texts = [text for _, text in values.values()]
+    low, high = (end(value for value, _ in values.values()) for end in (min, max))
+    for place, (value, text) in values.items() if len({*texts}) > 1 else ():
+        if texts.count(text) == 1 and value in (low, high):
+            marks[place] = "highest" if value == high else "lowest" if value < zero else None
     return marks

@@ -18,7 +18,9 @@ from ur5lib.report.page.sentences import say
 
 ZERO_ESTIMATE = "an estimate of zero"
 MIN_GOOD_SKILL = 0.5  # smallest skill of a good estimate: less than half the error of zero
-BETTER_RIVAL_RATIO = 0.95  # share of an error, below which that of a simple rival is less
+BETTER_RIVAL_RATIO = 0.95  # share of an error, below which another is clearly less
+MAX_GOOD_FLOORS = 3.0  # of a good estimate's error, in what repetition alone leaves
+MIN_GOOD_BAND_FACTOR = 0.5  # share of its width with which a good 95 % band would not hold
 MIN_GOOD_COVERAGE = 0.9  # smallest share of readings in a good 95 % band
 WIDE_BAND_COVERAGE = 0.99  # smallest share, from which on a 95 % band is wider than it states
 DRAWING_WIDTH, DRAWING_HEIGHT = 160.0, 48.0  # of a drawing
@@ -34,30 +36,39 @@ def state(
     coverage: float = 1.0,
     tested: bool = True,
     better: float = MIN_GOOD_SKILL,
+    plain: float = math.nan,
+    floor: float = math.nan,
 ) -> State:
-    """Return the state of an error beside the error of an estimate of zero.
+    """Return the state of an error beside its rivals: zero, the simplest method, repetition.
 
     coverage: share of readings in the stated 95 % band; tested: whether the error comes from
     recordings that no fit has seen and, where errors have intervals, has one; better: least skill
-    of a good estimate.
+    of a good estimate; plain: error of the simplest method; floor: what repetition alone leaves.
     """
     if math.isnan(error) or not zero > 0:
         return "not determined"
     skill = 1 - error / zero
     if skill <= 0:
         return "do not use"
-    return "good" if skill > better and coverage >= MIN_GOOD_COVERAGE and tested else "usable"
+    beaten = error >= BETTER_RIVAL_RATIO * plain or error > MAX_GOOD_FLOORS * floor
+    sure = coverage >= MIN_GOOD_COVERAGE and tested and not beaten
+    return "good" if skill > better and sure else "usable"
 
 
 @dataclass(frozen=True)
 class Rival:
-    """A simple method beside ours: the places where it errs less, with both errors.
+    """A simple method beside ours.
 
-    better: columns `ours` and `rival`, by joint, component or recording, means over rows.
+    means: of the errors, columns `ours` and `rival`, by joint, component or recording.
     """
 
     name: str
-    better: pd.DataFrame
+    means: pd.DataFrame
+
+    @property
+    def better(self) -> pd.DataFrame:
+        """Where it errs clearly less."""
+        return self.means[self.means["rival"] < BETTER_RIVAL_RATIO * self.means["ours"]]
 
     @classmethod
     def beside(
@@ -69,8 +80,7 @@ class Rival:
         column = "model" if "model" in rows else "estimate"
         rows = rows.assign(who=rows[column].map(models))
         means = rows.pivot_table(error, place, "who", sort=False)
-        means = means.reindex(columns=["ours", "rival"])
-        return cls(name, means[means["rival"] < BETTER_RIVAL_RATIO * means["ours"]])
+        return cls(name, means.reindex(columns=["ours", "rival"]))
 
     def after(self, verdict: str, unit: str, digits: int) -> str:
         """Return the sentence of a verdict, and where the rival errs less."""
@@ -87,7 +97,7 @@ class AgainstBaseline:
 
     rows: by recording and place, with the errors in the columns `error` and `baseline`; unit,
     digits: of the numbers; zero: name of the baseline; floors: what repetition alone leaves, by
-    joint or component, where that is known.
+    joint or component, where that is known; rival: the simplest method.
     """
 
     rows: pd.DataFrame
@@ -98,6 +108,7 @@ class AgainstBaseline:
     place: str = "joint"
     zero: str = ZERO_ESTIMATE
     floors: Mapping[Any, float] = field(default_factory=dict)
+    rival: Rival | None = None
 
     @cached_property
     def errors(self) -> pd.DataFrame:
@@ -135,11 +146,37 @@ class AgainstBaseline:
         """Return what repetition alone leaves at the worst place, NaN where that is unknown."""
         return self.floors.get(self.worst.name, math.nan)
 
+    def plain(self) -> float:
+        """Return the error of the simplest method at the worst place, NaN where that is unknown."""
+        known = {} if self.rival is None else self.rival.means["rival"].to_dict()
+        return float(known.get(self.worst.name, math.nan))
+
+    @cached_property
+    def in_floors(self) -> pd.Series:
+        """Errors in what repetition alone leaves, the largest first, where that is known."""
+        floors = pd.Series(self.floors, dtype=float)
+        return (self.errors["error"] / floors).dropna().sort_values(ascending=False)
+
     def state(
         self, coverage: float = 1.0, tested: bool = True, better: float = MIN_GOOD_SKILL
     ) -> State:
-        """Judge the worst joint or component; arguments as of the function `state`."""
-        return state(self.worst["error"], self.worst["zero"], coverage, tested, better)
+        """Judge the worst joint or component, where a rival errs less, and the one farthest above
+        its floor; arguments as of the function `state`.
+        """
+        close = not (self.in_floors > MAX_GOOD_FLOORS).any()
+        unbeaten = close and (self.rival is None or self.rival.better.empty)
+        errors = self.worst["error"], self.worst["zero"]
+        return state(*errors, coverage, tested and unbeaten, better, self.plain())
+
+    def after(self, verdict: str) -> str:
+        """Return the sentence of a verdict, with where a rival does no worse."""
+        told = [verdict] if self.rival is None else [self.rival.after(verdict, self.unit, 3)]
+        plain, worst = self.plain(), self.worst
+        if worst["error"] >= BETTER_RIVAL_RATIO * plain >= BETTER_RIVAL_RATIO**2 * worst["error"]:
+            told.append(say("error.equal", against=self))
+        if len(self.in_floors) and self.in_floors.iloc[0] > MAX_GOOD_FLOORS:
+            told.append(say("error.far", against=self))
+        return " ".join(told)
 
     def percent(self) -> str:
         """Return the worst error in per cent of zero's."""

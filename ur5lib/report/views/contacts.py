@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -13,19 +13,27 @@ from ur5lib.force.contact_wrench import (
     MIN_CONSTANT_ERROR,
     STATIC_SPEED,
 )
-from ur5lib.force.detection import Span, match
-from ur5lib.force.estimators import ESTIMATES, LEADING, SPOKEN
-from ur5lib.force.trial_contacts import MAX_TRIAL_FORCE
+from ur5lib.force.detection import CONTACT_FORCE, Span, match
+from ur5lib.force.estimators import ESTIMATES, LEADING, SPOKEN, UNGATED
 from ur5lib.records.account import NOTHING
 from ur5lib.records.quality import UNUSUAL_FRICTION
 from ur5lib.report.page.document import MOST_SHOWN, Number, Verdict
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.views.baseline import MIN_GOOD_SKILL, ZERO_ESTIMATE, Rival, error_bar, state
+from ur5lib.report.views.baseline import (
+    BETTER_RIVAL_RATIO,
+    MAX_GOOD_FLOORS,
+    MIN_GOOD_SKILL,
+    ZERO_ESTIMATE,
+    Rival,
+    error_bar,
+    state,
+)
 from ur5lib.report.views.currents import days_away, loaded
 from ur5lib.report.views.forces import (
     FORCE_COMPONENTS,
     FORCE_STDS,
+    hardest_pushes,
     leading,
     searched,
 )
@@ -35,6 +43,7 @@ CLAIMED_ESTIMATE, CLAIMED_COMPONENT = "F*", "Fz"  # by which the thesis detects 
 FORCE_TOPIC = "Force in contact"
 WRENCH_NAME = r"(?i)force|wrench|\bft[_x]|\bf_?[xyz]\b"  # among the columns of a file
 STATIC_ESTIMATE = "static"  # the estimate without any fit
+MAX_BLIND_SHARE = 0.5  # of the time in contact in which a useful band may hold zero on every axis
 MAX_CHANCE_OF_ALARMS = 0.05  # of as many in any recording, at the rate of the others
 USUAL_ALARMS, USUAL_SECONDS = 0.02, 60.0  # of false alarms where others tell nothing
 
@@ -97,51 +106,58 @@ def quiet(results: Results) -> pd.DataFrame:
     return rows.assign(minutes=rows["recording"].map(lengths).astype(float) / 60)
 
 
-def false_alarms(results: Results) -> Iterator[str]:
-    """Report the alarms where nothing touches the arm, of all samples and of past ones, of these
-    also on dates that no fit has seen and on the farthest of them.
+class FalseAlarms(NamedTuple):
+    """Alarms where nothing touches the arm, in so many minutes."""
+
+    alarms: int
+    minutes: float
+
+    @classmethod
+    def on(cls, rows: pd.DataFrame, kind: str = "") -> "FalseAlarms":
+        """Count those of recordings, which have `minutes`; kind: "causal_", from past samples."""
+        counts = rows[f"{kind}alarms_per_min"] * rows["minutes"]
+        return cls(round(counts.sum()), rows.loc[counts.notna(), "minutes"].sum())
+
+    @property
+    def most(self) -> float:
+        """Upper limit of the rate: with more, so few would have a chance below 5 % (Poisson)."""
+        return float(gammaincinv(self.alarms + 1, 0.95)) / self.minutes
+
+
+def false_alarms(results: Results) -> dict[str, FalseAlarms | None]:
+    """Return the alarms on quiet recordings: all, from past samples, both on days without a fit,
+    the latter also on the day farthest from one; None where no recording tells.
     """
-    if len(results.rows("detection", estimate=LEADING)):
-        rows = quiet(results)
-        away = {n: d for own in results.robots() for n, d in days_away(results, own).items()}
-        rows["days"] = rows["recording"].map(away)
-        others = rows[rows["days"] > 0]
-        parts = {"all": rows, "others": others, "far": others[others["days"] == rows["days"].max()]}
-        causal = {name: a_minute(part, "causal_alarms_per_min") for name, part in parts.items()}
-        yield say(
-            "force.false alarms",
-            minutes=rows["minutes"].sum(),
-            rate=a_minute(rows, "alarms_per_min"),
-            causal=causal,
-            most=most_a_minute(others, "causal_alarms_per_min"),
-            days=rows["days"].max(),
-        )
+    rows = quiet(results)
+    away = {n: d for own in results.robots() for n, d in days_away(results, own).items()}
+    days = rows["recording"].map(away)
+    other = rows[days > 0]
+    found = {
+        "all": FalseAlarms.on(rows),
+        "past": FalseAlarms.on(rows, "causal_"),
+        "other": FalseAlarms.on(other),
+        "past_other": FalseAlarms.on(other, "causal_"),
+        "past_far": FalseAlarms.on(rows[(days > 0) & (days == days.max())], "causal_"),
+    }
+    return {name: one if one.minutes else None for name, one in found.items()}
 
 
-def most_a_minute(rows: pd.DataFrame, column: str) -> float:
-    """Return the upper end of the 95 % interval of alarms a minute, by Poisson."""
-    minutes, count = rows["minutes"].sum(), (rows[column] * rows["minutes"]).sum()
-    return float(gammaincinv(count + 1, 0.975) / minutes) if minutes else math.nan
-
-
-def while_shut(results: Results) -> Iterator[str]:
-    """Say what the band holds for while no contact is found, how far missed contacts lay in it, and
-    from which size on a push would have been found, at rest, slow and fast.
+def noticed_in_words(results: Results) -> Iterator[str]:
+    """Say which contacts are missed, from which size on pushes are noticed, and how many alarms
+    are false.
     """
+    rows = results.rows("detection", estimate=LEADING)
+    listed = rows[rows["force_class_n"] == CONTACT_FORCE]
+    if len(listed):
+        yield say("force.missed", rows=listed)
     missed = errors_in_contact(results, "missed")
-    least = missed.loc[missed["coverage95"].idxmin()] if len(missed) else None
-    pushes = results.rows("observability", quantity="smallest_push_95")
-    half = NORMAL95 * pushes["std_error"].astype(float)
-    ends = {"low": (pushes["value"] - half).clip(lower=0), "high": pushes["value"] + half}
-    for robot, own in pushes.assign(**ends).groupby("robot", sort=False):
-        yield say("force.while shut", robot=robot, least=least, pushes=[*own.itertuples()])
-
-
-def a_minute(rows: pd.DataFrame, column: str) -> float:
-    """Return the alarms a minute of recordings together, NaN where none has a rate."""
-    rated = rows.dropna(subset=column)
-    minutes = rated["minutes"].sum()
-    return float((rated[column] * rated["minutes"]).sum() / minutes) if minutes else math.nan
+    pushes = hardest_pushes(results)
+    if len(pushes):
+        least = missed.loc[missed["coverage95"].idxmin()] if len(missed) else None
+        yield say("force.while shut", least=least)
+        yield say("force.noticed", rows=pushes)
+    if len(rows):
+        yield say("force.false alarms", alarms=false_alarms(results))
 
 
 class ClaimScore(NamedTuple):
@@ -223,10 +239,10 @@ def errors_in_contact(results: Results, during: str = "contact") -> pd.DataFrame
 
 
 def decided(results: Results) -> pd.DataFrame:
-    """Return the errors by which the force is judged, beside least squares and their floor."""
+    """Return the errors by which the force is judged, beside the simplest rival and their floor."""
     rows, key = with_floors(results, errors_in_contact(results)), ["recording", "component"]
     others = results.rows("force_mae", kind="compensated", during="contact")
-    plain = others[others["estimate"] == "least_squares"].set_index(key)["mae"]
+    plain = others[others["estimate"] == UNGATED].set_index(key)["mae"]
     return rows.join(plain.rename("plain"), on=key)
 
 
@@ -238,7 +254,7 @@ def with_floors(results: Results, rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def noticed(results: Results) -> pd.DataFrame:
-    """Return by recording which contacts are found, alarms, the widest band, smallest pushes.
+    """Return by recording which contacts are found, alarms, and the widest band.
 
     Each alarm on a recording to fit or to validate is false.
     """
@@ -249,7 +265,7 @@ def noticed(results: Results) -> pd.DataFrame:
     roles = rows["recording"].map(results.roles()).to_numpy()
     found = pd.DataFrame(parts).assign(role=roles)
     false = found["alarms_per_min"].where(roles != "contact", found["false_alarms_per_min"])
-    return found.assign(false_alarms_per_min=false, tried=MAX_TRIAL_FORCE)
+    return found.assign(false_alarms_per_min=false)
 
 
 def _noticed_on(results: Results, recording: str) -> dict[str, object]:
@@ -285,43 +301,72 @@ def _spans(rows: pd.DataFrame) -> list[Span]:
 
 def judge_force(results: Results) -> Verdict:
     """Judge the force by the larger relative error, that of the axis with the largest error or of
-    the recording with the largest share, and by the smallest coverage of a stated band.
+    the recording with the largest share, by its rivals, and by its stated band: how much this
+    holds, and whether it tells contact from none.
     """
     if results.stopped():
         return Verdict(FORCE_TOPIC, "do not use", say("force.stopped"))
-    judged = with_floors(results, errors_in_contact(results))
+    judged = decided(results)
     if judged.empty:
         return _unjudged(results)
-    rival = _least_squares(results, judged)
     row = judged.loc[judged["mae"].idxmax()]  # the axis with the largest error
     means = judged.groupby("recording", sort=False)[["mae", "mean_force"]].mean()
     share = means.loc[(means["mae"] / means["mean_force"]).idxmax()]  # the worst recording
-    stated = judged.dropna(subset="coverage95")
-    least_covered = stated.loc[stated["coverage95"].idxmin()] if len(stated) else None
-    has_interval, calibrated = not pd.isna(row["mae_low"]), row["estimate"] != STATIC_ESTIMATE
-    sure = row["mae_high"] < (1 - MIN_GOOD_SKILL) * row["mean_force"]  # not if it has no interval
+    rival, band = _plain(results, judged), _band(judged)
     doubted = doubted_biases(results, [*means.index])
-    relied = sure and calibrated and rival.better.empty and not doubted
+    beaten = _beaten(judged, row) | {"blind": band is not None and band.blind > MAX_BLIND_SHARE}
+    words = {"row": row, "share": share, "band": band, "zero": ZERO_ESTIMATE, "doubted": doubted}
+    words |= {"known": not pd.isna(row["mae_low"])}
+    words |= beaten | {"calibrated": row["estimate"] != STATIC_ESTIMATE}
+    sure = row["mae_high"] < (1 - MIN_GOOD_SKILL) * row["mean_force"]  # not if it has no interval
+    unbeaten = rival.better.empty and not beaten["equal"] and beaten["far"].empty
+    relied = sure and words["calibrated"] and unbeaten and not doubted
     error = max(errors["mae"] / errors["mean_force"] for errors in (row, share))
-    covered = 1.0 if least_covered is None else least_covered["coverage95"]
-    about = {"known": has_interval, "calibrated": calibrated, "doubted": doubted}
-    about |= {"held": least_covered, "zero": ZERO_ESTIMATE}
-    sentence = say("force.verdict", row=row, estimate=_named(row["estimate"]))
+    found = state(error, 1.0, 1.0 if band is None else band.least["coverage95"], tested=relied)
+    sentence = say("force.verdict", estimate=_named(row["estimate"]), **words)
     return Verdict(
         topic=FORCE_TOPIC,
-        state=state(error, 1.0, covered, tested=relied),
+        state="do not use" if beaten["blind"] else found,
         sentence=rival.after(sentence, "N", 1),
-        evidence=" ".join(
-            [
-                say("force.evidence", row=row, share=share, **about),
-                *while_shut(results),
-                *false_alarms(results),
-            ]
-        ),
+        evidence=" ".join([say("force.evidence", **words), *noticed_in_words(results)]),
         drawing=error_bar(*row[["mae", "mae_low", "mae_high", "mean_force", "floor"]]),
-        caption=say("force.caption", known=has_interval, floor=row["floor"]),
-        numbers=tuple(_numbers(row, share, least_covered)),
+        caption=say("force.caption", known=words["known"], floor=row["floor"]),
+        numbers=tuple(_numbers(row, share, band)),
     )
+
+
+def _beaten(judged: pd.DataFrame, worst: pd.Series) -> dict[str, Any]:
+    """Return whether plain least squares does as well at the worst place (`equal`), and the rows
+    that are farther above what repetition leaves than a good error is (`far`).
+    """
+    return {
+        "equal": bool(worst["mae"] >= BETTER_RIVAL_RATIO * worst["plain"]),
+        "far": judged[judged["mae"] > MAX_GOOD_FLOORS * judged["floor"]],
+    }
+
+
+class Band(NamedTuple):
+    """What a stated 95 % band is worth in contact.
+
+    least, widest: rows in which it holds least, and is too wide by the largest factor; blind: the
+    largest share of the time in contact of a recording (`of`) in which it holds zero on every axis.
+    """
+
+    least: pd.Series
+    widest: pd.Series
+    blind: float
+    of: str
+
+
+def _band(judged: pd.DataFrame) -> Band | None:
+    """Return the worth of the band of forces, None where none is stated."""
+    stated = judged.dropna(subset="coverage95")
+    if stated.empty:
+        return None
+    zeros = stated.set_index("recording")["zero_in_band95"].astype(float).fillna(0.0)
+    least, widest = stated["coverage95"].idxmin(), stated["band_factor95"].astype(float).fillna(1.0)
+    ends = stated.loc[least], stated.loc[widest.idxmin()]
+    return Band(*ends, float(zeros.max()), str(zeros.idxmax()))
 
 
 def doubted_biases(results: Results, among: list[str]) -> list[str]:
@@ -330,14 +375,14 @@ def doubted_biases(results: Results, among: list[str]) -> list[str]:
     return [*results.rows("quality", recording=among, **doubt)["recording"].unique()]
 
 
-def _least_squares(results: Results, judged: pd.DataFrame) -> Rival:
-    """Compare the leading estimate with least squares, means over x, y, z by recording."""
+def _plain(results: Results, judged: pd.DataFrame) -> Rival:
+    """Compare the leading estimate with plain least squares, means over x, y, z by recording."""
     rows = results.rows(
         "force_mae", kind="compensated", during="contact", component=FORCE_COMPONENTS
     )
     rows = rows[rows["recording"].isin(judged["recording"])]
-    models = {judged["estimate"].iloc[0]: "ours", "least_squares": "rival"}
-    return Rival.beside("least squares", rows, "mae", "recording", models)
+    models = {judged["estimate"].iloc[0]: "ours", UNGATED: "rival"}
+    return Rival.beside(ESTIMATES[UNGATED], rows, "mae", "recording", models)
 
 
 def _named(estimate: str) -> str:
@@ -350,7 +395,7 @@ def _named(estimate: str) -> str:
     return f"{noun} {ESTIMATES[estimate]}"
 
 
-def _numbers(row: pd.Series, share: pd.Series, least_covered: pd.Series | None) -> Iterator[Number]:
+def _numbers(row: pd.Series, share: pd.Series, band: Band | None) -> Iterator[Number]:
     """Yield the numbers of the evidence."""
     name = f"mean absolute error of {ESTIMATES[row['estimate']]}"
     place = f"{row['recording']}, along {row['axis']}, in contact"
@@ -359,11 +404,10 @@ def _numbers(row: pd.Series, share: pd.Series, least_covered: pd.Series | None) 
     yield error.beside(row["mean_force"], ZERO_ESTIMATE)
     place = f"{share.name}, mean over x, y, z, in contact"
     yield Number(name, float(share["mae"]), "N", place).beside(share["mean_force"], ZERO_ESTIMATE)
-    if least_covered is not None:
-        place = f"{least_covered['recording']}, along {least_covered['axis']}, in contact"
-        yield Number(
-            "least share in the 95 % band", 100 * float(least_covered["coverage95"]), "%", place
-        )
+    if band is not None:
+        place = f"{band.least['recording']}, along {band.least['axis']}, in contact"
+        covered = 100 * float(band.least["coverage95"])
+        yield Number("least share in the 95 % band", covered, "%", place)
 
 
 def unused_wrenches(results: Results) -> list[str]:
@@ -388,7 +432,7 @@ def _unjudged(results: Results) -> Verdict:
         return Verdict(FORCE_TOPIC, "not determined", say("force.untouched"))
     counts = [*map(len, found_without_sensor(results).values())]
     plausible = [say("force.plausible", counts=counts)] if counts else []
-    evidence = " ".join([*plausible, *while_shut(results), *false_alarms(results)])
+    evidence = " ".join([*plausible, *noticed_in_words(results)])
     return Verdict(
         FORCE_TOPIC,
         "not determined",

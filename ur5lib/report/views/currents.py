@@ -12,6 +12,7 @@ from ur5lib.report.page.sentences import names, say, spoken
 from ur5lib.report.results import AT_REST, Results
 from ur5lib.report.views.arms import of_each_arm
 from ur5lib.report.views.baseline import (
+    MIN_GOOD_BAND_FACTOR,
     MIN_GOOD_COVERAGE,
     WIDE_BAND_COVERAGE,
     AgainstBaseline,
@@ -22,6 +23,7 @@ from ur5lib.tidy.friction import AS_PRINTED
 from ur5lib.tidy.models import STOP
 from ur5lib.timeseries.metrics import NORMAL95
 
+WORTHWHILE_BAND_RATIO = 0.9  # of the band of forces, from which on a recording is worth naming
 MAX_NAMED_PARAMETERS = 3  # parameters that the next recording is designed for
 CONSTANTS = ["torque_constant", "gain"]  # the parameter, of currents and of measured torques
 PARAMETER_SYMBOLS = {"torque_constant": "k", "offset": "b"}
@@ -98,6 +100,36 @@ def _by_joints(rows: pd.DataFrame) -> Iterator[str]:
         yield say("currents.remark", robot=robot, numbers=group["joint"], remark=remark)
 
 
+def outlooks(results: Results) -> dict[str, tuple[pd.Series, pd.Series]]:
+    """Return by arm the bands as they are, and after the recording that narrows forces most."""
+    groups = results.tables["next_recordings"].groupby("robot", sort=False)
+    return {
+        str(robot): (
+            rows[rows["after"] == "now"].iloc[0],
+            rows.sort_values("force", kind="stable").iloc[0],
+        )
+        for robot, rows in groups
+    }
+
+
+def is_worthwhile(now: pd.Series, best: pd.Series) -> bool:
+    """Return whether a recording narrows the band of forces by a tenth or more."""
+    return bool(best["force"] <= WORTHWHILE_BAND_RATIO * now["force"])
+
+
+def worthwhile(results: Results) -> pd.DataFrame:
+    """Return what to record next of the arms for which that is worth it."""
+    named = [robot for robot, pair in outlooks(results).items() if is_worthwhile(*pair)]
+    return results.rows("next_recordings", robot=named)
+
+
+def limits(results: Results) -> Iterator[str]:
+    """Say what limits the band of forces where another recording hardly narrows it."""
+    for robot, (now, best) in outlooks(results).items():
+        if not is_worthwhile(now, best):
+            yield say("currents.limit", robot=robot, now=now, best=best)
+
+
 def next_recordings(results: Results) -> Iterator[str]:
     """Yield each arm's least determined parameters, and the command that designs a recording."""
     study, lab = results.study["study"], results.study.get("devices") or {}
@@ -105,6 +137,7 @@ def next_recordings(results: Results) -> Iterator[str]:
     for robot, rows in results.tables["friction"].groupby("robot", sort=False):
         worst = rows.sort_values("prior_share", ascending=False)[:MAX_NAMED_PARAMETERS]
         words = {"robot": robot, "study": study, "table": f"{table:g}", "last": rows["joint"].max()}
+        words["load"] = results.loads.get(robot)
         yield say("currents.next recording", worst=[*worst.itertuples()], **words)
 
 
@@ -148,7 +181,8 @@ def in_motion(results: Results, names: Set[str]) -> pd.DataFrame:
 
 def prediction(results: Results, recording: str) -> pd.DataFrame:
     """Return the errors on a recording of the models that the report compares."""
-    return results.rows("current_rmse", recording=recording, model=[*names("model")])
+    rows = results.rows("current_rmse", recording=recording, model=[*names("model")])
+    return rows.assign(zero_rmse_2hz=rows["rmse_2hz"] / np.sqrt(1 - rows["r2"]))
 
 
 def loaded(results: Results) -> pd.DataFrame:
@@ -269,10 +303,17 @@ def _farthest(rows: pd.DataFrame) -> dict[str, Any]:
 
 
 def beside_constant(results: Results) -> AgainstBaseline:
-    """Return the errors of predicted currents that no fit has seen, beside a constant current's."""
-    rows, unit = unseen(results).query("model == 'fitted'"), spoken("{unit}")
-    zero, floors = spoken(CONSTANT_ESTIMATE), results.floors("current")
-    return AgainstBaseline(rows, "rmse_2hz", "zero", unit, 2, zero=zero, floors=floors)
+    """Return the errors of predicted currents that no fit has seen, beside a constant current's and
+    plain least squares'.
+    """
+    models, unit = unseen(results), spoken("{unit}")
+    rows, rival = models.query("model == 'fitted'"), ("plain least squares", models, "rmse_2hz")
+    return AgainstBaseline(
+        *(rows, "rmse_2hz", "zero", unit, 2),
+        zero=spoken(CONSTANT_ESTIMATE),
+        floors=results.floors("current"),
+        rival=Rival.beside(*rival, "joint", COMPARED_MODELS),
+    )
 
 
 def decided(results: Results) -> pd.DataFrame:
@@ -294,8 +335,7 @@ def judge_currents(results: Results) -> Verdict:
     """Judge the predicted currents by the worst joint, beside a constant current and plain least
     squares, their band by the smallest coverage.
     """
-    models, against = unseen(results), beside_constant(results)
-    rival = Rival.beside("plain least squares", models, "rmse_2hz", "joint", COMPARED_MODELS)
+    against = beside_constant(results)
     rows = against.rows
     if against.errors.empty:
         reason = "no motion" if results.with_role("validate") else "no validate"
@@ -306,6 +346,7 @@ def judge_currents(results: Results) -> Verdict:
     place = f"joint {least['joint']} on {least['recording']}"
     share = Number("least share in the 95 % band", 100 * coverage, "%", place)
     cutoff = results.study["settings"]["lowpass"]["currents"]["cutoff_hz"]
+    too_wide = (rows.groupby("joint")["band_factor95"].max() < MIN_GOOD_BAND_FACTOR).any()
     sentence = say(
         "currents.verdict",
         against=against,
@@ -322,8 +363,8 @@ def judge_currents(results: Results) -> Verdict:
     )
     return Verdict(
         topic=spoken(CURRENTS_TOPIC),
-        state=against.state(coverage, tested=rival.better.empty),
-        sentence=rival.after(sentence, against.unit, 3),
+        state=against.state(coverage, tested=not too_wide),
+        sentence=against.after(sentence),
         evidence=evidence,
         drawing=against.drawing(),
         caption=say("error.bars", zero=against.zero, floor=against.floors),

@@ -7,9 +7,7 @@ from itertools import chain, islice
 import pandas as pd
 from scipy.special import bdtr, bdtrc
 
-from ur5lib.force.detection import CONTACT_FORCE
 from ur5lib.force.estimators import LEADING
-from ur5lib.force.trial_contacts import MAX_TRIAL_FORCE as MOST_TRIED
 from ur5lib.identification.samples import MIN_UNITS
 from ur5lib.report.page.document import MOST_SHOWN, Verdict
 from ur5lib.report.page.formats import capital
@@ -26,7 +24,7 @@ from ur5lib.report.views import (
 )
 from ur5lib.report.views.arms import Judge, by_arm
 from ur5lib.report.views.audit import faults as wrist_sensor_faults
-from ur5lib.report.views.forces import SMALLEST_PUSHES, pushes_found, searched
+from ur5lib.report.views.forces import hardest_pushes, searched
 from ur5lib.tidy.models import STOP
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -35,13 +33,10 @@ VERDICTS: list[Judge] = [
     recordings.judge_files,
     by_arm(currents.judge_constants),
     by_arm(currents.judge_currents),
-    by_arm(models.judge_links),
     by_arm(motion.judge_motion),
     by_arm(arm_state.judge_drift),
 ]
-PUSH = "smallest_push_95"  # in the table of observability, by speed of the flange
 MAX_STEPS = 3  # steps that a reader remembers
-WORTHWHILE_BAND_RATIO = 0.95  # of the band of forces, from which on a recording is worth naming
 HIGH_LOST_SHARE = 0.1  # share of lost frames from which a recording is worth repeating
 ASKING_CODES = ["no motion", "one path", "few paths"]  # codes of remarks that ask for a recording
 REMARKABLE_CHANCE = (
@@ -50,7 +45,7 @@ REMARKABLE_CHANCE = (
 
 
 def verdicts(results: Results) -> list[Verdict]:
-    """Return the verdicts, in the order of the pipeline, with what the study accepts under each."""
+    """Return the verdicts, the force first, with what the study accepts under each."""
     accepted = [*recordings.accepted(results)]
     return [
         replace(verdict, evidence=" ".join(filter(None, [verdict.evidence, *accepted])))
@@ -61,13 +56,12 @@ def verdicts(results: Results) -> list[Verdict]:
 
 def result(results: Results) -> Iterator[str]:
     """Say in one sentence which pushes are noticed, and how far off forces and constants are."""
-    rows = results.rows("observability", quantity=PUSH)
     forces = contacts.errors_in_contact(results).sort_values("mae")
     fitted = results.rows("friction", parameter=currents.CONSTANTS, determined="yes")
     errors = NORMAL95 * fitted["std_error"] / fitted["value"]
     if not results.stopped() and (len(forces) or len(fitted)):
-        pushes = rows.loc[rows["std_error"] < rows["value"], "value"]
-        found = {"pushes": pushes, "most": MOST_TRIED, "force": forces[-1:], "errors": errors}
+        pushes = hardest_pushes(results).dropna(subset="value")
+        found = {"pushes": pushes, "force": forces[-1:], "errors": errors}
         yield capital(say("result.sentence", **found))
 
 
@@ -130,10 +124,20 @@ def corrections(results: Results) -> Iterator[str]:
         mass = {"mass": row.configured + row.mass, "std": row.std_error}
         some = _some([*loads["recording"]])
         yield say("steps.payload", some=some, recording=row.recording, **mass)
-    for robot, rows in results.rows("remarks", code=currents.CONTRADICTION_CODES).groupby(
-        "robot", sort=False
-    ):
-        yield say("steps.contradiction", robot=robot, numbers=rows["joint"])
+    for robot, (shown, _) in _contradicted(results).items():
+        if shown:
+            yield say("steps.contradiction", robot=robot, numbers=shown)
+
+
+def _contradicted(results: Results) -> dict[str, tuple[list[int], list[int]]]:
+    """Return by arm the joints whose constants contradict the known ones: those that gravity loads,
+    which show it, and the others, whose currents hardly tell a constant.
+    """
+    found: dict[str, tuple[list[int], list[int]]] = {}
+    for row in results.rows("remarks", code=currents.CONTRADICTION_CODES).itertuples():
+        shows = row.joint in results.bearing.get(row.robot, [row.joint])
+        found.setdefault(row.robot, ([], []))[not shows].append(int(row.joint))
+    return found
 
 
 def faulty_files(results: Results) -> Iterator[str]:
@@ -159,15 +163,16 @@ def missing_recordings(results: Results) -> Iterator[str]:
     remarks = results.rows("remarks", code=ASKING_CODES)
     for (robot, code), part in remarks.groupby(["robot", "code"], sort=False):
         yield say(f"steps.{code}", robot=robot, numbers=part["joint"], few=MIN_UNITS)
+    for robot, (_, light) in _contradicted(results).items():
+        if light:
+            yield say("steps.light", robot=robot, numbers=light, load=results.loads.get(robot))
     for role in ("fit", "validate"):
         if not results.with_role(role):
             yield say(f"steps.{role}", held=results.with_role(AT_REST))
     if results.tables["force_mae"].empty and not contacts.touched(results):
         yield say("steps.pushes")
-    for robot, rows in results.tables["next_recordings"].groupby("robot", sort=False):
-        now = rows[rows["after"] == "now"].iloc[0]
-        best = rows.sort_values("force", kind="stable").iloc[0]
-        if best["force"] < WORTHWHILE_BAND_RATIO * now["force"]:
+    for robot, (now, best) in currents.outlooks(results).items():
+        if currents.is_worthwhile(now, best):
             yield say("steps.narrower", robot=robot, now=now, best=best)
 
 
@@ -193,7 +198,6 @@ def findings(results: Results) -> list[str]:
         *contacts.elsewhere(results),
         *_each("findings.load taken up", taken_up),
         *contacts.readings(results),
-        *_detection(results),
         *contacts.claim(results),
         *contacts.undetermined_moments(results),
         *wrist_sensor_faults(results),
@@ -246,23 +250,6 @@ def nearest_model(results: Results) -> Iterator[str]:
         yield say("models.same")
     else:
         yield say("models.nearest", best=[*map(models.named, compared.best)], compared=compared)
-
-
-def _detection(results: Results) -> Iterator[str]:
-    """Report the contacts found, the false alarms, and the smallest push detected."""
-    rows = results.rows("detection", estimate=LEADING)
-    listed = rows[rows["force_class_n"] == CONTACT_FORCE]  # as in the table of contacts
-    if len(listed):
-        missed = (listed["found"] < listed["contacts"]).any()
-        yield say("findings.contacts", rows=listed, told=missed and not results.many)
-    free = contacts.quiet(results)
-    if len(free):
-        yield say("findings.false alarms", rate=contacts.a_minute(free, "alarms_per_min"))
-    smallest = pushes_found(results)[SMALLEST_PUSHES].median(skipna=False)
-    if smallest.notna().all():
-        yield say(
-            "findings.hardest", axis=smallest.idxmax()[-1], force=smallest.max(), most=MOST_TRIED
-        )
 
 
 def beside_truth(truth: pd.DataFrame) -> Iterator[str]:

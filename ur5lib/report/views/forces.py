@@ -1,15 +1,20 @@
 """Contact forces compared with the force sensor, their bands, and detected contacts."""
 
+import math
+from itertools import product
+
 import pandas as pd
 
 from ur5lib.force.estimators import GATED, LEADING, NEW, PUBLISHED
 from ur5lib.force.trial_contacts import MAX_TRIAL_FORCE
+from ur5lib.records.contacts import SPEEDS
 from ur5lib.report.results import Results
-from ur5lib.report.views.currents import loaded
+from ur5lib.timeseries.metrics import NORMAL95
 
 FORCE_COMPONENTS = ["Fx", "Fy", "Fz"]
 FORCE_STDS = [f"{name}_std" for name in FORCE_COMPONENTS]
-SMALLEST_PUSHES = [f"smallest_force_95_{axis}" for axis in "xyz"]
+SMALLEST_PUSHES = [f"smallest_push_95_{axis}" for axis in "xyz"]  # of observability.csv
+PLACE = ["robot", "state", "axis"]
 REPORT_RANK = {
     name: place for place, name in enumerate([*NEW, *PUBLISHED])
 }  # in the report's order
@@ -50,24 +55,40 @@ def contacts(results: Results, recording: str) -> pd.DataFrame:
 
 
 def smallest_pushes(results: Results) -> pd.DataFrame:
-    """Return the smallest push along each axis that is detected, in motion and at rest."""
-    rows = pushes_found(results)
-    parts = []
-    for prefix, state in (("", "in motion"), ("rest_", "at rest")):
-        for axis in "xyz":
-            force, std = (rows[f"smallest_force_{of}_{prefix}{axis}"] for of in ("95", "std"))
-            part = {
-                "state": state,
-                "axis": axis,
-                "force": force,
-                "std": std,
-                "most": MAX_TRIAL_FORCE,
-            }
-            parts.append(rows[["recording"]].assign(**part))
-    return pd.concat([part for part in parts if part["force"].notna().any()] or parts[:1])
+    """Return the smallest push [N] along each axis that is detected, by arm and speed of the flange
+    (`state`), with its 95 % interval; contacts: found at that speed on recordings with contact.
+    """
+    rows = results.rows("observability", quantity=SMALLEST_PUSHES)
+    margin = NORMAL95 * rows["std_error"]
+    low, high = (rows["value"] - margin).clip(lower=0), rows["value"] + margin
+    told = (rows["bound"] == ">") | (low > 0) | (high < MAX_TRIAL_FORCE)
+    axis, state = rows["quantity"].str[-1], rows["speed_low"].map(SPEEDS)
+    value = rows["value"].where(told)
+    rows = rows.assign(axis=axis, state=state, value=value, low=low, high=high)
+    places = pd.DataFrame(product(rows["robot"].unique(), SPEEDS.values(), "xyz"), columns=PLACE)
+    whole = places.merge(rows, "left", PLACE).merge(_touched_by_speed(results), "left")
+    whole = whole.fillna({"contacts": 0}).assign(most=MAX_TRIAL_FORCE)
+    return whole[whole["value"].notna() | (whole["contacts"] > 0)]
 
 
-def pushes_found(results: Results) -> pd.DataFrame:
-    """Return the smallest pushes that are detected on motions without an undeclared load."""
-    rows = results.rows("detection", estimate=LEADING).dropna(subset=SMALLEST_PUSHES, how="all")
-    return rows[~rows["recording"].isin(loaded(results)["recording"])]
+def _touched_by_speed(results: Results) -> pd.DataFrame:
+    """Return the number of contacts found on recordings with contact, by arm and speed."""
+    names = results.with_role("contact")
+    rows = results.rows("contacts", estimate=LEADING, kind="contact", recording=names)
+    steps, labels = [*SPEEDS, math.inf], [*SPEEDS.values()]
+    state = pd.cut(rows["flange_speed"], steps, right=False, labels=labels).astype(object)
+    rows = rows.assign(robot=rows["recording"].map(results.arms()), state=state)
+    return rows.value_counts(PLACE[:2]).rename("contacts").reset_index()
+
+
+def hardest_pushes(results: Results) -> pd.DataFrame:
+    """Return the smallest pushes at the speed at which the largest are needed, of the speeds at
+    which contacts were found, if any.
+    """
+    rows = smallest_pushes(results)
+    rows = rows[rows["contacts"] > 0] if (rows["contacts"] > 0).any() else rows
+    needed = rows.groupby(PLACE[:2], sort=False)["value"].max().fillna(math.inf)
+    if needed.empty:
+        return rows
+    robot, state = needed.idxmax()
+    return rows[(rows["robot"] == robot) & (rows["state"] == state)]

@@ -148,13 +148,18 @@ def decided(results: Results) -> pd.DataFrame:
     return of_each_arm(results, of_arm)
 
 
-def without_targets(results: Results) -> str:
-    """Return why no link model is compared with the controller's, where it told no torques."""
+def without_targets(results: Results) -> Verdict:
+    """Return the verdict where the controller told no torques to compare: links that were found
+    from measured torques are usable where these determine most of them.
+    """
     found = results.rows("parameters", robot=[*results.placeholders])
     if found.empty:
-        return say("models.no torques")
+        return Verdict(LINKS_TOPIC, "not determined", say("models.no torques"))
     determined = int((found["determined"] == "yes").sum())
-    return say("models.from measured torques", determined=determined, count=len(found))
+    words = say("models.from measured torques", determined=determined, count=len(found))
+    return Verdict(
+        LINKS_TOPIC, "usable" if 2 * determined > len(found) else "not determined", words
+    )
 
 
 def judge_links(results: Results) -> Verdict:
@@ -163,9 +168,9 @@ def judge_links(results: Results) -> Verdict:
     """
     compared = compare(results)
     if compared is None:
-        unknown = results.tables["torque_mae"].dropna(subset="mae").empty
-        reason = without_targets(results) if unknown else say("models.at rest")
-        return Verdict(LINKS_TOPIC, "not determined", reason)
+        if results.tables["torque_mae"].dropna(subset="mae").empty:
+            return without_targets(results)
+        return Verdict(LINKS_TOPIC, "not determined", say("models.at rest"))
     against = beside_zero(results, compared)
     rows = against.rows
     loads = results.rows("quality", finding=GIVEN_LOAD, recording=[*rows["recording"].unique()])
@@ -174,7 +179,7 @@ def judge_links(results: Results) -> Verdict:
     return Verdict(
         topic=LINKS_TOPIC,
         state=against.state(tested=compared.unseen and loads.empty, better=MIN_LINK_SKILL),
-        sentence=say("models.verdict", against=against, **words),
+        sentence=against.after(say("models.verdict", against=against, **words)),
         evidence=say("models.evidence", against=against),
         drawing=against.drawing(),
         caption=say("error.bars", zero="zero torque", floor=against.floors),

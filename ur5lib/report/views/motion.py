@@ -36,8 +36,11 @@ def errors(results: Results) -> pd.DataFrame:
 
 def beside_zero(results: Results) -> AgainstBaseline:
     """Return the errors of the acceleration from encoders, beside those of no acceleration."""
-    rows = results.rows("acceleration_mae", estimate="encoders")
-    return AgainstBaseline(rows, "mae", "zero_mae", "m/s²", 3, "component")
+    methods = results.rows("acceleration_mae")
+    rows = methods[methods["estimate"] == "encoders"]
+    models = {"encoders": "ours", "filterpy": "rival"}
+    rival = Rival.beside("filterpy's plain filter", methods, "mae", "component", models)
+    return AgainstBaseline(rows, "mae", "zero_mae", "m/s²", 3, "component", rival=rival)
 
 
 def decided(results: Results) -> pd.DataFrame:
@@ -59,8 +62,6 @@ def judge_motion(results: Results) -> Verdict | None:
     """Judge the acceleration from encoders by its worst component, beside filterpy's plain filter;
     None without an IMU.
     """
-    models, methods = {"encoders": "ours", "filterpy": "rival"}, results.rows("acceleration_mae")
-    rival = Rival.beside("filterpy's plain filter", methods, "mae", "component", models)
     against = beside_zero(results)
     if against.errors.empty:
         return None
@@ -68,8 +69,8 @@ def judge_motion(results: Results) -> Verdict | None:
         against = replace(against, unit="rad/s²")
     return Verdict(
         topic=MOTION_TOPIC,
-        state=against.state(tested=rival.better.empty),
-        sentence=rival.after(say("motion.verdict", against=against), against.unit, 3),
+        state=against.state(),
+        sentence=against.after(say("motion.verdict", against=against)),
         evidence=say("motion.evidence", against=against),
         drawing=against.drawing(),
         caption=say("motion.caption"),
