@@ -12,6 +12,7 @@ from ur5lib.force.contact_figures import (
     figures_by_contact,
     periods,
     resampled_figures,
+    split,
 )
 from ur5lib.force.detection import contacts, is_free
 from ur5lib.timeseries.metrics import NORMAL95
@@ -240,3 +241,19 @@ def test_bands_that_hold_zero_on_every_axis_at_once_are_counted_and_their_factor
     np.testing.assert_allclose(figures["band_factor95"], 1 / 1.96)
     wide = error_figures(force, np.full((300, 3), 10.0), force)
     np.testing.assert_allclose(wide["zero_in_band95"], 1.0)
+
+
+def test_the_error_in_contact_is_split_into_its_parts() -> None:
+    """One push is missed, of another the alarm comes late, and half of the force is shown."""
+    force = np.zeros((400, 3))
+    force[50:150, 0] = force[250:350, 0] = 20.0
+    estimate = np.zeros_like(force)
+    estimate[270:350] = [10.0, 0.0, 1.0]  # 1 N of friction along z
+    parts = split(estimate, force, np.linalg.norm(force, axis=1))
+    assert parts["mae_missed"][0] == pytest.approx(10.0)
+    assert parts["mae_shut"][0] == pytest.approx(2.0)
+    assert parts["mae_gain"][0] == pytest.approx(4.0)
+    assert sum(parts.values())[0] == pytest.approx(
+        np.abs(force - estimate)[50:350:1][np.linalg.norm(force[50:350], axis=1) > 5][:, 0].mean()
+    )
+    assert parts["mae_gain"][2] == 0.0

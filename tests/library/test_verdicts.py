@@ -45,6 +45,7 @@ from ur5lib.report.views.first_screen import (
 from ur5lib.report.views.models import identified, judge_links
 from ur5lib.report.views.motion import judge_motion
 from ur5lib.report.views.recordings import judge_files
+from ur5lib.report.views.uses import uses
 from ur5lib.study.model import Settings
 from ur5lib.tidy import columns
 
@@ -1089,3 +1090,39 @@ def test_the_claim_of_the_thesis_is_judged_by_its_numbers(
     assert [number for number in numbers if number not in beside] == []
     unprinted = study(fixed_threshold=rows)
     assert [*claim(unprinted)] == scores(unprinted) == []
+
+
+# What recordings serve
+
+
+def test_each_recording_says_what_it_serves_and_what_not() -> None:
+    errors = [
+        {"recording": name, "model": "fitted", "fitted": fitted, "joint": 1}
+        for name, fitted in (("fitted", "yes"), ("seen", "no"), ("pushed", "no"))
+    ]
+    searched = [{"recording": "pushed", "estimate": "Fmap"}]
+    load = {"recording": "seen", "taken": "yes"}
+    found = uses(study(current_rmse=errors, detection=searched, payload=[load]))
+    assert found["fitted"] == "for constants and friction"
+    assert (
+        found["seen"]
+        == "for weighing its load; not for testing currents: it carries an undeclared load"
+    )
+    assert (
+        found["pushed"]
+        == "for finding contacts; not for the size of forces: it has no force sensor"
+    )
+    sensed = study(current_rmse=errors, detection=searched, force_mae=touched(2.0), sensed=[SENSED])
+    assert uses(sensed)["pushed"] == "for the size of forces, finding contacts"
+    assert uses(sensed)["seen"] == "for testing currents"
+    stopped = study(quality=[finding("stop", "other arm", recording="seen")])
+    assert uses(stopped)["seen"] == "not for anything: a stop sign stands"
+
+
+def test_the_parts_of_an_error_add_up_beside_the_sensors_bias() -> None:
+    parts = {"mae_missed": 1.0, "mae_shut": 0.5, "mae_gain": 0.25}
+    sensed = SENSED | {"bias_x": 3.0, "bias_std_x": 0.2}
+    results = study(force_mae=touched(2.0, **parts), sensed=[sensed])
+    ((_, error, *shares, bias),) = shown_table("force_mae.split", results).rows
+    assert [cell.text for cell in (error, *shares)] == ["2.0", "1.0", "0.5", "0.2", "0.2"]
+    assert bias.text == "3.00 ± 0.20"

@@ -25,6 +25,7 @@ NOMINAL_COVERAGES = (0.5, 0.8, 0.95)  # of bands
 CONTACT_RESAMPLES = 1000  # of a recording's contacts
 MIN_CONTACTS = 3  # for an interval by resampling
 INTERVAL_ENDS = [0.025, 0.975]  # quantiles at the ends of a 95 % interval
+MIN_GAIN = 0.2  # of an estimate that shows the force
 MIN_DIVISOR = 1e-12  # N, N s: replaces a zero divisor
 
 
@@ -63,7 +64,32 @@ def figures_by_contact(
     }
     if "contact" in figures:
         figures["contact"] |= resampled_figures(estimate, reference, force)
+        if std is not None:
+            figures["contact"] |= split(estimate, reference, force)
     return figures
+
+
+def split(estimate: Array, reference: Array, force: Array) -> dict[str, Array]:
+    """Return the parts of the MAE in contact (6,): what missed contacts add, what found ones add
+    while the gate is shut, and what another gain would take off; friction leaves the rest.
+
+    estimate: (N, 6), zero while its gate is shut.
+    """
+    known = np.isfinite(estimate).all(axis=1) & np.isfinite(reference).all(axis=1)
+    within, felt = known & in_contact(force), estimate.any(axis=1)
+    lost, open_rows = within & missed(estimate, force), within & felt
+    count = max(int(within.sum()), 1)
+
+    def share(rows: Mask, scaled: Array = estimate) -> Array:
+        return np.abs(reference[rows] - scaled[rows]).sum(axis=0) / count
+
+    gain = slope(estimate[open_rows], reference[open_rows])
+    scaled = estimate / np.where(gain > MIN_GAIN, gain, 1.0)
+    return {
+        "mae_missed": share(lost),
+        "mae_shut": share(within & ~lost & ~felt),
+        "mae_gain": np.maximum(share(open_rows) - share(open_rows, scaled), 0.0),
+    }
 
 
 def error_figures(estimate: Array, std: Array | None, reference: Array) -> dict[str, Array]:

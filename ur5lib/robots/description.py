@@ -270,10 +270,9 @@ class Robot(Described):
     joints: the size of each joint, a key of `motors`; endless_joints: those that turn without
     limit, 1 to n; effort: what is measured of its joints' efforts, torques before the gears or
     behind them, or of a side that nobody said, which count as the joints'; drives: how its
-    controller counts; links: `unknown` where masses, centres and
-    inertias are placeholders, which the recordings replace, `fitted` where they have; weight: of
-    all links together, at most [kg]; rated_payload: by the maker [kg]; balanced_joints: on which a
-    spring or a counterbalance acts,
+    controller counts; links: `unknown` where masses, centres and inertias are placeholders, which
+    the recordings replace, `fitted` where they have; weight: of all links together, at most [kg];
+    rated_payload: by the maker [kg]; balanced_joints: on which a spring or a counterbalance acts,
     1 to n; wrist_sensor: whether a force sensor is built into its flange; calibration: of one
     individual arm, frame k as the turned joint k carries it, in place of `denavit_hartenberg`,
     which an arm described from its URDF has not.

@@ -44,9 +44,13 @@ def contact_errors(forces: Compared) -> Iterator[Row]:
 
 
 def sensed(forces: Compared) -> Iterator[Row]:
-    """Yield the largest reading of a force sensor, and its contacts."""
+    """Yield the largest reading of a force sensor, its contacts, and its bias without contact."""
     if felt := forces.felt:
-        yield vars(felt) | {"largest_force_n": felt.largest, "share_in_contact": felt.contact}
+        row = vars(felt) | {"largest_force_n": felt.largest, "share_in_contact": felt.contact}
+        if (offset := forces.offset) is not None:
+            for name, values in (("bias", offset.bias), ("bias_std", offset.bias_std)):
+                row |= {f"{name}_{axis}": value for axis, value in zip("xyz", values, strict=False)}
+        yield row
 
 
 def detection(detection: dict[str, Detected]) -> Iterator[Row]:

@@ -246,6 +246,17 @@ def decided(results: Results) -> pd.DataFrame:
     return rows.join(plain.rename("plain"), on=key)
 
 
+def split(results: Results) -> pd.DataFrame:
+    """Return of what the error in contact consists by recording, means over x, y, z, beside the
+    sensor's bias; friction: what neither alarms nor a gain explain.
+    """
+    rows = errors_in_contact(results)
+    names = ["mae", "mae_missed", "mae_shut", "mae_gain"]
+    means = rows.groupby("recording", sort=False)[names].mean().dropna()
+    friction = means["mae"] - means[names[1:]].sum(axis="columns")
+    return means.assign(friction=friction).reset_index().merge(results.tables["sensed"], "left")
+
+
 def with_floors(results: Results, rows: pd.DataFrame) -> pd.DataFrame:
     """Return errors of forces by recording and component with what repetition alone leaves."""
     places = zip(rows["recording"], rows["component"], strict=True)

@@ -33,6 +33,7 @@ VERDICTS: list[Judge] = [
     recordings.judge_files,
     by_arm(currents.judge_constants),
     by_arm(currents.judge_currents),
+    by_arm(models.judge_links),
     by_arm(motion.judge_motion),
     by_arm(arm_state.judge_drift),
 ]

@@ -17,6 +17,7 @@ from ur5lib.report.page.findings import (
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
 from ur5lib.report.views.baseline import bars
+from ur5lib.report.views.uses import uses
 
 SPOKEN_SEVERITIES = {"stop": "stop sign"}
 MAX_NAMED_RECORDINGS = 4  # recordings of one finding
@@ -48,13 +49,16 @@ def pages(results: Results) -> Iterator[str]:
 
 
 def trust(results: Results) -> pd.DataFrame:
-    """Return the recordings, also those left out, with lost frames and the gravest finding."""
+    """Return the recordings, also those left out, with their use, lost frames and the gravest
+    finding.
+    """
     used = results.tables["recordings"].set_index("recording")[["duration_s", "devices"]]
     quality = by_severity(results.tables["quality"]).drop_duplicates("recording")
     gravest = quality.set_index("recording")[["severity", "device", "finding"]]
     lost = pd.Series(lost_shares(results), dtype=float, name="lost")
     roles = pd.Series(results.roles(), name="role").rename_axis("recording")
-    return roles.to_frame().join(used).join(lost).join(gravest).reset_index()
+    use = pd.Series(uses(results), dtype=str, name="use")
+    return roles.to_frame().join([used, lost, gravest, use]).reset_index()
 
 
 def causes(results: Results) -> pd.DataFrame:
