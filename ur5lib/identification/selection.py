@@ -79,8 +79,8 @@ def errors(
     total = np.zeros(count)
     for own, usual, residual in zip(samples, known, left, strict=True):
         rows = own.moving == moving
-        size = float(np.sum(usual[rows] ** 2)) / max(1, np.count_nonzero(rows))
-        total += np.bincount(own.path[rows], residual[rows] ** 2 / (size or 1.0), count)
+        size = max(float(np.sum(usual[rows] ** 2)), np.finfo(float).tiny) / max(1, int(rows.sum()))
+        total += np.bincount(own.path[rows], residual[rows] ** 2 / size, count)
     return total
 
 
