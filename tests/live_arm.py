@@ -11,13 +11,15 @@ from ur5lib.identification.estimation import CoefficientEstimate
 from ur5lib.records.friction import Friction
 from ur5lib.robots import newton_euler
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.robots.friction import friction_direction
+from ur5lib.robots.friction import ROOT_LINE, friction_direction
 from ur5lib.timeseries.arrays import Array
 
 PERIOD = 0.008  # s
 TERMS = ("coulomb", "viscous", "load", "velocity_root")
 CONSTANT = np.array([10.0, 11.0, 10.0, 8.0, 8.0, 8.0])  # Nm/A
 FRICTION = np.array([5.0, 6.0, 0.06, 1.0])  # of each joint [Nm, ...]
+# of the terms: the root's is less its line, which is in the others
+COEFFICIENTS = FRICTION + FRICTION[3] * np.array([*ROOT_LINE, 0.0, 0.0])
 HELD, OFFSET = -1.0, 0.3  # Nm
 SLOW = 0.02  # rad/s, of the dead zone
 POSTURE = np.array([0.3, -1.2, 1.4, -0.9, 1.1, 0.2])
@@ -33,15 +35,17 @@ def friction(arm: Robot) -> Friction:
     nothing = np.zeros((4, 2 + len(TERMS)))
     joints = [
         JointFit(
-            TERMS,
-            CoefficientEstimate(
-                np.array([1.0, OFFSET, *FRICTION]) / k, nothing, nothing, nothing[0]
+            terms=TERMS,
+            distances=(),
+            estimate=CoefficientEstimate(
+                np.array([1.0, OFFSET, *COEFFICIENTS]) / k, nothing, nothing, nothing[0]
             ),
-            HELD / k,
-            0.1,
-            0.1,
-            nothing[0],
-            (),
+            held=np.array([HELD]) / k,
+            band_moving=0.1,
+            band_reversing=0.1,
+            band_standing=0.1,
+            unseen=nothing[0],
+            remarks=(),
         )
         for k in CONSTANT[: len(arm.joints)]
     ]

@@ -206,8 +206,8 @@ def in_cpp(program: Path, arm: dict[str, Any], stream: list[Sample], folder: Pat
 def test_the_header_is_the_reference(program: Path, tmp_path: Path) -> None:
     arm = arm_file()
     arm["friction"]["presliding"] = [
-        {"distance": 1e-4, "share": 0.6},
-        {"distance": 0.02, "share": 0.4},
+        {"distance": 1e-4, "share": 0.6, "held": [-0.5] * 6},
+        {"distance": 0.02, "share": 0.4, "held": [0.3] * 6},
     ]
     names = (FREE, CONTACT, UNKNOWN)
     runs = [samples(8.0, moving, push(5.0, 6.0, 20.0, 0.0, 5.0)) for moving in (False, True)]

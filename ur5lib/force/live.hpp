@@ -160,7 +160,6 @@ class Live {
     breakaway_ = arm.joints("breakaway", n);
     fastest_ = arm.joints("speed", n);
     strongest_ = arm.joints("current", n);
-    held_ = arm.joints("friction.held", n);
     for (int t = 0; t < TERMS; ++t) {
       const std::string place = std::string("friction.terms.") + TERM_NAMES[t];
       if (arm.has(place)) terms_[t] = arm.joints(place, n);
@@ -171,6 +170,7 @@ class Live {
       const std::string part = "friction.presliding." + std::to_string(p);
       distance_[p] = arm.at(part + ".distance");
       share_[p] = arm.at(part + ".share");
+      held_[p] = arm.joints(part + ".held", n);
     }
     for (int s = 0; s < 5; ++s) {
       noise_[s] = arm.joints(std::string("noise.std.") + STATES[s], n);
@@ -344,11 +344,14 @@ class Live {
   void gears(const double* current, Joints& load, Joints& friction) const noexcept {
     for (int k = 0; k < n; ++k) {
       const double v = qd_[k], sine = std::sin(q_[k]), cosine = std::cos(q_[k]);
-      double z = 0;
-      for (int p = 0; p < parts_; ++p) z += share_[p] * direction_[p][k];
+      double z = 0, held = 0;
+      for (int p = 0; p < parts_; ++p) {
+        z += share_[p] * direction_[p][k];
+        held += held_[p][k] * direction_[p][k];
+      }
       const double columns[LOAD] = {z,    v,      std::sqrt(std::abs(v)) * sign(v), std::abs(v) * v,
                                     sine, cosine, sine,                             cosine};
-      double own = held_[k] * z * (1 - std::abs(std::tanh(v / dead_zone_)));
+      double own = held * (1 - std::abs(std::tanh(v / dead_zone_)));
       for (int t = 0; t < LOAD; ++t) own += terms_[t][k] * columns[t];
       const double motor = constant_[k] * current[k] - offset_[k];
       load[k] = (motor - own) / (1 + terms_[LOAD][k] * z * sign(motor - own));
@@ -495,10 +498,11 @@ class Live {
   std::array<Matrix, MAX_JOINTS> turn_{}, inertia_{};
   std::array<Vector, MAX_JOINTS> tail_{}, center_{};
   Vector gravity_{};
-  Joints mass_{}, rotor_{}, constant_{}, offset_{}, breakaway_{}, fastest_{}, strongest_{}, held_{};
+  Joints mass_{}, rotor_{}, constant_{}, offset_{}, breakaway_{}, fastest_{}, strongest_{};
   std::array<Joints, TERMS> terms_{};
   std::array<Joints, 5> noise_{}, hidden_{}, absorbed_{};
   std::array<double, MAX_PARTS> distance_{}, share_{};
+  std::array<Joints, MAX_PARTS> held_{};
   std::array<double, MAX_SIZES> sizes_{};
   int parts_ = 0, count_ = 0;
   double threshold_, period_, max_gap_, turns_, margin_, jump_, gain_, acceleration_, encoder_;

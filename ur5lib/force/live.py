@@ -72,7 +72,7 @@ class Live:
         )
         friction = arm["friction"]
         self.terms = {name: np.array(values, float) for name, values in friction["terms"].items()}
-        self.held = np.array(friction["held"], float)
+        self.held = np.array([one["held"] for one in friction["presliding"]], float)
         self.distance, self.share = (
             np.array([[one[name]] for one in friction["presliding"]], float)
             for name in ("distance", "share")
@@ -193,7 +193,9 @@ class Live:
             "balance_sin": sin,
             "balance_cos": cos,
         }
-        friction = self.held * z * (1 - np.abs(np.tanh(qd / self.set["dead_zone"])))
+        friction = (self.held * self.direction).sum(axis=0) * (
+            1 - np.abs(np.tanh(qd / self.set["dead_zone"]))
+        )
         for name in self.terms.keys() - {"load"}:
             friction = friction + self.terms[name] * columns[name]
         # k i = b + f + l + c z |l|

@@ -14,7 +14,7 @@ from ur5lib.force.residual_model import TorqueStretch, few_paths, fit_residual_m
 from ur5lib.records.friction import Friction
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot
-from ur5lib.robots.friction import PRESLIDING_DISTANCE, coefficient_names
+from ur5lib.robots.friction import PRESLIDING_DISTANCE, ROOT_LINE, coefficient_names
 from ur5lib.robots.inertia import link_tail, rigid_bodies
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import DEAD_ZONE
@@ -136,10 +136,12 @@ def numbers(
             f"the friction term {unknown[0]} of {robot.name} is unknown to the live estimator; fit "
             "the study without it"
         )
-    offset, held = (
-        constant * [value(joint) for joint in joints]
-        for value in (lambda joint: joint.estimate.coefficients[1], lambda joint: joint.held)
-    )
+    offset = constant * [joint.estimate.coefficients[1] for joint in joints]
+    held = constant[:, None] * [joint.held for joint in joints]
+    breakaway = np.maximum(terms["coulomb"], 0.1).tolist()
+    if (root := terms.get("velocity_root")) is not None:
+        terms["coulomb"] = terms["coulomb"] - ROOT_LINE[0] * root
+        terms["viscous"] = terms["viscous"] - ROOT_LINE[1] * root
     links = []
     for k, pose in enumerate(arm.link_poses()):
         rotation, position = link_tail(pose)
@@ -152,21 +154,33 @@ def numbers(
                 "inertia": (rotation @ bodies.inertia[k] @ rotation.T).tolist(),
             }
         )
-    presliding = [{"distance": arm.presliding or PRESLIDING_DISTANCE, "share": 1.0}]
     return {
         "links": links,
         "gravity": [*arm.gravity],
         "rotor_inertia": rotor.tolist(),
         "torque_constant": constant.tolist(),
         "offset": offset.tolist(),
-        "breakaway": np.maximum(terms["coulomb"], 0.1).tolist(),
+        "breakaway": breakaway,
         "current": (np.array(arm.torque_limits()) / constant).tolist(),
         "friction": {
             "terms": {name: value.tolist() for name, value in terms.items()},
-            "held": held.tolist(),
-            "presliding": presliding,
+            "presliding": presliding(held, joints[0].distances),
         },
     }
+
+
+def presliding(held: Array, others: Sequence[float]) -> list[dict[str, Any]]:
+    """Return distances [rad] over which friction reverses, each with its share of dry friction and
+    what it holds at rest beyond that in motion (n,) [Nm].
+
+    held: (n, 1 + D) [Nm], of the usual direction, and of how others differ from it.
+    """
+    usual = held[:, 0] - held[:, 1:].sum(axis=1)
+    parts = zip((PRESLIDING_DISTANCE, *others), (usual, *held[:, 1:].T), strict=True)
+    return [
+        {"distance": distance, "share": float(not place), "held": own.tolist()}
+        for place, (distance, own) in enumerate(parts)
+    ]
 
 
 def follow(arm: Mapping[str, Any], run: Measured) -> Followed:

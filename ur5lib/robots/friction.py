@@ -22,6 +22,7 @@ PRESLIDING_DISTANCE = 1e-4  # rad
 # Over which a part of the friction that holds a joint at rest may reverse: at once, as by noise and
 # hunting, or with a long memory.
 REST_DISTANCES = (1e-5, 1e-3)  # rad
+ROOT_LINE = 4 / 15, 4 / 5  # nearest to the root of velocity from 0 to 1 rad/s, and its slope
 FINE_STEP = 0.01  # s; within steps of slower logs, joints reverse between samples
 # Of a joint in motion, at which friction has the coefficients of its other terms.
 USUAL_TEMPERATURE = 30.0  # °C
@@ -94,8 +95,8 @@ TERMS = {
     "velocity_root": Term(
         lambda motion: [
             np.sqrt(np.abs(motion.qd)) * np.sign(motion.qd)
-            - 4 / 15 * motion.direction
-            - 4 / 5 * motion.qd
+            - ROOT_LINE[0] * motion.direction
+            - ROOT_LINE[1] * motion.qd
         ],
         expected=lambda torque_max: 0.1 * torque_max,
     ),
