@@ -22,7 +22,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "workspace": {"errors", "strict", "tables"},
     "datasets": {"errors", "strict", "tables"},
     "tables": {"channels", "errors", "timeseries"},
-    "robots": {"errors", "strict", "timeseries", "workspace"},
+    "robots": {"channels", "errors", "strict", "timeseries", "workspace"},
     # rooms know records, and not each other but for what stands here
     "recordings": BASE | {"records", "workspace"},
     "checks": BASE | {"recordings", "records"},

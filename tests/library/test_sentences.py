@@ -95,7 +95,7 @@ def test_remarks_stand_in_the_sentences_of_others() -> None:
 
 
 def test_a_number_that_json_does_not_know_is_unknown() -> None:
-    known = remark("other constant", joint=3, fitted=None, known=9.5)
+    known = remark("other constant", joint=3, fitted=None, known=9.5, unit="Nm/A")
     assert in_words(known) == "joint 3 with unknown instead of 9.5 Nm/A"
 
 
