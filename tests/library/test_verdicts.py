@@ -779,7 +779,7 @@ def test_motion_is_judged_beside_an_imu_alone() -> None:
     assert judge_motion(study(acceleration_mae=rows)).numbers[1].place == "rz on seen"
     plain = [row | {"component": "x", "estimate": "filterpy", "mae": 0.03}]
     card = judge_motion(study(acceleration_mae=rows + plain))
-    assert (card.state, "On x, filterpy's plain filter errs less" in card.sentence) == (
+    assert (card.state, "On x, filterpy's plain smoother errs less" in card.sentence) == (
         "usable",
         True,
     )

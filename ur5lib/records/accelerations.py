@@ -52,7 +52,7 @@ class ImuComparison:
     """Errors by estimate beside the IMU, and differences by range of frequency.
 
     calibrated_on: the recordings that calibrated the IMU; accelerometer_bias: (3,) [m/s²];
-    plain_ranges: differences of a plain filter. Empty where no IMU's clock could be estimated from
+    plain_ranges: differences of a plain smoother. Empty where no IMU's clock could be estimated from
     its motion.
     """
 

@@ -29,7 +29,7 @@ from ur5lib.signals.imu_samples import derivative, has_valid_imu, imu_samples, l
 from ur5lib.signals.resampling import by_stamps
 from ur5lib.smoothing.fused_motion import fused_record, imu_model, no_fused_motion
 from ur5lib.smoothing.imu_fusion import smooth_with_imu
-from ur5lib.smoothing.plain_filter import FilteredMotion, filter_encoders
+from ur5lib.smoothing.plain_smoother import PlainMotion, smooth_plainly
 from ur5lib.smoothing.smoothed_motion import known_joints, measured, motion_account
 from ur5lib.steps.evidence import Evidence
 from ur5lib.thesis.accelerations import as_published
@@ -72,10 +72,10 @@ def compare_accelerations(
     if not has_valid_imu(evidence.alignment.clocks):
         return Accelerations(time=signals.time, segment=signals.segment), ImuComparison()
     calibration = calibration_for(evidence.recording, evidence.calibration_without_each)
-    motions: dict[str, Motion | FilteredMotion] = {
+    motions: dict[str, Motion | PlainMotion] = {
         "encoders": evidence.motion,
         "encoders+imu": fused,
-        "filterpy": filter_encoders(signals.segment, *measured(signals), signals.period),
+        "filterpy": smooth_plainly(signals.segment, *measured(signals), signals.period),
     }
     modelled = at_the_imu(evidence.arm, kinematics, motions, calibration)
     own = BesideImu(evidence.robot, signals, kinematics, modelled, calibration)
@@ -106,7 +106,7 @@ class BesideImu(NamedTuple):
 def at_the_imu(
     robot: Robot,
     kinematics: Kinematics,
-    motions: Mapping[str, Motion | FilteredMotion],
+    motions: Mapping[str, Motion | PlainMotion],
     calibration: ImuCalibration,
 ) -> dict[str, Array]:
     """Return J_g q̈ + J̇_g q̇ at the IMU's place by each motion, (N, 6), without a filter."""

@@ -97,7 +97,7 @@ def acceleration_bands(
     accelerations: ImuComparison, every: Mapping[str, ImuComparison]
 ) -> Iterator[Row]:
     """Yield RMS differences from the IMU by range of frequency, in motion and at rest, the share
-    within the band, and the RMS differences of filterpy's plain filter.
+    within the band, and the RMS differences of filterpy's plain smoother.
 
     The band comes from the other recordings and contains all errors: noise of encoders and IMU,
     calibration, bending links. No rows without another recording.

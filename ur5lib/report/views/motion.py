@@ -39,7 +39,7 @@ def beside_zero(results: Results) -> AgainstBaseline:
     methods = results.rows("acceleration_mae")
     rows = methods[methods["estimate"] == "encoders"]
     models = {"encoders": "ours", "filterpy": "rival"}
-    rival = Rival.beside("filterpy's plain filter", methods, "mae", "component", models)
+    rival = Rival.beside("filterpy's plain smoother", methods, "mae", "component", models)
     return AgainstBaseline(rows, "mae", "zero_mae", "m/s²", 3, "component", rival=rival)
 
 
@@ -59,8 +59,8 @@ def decided(results: Results) -> pd.DataFrame:
 
 
 def judge_motion(results: Results) -> Verdict | None:
-    """Judge the acceleration from encoders by its worst component, beside filterpy's plain filter;
-    None without an IMU.
+    """Judge the acceleration from encoders by its worst component, beside filterpy's plain
+    smoother; None without an IMU.
     """
     against = beside_zero(results)
     if against.errors.empty:

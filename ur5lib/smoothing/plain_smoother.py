@@ -1,4 +1,4 @@
-"""The plain filter beside our smoother: filterpy's extended Kalman filter, with fixed noise."""
+"""The plain smoother beside ours: filterpy's extended Kalman filter, with fixed noise, and back."""
 
 from typing import NamedTuple
 
@@ -16,17 +16,17 @@ SETTLED_GAIN_CHANGE = 1e-10  # of a gain in a sample, relative: below, the gain 
 INITIAL_STD = np.repeat([10.0, 10.0, 100.0], 6)  # rad, rad/s, rad/s²: at the start of a segment
 
 
-class FilteredMotion(NamedTuple):
+class PlainMotion(NamedTuple):
     """Velocities [rad/s] and accelerations [rad/s²] of the joints, (N, 6) each."""
 
     qd: Array
     qdd: Array
 
 
-def filter_encoders(segment: Labels, q: Array, qd: Array, period: float) -> FilteredMotion:
-    """Return the motion by a filter of constant accelerations, each sample by those before it.
+def smooth_plainly(segment: Labels, q: Array, qd: Array, period: float) -> PlainMotion:
+    """Return the motion by a smoother of constant accelerations.
 
-    segment: (N,) labels, each filtered on its own; q, qd: (N, 6) [rad, rad/s], NaN where missing;
+    segment: (N,) labels, each smoothed on its own; q, qd: (N, 6) [rad, rad/s], NaN where missing;
     period: [s]. Its noise is fixed: that of measurements is white (`white_noise`), and one jerk of
     all joints, of `CANDIDATE_JERKS`, is the most likely.
     """
@@ -37,12 +37,11 @@ def filter_encoders(segment: Labels, q: Array, qd: Array, period: float) -> Filt
     busiest = max(parts, key=lambda part: np.nansum(qd[part] ** 2) / len(part))
 
     def likelihood(jerk: float) -> float:
-        return _filtered_states(z[busiest], starts(segment[busiest]), period, noise, jerk)[1]
+        return _filtered(z[busiest], starts(segment[busiest]), period, noise, jerk).likelihood
 
-    state, _ = _filtered_states(
-        z, starts(segment), period, noise, max(CANDIDATE_JERKS, key=likelihood)
-    )
-    return FilteredMotion(state[:, 6:12], state[:, 12:])
+    fresh, jerk = starts(segment), max(CANDIDATE_JERKS, key=likelihood)
+    state = _smoothed(_filtered(z, fresh, period, noise, jerk), fresh)
+    return PlainMotion(state[:, 6:12], state[:, 12:])
 
 
 def white_noise(z: Array, segment: Labels) -> Array:
@@ -56,23 +55,34 @@ def white_noise(z: Array, segment: Labels) -> Array:
     return np.maximum(np.sqrt(square), RECORDED_RESOLUTION)
 
 
-def _filtered_states(
-    z: Array, fresh: Mask, period: float, noise: Array, jerk: float
-) -> tuple[Array, float]:
-    """Return the states q, q̇, q̈ (N, 18) and the log-likelihood of their innovations."""
+class _Filtered(NamedTuple):
+    """States q, q̇, q̈ (N, 18) by the samples so far, the log-likelihood of their innovations, and
+    for the way back the step F (18, 18) and the gain of each sample, (18, 18).
+    """
+
+    states: Array
+    likelihood: float
+    step: Array
+    gains: list[Array]
+
+
+def _filtered(z: Array, fresh: Mask, period: float, noise: Array, jerk: float) -> _Filtered:
+    """Return what filterpy's filter finds; fresh: (N,), the first sample of each segment."""
     ekf, H, likelihood = ExtendedKalmanFilter(18, 12), np.eye(12, 18), 0.0
     step = np.array([[1, period, period**2 / 2], [0, 1, period], [0, 0, 1]])
     ekf.F, ekf.R = np.kron(step, np.eye(6)), np.diag(noise**2)
     ekf.Q = Q_discrete_white_noise(3, period, (jerk * period) ** 2, 6, order_by_dim=False)
     states, measured_rows = np.empty((len(z), 18)), np.asarray(np.isfinite(z).all(axis=1))
+    gains: list[Array] = []
     settled = False
     for k, measured in enumerate(z):
         if (
             settled and measured_rows[k] and not fresh[k]
-        ):  # covariance and gain would stay as they are
+        ):  # covariance and gains would stay as they are
             ekf.predict_x()
             ekf.y = measured - ekf.x[:12]
             ekf.x = ekf.x + ekf.K @ ekf.y
+            gains.append(gains[-1])
         else:
             gain = ekf.K
             ekf.predict()
@@ -83,7 +93,24 @@ def _filtered_states(
             # converged, as the noise is fixed
             change, size = (np.abs(of).max(axis=1) for of in (ekf.K - gain, ekf.K))
             settled = bool(measured_rows[k]) and bool((change <= SETTLED_GAIN_CHANGE * size).all())
+            # C = P Fᵀ (F P Fᵀ + Q)⁻¹
+            carried = ekf.F @ ekf.P
+            gains.append(np.linalg.solve(carried @ ekf.F.T + ekf.Q, carried).T)
         if measured_rows[k]:
             likelihood -= (ekf.y @ ekf.SI @ ekf.y + np.linalg.slogdet(ekf.S)[1]) / 2
         states[k] = ekf.x
-    return states, likelihood
+    return _Filtered(states, likelihood, ekf.F, gains)
+
+
+def _smoothed(forward: _Filtered, fresh: Mask) -> Array:
+    """Return the states (N, 18) given all samples of their segment [Rauch, Tung, Striebel 1965].
+
+    filterpy's extended filter has no way back, and that of its linear one keeps a covariance for
+    each sample.
+    """
+    states = forward.states.copy()
+    for k in reversed(range(len(states) - 1)):
+        if not fresh[k + 1]:
+            # x(k | N) = x(k) + C (x(k+1 | N) - F x(k))
+            states[k] += forward.gains[k] @ (states[k + 1] - forward.step @ states[k])
+    return states
