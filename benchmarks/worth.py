@@ -101,6 +101,7 @@ PARTS = {
     "stiction given back": Part(
         {f"{ESTIMATE}.mean_stiction_torque": lambda torque, *_: 0 * torque}
     ),
+    "smoothing at rest": Part({f"{ESTIMATE}.smoothed": lambda wrench, *_: wrench}),
     "margin and hysteresis": Part(
         {f"{ESTIMATE}.CONTACT_MARGIN": 0.0, f"{ESTIMATE}.CLOSING_PROBABILITY": OPENING_PROBABILITY}
     ),
@@ -135,7 +136,7 @@ CONSTANTS = {  # a field of the prior, or the places of a constant
     "gate closes": [f"{ESTIMATE}.CLOSING_PROBABILITY"],
     "margin [s]": [f"{ESTIMATE}.CONTACT_MARGIN"],
     "κ": [f"{ESTIMATE}.MISSED_DEVIATIONS"],
-    "blur [s]": ["ur5lib.force.contact_wrench.LOWPASS_BLUR"],
+    "smoothing at rest [s]": [f"{ESTIMATE}.REST_SMOOTHING"],
 }
 
 

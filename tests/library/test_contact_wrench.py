@@ -31,8 +31,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.thesis.current_based import wrench_from_torque
 from ur5lib.timeseries.metrics import coverage
 
-COUNT, PERIOD, WORTH = 100, 0.032, 0.032 / 0.25
-BLUR = "ur5lib.force.contact_wrench.LOWPASS_BLUR"
+COUNT, WORTH = 100, 0.032 / 0.25
 LOSSLESS = replace(PRIOR, load_friction=0.0)
 NOISE = np.array([1.2, 1.5, 1.0, 0.4, 0.3, 0.3])  # Nm
 
@@ -50,7 +49,7 @@ def contact(
 
 def test_a_large_wrench_with_moments_is_what_the_torques_say(ur5: Robot) -> None:
     own = contact(ur5, np.array([300.0, -200, 400, 30, -40, 50]), seed=1, noise=0.01)
-    chosen = contact_wrench(*own, WORTH, PERIOD, LOSSLESS).mean
+    chosen = contact_wrench(*own, WORTH, LOSSLESS).mean
     np.testing.assert_allclose(chosen, wrench_from_torque(own[1], own[0], 1e-6), atol=2.0)
 
 
@@ -72,8 +71,8 @@ def test_load_friction_widens_the_band_in_proportion(ur5: Robot) -> None:
     """Each joint takes up a tenth of what it carries of a contact: J^-T diag(0.1 J^T F)² J^-1."""
     wrench = np.array([0.0, 2000.0, 0, 100.0, 100.0, 100.0])  # large: its size no longer matters
     own = contact(ur5, wrench, seed=4, noise=0.01)
-    without = contact_wrench(*own, WORTH, PERIOD, LOSSLESS)
-    with_it = contact_wrench(*own, WORTH, PERIOD, replace(LOSSLESS, load_friction=0.1))
+    without = contact_wrench(*own, WORTH, LOSSLESS)
+    with_it = contact_wrench(*own, WORTH, replace(LOSSLESS, load_friction=0.1))
     np.testing.assert_array_equal(with_it.mean, without.mean)
     root = np.linalg.inv(own[1].mT) * (0.1 * torque_of(own[1], without.mean))[:, None]
     expected = (root**2).sum(axis=2)
@@ -90,7 +89,7 @@ def test_bands_hold_forces_of_motors_whose_constants_are_hardly_known(ur5: Robot
         torque, J, noise = contact(ur5, np.append(force, np.zeros(3)), seed, noise=0.3)
         own = torque * (1 + doubt * random.standard_normal(6)), J, noise
         for known, lost in ((True, np.hypot(PRIOR.load_friction, doubt)), (False, 0.1)):
-            found = contact_wrench(*own, WORTH, PERIOD, replace(PRIOR, load_friction=lost))
+            found = contact_wrench(*own, WORTH, replace(PRIOR, load_friction=lost))
             error = found.mean[COUNT // 2, :3] - force
             held[known].append(np.abs(error) < 1.96 * np.sqrt(found.variance[COUNT // 2, :3]))
     assert 0.9 <= np.mean(held[True]) <= 0.99
@@ -121,7 +120,7 @@ def test_its_band_holds_forces_of_all_sizes(ur5: Robot, size: float, lever: floa
         force, off = (one / np.linalg.norm(one) for one in random.normal(size=(2, 3)))
         wrench = size * np.concatenate([force, lever * np.cross(off, force)])
         torque, J, noise = contact(ur5, wrench, seed)
-        estimate = contact_wrench(0.97 * torque, J, noise, WORTH, PERIOD, PRIOR)
+        estimate = contact_wrench(0.97 * torque, J, noise, WORTH, PRIOR)
         inside.append(coverage(estimate.mean, estimate.variance**0.5, np.tile(wrench, (COUNT, 1))))
     assert np.mean(inside, axis=0)[:3].mean() > 0.9
 
@@ -201,7 +200,7 @@ def test_near_singularities_no_constant_of_the_prior_decides(
     """
     middle, inside = COUNT // 2, []
     for force, own in near_singularities(ur5, 50):
-        told = contact_wrench(*own, WORTH, PERIOD, PRIOR)
+        told = contact_wrench(*own, WORTH, PRIOR)
         half = 1.96 * np.sqrt(told.variance[middle, :3])
         inside.append(np.abs(told.mean[middle, :3] - force) <= half)
         for factor in (0.5, 2.0):
@@ -209,13 +208,13 @@ def test_near_singularities_no_constant_of_the_prior_decides(
                 replace(PRIOR, **{name: factor * getattr(PRIOR, name)})
                 for name in ("force", "lever", "load_friction")
             ]
-            others = [contact_wrench(*own, WORTH, PERIOD, prior) for prior in priors]
+            others = [contact_wrench(*own, WORTH, prior) for prior in priors]
             with monkeypatch.context() as changed:
                 changed.setattr(
                     "ur5lib.force.contact_wrench.TYPICAL_LEVER_WEIGHT",
                     factor * TYPICAL_LEVER_WEIGHT,
                 )
-                others.append(contact_wrench(*own, WORTH, PERIOD, PRIOR))
+                others.append(contact_wrench(*own, WORTH, PRIOR))
             for other in others:
                 assert (np.abs(other.mean - told.mean)[middle, :3] <= half).all()
     assert np.mean(inside) >= 0.82
@@ -226,36 +225,11 @@ def test_unknown_samples_do_not_shrink_a_contact(ur5: Robot) -> None:
     wrench = np.array([0.0, 50, 0, 0, 0, 0])
     torque, J, noise = contact(ur5, wrench, seed=8)
     torque[COUNT // 2 :] = np.nan
-    half = contact_wrench(torque[:50], J[:50], noise[:50], WORTH, PERIOD, PRIOR)
-    whole = contact_wrench(torque, J, noise, WORTH, PERIOD, PRIOR)
+    half = contact_wrench(torque[:50], J[:50], noise[:50], WORTH, PRIOR)
+    whole = contact_wrench(torque, J, noise, WORTH, PRIOR)
     np.testing.assert_allclose(whole.mean[:48], half.mean[:48], rtol=1e-3, atol=1e-3)
     assert (whole.mean[50:] == 0).all()
     assert (whole.variance[50:, 1] > 4 * half.variance[:40, 1].max()).all()
-
-
-def test_a_contact_of_one_known_sample_has_no_change(
-    ur5: Robot, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Nor a band for it."""
-    torque, J, noise = contact(ur5, np.array([0.0, 50, 0, 0, 0, 0]), seed=9)
-    torque[1:] = np.nan
-    told = contact_wrench(torque, J, noise, WORTH, PERIOD, PRIOR)
-    monkeypatch.setattr(BLUR, 0.0)
-    sharp = contact_wrench(torque, J, noise, WORTH, PERIOD, PRIOR)
-    assert (told.mean[0] != 0).all()
-    np.testing.assert_array_equal(told.variance, sharp.variance)
-
-
-def test_the_rate_of_a_force_is_by_its_period(ur5: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A ramp of 40 N/s is uncertain by 40 N/s times the blur."""
-    wrench = 400.0 + 40 * PERIOD * np.arange(COUNT)[:, None] * np.eye(6)[1]
-    _, J, noise = contact(ur5, np.zeros(6), seed=10, noise=1e-3)
-    own = torque_of(J, wrench * np.eye(6)[1]), J, noise
-    monkeypatch.setattr(BLUR, 0.1)
-    blurred = contact_wrench(*own, WORTH, PERIOD, LOSSLESS).variance
-    monkeypatch.setattr(BLUR, 0.0)
-    sharp = contact_wrench(*own, WORTH, PERIOD, LOSSLESS).variance
-    np.testing.assert_allclose((blurred - sharp)[:, 1], (0.1 * 40) ** 2, rtol=0.05)
 
 
 def test_moments_are_uncertain_by_a_lever_of_five_centimetres(
@@ -263,9 +237,9 @@ def test_moments_are_uncertain_by_a_lever_of_five_centimetres(
 ) -> None:
     """Of whatever force; the force is not."""
     own = contact(ur5, np.array([300.0, -200, 400, 0, 0, 0]), seed=11)
-    told = contact_wrench(*own, WORTH, PERIOD, LOSSLESS)
+    told = contact_wrench(*own, WORTH, LOSSLESS)
     monkeypatch.setattr("ur5lib.force.contact_wrench.UNRESOLVED_LEVER", 0.0)
-    exact = contact_wrench(*own, WORTH, PERIOD, LOSSLESS)
+    exact = contact_wrench(*own, WORTH, LOSSLESS)
     np.testing.assert_array_equal(told.variance[:, :3], exact.variance[:, :3])
     force = np.linalg.norm(told.mean[:, :3], axis=1)[:, None]
     added = told.variance[:, 3:] - exact.variance[:, 3:]

@@ -121,7 +121,7 @@ def statements() -> Iterator[str]:
     yield f"| gate closes (opens at {opening:g}) | {closing:g} |"
     yield f"| margin | {wrench_estimate.CONTACT_MARGIN:g} s |"
     yield f"| κ | {missed_contacts.MISSED_DEVIATIONS:g} |"
-    yield f"| blur | {contact_wrench.LOWPASS_BLUR:g} s |"
+    yield f"| smoothing at rest | {wrench_estimate.REST_SMOOTHING:g} s |"
     yield f"the factor {residual_fit.PAST_ALONE:g} on errors of the past alone"
     yield f"κ is {missed_contacts.MISSED_DEVIATIONS:g}."
     yield f"a force that does not count as contact ({PRIOR.quiet:g} N)"

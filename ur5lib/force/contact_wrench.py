@@ -22,7 +22,6 @@ TYPICAL_SIZE_WEIGHT = 2.0
 TYPICAL_LEVER_WEIGHT = 20.0  # of the typical lever, in samples
 EM_ROUNDS = 30  # of expectation-maximisation; most contacts converge in ten
 UNRESOLVED_LEVER = 0.05  # m, of a force in the moments that are stated
-LOWPASS_BLUR = 0.05  # s, of the time of a change by the 2 Hz low-pass: half of its width
 
 
 class Posterior(NamedTuple):
@@ -90,7 +89,6 @@ def contact_wrench(
     jacobian: Array,
     noise: Array,
     worth: float,
-    period: float,
     prior: ContactPrior,
     size: Array | None = None,
 ) -> ContactWrench:
@@ -98,8 +96,8 @@ def contact_wrench(
 
     torque: Jᵀ F, of the contact alone, (n, m) [Nm] of m joints, rows of NaN where unknown: there
     the wrench is zero with the prior's variance; jacobian: (n, 6, m); noise: S (n, m, m) [Nm²];
-    worth: independent values per sample, at most 1; period: [s]; size: P (6, 6), the prior
-    covariance of the wrench, None to learn it.
+    worth: independent values per sample, at most 1; size: P (6, 6), the prior covariance of the
+    wrench, None to learn it.
     """
     if size is None:
         size = learned_size(torque, jacobian, noise, worth, prior)
@@ -111,11 +109,6 @@ def contact_wrench(
         estimate, jacobian, prior
     )
     variance = variance + _lever_variance(estimate, jacobian, prior)
-    # a low-pass blurs when the force changes
-    measured, change = finite_rows(torque), np.zeros_like(wrench)
-    if measured.sum() > 1:
-        change[measured] = np.gradient(wrench[measured], period, axis=0)
-    variance = variance + (LOWPASS_BLUR * change) ** 2
     # torques hardly distinguish a moment from a force
     force = np.linalg.norm(wrench[:, :3], axis=1)
     variance[:, 3:] += (UNRESOLVED_LEVER * force[:, None]) ** 2

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import binary_dilation
+from scipy.ndimage import binary_dilation, gaussian_filter1d
 
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.contact_wrench import (
@@ -19,7 +19,7 @@ from ur5lib.force.contact_wrench import (
     static_wrench,
 )
 from ur5lib.force.detection import Span, spans
-from ur5lib.force.external_torque import is_still
+from ur5lib.force.external_torque import finite_rows, is_still
 from ur5lib.force.force_input import MEAN_STICTION, ForceInput, mean_stiction_torque
 from ur5lib.force.gate import Observations, diagonal, find_contacts, log_odds
 from ur5lib.force.missed_contacts import (
@@ -37,6 +37,7 @@ OPENING_PROBABILITY = 0.5  # that a contact reaches
 CLOSING_PROBABILITY = 0.1  # above which it lasts
 CONTACT_MARGIN = 0.15  # s, by which a contact is extended at both ends
 MIN_PROBABILITY_INSIDE = 0.999  # of a contact
+REST_SMOOTHING = 0.1  # s: deviation of the average of a force on a resting arm
 
 
 class StretchEstimate(NamedTuple):
@@ -149,13 +150,14 @@ def _estimate(observations: Observations) -> StretchEstimate:
     for span in contacts:
         part = slice(*span)
         samples = carried[part], observations.jacobian[part], covariance[part]
-        posterior_wrench = contact_wrench(*samples, observations.worth, period, lossy)
+        posterior_wrench = contact_wrench(*samples, observations.worth, lossy)
         map_estimate.mean[part], map_estimate.variance[part] = posterior_wrench
         least_squares.mean[part], least_squares.variance[part] = least_squares_wrench(*samples)
     shut = _std_while_shut(observations, probability, inside)
     std = std_in_contact(likely, map_estimate, model.doubt, shut)
+    resting = inside & noise.still.all(axis=1) & finite_rows(torque)
     return StretchEstimate(
-        wrench=likely[:, None] * map_estimate.mean,
+        wrench=smoothed(likely[:, None] * map_estimate.mean, resting, period),
         std=np.hypot(
             np.where(inside[:, None], std, shut), _slow_press(observations, background.mean)
         ),
@@ -164,6 +166,18 @@ def _estimate(observations: Observations) -> StretchEstimate:
         least_squares=least_squares.mean,
         least_squares_std=np.sqrt(least_squares.variance),
     )
+
+
+def smoothed(wrench: Array, resting: Mask, period: float) -> Array:
+    """Return a wrench (n, 6), in contact at rest (n,) averaged over REST_SMOOTHING.
+
+    There, friction sticks and slips, and torques jump where the force does not; period: [s].
+    """
+    samples = REST_SMOOTHING / period
+    weight = gaussian_filter1d(resting.astype(float), samples, mode="constant")[:, None]
+    rest = resting[:, None]
+    total = gaussian_filter1d(np.where(rest, wrench, 0.0), samples, axis=0, mode="constant")
+    return np.where(rest, total / np.where(rest, weight, 1.0), wrench)
 
 
 def std_in_contact(likely: Array, contact: ContactWrench, doubt: float, shut: Array) -> Array:

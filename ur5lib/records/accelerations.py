@@ -52,8 +52,8 @@ class ImuComparison:
     """Errors by estimate beside the IMU, and differences by range of frequency.
 
     calibrated_on: the recordings that calibrated the IMU; accelerometer_bias: (3,) [m/s²];
-    plain_ranges: differences of a plain smoother. Empty where no IMU's clock could be estimated from
-    its motion.
+    plain_ranges: differences of a plain smoother. Empty where no IMU's clock could be estimated
+    from its motion.
     """
 
     errors: dict[str, AccelerationErrors] = field(default_factory=dict)
