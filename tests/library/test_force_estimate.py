@@ -7,6 +7,7 @@ from tests.library.made_up_torques import ELBOW, MODEL, PRIOR, REGULAR, WRIST, j
 from ur5lib.force.background import smooth
 from ur5lib.force.contact_prior import ContactPrior, wrench_covariance
 from ur5lib.force.contact_wrench import regularised_wrench
+from ur5lib.force.wrench_estimate import smoothed
 from ur5lib.robots.description import Robot
 from ur5lib.thesis.current_based import wrench_from_torque
 
@@ -86,6 +87,19 @@ def test_a_prior_says_how_large_a_force_and_its_moment_are() -> None:
     assert 2 * max(bank) >= 80
     levers = [np.sqrt(own[3, 3] / own[0, 0]) for own in prior.bank()]  # m
     assert levers == pytest.approx([prior.lever] * len(bank))
+
+
+def test_a_force_is_averaged_where_the_arm_rests_alone() -> None:
+    """A constant one stays, up to the ends of the rest; what moves is no part of the mean."""
+    resting, period = np.zeros(500, bool), 0.02
+    resting[100:300] = True
+    wrench = np.where(resting[:, None], 30.0, -80.0) * np.ones(6)
+    np.testing.assert_allclose(smoothed(wrench, resting, period), wrench)
+    noisy = wrench + RANDOM.normal(size=wrench.shape)
+    found = smoothed(noisy, resting, period)
+    np.testing.assert_array_equal(found[~resting], noisy[~resting])
+    # white noise under a normal weight of 5 samples: 1 / sqrt(2 √π 5)
+    assert (found - wrench)[120:280].std() == pytest.approx(0.24, abs=0.05)
 
 
 # Background

@@ -1,7 +1,7 @@
 """The probability of contact: a hidden Markov model of the external torque.
 
 At each sample the arm is free; or, at rest, hunting: after a touch, stick-slip makes joints wander;
-or in a contact of one of several magnitudes, constant until its end. The background, the
+or in a contact of one of a few magnitudes, constant until its end. The background, the
 slow part of a free arm's torque, is smoothed without the contacts. Smoothing the background and
 computing the probabilities of the states alternate.
 """
