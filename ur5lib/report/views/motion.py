@@ -46,7 +46,7 @@ def beside_zero(results: Results) -> AgainstBaseline:
 def decided(results: Results) -> pd.DataFrame:
     """Return the errors by which the motion of each arm is judged, by component.
 
-    fused, plain: errors with the IMU's measurements, and of filterpy's filter.
+    fused, plain: errors with the IMU's measurements, and of filterpy's.
     """
 
     def of_arm(own: Results) -> pd.DataFrame:
