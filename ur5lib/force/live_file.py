@@ -14,7 +14,12 @@ from ur5lib.force.residual_model import TorqueStretch, few_paths, fit_residual_m
 from ur5lib.records.friction import Friction
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot
-from ur5lib.robots.friction import PRESLIDING_DISTANCE, ROOT_LINE, coefficient_names
+from ur5lib.robots.friction import (
+    BASE_TERMS,
+    PRESLIDING_DISTANCE,
+    ROOT_LINE,
+    coefficient_names,
+)
 from ur5lib.robots.inertia import link_tail, rigid_bodies
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import DEAD_ZONE
@@ -121,27 +126,14 @@ def numbers(
     arm, fit = robot.carrying(payload), friction.fit_for(recording)
     bodies, joints = rigid_bodies(arm, arm.fullest_model()), fit.joints
     constant = 1 / np.array([joint.estimate.coefficients[0] for joint in joints])
-    terms = {"coulomb": np.zeros(len(joints)), "load": np.zeros(len(joints))}
-    for k, joint in enumerate(joints):
-        values = joint.estimate.coefficients[2:] * constant[k]
-        for name, value in zip(coefficient_names(joint.terms), values, strict=True):
-            terms.setdefault(name, np.zeros(len(joints)))[k] = value
-    for k in range(len(joints)):
-        for name in ("balance_sin", "balance_cos"):
-            if name in terms and k + 1 not in robot.balanced_joints:
-                terms[name][k] = 0.0
+    terms = friction_terms(friction, recording, constant, robot)
     rotor = bodies.rotor_inertia + terms.pop("rotor", 0.0)
-    if unknown := sorted(terms.keys() - TERMS):
-        raise InputError(
-            f"the friction term {unknown[0]} of {robot.name} is unknown to the live estimator; fit "
-            "the study without it"
-        )
     offset = constant * [joint.estimate.coefficients[1] for joint in joints]
     held = constant[:, None] * [joint.held for joint in joints]
     breakaway = np.maximum(terms["coulomb"], 0.1).tolist()
-    if (root := terms.get("velocity_root")) is not None:
-        terms["coulomb"] = terms["coulomb"] - ROOT_LINE[0] * root
-        terms["viscous"] = terms["viscous"] - ROOT_LINE[1] * root
+    root = terms.get("velocity_root", 0.0)
+    for name, part in zip(("coulomb", "viscous"), ROOT_LINE, strict=True):
+        terms[name] = terms[name] - part * root
     links = []
     for k, pose in enumerate(arm.link_poses()):
         rotation, position = link_tail(pose)
@@ -167,6 +159,28 @@ def numbers(
             "presliding": presliding(held, joints[0].distances),
         },
     }
+
+
+def friction_terms(
+    friction: Friction, recording: str, constant: Array, robot: Robot
+) -> dict[str, Array]:
+    """Return the coefficients (n,) [Nm, ...] of friction and rotors; raises as `numbers`."""
+    joints = friction.fit_for(recording).joints
+    terms = {name: np.zeros(len(joints)) for name in BASE_TERMS}
+    for k, joint in enumerate(joints):
+        values = joint.estimate.coefficients[2:] * constant[k]
+        for name, value in zip(coefficient_names(joint.terms), values, strict=True):
+            terms.setdefault(name, np.zeros(len(joints)))[k] = value
+    for k in range(len(joints)):
+        for name in ("balance_sin", "balance_cos"):
+            if name in terms and k + 1 not in robot.balanced_joints:
+                terms[name][k] = 0.0
+    if unknown := sorted(terms.keys() - TERMS - {"rotor"}):
+        raise InputError(
+            f"the friction term {unknown[0]} of {robot.name} is unknown to the live estimator; fit "
+            "the study without it"
+        )
+    return terms
 
 
 def presliding(held: Array, others: Sequence[float]) -> list[dict[str, Any]]:
