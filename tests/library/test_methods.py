@@ -29,6 +29,7 @@ from ur5lib.identification import (
     prior,
     regression,
     samples,
+    selection,
 )
 from ur5lib.robots import friction
 from ur5lib.signals import clock, device_clock
@@ -69,6 +70,10 @@ def statements() -> Iterator[str]:
     yield f"narrower than a factor of {gains.MAX_RANGE_FACTOR:g}."
     yield f"if less than {percent(base_parameters.MAX_PRIOR_VARIANCE_SHARE)} of its variance"
     yield f"over {friction.PRESLIDING_DISTANCE:.0e} rad".replace("e-0", "e-")
+    percents = map(percent, (selection.MIN_SHARE, selection.MIN_SHARE_AT_REST))
+    yield "falls by {} (at rest {}) and by two standard errors".format(*percents)
+    assert selection.MIN_DEVIATIONS == 2
+    yield f"it is 0 ± {friction.TERMS['velocity_root'].expected(1.0):g} of the largest torque"
     yield f"load-dependent friction {friction.TERMS['load'].expected(1.0):g} Nm/Nm"
     for share, std in (prior.COULOMB_PRIOR, prior.VISCOUS_PRIOR):
         yield f"({100 * share:g} ± {100 * std:g}) % T"
