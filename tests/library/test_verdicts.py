@@ -691,7 +691,11 @@ def test_the_card_of_the_force_counts_missed_contacts_and_false_alarms() -> None
         known | counts | {"recording": "pushed"},
         known | counts | {"recording": "pushed", "force_class_n": 20.0, "found": 4},
     ]
-    told = said(judge_force(study(detection=rows, force_mae=touched(2.0))))
+    card = judge_force(study(detection=rows, force_mae=touched(2.0)))
+    numbers = {number.name: (number.value, number.unit) for number in card.numbers}
+    assert numbers["missed contacts"] == (2, "of 8")
+    assert numbers["false alarms, at most (95 %)"] == (pytest.approx(3.0, abs=0.01), "a minute")
+    told = said(card)
     assert "Of the 8 contacts of 5 N or more at the sensor, 2 are missed." in told
     assert "in 1.0 minutes" in told
     assert ": 0, that is at most 3 a minute (95 %); no day without a fit recording" in told
@@ -1115,14 +1119,20 @@ def test_each_recording_says_what_it_serves_and_what_not() -> None:
     sensed = study(current_rmse=errors, detection=searched, force_mae=touched(2.0), sensed=[SENSED])
     assert uses(sensed)["pushed"] == "for the size of forces, finding contacts"
     assert uses(sensed)["seen"] == "for testing currents"
+    doubt = finding("warning", "offset", device="force", recording="pushed")
+    doubted = study(detection=searched, force_mae=touched(2.0), sensed=[SENSED], quality=[doubt])
+    biased = "; not for the size of forces: the sensor's bias is uncertain"
+    assert uses(doubted)["pushed"] == f"for finding contacts{biased}"
     stopped = study(quality=[finding("stop", "other arm", recording="seen")])
     assert uses(stopped)["seen"] == "not for anything: a stop sign stands"
 
 
 def test_the_parts_of_an_error_add_up_beside_the_sensors_bias() -> None:
     parts = {"mae_missed": 1.0, "mae_shut": 0.5, "mae_gain": 0.25}
-    sensed = SENSED | {"bias_x": 3.0, "bias_std_x": 0.2}
+    bias = dict(zip(("bias_x", "bias_y", "bias_z"), (3.0, -1.0, 0.5), strict=True))
+    doubt = dict(zip(("bias_std_x", "bias_std_y", "bias_std_z"), (0.2, 0.1, 0.1), strict=True))
+    sensed = SENSED | bias | doubt
     results = study(force_mae=touched(2.0, **parts), sensed=[sensed])
-    ((_, error, *shares, bias),) = shown_table("force_mae.split", results).rows
+    ((_, error, *shares, read, sure),) = shown_table("force_mae.split", results).rows
     assert [cell.text for cell in (error, *shares)] == ["2.0", "1.0", "0.5", "0.2", "0.2"]
-    assert bias.text == "3.00 ± 0.20"
+    assert (read.text, sure.text) == ("3.0, −1.0, 0.5", "0.20")

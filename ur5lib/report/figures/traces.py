@@ -182,7 +182,7 @@ def _data(traces: Traces, panels: Sequence[Panel]) -> pd.DataFrame:
         for i, panel in enumerate(panels)
     }
     if traces.hidden is not None and traces.hidden.any():
-        columns[HIDDEN] = traces.hidden
+        columns[HIDDEN] = traces.hidden.astype(float)
     return pd.DataFrame({"time [s]": traces.time, **columns})
 
 

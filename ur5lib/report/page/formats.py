@@ -43,8 +43,10 @@ def significant(value: float, digits: int, unit: str = "") -> str:
 
 
 def measured(value: float, unit: str = "") -> str:
-    """Format a value of unknown error with three significant digits, but at most four decimals."""
-    if pd.isna(value) or value == 0:
+    """Format a value of unknown error with three significant digits, but at most four decimals, and
+    a count as it is.
+    """
+    if pd.isna(value) or value == 0 or isinstance(value, int):
         return fixed(value, 0, unit)
     return rounded(value, min(max(2 - math.floor(math.log10(abs(value))), 0), 4), unit)
 

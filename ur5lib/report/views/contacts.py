@@ -143,21 +143,39 @@ def false_alarms(results: Results) -> dict[str, FalseAlarms | None]:
 
 
 def noticed_in_words(results: Results) -> Iterator[str]:
-    """Say which contacts are missed, from which size on pushes are noticed, and how many alarms
-    are false.
+    """Say which contacts are missed, what the band holds for meanwhile, and how many alarms are
+    false.
     """
-    rows = results.rows("detection", estimate=LEADING)
-    listed = rows[rows["force_class_n"] == CONTACT_FORCE]
-    if len(listed):
-        yield say("force.missed", rows=listed)
     missed = errors_in_contact(results, "missed")
-    pushes = hardest_pushes(results)
-    if len(pushes):
+    if len(listed := _listed(results)):
+        yield say("force.missed", rows=listed)
+    if len(hardest_pushes(results)):
         least = missed.loc[missed["coverage95"].idxmin()] if len(missed) else None
         yield say("force.while shut", least=least)
-        yield say("force.noticed", rows=pushes)
-    if len(rows):
+    if len(results.rows("detection", estimate=LEADING)):
         yield say("force.false alarms", alarms=false_alarms(results))
+
+
+def noticed_pushes(results: Results) -> Iterator[str]:
+    """Say from which size on pushes are noticed."""
+    if len(pushes := hardest_pushes(results)):
+        yield say("force.noticed", rows=pushes)
+
+
+def _listed(results: Results) -> pd.DataFrame:
+    """Return how many contacts are found of those that the table of contacts lists."""
+    return results.rows("detection", estimate=LEADING, force_class_n=CONTACT_FORCE)
+
+
+def _numbers_of_alarms(results: Results) -> Iterator[Number]:
+    """Yield how many contacts are missed, and the upper limit of the rate of false alarms."""
+    if len(rows := _listed(results)):
+        count, found = int(rows["contacts"].sum()), int(rows["found"].sum())
+        least = f"of {CONTACT_FORCE:g} N or more at the sensor"
+        yield Number("missed contacts", count - found, f"of {count}", least)
+    if (alarms := false_alarms(results)["all"]) is not None:
+        place = f"{alarms.alarms} in {alarms.minutes:.1f} min without contact"
+        yield Number("false alarms, at most (95 %)", alarms.most, "a minute", place)
 
 
 class ClaimScore(NamedTuple):
@@ -338,11 +356,11 @@ def judge_force(results: Results) -> Verdict:
     return Verdict(
         topic=FORCE_TOPIC,
         state="do not use" if beaten["blind"] else found,
-        sentence=rival.after(sentence, "N", 1),
+        sentence=" ".join([rival.after(sentence, "N", 1), *noticed_pushes(results)]),
         evidence=" ".join([say("force.evidence", **words), *noticed_in_words(results)]),
         drawing=error_bar(*row[["mae", "mae_low", "mae_high", "mean_force", "floor"]]),
         caption=say("force.caption", known=words["known"], floor=row["floor"]),
-        numbers=tuple(_numbers(row, share, band)),
+        numbers=tuple(_numbers(results, row, share, band)),
     )
 
 
@@ -406,13 +424,16 @@ def _named(estimate: str) -> str:
     return f"{noun} {ESTIMATES[estimate]}"
 
 
-def _numbers(row: pd.Series, share: pd.Series, band: Band | None) -> Iterator[Number]:
+def _numbers(
+    results: Results, row: pd.Series, share: pd.Series, band: Band | None
+) -> Iterator[Number]:
     """Yield the numbers of the evidence."""
     name = f"mean absolute error of {ESTIMATES[row['estimate']]}"
     place = f"{row['recording']}, along {row['axis']}, in contact"
     error = Number(name, float(row["mae"]), "N", place)
     error = error.within(row["mae_low"], row["mae_high"], "95 %").above(row["floor"])
     yield error.beside(row["mean_force"], ZERO_ESTIMATE)
+    yield from _numbers_of_alarms(results)
     place = f"{share.name}, mean over x, y, z, in contact"
     yield Number(name, float(share["mae"]), "N", place).beside(share["mean_force"], ZERO_ESTIMATE)
     if band is not None:
@@ -444,9 +465,11 @@ def _unjudged(results: Results) -> Verdict:
     counts = [*map(len, found_without_sensor(results).values())]
     plausible = [say("force.plausible", counts=counts)] if counts else []
     evidence = " ".join([*plausible, *noticed_in_words(results)])
+    unused = say("force.no sensor", unused=unused_wrenches(results))
     return Verdict(
         FORCE_TOPIC,
         "not determined",
-        say("force.no sensor", unused=unused_wrenches(results)),
-        evidence,
+        sentence=" ".join([unused, *noticed_pushes(results)]),
+        evidence=evidence,
+        numbers=tuple(_numbers_of_alarms(results)),
     )

@@ -15,8 +15,9 @@ def uses(results: Results) -> dict[str, str]:
     served, refused = dict(_served(results)), [*_refused(results)]
     found = {}
     for name in results.roles():
-        goals = [goal for goal, names in served.items() if name in names]
         against = [(goal, why) for goal, why, names in refused if name in names]
+        without = {goal for goal, _ in against}
+        goals = [goal for goal in served if name in served[goal] and goal not in without]
         found[name] = say("recordings.use", goals=goals, against=against)
     return found
 
