@@ -650,7 +650,7 @@ def test_good_is_at_most_three_times_what_repetition_leaves(floor: float, expect
     results = study(force_mae=touched(2.0), current_rmse=predicted(0.2), repetition=repeated)
     for card in (judge_force(results), judge_currents(results)):
         assert card.state == expected
-        assert ("3.3 times what repetition alone leaves" in card.sentence) is (expected != "good")
+        assert ("3.3 times the repeatability" in card.sentence) is (expected != "good")
 
 
 @pytest.mark.parametrize(("zero", "expected"), [(0.4, "good"), (0.93, "do not use")])
@@ -839,8 +839,8 @@ def test_what_repetition_leaves_stands_beside_the_error_it_limits() -> None:
     )  # fmt: skip
     cards = [judge(results) for judge in (judge_currents, judge_links, judge_force)]
     assert [card.numbers[0].floor for card in cards] == [0.05, 0.001, 1.5]
-    assert all("repetition alone: " in card.evidence for card in cards)
-    assert all("repetition alone leaves" in card.caption for card in cards)
+    assert all("repeatability: " in card.evidence for card in cards)
+    assert all("repeatability" in card.caption for card in cards)
     without = [judge(study(current_rmse=predicted(0.2))) for judge in (judge_currents,)]
     assert "repetition" not in said(without[0]) + without[0].caption
     # repetition has a floor of a joint that is not judged, too
@@ -849,7 +849,7 @@ def test_what_repetition_leaves_stands_beside_the_error_it_limits() -> None:
     assert judge_currents(fewer).drawing.count("<rect") < cards[0].drawing.count("<rect")
     assert without[0].drawing.count("<rect") < cards[0].drawing.count("<rect")
     errors = shown_table("current_rmse.decided", results)
-    at = errors.header.index("repetition alone")
+    at = errors.header.index("repeatability")
     assert [row[at].text for row in errors.rows][:2] == ["0.0500", "0.100"]
 
 

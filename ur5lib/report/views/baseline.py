@@ -16,7 +16,7 @@ from ur5lib.report.page.document import Number, State
 from ur5lib.report.page.formats import VISIBLE_DIFFERENCE, rounded
 from ur5lib.report.page.sentences import say
 
-ZERO_ESTIMATE = "an estimate of zero"
+ZERO_ESTIMATE = "zero baseline"
 MIN_GOOD_SKILL = 0.5  # smallest skill of a good estimate: less than half the error of zero
 BETTER_RIVAL_RATIO = 0.95  # share of an error, below which another is clearly less
 MAX_GOOD_FLOORS = 3.0  # of a good estimate's error, in what repetition alone leaves
