@@ -2,80 +2,33 @@
 
 import re
 from collections.abc import Callable, Iterator
-from typing import NamedTuple
 
 from ur5lib import __version__
 from ur5lib.report.page.document import Code
-from ur5lib.report.page.formats import day
-from ur5lib.report.page.sentences import say
+from ur5lib.report.page.sentences import names, say
 from ur5lib.report.results import Results
 
-PARAGRAPHS = ("methods.model", "methods.force")
-
-
-class Reference(NamedTuple):
-    """A published work."""
-
-    authors: tuple[str, ...]
-    title: str
-    where: str
-    year: int
-
-
-REFERENCES = {
-    "atkeson1986": Reference(
-        ("C. G. Atkeson", "C. H. An", "J. M. Hollerbach"),
-        "Estimation of inertial parameters of manipulator loads and links",
-        "International Journal of Robotics Research 5(3)",
-        1986,
-    ),
-    "luh1980": Reference(
-        ("J. Y. S. Luh", "M. W. Walker", "R. P. C. Paul"),
-        "On-line computational scheme for mechanical manipulators",
-        "Journal of Dynamic Systems, Measurement, and Control 102(2)",
-        1980,
-    ),
-    "rabiner1989": Reference(
-        ("L. R. Rabiner",),
-        "A tutorial on hidden Markov models and selected applications in speech recognition",
-        "Proceedings of the IEEE 77(2)",
-        1989,
-    ),
-    "rauch1965": Reference(
-        ("H. E. Rauch", "F. Tung", "C. T. Striebel"),
-        "Maximum likelihood estimates of linear dynamic systems",
-        "AIAA Journal 3(8)",
-        1965,
-    ),
-    "wensing2018": Reference(
-        ("P. M. Wensing", "S. Kim", "J.-J. E. Slotine"),
-        "Linear matrix inequalities for physically consistent inertial parameter identification",
-        "IEEE Robotics and Automation Letters 3(1)",
-        2018,
-    ),
-}
+REFERENCE = re.compile(r"(?P<author>.*?): (?P<title>.*)\. (?P<journal>.*), (?P<year>\d*)")
+ITSELF = "ur5lib"
 
 
 def methods(results: Results) -> Iterator[str]:
     """Return the two paragraphs, with authors and years."""
-    for name in PARAGRAPHS:
-        yield _paragraph(name, results, lambda key: f"({_short(REFERENCES[key])})")
+    yield from _paragraphs(lambda key: f"({_short(names('reference')[key])})")
 
 
-def references(results: Results) -> Iterator[str]:
-    """Return the references, then how this analysis is cited."""
-    works = {**REFERENCES, "ur5lib": itself(results)}
-    for work in works.values():
-        yield f"{', '.join(work.authors)}: {work.title}. {work.where}, {work.year}."
+def references(results: Results) -> list[str]:
+    """Return the references, the last of which is that of this analysis."""
+    return [f"{reference}." for reference in _references(results).values()]
 
 
-def itself(results: Results) -> Reference:
-    """Return the reference of this analysis: its software, version and study."""
-    date = analysed_on(results)
-    where = f"commit {results.commit}, study “{results.study['study']}”"
-    where += f", analysed on {day(date)}" if date else ""
-    title = f"ur5lib {__version__}: dynamics, friction and contact force of robot arms"
-    return Reference(("The ur5lib developers",), title, where, int(date[:4] or 0))
+def to_copy(results: Results) -> Iterator[Code]:
+    """Return the paragraphs as Markdown and LaTeX, and the references as BibTeX, folded."""
+    latex = "\n\n".join(_paragraphs(lambda key: f"\\cite{{{key}}}"))
+    yield Code("\n\n".join(_paragraphs(lambda key: f"[@{key}]")), folded="Methods as Markdown")
+    yield Code(re.sub(r"([%&#_])", r"\\\1", latex), folded="Methods as LaTeX")
+    entries = (_bibtex(key, reference) for key, reference in _references(results).items())
+    yield Code("\n".join(entries), folded="References as BibTeX")
 
 
 def analysed_on(results: Results) -> str:
@@ -84,35 +37,25 @@ def analysed_on(results: Results) -> str:
     return str(times["last_end"].max())[:10] if times is not None and len(times) else ""
 
 
-def to_copy(results: Results) -> Iterator[Code]:
-    """Return the paragraphs as Markdown and LaTeX, and the references as BibTeX, folded."""
-    works = {**REFERENCES, "ur5lib": itself(results)}
-    texts = {
-        "Methods as Markdown": _joined(results, lambda key: f"[@{key}]"),
-        "Methods as LaTeX": re.sub(
-            r"([%&#_])", r"\\\1", _joined(results, lambda key: f"\\cite{{{key}}}")
-        ),
-        "References as BibTeX": "\n".join(_bibtex(key, work) for key, work in works.items()),
-    }
-    return (Code(text, folded=name) for name, text in texts.items())
+def _references(results: Results) -> dict[str, str]:
+    known = {"study": results.study["study"], "commit": results.commit, "version": __version__}
+    itself = say("methods.itself", year=analysed_on(results)[:4], **known)
+    return {**names("reference"), ITSELF: itself}
 
 
-def _joined(results: Results, cite: Callable[[str], str]) -> str:
-    return "\n\n".join(_paragraph(name, results, cite) for name in PARAGRAPHS)
+def _paragraphs(cite: Callable[[str], str]) -> list[str]:
+    return [say(f"methods.{part}", cite=cite, version=__version__) for part in ("model", "force")]
 
 
-def _paragraph(name: str, results: Results, cite: Callable[[str], str]) -> str:
-    return say(name, cite=cite, itself=itself(results))
-
-
-def _short(work: Reference) -> str:
+def _short(reference: str) -> str:
     """Return authors and year: Luh et al. 1980."""
-    surname = work.authors[0].split()[-1]
-    return f"{surname}{' et al.' if len(work.authors) > 1 else ''} {work.year}"
+    authors = reference.partition(":")[0].split(", ")
+    return f"{authors[0].split()[-1]}{' et al.' * bool(authors[1:])} {reference[-4:]}"
 
 
-def _bibtex(key: str, work: Reference) -> str:
-    kind, place = ("misc", "note") if key == "ur5lib" else ("article", "journal")
-    fields = {"author": " and ".join(work.authors), "title": work.title, place: work.where}
+def _bibtex(key: str, reference: str) -> str:
+    found = REFERENCE.fullmatch(reference)
+    fields = found.groupdict() if found else {"note": reference}
+    fields["author"] = fields.get("author", "").replace(", ", " and ")
     lines = [f"  {name} = {{{text}}}," for name, text in fields.items()]
-    return "\n".join([f"@{kind}{{{key},", *lines, f"  year = {{{work.year}}},", "}"])
+    return "\n".join([f"@{'misc' if key == ITSELF else 'article'}{{{key},", *lines, "}"])
