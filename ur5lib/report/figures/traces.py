@@ -31,7 +31,7 @@ from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import runs
 
 StyledLines = Mapping[str, tuple[Array, str]]
-MAX_DRAWN_POINTS = 1400  # about two for each dot across a printed page
+MAX_DRAWN_POINTS = 1100  # about one for each dot across half a printed page
 MIN_PANEL_SPAN = 1e-3  # of a panel
 LEGEND_ROW_LETTERS = 60  # letters of six labels of a legend that fit side by side
 UNFILTERED = "unfiltered"  # label of what was recorded, behind what is judged
