@@ -5,7 +5,7 @@ in 1/k, b/k and the friction coefficients over k, which are fitted to samples in
 friction can be any torque up to breakaway: a fitted share of the friction before the stop remains.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -40,7 +40,6 @@ from ur5lib.identification.samples import (
     MIN_UNITS,
     CurrentSamples,
     JointSamples,
-    MotionState,
     Smooth,
     apart_from,
     joint_samples,
@@ -148,12 +147,15 @@ def _prior_estimates(prior: Prior, seed: int) -> tuple[list[CoefficientEstimate]
 def _fit_without_motion(estimate: CoefficientEstimate, doubt: Array) -> JointFit:
     """Return the fit of a joint whose friction is as expected; doubt: (P, P), covariance."""
     coulomb = float(estimate.coefficients[2])
+    moving, reversing, standing = (NORMAL95 * usual * coulomb for usual in UNSEEN_ERRORS)
     return JointFit(
         terms=BASE_TERMS,
         distances=(),
         estimate=estimate,
         held=np.array([HELD_FRICTION_SHARE * coulomb]),
-        **_bands(np.array(UNSEEN_ERRORS) * coulomb),
+        band_moving=moving,
+        band_reversing=reversing,
+        band_standing=standing,
         unseen=np.zeros(len(estimate.coefficients)),
         remarks=(),
         doubt=doubt,
@@ -241,12 +243,17 @@ def _joint_fit(samples: JointSamples, prior: Prior, estimate: CoefficientEstimat
     path, moving = samples.path, samples.moving
     is_left_out = moving.sum() >= MIN_SAMPLES and len(np.unique(path)) > 1
     of_motion = samples.day[moving], samples.record[moving], path[moving]
+    in_motion, reversing, standing = _bands(
+        samples, prior, dry_friction(samples.terms, coefficients)
+    )
     return JointFit(
         terms=samples.terms,
         distances=samples.distances,
         estimate=estimate,
         held=held_current(samples, coefficients),
-        **_bands(_unseen_errors(samples, prior, dry_friction(samples.terms, coefficients))),
+        band_moving=in_motion,
+        band_reversing=reversing,
+        band_standing=standing,
         unseen=unseen_difference(
             estimate, *(max(1, len(np.unique(labels))) for labels in of_motion)
         ),
@@ -255,19 +262,13 @@ def _joint_fit(samples: JointSamples, prior: Prior, estimate: CoefficientEstimat
     )
 
 
-def _bands(errors: Array) -> dict[str, float]:
-    """Return the bands of a `JointFit` by its errors (3,) [A], standard deviations by state."""
-    return {f"band_{state.name.lower()}": NORMAL95 * float(errors[state]) for state in MotionState}
-
-
-def _unseen_errors(samples: JointSamples, prior: Prior, coulomb: float) -> Array:
-    """Return the errors (3,) [A] along one more path by `MotionState`; coulomb: friction [A]."""
-    residual, errors = left_out_residuals(samples, prior), []
-    for state, usual in enumerate(UNSEEN_ERRORS):
+def _bands(samples: JointSamples, prior: Prior, coulomb: float) -> Iterator[float]:
+    """Yield the bands of a `JointFit` by `MotionState`; coulomb: friction [A]."""
+    residual = left_out_residuals(samples, prior)
+    for state, (usual, least) in enumerate(zip(UNSEEN_ERRORS, LEAST_ERRORS, strict=True)):
         rows = samples.state == state
         known = residual[rows], samples.path[rows], samples.day[rows]
-        errors.append(unseen_error(*known, usual * coulomb))
-    return np.maximum(errors, np.array(LEAST_ERRORS) * coulomb)
+        yield NORMAL95 * max(unseen_error(*known, usual * coulomb), least * coulomb)
 
 
 def unseen_error(residual: Array, path: Labels, day: Labels, usual: float) -> float:

@@ -51,7 +51,7 @@ class Forces(SegmentedTable):
             log_odds={name: own for name, own in odds.items() if own is not None},
             background=background,
             causal_log_odds=causal,
-            if_untouched=None if leading is None else ~leading.wrench.any(axis=1),
+            if_untouched=None if leading is None else np.all(leading.wrench == 0, axis=1),
         )
 
 
