@@ -17,6 +17,7 @@ from tests.steps.made_evidence import (
     evidence,
     premises,
 )
+from ur5lib.channels import TORQUE
 from ur5lib.dynamics.link_model import LinkModel, load_regressor
 from ur5lib.errors import remark
 from ur5lib.force.estimators import GATED
@@ -38,7 +39,7 @@ from ur5lib.records.contacts import Alarm
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
-from ur5lib.records.friction import Friction, KnownConstants
+from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.quality import Contradictions, Finding, contradiction
 from ur5lib.records.signals import Signals
@@ -54,7 +55,6 @@ from ur5lib.steps.set_threshold import set_threshold
 from ur5lib.timeseries.arrays import Array
 
 PERIOD = 0.016
-SENSED = KnownConstants(np.ones(6), np.zeros(6))
 
 
 def recording(arm: Robot, run: Free, controller: Array | None = None) -> Evidence:
@@ -338,7 +338,7 @@ def test_residuals_of_few_paths_are_wider(ur5: Robot, friction: Friction) -> Non
 
 def test_sensed_torques_have_no_usual_error(ur5: Robot, friction: Friction) -> None:
     runs = [free_run(ur5, seed, period=PERIOD) for seed in (1, 2)]
-    sensed = replace(friction, known_constants=SENSED)
+    sensed = replace(friction, effort=TORQUE.quantity)
     one, five = (torque_model(residuals_of(ur5, sensed, n, *runs)) for n in (1, 5))
     assert one.doubt == pytest.approx(few_paths(1) / few_paths(5))
     np.testing.assert_allclose(one.spread, five.spread)
@@ -364,7 +364,7 @@ def test_of_a_joint_that_never_moves_other_arms_tell(ur5: Robot, friction: Frict
         torque_model(found).spread, torque_model(usual_residuals(friction.fit, 2.0)).spread
     )
     # of a sensed torque, they do not
-    refused = residuals_of(ur5, replace(friction, known_constants=SENSED), 5, still)
+    refused = residuals_of(ur5, replace(friction, effort=TORQUE.quantity), 5, still)
     assert refused.refused == reason
     assert refused.tau_ext is None
 
