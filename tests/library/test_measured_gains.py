@@ -76,6 +76,14 @@ def test_rotors_that_are_not_described_are_fitted(arm: Robot) -> None:
         assert row.interval[0] < 8 < row.interval[1]
 
 
+def test_rotors_that_sensors_do_not_feel_are_not_fitted(arm: Robot) -> None:
+    """They would cost accuracy: paths that are left out are predicted no better with them."""
+    friction = fitted(arm)
+    assert not rows(friction, "rotor")
+    for row in rows(friction, "torque_constant"):
+        assert abs(row.value - 1) < 0.05 or not row.determined
+
+
 def test_a_rotor_without_inertia_is_not_determined(arm: Robot) -> None:
     """As where the links of a description have too much of it."""
     assert not any(row.determined for row in rows(fitted(arm, rotors=-1.0), "rotor"))
@@ -92,6 +100,12 @@ def test_a_gain_that_is_known_as_well_before_is_not_determined(arm: Robot) -> No
     """As that of joint 6, which bears nothing, while joint 2 bears all."""
     _, second, *_, last = rows(fitted(arm), "torque_constant")
     assert (second.determined, last.determined) == (True, False)
+
+
+def test_inertia_tells_no_gain(arm: Robot) -> None:
+    """Joint 1 bears no gravity: the inertia of a description is known less well than its masses."""
+    first, *_ = rows(fitted(arm, gains=np.array([1.08, 1, 1, 1, 1, 1])), "torque_constant")
+    assert (first.value, first.determined) == (pytest.approx(1, abs=1e-3), False)
 
 
 def test_friction_without_a_sure_sign_is_not_determined(arm: Robot) -> None:

@@ -47,7 +47,12 @@ from ur5lib.identification.samples import (
     record_paths,
 )
 from ur5lib.identification.selection import with_shown_terms
-from ur5lib.robots.friction import BASE_TERMS, CONSIDERED_TERMS, SPEED_TERMS
+from ur5lib.robots.friction import (
+    BASE_TERMS,
+    CONSIDERED_OF_TORQUES,
+    CONSIDERED_TERMS,
+    SPEED_TERMS,
+)
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -80,7 +85,12 @@ def fit_currents(
 
 def _tried(prior: Prior) -> tuple[str, ...]:
     """Return the terms that a prior has, and those that are tried or considered beside them."""
-    return tuple(dict.fromkeys([*prior.terms, *SPEED_TERMS, *CONSIDERED_TERMS]))
+    return tuple(dict.fromkeys([*prior.terms, *SPEED_TERMS, *_considered(prior)]))
+
+
+def _considered(prior: Prior) -> tuple[str, ...]:
+    """Return the terms that make those of a prior less sure."""
+    return CONSIDERED_OF_TORQUES if prior.measured == TORQUE else CONSIDERED_TERMS
 
 
 def fit_postures(prior: Prior, seed: int = 0) -> CurrentFit:
@@ -100,9 +110,12 @@ def _with_known_where_lost(prior: Prior, fitted: Callable[[Prior], CurrentFit]) 
     lost = beyond_range(fit) if sensed else too_large(fit, prior)
     if not (sensed or lost.any()):
         return fit
-    keeps_known = lost | (sensed & (constants_band(fit) > prior.std()))
+    vague = sensed & (constants_band(fit) > prior.std())
     contradicted_joints, known_constants = fit.joints, 1 / prior.inverse_constant.mean
-    fit = fitted(replace(prior, pinned=tuple(np.flatnonzero(keeps_known).tolist())))
+    fit = fitted(prior.with_pinned(lost | vague))
+    still_vague = sensed & ~vague & (constants_band(fit) > prior.std())
+    if still_vague.any():
+        fit = fitted(prior.with_pinned(lost | vague | still_vague))
     joints = list(fit.joints)
     for joint in np.flatnonzero(lost).tolist():
         coefficients = contradicted_joints[joint].estimate.coefficients
@@ -200,7 +213,7 @@ def _fit_with(
     records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior, seed: int
 ) -> CurrentFit:
     """Return the fit under a prior as it is."""
-    considered = *prior.terms, *CONSIDERED_TERMS
+    considered = *prior.terms, *_considered(prior)
     every = joint_samples(records, smooth, _tried(prior))
     samples, fuller = (
         [own.of(terms, prior.distances) for own in every] for terms in (prior.terms, considered)

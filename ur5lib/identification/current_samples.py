@@ -1,7 +1,7 @@
 """A recording as the fit of its motor currents uses it, and the prior of its torque constants."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.robots.drives import coupled_motors, shaft_matrix
 from ur5lib.robots.friction import FITTED_TERMS
+from ur5lib.robots.statics import gravity_torque
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.segments import by_segment
@@ -40,8 +41,12 @@ def current_record(
 
     None where no currents were recorded.
     """
-    torque = torques.measured[arm.fullest_model()] + torques.payload_torque
-    return measured_samples(name, signals, motion, arm, torque)
+    model = arm.fullest_model()
+    torque = torques.measured[model] + torques.payload_torque
+    samples = measured_samples(name, signals, motion, arm, torque)
+    if samples is None or arm.measured == CURRENT:
+        return samples
+    return replace(samples, inertial=torque - gravity_torque(arm, model, motion.q))
 
 
 def measured_samples(

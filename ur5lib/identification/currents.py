@@ -248,10 +248,11 @@ def unseen_difference(
 def parameters(fit: CurrentFit, measured: Effort = CURRENT) -> list[Parameter]:
     """Return torque constants [Nm/A], offsets [Nm] and friction [Nm, Nm s/rad, ...].
 
-    measured: of torques, gains [Nm/Nm] in place of constants, and friction and rotors are
+    measured: of torques, gains [Nm/Nm] in place of constants, and offsets, friction and rotors are
     determined where their sign is.
     """
-    signed = ["torque_constant", *(coefficient_names([*TERMS]) if measured == TORQUE else ())]
+    friction = ["offset", *coefficient_names([*TERMS])]
+    signed = ["torque_constant", *(friction if measured == TORQUE else ())]
     rows = []
     for joint, model in enumerate(fit.joints, start=1):
         estimate = model.estimate

@@ -11,7 +11,7 @@ from ur5lib.errors import RefusalError
 from ur5lib.identification.at_rest import AtRest
 from ur5lib.identification.regression import Normal
 from ur5lib.robots.friction import FITTED_TERMS, coefficient_names, term_of
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Mask
 
 # Usual standard deviation of a current's independent samples, relative to the largest torque's
 # current: the middle of 0.001 to 0.02 in single recordings of a UR5 and a UR10e. With 0.01, a
@@ -78,6 +78,10 @@ class Prior:
         """Return the prior under which data alone tell the gains of torques."""
         wide = Normal(self.inverse_constant.mean, np.eye(len(self.torque_max)) * WIDE_GAIN_STD**-2)
         return replace(self, inverse_constant=wide)
+
+    def with_pinned(self, joints: Mask) -> "Prior":
+        """Return the prior with the constants of some joints (n,) pinned."""
+        return replace(self, pinned=tuple(np.flatnonzero(joints).tolist()))
 
     def std(self) -> Array:
         """Return the standard deviation (n,) of each joint's 1/k [A/Nm]."""

@@ -60,7 +60,8 @@ class CurrentSamples:
     torque: (N, 6) [Nm], of the rigid-body model at that motion; current: (N, 6) [A]; temperature:
     (N, 6) [°C], of the motors, where it was recorded; shafts: of coupled motors; balanced: joints
     from 0 on which springs or counterbalances act; qdd: (N, 6) [rad/s²], where rotors are fitted,
-    too; day: any label of its date, the same for all where dates are unknown.
+    too; inertial: (N, 6) [Nm], what of the torque is not gravity's, where gains of measured torques
+    are fitted; day: any label of its date, the same for all where dates are unknown.
     """
 
     name: str
@@ -74,6 +75,7 @@ class CurrentSamples:
     shafts: Shafts | None = None
     balanced: Sequence[int] = ()
     qdd: Array | None = None
+    inertial: Array | None = None
     day: str = ""
     # What was low-passed once: fits without each path need the same samples again.
     _thinned: dict[Any, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
@@ -90,8 +92,8 @@ class CurrentSamples:
         direction_over = partial(direction_between, q, qd, self.segment, self.period)
         warmth = 0.0 if self.temperature is None else self.temperature[:, joint] - USUAL_TEMPERATURE
         shaft, is_balanced = self._shaft(joint), joint in self.balanced
-        qdd = 0.0 if self.qdd is None else self.qdd[:, joint]
-        further = warmth, shaft, is_balanced, qdd, direction_over
+        qdd, inertial = (0.0 if v is None else v[:, joint] for v in (self.qdd, self.inertial))
+        further = warmth, shaft, is_balanced, qdd, direction_over, inertial
         return JointMotion(q, qd, torque, direction_over(PRESLIDING_DISTANCE), *further)
 
     def _shaft(self, joint: int) -> ShaftMotion | None:

@@ -1,18 +1,25 @@
 """Errors of predicted currents: baselines, cross-validation, and errors by speed."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby, pairwise
 
 import numpy as np
 
-from ur5lib.identification.joint_regression import MIN_SAMPLES, regress_samples
+from ur5lib.identification.joint_regression import (
+    MIN_SAMPLES,
+    left_out_residuals,
+    regress_samples,
+)
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import CurrentSamples, Smooth, joint_samples
+from ur5lib.identification.selection import MIN_DEVIATIONS, MIN_SHARE, is_less
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import DEAD_ZONE, in_chunks
 
 SPEED_BINS = np.array([0.0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, np.inf])  # rad/s
+ROTOR = "rotor"  # the term of a joint's rotor
+FOLDS = 10  # of paths, or of parts of one, each predicted from the others
 MIN_SHARE_IN_BAND = 0.9  # of the samples of a bin, in the 95 % band
 
 
@@ -120,6 +127,39 @@ def fitted_on_tested_on(records: Sequence[CurrentSamples], smooth: Smooth, prior
             for tested in np.unique(moving.record):
                 table[fitted, tested, joint] = np.sqrt(error[moving.record == tested].mean())
     return table
+
+
+def with_rotors_that_show(
+    records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior
+) -> list[CurrentSamples]:
+    """Return recordings without the accelerations of joints whose rotors do not show.
+
+    A rotor shows where it predicts paths that are left out clearly better, or parts in time where
+    paths are few: sensors behind the gears feel none.
+    """
+    if ROTOR not in prior.terms:
+        return [*records]
+    trial = _unseen_errors(records, smooth, prior)
+    without = [replace(record, qdd=None) for record in records]
+    errors = _unseen_errors(without, smooth, prior)
+    limits, pairs = (MIN_SHARE, MIN_DEVIATIONS), zip(trial.T, errors.T, strict=True)
+    shows = [is_less(*pair, *limits) for pair in pairs]
+    return [
+        replace(record, qdd=np.where(shows, record.qdd, 0.0)) if any(shows) else bare
+        for record, bare in zip(records, without, strict=True)
+    ]
+
+
+def _unseen_errors(records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior) -> Array:
+    """Return Σ r² (F, n) in motion of left-out folds of paths, or of parts of a single path."""
+    errors = np.zeros((FOLDS, len(prior.torque_max)))
+    for joint, samples in enumerate(joint_samples(records, smooth, prior.terms)):
+        moving = samples.where(samples.moving)
+        part = np.arange(len(moving.current)) * FOLDS // max(1, len(moving.current))
+        fold = part if len(np.unique(moving.path)) < FOLDS else moving.path % FOLDS
+        residual = left_out_residuals(replace(moving, path=fold), prior.of_joint(joint))
+        errors[:, joint] = np.bincount(fold, residual**2, FOLDS)
+    return errors
 
 
 def _baseline_columns(torque: Array, qd: Array) -> Array:

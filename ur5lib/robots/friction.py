@@ -17,6 +17,7 @@ from ur5lib.workspace.extensions import additions, failed
 GEAR_EFFICIENCY_STD = 0.03  # relative, of the gears' efficiency between runs and poses
 # With which the largest torque turns a rotor alone, at least: 90 rad/s² on a UR5, 360 on a TX40.
 ROTOR_ACCELERATION = 50.0  # rad/s²
+INERTIA_STD = 0.2  # relative, of the inertias of a description's links
 # Presliding distance: Coulomb torque over it is the stiffness of a gear, 1e4 to 1e5 Nm/rad.
 PRESLIDING_DISTANCE = 1e-4  # rad
 # Over which a part of the friction that holds a joint at rest may reverse: at once, as by noise and
@@ -48,7 +49,8 @@ class JointMotion:
     1, see `friction_direction`; warmth: [K], above USUAL_TEMPERATURE, 0 where it was not recorded;
     shaft: of a coupled motor, with the joint's own motion in it or not; balanced: whether a spring
     or a counterbalance acts on the joint; qdd: [rad/s²], 0 where the link model has the rotor;
-    direction_over: returns the direction of dry friction that reverses over another distance [rad].
+    direction_over: returns the direction of dry friction that reverses over another distance [rad];
+    inertial: what of the torque is not gravity's [Nm], 0 of motor currents.
     """
 
     q: Array
@@ -60,6 +62,7 @@ class JointMotion:
     balanced: bool = False
     qdd: Array | float = 0.0
     direction_over: Callable[[float], Array] = lambda _: np.zeros(1)
+    inertial: Array | float = 0.0
 
 
 @dataclass(frozen=True)
@@ -79,6 +82,8 @@ BASE_TERMS = ("coulomb", "viscous", "load")
 # Terms that are not fitted, but make the others less sure: over a part of a turn, a periodic term
 # looks like an offset, and together with gravity like a torque constant.
 CONSIDERED_TERMS = ("periodic",)
+# The same of measured torques, whose gain gravity tells: inertias are known less well than masses.
+CONSIDERED_OF_TORQUES = (*CONSIDERED_TERMS, "inertia")
 TERMS = {
     "coulomb": Term(lambda motion: [motion.direction]),  # Equation 3.13
     "viscous": Term(lambda motion: [motion.qd]),  # Equation 3.14
@@ -111,10 +116,14 @@ TERMS = {
         lambda motion: [motion.qdd * np.ones_like(motion.qd)],
         expected=lambda torque_max: torque_max / ROTOR_ACCELERATION,
     ),
+    "inertia": Term(
+        lambda motion: [motion.inertial * np.ones_like(motion.qd)],
+        expected=lambda _: INERTIA_STD,
+    ),
     "coupled": Term(lambda motion: _shaft_columns(motion), parts=("coulomb", "viscous", "rotor")),
 }
 SPEED_TERMS = ("velocity_root", "velocity_square")  # kept, or added, by paths left out
-OPTIONAL_TERMS = (*SPEED_TERMS, "coupled", "balance")  # which some arms or joints have
+OPTIONAL_TERMS = (*SPEED_TERMS, "coupled", "balance", "rotor")  # which some arms or joints have
 
 
 def _shaft_columns(motion: JointMotion) -> list[Array]:

@@ -426,8 +426,8 @@ def _missing(joints: list[Any], unknown: str) -> Iterator[str]:
         )
     yield (
         f"a URDF has no gear and no rotor of {', '.join(joint.name for joint in joints)}: "
-        "actual_torque counts as the joints', and rotors are fitted to it; where it is the "
-        "motors', write `effort: motor_torque`, and each `gear_ratio`"
+        "actual_torque counts as the joints', and rotors are fitted where it shows any; where it "
+        "is the motors', write `effort: motor_torque`, and each `gear_ratio`"
     )
     for key, value, unit, setting in (
         ("effort", ASSUMED_TORQUE, "Nm", "torque_max"),

@@ -27,6 +27,7 @@ from ur5lib.identification.validation import (
     explained_share,
     fitted_on_tested_on,
     least_squares_coefficients,
+    with_rotors_that_show,
 )
 from ur5lib.recordings.copies import same_runs
 from ur5lib.records.accepted import ACCEPTED, KINDS
@@ -112,6 +113,7 @@ def fitted_friction(
     """
     if not records:
         return _expected_friction(prior, model, accepted or {})
+    records = with_rotors_that_show(records, smooth, prior)
     fit = fit_currents(records, smooth, prior)
     doubts = accepted_doubts(fit, prior, accepted or {})
     left_out = fit_without_each_path(records, smooth, prior)
