@@ -1,5 +1,7 @@
 """How the job of a step is run: in a warm process, with a log, a benchmark and a sentence."""
 
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -210,6 +212,28 @@ def test_a_job_ends_with_its_run(folder: Path) -> None:
     worker.connection.close()
     assert worker.process.wait(timeout=30) == 0
     assert not Path(f"/proc/{pid.read_text()}").exists()
+
+
+ENDED_WHILE_IT_CHOOSES = """
+import os, signal, threading
+from functools import partial
+from types import SimpleNamespace
+from snakemake.scheduling.job_scheduler import JobScheduler
+from ur5lib.jobs.workers import end_beside_the_schedule
+scheduler = SimpleNamespace(_lock=threading.Lock(), _open_jobs=threading.Semaphore(0))
+signal.signal(signal.SIGTERM, partial(JobScheduler.exit_gracefully, scheduler))
+end_beside_the_schedule()
+with scheduler._lock:  # as while jobs are chosen
+    os.kill(os.getpid(), signal.SIGTERM)
+scheduler._open_jobs.acquire()
+print(scheduler._user_kill)
+"""
+
+
+def test_a_run_that_is_told_to_end_while_it_chooses_its_jobs_ends() -> None:
+    command = [sys.executable, "-c", ENDED_WHILE_IT_CHOOSES]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    assert ended.stdout == "graceful\n"
 
 
 def test_a_recording_that_cannot_be_read_fails_no_job_and_changes_no_other(folder: Path) -> None:

@@ -298,7 +298,6 @@ def end(run: int, random: np.random.Generator) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.flaky(reruns=2)  # on a busy machine, a run that was told to end at its start may hang
 def test_runs_killed_at_random_moments_go_on_to_the_same_results(workflow: Workflow) -> None:
     """Each goes on where the last ended, some results of which were lost."""
     before, random = results(workflow), np.random.default_rng(100)

@@ -129,6 +129,19 @@ def end_idle() -> None:
         IDLE.get().end()
 
 
+def end_beside_the_schedule() -> None:
+    """Have the signal to end (SIGTERM) handled in a thread of its own.
+
+    Snakemake's handler takes the lock of its scheduler, which the thread that it interrupts may
+    hold: a run that was told to end while it chose its jobs waited for itself, for ever.
+    """
+    handler = signal.getsignal(signal.SIGTERM)
+    if callable(handler):
+        signal.signal(
+            signal.SIGTERM, lambda *given: Thread(target=handler, args=given, daemon=True).start()
+        )
+
+
 def names(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return Snakemake's files or settings by name, as plain strings, numbers and lists."""
     return {name: plain(value) for name, value in values.items()}

@@ -9,7 +9,7 @@ from snakemake.exceptions import WorkflowError
 from ur5lib.errors import InputError
 from ur5lib.jobs.code import checksum_of_step, in_library, of_study
 from ur5lib.jobs.unreadable import unreadable
-from ur5lib.jobs.workers import FAILED, run_step
+from ur5lib.jobs.workers import FAILED, end_beside_the_schedule, run_step
 from ur5lib.report.page.document import Picture, contents
 from ur5lib.robots.description import JOINT_SIZES_FILE, robot_path
 from ur5lib.strict import read_yaml
@@ -71,6 +71,7 @@ onstart:
             raise WorkflowError(str(error))
     if workflow.local_exec:
         workflow.scheduler.job_rate_limiter = None
+    end_beside_the_schedule()
 
 
 wildcard_constraints:
