@@ -1,13 +1,14 @@
 """How often right logs of real and simulated arms are stopped, and which faults in them are told.
 
-    python -m benchmarks.false_stops [--folder ../shared] [--quick] [seeds]
+    python -m benchmarks.false_stops [--folder ../shared] [--quick] [--right] [seeds]
 
 Right logs are those of the real arms in a folder of reference data, by the studies of the workflow
 or by entries made here, and drawn ones of simulated arms: Universal Robots, arms of seven joints by
 currents and by torque sensors, and industrial ones with big gears whose links nobody knows. Each is
 checked as recorded, with positions, velocities and efforts alone, as most logs are, and with links
 that are described wrongly. Faults are put into the second, one at a time, where its joints move. A
-stop sign that names another cause, or other joints, counts as told otherwise.
+stop sign that names another cause, or other joints, counts as told otherwise. With --right, right
+logs of simulated arms alone: 75 seeds are 300 logs.
 """
 
 from collections.abc import Iterator
@@ -53,14 +54,17 @@ def main() -> None:
     options = options_of(__doc__)
     options.add_argument("seeds", nargs="?", type=int, default=SEEDS, help="logs of each kind")
     options.add_argument("--folder", type=Path, default=Path("../shared"), help="reference data")
+    options.add_argument("--right", action="store_true", help="right simulated logs alone")
     given = options.parse_args()
     logs = [*simulated_logs(1 if given.quick else given.seeds)]
-    logs += [] if given.quick else [*real_logs(given.folder)]
+    logs += [] if given.quick or given.right else [*real_logs(given.folder)]
     print(f"{len(logs)} right logs")
     right = pd.DataFrame([row for own in logs for row in of_right(own)])
     print(table(right, ["arm", "as"]))
     for _, row in right[right["stop sign"] != ""].iterrows():
         print(f"- {row['log']}, {row['as']}: {row['stop sign']}")
+    if given.right:
+        return
     faulty = pd.DataFrame([row for own in logs for row in of_faults(own)])
     print(table(faulty, ["fault"]))
     for (kind, outcome), rows in faulty[faulty["told"] == 0].groupby(["fault", "outcome"]):

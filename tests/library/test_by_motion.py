@@ -18,6 +18,7 @@ from ur5lib.channels import CURRENT
 from ur5lib.checks.block_means import block_means
 from ur5lib.checks.by_motion import MotionChecks
 from ur5lib.checks.checked import Checked
+from ur5lib.checks.delays import Delays, delayed_currents
 from ur5lib.checks.doubts import DOUBT
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.unchecked import unchecked
@@ -126,6 +127,23 @@ def test_a_current_too_small_for_what_it_holds_is_told(ur5e: Robot) -> None:
     weak = np.array([1.0, 0.7, 1.0, 1.0, 1.0, 1.0])
     (sign,) = signs(spoilt(log(ur5e), [*range(6)], "actual_current", sign=weak))
     assert "gravity's torque on joint 2 is" in sign
+
+
+def test_what_a_ripple_may_lack_is_no_weak_current(ur5e: Robot) -> None:
+    """Where a joint bears little, a current that varies once per turn looks like less gravity."""
+    weak = np.array([1.0, 0.7, 1.0, 1.0, 1.0, 1.0])
+    own = log(ur5e.mounted((0.0, 0.0, -1.2)))
+    assert signs(spoilt(own, [*range(6)], "actual_current", sign=weak)) == []
+
+
+@pytest.mark.parametrize(("before_shorter", "told"), [(2.0, False), (20.0, True)])
+def test_a_delay_is_told_where_a_shorter_one_explains_less(
+    before_shorter: float, told: bool
+) -> None:
+    """Friction that follows a reversal looks like a delay of one step, or of the next."""
+    seconds = 0.02 * np.arange(-2, 3)
+    delays = Delays(seconds, np.array([0.0, 0.0, 70.0, 100.0 - before_shorter, 100.0]))
+    assert bool([*delayed_currents(delays, driven=True, name="actual_current")]) == told
 
 
 def test_another_arm_is_told_unless_a_load_may_explain_it(ur5e: Robot) -> None:

@@ -43,6 +43,8 @@ MAX_LEAD_OF_ANY_LINKS = 0.8
 # times the maker's constant, at the best and the lowest by its errors; in right logs, at most 1.05
 # and 1.00
 MIN_RATIO_OF_WEAK, MIN_LOW_OF_WEAK = 1.18, 1.06
+# A, of what such a current lacks; 0.15 A that vary once per turn look like 0.16 of a UR3e's
+MIN_LACKING_CURRENT = 0.17
 MIN_MOVING_JOINTS = 3  # that tell arms apart
 MIN_BLOCKS = (
     90  # of a log that tells arms, or joints exchanged in all channels; ten stretches of it
@@ -162,10 +164,13 @@ class MotionChecks:
         if not self.arm.has_ur_motors() or not self.arm.tells_gravity():
             return
         shown = torque_constants(self.means, self.arm)
+        held = np.sqrt((self.means.gravity(self.arm) ** 2).mean(axis=0)) / shown.known  # A
         weak = [
             joint
             for joint in shown.ratio.keys() & {*self.moving}
-            if shown.ratio[joint] > MIN_RATIO_OF_WEAK and shown.low[joint] > MIN_LOW_OF_WEAK
+            if shown.ratio[joint] > MIN_RATIO_OF_WEAK
+            and shown.low[joint] > MIN_LOW_OF_WEAK
+            and (1 - 1 / shown.ratio[joint]) * held[joint] > MIN_LACKING_CURRENT
         ]
         declared = self.declared.by_links
         for joint in sorted(weak, key=lambda own: -shown.ratio[own])[:1]:

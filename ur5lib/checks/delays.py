@@ -16,8 +16,9 @@ from ur5lib.timeseries.arrays import Array, Mask
 
 # difference of log-likelihoods; in right recordings of real and drawn arms, at most 12
 MIN_LEAD_OF_DELAY = 20.0
-# likewise of a led arm, before shorter delays; in right ones, at most 1
-MIN_LEAD_OF_DELAY_BY_HAND = 40.0
+# likewise before shorter delays, which friction that follows the reversal looks like, by drives and
+# where a hand leads; in right ones, at most 1
+MIN_LEAD_BEFORE_SHORTER, MIN_LEAD_OF_DELAY_BY_HAND = 8.0, 40.0
 DELAY_STEP, MAX_DELAY = 0.02, 0.4  # s, of the delays that are tried; right recordings show none
 MIN_DELAY = 0.03  # s; a shorter delay changes nothing that is fitted below 2 Hz
 CURRENT_NOISE = 0.02  # A, or Nm of torques; nothing is explained better
@@ -56,7 +57,7 @@ def delayed_currents(delays: Delays, driven: bool, name: str) -> Iterator[Findin
     if not late.any():
         return
     most, shorter = behind[late].min(), behind[~late].min()
-    least = 0.0 if driven else MIN_LEAD_OF_DELAY_BY_HAND
+    least = MIN_LEAD_BEFORE_SHORTER if driven else MIN_LEAD_OF_DELAY_BY_HAND
     if most < -MIN_LEAD_OF_DELAY and shorter - most > least:
         delay = float(delays.seconds[late][np.argmin(behind[late])])
         code = "late current" if delay > 0 else "early current"
