@@ -145,7 +145,7 @@ def with_rotors_that_show(
     limits, pairs = (MIN_SHARE, MIN_DEVIATIONS), zip(trial.T, errors.T, strict=True)
     shows = [is_less(*pair, *limits) for pair in pairs]
     return [
-        replace(record, qdd=np.where(shows, record.qdd, 0.0)) if any(shows) else bare
+        replace(record, qdd=record.qdd * shows) if any(shows) and record.qdd is not None else bare
         for record, bare in zip(records, without, strict=True)
     ]
 
