@@ -149,6 +149,8 @@ def test_the_table_has_each_joint_and_push(tmp_path: Path) -> None:
     assert (along["std_error"] > 0).all()
     assert along["samples"].sum() == len(trials.force)
     assert len(observability_figure(table, 0.9, MAX_TRIAL_FORCE).data) == 6 + 6 * 9
+    left, _ = observability_figure(table, 0.9, MAX_TRIAL_FORCE).figure.axes
+    assert len(left.containers) == 6  # with intervals; none is beyond
     shares = table[table["quantity"] == "friction_in_band"]
     for pushed in (pushes[:0], pushes[:1].assign(speed_high=np.nan)):
         drawing = observability_figure(pd.concat([pushed, shares]), 0.9, MAX_TRIAL_FORCE)

@@ -132,7 +132,7 @@ def _pushes(axis: Axes, rows: pd.DataFrame, most: float) -> None:
     for row in rows.itertuples():
         along = "xyz".index(row.quantity[-1])
         place, style = speeds.index(row.speed_low) + AXIS_STEP * (along - 1), JOINT_COLOURS[along]
-        if row.bound:
+        if row.bound == ">":
             arrow = {"arrowstyle": "->", "color": style}
             axis.annotate("", (place, 1.1 * most), (place, 0.95 * most), arrowprops=arrow)
         else:
@@ -141,7 +141,7 @@ def _pushes(axis: Axes, rows: pd.DataFrame, most: float) -> None:
         axis.text(place, 0.02 * most, row.quantity[-1], ha="center", color=style)
     words = [f"{SPEEDS[low]}\n≥ {low:g}" for low in speeds]
     axis.set_xticks(range(len(speeds)), words)
-    axis.set(xlabel="speed of the flange [m/s]", ylabel="smallest push [N]")
+    axis.set(xlabel="speed of the flange [m/s]", ylabel="minimum detectable force [N]")
     axis.set(xlim=(-0.5, len(speeds) - 0.5), ylim=(0, 1.12 * most))
 
 

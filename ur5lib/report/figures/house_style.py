@@ -55,6 +55,7 @@ class Style:
 LINE_STYLES = {
     "pale": Style(("#C4C4C4",), width=0.7),  # what is not judged
     "measured": Style(("#000000",), width=1.1),
+    "leading": Style(("#009E73",), width=1.2),
     "first": Style(("#0072B2",), (5, 1.2)),
     "second": Style(("#D55E00",), (1.2, 1)),
     "third": Style(("#009E73",), (4, 1, 1, 1)),

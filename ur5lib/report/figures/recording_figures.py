@@ -38,7 +38,7 @@ OptionalLines = Mapping[
 StyledLines = dict[str, tuple[Array, str]]
 TimedTable = Signals | Accelerations | Forces | SensorWrenches
 ESTIMATE_STYLES = (
-    "third",
+    "leading",
     "first",
     "second",
     "fourth",

@@ -141,7 +141,8 @@ def _draw_panel(
     if band:
         axis.fill_between(traces.time, band[0][:, i], band[1][:, i], **BAND_STYLE)
     for values, style in series.values():
-        axis.add_line(LINE_STYLES[style].line(i, traces.time, values[:, i]))
+        line = axis.add_line(LINE_STYLES[style].line(i, traces.time, values[:, i]))
+        line.set_zorder(line.get_zorder() + (style == "leading"))
     axis.autoscale_view()
     low, high = axis.get_ylim()
     missing = MIN_PANEL_SPAN - (high - low)
