@@ -3,6 +3,7 @@
 
 const HEIGHT = 170, LOWEST = 96, TITLE = 24; // pixels of a plot, with its times, and of its title
 const ESTIMATE = "#009e73"; // of the leading estimate; its band is translucent
+const UNFILTERED = "unfiltered"; // in the label of the line behind all others
 const FONT = "12px 'Source Sans 3', 'Segoe UI', Helvetica, Arial, sans-serif";
 
 class Panel {
@@ -14,6 +15,7 @@ class Panel {
     this.lines = data.lines.map(({ colours, dashes }) => ({ colour: colours[i] ?? colours[0], dashes }));
     this.readings = this.lines.map(() => make("span"));
     const read = this.lines.map((line, k) => make("span", {}, swatch(line), " ", this.readings[k]));
+    data.lines.forEach(({ label }, k) => label.endsWith(UNFILTERED) && (read[k].style.order = 1)); // where there is room
     this.element = make("div", { className: "panel" }, make("p", {}, make("b", {}, this.name), ...read));
     const table = [data.times, ...this.columns.map((column) => values(column, null))];
     this.plot = new uPlot(this.options(data.band), table, this.element);
@@ -79,7 +81,7 @@ const UNBOUND = Object.fromEntries(
 // A short piece of a line, as the plots draw it.
 function swatch({ colour, dashes }) {
   const drawing = make("span", { className: "swatch" });
-  drawing.innerHTML = `<svg width="26" height="6" aria-hidden="true"><path d="M0 3H26" stroke="${colour}" ` +
+  drawing.innerHTML = `<svg width="20" height="6" aria-hidden="true"><path d="M0 3H20" stroke="${colour}" ` +
     `stroke-width="2" stroke-dasharray="${dashes.map((dash) => 2 * dash).join(" ")}"/></svg>`;
   return drawing;
 }
