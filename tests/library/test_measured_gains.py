@@ -22,7 +22,7 @@ from ur5lib.timeseries.lowpass import Butterworth
 
 ROTORS = np.array([6.0, 6.0, 3.0, 0.8, 0.8, 0.8])  # kg m²
 GEAR = 100.0
-NAMES = [f"run {seed}" for seed in range(5)]
+NAMES = [f"run {seed}" for seed in range(6)]
 PREMISES = Premises(Carried(None, "none", None), Contradictions())
 
 
