@@ -23,6 +23,10 @@ from ur5lib.force.residual_model import (
     few_paths,
     fit_residual_model,
 )
+from ur5lib.identification.current_regression import expected_fit
+from ur5lib.identification.current_samples import prior_of
+from ur5lib.robots.description import Robot
+from ur5lib.steps.fit_residuals import usual_model
 from ur5lib.tables import read_record, write_json
 from ur5lib.timeseries.segments import unbroken
 
@@ -298,3 +302,12 @@ def test_a_model_survives_json(tmp_path: Path) -> None:
     assert again.tau_causal is None
     for name, value in vars(model.of_few_paths(2)).items():
         np.testing.assert_array_equal(getattr(again.tau_ext, name), value)
+
+
+def test_usual_residuals_of_a_fit_with_further_terms_are_those_of_its_base(ur5: Robot) -> None:
+    """The doubt of a root of velocity, of one recording along one path, stopped the study."""
+    fit = expected_fit(prior_of(ur5, []))
+    assert all(own.doubt is not None for own in fit.joints)
+    further = [replace(own, doubt=np.pad(own.doubt, (0, 1))) for own in fit.joints]
+    wider = usual_model(replace(fit, joints=tuple(further)), 2.0)
+    np.testing.assert_allclose(wider.spread, usual_model(fit, 2.0).spread)

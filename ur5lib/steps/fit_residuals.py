@@ -102,7 +102,10 @@ def usual_model(fit: CurrentFit, cutoff: float) -> ResidualModel:
     load = LOADED * coulomb  # Nm
     ones = np.ones_like(load)
     columns = np.stack([load, ones, ones, USUAL_SPEED * ones, load], axis=1)  # of BASE
-    doubts = np.stack([np.zeros((5, 5)) if own.doubt is None else own.doubt for own in fit.joints])
+    base = slice(columns.shape[1])
+    doubts = np.stack(
+        [np.zeros((5, 5)) if own.doubt is None else own.doubt[base, base] for own in fit.joints]
+    )
     doubted = constant * np.sqrt(np.einsum("jp,jpq,jq->j", columns, doubts, columns))
     spread = np.hypot(doubted, USUAL[:, None] * coulomb)
     return ResidualModel(
