@@ -93,11 +93,11 @@ def _data_uri(path: str) -> Markup:
 
 def _compact(svg: str) -> str:
     """Return an SVG of matplotlib's without what nobody sees: metadata, names that nothing refers
-    to, spaces, and digits beyond a hundredth of a point.
+    to, spaces, and digits beyond a tenth of a point.
     """
     used = {*re.findall(r"#([\w-]+)", svg)}
     svg = re.sub(r"<metadata>.*?</metadata>|<!--.*?-->", "", svg)
     svg = re.sub(r' id="([^"]*)"', lambda found: found[0] if found[1] in used else "", svg)
-    svg = re.sub(r"\d{2,}\.\d{3,}", lambda found: f"{float(found[0]):.2f}", svg)
+    svg = re.sub(r"\d{2,}\.\d{3,}", lambda found: f"{float(found[0]):.1f}", svg)
     svg = re.sub(r"(?<=[:;>]) +| (?=[MLQCz] )", "", svg)
     return svg.replace('"', "'").replace("xlink:href", "href")
