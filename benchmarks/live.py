@@ -31,7 +31,6 @@ from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.strict import read_yaml
 from ur5lib.study.model import CurrentLowpass
-from ur5lib.timeseries.arrays import Array
 
 FALSE_PER_MIN = 1.0
 LONG = 40.0  # s, of a long run
@@ -123,31 +122,35 @@ def on_date(
             found = follow({**own.arm, **known}, own.measured)
             row = {"date": date, "recording": own.name, "alarms": len(found.alarms())}
             row |= {"minutes": len(own.q) * own.period / 60, "known": found.known()}
-            row |= held_push(own, known, found.wrench) | dict(zip(*drawn(own, known), strict=True))
+            row |= held_push(own, known) | dict(zip(*drawn(own, known), strict=True))
             print(row, flush=True)
             yield row
 
 
-def held_push(run: Run, known: dict[str, Any], free: Array) -> dict[str, float]:
-    """How much of a push of 10 N is left after 10 s, and just after its release, of what its first
-    half second shows; median over the axes.
+def held_push(run: Run, known: dict[str, Any]) -> dict[str, float]:
+    """How much of a push of 10 N the slow state leaves after 10 s, and what it adds just after the
+    release: beside an estimator without it, median over the axes.
     """
     first, seconds = round(len(run.q) * run.period / 3), np.arange(len(run.q)) * run.period
     if seconds[-1] < first + LASTS + 1:
         return {}
+    inside = (seconds >= first) & (seconds < first + LASTS)
+    frozen = {**known, "constants": known["constants"] | {"slow": 1e12}}
     shown = []
     for axis in range(3):
-        push = HELD * run.jacobian[:, axis]
-        push[(seconds < first) | (seconds >= first + LASTS)] = 0.0
-        pushed = run.pushed(push).measured
-        assert pushed is not None
-        change = (follow({**run.arm, **known}, pushed).wrench - free)[:, axis]
-        spans = ((0.2, 0.7), (LASTS - 0.5, LASTS), (LASTS + 0.2, LASTS + 0.7))
-        shown.append(
-            [np.nanmean(change[(seconds >= first + a) & (seconds < first + b)]) for a, b in spans]
+        pushed = run.pushed(np.nan_to_num(HELD * run.jacobian[:, axis] * inside[:, None])).measured
+        both = [
+            follow({**run.arm, **own}, pushed).wrench[:, axis]
+            - follow({**run.arm, **own}, run.measured).wrench[:, axis]
+            for own in (known, frozen)
+        ]
+        held, gone = (
+            [one[(seconds >= first + a) & (seconds < first + b)].mean() for one in both]
+            for a, b in ((LASTS - 0.5, LASTS), (LASTS + 0.2, LASTS + 0.7))
         )
-    early, late, gone = np.median(shown, axis=0)
-    return {"held": late / early, "left": gone / early}
+        shown.append([held[0] / held[1], gone[0] / held[1]])
+    stays, left = np.median(shown, axis=0)
+    return {"held": stays, "left": left}
 
 
 def drawn(run: Run, known: dict[str, Any]) -> tuple[list[str], list[float]]:

@@ -96,7 +96,7 @@ def samples(seconds: float, moving: bool, wrench: Any = None, noise: float = 0.1
     rubs = coulomb * z + viscous * qd + root * np.sqrt(np.abs(qd)) * np.sign(qd)
     rubs += HELD * z * (1 - np.abs(np.tanh(qd / SLOW))) + by_load * z * np.abs(load)
     motor = load + rubs + OFFSET + noise * random.normal(size=q.shape)
-    return Measured(time, segment, PERIOD, q, qd, motor / CONSTANT)
+    return Measured(time, PERIOD, q, qd, motor / CONSTANT)
 
 
 def push(start: float, end: float, *force: float) -> Any:

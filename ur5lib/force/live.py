@@ -24,8 +24,8 @@ Array = NDArray[np.float64]
 Posterior = tuple[Array, Array, Array]
 STATES = ("moving", "reversing", "settling", "resting", "still")  # of a joint
 MOVING, REVERSING, SETTLING, RESTING, STILL = range(5)
-TERMS = {"coulomb", "viscous", "load", "velocity_root", "velocity_square"}  # of friction
-TERMS |= {"periodic_sin", "periodic_cos", "balance_sin", "balance_cos"}
+TERMS = ["coulomb", "viscous", "velocity_root", "velocity_square", "periodic_sin", "periodic_cos"]
+TERMS += ["balance_sin", "balance_cos", "load"]  # of friction
 FREE, CONTACT, UNKNOWN = "free", "contact", "unknown"
 NEXT, LAST = [1, 2, 0], [2, 0, 1]  # a × b = a[NEXT] b[LAST] - a[LAST] b[NEXT]
 
@@ -59,33 +59,30 @@ class Live:
 
     def __init__(self, arm: Mapping[str, Any]) -> None:
         """Take what `ur5 export --to live` wrote."""
-        names = ("rotation", "position", "mass", "center_of_mass", "inertia")
+        names = ["rotation", "position", "mass", "center_of_mass", "inertia"]
         turns, tails, self.mass, self.center, self.inertia = (
             np.array([link[name] for link in arm["links"]], float) for name in names
         )
         self.tail = np.tile(np.eye(4), (len(self.mass), 1, 1))
         self.tail[:, :3, :3], self.tail[:, :3, 3] = turns, tails
         self.weight = self.mass[:, None] * np.array(arm["gravity"], float)
-        names = ("rotor_inertia", "torque_constant", "offset", "breakaway", "speed", "current")
+        names = ["rotor_inertia", "torque_constant", "offset", "breakaway", "speed", "current"]
         self.rotor, self.constant, self.offset, self.breakaway, self.fastest, self.strongest = (
             np.array(arm[name], float) for name in names
         )
-        friction = arm["friction"]
-        self.terms = {name: np.array(values, float) for name, values in friction["terms"].items()}
-        self.held = np.array([one["held"] for one in friction["presliding"]], float)
+        rubs, parts = arm["friction"], arm["friction"]["presliding"]
+        self.terms = {name: np.array(values, float) for name, values in rubs["terms"].items()}
+        self.held = np.array([one["held"] for one in parts], float)
         self.distance, self.share = (
-            np.array([[one[name]] for one in friction["presliding"]], float)
-            for name in ("distance", "share")
+            np.array([[one[name]] for one in parts], float) for name in ("distance", "share")
         )
         self.noise, self.hidden, self.absorbed = (
             np.array([arm["noise"][name][state] for state in STATES], float)
             for name in ("std", "hidden", "absorbed")
         )
         self.threshold, self.set = float(arm["threshold"]["log_odds"]), dict(arm["constants"])
-        self.sizes, self.quiet = (
-            np.outer(self.set[name], [1, 1, 1, *[self.set["lever"]] * 3])
-            for name in ("sizes", "quiet")
-        )
+        axes = [1, 1, 1, *[self.set["lever"]] * 3]
+        self.sizes, self.quiet = (np.outer(self.set[name], axes) for name in ("sizes", "quiet"))
         self.restart()
 
     @classmethod
@@ -102,9 +99,8 @@ class Live:
         self.direction = np.zeros((len(self.share), n))
         # seconds: for which each joint is slow, since it was, and of the whole arm's rest
         self.slow_for, self.slow_ago, self.rested = np.zeros(n), np.full(n, np.inf), 0.0
-        self.state = np.zeros(n, np.int64)
-        self.evidence, self.above, self.quiet_for = 0.0, 0.0, 0.0
-        self.touched, self.missed = False, 0
+        self.evidence = self.above = self.quiet_for = 0.0
+        self.touched, self.missed, self.state = False, 0, np.zeros(n, np.int64)
         self.answer = Answer(np.zeros(6), self.sizes.max(axis=0), UNKNOWN)
 
     def step(self, time: float, q: Any, qd: Any, current: Any) -> Answer:
@@ -118,13 +114,11 @@ class Live:
             usable = self._usable(float(time), *values)
         except (TypeError, ValueError, OverflowError):
             usable = False
+        self.missed = 0 if usable else self.missed + 1
         if usable:
-            self.missed = 0
             self._take(float(time), values[0], None if qd is None else values[2], values[1])
-        else:
-            self.missed += 1
-            if self.missed * self.set["period"] > self.set["max_gap"]:
-                self.restart()
+        elif self.missed * self.set["period"] > self.set["max_gap"]:
+            self.restart()
         return self.answer
 
     def _usable(self, time: float, q: Array, current: Array, qd: Array) -> bool:
@@ -179,29 +173,17 @@ class Live:
     def _gears(self, current: Array) -> tuple[Array, Array]:
         """Return the torque l that the gears pass on to the links, and their friction (n,) [Nm]."""
         q, qd = self.q, self.qd
-        z = (self.share * self.direction).sum(axis=0)
-        root, square, sin, cos = (
-            np.sqrt(np.abs(qd)) * np.sign(qd),
-            np.abs(qd) * qd,
-            np.sin(q),
-            np.cos(q),
-        )
-        columns = {"coulomb": z, "viscous": qd, "velocity_root": root, "velocity_square": square}
-        columns |= {
-            "periodic_sin": sin,
-            "periodic_cos": cos,
-            "balance_sin": sin,
-            "balance_cos": cos,
-        }
-        friction = (self.held * self.direction).sum(axis=0) * (
-            1 - np.abs(np.tanh(qd / self.set["dead_zone"]))
-        )
-        for name in self.terms.keys() - {"load"}:
-            friction = friction + self.terms[name] * columns[name]
+        z, sin, cos = (self.share * self.direction).sum(axis=0), np.sin(q), np.cos(q)
+        root, square = np.sqrt(np.abs(qd)) * np.sign(qd), np.abs(qd) * qd
+        held = (self.held * self.direction).sum(axis=0)
+        friction = held * (1 - np.abs(np.tanh(qd / self.set["dead_zone"])))
+        columns = z, qd, root, square, sin, cos, sin, cos  # of TERMS, but for load
+        for name, column in zip(TERMS, columns, strict=False):
+            if name in self.terms:
+                friction = friction + self.terms[name] * column
         # k i = b + f + l + c z |l|
         motor = self.constant * current - self.offset
-        loss = self.terms["load"] * z * np.sign(motor - friction)
-        load = (motor - friction) / (1 + loss)
+        load = (motor - friction) / (1 + self.terms["load"] * z * np.sign(motor - friction))
         return load, motor - load
 
     def sweep(self, q: Array, qd: Array) -> Sweep:
@@ -254,15 +236,14 @@ class Live:
         variance = (self.noise[own] * unseen**2) ** 2
         # a free arm: its noise, and now and then a wider one
         free, wide = (
-            self._posterior(self.torque, jacobian, factor**2 * variance, self.quiet)[0][0]
+            self._by_size(self.torque, jacobian, factor**2 * variance, self.quiet)[0][0]
             for factor in (1.0, self.set["wide"])
         )
-        rare = self.set["rare"]
-        free = np.logaddexp(np.log(1 - rare) + free, np.log(rare) + wide)
+        free = np.logaddexp(np.log(1 - self.set["rare"]) + free, np.log(self.set["rare"]) + wide)
         # of a contact at rest, dry friction takes a part
         carried = self.torque + self.absorbed[own] * np.tanh(self.torque / self.breakaway)
         variance += self.hidden[own] ** 2
-        touched, mean, spread = self._posterior(carried, jacobian, variance, self.sizes)
+        touched, mean, spread = self._by_size(carried, jacobian, variance, self.sizes)
         weight = np.exp(touched - touched.max())
         self.evidence = float(touched.max() + np.log(weight.mean()) - free)
         weight *= self.sizes[:, 0] >= self.set["typical"]
@@ -271,9 +252,7 @@ class Live:
         std = np.sqrt(np.maximum(square - wrench**2, 0.0))
         self.answer = Answer(wrench, std, self._contact(bool((unseen > 1).any())))
 
-    def _posterior(
-        self, torque: Array, jacobian: Array, variance: Array, sizes: Array
-    ) -> Posterior:
+    def _by_size(self, torque: Array, jacobian: Array, variance: Array, sizes: Array) -> Posterior:
         """Return log-density of the torque, and mean and variance of the wrench, by its size.
 
         F = (P⁻¹ + Λ)⁻¹ J S⁻¹ τ, Λ = J S⁻¹ Jᵀ. variance: diagonal of S, (n,) [Nm²]; sizes: (K, 6).
@@ -286,7 +265,7 @@ class Live:
         mean = covariance @ told
         misfit = (torque**2 / variance + np.log(variance)).sum() - mean @ told
         misfit = misfit + np.log(np.linalg.det(information)) + 2 * np.log(sizes).sum(axis=1)
-        return -misfit / 2, mean, covariance[:, diagonal, diagonal]
+        return -misfit / 2, mean, np.asarray(covariance[:, diagonal, diagonal], float)
 
     def _contact(self, doubtful: bool) -> str:
         """Return whether there is a contact: evidence above the threshold for a while."""
@@ -307,8 +286,7 @@ class Live:
         share = self.passed / self.set["slow"]
         error = np.where(self.state == MOVING, share * self.torque, 0.0)
         self.drift = self.drift + error
-        usual = self.friction**2 + self.breakaway**2
-        self.scale = self.scale + error * self.friction / usual
+        self.scale = self.scale + error * self.friction / (self.friction**2 + self.breakaway**2)
         # at rest: the mean of what settles, then a slow one
         if self.state.min() >= SETTLING and self.state.max() != RESTING:
             self.rested += self.passed

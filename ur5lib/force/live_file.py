@@ -1,6 +1,6 @@
 """What `force/live.py` knows of an arm: its numbers, and the noise of runs without contact."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -20,8 +20,8 @@ from ur5lib.robots.friction import (
     ROOT_LINE,
     coefficient_names,
 )
-from ur5lib.robots.inertia import link_tail, rigid_bodies
-from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.robots.inertia import RigidBodies, link_tail, rigid_bodies
+from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import DEAD_ZONE
 from ur5lib.timeseries.trajectories import REST_SPEED
 
@@ -54,6 +54,7 @@ CONSTANTS: dict[str, Any] = {  # chosen on dates and pushes left out, docs/metho
 MIN_LOG_ODDS = 1.5  # of a contact, likewise
 LEARNING_STEP = 0.008  # s
 LONGEST = 300.0  # s of each recording from which noise is learnt
+MIN_BREAKAWAY = 0.1  # Nm
 MIN_SPEED = 0.1  # rad/s, that counts as seen
 BANDWIDTH = CONSTANTS["gain"] / (2 * np.pi)  # Hz
 
@@ -62,7 +63,6 @@ class Measured(NamedTuple):
     """What a controller states: time (N,) [s], q, qd, current (N, n); qd None where it does not."""
 
     time: Array
-    segment: Labels
     period: float
     q: Array
     qd: Array | None
@@ -73,24 +73,18 @@ class Measured(NamedTuple):
         """Return a recording, None without positions or efforts."""
         if signals.actual_q is None or signals.effort is None:
             return None
-        return cls(
-            signals.time,
-            signals.segment,
-            signals.period,
-            signals.actual_q,
-            signals.actual_qd,
-            signals.effort,
-        )
+        sampled = signals.actual_q, signals.actual_qd, signals.effort
+        return cls(signals.time, signals.period, *sampled)
 
     def at(self, rows: slice) -> Self:
         """Return some samples."""
-        columns = self.time, self.segment, self.q, self.qd, self.current
-        time, segment, q, qd, current = (v if v is None else v[rows] for v in columns)
-        return type(self)(time, segment, self.period * (rows.step or 1), q, qd, current)
+        qd, period = self.qd, self.period * (rows.step or 1)
+        some_qd = None if qd is None else qd[rows]
+        return type(self)(self.time[rows], period, self.q[rows], some_qd, self.current[rows])
 
-    def pushed(self, torque: Array) -> Self:
-        """Return the same motion with other currents: less by a torque (N, n) [A]."""
-        return self._replace(current=self.current - torque)
+    def pushed(self, less: Array) -> Self:
+        """Return the same motion with less current (N, n) [A]."""
+        return self._replace(current=self.current - less)
 
 
 class Followed(NamedTuple):
@@ -123,78 +117,79 @@ def numbers(
     robot: as mounted; recording: whose path the friction's fit left out, "" for that of all. Raises
     InputError where the friction has a term that is not that of a joint of its own.
     """
-    arm, fit = robot.carrying(payload), friction.fit_for(recording)
-    bodies, joints = rigid_bodies(arm, arm.fullest_model()), fit.joints
+    arm, joints = robot.carrying(payload), friction.fit_for(recording).joints
     constant = 1 / np.array([joint.estimate.coefficients[0] for joint in joints])
-    terms = friction_terms(friction, recording, constant, robot)
-    rotor = bodies.rotor_inertia + terms.pop("rotor", 0.0)
     offset = constant * [joint.estimate.coefficients[1] for joint in joints]
-    held = constant[:, None] * [joint.held for joint in joints]
-    breakaway = np.maximum(terms["coulomb"], 0.1).tolist()
-    root = terms.get("velocity_root", 0.0)
-    for name, part in zip(("coulomb", "viscous"), ROOT_LINE, strict=True):
-        terms[name] = terms[name] - part * root
-    links = []
-    for k, pose in enumerate(arm.link_poses()):
-        rotation, position = link_tail(pose)
-        links.append(
-            {
-                "rotation": rotation.tolist(),
-                "position": position.tolist(),
-                "mass": float(bodies.mass[k]),
-                "center_of_mass": (position + rotation @ bodies.center_of_mass[k]).tolist(),
-                "inertia": (rotation @ bodies.inertia[k] @ rotation.T).tolist(),
-            }
-        )
-    return {
-        "links": links,
-        "gravity": [*arm.gravity],
-        "rotor_inertia": rotor.tolist(),
-        "torque_constant": constant.tolist(),
-        "offset": offset.tolist(),
-        "breakaway": breakaway,
-        "current": (np.array(arm.torque_limits()) / constant).tolist(),
-        "friction": {
-            "terms": {name: value.tolist() for name, value in terms.items()},
-            "presliding": presliding(held, joints[0].distances),
-        },
-    }
-
-
-def friction_terms(
-    friction: Friction, recording: str, constant: Array, robot: Robot
-) -> dict[str, Array]:
-    """Return the coefficients (n,) [Nm, ...] of friction and rotors; raises as `numbers`."""
-    joints = friction.fit_for(recording).joints
-    terms = {name: np.zeros(len(joints)) for name in BASE_TERMS}
-    for k, joint in enumerate(joints):
-        values = joint.estimate.coefficients[2:] * constant[k]
-        for name, value in zip(coefficient_names(joint.terms), values, strict=True):
-            terms.setdefault(name, np.zeros(len(joints)))[k] = value
-    for k in range(len(joints)):
-        for name in ("balance_sin", "balance_cos"):
-            if name in terms and k + 1 not in robot.balanced_joints:
-                terms[name][k] = 0.0
-    if unknown := sorted(terms.keys() - TERMS - {"rotor"}):
+    terms = _friction_terms(robot, friction, recording)
+    bodies = rigid_bodies(arm, arm.fullest_model())
+    rotor = bodies.rotor_inertia + terms.pop("rotor", 0.0)
+    if unknown := sorted(terms.keys() - {*TERMS}):
         raise InputError(
             f"the friction term {unknown[0]} of {robot.name} is unknown to the live estimator; fit "
             "the study without it"
         )
+    breakaway = np.maximum(terms["coulomb"], MIN_BREAKAWAY)
+    for name, part in zip(("coulomb", "viscous"), ROOT_LINE, strict=True):
+        terms[name] = terms[name] - part * terms.get("velocity_root", 0.0)  # fitted less its line
+    coefficients = {name: values.tolist() for name, values in terms.items()}
+    return {
+        "links": [*_links(arm, bodies)],
+        "gravity": [*arm.gravity],
+        "rotor_inertia": rotor.tolist(),
+        "torque_constant": constant.tolist(),
+        "offset": offset.tolist(),
+        "breakaway": breakaway.tolist(),
+        "current": (np.array(arm.torque_limits()) / constant).tolist(),
+        "friction": {"terms": coefficients, "presliding": _presliding(friction, recording)},
+    }
+
+
+def _friction_terms(robot: Robot, friction: Friction, recording: str) -> dict[str, Array]:
+    """Return the coefficients (n,) [Nm, ...] of friction by name, 0 of joints without the term."""
+    joints = friction.fit_for(recording).joints
+    terms = {name: np.zeros(len(joints)) for name in BASE_TERMS}
+    for k, joint in enumerate(joints):
+        constant, _, *values = joint.estimate.coefficients.tolist()
+        for name, value in zip(coefficient_names(joint.terms), values, strict=True):
+            if not name.startswith("balance_") or k + 1 in robot.balanced_joints:
+                terms.setdefault(name, np.zeros(len(joints)))[k] = value / constant
     return terms
 
 
-def presliding(held: Array, others: Sequence[float]) -> list[dict[str, Any]]:
-    """Return distances [rad] over which friction reverses, each with its share of dry friction and
-    what it holds at rest beyond that in motion (n,) [Nm].
+def _presliding(friction: Friction, recording: str) -> list[dict[str, Any]]:
+    """Return the distances [rad] over which friction reverses: the share of dry friction in motion
+    that does, and of each joint the friction at rest beyond it, held (n,) [Nm].
 
-    held: (n, 1 + D) [Nm], of the usual direction, and of how others differ from it.
+    h z + Σ h_d (z_d - z) = (h - Σ h_d) z + Σ h_d z_d, see `held_columns`.
     """
-    usual = held[:, 0] - held[:, 1:].sum(axis=1)
-    parts = zip((PRESLIDING_DISTANCE, *others), (usual, *held[:, 1:].T), strict=True)
+    joints = friction.fit_for(recording).joints
+    held = {PRESLIDING_DISTANCE: np.zeros(len(joints))}
+    for k, joint in enumerate(joints):
+        own, *others = (joint.held / joint.estimate.coefficients[0]).tolist()
+        held[PRESLIDING_DISTANCE][k] = own - sum(others)
+        for distance, value in zip(joint.distances, others, strict=True):
+            held.setdefault(distance, np.zeros(len(joints)))[k] += value
     return [
-        {"distance": distance, "share": float(not place), "held": own.tolist()}
-        for place, (distance, own) in enumerate(parts)
+        {
+            "distance": distance,
+            "share": float(distance == PRESLIDING_DISTANCE),
+            "held": own.tolist(),
+        }
+        for distance, own in held.items()
     ]
+
+
+def _links(arm: Robot, bodies: RigidBodies) -> Iterator[dict[str, Any]]:
+    """Yield each link in the axes of its joint, with the way to the next."""
+    for k, pose in enumerate(arm.link_poses()):
+        rotation, position = link_tail(pose)
+        yield {
+            "rotation": rotation.tolist(),
+            "position": position.tolist(),
+            "mass": float(bodies.mass[k]),
+            "center_of_mass": (position + rotation @ bodies.center_of_mass[k]).tolist(),
+            "inertia": (rotation @ bodies.inertia[k] @ rotation.T).tolist(),
+        }
 
 
 def follow(arm: Mapping[str, Any], run: Measured) -> Followed:

@@ -69,8 +69,9 @@ class Run:
         sampled = {name: getattr(self, name) for name in names}
         parts = {name: values[rows] for name, values in sampled.items() if values is not None}
         measured = self.measured and self.measured.at(rows)
-        others = {"gears": self.gears.at(rows), "measured": measured}
-        return replace(self, **parts, **others, ready={}, sensor=None)
+        return replace(
+            self, **parts, gears=self.gears.at(rows), measured=measured, ready={}, sensor=None
+        )
 
     def pushed(self, torque: Array) -> Self:
         """Return the same motion under an additional external torque (N, 6) [Nm].
