@@ -27,7 +27,7 @@ from ur5lib.timeseries.trajectories import REST_SPEED
 
 PRIOR = ContactPrior()
 CONSTANTS: dict[str, Any] = {  # chosen on dates and pushes left out, docs/methods.md#live
-    "gain": 30.0,  # 1/s, of the observer
+    "gain": 35.0,  # 1/s, of the observer
     "lever": PRIOR.lever,  # m
     "sizes": [5.0, 15.0, 45.0, 135.0],  # N, of contacts
     "typical": PRIOR.force,  # N, from which on sizes count for the wrench
@@ -51,7 +51,7 @@ CONSTANTS: dict[str, Any] = {  # chosen on dates and pushes left out, docs/metho
     "acceleration": 20.0,  # rad/s² and rad, standard deviations of the filter of positions
     "encoder": 5e-5,
 }
-MIN_LOG_ODDS = 1.5  # of a contact, likewise
+MIN_LOG_ODDS = 1.6  # of a contact, likewise
 LEARNING_STEP = 0.008  # s
 LONGEST = 300.0  # s of each recording from which noise is learnt
 MIN_BREAKAWAY = 0.1  # Nm
