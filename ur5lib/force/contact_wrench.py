@@ -85,34 +85,24 @@ class ContactWrench(NamedTuple):
 
 
 def contact_wrench(
-    torque: Array,
-    jacobian: Array,
-    noise: Array,
-    worth: float,
-    prior: ContactPrior,
-    size: Array | None = None,
+    torque: Array, jacobian: Array, noise: Array, worth: float, prior: ContactPrior
 ) -> ContactWrench:
     """Estimate F̂ᵐᵃᵖ of one contact and its variance.
 
     torque: Jᵀ F, of the contact alone, (n, m) [Nm] of m joints, rows of NaN where unknown: there
     the wrench is zero with the prior's variance; jacobian: (n, 6, m); noise: S (n, m, m) [Nm²];
-    worth: independent values per sample, at most 1; size: P (6, 6), the prior covariance of the
-    wrench, None to learn it.
+    worth: independent values per sample, at most 1.
     """
-    if size is None:
-        size = learned_size(torque, jacobian, noise, worth, prior)
+    size = learned_size(torque, jacobian, noise, worth, prior)
     # F = P J (Jᵀ P J + S)⁻¹ τ
     estimate = regularised_wrench(torque, jacobian, noise, size)
-    wrench = estimate.mean  # (n, 6)
     # torque noise, load friction, and a moment that is taken for a force
-    variance = np.linalg.diagonal(estimate.covariance) + _load_friction_variance(
-        estimate, jacobian, prior
-    )
-    variance = variance + _lever_variance(estimate, jacobian, prior)
+    variance = np.linalg.diagonal(estimate.covariance) + _lever_variance(estimate, jacobian, prior)
+    variance = variance + _load_friction_variance(estimate, jacobian, prior)
     # torques hardly distinguish a moment from a force
-    force = np.linalg.norm(wrench[:, :3], axis=1)
+    force = np.linalg.norm(estimate.mean[:, :3], axis=1)
     variance[:, 3:] += (UNRESOLVED_LEVER * force[:, None]) ** 2
-    return ContactWrench(wrench, variance)
+    return ContactWrench(estimate.mean, variance)
 
 
 def learned_size(

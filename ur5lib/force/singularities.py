@@ -11,11 +11,6 @@ Limits = list[tuple[float, float]]
 SINGULARITY_KINDS = ("shoulder", "elbow", "wrist")
 
 
-def manipulability(jacobian: Array) -> Array:
-    """Return sqrt det(J J^T) = |det J|, (N,) [Yoshikawa 1985]. jacobian: (N, 6, 6)."""
-    return np.abs(np.linalg.det(jacobian))
-
-
 def smallest_singular_value(jacobian: Array) -> Array:
     """Return sigma_min of J, (N,), in mixed units: metres and radians count alike."""
     return np.asarray(np.linalg.svd(jacobian, compute_uv=False)[:, -1], np.float64)

@@ -173,11 +173,11 @@ def smoothed(wrench: Array, resting: Mask, period: float) -> Array:
 
     There, friction sticks and slips, and torques jump where the force does not; period: [s].
     """
-    samples = REST_SMOOTHING / period
-    weight = gaussian_filter1d(resting.astype(float), samples, mode="constant")[:, None]
-    rest = resting[:, None]
-    total = gaussian_filter1d(np.where(rest, wrench, 0.0), samples, axis=0, mode="constant")
-    return np.where(rest, total / np.where(rest, weight, 1.0), wrench)
+    weighted = np.where(resting[:, None], np.hstack([wrench, np.ones((len(wrench), 1))]), 0.0)
+    sums = gaussian_filter1d(weighted, REST_SMOOTHING / period, axis=0, mode="constant")
+    averaged = wrench.copy()
+    averaged[resting] = sums[resting, :-1] / sums[resting, -1:]
+    return averaged
 
 
 def std_in_contact(likely: Array, contact: ContactWrench, doubt: float, shut: Array) -> Array:

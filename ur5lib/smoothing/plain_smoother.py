@@ -37,10 +37,10 @@ def smooth_plainly(segment: Labels, q: Array, qd: Array, period: float) -> Plain
     busiest = max(parts, key=lambda part: np.nansum(qd[part] ** 2) / len(part))
 
     def likelihood(jerk: float) -> float:
-        return _filtered(z[busiest], starts(segment[busiest]), period, noise, jerk).likelihood
+        return _smoothed_states(z[busiest], starts(segment[busiest]), period, noise, jerk)[1]
 
-    fresh, jerk = starts(segment), max(CANDIDATE_JERKS, key=likelihood)
-    state = _smoothed(_filtered(z, fresh, period, noise, jerk), fresh)
+    jerk = max(CANDIDATE_JERKS, key=likelihood)
+    state, _ = _smoothed_states(z, starts(segment), period, noise, jerk)
     return PlainMotion(state[:, 6:12], state[:, 12:])
 
 
@@ -55,34 +55,23 @@ def white_noise(z: Array, segment: Labels) -> Array:
     return np.maximum(np.sqrt(square), RECORDED_RESOLUTION)
 
 
-class _Filtered(NamedTuple):
-    """States q, q̇, q̈ (N, 18) by the samples so far, the log-likelihood of their innovations, and
-    for the way back the step F (18, 18) and the gain of each sample, (18, 18).
-    """
-
-    states: Array
-    likelihood: float
-    step: Array
-    gains: list[Array]
-
-
-def _filtered(z: Array, fresh: Mask, period: float, noise: Array, jerk: float) -> _Filtered:
-    """Return what filterpy's filter finds; fresh: (N,), the first sample of each segment."""
+def _smoothed_states(
+    z: Array, fresh: Mask, period: float, noise: Array, jerk: float
+) -> tuple[Array, float]:
+    """Return the states q, q̇, q̈ (N, 18) and the log-likelihood of the filter's innovations."""
     ekf, H, likelihood = ExtendedKalmanFilter(18, 12), np.eye(12, 18), 0.0
     step = np.array([[1, period, period**2 / 2], [0, 1, period], [0, 0, 1]])
     ekf.F, ekf.R = np.kron(step, np.eye(6)), np.diag(noise**2)
     ekf.Q = Q_discrete_white_noise(3, period, (jerk * period) ** 2, 6, order_by_dim=False)
     states, measured_rows = np.empty((len(z), 18)), np.asarray(np.isfinite(z).all(axis=1))
-    gains: list[Array] = []
-    settled = False
+    settled, gains_back = False, list[Array]()
     for k, measured in enumerate(z):
-        if (
-            settled and measured_rows[k] and not fresh[k]
-        ):  # covariance and gains would stay as they are
+        if settled and measured_rows[k] and not fresh[k]:
+            # covariance and gains would stay as they are
             ekf.predict_x()
             ekf.y = measured - ekf.x[:12]
             ekf.x = ekf.x + ekf.K @ ekf.y
-            gains.append(gains[-1])
+            gains_back.append(gains_back[-1])
         else:
             gain = ekf.K
             ekf.predict()
@@ -95,22 +84,11 @@ def _filtered(z: Array, fresh: Mask, period: float, noise: Array, jerk: float) -
             settled = bool(measured_rows[k]) and bool((change <= SETTLED_GAIN_CHANGE * size).all())
             # C = P Fᵀ (F P Fᵀ + Q)⁻¹
             carried = ekf.F @ ekf.P
-            gains.append(np.linalg.solve(carried @ ekf.F.T + ekf.Q, carried).T)
+            gains_back.append(np.linalg.solve(carried @ ekf.F.T + ekf.Q, carried).T)
         if measured_rows[k]:
             likelihood -= (ekf.y @ ekf.SI @ ekf.y + np.linalg.slogdet(ekf.S)[1]) / 2
         states[k] = ekf.x
-    return _Filtered(states, likelihood, ekf.F, gains)
-
-
-def _smoothed(forward: _Filtered, fresh: Mask) -> Array:
-    """Return the states (N, 18) given all samples of their segment [Rauch, Tung, Striebel 1965].
-
-    filterpy's extended filter has no way back, and that of its linear one keeps a covariance for
-    each sample.
-    """
-    states = forward.states.copy()
-    for k in reversed(range(len(states) - 1)):
-        if not fresh[k + 1]:
-            # x(k | N) = x(k) + C (x(k+1 | N) - F x(k))
-            states[k] += forward.gains[k] @ (states[k + 1] - forward.step @ states[k])
-    return states
+    for k in np.flatnonzero(~fresh[1:])[::-1]:
+        # x(k | N) = x(k) + C (x(k+1 | N) - F x(k)) [Rauch, Tung, Striebel 1965]
+        states[k] += gains_back[k] @ (states[k + 1] - ekf.F @ states[k])
+    return states, likelihood
