@@ -29,7 +29,7 @@ class ContactPrior:
 
     force: float = 15.0
     lever: float = 0.03
-    sizes: tuple[float, ...] = (10.0, 60.0)
+    sizes: tuple[float, ...] = (5.0, 15.0, 45.0, 135.0)
     quiet: float = 1.0
     duration: float = 1.0
     pause: float = 10.0

@@ -22,7 +22,7 @@ from ur5lib.timeseries.kalman import Gaussians
 MIN_STATE_PROBABILITY = 1e-300  # so that no evidence makes those of all states vanish
 # Factor on the background's covariance in each round: small at first, so that possible contacts do
 # not become part of the background.
-BACKGROUND_COVARIANCE_FACTORS = (0.0, 0.5, 1.0, 1.0)
+BACKGROUND_COVARIANCE_FACTORS = (0.0, 0.5, 1.0, 1.0, 1.0)
 # Probability of contact above which a sample is no measurement of the background, and its weight.
 EXCLUSION_PROBABILITY = 0.5
 CONTACT_SAMPLE_WEIGHT = 1e-4
