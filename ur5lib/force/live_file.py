@@ -29,7 +29,7 @@ PRIOR = ContactPrior()
 CONSTANTS: dict[str, Any] = {  # chosen on dates and pushes left out, docs/methods.md#live
     "gain": 35.0,  # 1/s, of the observer
     "lever": PRIOR.lever,  # m
-    "sizes": [*PRIOR.sizes],  # N, of contacts
+    "sizes": [5.0, 15.0, 45.0, 135.0],  # N, of contacts
     "typical": PRIOR.force,  # N, from which on sizes count for the wrench
     "quiet": [PRIOR.quiet],  # N, of forces that do not count
     "rare": 0.2,  # share of the samples of a free arm whose noise is `wide` times wider
