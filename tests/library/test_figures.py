@@ -142,6 +142,19 @@ def test_what_a_joint_measures_has_its_unit(effort: Effort, unit: str) -> None:
     assert figures["residuals"].figure.axes[0].get_ylabel().endswith(unit)
 
 
+@pytest.mark.parametrize("count", [1, 3, 4, 6])
+def test_a_legend_lies_within_the_figure_above_the_panels(count: int) -> None:
+    time = np.linspace(0, 1, 50)
+    names = [f"Model {k} at the target motion, without rotors" for k in range(count)]
+    lines = {name: (np.ones((50, 6)), "first") for name in names}
+    figure = draw_traces(Traces(time, lines, errors=lines), TORQUE_PANELS).figure
+    figure.draw_without_rendering()
+    (legend,) = figure.legends
+    shown = legend.get_window_extent()
+    assert figure.bbox.x0 <= shown.x0 < shown.x1 <= figure.bbox.x1
+    assert all(shown.y0 >= axes.get_window_extent().y1 for axes in figure.axes)
+
+
 def test_errors_stand_under_values() -> None:
     time = np.arange(50.0)
     wrong = {"estimate": (np.full((50, 6), 0.5), "joint")}

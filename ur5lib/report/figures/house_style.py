@@ -63,13 +63,14 @@ LINE_STYLES = {
     "fifth": Style(("#56B4E9",), (2, 1, 2, 3)),
     "joint": Style(JOINT_COLOURS),  # each joint in its own colour
 }
+REPORT_FONT_SIZE = 8.1  # points; 8 in the PDF
 HOUSE_STYLE: Any = {
     "axes.formatter.limits": (-3, 4),
     "axes.grid": True,
-    "axes.labelsize": 8.1,
+    "axes.labelsize": REPORT_FONT_SIZE,
     "axes.spines.right": False,
     "axes.spines.top": False,
-    "font.size": 8.1,  # 8 points in the PDF
+    "font.size": REPORT_FONT_SIZE,
     "grid.alpha": 0.3,
     "grid.linewidth": 0.5,
     "path.simplify_threshold": 0.5,
@@ -90,7 +91,6 @@ PRINTED = re.compile(
     r"_([\d.]+)mm_([\d.]+)pt$"
 )  # name of a file for a paper: width, size of letters
 PRINT_DPI = 600  # of its images
-REPORT_FONT_SIZE = 7.5  # points
 PRINT_MARGINS = (0, 0, 0.98, 1)  # of a figure: room for the label of the last panel
 THINNEST = 0.6  # of the widths of lines in the report
 LETTER_WIDTH = 0.6  # of their size

@@ -20,8 +20,11 @@ from ur5lib.report.figures.house_style import (
     BAND_STYLE,
     GAP_STYLE,
     HOUSE_STYLE,
+    LEGEND_LINE_LETTERS,
+    LETTER_WIDTH,
     LINE_STYLES,
     PAGE_WIDTH,
+    REPORT_FONT_SIZE,
     SHADE_STYLE,
     Drawing,
     nothing_to_draw,
@@ -33,7 +36,9 @@ from ur5lib.timeseries.segments import runs
 StyledLines = Mapping[str, tuple[Array, str]]
 MAX_DRAWN_POINTS = 1100  # about one for each dot across half a printed page
 MIN_PANEL_SPAN = 1e-3  # of a panel
-LEGEND_ROW_LETTERS = 60  # letters of six labels of a legend that fit side by side
+MOST_LEGEND_COLUMNS = 6
+LEGEND_ROW = 0.17  # inches
+LEGEND_MARGIN = 0.1  # inches, around the rows
 UNFILTERED = "unfiltered"  # label of what was recorded, behind what is judged
 ERROR = "error of "  # before the label of a line
 HIDDEN = "near a singularity"
@@ -160,15 +165,30 @@ def _legend(figure: Figure, traces: Traces, spans: list[tuple[Any, str]]) -> Non
     if traces.band:
         handles["95 % band"] = Patch(**BAND_STYLE)
     handles |= {name: Patch(**style) for style, name in spans}
+    columns = _legend_columns([*handles])
+    rows = -(-len(handles) // columns)
+    margin = LEGEND_MARGIN + LEGEND_ROW * max(2, rows)
+    figure.subplots_adjust(top=1 - margin / figure.get_figheight())
     figure.legend(
         handles.values(),
         handles.keys(),
         loc="upper center",
-        ncols=6 if sum(map(len, handles)) <= LEGEND_ROW_LETTERS else 4,
+        ncols=columns,
         frameon=False,
         handler_map={tuple: HandlerTuple(ndivide=None, pad=0)},
         handlelength=2.5,
     )
+
+
+def _legend_columns(labels: Sequence[str]) -> int:
+    """Return the largest number of columns of a legend that fit side by side."""
+    letters = PAGE_WIDTH * 72 / (LETTER_WIDTH * REPORT_FONT_SIZE)
+    for columns in range(min(MOST_LEGEND_COLUMNS, len(labels)), 1, -1):
+        parts = np.array_split(labels, columns)
+        widths = (max(map(len, part)) + LEGEND_LINE_LETTERS for part in parts)
+        if sum(widths) <= letters:
+            return columns
+    return 1
 
 
 def _data(traces: Traces, panels: Sequence[Panel]) -> pd.DataFrame:

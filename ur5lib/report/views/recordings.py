@@ -211,8 +211,11 @@ def judge_files(results: Results) -> Verdict:
         drawing=bars({str(name): float(share) for name, share in drawn.items()}),
         caption=say("quality.caption", many=results.many),
         numbers=tuple(
-            Number(f"findings of severity “{name}”", int((findings["severity"] == name).sum()), "")
-            for name in SEVERITIES
+            Number(f"{SPOKEN_SEVERITIES.get(name, name)}s", len(group), "")
+            for name, group in (
+                (name, findings[findings["severity"] == name]) for name in SEVERITIES
+            )
+            if len(group) or name == SEVERITIES[0]
         ),
     )
 
