@@ -5,6 +5,7 @@ import functools
 import re
 import shlex
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from textwrap import dedent
@@ -28,6 +29,7 @@ INLINE = re.compile(rf"(?:\.venv/bin/)?(?:{'|'.join(COMMANDS[:-1])})(?= )")
 FIRST = {  # what the first line of a block begins with
     "python": re.compile(r"(?:import|from|def|class|>>>) "),
     "yaml": re.compile(r"(?:- )?\{?[a-z_]+:(?: |\n|$)"),
+    "cpp": re.compile(r"#include "),
     "toml": re.compile(r"\[\w+[.\]]"),
     "way-points": re.compile(r"-?\d+\.\d+,"),
     "moves": re.compile(r"move[jl]\("),
@@ -122,7 +124,8 @@ def check_command(line: str) -> None:
         case "ur5" if words:
             command = typer.main.get_command(app).commands[words[0]]  # type: ignore[attr-defined]
             if words[1:]:  # else the text names the command
-                command.make_context(words[0], words[1:])
+                with suppress(InputError):  # a study that is not here
+                    command.make_context(words[0], words[1:])
         case "make":
             makefile = (PROJECT / "Makefile").read_text()
             for word in words:

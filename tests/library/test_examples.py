@@ -1,12 +1,15 @@
 """Every example in a document holds: commands exist, studies are valid, code runs."""
 
+import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 from unittest.mock import MagicMock
 
 import numpy as np
@@ -19,6 +22,7 @@ from tests.examples import Example, check_command, examples, kind_of, words_of, 
 from tests.library.synthetic_run import synthetic_run
 from tests.library.test_docs import PAGES
 from tests.library.test_seven_joints import arm as seven_joints
+from tests.live_arm import arm_file
 from ur5lib.cli import app
 from ur5lib.lab.recorder.commanded_motion import read_motion, refusals
 from ur5lib.lab.recorder.move_program import planned_motion, read_program
@@ -159,10 +163,21 @@ def use_the_rules(code: str, _: pytest.MonkeyPatch) -> None:
     assert known["SNAKEFILE"].is_file()
 
 
+def estimate_live(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the copied file of the estimator, and an arm's file, beside it."""
+    shutil.copy(PROJECT / "ur5lib" / "force" / "live.py", "live.py")
+    Path("arm.json").write_text(json.dumps(arm_file()))
+    monkeypatch.syspath_prepend(".")
+    known: dict[str, Any] = {"time": 0.0, "q": np.zeros(6), "qd": np.zeros(6)}
+    exec(code, known | {"current": np.zeros(6)}, known)
+    assert known["contact"] == "unknown"
+
+
 PYTHON: dict[str, Callable[[str, pytest.MonkeyPatch], None]] = {
     "import rtde_receive": record,
     ">>> import ur5lib": read,
     "import numpy as np": extend,
+    "from live import Live": estimate_live,
     "from dataclasses import dataclass": add_an_estimator,
     "from ur5lib.workspace.places import": use_the_rules,
 }

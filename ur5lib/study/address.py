@@ -8,7 +8,7 @@ from typing import Any
 from ur5lib.errors import InputError, unknown
 
 RESULTS_FOLDER = Path("results")
-PARTS_OF_RESULTS = ("recordings", "tables")
+YAML_SUFFIXES = (".yaml", ".yml")
 STUDIES = ("*.yaml", "config/*.yaml", "workflow/studies/*.yaml")  # in the working folder
 
 
@@ -18,7 +18,7 @@ def study_file(address: str) -> Path:
     Raises InputError where the working folder has none of this name, or several.
     """
     path = Path(address)
-    if isfile(path) or path.suffix in (".yaml", ".yml"):
+    if isfile(path) or path.suffix in YAML_SUFFIXES:
         return path
     names = dict(_studies())
     found = [file for file, name in names.items() if name == path.name]
@@ -39,7 +39,7 @@ def results_folder(address: str) -> Path:
     Raises InputError where the working folder has no such study.
     """
     path = Path(address)
-    if any(isdir(path / part) for part in PARTS_OF_RESULTS):
+    if path.suffix not in YAML_SUFFIXES and (isdir(path) or len(path.parts) > 1):
         return path
     if isdir(RESULTS_FOLDER / address):
         return RESULTS_FOLDER / address
@@ -48,7 +48,7 @@ def results_folder(address: str) -> Path:
 
 def is_study(address: str) -> bool:
     """Return whether an address is that of a study, and not of a recording."""
-    return not isfile(address) or Path(address).suffix in (".yaml", ".yml")
+    return not isfile(address) or Path(address).suffix in YAML_SUFFIXES
 
 
 def _studies() -> Iterator[tuple[Path, str]]:
