@@ -298,17 +298,8 @@ CURRENT_LIMITS = {  # plain Coulomb + viscous + offset, computed independently [
 }
 
 
-WORSE = pytest.mark.xfail(
-    strict=True, reason="0.120 A where a fit of three terms to other data has 0.105 A"
-)
-JOINTS_OF_CURRENTS = [
-    pytest.param(name, joint, marks=[WORSE] * ((name, joint) == (TABLE_5_7, 3)))
-    for name in CURRENT_LIMITS
-    for joint in range(1, 7)
-]
-
-
-@pytest.mark.parametrize(("recording", "joint"), JOINTS_OF_CURRENTS)
+@pytest.mark.parametrize("recording", CURRENT_LIMITS)
+@pytest.mark.parametrize("joint", range(1, 7))
 def test_no_joint_is_predicted_worse_than_by_a_plain_fit(
     study: FinishedStudy, recording: str, joint: int
 ) -> None:
@@ -657,6 +648,7 @@ def test_table_5_6_shows_the_numbers_of_the_csv(page: HtmlElement, torque: pd.Da
 
 
 LABELS = {"F̂ᵘ": "Fu", "F̂": "F", "F̂*": "F*", "F̂ᵐᵃᵖ": "Fmap", "gated least squares": "least_squares"}
+LABELS |= {"plain least squares": "ungated_least_squares"}
 DURING = {"in contact": "contact", "free": "free", "whole run": "all"}
 
 

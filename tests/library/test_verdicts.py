@@ -226,7 +226,8 @@ def test_the_worst_file_is_named() -> None:
     verdict = judge_files(study(quality=[*rows, finding("warning", "jitter"), finding("note")]))
     assert verdict.state == "usable"
     assert "wave.csv lost 250 of 1,000 frames" in verdict.sentence
-    assert [number.value for number in verdict.numbers] == [0, 0, 3, 1]
+    numbers = {number.name: number.value for number in verdict.numbers}
+    assert numbers == {"stop signs": 0, "warnings": 3, "notes": 1}
     assert stated(verdict.evidence) == [3, 1, 2, 3]
 
 

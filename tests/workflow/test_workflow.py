@@ -179,7 +179,7 @@ def test_a_figure_of_a_run_that_was_stopped_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("module", "expected"),
     [
-        ("ur5lib/timeseries/lowpass.py", jobs(*EACH_RECORDING) | ALL_ELSE),
+        ("ur5lib/timeseries/lowpass.py", jobs(*EACH_RECORDING) | ALL_ELSE | {"compare_studies": 1}),
         ("ur5lib/timeseries/kalman.py", jobs(*FROM_MOTION) | ARM | SUMMARY),
         ("ur5lib/dynamics/rigid_body.py", jobs(*FROM_TORQUES) | MODELS | FRICTION | SUMMARY),
         ("ur5lib/checks/currents.py", jobs(*FROM_TORQUES) | FRICTION | SUMMARY),

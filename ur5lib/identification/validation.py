@@ -15,6 +15,7 @@ from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import CurrentSamples, Smooth, joint_samples
 from ur5lib.identification.selection import MIN_DEVIATIONS, MIN_SHARE, is_less
 from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.metrics import BAND_COVERAGE, finite_quantile
 from ur5lib.timeseries.segments import DEAD_ZONE, in_chunks
 
 SPEED_BINS = np.array([0.0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, np.inf])  # rad/s
@@ -86,12 +87,7 @@ def score(record: CurrentSamples, predicted: Array, smooth: Smooth, half_band: A
         # the share of the low-passed variance that is explained
         r2=1 - _mean(slow**2) / np.nanvar(measured, axis=0),
         coverage=_mean(np.where(known, of_band <= 1.0, np.nan)),
-        band_factor95=np.array(
-            [
-                np.quantile(own[rows], 0.95) if rows.any() else np.nan
-                for own, rows in zip(of_band.T, known.T, strict=True)
-            ]
-        ),
+        band_factor95=finite_quantile(of_band, BAND_COVERAGE),
     )
 
 

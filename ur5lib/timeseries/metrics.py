@@ -62,7 +62,14 @@ def band_factor(estimate: Array, std: Array, reference: Array) -> Array:
     """Return the factor by which each column's 95 % band would have to be wider to hold 95 % of the
     references: below 1, it is too wide.
     """
-    return np.nanquantile(np.abs(reference - estimate) / (NORMAL95 * std), BAND_COVERAGE, axis=0)
+    band = NORMAL95 * np.where(std > 0, std, np.nan)
+    return finite_quantile(np.abs(reference - estimate) / band, BAND_COVERAGE)
+
+
+def finite_quantile(values: Array, share: float) -> Array:
+    """Return the quantile of each column's finite values, NaN where it has none."""
+    columns = [column[np.isfinite(column)] for column in values.T]
+    return np.array([np.quantile(own, share) if len(own) else np.nan for own in columns])
 
 
 def interval_score(estimate: Array, std: Array, reference: Array) -> Array:

@@ -331,6 +331,13 @@ def decided(results: Results) -> pd.DataFrame:
     return of_each_arm(results, of_arm)
 
 
+def resting(results: Results) -> list[str]:
+    """Return the arms that were fitted at rest alone, in postures."""
+    moving = results.arms()
+    judged = {moving[name] for name in results.tables["current_rmse"]["recording"]}
+    return [robot for robot in results.tables["friction"]["robot"].unique() if robot not in judged]
+
+
 def judge_currents(results: Results) -> Verdict:
     """Judge the predicted currents by the worst joint, beside a constant current and plain least
     squares, their band by the smallest coverage.
