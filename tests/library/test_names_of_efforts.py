@@ -127,3 +127,8 @@ def test_a_constant_of_one_of_all_motors_is_a_measured_torque() -> None:
 def test_two_sides_of_the_gears_are_refused() -> None:
     with pytest.raises(ValidationError, match="`torques` of `drives`"):
         robot_of(described(drives={"torques": "joint"}, effort="motor_torque"))
+
+
+def test_terms_of_friction_in_an_older_description_have_no_effect() -> None:
+    older = described(friction_terms=["velocity_root"], presliding=1e-4)
+    assert robot_of(older) == robot_of(described())

@@ -25,6 +25,7 @@ from ur5lib.timeseries.arrays import Array
 
 DESCRIPTION_FOLDER = Path(__file__).parent
 JOINT_SIZES_FILE = DESCRIPTION_FOLDER / "joint_sizes.yaml"
+DROPPED_KEYS = ("friction_terms", "presliding")  # of older descriptions; without effect
 PROJECT_FOLDER = Path("robots")  # of the user's project, for further arms
 INVALID_DESCRIPTION = "is not a valid description of an arm (docs/robots.md)"
 LOAD_SHARE, LINKS_SHARE = 0.4, 0.1  # of a known load, in the rated payload, in the links' mass
@@ -506,8 +507,10 @@ class Robot(Described):
 
 def _without_older_keys(described: dict[str, Any]) -> dict[str, Any]:
     """Return a description with `effort` in place of `torques` of its drives, and of the torque
-    constant 1 of all motors, by which older descriptions say that torques are measured.
+    constant 1 of all motors, by which older descriptions say that torques are measured, and without
+    terms of friction, which recordings choose.
     """
+    described = {key: value for key, value in described.items() if key not in DROPPED_KEYS}
     drives, motors = described.get("drives"), described.get("motors")
     if isinstance(drives, dict) and "torques" in drives:
         rest = {key: value for key, value in drives.items() if key != "torques"}
