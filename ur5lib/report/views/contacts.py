@@ -266,13 +266,15 @@ def decided(results: Results) -> pd.DataFrame:
 
 def split(results: Results) -> pd.DataFrame:
     """Return of what the error in contact consists by recording, means over x, y, z, beside the
-    sensor's bias; friction: what neither alarms nor a gain explain.
+    sensor's bias; friction: what neither alarms nor a gain explain; doubted: of the bias.
     """
     rows = errors_in_contact(results)
     names = ["mae", "mae_missed", "mae_shut", "mae_gain"]
     means = rows.groupby("recording", sort=False)[names].mean().dropna()
     friction = means["mae"] - means[names[1:]].sum(axis="columns")
-    return means.assign(friction=friction).reset_index().merge(results.tables["sensed"], "left")
+    doubted = means.index.isin(doubted_biases(results, [*means.index]))
+    parts = means.assign(friction=friction, doubted=doubted).reset_index()
+    return parts.merge(results.tables["sensed"], "left")
 
 
 def with_floors(results: Results, rows: pd.DataFrame) -> pd.DataFrame:

@@ -26,7 +26,6 @@ from ur5lib.report.views.arms import Judge, by_arm
 from ur5lib.report.views.audit import faults as wrist_sensor_faults
 from ur5lib.report.views.forces import hardest_pushes, searched
 from ur5lib.tidy.models import STOP
-from ur5lib.timeseries.metrics import NORMAL95
 
 VERDICTS: list[Judge] = [
     contacts.judge_force,
@@ -59,7 +58,8 @@ def result(results: Results) -> Iterator[str]:
     """Say in one sentence which pushes are noticed, and how far off forces and constants are."""
     forces = contacts.errors_in_contact(results).sort_values("mae")
     fitted = results.rows("friction", parameter=currents.CONSTANTS, determined="yes")
-    errors = NORMAL95 * fitted["std_error"] / fitted["value"]
+    off = fitted[["low", "high"]].sub(fitted["value"], axis="index").abs().max(axis="columns")
+    errors = (off / fitted["value"]).groupby(fitted["joint"]).max().sort_values()
     if not results.stopped() and (len(forces) or len(fitted)):
         pushes = hardest_pushes(results).dropna(subset="value")
         found = {"pushes": pushes, "force": forces[-1:], "errors": errors}

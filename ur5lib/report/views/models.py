@@ -96,8 +96,8 @@ class ModelComparison(NamedTuple):
     """Errors of the link models at one motion, on recordings in which the arm moves.
 
     rows: of torque_mae.csv; unseen: whether no fit has seen these recordings; best: the models
-    that are closest on most joints; near: number of these joints; differ: number of joints on
-    which the models differ.
+    that are closest on most joints, that with the least errors first; near: number of these
+    joints; differ: number of joints on which the models differ.
     """
 
     rows: pd.DataFrame
@@ -120,7 +120,8 @@ def compare(results: Results) -> ModelComparison | None:
     above = mean.sub(mean.min(axis="columns"), axis="index")
     close = above[above.max(axis="columns") > VISIBLE_DIFFERENCE] <= VISIBLE_DIFFERENCE
     counts = close.sum()
-    best = [*counts[counts == counts.max()].index]
+    equal = [*counts[counts == counts.max()].index]
+    best = sorted(equal, key=lambda model: float(above[model].sum()))
     return ModelComparison(rows, len(unseen) > 0, best, int(counts.max()), len(close))
 
 
