@@ -16,12 +16,13 @@ from tests.conftest import said
 from tests.stored_files import made_up_channels
 from ur5lib.channels import CURRENT
 from ur5lib.checks.block_means import block_means
-from ur5lib.checks.by_motion import MotionChecks
+from ur5lib.checks.by_motion import MotionChecks, are_exchanged
 from ur5lib.checks.checked import Checked
 from ur5lib.checks.delays import Delays, delayed_currents
 from ur5lib.checks.doubts import DOUBT
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.unchecked import unchecked
+from ur5lib.checks.whole_motion import STRETCHES, Explained, Misfit, WholeMotion
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.robots.exports import urdf
@@ -216,3 +217,23 @@ def test_joints_of_a_short_log_with_other_friction_are_not_exchanged(
     means = block_means(robot, timing.period, ["actual_current"])
     arm = load_robot(robot_path("ur5"))
     assert [*MotionChecks(means, arm, True).exchanges_of_joints()] == []
+
+
+def ahead(motion: WholeMotion, leads: list[float]) -> Explained:
+    """What leads an explanation that misses 1 by so much on each joint, by any links, too."""
+    chance = 0.1 * np.random.default_rng(0).normal(size=(STRETCHES, 1))
+    its = Explained(motion, motion.torque)
+    its.by_links = its.by_any_links = Misfit(-np.array(leads), chance - np.array(leads))
+    return its
+
+
+@pytest.mark.parametrize(("others", "exchanged"), [(0.1, True), (-0.6, False)])
+def test_joints_are_exchanged_where_the_others_agree(
+    sensed: Robot, others: float, exchanged: bool
+) -> None:
+    """Their torques hang on the postures of both, and short of them links may fit by chance."""
+    motion = WholeMotion(block_means(log(sensed).robot, STEP), sensed)
+    declared = ahead(motion, [0.0] * 6)
+    declared.by_links = declared.by_any_links = Misfit(np.zeros(6), np.zeros((STRETCHES, 6)))
+    other = ahead(motion, [1.0, others, others, 1.0, others, others])
+    assert are_exchanged(other, declared, (0, 3)) == exchanged

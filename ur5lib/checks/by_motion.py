@@ -268,8 +268,11 @@ def is_likelier(other: Explained, first: Explained, joints: Sequence[int], least
 
 def are_exchanged(other: Explained, first: Explained, pair: Pair) -> bool:
     """Return whether two joints with all channels exchanged are likelier: clearly so by the
-    declared links, or by these and any links alike.
+    declared links, or by these and any links alike. All joints' torques must be, too, which hang on
+    the postures of both.
     """
+    if not _leads(lead(other.by_known, first.by_known, first.motion.joints), 0.0):
+        return False
     if other.by_links is None or first.by_links is None:
         return is_likelier(other, first, pair, OF_JOINTS)
     if is_likelier(other, first, pair, OF_JOINTS._replace(by_links=CLEAR_LEAD_OF_JOINTS)):
