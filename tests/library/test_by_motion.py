@@ -33,6 +33,7 @@ from ur5lib.tables import channel, named
 from ur5lib.timeseries.arrays import Array
 
 STEP, SECONDS, HOME = 0.02, 24.0, np.array([0.3, -1.2, 1.4, -1.0, 1.2, 0.4])
+PHASES = {seed: np.random.default_rng(seed).uniform(0, 2 * np.pi, 6) for seed in (0, 7)}
 Spoil = Callable[[Array], Array]
 
 
@@ -135,6 +136,16 @@ def test_what_a_ripple_may_lack_is_no_weak_current(ur5e: Robot) -> None:
     weak = np.array([1.0, 0.7, 1.0, 1.0, 1.0, 1.0])
     own = log(ur5e.mounted((0.0, 0.0, -1.2)))
     assert signs(spoilt(own, [*range(6)], "actual_current", sign=weak)) == []
+
+
+@pytest.mark.parametrize("seed", [0, 7])
+def test_a_joint_whose_friction_brakes_is_not_turned(seed: int) -> None:
+    """A current that varies once per turn may be more than what a small wrist bears."""
+    own = log(load_robot(robot_path("ur3e")), seed)
+    current = channel(own.robot, "actual_current")
+    ripple = 0.15 * np.sin(channel(own.robot, "actual_q") + PHASES[seed])
+    rippled = own.robot.assign(**named(current + ripple, "actual_current"))
+    assert signs(replace(own, robot=rippled)) == []
 
 
 @pytest.mark.parametrize(("before_shorter", "told"), [(2.0, False), (20.0, True)])

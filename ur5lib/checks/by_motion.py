@@ -138,9 +138,12 @@ class MotionChecks:
 
     def turned_by_links(self) -> Iterator[Cause]:
         """Yield the joints whose turned efforts the declared links explain better, or, where nobody
-        knows links, the joint whose turned effort lets any explain those of all joints best.
+        knows links, the joint whose turned effort lets any explain those of all joints best. None
+        whose friction brakes as they are.
         """
-        joints = [j for j, other in self.turned.items() if is_turned(other, self.declared, j)]
+        brakes = {j for j, own in self.friction.items() if own > MIN_ERRORS_OF_FRICTION}
+        others = {j: own for j, own in self.turned.items() if j not in brakes}
+        joints = [j for j, other in others.items() if is_turned(other, self.declared, j)]
         if not self.arm.tells_gravity():
             joints = [j for j in joints if j == max(joints, key=self._gain_of_sign)]
         if joints:
