@@ -134,7 +134,7 @@ def test_a_current_too_small_for_what_it_holds_is_told(ur5e: Robot) -> None:
 def test_what_a_ripple_may_lack_is_no_weak_current(ur5e: Robot) -> None:
     """Where a joint bears little, a current that varies once per turn looks like less gravity."""
     weak = np.array([1.0, 0.7, 1.0, 1.0, 1.0, 1.0])
-    own = log(ur5e.mounted((0.0, 0.0, -1.2)))
+    own = log(ur5e.mounted((0.0, 0.0, -2.4)))
     assert signs(spoilt(own, [*range(6)], "actual_current", sign=weak)) == []
 
 

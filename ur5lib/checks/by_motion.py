@@ -40,10 +40,11 @@ MIN_LEAD_OF_ARM, MIN_LEAD_OF_LOADED_ARM = 0.3, 0.1
 # by which any links lead the declared ones of a joint whose description is in doubt; in right logs
 # of arms that are described with all that they have, at most 0.6 beyond chance
 MAX_LEAD_OF_ANY_LINKS = 0.8
-# times the maker's constant, at the best and the lowest by its errors; in right logs, at most 1.05
-# and 1.00
-MIN_RATIO_OF_WEAK, MIN_LOW_OF_WEAK = 1.18, 1.06
-# A, of what such a current lacks; 0.15 A that vary once per turn look like 0.16 of a UR3e's
+# times the maker's constant, at the best and the lowest by its errors; in right logs, at most as
+# much as RIGHT_RATIO and 1.00
+MIN_RATIO_OF_WEAK, MIN_LOW_OF_WEAK, RIGHT_RATIO = 1.18, 1.06, 1.05
+# A, of what such a current lacks beyond those of right logs; 0.15 A that vary once per turn look
+# like more in 7 of 432 logs of a UR3e
 MIN_LACKING_CURRENT = 0.17
 MIN_MOVING_JOINTS = 3  # that tell arms apart
 MIN_BLOCKS = (
@@ -173,7 +174,7 @@ class MotionChecks:
             for joint in shown.ratio.keys() & {*self.moving}
             if shown.ratio[joint] > MIN_RATIO_OF_WEAK
             and shown.low[joint] > MIN_LOW_OF_WEAK
-            and (1 - 1 / shown.ratio[joint]) * held[joint] > MIN_LACKING_CURRENT
+            and (1 / RIGHT_RATIO - 1 / shown.ratio[joint]) * held[joint] > MIN_LACKING_CURRENT
         ]
         declared = self.declared.by_links
         for joint in sorted(weak, key=lambda own: -shown.ratio[own])[:1]:
