@@ -162,7 +162,14 @@ def missing_recordings(results: Results) -> Iterator[str]:
         motion = row.motion[0].lower() + row.motion[1:]
         yield say("steps.advised", robot=row.robot, motion=motion)
     remarks = results.rows("remarks", code=ASKING_CODES)
+    hardly = {
+        robot
+        for robot, pair in currents.outlooks(results).items()
+        if not currents.is_worthwhile(*pair)
+    }
     for (robot, code), part in remarks.groupby(["robot", "code"], sort=False):
+        if code == "few paths" and robot in hardly:
+            continue  # the band would stay
         yield say(f"steps.{code}", robot=robot, numbers=part["joint"], few=MIN_UNITS)
     for robot, (_, light) in _contradicted(results).items():
         if light:
@@ -172,9 +179,10 @@ def missing_recordings(results: Results) -> Iterator[str]:
             yield say(f"steps.{role}", held=results.with_role(AT_REST))
     if results.tables["force_mae"].empty and not contacts.touched(results):
         yield say("steps.pushes")
-    for robot, (now, best) in currents.outlooks(results).items():
-        if currents.is_worthwhile(now, best):
+    for robot, (now, best) in outlooks.items():
+        if robot not in hardly:
             yield say("steps.narrower", robot=robot, now=now, best=best)
+    yield from currents.limits(results)
 
 
 def _some(names: list[str]) -> str:
