@@ -162,11 +162,8 @@ def missing_recordings(results: Results) -> Iterator[str]:
         motion = row.motion[0].lower() + row.motion[1:]
         yield say("steps.advised", robot=row.robot, motion=motion)
     remarks = results.rows("remarks", code=ASKING_CODES)
-    hardly = {
-        robot
-        for robot, pair in currents.outlooks(results).items()
-        if not currents.is_worthwhile(*pair)
-    }
+    outlooks = currents.outlooks(results)
+    hardly = [robot for robot, pair in outlooks.items() if not currents.is_worthwhile(*pair)]
     for (robot, code), part in remarks.groupby(["robot", "code"], sort=False):
         if code == "few paths" and robot in hardly:
             continue  # the band would stay
