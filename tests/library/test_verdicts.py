@@ -480,6 +480,15 @@ def test_a_force_beside_a_doubted_sensor_is_not_good() -> None:
     assert judge_force(elsewhere).state == "good"
 
 
+def test_recordings_with_a_sure_sensor_judge_the_force() -> None:
+    doubt = finding("warning", "offset", device="force", recording="pushed")
+    rows = [*touched(10.0), *touched(2.0, recording="seen")]
+    assert judge_force(study(force_mae=rows)).state == "do not use"
+    verdict = judge_force(study(force_mae=rows, quality=[doubt]))
+    assert verdict.state == "good"
+    assert "bias is uncertain on pushed, which do not count here" in verdict.evidence
+
+
 def test_without_a_sensor_contacts_are_plausible_only() -> None:
     searched = [{"recording": name, "estimate": "Fmap", "alarms_per_min": 0.0} for name in ROLES]
     contact = {"recording": "pushed", "estimate": "Fmap", "kind": "contact"}

@@ -264,6 +264,13 @@ def decided(results: Results) -> pd.DataFrame:
     return rows.join(plain.rename("plain"), on=key)
 
 
+def with_sure_bias(results: Results, rows: pd.DataFrame) -> pd.DataFrame:
+    """Return the errors of recordings whose sensor's bias is sure, or all if none is."""
+    doubted = doubted_biases(results, [*rows["recording"]])
+    sure = rows[~rows["recording"].isin(doubted)]
+    return rows if sure.empty else sure
+
+
 def split(results: Results) -> pd.DataFrame:
     """Return of what the error in contact consists by recording, means over x, y, z, beside the
     sensor's bias; friction: what neither alarms nor a gain explain; doubted: of the bias.
@@ -333,25 +340,29 @@ def _spans(rows: pd.DataFrame) -> list[Span]:
 def judge_force(results: Results) -> Verdict:
     """Judge the force by the larger relative error, that of the axis with the largest error or of
     the recording with the largest share, by its rivals, and by its stated band: how much this
-    holds, and whether it tells contact from none.
+    holds, and whether it tells contact from none. Recordings whose sensor's bias is in doubt count
+    where there are no others.
     """
     if results.stopped():
         return Verdict(FORCE_TOPIC, "do not use", say("force.stopped"))
-    judged = decided(results)
-    if judged.empty:
+    known = decided(results)
+    if known.empty:
         return _unjudged(results)
+    judged = with_sure_bias(results, known)
     row = judged.loc[judged["mae"].idxmax()]  # the axis with the largest error
     means = judged.groupby("recording", sort=False)[["mae", "mean_force"]].mean()
     share = means.loc[(means["mae"] / means["mean_force"]).idxmax()]  # the worst recording
     rival, band = _plain(results, judged), _band(judged)
-    doubted = doubted_biases(results, [*means.index])
+    doubted = doubted_biases(results, [*known["recording"].unique()])
     beaten = _beaten(judged, row) | {"blind": band is not None and band.blind > MAX_BLIND_SHARE}
     words = {"row": row, "share": share, "band": band, "zero": ZERO_ESTIMATE, "doubted": doubted}
     words |= {"known": not pd.isna(row["mae_low"])}
     words |= beaten | {"calibrated": row["estimate"] != STATIC_ESTIMATE}
     sure = row["mae_high"] < (1 - MIN_GOOD_SKILL) * row["mean_force"]  # not if it has no interval
     unbeaten = rival.better.empty and not beaten["equal"] and beaten["far"].empty
-    relied = sure and words["calibrated"] and unbeaten and not doubted
+    relied = (
+        sure and words["calibrated"] and unbeaten and doubted_biases(results, [*means.index]) == []
+    )
     error = max(errors["mae"] / errors["mean_force"] for errors in (row, share))
     found = state(error, 1.0, 1.0 if band is None else band.least["coverage95"], tested=relied)
     sentence = say("force.verdict", estimate=_named(row["estimate"]), **words)

@@ -56,7 +56,8 @@ def verdicts(results: Results) -> list[Verdict]:
 
 def result(results: Results) -> Iterator[str]:
     """Say in one sentence which pushes are noticed, and how far off forces and constants are."""
-    forces = contacts.errors_in_contact(results).sort_values("mae")
+    forces = contacts.errors_in_contact(results)
+    forces = contacts.with_sure_bias(results, forces).sort_values("mae")
     fitted = results.rows("friction", parameter=currents.CONSTANTS, determined="yes")
     off = fitted[["low", "high"]].sub(fitted["value"], axis="index").abs().max(axis="columns")
     errors = (off / fitted["value"]).groupby(fitted["joint"]).max().sort_values()
