@@ -25,6 +25,7 @@ from ur5lib.robots.friction import OPTIONAL_TERMS, TERMS, JointMotion, coefficie
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
+MAX_GAIN_HALF = 0.05  # of the 95 % interval of a measured torque's gain: 1 before, to some per cent
 MAX_PRIOR_SHARE = 0.5  # above which the data do not determine a parameter
 # Standard deviation of a joint's friction from day to day, relative, where recordings of one day do
 # not show it. On seven dates of a UR10e, it is 0.06 on the most different date and 0.035 on all.
@@ -248,8 +249,8 @@ def unseen_difference(
 def parameters(fit: CurrentFit, measured: Effort = CURRENT) -> list[Parameter]:
     """Return torque constants [Nm/A], offsets [Nm] and friction [Nm, Nm s/rad, ...].
 
-    measured: of torques, gains [Nm/Nm] in place of constants, and offsets, friction and rotors are
-    determined where their sign is.
+    measured: of torques, gains [Nm/Nm] in place of constants, which are determined within 5 %, and
+    offsets, friction and rotors are where their sign is.
     """
     friction = ["offset", *coefficient_names([*TERMS])]
     signed = ["torque_constant", *(friction if measured == TORQUE else ())]
@@ -266,7 +267,9 @@ def parameters(fit: CurrentFit, measured: Effort = CURRENT) -> list[Parameter]:
                 continue  # of other joints than this
             # the sign must be determined, too
             has_sign = name not in signed or low > 0 or (name not in POSITIVE and high < 0)
-            is_determined = bool(prior < MAX_PRIOR_SHARE and has_sign)
+            is_gain = name == "torque_constant" and measured == TORQUE
+            is_told = prior < MAX_PRIOR_SHARE and not (is_gain and high - value > MAX_GAIN_HALF)
+            is_determined = bool(is_told and has_sign)
             shares = prior, arm, day, run
             rows.append(Parameter(joint, name, value, error, (low, high), *shares, is_determined))
     return rows
