@@ -1,66 +1,162 @@
-"""Which terms of friction recordings show that no fit has seen."""
+"""Which recordings of a study a step runs for: of few all, of many some."""
 
-from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
-import numpy as np
 import pytest
 
-from tests.library.current_study import CONSTANT, make_record, prior, smooth
-from ur5lib.identification.current_regression import fit_currents
-from ur5lib.identification.samples import CurrentSamples, held_columns
-from ur5lib.identification.selection import is_less
-from ur5lib.robots.friction import FITTED_TERMS, friction_columns
-from ur5lib.timeseries.arrays import Array
+from ur5lib.study.reading import parse_study
+from ur5lib.study.selection import (
+    MAX_DRAWN,
+    MAX_EXAMINED_WHOLE,
+    MAX_ILLUSTRATED,
+    OF_THE_STUDY,
+    Selection,
+)
+from ur5lib.thesis.reference import OLDER_MODEL, Erratum, Lookup, PrintedTable, PublishedValues
+
+ROLES = ("fit", "validate", "contact", "validate", "contact")  # in turn
+MANY = 3 * MAX_EXAMINED_WHOLE
 
 
-def with_more(
-    records: int, current: Array, term: str = "", distance: float = 0.0
-) -> list[CurrentSamples]:
-    """Recordings with noise and with more friction (6,) [A]: of a term, or held over a distance."""
-    study = []
-    for seed in range(records):
-        record = make_record(seed)
-        motions = [record.joint(joint) for joint in range(6)]
-        more = [
-            friction_columns(own, [term])[:, 0] if term else held_columns(own, [distance])[:, 1]
-            for own in motions
-        ]
-        noise = 0.02 * np.random.default_rng(seed).normal(size=record.current.shape)
-        added = current * np.stack(more, axis=1) + noise
-        study.append(replace(record, current=record.current + added))
-    return study
+def entries(folder: Path, count: int) -> list[dict[str, Any]]:
+    """Recordings of two arms."""
+    return [
+        {
+            "name": f"run_{k}",
+            "robot": ("ur5", "ur10e")[k % 2],
+            "format": "thesis-csv",
+            "role": ROLES[k % len(ROLES)],
+            "folder": str(folder / f"run_{k}"),
+        }
+        for k in range(count)
+    ]
 
 
-def test_the_root_of_velocity_comes_back() -> None:
-    true = 3.0 / CONSTANT
-    fit = fit_currents(with_more(6, true, "velocity_root"), smooth, prior())
-    assert fit.joints[0].terms == FITTED_TERMS
-    found = [joint.estimate.coefficients[-1] for joint in fit.joints]
-    np.testing.assert_allclose(found, true, rtol=0.1)
+def of(recordings: list[dict[str, Any]], published: PublishedValues | None = None) -> Selection:
+    for one in recordings:
+        if "simulate" not in one:
+            Path(one["folder"]).mkdir(exist_ok=True)
+    study = {"study": "made", "title": "Made", "recordings": recordings}
+    return Selection(parse_study(study, "made.yaml"), published or PublishedValues())
 
 
-def test_the_square_of_velocity_is_added_where_an_arm_has_it() -> None:
-    for size, added in ((0.0, ()), (-3.0, ("velocity_square",))):
-        fit = fit_currents(with_more(6, size / CONSTANT, "velocity_square"), smooth, prior())
-        assert {joint.terms for joint in fit.joints} == {(*FITTED_TERMS, *added)}
+def printed(recording: str, rows: tuple[str, ...] = ("A",)) -> PrintedTable:
+    values = dict.fromkeys(rows, (1.0,) * 6)
+    rebuilt = Lookup(table="torque_mae", value="mae")
+    return PrintedTable(source="1", recording=recording, rebuilt=rebuilt, values=values)
 
 
-@pytest.mark.parametrize("distance", [1e-5, 1e-3])
-def test_friction_at_rest_reverses_over_the_distance_that_it_has(distance: float) -> None:
-    """And over the usual one alone where nothing shows another."""
-    true = 6.0 / CONSTANT
-    fit = fit_currents(with_more(6, true, distance=distance), smooth, prior())
-    assert {joint.distances for joint in fit.joints} == {(distance,)}
-    found = np.array([joint.held[1] for joint in fit.joints])
-    assert (np.abs(found - true) < 0.5 * true).all()
-    usual = fit_currents(with_more(6, 0 * true, distance=distance), smooth, prior())
-    assert {joint.distances for joint in usual.joints} == {()}
+def test_of_few_recordings_all_are_drawn_and_examined(tmp_path: Path) -> None:
+    few = of(entries(tmp_path, MAX_EXAMINED_WHOLE))
+    assert few.examined == few.recordings.keys() == few.entries.keys()
+    for robot in ("ur5", "ur10e"):
+        assert few.drawn(robot) == few.of_arm(robot, "fit", "validate")
+        assert {few.arm(name) for name in few.drawn(robot)} == {robot}
 
 
-def test_less_is_surely_less() -> None:
-    """By a share, by standard errors over what is left out, and not by two of it alone."""
-    errors, noise = np.ones(6), np.exp(0.2 * np.array([1, -1, 1, -1, 1, -1]))
-    assert is_less(0.9 * errors, errors, 0.02, 2.0)
-    assert not is_less(0.99 * errors, errors, 0.02, 2.0)
-    assert not is_less(0.9 * noise, errors, 0.02, 2.0)
-    assert not is_less(0.5 * errors[:2], errors[:2], 0.02, 2.0)
+def test_of_many_some_are_drawn_by_their_names(tmp_path: Path) -> None:
+    """Another recording changes at most one of them, wherever it stands."""
+    given = entries(tmp_path, MANY)
+    many = of(given)
+    drawn = many.drawn("ur5")
+    contact_free = many.of_arm("ur5", "fit", "validate")
+    assert len(drawn) == MAX_DRAWN < len(contact_free)
+    assert drawn == [name for name in contact_free if name in drawn]  # in the study's order
+    assert of(given[::-1]).drawn("ur5") == drawn[::-1]
+    for name in ("a", "new", "zz"):
+        new = {"name": name, "folder": str(tmp_path / name)}
+        more = of([given[0] | new, *given]).drawn("ur5")
+        assert len({*more} - {*drawn}) <= 1
+
+
+def test_of_many_those_are_examined_that_are_drawn_shown_fitted_or_published(
+    tmp_path: Path,
+) -> None:
+    given = entries(tmp_path, MANY)
+    plain = of(given)
+    (other, older, *_) = sorted(plain.recordings.keys() - plain.examined)
+    tables = {"closed_loop_q": printed(other), "torque_mae": printed(older, (OLDER_MODEL,))}
+    many = of(given, PublishedValues(printed=tables))
+    expected = {*many.drawn("ur5"), *many.drawn("ur10e"), *many.illustrated, other, older}
+    expected |= {entry["name"] for entry in given if entry["role"] == "fit"}
+    assert many.examined == expected
+    assert many.examined < many.recordings.keys()
+
+
+@pytest.mark.parametrize("count", [2, 30, MANY])
+def test_a_few_of_each_role_are_illustrated(tmp_path: Path, count: int) -> None:
+    """With a force sensor before without, and the first, in the order of the study."""
+    given = entries(tmp_path, count)
+    touched = [one for one in given if one["role"] == "contact"]
+    for one in touched[-2:]:
+        (tmp_path / one["name"]).mkdir()
+        (tmp_path / one["name"] / "log_force_sensor.csv").touch()
+    shown = of(given).illustrated
+    roles = [one["role"] for one in given if one["name"] in shown]
+    assert shown == [one["name"] for one in given if one["name"] in shown]
+    assert shown[0] == "run_0"
+    for role in ("contact", "validate"):
+        among = [one["name"] for one in given if one["role"] == role]
+        assert roles.count(role) == min(MAX_ILLUSTRATED, len(among))
+    assert {one["name"] for one in touched[-2:]} <= {*shown}
+
+
+def test_what_is_published_is_shown(tmp_path: Path) -> None:
+    """Of recordings of the study alone."""
+    tables = {"torque_mae": printed("run_20", ("A", OLDER_MODEL)), "force_mae": printed("gone")}
+    few = of(entries(tmp_path, 30), PublishedValues(printed=tables))
+    assert few.printed() == few.printed("torque_mae") == few.of_older_model() == ["run_20"]
+    assert few.printed("force_mae") == few.explained() == few.filtered_first() == []
+    assert "run_20" in few.illustrated
+    assert "run_20" not in of(entries(tmp_path, 30)).illustrated
+    way = {"printed": "torque_mae", "row": "A", "acceleration": {"model_delay_s": 0.1}}
+    erratum = Erratum.model_validate({"place": "", "error": "", "choice": "", "explains": [way]})
+    explained = of(entries(tmp_path, 30), PublishedValues(printed=tables, errata=(erratum,)))
+    assert explained.explained() == explained.filtered_first() == ["run_20"]
+
+
+def test_postures_at_rest_are_no_recordings_in_motion(tmp_path: Path) -> None:
+    names = [f"{name}_{j}" for name in ("actual_q", "actual_current") for j in range(6)]
+    at_rest = {"name": "rest", "format": "table-csv", "folder": str(tmp_path), "file": "rest.csv"}
+    at_rest |= {"columns": names, "still": True}
+    given = entries(tmp_path, 2)
+    found = of([*given, given[0] | at_rest])
+    assert found.at_rest == ["rest"]
+    assert [*found.recordings] == ["run_0", "run_1"]
+    assert found.of_arm("ur5", "fit") == ["run_0"]
+    assert found.of_arm("ur5", "fit", at_rest=True) == ["rest"]
+
+
+def test_a_truth_is_that_of_the_stand_or_a_file_of_the_recording(tmp_path: Path) -> None:
+    given = entries(tmp_path, 3)
+    plan = {"trajectory": {"kind": "fourier", "period_s": 10}, "seconds": 10}
+    del given[0]["folder"]
+    given[0]["simulate"] = plan
+    given[1] |= {"format": "rtde-csv", "file": "a.csv", "truth": "known"}
+    Path(given[1]["folder"]).mkdir()
+    for suffix in (".parquet", ".json"):
+        Path(given[1]["folder"], f"known{suffix}").touch()
+    found = of(given)
+    assert found.simulated == ["run_0"]
+    known = {"run_0": "results/made/truth/run_0", "run_1": f"{tmp_path}/run_1/known"}
+    assert found.truths("results/made") == known
+    assert all(not Path(path).exists() for path in found.raw_files("run_0"))  # but will be made
+
+
+def test_a_reader_is_given_nothing_of_the_use_in_the_study(tmp_path: Path) -> None:
+    """So that a recording is not read again when its role changes, nor its tool."""
+    given = entries(tmp_path, 1)
+    used = {"role": "contact", "date": "2026-03-09", "payload": {"mass": 1.0}}
+    used |= {"gravity": [0, 0, 9.81], "untouched": [0, 1]}
+    one, other = of(given), of([given[0] | used])
+    assert one.entry_to_read("run_0") == other.entry_to_read("run_0")
+    assert not one.entry_to_read("run_0").keys() & {*OF_THE_STUDY}
+    assert (one.gravity("run_0"), other.gravity("run_0")) == (None, [0, 0, 9.81])
+    assert other.gravities(["run_0"]) == {"run_0": [0, 0, 9.81]}
+    assert (one.date("run_0"), other.date("run_0")) == ("", "2026-03-09")
+    assert one.payload("run_0") is None
+    payload = other.payload("run_0")
+    assert payload is not None
+    assert payload["mass"] == 1.0
+    assert one.sensor_mounting("run_0") == [None, None]
