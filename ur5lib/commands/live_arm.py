@@ -1,11 +1,11 @@
 """`ur5 export --to live`: what a causal estimate of the force needs of an arm, as JSON."""
 
 from collections.abc import Iterator
-from importlib import metadata
 from typing import Any
 
 import numpy as np
 
+from ur5lib import __version__
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
 from ur5lib.force.detection import CONTACT_FORCE
@@ -59,7 +59,7 @@ def live_arm(study: FinishedStudy | None, robot: str, as_in: str) -> str:
         for entry in entries
         if entry.name in runs and entry.name not in fitted
     ]
-    head = {"format": FORMAT, "units": UNITS, "exported_by": f"ur5lib {metadata.version('ur5lib')}"}
+    head = {"format": FORMAT, "units": UNITS, "exported_by": f"ur5lib {__version__}"}
     return json_text(
         head
         | {"arm": robot, "payload": payload and payload.model_dump(mode="json")}

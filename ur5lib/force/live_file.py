@@ -26,7 +26,7 @@ from ur5lib.timeseries.segments import DEAD_ZONE
 from ur5lib.timeseries.trajectories import REST_SPEED
 
 PRIOR = ContactPrior()
-CONSTANTS: dict[str, Any] = {  # chosen on dates and pushes left out, docs/methods.md#live
+CONSTANTS: dict[str, Any] = {  # docs/live.md says on what they were chosen
     "gain": 35.0,  # 1/s, of the observer
     "lever": PRIOR.lever,  # m
     "sizes": [5.0, 15.0, 45.0, 135.0],  # N, of contacts

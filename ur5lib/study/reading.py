@@ -133,14 +133,6 @@ def of_each_file(entry: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
         yield date | {**entry, "file": str(file), "name": f"{entry.get('name')}_{path_in_folder}"}
 
 
-def names_by_pattern(entries: Iterable[Any]) -> frozenset[str]:
-    """Return the names of the recordings that a study takes by patterns."""
-    patterns = (entry for entry in entries if is_pattern(entry))
-    return frozenset(
-        str(expanded["name"]) for entry in patterns for expanded in of_each_file(entry)
-    )
-
-
 def _with_each_file(raw: PlainData) -> tuple[PlainData, list[int]]:
     """Return the configuration with an entry of each file, and the index of each as stated."""
     recordings = raw.get("recordings")
