@@ -1,6 +1,5 @@
 """The command-line interface `ur5`."""
 
-import math
 import os
 import shlex
 import signal
@@ -494,61 +493,6 @@ def leaderboard(
 
     typer.echo(compared(results, estimator))
     typer.echo(f"all figures: {TABLE_FILE}")
-
-
-@app.command(rich_help_panel="Arm")
-def singularities(
-    robot: ArmName,
-    within: Annotated[
-        list[str] | None,
-        typer.Option(help="range of a joint [rad], e.g. 3=0.2:2.8; default: a whole turn"),
-    ] = None,
-    count: Annotated[
-        int, typer.Option(help="number of configurations to try", min=1, max=1_000_000)
-    ] = 10_000,
-    least: Annotated[
-        float,
-        typer.Option(help="singular value below which a configuration counts as singular", min=0),
-    ] = 0.01,
-) -> None:
-    """Print the share of joint space near shoulder, elbow and wrist singularities."""
-    from rich.console import Console
-
-    from ur5lib.commands.exported import described, expect_ur
-    from ur5lib.dynamics.flange import flange_kinematics
-    from ur5lib.force.singularities import (
-        sample_joints,
-        singular_shares,
-        smallest_singular_value,
-    )
-
-    arm = expect_ur(described(robot), "ur5 singularities")
-    q = sample_joints([_range(joint, within or []) for joint in range(1, 7)], count)
-    with Console(stderr=True).status(f"trying {count} configurations"):
-        sigma = smallest_singular_value(flange_kinematics(arm, q)[2])
-    for kind, share in singular_shares(arm, q, sigma < least).items():
-        typer.echo(f"{kind}: {100 * share:.2f} % of {count} configurations are singular")
-    worst = sigma.argmin()
-    place = ", ".join(f"{angle:.3f}" for angle in q[worst])
-    typer.echo(f"smallest singular value: {sigma[worst]:.2g}, at q = {place} rad")
-
-
-def _range(joint: int, within: list[str]) -> tuple[float, float]:
-    """Return the range of a joint from entries such as 3=0.2:2.8."""
-    low, high = -math.pi, math.pi
-    for entry in within:
-        try:
-            name, limits = entry.split("=")
-            first, last = map(float, limits.split(":"))
-            if not (1 <= int(name) <= 6 and first < last):
-                raise ValueError
-        except ValueError as error:
-            raise InputError(
-                f"--within {entry!r}: not a joint range; write joint=low:high, e.g. 3=0.2:2.8"
-            ) from error
-        if int(name) == joint:
-            low, high = first, last
-    return low, high
 
 
 @app.command(rich_help_panel="Project")

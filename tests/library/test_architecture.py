@@ -56,9 +56,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     | {"checks", "excitation", "finished", "jobs", "lab.doubles", "lab.recorder", "recordings"}
     | {"records", "report", "steps", "study", "tidy", "workspace"},
     "importing": BASE | {"checks", "commands", "recordings", "records", "study"},
-    "cli": BASE
-    | {"commands", "datasets", "dynamics", "force", "importing", "leaderboard", "study"}
-    | {"workspace"},
+    "cli": BASE | {"commands", "datasets", "importing", "leaderboard", "study"} | {"workspace"},
 }
 SCIPY = {"scipy.stats", "scipy.signal", "scipy.optimize"}
 LOADED = [  # steps, loaded one after the other, and the packages that none has loaded by then

@@ -53,7 +53,6 @@ def test_a_shell_completes_commands() -> None:
         ("chek x.yaml", "check"),
         ("export --robot ur5ee", "ur5e"),
         ("excite --robot UR-5ee --write x", "ur5e"),
-        ("singularities --robot ur7", "ur5e"),
         ("export --robot ur5 --to urfd", "urdf"),
         ("export --robot ur5 --model C+rotor", "C+rotors"),
         ("excite --robot ur5 --write x --question modle", "model"),

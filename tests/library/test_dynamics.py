@@ -11,7 +11,7 @@ import torch
 from torch import Tensor
 from torch.func import jvp
 
-from ur5lib.dynamics import euler_lagrange
+from tests import euler_lagrange
 from ur5lib.dynamics.arm import ArmTensors, build_arm
 from ur5lib.dynamics.kinematics import jacobian, velocity_product_acceleration
 from ur5lib.dynamics.recursion import symmetric

@@ -34,7 +34,7 @@ from ur5lib.workspace.extensions import ENTRY_POINT_GROUP, KINDS
 DOCUMENTS = [*PAGES, *sorted((PROJECT / "benchmarks").glob("*.py"))]
 EXAMPLES = [example for page in DOCUMENTS for example in examples(page)]
 COMMANDS = sorted({line for e in EXAMPLES if e.kind == "shell" for line in e.text.splitlines()})
-NEEDS_NO_FILES = re.compile(r"ur5 (export|singularities|settings|schema) (?!.*results/).*--")
+NEEDS_NO_FILES = re.compile(r"ur5 (export|settings|schema) (?!.*results/).*--")
 
 
 def of_kind(kind: str) -> pytest.MarkDecorator:

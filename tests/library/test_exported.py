@@ -10,11 +10,9 @@ import numpy as np
 import pinocchio
 import pytest
 import yaml
-from typer.testing import CliRunner
 
 from tests.library.test_from_urdf import made_up, saved
 from tests.rigid import check_rigid
-from ur5lib.cli import app
 from ur5lib.commands.compensation import offset_of
 from ur5lib.commands.described import describe_urdf
 from ur5lib.commands.exported import WRITERS, exported, simulator_friction
@@ -102,15 +100,6 @@ def test_placeholders_are_not_exported_unless_named(
     with pytest.raises(InputError, match=r"are placeholders .* --results .* --model maker"):
         exported("mine", None, "mjcf", None, "")
     assert exported("mine", "maker", "mjcf", None, "").startswith("<mujoco")
-
-
-def test_what_is_for_the_axes_of_a_ur_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    describe_urdf(saved(made_up(7), tmp_path), None, None, "mine")
-    with pytest.raises(InputError, match=r"`ur5 singularities` .* mine with its 7 joints"):
-        CliRunner().invoke(app, ["singularities", "--robot", "mine"], catch_exceptions=False)
 
 
 def test_its_friction_is_coulomb_and_viscous(tmp_path: Path) -> None:

@@ -9,15 +9,15 @@ from torch import Tensor
 
 from tests.library.test_dynamics import states
 from tests.library.test_dynamics_kinematics import POINT, slope
-from ur5lib.dynamics.arm import ArmTensors, build_arm
-from ur5lib.dynamics.kinematics import link_frames, velocity, velocity_transformation
-from ur5lib.dynamics.rigid_body import forward_dynamics
-from ur5lib.dynamics.task_space import (
+from tests.task_space import (
     pose,
     pose_acceleration,
     task_space_torque,
     wanted_acceleration,
 )
+from ur5lib.dynamics.arm import ArmTensors, build_arm
+from ur5lib.dynamics.kinematics import link_frames, velocity, velocity_transformation
+from ur5lib.dynamics.rigid_body import forward_dynamics
 from ur5lib.robots.description import Robot
 
 COUNT = 60

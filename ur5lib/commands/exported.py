@@ -95,16 +95,6 @@ def described(robot: str) -> Robot:
     return load_robot(robot_path(robot))
 
 
-def expect_ur(arm: Robot, command: str) -> Robot:
-    """Return an arm. Raises InputError where a command knows arms of a UR's six joints alone."""
-    if not arm.is_ur():
-        raise InputError(
-            f"`{command}` knows arms with the axes of a UR alone, not {arm.name} with its "
-            f"{len(arm.joints)} joints"
-        )
-    return arm
-
-
 def simulator_friction(robot: str, model: str, study: FinishedStudy) -> JointFriction | None:
     """Return the Coulomb and viscous friction that is closest to the identified friction, which has
     more terms, on the recordings of its fit; None without a fit.
