@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.harness.options import asked
-from ur5lib.steps.track_health import FALSE_ALARMS
+from ur5lib.steps.track_health import FALSE_ALARM_PROBABILITY
 from ur5lib.timeseries.changes import DatedSeries, coloured, find_changes
 
 ARMS, DATES, APART = 100, 20, 3.0  # days between dates
@@ -19,7 +19,7 @@ SERIES = 30  # of an arm: six joints, five quantities
 CORRELATIONS = (0.0, 0.3, 0.5, 0.6)  # of neighbouring dates
 SPREAD, STATED = 0.02, 0.01  # from date to date, and the stated error, of a value of 1
 SIZES = (5.0, 10.0)  # standard deviations from date to date
-LEVEL = FALSE_ALARMS / SERIES
+LEVEL = FALSE_ALARM_PROBABILITY / SERIES
 
 
 def main() -> None:

@@ -37,7 +37,7 @@ from ur5lib.report.figures.recording_figures import (
 )
 from ur5lib.report.figures.traces import TORQUE_PANELS, WRENCH_PANELS, Traces, decimate, draw_traces
 from ur5lib.robots.description import Cylinder, Robot
-from ur5lib.steps.draw_filters import FILTERED, OF_THESIS, draw_filters
+from ur5lib.steps.draw_filters import FILTERED, FILTERED_IN_THESIS, draw_filters
 from ur5lib.tidy.models import is_led
 from ur5lib.timeseries.lowpass import Butterworth
 
@@ -115,7 +115,7 @@ def test_joints_have_the_same_colours_everywhere() -> None:
 
 @pytest.mark.parametrize("is_thesis", [False, True])
 def test_filters_of_the_thesis_are_drawn_in_its_study_alone(is_thesis: bool) -> None:
-    lowpass = dict.fromkeys((*FILTERED, *OF_THESIS), Butterworth(4, 10.0))
+    lowpass = dict.fromkeys((*FILTERED, *FILTERED_IN_THESIS), Butterworth(4, 10.0))
     names = [*draw_filters(lowpass, is_thesis)["filters"].data]
     causal = [name for name in names if "one way" in name]
     assert bool(causal) == any("thesis" in name for name in names) == is_thesis

@@ -127,7 +127,7 @@ def statements() -> Iterator[str]:
     yield f"| margin | {wrench_estimate.CONTACT_MARGIN:g} s |"
     yield f"| κ | {missed_contacts.MISSED_DEVIATIONS:g} |"
     yield f"| smoothing at rest | {wrench_estimate.REST_SMOOTHING:g} s |"
-    yield f"the factor {residual_fit.PAST_ALONE:g} on errors of the past alone"
+    yield f"the factor {residual_fit.CAUSAL_ERROR_FACTOR:g} on errors of the past alone"
     yield f"κ is {missed_contacts.MISSED_DEVIATIONS:g}."
     yield f"a force that does not count as contact ({PRIOR.quiet:g} N)"
     yield (

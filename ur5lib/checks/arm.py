@@ -28,14 +28,14 @@ from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import STANDARD_GRAVITY
 
-# difference of log-likelihoods; in right recordings of four arms, at most 31
+# A difference of log-likelihoods. In right recordings of four arms, it is at most 31.
 MIN_LEAD_OF_ARM = 40.0
-# times the maker's torque constant or part of it; beyond all errors, right recordings need a factor
-# of 1.51, without the worst arm 1.34
+# To the maker's torque constant, or its inverse. Beyond all errors, right recordings need a
+# factor of 1.51, without the worst arm 1.34.
 MAX_CONSTANT_RATIO = 1.75
 MIN_SLOPE = 1e-3  # slope of a current that gravity does not show, relative to the maker's
 STICTION_SHARE = 0.1  # share of a motor's largest torque that friction may hold at rest
-# of the largest gain, from which on another mounting is not excluded
+# Another mounting whose gain is this share of the largest is not excluded.
 MIN_SHARE_OF_LARGEST_GAIN = 0.5
 MOUNTINGS = [  # gravity in the base frame, of arms on floors, ceilings and walls
     tuple(sign * STANDARD_GRAVITY if axis == own else 0.0 for own in range(3))

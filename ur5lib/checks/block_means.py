@@ -15,11 +15,11 @@ from ur5lib.timeseries.arrays import Array, Labels
 
 BLOCK_LENGTH = 0.1  # s, of the blocks
 DECORRELATION_TIME = 0.4  # s between errors that count as independent
-# share of a block's frames that may have been lost; in some recordings, half are
+# More of a block's frames may not be lost. In some recordings, half are.
 MAX_SHARE_FILLED = 0.6
 FULL_FRICTION_SPEED = 0.02  # rad/s; faster joints have their full friction
 SMALLEST_SIZE = 1e-300  # keeps divisors above zero
-# of the regressor's square; keeps first moments small that nothing determines
+# Relative to the regressor's square. It keeps first moments small that nothing determines.
 FIRST_MOMENT_PRIOR = 1e-4
 ALL = slice(None)
 

@@ -26,22 +26,23 @@ from ur5lib.timeseries.arrays import Array
 
 MIN_ERRORS = 2.5  # standard errors over stretches, below which a lead may be chance
 MAX_LEAD_AGAINST = 0.1  # of what is declared by any links, at which these are not against a change
-# in right logs, exchanged efforts never lead beyond chance, exchanged joints by 0.27 at most by the
-# declared links, by 0.36 by any; where friction is no known one, by 0.72 and 0.34 in short logs
+# In right logs, exchanged efforts never lead beyond chance, exchanged joints by 0.27 at most by
+# the declared links, by 0.36 by any. Where friction is no known one, they lead by 0.72 and 0.34
+# in short logs.
 MIN_LEAD_OF_EFFORTS = 0.15
 CLEAR_LEAD_OF_JOINTS = 0.8  # by the declared links, from which on any links need not agree
 MIN_LEAD_OF_JOINTS, MIN_LEAD_OF_JOINTS_BY_ANY_LINKS = 0.35, 0.5
-# of a turned joint by the declared links, in right logs at most 0.31; by any, the mean over all
-# joints, at most 0.05
+# A turned joint leads by at most 0.31 in right logs by the declared links. By any, the mean over
+# all joints is at most 0.05.
 MIN_LEAD_OF_SIGN, MIN_LEAD_OF_SIGN_BY_ANY_LINKS = 0.5, 0.15
 MIN_ERRORS_OF_FRICTION = 3.0  # standard errors by which friction drives; in right logs, at most 0.6
-# with what the arm carries, in right logs at most 0.26, and with any load
+# Leads with what the arm carries, in right logs at most 0.26, and with any load.
 MIN_LEAD_OF_ARM, MIN_LEAD_OF_LOADED_ARM = 0.3, 0.1
-# by which any links lead the declared ones of a joint whose description is in doubt; in right logs
-# of arms that are described with all that they have, at most 0.6 beyond chance
+# By more, any links lead the declared ones only where a joint's description is in doubt. In right
+# logs of arms that are described with all that they have, they lead by at most 0.6 beyond chance.
 MAX_LEAD_OF_ANY_LINKS = 0.8
-# times the maker's constant, at the best and the lowest by its errors; in right logs, at most as
-# much as RIGHT_RATIO and 1.00
+# Ratios to the maker's constant, the best one and the lowest by its errors. In right logs, they
+# are at most RIGHT_RATIO and 1.00.
 MIN_RATIO_OF_WEAK, MIN_LOW_OF_WEAK, RIGHT_RATIO = 1.18, 1.06, 1.05
 # A, of what such a current lacks beyond those of right logs; 0.15 A that vary once per turn look
 # like more in 7 of 432 logs of a UR3e

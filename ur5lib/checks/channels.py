@@ -20,7 +20,7 @@ DERIVATIVES = [  # a channel, and the channel that should be its derivative
     ("target_q", "target_qd"),
     ("target_qd", "target_qdd"),
 ]
-# a velocity this far from its position's slope is misread
+# A velocity this far from its position's slope is misread.
 MIN_VELOCITY_RATIO, MAX_VELOCITY_RATIO = 0.5, 2.0
 TWINS = [  # channels that follow each other, and the largest median difference between them
     ("actual_q", "target_q", 0.05),
@@ -33,7 +33,7 @@ LEVEL_RATIOS = [
     ("actual_current", "target_current", 0.05, 20.0),
     ("target_moment", "target_current", 0.5, 200.0),
 ]
-# two joints count as swapped if swapping them cuts their deviation to this share
+# Two joints count as swapped if swapping them cuts their deviation to this share.
 MAX_SWAPPED_DEVIATION = 0.3
 SLOW_PERIOD, MIN_SLOW_SAMPLES = 0.03, 12  # s; samples of a stretch that show their own spacing
 # A spline misses every second sample by less than this share of what a straight line does, beyond

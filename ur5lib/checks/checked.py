@@ -20,7 +20,7 @@ from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, r
 from ur5lib.timeseries.segments import period
 
 MIN_BLOCKS = 30  # blocks of a recording that can contradict an arm
-# joints that move at least where a hand leads an arm; a strong push turns one
+# Where a hand leads an arm, so many joints move at least. A strong push turns one.
 MIN_JOINTS_LED_BY_HAND = 3
 
 

@@ -20,7 +20,7 @@ from ur5lib.timeseries.segments import runs
 WINDOW_BLOCKS = 5  # blocks, 0.5 s; shorter deviations are those of friction
 SETTLING_BLOCKS = 5  # blocks after a stop until friction holds what it will
 MIN_MOVING_BLOCKS = 100  # blocks in which a joint moves, which its friction is fitted to
-# of the motor's largest torque; right ones leave 0.071, without the worst arm 0.061
+# Of the motor's largest torque. Right recordings leave 0.071, without the worst arm 0.061.
 CONTACT_TORQUE_SHARE = 0.1
 REGRESSION_ROUNDS = 10  # of reweighted least squares
 OUTLIER_DISTANCE = 1.5  # robust standard deviations from which on a block counts less

@@ -24,9 +24,10 @@ from ur5lib.robots.statics import gravity_columns, load_torque
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Mask
 
-# difference of log-likelihoods of two joints before all others; in right recordings, at most 5
+# A difference of log-likelihoods, of two joints before all others. In right recordings, it is at
+# most 5.
 MIN_LEAD_OF_EXCHANGE = 60.0
-# standard errors by which friction drives; in right recordings, at most 2
+# Standard errors by which friction drives. In right recordings, they are at most 2.
 MIN_ERRORS_OF_FRICTION = 4.0
 MIN_GEAR_RATIO = 20.0  # of smaller ones, friction may be less than what links leave unexplained
 # Nm; a joint with less gravity torque does not show the unit of its current
@@ -42,11 +43,11 @@ CONSTANTS_OF_UNITS = {  # Nm per “A” of what is no current in A, by the code
 }
 OTHER_UNIT_CODE = "no current"  # the code of any other unit
 MIN_STANDARD_ERRORS = 5.0  # standard errors that are no chance
-# share of a current's square that gravity, friction and inertia may leave
+# Gravity, friction and inertia may leave this share of a current's square.
 MAX_SHARE_UNEXPLAINED = 0.5
 MIN_UNDECLARED_LOAD = 1.0  # kg; right recordings show up to 0.3 kg, all of it friction
 MIN_MOVING_BLOCKS = 30  # blocks of a joint in motion that show a load
-# least share of the difference of the currents that such a load explains
+# Such a load explains at least this share of the difference of the currents.
 MIN_SHARE_EXPLAINED_BY_LOAD = 0.2
 
 

@@ -14,10 +14,10 @@ from ur5lib.robots.statics import gravity_columns
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Mask
 
-# difference of log-likelihoods; in right recordings of real and drawn arms, at most 12
+# A difference of log-likelihoods. In right recordings of real and drawn arms, it is at most 12.
 MIN_LEAD_OF_DELAY = 20.0
-# likewise before shorter delays, which friction that follows the reversal looks like, by drives and
-# where a hand leads; in right ones, at most 1
+# The lead before shorter delays, which friction that follows the reversal looks like, by drives
+# and where a hand leads. In right recordings, it is at most 1.
 MIN_LEAD_BEFORE_SHORTER, MIN_LEAD_OF_DELAY_BY_HAND = 8.0, 40.0
 DELAY_STEP, MAX_DELAY = 0.02, 0.4  # s, of the delays that are tried; right recordings show none
 MIN_DELAY = 0.03  # s; a shorter delay changes nothing that is fitted below 2 Hz

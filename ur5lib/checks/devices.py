@@ -15,7 +15,7 @@ from ur5lib.robots.description import FullScale, Robot
 CLIPPING_SHARE = 0.999  # share of the full scale at which a sample counts as clipped
 MIN_SATURATED_SAMPLES = 10  # samples at exactly the same extreme value indicate saturation
 MIN_GRAVITY, MAX_GRAVITY = 8.0, 12.0  # m/s², the median specific force that an IMU may measure
-# m/s²; a component of gravity changes at least this much where an IMU turns
+# In m/s². Where an IMU turns, a component of gravity changes at least this much.
 MIN_GRAVITY_CHANGE = 3.0
 
 

@@ -10,11 +10,12 @@ from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Mask
 
 MIN_MOVING_FRAMES = 20  # in which a joint moves, from which its channels are compared
-# a pair closer by this factor than the targets; in right recordings, none is by 0.95
+# A pair of channels is exchanged if it is closer by this factor than the targets. In right
+# recordings, none is by 0.95.
 MAX_DEVIATION_RATIO = 0.5
-# actual_current is at least 15 times as rough as target_current in right recordings
+# In right recordings, actual_current is at least 15 times as rough as target_current.
 MAX_ROUGHNESS_RATIO = 0.3
-# share of changing values that equal their targets; in right recordings, 0.002 at most
+# Share of changing values that equal their targets. In right recordings, it is 0.002 at most.
 MIN_SHARE_EQUAL = 0.5
 EXCHANGED_QUANTITIES = {  # which quantities are exchanged, by the pair that fits like targets
     ("actual_q", "target_qd"): ("q",),

@@ -13,18 +13,18 @@ from ur5lib.checks.block_means import SMALLEST_SIZE
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-# s between frames; slower ones show the motion of all joints more than disturbances
+# In s, between frames. Slower ones show the motion of all joints more than disturbances.
 MAX_STEP = 0.02
-# share of frames whose currents differ from the previous ones; fewer were held
+# Share of frames whose currents differ from the previous ones. Fewer were held.
 MIN_SHARE_FRESH = 0.9
-# share of the currents' changes that is new; 0.5 to 1 as recorded, 0.2 if smoothed
+# Share of the currents' changes that is new. It is 0.5 to 1 as recorded, 0.2 if smoothed.
 MIN_SHARE_NEW = 0.3
 MIN_FRAMES, MAX_FRAMES = 100, 20_000  # frames that are looked at
 PREDICTOR_ORDER = 3  # frames by which a current is predicted
-# frames before and after, within which a current answers a motion, and a motion a current
+# Frames before and after, within which a current answers a motion, and a motion a current.
 RESPONSE_FRAMES = 2
 DECORRELATION_FRAMES = 2  # frames between innovations that count as independent
-# quantiles of changes; larger ones are jumps of all channels at once
+# Quantiles of changes. Larger ones are jumps of all channels at once.
 JUMP_QUANTILES = (0.005, 0.995)
 RIDGE = 1e-6  # of the motions' unit size; for those that are nil or alike
 

@@ -20,17 +20,19 @@ from ur5lib.robots.description import Payload, Robot
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 
-# difference of log-likelihoods of two exchanged joints; at most 46 where a few postures are held
+# A difference of log-likelihoods of two exchanged joints. It is at most 46 where a few postures
+# are held.
 MIN_LEAD_OF_EXCHANGED_JOINTS = 60.0
 BEARING_JOINTS = 3  # joints from the base that bear others in every posture
 MIN_ERRORS_OF_CORRELATION = 5.0  # standard errors by which gravity shows in a current
-# of the motor's largest torque, the standard deviation of gravity beside which friction is small
+# Of the motor's largest torque: the standard deviation of gravity beside which friction is small.
 MIN_GRAVITY_SHARE = 0.1
 MAX_CONSTANT_ERROR = 0.1  # relative, of a torque constant that contradicts the known one
 MAX_CONSTANT_RATIO = 1.75  # to the known one
-# of the motor's largest torque, the static friction of a joint; 0.04 to 0.06 on the measured arms
+# Of the motor's largest torque: the static friction of a joint. It is 0.04 to 0.06 on the
+# measured arms.
 STATIC_FRICTION_SHARE = 0.06
-# share of such a current's variance that may be left; friction leaves 0.1
+# Share of such a current's variance that may be left. Friction leaves 0.1.
 MAX_VARIANCE_UNEXPLAINED = 0.3
 
 

@@ -13,7 +13,8 @@ from ur5lib.robots.statics import gravity_columns
 from ur5lib.timeseries.arrays import Array
 
 MIN_BLOCKS_EACH_WAY = 5  # in which a joint turns, each way
-# difference of log-likelihoods; in right recordings, no effort of one sign is likelier as a size
+# A difference of log-likelihoods. In right recordings, no effort of one sign is likelier as a
+# size.
 MIN_LEAD_OF_SIZES = 3.0
 MIN_UNSIGNED_JOINTS = 2  # one alone may be its offset
 

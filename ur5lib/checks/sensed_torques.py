@@ -11,12 +11,12 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.inertia import link_tail
 from ur5lib.robots.statics import STANDARD_GRAVITY, gravity_regressor
 
-# times the torque that holds equal links of the described weight, or part of it; of right
-# recordings of six arms, 0.5 to 2.3
+# To the torque that holds equal links of the described weight, or its inverse. It is 0.5 to 2.3
+# of right recordings of six arms.
 MAX_SIZE_RATIO = 10.0
-# the same of described links, which may be guesses: a tenth of an arm's weight explains no unit
+# The same of described links, which may be guesses. A tenth of an arm's weight explains no unit.
 MAX_SIZE_RATIO_OF_LINKS = 100.0
-# of what holds an arm stretched out; of less, friction may be many times as large
+# Of what holds an arm stretched out. Of less, friction may be many times as large.
 MIN_SHARE_BORNE = 0.25
 SMALLEST_CHANGE = 1e-9  # Nm, of a torque that is logged
 

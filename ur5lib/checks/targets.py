@@ -14,7 +14,7 @@ from ur5lib.checks.currents import moving_joints
 from ur5lib.records.quality import ODD_TARGET, Finding, contradiction
 from ur5lib.robots.description import Robot
 
-# current per target; 0.87 to 1.5 in right recordings, loads included
+# Current per target. It is 0.87 to 1.5 in right recordings, loads included.
 MIN_RATIO_TO_TARGET, MAX_RATIO_TO_TARGET = 0.8, 2.0
 MIN_BORNE_CURRENT = 1.0  # A, root mean square of the target of a joint that bears something
 

@@ -15,11 +15,11 @@ from ur5lib.robots.statics import load_torque
 from ur5lib.timeseries.arrays import Array
 
 TORQUE_NOISE = 0.02  # Nm; nothing is explained better
-# share that another arm, a load or a unit may leave to be named as the cause
+# Another arm, a load or a unit that leaves more is not named as the cause.
 MAX_SHARE_LEFT_BY_CAUSE = 0.1
 MIN_LOAD, MAX_LOAD = 0.3, 40.0  # kg; loads that are named as the cause
 MIN_GIVEN_LOAD = 0.1  # kg
-# share of what is left that a load explains; at most 0.14 in right recordings in motion
+# Share of what is left that a load explains. It is at most 0.14 in right recordings in motion.
 MIN_SHARE_EXPLAINED_BY_GIVEN_LOAD = 0.3
 DEGREES_PER_RADIAN = 180 / np.pi
 

@@ -24,7 +24,8 @@ from ur5lib.timeseries.arrays import Array
 
 STRETCHES = 10  # of time, each of which is left out once
 MAX_BLOCKS = 600  # of a log that are looked at
-# of columns of unit size; the one that misses least is taken, so that few blocks are not overfitted
+# Of columns of unit size. The one that misses least is taken, so that few blocks are not
+# overfitted.
 RIDGES = (1e-4, 3e-3, 3e-2)
 WEIGHING_ROUNDS = 3  # in which each joint's noise is estimated
 TORQUE_NOISE = 0.02  # Nm; nothing is explained better

@@ -165,7 +165,7 @@ def _messages(table: pd.DataFrame) -> Iterator[bytes]:
         yield json.dumps({name: x for name, x in values if math.isfinite(x)}).encode()
 
 
-# ending of a path, and what writes it
+# Ending of a path, and what writes it.
 WRITERS: dict[str, tuple[str, Callable[[RecordingTables, Path], None]]] = {
     "mat": (".mat", write_mat),
     "csv": ("", write_csv_folder),
@@ -173,7 +173,7 @@ WRITERS: dict[str, tuple[str, Callable[[RecordingTables, Path], None]]] = {
 }
 
 
-# file beside the MCAP files: what it holds
+# File beside the MCAP files, and what it holds.
 LAYOUTS = {
     "foxglove_layout.json": foxglove_layout,
     "plotjuggler_layout.xml": plotjuggler_layout,

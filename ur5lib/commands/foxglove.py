@@ -20,7 +20,7 @@ from ur5lib.timeseries.arrays import Array
 BASE = "frame_0"  # of the URDF, in whose axes forces are
 METRES_PER_NEWTON = 0.005  # length of an arrow
 SHAFT_SHARE, SHAFT_DIAMETER, HEAD_DIAMETER = 0.8, 0.015, 0.035  # of its length; m
-# topic: table, columns' prefix, colour
+# Topic: table, columns' prefix, colour.
 ARROWS: dict[str, tuple[str, str, tuple[float, float, float]]] = {
     f"/arrow_{LEADING}": ("forces", LEADING, (0.0, 0.62, 0.45)),
     "/arrow_sensor": ("sensor", "compensated", (0.1, 0.1, 0.1)),

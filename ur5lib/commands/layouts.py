@@ -9,7 +9,7 @@ from ur5lib.commands.foxglove import ARROWS, BASE
 from ur5lib.force.estimators import LEADING
 
 Columns = Mapping[str, Collection[str]]  # of each table
-# title: table and beginning of the columns' names, of those that are plotted together
+# Title: table and beginning of the columns' names, of those that are plotted together.
 PLOTS: dict[str, list[tuple[str, str]]] = {
     "force [N]": [("forces", f"{LEADING}_F"), ("sensor", "compensated_F")],
     "moment [Nm]": [("forces", f"{LEADING}_n"), ("sensor", "compensated_n")],

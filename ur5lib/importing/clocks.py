@@ -20,7 +20,7 @@ MIN_CHANGES = 3  # of a clock
 MIN_SHARE_OF_NEW_ROWS = 0.5  # among those that are close to the one before
 MIN_SHARE_FORWARD = 0.95  # of steps; a clock hardly ever goes back
 MIN_EPOCH_STAMP = 1e9  # s; stamps after 2001 count from 1970
-# size of second to first differences: below 1 of a motion, above of postures
+# Size of second to first differences: below 1 of a motion, above of postures.
 MIN_POSTURE_ROUGHNESS = 1.2
 MIN_POSTURE_DISTANCE = 0.05  # rad, between two postures
 

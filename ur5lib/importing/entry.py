@@ -23,7 +23,7 @@ from ur5lib.recordings.ordering import continued, epochs
 EPISODE_INDEX = "episode_index"  # LeRobot's
 RECORDED_COLUMNS = {c for name in RECORDED_CHANNELS for c in columns_of(name)}
 StudyEntry = dict[str, Any]  # of a study, as YAML has it
-# that are proven, assumed, or left out
+# Channels that are proven, assumed, or left out.
 PROVABLE_CHANNELS = (*UNITS_BY_CHANNEL, *TARGET_UNITS, "actual_TCP_pose")
 PROVABLE_COLUMNS = {c for name in PROVABLE_CHANNELS for c in columns_of(name)}
 CONTROLLER_CHANNELS = (

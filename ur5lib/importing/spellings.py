@@ -11,7 +11,7 @@ def _words_in(text: str) -> set[str]:
     return {*text.split()}
 
 
-# of quantities with a column for each joint, by a word of their name; the first counts
+# Quantities with a column for each joint, by a word of their name. The first counts.
 JOINT_QUANTITY_WORDS = {
     "qdd": _words_in("qdd ddq qddot qpp acceleration accelerations accel acc"),
     "qd": _words_in("qd dq qdot qp velocity velocities vel speed speeds spd"),
@@ -42,7 +42,7 @@ COMMAND_WORDS = _words_in(  # the last two of a policy
     "target tgt desired des ref reference cmd command commanded setpoint goal soll computed "
     "action actions"
 )
-# in which a path ends behind its quantity
+# Words in which a path ends behind its quantity.
 CONTAINER_WORDS = _words_in("data value values signals")
 TOOL_WORDS = _words_in("tcp tool cartesian transform tf eef")
 MODEL_WORDS = _words_in("gravity grav coriolis model dynamics")  # torques that are computed

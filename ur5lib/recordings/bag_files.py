@@ -15,7 +15,7 @@ from ur5lib.strict import read_yaml
 
 ENDINGS_IN_FOLDER = (".bag", ".db3", ".mcap", ".db3.zstd", ".mcap.zstd")
 PACKED_ENDING, DESCRIPTION = ".zstd", "metadata.yaml"
-# `rosbag record` may put the date of a part before its number
+# `rosbag record` may put the date of a part before its number.
 PART_NUMBER = re.compile(r"(?:_\d{4}(?:-\d\d){5})?_(\d+)$")
 PIECE_BYTES = 1 << 20  # bytes that are unpacked at a time
 

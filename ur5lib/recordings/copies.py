@@ -13,7 +13,8 @@ import pandas as pd
 from ur5lib.channels import Effort, columns, joint_count
 from ur5lib.timeseries.arrays import Array, Labels
 
-# rad; A or Nm; coarser than formats write, finer than noise, with borders between decimals
+# In rad, and in A or Nm: coarser than formats write, finer than noise, with borders between
+# decimals.
 RESOLUTION, RESOLUTION_OF_EFFORTS = np.pi / 3000, np.pi / 300
 MAX_ROWS_KEPT = 256  # rows that are kept
 MIN_ROWS_COMPARED = 8  # rows from which on two recordings are compared

@@ -32,7 +32,7 @@ SPREADSHEET_CELL = re.compile(
 BLOCK_BYTES = 1 << 16  # bytes; a block of this size with a damaged line is read line by line
 TAIL_LINES = 20  # lines that show what a complete last line looks like
 LEAD_LINES = 60  # lines that show where a table begins
-# a table without names that is wider, and so much wider than long, is transposed
+# A table without names that is wider, and so much wider than long, is transposed.
 MIN_SAMPLES, SAMPLES_A_ROW = 100, 5
 MIN_LEAD_COUNT = 6  # rows and cells that a table has at least
 SEPARATORS_BESIDE_COMMAS = (b";", b"\t")  # separators beside which commas are decimal points

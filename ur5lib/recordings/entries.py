@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ur5lib.timeseries.arrays import Labels
 
 SKIPPED_COLUMN = "-"
-# of frame repair
+# Columns of frame repair.
 RESERVED_COLUMNS = ["time", "received", "epoch", "slot", "segment", "interpolated"]
 OPPOSITE_SIGN = "opposite"  # SI, with the opposite sign, as a wrench of the arm on its surroundings
 UNIT_FACTORS = {  # from these units to SI

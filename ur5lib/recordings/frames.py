@@ -20,7 +20,7 @@ from ur5lib.timeseries.sampling import interpolated
 
 SMOOTH_CHANNELS = ("actual_q", "actual_qd", "target_q", "target_qd")  # interpolated by PCHIP
 MAX_DISTANCE_FROM_GRID = 0.1  # cycles; how far a step may lie from a whole number of cycles
-# share of steps within MAX_DISTANCE_FROM_GRID in a recording with a fixed cycle
+# Share of steps within MAX_DISTANCE_FROM_GRID in a recording with a fixed cycle.
 MIN_SHARE_ON_GRID = 0.95
 MIN_SLOW_STEP = 2  # rows from a sample to the next, of a channel that others outpace
 MIN_REPORTED_JITTER = 5e-5  # s; larger jitter is reported

@@ -12,7 +12,7 @@ from ur5lib.timeseries.arrays import Array
 
 MIN_FROZEN_TIME = 1.0  # s; in right logs of eight arms, no value of a moving joint lasts for 0.25 s
 MIN_FROZEN_ROWS = 10
-# times as long as values last that are rounded, or held until the next: nearly all others
+# To how long values last that are rounded, or held until the next: nearly all others.
 MIN_LENGTH_RATIO, USUAL_QUANTILE = 5.0, 0.99
 MIN_VALUES = 20  # of a column, which tell how long its values last
 MIN_TRAVEL = 0.05  # rad, by which a joint moves meanwhile

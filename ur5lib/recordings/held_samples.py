@@ -7,9 +7,9 @@ import numpy as np
 from ur5lib.timeseries.arrays import Array, Mask
 
 MIN_HELD_VALUES = 10  # values, by which a sensor shows how long its recorder holds each
-# rows for which most values are held; real sensors seldom repeat all components
+# Rows for which most values are held. Real sensors seldom repeat all components.
 MIN_HELD_ROWS = 2.0
-# a sensor's rate is even: few values last half as long as most, as chance would have it
+# A sensor's rate is even: few values last half as long as most, as chance would have it.
 MAX_HOLD_RATIO = 2.0
 
 

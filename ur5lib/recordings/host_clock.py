@@ -20,7 +20,7 @@ MIN_DRIFT_TIME = 4.0  # s; a shorter recording of the robot determines no drift
 STAMP_RESOLUTION = 1e-6  # s, of stamps
 ERROR_RANK = 5  # rank of the residual that serves as the error of a half
 MIN_ROUND_TRIP = 0.002  # s, the least one to a device, assumed because stamps do not show it
-# s, standard uncertainty: least delays of two devices differ by half of it to either side, at most
+# In s: least delays of two devices differ by half of the round trip to either side, at most.
 DELAY_STD = MIN_ROUND_TRIP / 2 / np.sqrt(3)  # evenly distributed
 MIN_STAMPS = 4  # stamps that determine a line
 UNDETERMINED_RATE_STD = 1e-3  # default standard error of an undetermined rate

@@ -10,7 +10,7 @@ from ur5lib.channels import joint_count
 from ur5lib.records.quality import Device, Finding, add_finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-# frames; a jump back in time followed by fewer is disorder, not a clock reset
+# A jump back in time that fewer frames follow is disorder, not a clock reset.
 MIN_RESET_FRAMES = 50
 MIN_TRAVEL = 1e-3  # rad a cycle, of all joints: ten times the noise of positions
 MIN_FREE_CYCLES = 1.5  # cycles to the next stamp, from which on a slot between is free

@@ -17,20 +17,20 @@ from ur5lib.tables import unit
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import runs
 
-# share of frames that may be discarded; more indicates a wrong unit, not damage
+# Share of frames that may be discarded. More indicates a wrong unit, not damage.
 MAX_SHARE_IMPOSSIBLE = 0.05
 STRAY_PAUSE = 60.0  # s; a few frames beyond such a pause are strays
 MIN_STEP, MAX_STEP = 2e-4, 1.0  # s; other steps mean that time is not in seconds
 NEIGHBOURS = 2  # frames on each side that a timestamp is compared with
 MIN_LEAP = 5.0  # times the largest usual step; a value that falls to zero by more was not received
 USUAL_QUANTILE = 0.99  # quantile of a column's steps that is still usual
-# channels that are never zero for long while other joints' are not
+# Channels that are never zero for long while other joints' are not.
 NOISY_COLUMNS = "actual_current_"
 LIKELY_UNITS = {"rad": "is it in degrees? ", "A": "is it in mA? "}  # by the start of a unit
 ROUNDED_SPEED = 0.1  # rad/s; drivers round smaller velocities to zero
 MIN_DEAD_ROWS = 5  # of zeros of some joints' currents, which were not received
 MIN_POWERLESS_ROWS = 50  # of zeros of all currents, of an arm without power
-# in any unit; single precision ends at 1e-45, what is nearer to zero is stray bytes
+# In any unit. Single precision ends at 1e-45; what is nearer to zero is stray bytes.
 SMALLEST_VALUE = 1e-50
 
 

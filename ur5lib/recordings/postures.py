@@ -16,7 +16,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Labels
 
-# rad; consecutive rows that differ by less in each joint are one posture
+# In rad. Consecutive rows that differ by less in each joint are one posture.
 MAX_POSTURE_CHANGE = 0.005
 CHANNELS_AT_REST = (  # channels that are used
     *("actual_q", "target_q", "target_moment", *EFFORT_CHANNELS),

@@ -24,7 +24,7 @@ from ur5lib.timeseries.arrays import Array
 FORCE_CHANNELS = columns("ft")
 FORCES = FORCE_CHANNELS[:3]  # all that some sensors have
 UNCONNECTED_READING = 1e-6  # N, Nm; largest value that an unconnected force sensor writes
-# in usual steps: counted as lost samples; reported even if single
+# In usual steps. From the first on, samples count as lost; the second is reported even if single.
 GAP_STEPS, LONG_GAP_STEPS = 2.5, 4.0
 MAX_STAMP_LENGTH = 1000  # characters of a file that holds one
 MAX_SHARE_LOST = 0.01  # share of samples; fewer lost or stale ones are ordinary jitter

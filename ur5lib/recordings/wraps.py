@@ -9,7 +9,7 @@ from ur5lib.records.quality import Finding, add_finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 TURN = 2 * np.pi  # rad
-# all in turns, between rows that were received
+# All in turns, between rows that were received.
 MAX_MOTION = 0.25  # at a wrap, by which its jump differs from a turn
 MAX_SMOOTH_STEP = 0.125  # to the rows around a wrap
 TOLERANCE = 0.005  # of the motion at a wrap, beside what the rows around it move

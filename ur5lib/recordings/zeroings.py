@@ -26,9 +26,9 @@ MIN_STEP = 2.0  # N, of a step
 # they lie farther. Of the steps of more than 1 N in the real recordings, where nobody zeroed the
 # sensor, none ends within 0.3 of zero, and none has samples so near their lines.
 MAX_DISTANCE_FROM_LINES, MAX_DISTANCE_FROM_ZERO = 0.3, 0.1
-# s from a step: currents have followed the end of a contact
+# In s from a step, after which currents have followed the end of a contact.
 REACTION_TIME, COMPARED_TIME = 0.02, 0.2
-# of its torque, which currents then show; friction holds some of it
+# Of its torque, which currents then show. Friction holds some of it.
 MIN_SHARE_SHOWN_BY_CURRENTS = 0.25
 ON_ROBOT_CLOCK = StartOffset(0.0, 0.0, drift_std=0.0)
 MIN_STANDARD_ERRORS = 4.0  # standard errors by which a current changes

@@ -12,7 +12,7 @@ T = TypeVar("T")
 Device = Literal["robot", "force", "imu"]
 Severity = Literal["stop", "error", "warning", "note"]
 GIVEN_LOAD = "given load"  # the finding that the controller counts with a load unknown to the study
-# share of target_moment that the right arm may leave; it leaves 0.063 at most
+# Share of target_moment that the right arm may leave. It leaves 0.063 at most.
 MAX_SHARE_UNMODELLED = 0.15
 ODD_TARGET = "odd target"  # the finding that a target of a current is to blame
 UNREADABLE = "unreadable"  # the finding that a recording cannot be read

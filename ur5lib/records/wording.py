@@ -15,7 +15,7 @@ from ur5lib.strict import read_yaml
 
 LIBRARY = Path(__file__).parents[1]
 WORDS = "*.words.yaml"  # the sentences of a module's codes, beside it
-# of a number in a sentence; a larger one only says that something is wrong
+# A larger number in a sentence only says that something is wrong.
 MAX_STATED_NUMBER = 9999
 
 

@@ -21,7 +21,7 @@ BEARING_SHARE = 0.03  # of a joint's largest torque
 
 STANDARD_GRAVITY = 9.81  # m/s²
 MIN_SINGULAR_VALUE = 0.03  # of J_g, with rows in m and rad
-# of the largest, of torques per mass and first moment; what is smaller does not tell links apart
+# Of the largest, of torques per mass and first moment. What is smaller does not tell links apart.
 SMALLEST_SINGULAR_VALUE = 1e-3
 NEWTON_STEPS = 3  # suffice for calibrations, which move frames by millimetres
 POSE_TOLERANCE = 1e-6  # m, rad; largest error of a solution

@@ -16,7 +16,7 @@ from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import unbroken
 
 JERK_BANK = np.geomspace(1e-2, 1e3, 11)  # rad/s³/√Hz: from standstill to the hardest start
-# intensity relative to the finer noise, as in _Ratios; a filter of more is lost to rounding
+# Intensity relative to the finer noise, as in _Ratios. A filter of more is lost to rounding.
 MAX_DRIVEN = 1e7
 VIBRATION_BANK = np.array([0.03, 0.2, 1.0, 4.0])  # relative to that of the whole recording
 NOISE_WINDOW = 0.1  # s, over which intensities and noise are taken as constant

@@ -14,19 +14,19 @@ from ur5lib.timeseries.lowpass import (
     frequency_response,
 )
 
-RATE = 125.0  # Hz, of the thesis's controller
+SAMPLING_RATE = 125.0  # Hz, of the thesis's controller
 FILTERED = {
     "motion": "measured motion",
     "accelerations": "accelerations compared",
     "currents": "currents",
 }
-OF_THESIS = {"published_forces": "the thesis's external torques"}
+FILTERED_IN_THESIS = {"published_forces": "the thesis's external torques"}
 
 
 def draw_filters(lowpass: dict[str, Butterworth], is_thesis: bool) -> dict[str, Drawing]:
     """Return the figure of the filters; lowpass: designs by what is filtered."""
-    frequency = np.geomspace(0.1, 0.49 * RATE, 300)
-    filtered = FILTERED | (OF_THESIS if is_thesis else {})
+    frequency = np.geomspace(0.1, 0.49 * SAMPLING_RATE, 300)
+    filtered = FILTERED | (FILTERED_IN_THESIS if is_thesis else {})
     ours = ((name, lowpass[key]) for key, name in filtered.items())
     theirs = (THESIS_ACCELERATION, THESIS_CURRENT) if is_thesis else ()
     gains = both_ways(frequency, ours) | one_way(frequency, theirs)
@@ -37,7 +37,7 @@ def both_ways(frequency: Array, designs: Iterable[tuple[str, Butterworth]]) -> d
     """Return the gains (N,) of filters that run forwards and backwards, by their descriptions."""
     return {
         f"{name}: order {order}, {cutoff:g} Hz, both ways": frequency_response(
-            frequency, RATE, order, cutoff
+            frequency, SAMPLING_RATE, order, cutoff
         )
         ** 2
         for name, (order, cutoff) in designs
@@ -48,7 +48,7 @@ def one_way(frequency: Array, designs: Iterable[Butterworth]) -> dict[str, Array
     """Return the gains (N,) of the thesis's causal filters, by their descriptions."""
     return {
         f"thesis: order {order}, {cutoff:g} Hz, one way": frequency_response(
-            frequency, RATE, order, cutoff
+            frequency, SAMPLING_RATE, order, cutoff
         )
         for order, cutoff in designs
     }

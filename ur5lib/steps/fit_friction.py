@@ -42,9 +42,11 @@ from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
 
-MOST_LOST = 3  # joints whose current does not follow their torque: the others tell a force
-MOST_OTHER_GAINS = 1  # joints whose torque has another gain: by a spring, a column, a link
-LEAST_GAIN = 0.4  # of a single one: smaller, a unit is wrong
+# Joints whose current does not follow their torque: the others tell a force.
+MAX_JOINTS_WITHOUT_LOAD = 3
+# Joints whose torque has another gain, by a spring, a column or a link.
+MAX_JOINTS_OF_OTHER_GAIN = 1
+MIN_GAIN = 0.4  # of such a joint; of a smaller one, a unit is wrong
 
 
 def fit_friction(
@@ -236,7 +238,7 @@ def require_gains_of_one(fit: CurrentFit) -> None:
         for number, gain in enumerate(gains, start=1)
         if gain is not None
     ]
-    if len(each) > MOST_OTHER_GAINS or any(0 < (gain or 0) < LEAST_GAIN for gain in gains):
+    if len(each) > MAX_JOINTS_OF_OTHER_GAIN or any(0 < (gain or 0) < MIN_GAIN for gain in gains):
         raise ContradictionError("contradicting gains", each=each)
 
 
@@ -248,7 +250,7 @@ def require_known_constants(fit: CurrentFit, prior: Prior) -> None:
     """
     lost = np.array([joint.contradicted is not None for joint in fit.joints])
     wrong = too_small(fit, prior)
-    if wrong.any() or lost.sum() > MOST_LOST:
+    if wrong.any() or lost.sum() > MAX_JOINTS_WITHOUT_LOAD:
         wrong |= lost
         found = [joint.contradicted for joint in fit.joints]
         fitted = np.where(lost, np.array(found, dtype=float), torque_constants(fit))

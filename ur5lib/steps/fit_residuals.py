@@ -34,21 +34,22 @@ from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.timeseries.segments import unbroken
 
-PAST_ALONE = 1.3  # factor on errors of the causal torque: other months' do not average out so soon
-TORQUES = {  # by their model: the torque, the states of joints, and a factor on the errors
+# On errors of the causal torque: other months' do not average out so soon.
+CAUSAL_ERROR_FACTOR = 1.3
+TORQUE_MODELS = {  # by their model: the torque, the states of joints, and a factor on the errors
     "tau_ext": ("external_torque", joint_states, 1.0),
-    "tau_causal": ("causal_torque", past_states, PAST_ALONE),
+    "tau_causal": ("causal_torque", past_states, CAUSAL_ERROR_FACTOR),
 }
-REST = 10.0  # s, below which hardly anything shows what friction holds at rest
+MIN_REST_DURATION = 10.0  # s, below which hardly anything shows what friction holds at rest
 # Usual error along a path that no fit has seen, by joint state, relative to Coulomb friction: in
 # motion the median of joints of four arms; at rest the root mean square of the joints of a UR5
 # (0.77, 1.02, 0.76) and a UR10e (0.31, 0.40, 0.36) fitted to one recording. The part of it that
 # changes fast is at rest the median of their joints (0.4, 0.15); in motion, theirs (0.55 to 0.8)
 # exceeds that of a wrong level of friction.
-USUAL = np.array([0.13, 0.13, 0.6, 0.75, 0.6])
-FAST = np.array([0.5, 0.5, 0.5, 0.4, 0.15])
-USUAL_SPEED, LOADED = 0.5, 3.0  # of an arm: [rad/s]; its load, in Coulomb friction
-DIRECTIONS = 3  # of a force: as many joints, or all, must have a known torque
+ERRORS_AT_USUAL_SPEED = np.array([0.13, 0.13, 0.6, 0.75, 0.6])
+ERRORS_IN_FAST_MOTION = np.array([0.5, 0.5, 0.5, 0.4, 0.15])
+USUAL_SPEED, USUAL_LOAD = 0.5, 3.0  # of an arm: [rad/s]; its load, in Coulomb friction
+FORCE_DIRECTIONS = 3  # of a force: as many joints, or all, must have a known torque
 
 
 def fit_residuals(
@@ -77,10 +78,10 @@ def residual_models(
     """
     if friction.explained is not None:
         unknown = np.flatnonzero(~(friction.explained > 0)) + 1
-        if len(friction.explained) - len(unknown) < min(DIRECTIONS, len(friction.explained)):
+        if len(friction.explained) - len(unknown) < min(FORCE_DIRECTIONS, len(friction.explained)):
             return Residuals(refused=remark("unknown torques", joints=unknown.tolist()))
     models, refused = dict[str, ResidualModel](), None
-    for name, (field, states_of, margin) in TORQUES.items():
+    for name, (field, states_of, margin) in TORQUE_MODELS.items():
         try:
             runs = inputs(recordings, field, states_of)
             models[name] = _residual_model(runs, friction, cutoff).wider(margin)
@@ -95,11 +96,12 @@ def residual_models(
 def usual_model(fit: CurrentFit, cutoff: float) -> ResidualModel:
     """Return the residual model of an arm like others; arguments as above.
 
-    The errors are USUAL, beside those of coefficients that no motion confirmed, at a usual speed
+    The errors are ERRORS_AT_USUAL_SPEED, beside those of coefficients that no
+    motion confirmed, at a usual speed
     and load.
     """
     coulomb, constant = breakaway_torque(fit), torque_constants(fit)
-    load = LOADED * coulomb  # Nm
+    load = USUAL_LOAD * coulomb  # Nm
     ones = np.ones_like(load)
     columns = np.stack([load, ones, ones, USUAL_SPEED * ones, load], axis=1)  # of BASE
     base = slice(columns.shape[1])
@@ -107,10 +109,10 @@ def usual_model(fit: CurrentFit, cutoff: float) -> ResidualModel:
         [np.zeros((5, 5)) if own.doubt is None else own.doubt[base, base] for own in fit.joints]
     )
     doubted = constant * np.sqrt(np.einsum("jp,jpq,jq->j", columns, doubts, columns))
-    spread = np.hypot(doubted, USUAL[:, None] * coulomb)
+    spread = np.hypot(doubted, ERRORS_AT_USUAL_SPEED[:, None] * coulomb)
     return ResidualModel(
         spread=spread,
-        change=FAST[:, None] * spread,
+        change=ERRORS_IN_FAST_MOTION[:, None] * spread,
         rate=np.array(
             [
                 MIN_RENEWAL_RATE,
@@ -140,7 +142,7 @@ def _remarks(paths: int, recordings: Sequence[tuple[Currents, Motion]]) -> Itera
         runs = inputs(recordings)
         still = [is_still(one.states) & finite_rows(one.torque) for one in runs]
         rest = sum(float(own.sum() * one.period) for own, one in zip(still, runs, strict=True))
-        if rest < REST:
+        if rest < MIN_REST_DURATION:
             yield remark("little rest", seconds=rest)
 
 

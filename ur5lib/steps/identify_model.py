@@ -39,7 +39,7 @@ from ur5lib.timeseries.lowpass import Butterworth, zero_phase_lowpass
 from ur5lib.timeseries.sampling import THINNED_STEP, differentiate
 from ur5lib.timeseries.segments import BLOCK_DURATION, by_segment, unbroken
 
-RESOLUTION = 1e-3  # Nm: noise of a torque in the excitation check
+TORQUE_RESOLUTION = 1e-3  # Nm: noise of a torque in the excitation check
 SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²: of the motions that it may suggest
 DESCRIPTION = "identified from the controller's torques, physically consistent"
 MEASURED_DESCRIPTION = "identified from measured torques, physically consistent"
@@ -223,7 +223,7 @@ def identification(
     candidates = candidate_regressors(models)
     base = base_parameters([*candidates.values()][-1])
     excitation = check_excitation(
-        data, base, estimate.width, np.full_like(estimate.noise, RESOLUTION), candidates
+        data, base, estimate.width, np.full_like(estimate.noise, TORQUE_RESOLUTION), candidates
     )
     return replace(known_bodies(models, estimate, parameters, mae), excitation=excitation)
 

@@ -42,8 +42,8 @@ from ur5lib.timeseries.metrics import mean_absolute_error
 from ur5lib.timeseries.segments import DEAD_ZONE
 
 RANGE_ORDER = 4  # of the filters that separate ranges of frequency
-CUTOFFS = {"below 2 Hz": (None, 2.0), "below 5 Hz": (None, 5.0), "5 to 20 Hz": (5.0, 20.0)}
-LEVELS = np.linspace(0, 1, 101)  # shares of which quantiles are stated
+FREQUENCY_RANGES = {"below 2 Hz": (None, 2.0), "below 5 Hz": (None, 5.0), "5 to 20 Hz": (5.0, 20.0)}
+QUANTILE_LEVELS = np.linspace(0, 1, 101)  # shares of which quantiles are stated
 
 Differences = Callable[[float], Mapping[str, Array]]
 """Returns by motion how far both differ in acceleration (N, 6), low-passed at a cut-off [Hz]."""
@@ -184,7 +184,7 @@ def by_range(differences: Differences, qd: Array) -> dict[str, ByRange]:
     moving = np.abs(qd).max(axis=1) > DEAD_ZONE
     low = {cutoff: differences(cutoff) for cutoff in (2.0, 5.0, 20.0)}
     ranges: dict[str, ByRange] = {name: {} for name in low[2.0]}
-    for motion, (name, (above, below)) in product(ranges, CUTOFFS.items()):
+    for motion, (name, (above, below)) in product(ranges, FREQUENCY_RANGES.items()):
         within = low[below][motion] - (low[above][motion] if above else 0)
         known = np.isfinite(within).all(axis=1)
         states = {"motion": within[known & moving], "rest": within[known & ~moving]}
@@ -193,5 +193,5 @@ def by_range(differences: Differences, qd: Array) -> dict[str, ByRange]:
 
 
 def _summed(difference: Array) -> Difference:
-    quantiles = np.quantile(np.abs(difference), LEVELS, axis=0)
+    quantiles = np.quantile(np.abs(difference), QUANTILE_LEVELS, axis=0)
     return Difference(np.mean(difference**2, axis=0), quantiles)

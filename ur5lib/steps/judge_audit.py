@@ -25,15 +25,17 @@ from ur5lib.steps.sensor_reading import in_frame_6, moved_tool, within_reach
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
-ROUNDS = 3  # of the tool's centre of mass, where its acceleration counts
-PAYLOAD = 0.15  # error of the scale beyond which the declared payload is wrong, not the sensor
-FEW = 5.0  # s without contact, below which nothing is said
+CENTER_ROUNDS = 3  # of the tool's centre of mass, where its acceleration counts
+# Of its scale; beyond, the declared payload is wrong, not the sensor.
+MAX_SCALE_ERROR_OF_SENSOR = 0.15
+MIN_FREE_DURATION = 5.0  # s without contact, below which nothing is said
 # Errors that matter: a quarter of the maker's accuracy of 4 N and 0.3 Nm, and what 0.05 kg weigh.
-FORCES = np.array([1.0] * 3 + [0.1] * 3)  # N, Nm; per minute
-DEGREES, SCALES, KILOGRAMS, METRES = 2.0, 0.05, 0.1, 0.01
-ZERO = 2 * FORCES
+MIN_WRENCH_ERROR = np.array([1.0] * 3 + [0.1] * 3)  # N, Nm; per minute
+MIN_TURN_DEG, MIN_SCALE_ERROR, MIN_MASS_ERROR, MIN_CENTER_ERROR = 2.0, 0.05, 0.1, 0.01
+MIN_ZERO_ERROR = 2 * MIN_WRENCH_ERROR
 SCALE_STD = 0.03  # of a sensor whose scale nothing tells but the mass that it weighs
-SLOW = 0.3  # m/s², below which inertia, which a controller may leave in its force, does not matter
+# In m/s². Below, inertia, which a controller may leave in its force, does not matter.
+MAX_INERTIAL_ACCELERATION = 0.3
 
 
 def audit(
@@ -58,15 +60,15 @@ def audit(
     if signals.actual_TCP_force is not None:
         weight = np.array(robot.gravity) @ kinematics.rotation  # R_6ᵀ g
         stated = _left_by_controller(signals, kinematics.rotation, moved, weight)
-        if stated is not None and stated.seconds >= FEW:
+        if stated is not None and stated.seconds >= MIN_FREE_DURATION:
             free, left = free or stated.seconds, fit_sensor_errors(stated, None)
             # the zero of the controller's force, and the weight that it still contains
-            rows += _wrench_rows("zero", stated.bias, stated.std()[0], ZERO)
-            rows.append(row("left_mass", "", left.mass, left.mass_std, "kg", 0.0, KILOGRAMS))
+            rows += _wrench_rows("zero", stated.bias, stated.std()[0], MIN_ZERO_ERROR)
+            rows.append(row("left_mass", "", left.mass, left.mass_std, "kg", 0.0, MIN_MASS_ERROR))
     if currents:
         known = currents.carried, currents.std_error, "kg", currents.configured
         rows.append(row("mass_by_currents", "", *known, 0.0))
-    return Audit(free, rows if free >= FEW else [])
+    return Audit(free, rows if free >= MIN_FREE_DURATION else [])
 
 
 def _explained(
@@ -75,11 +77,11 @@ def _explained(
     """Explain the raw reading, with the tool where it turns out to be."""
     assert signals.ft_raw_wrench is not None
     center = np.array(tool.center_of_mass) if tool else np.zeros(3)
-    for _ in range(ROUNDS):
+    for _ in range(CENTER_ROUNDS):
         known = moved.pull_at(center), moved.spin, signals.time, signals.period
         reading = fit_free_reading(in_frame_6(signals.ft_raw_wrench, robot), *known, tool)
         sensed = fit_sensor_errors(reading, tool.mass if tool else None)
-        if tool and abs(sensed.scale.mean() - 1) > PAYLOAD:
+        if tool and abs(sensed.scale.mean() - 1) > MAX_SCALE_ERROR_OF_SENSOR:
             sensed = fit_sensor_errors(reading, None)
         center = within_reach(sensed.center)
     return reading, sensed
@@ -90,8 +92,8 @@ def _left_by_controller(
 ) -> FreeReading | None:
     """Explain the controller's force, in axes of frame 6, where the arm is slow for long enough."""
     assert signals.actual_TCP_force is not None
-    slow = np.linalg.norm(moved.pull - weight, axis=1) < SLOW
-    if slow.sum() * signals.period < FEW:
+    slow = np.linalg.norm(moved.pull - weight, axis=1) < MAX_INERTIAL_ACCELERATION
+    if slow.sum() * signals.period < MIN_FREE_DURATION:
         return None
     wrench = (signals.actual_TCP_force.reshape(-1, 2, 3) @ rotation).reshape(-1, 6)
     wrench[~slow] = np.nan
@@ -103,7 +105,7 @@ def _turn_rows(sensed: SensorErrors, declared: Array) -> Iterator[AuditRow]:
     left = Rotation.from_rotvec(sensed.turn)  # of the reading, turned by what is declared
     turn = (left * Rotation.from_rotvec(declared, degrees=True)).as_rotvec(degrees=True)
     std = np.rad2deg(sensed.turn_std)
-    yield from _axis_rows("turn", turn, std, "°", declared, DEGREES)
+    yield from _axis_rows("turn", turn, std, "°", declared, MIN_TURN_DEG)
 
 
 def _sensor_rows(
@@ -112,17 +114,21 @@ def _sensor_rows(
     """Yield bias, drift and scale of the sensor, and the tool that it carries."""
     bias_std, drift_std = reading.std()
     yield from _wrench_rows("bias", reading.bias, bias_std)
-    yield from _wrench_rows("drift", reading.drift, drift_std, FORCES, "/min")
+    yield from _wrench_rows("drift", reading.drift, drift_std, MIN_WRENCH_ERROR, "/min")
     mass, mass_std = sensed.mass, sensed.mass_std
     if tool and sensed.mass == tool.mass:
-        yield from _axis_rows("scale", sensed.scale, sensed.scale_std, "1", [1.0] * 3, SCALES)
+        yield from _axis_rows(
+            "scale", sensed.scale, sensed.scale_std, "1", [1.0] * 3, MIN_SCALE_ERROR
+        )
         factor = float(sensed.scale.mean())
         mass, mass_std = factor * mass, float(mass * np.linalg.norm(sensed.scale_std) / 3)
     mass_std = float(np.hypot(mass_std, SCALE_STD * mass))
-    limit = max(KILOGRAMS, 2.5 * SCALE_STD * abs(mass))
+    limit = max(MIN_MASS_ERROR, 2.5 * SCALE_STD * abs(mass))
     yield row("mass", "", mass, mass_std, "kg", tool.mass if tool else None, limit)
     places = tool.center_of_mass if tool else (None,) * 3
-    yield from _axis_rows("center_of_mass", sensed.center, sensed.center_std, "m", places, METRES)
+    yield from _axis_rows(
+        "center_of_mass", sensed.center, sensed.center_std, "m", places, MIN_CENTER_ERROR
+    )
 
 
 def _shift_rows(reading: FreeReading, time: Array) -> Iterator[AuditRow]:
@@ -131,7 +137,7 @@ def _shift_rows(reading: FreeReading, time: Array) -> Iterator[AuditRow]:
     if len(shifts) > 1:
         error = shifts.std(axis=0, ddof=1) / np.sqrt(len(shifts))
         student = stats.t.ppf(0.975, len(shifts) - 1) / NORMAL95
-        yield from _wrench_rows("shift", shifts.mean(axis=0), student * error, FORCES)
+        yield from _wrench_rows("shift", shifts.mean(axis=0), student * error, MIN_WRENCH_ERROR)
 
 
 def _axis_rows(

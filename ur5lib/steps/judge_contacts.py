@@ -41,8 +41,8 @@ from ur5lib.steps.evidence import Evidence
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import inside_spans
 
-CLASSES = [TOUCH_FORCE, CONTACT_FORCE, 10.0, 15.0]  # N, that a contact reaches by the sensor
-CLAIMED = 10.0  # N, from which on the thesis calls its detection along z reliable (Section 6)
+FORCE_CLASSES = [TOUCH_FORCE, CONTACT_FORCE, 10.0, 15.0]  # N, that a contact reaches by the sensor
+RELIABLE_FORCE_OF_THESIS = 10.0  # N; along z, detection is reliable from there on (Section 6)
 
 Named = Callable[[Span, Alarm], Alarm]
 
@@ -130,11 +130,15 @@ def causally(
 def by_axis(own: Alarms, sensor: SensorWrenches, axis: int) -> OnAxis:
     """Return how an estimate does with the fixed threshold that the thesis claims, on one axis."""
     force = own.wrench[:, axis]
-    above = float(np.mean(np.nan_to_num(np.abs(force)) >= CLAIMED))
+    above = float(np.mean(np.nan_to_num(np.abs(force)) >= RELIABLE_FORCE_OF_THESIS))
     if "compensated" not in sensor.wrench:
-        return OnAxis(CLAIMED, above)
+        return OnAxis(RELIABLE_FORCE_OF_THESIS, above)
     sensed = sensor.wrench["compensated"][:, axis]
-    return OnAxis(CLAIMED, above, *pushes_above(force, sensed, CLAIMED, sensor.period))
+    return OnAxis(
+        RELIABLE_FORCE_OF_THESIS,
+        above,
+        *pushes_above(force, sensed, RELIABLE_FORCE_OF_THESIS, sensor.period),
+    )
 
 
 def load_finder(evidence: Evidence) -> Named:
@@ -203,7 +207,7 @@ def matched(raised: list[Span], sensor: SensorWrenches) -> Matched:
     any_contact = compare(raised, contacts(force), step)
     return Matched(
         alarms_per_min=len(raised) / minutes,
-        classes=[by_class(least, force, raised, step) for least in CLASSES],
+        classes=[by_class(least, force, raised, step) for least in FORCE_CLASSES],
         precision=any_contact.precision(),
         false_per_min=any_contact.false / minutes,
         extra=any_contact.extra,

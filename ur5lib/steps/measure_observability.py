@@ -37,9 +37,9 @@ from ur5lib.records.prediction import Prediction
 from ur5lib.timeseries.arrays import Array
 
 FLANGE_SPEEDS = (*SPEEDS, np.inf)  # m/s
-ROUNDS = 2  # of trial pushes
-LEAST_TRIALS = 270  # of an arm: thirty for each axis and range of speeds
-FEWEST_TRIALS = 10  # of which some are detected and some are not
+TRIAL_ROUNDS = 2  # of trial pushes
+MIN_TRIALS = 270  # of an arm: thirty for each axis and range of speeds
+MIN_TRIALS_OF_A_LIMIT = 10  # of which some are detected and some are not
 
 
 def measure_observability(
@@ -57,7 +57,7 @@ def measure_observability(
     typical contact.
     """
     prior, trials, errors = ContactPrior(force=contact_force_n), list[Trials](), list[Judged]()
-    least = LEAST_TRIALS // max(1, len(motion))
+    least = MIN_TRIALS // max(1, len(motion))
     for name, moved in motion.items():
         predicted = currents[name]
         if predicted.external_torque is None or predictions[name].is_loaded:
@@ -102,7 +102,7 @@ def pushed(
 
     places = speed, one.period, threshold, alarms(odds, threshold), random
     first = try_each_place(log_odds_of, jacobian, *places)
-    rounds = max(ROUNDS, -(-least // max(1, len(first.force))))
+    rounds = max(TRIAL_ROUNDS, -(-least // max(1, len(first.force))))
     more = [try_each_place(log_odds_of, jacobian, *places) for _ in range(rounds - 1)]
     return Trials.joined([first, *more])
 
@@ -193,7 +193,7 @@ def limit(trials: Trials, low: float, high: float, axis: str) -> Iterator[Smalle
     Beyond the largest trial, a logistic curve tells nothing: it is that one, and `beyond`.
     """
     tried, found = len(trials.found), int(trials.found.sum())
-    if tried >= FEWEST_TRIALS:
+    if tried >= MIN_TRIALS_OF_A_LIMIT:
         force, std = smallest_force(trials.force, trials.found)
         if beyond := force > MAX_TRIAL_FORCE:
             force, std = MAX_TRIAL_FORCE, np.nan

@@ -9,7 +9,7 @@ from ur5lib.records.motion import Motion
 from ur5lib.records.premises import Premises
 from ur5lib.robots.description import Robot
 
-SECONDS = 20.0  # of the recordings that may come next, as `ur5 excite` designs them
+CANDIDATE_DURATION = 20.0  # of the recordings that may come next, as `ur5 excite` designs them
 
 
 def rank_recordings(
@@ -40,4 +40,4 @@ def rank_recordings(
         recordings=recordings,
     )
     outlook = Outlook(arm, known)
-    return outlook.ranked(outlook.candidates(SECONDS))
+    return outlook.ranked(outlook.candidates(CANDIDATE_DURATION))

@@ -16,8 +16,8 @@ from ur5lib.signals.end_effector import ToolMotion, expected_values, tool_motion
 from ur5lib.signals.resampling import by_stamps
 from ur5lib.timeseries.arrays import Array
 
-FURTHEST = 0.3  # m, of a tool's centre of mass
-ROUNDS = 2  # of the tool's centre of mass, where its acceleration counts
+MAX_CENTER_DISTANCE = 0.3  # m, of a tool's centre of mass
+CENTER_ROUNDS = 2  # of the tool's centre of mass, where its acceleration counts
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ def sensor_reading(
         moment[:, 3:] = -expected_values(moved.gyration(tool.inertia), *known, clock_std)
     origin = place = np.array(robot.mounting.force_sensor)
     pull = expected_values(moved.pull_at(place), *known, clock_std)
-    for _ in range(ROUNDS):
+    for _ in range(CENTER_ROUNDS):
         offset = fit_offset(values - moment, pull, signals.period)
         place = origin + within_reach(offset.center())
         pull = expected_values(moved.pull_at(place), *known, clock_std)
@@ -123,7 +123,7 @@ def in_frame_6(reading: Array, robot: Robot) -> Array:
 
 def within_reach(center: Array) -> Array:
     """Return a tool's centre of mass (3,) [m], bounded; the flange where it is unknown."""
-    return np.nan_to_num(center).clip(-FURTHEST, FURTHEST)
+    return np.nan_to_num(center).clip(-MAX_CENTER_DISTANCE, MAX_CENTER_DISTANCE)
 
 
 def moved_tool(robot: Robot, kinematics: Kinematics, motion: Motion) -> ToolMotion:

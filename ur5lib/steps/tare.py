@@ -20,10 +20,10 @@ from ur5lib.timeseries.segments import extrapolated_samples
 
 Span = tuple[float, float]  # s, from a recording's start
 
-NEAR = 0.02  # rad, by which a joint may leave the tared posture
-LEAST_REST = 0.5  # s, of known torque at rest
-BLOCK = 0.1  # s, of which readings are averaged
-SMOOTHED = 0.2  # s, over which positions as read are averaged
+MAX_POSTURE_CHANGE = 0.02  # rad, by which a joint may leave the tared posture
+MIN_REST_DURATION = 0.5  # s, of known torque at rest
+BLOCK_DURATION = 0.1  # s, of which readings are averaged
+SMOOTHING_WINDOW = 0.2  # s, over which positions as read are averaged
 
 
 def tare_doubts(
@@ -36,13 +36,20 @@ def tare_doubts(
     """
     period, time = signals.period, signals.time - signals.time[0]
     if qd is None:
-        smooth = uniform_filter1d(signals.actual_q, max(1, round(SMOOTHED / period)), axis=0)
+        smooth = uniform_filter1d(
+            signals.actual_q, max(1, round(SMOOTHING_WINDOW / period)), axis=0
+        )
         qd = np.gradient(smooth, period, axis=0)
     unknown = extrapolated_samples(cutoff, period)
     known = finite_rows(without_edges(np.zeros_like(signals.actual_q), signals.segment, unknown))
     known &= is_still(joint_states(qd, signals.segment, period)) & inside(span, time)
-    if (rest := float(known.sum() * period)) < LEAST_REST:
-        values = {"span": [*span], "rest_s": rest, "least_s": LEAST_REST, "whole_s": time[-1]}
+    if (rest := float(known.sum() * period)) < MIN_REST_DURATION:
+        values = {
+            "span": [*span],
+            "rest_s": rest,
+            "least_s": MIN_REST_DURATION,
+            "whole_s": time[-1],
+        }
         values |= {"unknown_s": unknown * period}
         yield Finding("robot", "unusable tare", "error", 1, values)
         return
@@ -77,7 +84,7 @@ def _touched_by_currents(span: Span, time: Array, current: Array, arm: Robot) ->
 def _changes(span: Span, time: Array, values: Array) -> Array:
     """Return the changes (B, M) of values (N, M) since the start of a span, as means of blocks."""
     rows = inside(span, time) & finite_rows(values)
-    blocks = (time[rows] / BLOCK).astype(int)
+    blocks = (time[rows] / BLOCK_DURATION).astype(int)
     means = pd.DataFrame(values[rows]).groupby(blocks).mean().to_numpy()
     return means - means[:1]
 
@@ -91,7 +98,8 @@ def tared(currents: Currents, motion: Motion, untouched: Span) -> Currents:
     """Return the currents with external torques counted from an untouched span [s].
 
     They count from there until a joint is elsewhere: constants and a load then err differently, and
-    friction at rest is another. As they are where the span does not hold LEAST_REST at rest, which
+    friction at rest is another. As they are where the span does not hold MIN_REST_DURATION,
+    which
     `tare_doubts` says.
     """
     torque = currents.external_torque
@@ -99,7 +107,7 @@ def tared(currents: Currents, motion: Motion, untouched: Span) -> Currents:
         return currents
     still = is_still(joint_states(motion.motor_qd, motion.segment, motion.period))
     known = inside(untouched, motion.time - motion.time[0]) & still & finite_rows(torque)
-    if known.sum() * motion.period < LEAST_REST:
+    if known.sum() * motion.period < MIN_REST_DURATION:
         return currents
     kept = from_span(motion, known)
     external, causal = (
@@ -112,7 +120,7 @@ def tared(currents: Currents, motion: Motion, untouched: Span) -> Currents:
 def from_span(motion: Motion, known: Mask) -> Mask:
     """Return the samples (N,) from the first known one on, until a joint is elsewhere."""
     first = np.argmax(known)
-    away = np.abs(motion.q - motion.q[known].mean(axis=0)).max(axis=1) > NEAR
+    away = np.abs(motion.q - motion.q[known].mean(axis=0)).max(axis=1) > MAX_POSTURE_CHANGE
     ends = away | (motion.segment != motion.segment[first])
     ends[:first] = False
     kept = np.arange(len(ends)) >= first

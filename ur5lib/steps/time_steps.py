@@ -6,14 +6,16 @@ from pathlib import Path
 
 import pandas as pd
 
-SUMS = ["wall_s", "start_up_s", "cpu_s"]
+SUMMED_COLUMNS = ["wall_s", "start_up_s", "cpu_s"]
 
 
 def time_steps(benchmarks: list[Path]) -> pd.DataFrame:
     """Return a row for each step; benchmarks: of all jobs."""
-    jobs = pd.DataFrame(map(job, benchmarks), columns=["step", *SUMS, "max_rss_mb", "end"])
+    jobs = pd.DataFrame(
+        map(job, benchmarks), columns=["step", *SUMMED_COLUMNS, "max_rss_mb", "end"]
+    )
     steps = jobs.groupby("step", sort=False)
-    times = steps[SUMS].sum()
+    times = steps[SUMMED_COLUMNS].sum()
     times.insert(0, "jobs", steps.size())
     times["max_rss_mb"] = steps["max_rss_mb"].max()
     times["first_end"] = steps["end"].min().map(written)
@@ -22,7 +24,7 @@ def time_steps(benchmarks: list[Path]) -> pd.DataFrame:
 
 
 def job(benchmark: Path) -> tuple[str, float, float, float, float, float]:
-    """Return one job: its step, its columns of SUMS, largest memory [MB] and when it ended [s]."""
+    """Return one job: its step, its SUMMED_COLUMNS, largest memory [MB] and when it ended [s]."""
     with open(benchmark) as file:
         names, values = (line.split("\t") for line in file.read().splitlines())
         end = os.fstat(file.fileno()).st_mtime

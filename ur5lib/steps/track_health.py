@@ -16,8 +16,8 @@ from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.changes import MIN_DATES, DatedSeries, find_changes, over_spans
 from ur5lib.timeseries.trajectories import PathStates, group_by_path
 
-FALSE_ALARMS = 0.05  # chance of any false change on an arm, at most
-WARMER = 1.0  # K, range of temperatures between dates, above which they are a covariate
+FALSE_ALARM_PROBABILITY = 0.05  # chance of any false change on an arm, at most
+MIN_TEMPERATURE_RANGE = 1.0  # K between dates, above which temperature is a covariate
 
 
 class TrackedHealth(NamedTuple):
@@ -99,7 +99,7 @@ def _changes(rows: Sequence[Condition]) -> Iterator[JointChange]:
             groups[row.joint, row.quantity].append(row)
     tested = {key: own for key, own in groups.items() if len(own) >= MIN_DATES}
     for (joint, quantity), own in tested.items():
-        for change in find_changes(over_spans(_series(own)), FALSE_ALARMS / len(tested)):
+        for change in find_changes(over_spans(_series(own)), FALSE_ALARM_PROBABILITY / len(tested)):
             dates = {"first": _day(change.first), "last": _day(change.last)}
             found = vars(change) | dates | {"by_temperature": change.explained}
             del found["explained"]
@@ -113,7 +113,7 @@ def _series(rows: Sequence[Condition]) -> DatedSeries:
         np.array([getattr(row, name) for row in rows]) for name in ("value", "std_error")
     )
     warmth = np.array([row.temperature_c for row in rows], dtype=float)
-    tells = bool(np.isfinite(warmth).all() and np.ptp(warmth) > WARMER)
+    tells = bool(np.isfinite(warmth).all() and np.ptp(warmth) > MIN_TEMPERATURE_RANGE)
     group = np.array([row.group for row in rows])
     return DatedSeries(day, value, error, warmth if tells else None, group)
 

@@ -9,7 +9,7 @@ from ur5lib.lab.stand.friction import FrictionParameters, along_chain
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
-# rad/s; with these, joints deviate from their targets as much as the real ones do.
+# In rad/s. With these, joints deviate from their targets as much as the real ones do.
 NATURAL_FREQUENCY = np.array([100.0, 130.0, 140.0, 160.0, 200.0, 140.0])
 KNOWN_FRICTION_SHARE = 0.8  # share of the friction that the controller knows
 MOVING_SPEED = 0.05  # rad/s, at which a joint shows three quarters of the noise of a moving one
