@@ -7,7 +7,6 @@ import json
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, TypeVar
-from xml.etree import ElementTree
 
 import numpy as np
 import pandas as pd
@@ -20,7 +19,7 @@ from mcap.reader import make_reader
 from scipy.io import loadmat
 from scipy.spatial.transform import Rotation
 
-from ur5lib.commands.convert import EXPORTED_TABLES, LAYOUTS, channels, write_recordings
+from ur5lib.commands.convert import EXPORTED_TABLES, channels, write_recordings
 from ur5lib.commands.foxglove import METRES_PER_NEWTON, from_x_axis
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.errors import InputError
@@ -146,8 +145,7 @@ def flange_kinematics_of(q: np.ndarray) -> Kinematics:
 
 
 def exported(results: Path, to: str) -> Path:
-    path, *layouts = write_recordings(results, ["pushed"], to)
-    assert [one.name for one in layouts] == ([*LAYOUTS] if to == "mcap" else [])
+    (path,) = write_recordings(results, ["pushed"], to)
     return path
 
 
@@ -263,30 +261,8 @@ def test_an_arrow_is_turned_from_the_x_axis(direction: np.ndarray) -> None:
     np.testing.assert_allclose(Rotation.from_quat(turn).apply([1, 0, 0]), direction, atol=1e-12)
 
 
-def test_layouts_plot_what_the_file_has(results: Path) -> None:
-    folder, read = exported(results, "mcap").parent, messages(exported(results, "mcap"))
-    topics = {f"{topic}.{key}" for topic in read for key in read[topic][0][1]}
-    layout = json.loads((folder / "foxglove_layout.json").read_text())
-    panels = layout["configById"]
-    paths = [path["value"] for panel in panels.values() for path in panel.get("paths", [])]
-    assert {"/forces.Fmap_Fx", "/signals.actual_q_5"} <= {*paths} <= topics
-    assert names_in(layout["layout"]) == [*panels]
-    scene = panels["3D!arm"]
-    arm = scene["layers"]["arm"]
-    assert {arm["topic"], arm["jointStatesTopic"]} <= read.keys()
-    curves = ElementTree.parse(folder / "plotjuggler_layout.xml").iter("curve")
-    assert [curve.get("name") for curve in curves] == [path.replace(".", "/") for path in paths]
-
-
-def names_in(layout: Any) -> list[str]:
-    """The panels of a layout, from the first to the last."""
-    if isinstance(layout, str):
-        return [layout]
-    return names_in(layout["first"]) + names_in(layout["second"])
-
-
 def test_stamps_count_from_the_start_where_that_is_unknown(results: Path) -> None:
-    path, *_ = write_recordings(results, ["free"], "mcap")
+    (path,) = write_recordings(results, ["free"], "mcap")
     _, stamps = from_mcap(path)
     np.testing.assert_allclose(1e-9 * np.unique(stamps), TIME)
 

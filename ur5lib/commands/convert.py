@@ -13,12 +13,11 @@ import pandas as pd
 from mcap.writer import Writer
 
 from ur5lib.commands.foxglove import Stream, drawn
-from ur5lib.commands.layouts import foxglove_layout, plotjuggler_layout
 from ur5lib.errors import InputError, unknown
 from ur5lib.finished import FinishedStudy
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
-from ur5lib.tables import write_aside, write_csv, write_text
+from ur5lib.tables import write_aside, write_csv
 
 CSV_DIGITS = 12
 PUSH_COLUMNS = ("smallest_push_95", "smallest_push_95_std")
@@ -173,18 +172,10 @@ WRITERS: dict[str, tuple[str, Callable[[RecordingTables, Path], None]]] = {
 }
 
 
-# File beside the MCAP files, and what it holds.
-LAYOUTS = {
-    "foxglove_layout.json": foxglove_layout,
-    "plotjuggler_layout.xml": plotjuggler_layout,
-}
-
-
 def write_recordings(
     results: Path, names: list[str], to: str, into: Path | None = None
 ) -> Iterator[Path]:
-    """Write recordings of a study, and yield the path of each: <into>/<recording>.<to>. MCAP has
-    layouts for Foxglove and PlotJuggler beside it.
+    """Write recordings of a study, and yield the path of each: <into>/<recording>.<to>.
 
     results: results/<study>; names: of its recordings, none for all; to: a key of `WRITERS`; into:
     the folder, by default `exported` among the results. CSV is a folder itself. Raises InputError
@@ -193,7 +184,7 @@ def write_recordings(
     if to not in WRITERS:
         raise unknown("format", to, WRITERS)
     study, (ending, write) = FinishedStudy(results), WRITERS[to]
-    folder, seen = into or results / "exported", dict[str, dict[str, None]]()
+    folder = into or results / "exported"
     for name in names or study.recordings:
         frames = {table: study.frame(name, table) for table in EXPORTED_TABLES}
         if "if_untouched" in frames["forces"] and "observability" in study.tables:
@@ -201,10 +192,4 @@ def write_recordings(
         filled = {table: frame for table, frame in frames.items() if len({*frame} - {"segment"})}
         path = folder / f"{name}{ending}"
         write(RecordingTables(study, name, study.start(name), filled), path)
-        for table, frame in filled.items():
-            seen.setdefault(table, {}).update(dict.fromkeys(frame))
         yield path
-    if to == "mcap":
-        for file, layout in LAYOUTS.items():
-            write_text(layout(seen), folder / file)
-            yield folder / file
