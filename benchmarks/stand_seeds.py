@@ -36,6 +36,7 @@ from ur5lib.lab.stand.simulate import simulate
 from ur5lib.recordings.entries import RtdeFiles, ThesisFiles
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.records.carried import carried
+from ur5lib.records.clocks import OwnClock
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces
@@ -45,7 +46,6 @@ from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.records.truth import TrueParameters, Truth
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.signals.clock import OwnClock
 from ur5lib.signals.imu_calibration import ImuRecord, calibrate
 from ur5lib.signals.imu_samples import imu_samples
 from ur5lib.signals.own_clocks import own_clocks

@@ -6,9 +6,7 @@ import numpy as np
 
 from ur5lib.force.live import STATES, Live
 from ur5lib.force.live_file import CONSTANTS, Measured, numbers
-from ur5lib.identification.currents import CurrentFit, JointFit
-from ur5lib.identification.estimation import CoefficientEstimate
-from ur5lib.records.friction import Friction
+from ur5lib.records.friction import CoefficientEstimate, CurrentFit, Friction, JointFit
 from ur5lib.robots import newton_euler
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.friction import ROOT_LINE, friction_direction

@@ -29,18 +29,17 @@ from ur5lib.identification.current_samples import (
     current_record,
     prior_of,
 )
-from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import CurrentSamples, Smooth
 from ur5lib.recordings.intake import Intake
 from ur5lib.records.carried import carried
+from ur5lib.records.clocks import ClockRelation
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
-from ur5lib.records.friction import Friction
+from ur5lib.records.friction import CurrentFit, Friction
 from ur5lib.records.motion import Alignment, Motion
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.signals.clock import ClockRelation
 from ur5lib.signals.resampling import resample
 from ur5lib.smoothing.encoders import smooth_encoders
 from ur5lib.smoothing.smoothed_motion import measured, motion_record

@@ -14,12 +14,13 @@ from scipy.interpolate import make_interp_spline
 
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.identification.current_samples import Smoother, current_record, prior_of
-from ur5lib.identification.currents import CurrentFit, band, predict
+from ur5lib.identification.currents import band, predict
 from ur5lib.identification.samples import CurrentSamples
 from ur5lib.leaderboard.estimators import gaussian_process
 from ur5lib.leaderboard.learned_residual import Predict, TrainingSamples, standardised
 from ur5lib.recordings.entries import ENTRY
 from ur5lib.records.carried import carried
+from ur5lib.records.friction import CurrentFit
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, robot_of

@@ -31,8 +31,8 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "identification": BASE | {"records"},
     "force": BASE | {"records", "workspace"},
     "smoothing": BASE | {"records", "signals"},
-    "excitation": BASE | {"dynamics", "identification"},
-    "records": BASE | {"signals", "identification", "force", "lab.stand", "thesis"},
+    "excitation": BASE | {"dynamics", "identification", "records"},
+    "records": BASE | {"lab.stand"},
     # branches
     "thesis": BASE | METHODS - {"identification"} | {"records"},
     "lab.recorder": BASE,

@@ -27,13 +27,13 @@ from ur5lib.commands.check import (
 )
 from ur5lib.commands.console import announced, text_console
 from ur5lib.errors import InputError, printable, remark
+from ur5lib.records.clocks import SettledClock
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.quality import Finding, Quality
 from ur5lib.records.wording import worded
 from ur5lib.report.page.findings import by_finding, group_findings
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
-from ur5lib.signals.clock import SettledClock
 from ur5lib.study.model import Settings, Study
 from ur5lib.tables import named
 from ur5lib.tidy import files

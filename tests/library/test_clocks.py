@@ -13,15 +13,17 @@ from hypothesis import strategies as st
 from scipy import signal
 
 from ur5lib.errors import Remark, remark
-from ur5lib.signals.clock import (
-    CLOCK_WANDER,
-    MOTION_METHOD,
-    STAMPS_METHOD,
+from ur5lib.records.clocks import (
     UNKNOWN_DRIFT_STD,
     ClockRelation,
     HostDrift,
     OwnClock,
     SettledClock,
+)
+from ur5lib.signals.clock import (
+    CLOCK_WANDER,
+    MOTION_METHOD,
+    STAMPS_METHOD,
     clock_from_stamps,
     pool,
     pool_drifts,

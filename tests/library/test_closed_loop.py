@@ -14,16 +14,11 @@ from tests.made_tables import table
 from tests.real_arms import RealRecording, RealStudy
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.records.closed_loop import ClosedLoop
+from ur5lib.records.gains import JointGains
 from ur5lib.robots.description import Robot
 from ur5lib.thesis import gains as closed_loop
 from ur5lib.thesis.closed_loop import gain_summary, published_gains, simulated, tracking_of
-from ur5lib.thesis.gains import (
-    JointGains,
-    Tracking,
-    estimate_gains,
-    simulate_closed_loop,
-    tracking_cost,
-)
+from ur5lib.thesis.gains import Tracking, estimate_gains, simulate_closed_loop, tracking_cost
 from ur5lib.tidy import motion
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import mean_absolute_error

@@ -6,7 +6,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ur5lib.force.contact_figures import (
-    ContactErrors,
     contact_errors,
     error_figures,
     figures_by_contact,
@@ -15,6 +14,7 @@ from ur5lib.force.contact_figures import (
     split,
 )
 from ur5lib.force.detection import contacts, is_free
+from ur5lib.records.force_errors import ContactErrors
 from ur5lib.timeseries.metrics import NORMAL95
 
 PERIOD = 0.01

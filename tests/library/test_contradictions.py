@@ -21,13 +21,7 @@ from tests.made_tables import empty, table
 from ur5lib.errors import remark
 from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.current_regression import fit_currents, fit_without_each_path
-from ur5lib.identification.currents import (
-    CurrentFit,
-    constants_doubt,
-    parameters,
-    predict,
-    torque_constants,
-)
+from ur5lib.identification.currents import constants_doubt, parameters, predict, torque_constants
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
 from ur5lib.identification.samples import CurrentSamples
@@ -36,7 +30,7 @@ from ur5lib.identification.validation import (
     explained_share,
     least_squares_coefficients,
 )
-from ur5lib.records.friction import Friction
+from ur5lib.records.friction import CurrentFit, Friction
 from ur5lib.records.quality import Contradictions, Quality, contradiction
 from ur5lib.records.wording import worded
 from ur5lib.report.results import Results

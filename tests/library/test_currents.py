@@ -32,7 +32,6 @@ from ur5lib.identification.current_regression import (
 from ur5lib.identification.currents import (
     DAY_TO_DAY_STD,
     RUN_TO_RUN_STD,
-    CurrentFit,
     band,
     breakaway_torque,
     dry_friction,
@@ -43,12 +42,7 @@ from ur5lib.identification.currents import (
     torque_constants,
     unseen_difference,
 )
-from ur5lib.identification.estimation import (
-    CoefficientEstimate,
-    estimate_together,
-    physical_values,
-    with_fuller_errors,
-)
+from ur5lib.identification.estimation import estimate_together, physical_values, with_fuller_errors
 from ur5lib.identification.joint_regression import left_out_residuals
 from ur5lib.identification.prior import Typical
 from ur5lib.identification.regression import (
@@ -77,7 +71,7 @@ from ur5lib.identification.validation import (
     least_squares_coefficients,
     score,
 )
-from ur5lib.records.friction import Friction, LeftOut
+from ur5lib.records.friction import CoefficientEstimate, CurrentFit, Friction, LeftOut
 from ur5lib.robots.friction import BASE_TERMS
 from ur5lib.tables import read_record, write_json
 from ur5lib.timeseries.arrays import Array

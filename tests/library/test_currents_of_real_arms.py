@@ -7,16 +7,12 @@ import pytest
 
 from tests.real_arms import Fitted, RealRecording, RealStudy
 from ur5lib.dynamics.link_model import load_regressor
-from ur5lib.identification.currents import (
-    CurrentFit,
-    band,
-    friction_current,
-    parameters,
-    predict,
-)
-from ur5lib.identification.payload import LoadEstimate, estimate_payload, judge
+from ur5lib.identification.currents import band, friction_current, parameters, predict
+from ur5lib.identification.payload import estimate_payload, judge
 from ur5lib.identification.samples import CurrentSamples, Smooth, smoothed_moving
-from ur5lib.identification.validation import Scores, baseline_current, score
+from ur5lib.identification.validation import baseline_current, score
+from ur5lib.records.friction import CurrentFit
+from ur5lib.records.prediction import LoadEstimate, Scores
 from ur5lib.robots.description import joint_sizes, load_robot, robot_path
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95

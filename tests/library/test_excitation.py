@@ -8,7 +8,8 @@ import pytest
 from tests.library.test_base_parameters import blocks, columns, fit, parameters, sines, ur5_base
 from ur5lib.errors import Remark
 from ur5lib.identification.base_parameters import prior_width, stack
-from ur5lib.identification.excitation import Excitation, candidate_motions, check_excitation
+from ur5lib.identification.excitation import candidate_motions, check_excitation
+from ur5lib.records.models import Excitation
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 

@@ -22,12 +22,10 @@ from tests.made_tables import gathered
 from ur5lib.channels import TORQUE
 from ur5lib.identification.condition import QUANTITY_UNITS, joint_conditions
 from ur5lib.identification.current_regression import fit_currents
-from ur5lib.identification.currents import CurrentFit
-from ur5lib.identification.payload import JudgedLoad
 from ur5lib.identification.samples import CurrentSamples, columns_of, recorded_path
-from ur5lib.identification.validation import Scores
 from ur5lib.records.arm_state import Checkup, Condition, Health, JointChange
-from ur5lib.records.prediction import Prediction
+from ur5lib.records.friction import CurrentFit
+from ur5lib.records.prediction import JudgedLoad, Prediction, Scores
 from ur5lib.records.quality import Finding, Quality
 from ur5lib.report.figures.arm_state_figures import health_figure
 from ur5lib.report.page.compose import shown_table

@@ -15,8 +15,9 @@ from tests.conftest import said
 from tests.entries import read_recording
 from ur5lib.recordings.host_clock import least_delayed, without_delays
 from ur5lib.recordings.starts import place_sensors
+from ur5lib.records.clocks import OwnClock
 from ur5lib.records.quality import Finding
-from ur5lib.signals.clock import HOST_METHOD, OwnClock, clock_from_stamps, settle_clocks
+from ur5lib.signals.clock import HOST_METHOD, clock_from_stamps, settle_clocks
 from ur5lib.signals.device_clock import device_clock
 
 BOOT, UPTIME = 1.7e9, 5000.0  # s, of the host and of the controller when the recording begins

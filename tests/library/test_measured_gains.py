@@ -9,9 +9,8 @@ from tests.library.test_measured_torques import drawn_run
 from tests.made_records import motion_of, signals_of, torques_of
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import Remark
-from ur5lib.identification.currents import Parameter
 from ur5lib.records.carried import Carried
-from ur5lib.records.friction import Friction
+from ur5lib.records.friction import Friction, Parameter
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Contradictions, Quality
 from ur5lib.records.wording import in_words

@@ -31,6 +31,7 @@ from ur5lib.identification import (
     samples,
     selection,
 )
+from ur5lib.records import clocks
 from ur5lib.robots import friction
 from ur5lib.signals import clock, device_clock
 from ur5lib.smoothing import noise
@@ -61,7 +62,7 @@ def statements() -> Iterator[str]:
     yield f"jackknife over {COUNTED[device_clock.JACKKNIFE_BLOCKS]} blocks of time"
     yield f"widened by {1e3 * device_clock.LATENCY_STD:g} ms for latencies"
     yield f"by {1e3 * clock.CLOCK_WANDER:g} ms of wander over the recording"
-    yield f"counts as 0 ± {1e6 * clock.UNKNOWN_DRIFT_STD:g} ppm"
+    yield f"counts as 0 ± {1e6 * clocks.UNKNOWN_DRIFT_STD:g} ppm"
     # motion and the IMU
     yield f"in windows of {noise.NOISE_WINDOW:g} s"
     yield f"jackknife over blocks of {segments.BLOCK_DURATION:g} s. Without β"

@@ -8,9 +8,8 @@ from scipy import stats
 
 from tests.library.current_study import cut, make_record, noisy, prior, smooth, with_noise
 from ur5lib.identification.current_regression import fit_currents
-from ur5lib.identification.currents import CurrentFit, predict
+from ur5lib.identification.currents import predict
 from ur5lib.identification.payload import (
-    LoadEstimate,
     PayloadEstimate,
     estimate_payload,
     joint_gains,
@@ -18,6 +17,8 @@ from ur5lib.identification.payload import (
     run_to_run,
 )
 from ur5lib.identification.samples import CurrentSamples
+from ur5lib.records.friction import CurrentFit
+from ur5lib.records.prediction import LoadEstimate
 
 CARRIED = np.array([2.8, 0.1, -0.3])
 

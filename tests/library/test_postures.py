@@ -17,10 +17,10 @@ from ur5lib.errors import InputError
 from ur5lib.identification.at_rest import AtRest
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.current_samples import Smoother, prior_of
-from ur5lib.identification.currents import Parameter, parameters
+from ur5lib.identification.currents import parameters
 from ur5lib.recordings.entries import ENTRY, Files
 from ur5lib.recordings.postures import read_postures
-from ur5lib.records.friction import Friction
+from ur5lib.records.friction import Friction, Parameter
 from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.robots.statics import gravity_torque

@@ -26,12 +26,7 @@ from ur5lib.force.problem import is_fitted
 from ur5lib.force.residual_model import ResidualModel, Residuals, few_paths
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.currents import breakaway_torque
-from ur5lib.identification.payload import (
-    SCALED_TORQUE_ERROR,
-    JudgedLoad,
-    PayloadEstimate,
-    judged_load,
-)
+from ur5lib.identification.payload import SCALED_TORQUE_ERROR, PayloadEstimate, judged_load
 from ur5lib.identification.samples import CurrentSamples
 from ur5lib.identification.validation import least_squares_coefficients
 from ur5lib.records.carried import Carried
@@ -41,6 +36,7 @@ from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
+from ur5lib.records.prediction import JudgedLoad
 from ur5lib.records.quality import Contradictions, Finding, contradiction
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot

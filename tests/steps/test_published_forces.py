@@ -11,6 +11,7 @@ from tests.steps.made_evidence import aligned, evidence, premises
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import remark
+from ur5lib.records.clocks import SettledClock
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.forces import PublishedForces, SensorWrenches
@@ -18,7 +19,7 @@ from ur5lib.records.friction import Friction
 from ur5lib.records.quality import Quality, StartOffset, contradiction
 from ur5lib.records.signals import SENSOR_COLUMNS
 from ur5lib.robots.description import Robot
-from ur5lib.signals.clock import STAMPS_METHOD, SettledClock
+from ur5lib.signals.clock import STAMPS_METHOD
 from ur5lib.steps.evidence import Evidence
 from ur5lib.steps.judge_sensor import compare_with_sensor, published_forces
 from ur5lib.steps.rebuild_thesis import rebuild_thesis

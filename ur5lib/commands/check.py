@@ -24,13 +24,14 @@ from ur5lib.errors import InputError
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.records.accepted import accepting
 from ur5lib.records.carried import carried, disagreements
+from ur5lib.records.clocks import OwnClock, SettledClock
 from ur5lib.records.quality import Contradictions, Finding, Quality
 from ur5lib.records.signals import Signals
 from ur5lib.records.wording import worded
 from ur5lib.report.page.findings import by_finding, group_findings
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import geometric_jacobian, link_frames
-from ur5lib.signals.clock import OwnClock, SettledClock, pool_drifts, settle_clocks
+from ur5lib.signals.clock import pool_drifts, settle_clocks
 from ur5lib.signals.own_clocks import own_clocks
 from ur5lib.steps.read_postures import checked_postures
 from ur5lib.steps.tare import tare_doubts, touched_by_own_clock

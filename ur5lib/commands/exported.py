@@ -13,10 +13,10 @@ from ur5lib.commands.compensation import compensation
 from ur5lib.commands.live_arm import live_arm
 from ur5lib.errors import InputError, perhaps, unknown
 from ur5lib.finished import FinishedStudy
-from ur5lib.identification.currents import CurrentFit, Parameter, torque_constants
+from ur5lib.identification.currents import torque_constants
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
-from ur5lib.records.friction import Friction
+from ur5lib.records.friction import CurrentFit, Friction, Parameter
 from ur5lib.records.models import BaseParameter, Identification, Rotors
 from ur5lib.records.motion import Motion
 from ur5lib.records.wording import in_words

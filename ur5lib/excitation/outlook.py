@@ -27,8 +27,9 @@ from ur5lib.excitation.problem import (
     nominal_maps,
     random_states,
 )
-from ur5lib.identification.currents import SEASON, CurrentFit, Parameter, friction_std
+from ur5lib.identification.currents import SEASON, friction_std
 from ur5lib.identification.samples import INDEPENDENT_STEP
+from ur5lib.records.friction import CurrentFit, Parameter
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95

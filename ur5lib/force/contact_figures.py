@@ -1,11 +1,11 @@
 """Errors of a contact wrench estimate against the force sensor: in contact, free, overall."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from ur5lib.force.detection import CONTACT_FORCE, contacts, in_contact, is_free, overlap
+from ur5lib.records.force_errors import ContactErrors
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import (
     NORMAL95,
@@ -158,28 +158,6 @@ def resampled_means(values: Array, force: Array) -> Array | None:
     return np.asarray(
         sums[drawn_contacts].sum(axis=1) / counts[drawn_contacts].sum(axis=1)[:, None]
     )
-
-
-@dataclass(frozen=True)
-class ContactErrors:
-    """Peak, impulse and onset of a contact at the sensor, and the estimate's errors.
-
-    component: an axis, or "norm" for all three; peak: the largest force [N]; impulse: the magnitude
-    of the force's integral [N s]; errors: the estimate's component along the sensor's direction
-    minus the sensor's value, negative if the estimate is too small, NaN if it is unknown in part of
-    the contact; onset_error_s: of all three, delay with which the estimate passes the sensor's
-    levels.
-    """
-
-    contact: int
-    start_s: float
-    end_s: float
-    component: str
-    peak: float
-    peak_error: float
-    impulse: float
-    impulse_error: float
-    onset_error_s: float | None = None
 
 
 def contact_errors(estimate: Array, reference: Array, time: Array) -> Iterator[ContactErrors]:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
+from ur5lib.records.force_errors import Felt
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import runs
 
@@ -182,18 +183,6 @@ def contacts(force: Array, least_force: float = TOUCH_FORCE) -> list[Span]:
 def in_contact(force: Array) -> Mask:
     """Return the samples (N,) in contact; force: (N,) [N], of the sensor, NaN where unknown."""
     return np.asarray(force > CONTACT_FORCE)
-
-
-@dataclass(frozen=True)
-class Felt:
-    """What a force sensor reads: largest [N], at_s: the time of the largest force [s]; contact: the
-    share of the recording in contact; contacts: their number.
-    """
-
-    largest: float
-    at_s: float
-    contact: float
-    contacts: int
 
 
 def sensed_contact(force: Array, time: Array) -> Felt | None:

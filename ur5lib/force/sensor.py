@@ -21,6 +21,7 @@ from ur5lib.force.free_fit import (
     quiet_stretches,
     settle,
 )
+from ur5lib.records.force_errors import Offset
 from ur5lib.timeseries.arrays import Array, Mask
 
 MAX_OFFSET_SAMPLES = 20_000  # for a fit
@@ -38,28 +39,6 @@ MIN_AXIS_RMS = 1.0  # N, along an axis that is judged
 # Of the squared force: along weaker axes, the estimate is mostly cross-talk.
 MIN_AXIS_POWER_SHARE = 0.05
 NEGATIVE_MASS_TOLERANCE = 0.01  # kg
-
-
-@dataclass(frozen=True, kw_only=True)
-class Offset:
-    """Bias and tool of a force sensor, as its reading without contact shows them.
-
-    bias: (6,) [N, Nm]; mass [kg]; moment_arm: mass times centre of mass, (3,) [kg m], sensor
-    frame; *_std: their standard errors; mass and arm are NaN if the arm turned too little to
-    separate weight from bias (the bias then contains both); noise: (6,), standard deviation of a
-    free sample; agreeing: share of the samples that agree with this offset; rival: largest share
-    of the others that agree on another offset. Of a sensor without moments, what needs them is NaN.
-    """
-
-    bias: Array
-    bias_std: Array
-    mass: float
-    mass_std: float
-    moment_arm: Array
-    moment_arm_std: Array
-    noise: Array
-    agreeing: float
-    rival: float
 
 
 @dataclass(frozen=True, kw_only=True)

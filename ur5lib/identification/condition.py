@@ -8,7 +8,6 @@ friction.
 
 import numpy as np
 
-from ur5lib.identification.currents import CurrentFit, JointFit
 from ur5lib.identification.joint_regression import MIN_SAMPLES
 from ur5lib.identification.regression import Normal, regress
 from ur5lib.identification.samples import (
@@ -18,6 +17,7 @@ from ur5lib.identification.samples import (
     blocks,
     joint_samples,
 )
+from ur5lib.records.friction import CurrentFit, JointFit
 from ur5lib.robots.friction import coefficient_names
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import unbroken

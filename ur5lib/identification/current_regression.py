@@ -13,20 +13,13 @@ import numpy as np
 from ur5lib.channels import TORQUE
 from ur5lib.errors import Remark, remark
 from ur5lib.identification.currents import (
-    CurrentFit,
-    JointFit,
     constants_band,
     constants_doubt,
     dry_friction,
     torque_constants,
     unseen_difference,
 )
-from ur5lib.identification.estimation import (
-    CoefficientEstimate,
-    estimate_together,
-    physical_values,
-    with_fuller_errors,
-)
+from ur5lib.identification.estimation import estimate_together, physical_values, with_fuller_errors
 from ur5lib.identification.joint_regression import (
     HELD_FRICTION_SHARE,
     MAX_FOLDS,
@@ -47,6 +40,7 @@ from ur5lib.identification.samples import (
     record_paths,
 )
 from ur5lib.identification.selection import with_shown_terms
+from ur5lib.records.friction import CoefficientEstimate, CurrentFit, JointFit
 from ur5lib.robots.friction import (
     BASE_TERMS,
     CONSIDERED_OF_TORQUES,

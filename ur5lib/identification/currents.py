@@ -4,14 +4,12 @@ The current is predicted from it for motion without contact, with its band.
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from datetime import date
 
 import numpy as np
 
 from ur5lib.channels import CURRENT, TORQUE, Effort
-from ur5lib.errors import Remark
-from ur5lib.identification.estimation import CoefficientEstimate, physical_values
+from ur5lib.identification.estimation import physical_values
 from ur5lib.identification.regression import half_width
 from ur5lib.identification.samples import (
     MIN_UNITS,
@@ -21,6 +19,7 @@ from ur5lib.identification.samples import (
     held_columns,
     motion_states,
 )
+from ur5lib.records.friction import CoefficientEstimate, CurrentFit, Parameter
 from ur5lib.robots.friction import OPTIONAL_TERMS, TERMS, JointMotion, coefficient_names
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
@@ -40,76 +39,6 @@ SEASON = 140.0  # days, which count as between recordings without dates
 MIN_BREAKAWAY_TORQUE = 0.1  # Nm
 POSITIVE = "torque_constant", "rotor"
 OPTIONAL_COEFFICIENTS = coefficient_names(OPTIONAL_TERMS)
-
-
-@dataclass(frozen=True)
-class JointFit:
-    """One joint's map from motion to current.
-
-    terms: of friction; held: (1 + D,) [A], friction at rest beyond that in motion, may be negative,
-    and what of it reverses over D other distances [rad], see `held_columns`;
-    band_moving, band_reversing, band_standing: half of the 95 % band [A] around the low-passed
-    current of a recording that was left out, by its `MotionState`, without what days change;
-    unseen: (P,), see `unseen_difference`; remarks: doubts about the fit; doubt:
-    (P, P), covariance of the coefficients where no motion that was left out shows their errors;
-    alone: (P,), coefficients that the currents alone would give, None unless their torque constant
-    contradicts the known one, which the estimate then keeps.
-    """
-
-    terms: tuple[str, ...]
-    distances: tuple[float, ...]
-    estimate: CoefficientEstimate
-    held: Array
-    band_moving: float
-    band_reversing: float
-    band_standing: float
-    unseen: Array
-    remarks: tuple[Remark, ...]
-    doubt: Array | None = None
-    alone: Array | None = None
-
-    def names(self) -> list[str]:
-        """Return the parameters' names."""
-        return ["torque_constant", "offset", *coefficient_names(self.terms)]
-
-    @property
-    def contradicted(self) -> float | None:
-        """The torque constant [Nm/A] that contradicts the known one, None without any."""
-        return None if self.alone is None else float(1 / self.alone[0])
-
-    def std_error(self) -> Array:
-        """Return the standard errors (P,) of the arm's parameters on any day."""
-        return np.hypot(self.estimate.std_error, self.unseen)
-
-
-@dataclass(frozen=True)
-class CurrentFit:
-    """The maps of the joints; units: number of paths, or of stretches if paths are few; dates: of
-    the recordings, ISO 8601, as far as they are known.
-    """
-
-    joints: tuple[JointFit, ...]
-    units: int
-    dates: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """One fitted value in SI units; joint 1 to 6; interval: 95 %.
-
-    prior_share, arm_share, day_share, run_share: of what is known of it, see `shares_of_knowledge`.
-    """
-
-    joint: int
-    name: str
-    value: float
-    std_error: float
-    interval: tuple[float, float]
-    prior_share: float
-    arm_share: float
-    day_share: float
-    run_share: float
-    determined: bool
 
 
 def torque_constants(fit: CurrentFit) -> Array:

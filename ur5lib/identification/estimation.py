@@ -22,30 +22,11 @@ from ur5lib.identification.regression import (
     standard_error,
 )
 from ur5lib.identification.samples import JointSamples
+from ur5lib.records.friction import CoefficientEstimate
 from ur5lib.robots.friction import BASE_TERMS, coefficient_names
 from ur5lib.timeseries.arrays import Array, Labels
 
 VAGUE_PRECISION_SHARE = 1e-6  # of a precision, which leaves a value to the data
-
-
-@dataclass(frozen=True)
-class CoefficientEstimate:
-    """The coefficients of one joint.
-
-    coefficients: (P,), of the torque [A/Nm], an offset [A] and friction terms; shares: (4, P), of
-    what is known of them, see `shares_of_knowledge`; replicates: (B, P), of the bootstrap over
-    recordings; std_error: (P,), of `physical_values` values.
-    """
-
-    coefficients: Array
-    shares: Array
-    replicates: Array
-    std_error: Array
-
-    @property
-    def prior_share(self) -> Array:
-        """Return the share (P,) of the variance from the prior."""
-        return self.shares[0]
 
 
 def estimate_together(

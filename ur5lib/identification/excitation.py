@@ -2,7 +2,6 @@
 
 from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -17,6 +16,7 @@ from ur5lib.identification.base_parameters import (
     solve,
     total_factors,
 )
+from ur5lib.records.models import Excitation
 from ur5lib.timeseries.arrays import Array, Mask
 
 Motion = tuple[Array, Array, Array]
@@ -26,22 +26,6 @@ PARAMETER_GROUPS = {  # of parameters, by the words their names begin with
     "inertia": "I_",
     "rotors": "rotor inertia",
 }
-
-
-@dataclass(frozen=True)
-class Excitation:
-    """What the motion of some recordings determines at a given noise of the torques.
-
-    condition: condition numbers of the regressor's columns, by group of base parameters and for
-    "all"; infinite if a column is zero; combinations: number of independent combinations of the
-    base parameters that are determined; undetermined: names of the base parameters that are not;
-    advice: motions that would determine more, empty if everything is determined.
-    """
-
-    condition: dict[str, float]
-    combinations: int
-    undetermined: list[str]
-    advice: list[Remark]
 
 
 def candidate_motions(

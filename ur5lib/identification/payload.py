@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.special import stdtrit
 
-from ur5lib.identification.currents import CurrentFit, motions, predicted_currents, torque_constants
+from ur5lib.identification.currents import motions, predicted_currents, torque_constants
 from ur5lib.identification.regression import Normal, regress, spread
 from ur5lib.identification.samples import (
     INDEPENDENT_STEP,
@@ -21,6 +21,8 @@ from ur5lib.identification.samples import (
     held_columns,
     smoothed_moving,
 )
+from ur5lib.records.friction import CurrentFit
+from ur5lib.records.prediction import JudgedLoad, LoadEstimate
 from ur5lib.robots.friction import GEAR_EFFICIENCY_STD, JointMotion
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.metrics import NORMAL95
@@ -52,31 +54,6 @@ class PayloadEstimate:
     def is_known(self) -> bool:
         """Return whether anything was estimated."""
         return len(self.parameters) > 0
-
-
-@dataclass(frozen=True)
-class LoadEstimate:
-    """A load: mass, std_error [kg]; interval: 95 % [kg]; certain: significant in all parts."""
-
-    mass: float
-    std_error: float
-    interval: tuple[float, float]
-    certain: bool
-
-
-@dataclass(frozen=True)
-class JudgedLoad(LoadEstimate):
-    """An undeclared load beside the payload that is known, of a mass `configured` [kg].
-
-    carried: both masses together [kg]; taken: whether the load is included in the prediction;
-    center_of_mass: (3,) [m], with its standard error; NaN of a load that is uncertain.
-    """
-
-    configured: float
-    carried: float
-    taken: bool
-    center_of_mass: Array
-    center_of_mass_std: Array
 
 
 def run_to_run(parameters: Array, std_error: Array, paths: int) -> Array:

@@ -13,19 +13,10 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from ur5lib.identification.regression import HUBER_LIMIT
+from ur5lib.records.models import Terms
 from ur5lib.timeseries.arrays import Array
 
 RECORDING_PARTS = 8  # into which a single recording is divided
-
-
-@dataclass(frozen=True)
-class Terms:
-    """The terms fitted to each joint, (6,): [kg m²], [Nm], [Nm], [Nm s/rad]."""
-
-    inertia: Array
-    offset: Array
-    coulomb: Array
-    viscous: Array
 
 
 @dataclass(frozen=True)

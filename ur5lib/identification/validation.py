@@ -14,6 +14,7 @@ from ur5lib.identification.joint_regression import (
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import CurrentSamples, Smooth, joint_samples
 from ur5lib.identification.selection import MIN_DEVIATIONS, MIN_SHARE, is_less
+from ur5lib.records.prediction import Scores
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import BAND_COVERAGE, finite_quantile
 from ur5lib.timeseries.segments import DEAD_ZONE, in_chunks
@@ -22,23 +23,6 @@ SPEED_BINS = np.array([0.0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, np.inf]
 ROTOR = "rotor"  # the term of a joint's rotor
 FOLDS = 10  # of paths, or of parts of one, each predicted from the others
 MIN_SHARE_IN_BAND = 0.9  # of the samples of a bin, in the 95 % band
-
-
-@dataclass(frozen=True)
-class Scores:
-    """Scores of one recording, (6,) each.
-
-    rmse: of the raw current [A]; of the low-passed current: rmse_lowpassed, mae [A], r2, and
-    coverage, the share of samples inside the 95 % band, and band_factor95, by which this would have
-    to be multiplied to hold 95 % of them.
-    """
-
-    rmse: Array
-    rmse_lowpassed: Array
-    mae: Array
-    r2: Array
-    coverage: Array
-    band_factor95: Array
 
 
 def coefficients_of_constants(

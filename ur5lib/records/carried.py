@@ -8,8 +8,8 @@ import numpy as np
 from ur5lib.errors import Remark, remark
 from ur5lib.records.quality import Finding
 from ur5lib.records.signals import Signals
-from ur5lib.robots.description import Payload, Six
-from ur5lib.timeseries.arrays import Array
+from ur5lib.robots.description import Payload
+from ur5lib.timeseries.arrays import Array, Six
 
 # Differences that matter: 0.05 kg changes the gravity torque of a long arm by 0.5 Nm.
 MASS, MOMENT = 0.05, 0.005  # kg, kg m

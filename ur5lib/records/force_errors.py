@@ -3,11 +3,63 @@
 from dataclasses import dataclass, field
 
 from ur5lib.errors import Remark
-from ur5lib.force.contact_figures import ContactErrors
-from ur5lib.force.detection import Felt
-from ur5lib.force.sensor import Offset
-from ur5lib.robots.description import Six
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Six
+
+
+@dataclass(frozen=True, kw_only=True)
+class Offset:
+    """Bias and tool of a force sensor, as its reading without contact shows them.
+
+    bias: (6,) [N, Nm]; mass [kg]; moment_arm: mass times centre of mass, (3,) [kg m], sensor
+    frame; *_std: their standard errors; mass and arm are NaN if the arm turned too little to
+    separate weight from bias (the bias then contains both); noise: (6,), standard deviation of a
+    free sample; agreeing: share of the samples that agree with this offset; rival: largest share
+    of the others that agree on another offset. Of a sensor without moments, what needs them is NaN.
+    """
+
+    bias: Array
+    bias_std: Array
+    mass: float
+    mass_std: float
+    moment_arm: Array
+    moment_arm_std: Array
+    noise: Array
+    agreeing: float
+    rival: float
+
+
+@dataclass(frozen=True)
+class ContactErrors:
+    """Peak, impulse and onset of a contact at the sensor, and the estimate's errors.
+
+    component: an axis, or "norm" for all three; peak: the largest force [N]; impulse: the magnitude
+    of the force's integral [N s]; errors: the estimate's component along the sensor's direction
+    minus the sensor's value, negative if the estimate is too small, NaN if it is unknown in part of
+    the contact; onset_error_s: of all three, delay with which the estimate passes the sensor's
+    levels.
+    """
+
+    contact: int
+    start_s: float
+    end_s: float
+    component: str
+    peak: float
+    peak_error: float
+    impulse: float
+    impulse_error: float
+    onset_error_s: float | None = None
+
+
+@dataclass(frozen=True)
+class Felt:
+    """What a force sensor reads: largest [N], at_s: the time of the largest force [s]; contact: the
+    share of the recording in contact; contacts: their number.
+    """
+
+    largest: float
+    at_s: float
+    contact: float
+    contacts: int
 
 
 @dataclass(frozen=True, kw_only=True)

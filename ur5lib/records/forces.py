@@ -2,15 +2,31 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
-from ur5lib.force.estimators import GATED, LEADING, NEW, PUBLISHED, Answer
 from ur5lib.records.motion import Motion
 from ur5lib.records.table import JOINTS, WRENCH, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array, Mask
 
 REFERENCES = ("printed", "corrected", "compensated")
+
+
+class Estimate(Protocol):
+    """What an estimator of the contact wrench states, see `ur5lib.force.estimators.Stated`."""
+
+    @property
+    def wrench(self) -> Array:
+        """(N, 6) [N, Nm]."""
+
+    @property
+    def std(self) -> Array | None:
+        """Its standard deviation (N, 6)."""
+
+    @property
+    def log_odds(self) -> Array | None:
+        """Log-odds (N,) of contact, None of an estimator that is not gated."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,9 +40,9 @@ class Forces(SegmentedTable):
     contact is found: there, the leading estimate's band holds only if nothing touches the arm.
     """
 
-    wrench: dict[str, Array] = channel("{}", "N, Nm", WRENCH, keys=tuple(NEW))
-    std: dict[str, Array] = channel("{}_std", "N, Nm", WRENCH, keys=tuple(NEW))
-    log_odds: dict[str, Array] = channel("log_odds_{}", "1", (), keys=tuple(GATED))
+    wrench: dict[str, Array] = channel("{}", "N, Nm", WRENCH)
+    std: dict[str, Array] = channel("{}_std", "N, Nm", WRENCH)
+    log_odds: dict[str, Array] = channel("log_odds_{}", "1", ())
     causal_log_odds: Array | None = channel("causal_log_odds", "1", optional=True)
     background: Array | None = channel("tau_background", "Nm", JOINTS, optional=True)
     if_untouched: Mask | None = channel("if_untouched", "1", optional=True, dtype=np.bool_)
@@ -35,14 +51,14 @@ class Forces(SegmentedTable):
     def of(
         cls,
         motion: Motion,
-        estimates: Mapping[str, Answer],
+        estimates: Mapping[str, Estimate | None],
         background: Array | None,
         causal: Array | None,
     ) -> "Forces":
         """Return estimates by name, at the times of a motion; causal: `causal_log_odds`."""
         known = {name: one for name, one in estimates.items() if one is not None}
         odds = {name: one.log_odds for name, one in known.items()}
-        leading = known.get(LEADING)
+        leading = next((one for one in known.values() if one.log_odds is not None), None)
         return cls(
             time=motion.time,
             segment=motion.segment,
@@ -61,8 +77,8 @@ class PublishedForces(SegmentedTable):
     equations put right; the environment acting on the arm, base axes.
     """
 
-    printed: dict[str, Array] = channel("printed_{}", "N, Nm", WRENCH, keys=tuple(PUBLISHED))
-    corrected: dict[str, Array] = channel("corrected_{}", "N, Nm", WRENCH, keys=tuple(PUBLISHED))
+    printed: dict[str, Array] = channel("printed_{}", "N, Nm", WRENCH)
+    corrected: dict[str, Array] = channel("corrected_{}", "N, Nm", WRENCH)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,9 +6,100 @@ import numpy as np
 
 from ur5lib.channels import CURRENT, EFFORTS, Effort
 from ur5lib.errors import Remark
-from ur5lib.identification.currents import CurrentFit, Parameter
+from ur5lib.robots.friction import coefficient_names
 from ur5lib.tables import BY_KEY
 from ur5lib.timeseries.arrays import Array
+
+
+@dataclass(frozen=True)
+class CoefficientEstimate:
+    """The coefficients of one joint.
+
+    coefficients: (P,), of the torque [A/Nm], an offset [A] and friction terms; shares: (4, P), of
+    what is known of them, see `shares_of_knowledge`; replicates: (B, P), of the bootstrap over
+    recordings; std_error: (P,), of `physical_values` values.
+    """
+
+    coefficients: Array
+    shares: Array
+    replicates: Array
+    std_error: Array
+
+    @property
+    def prior_share(self) -> Array:
+        """Return the share (P,) of the variance from the prior."""
+        return self.shares[0]
+
+
+@dataclass(frozen=True)
+class JointFit:
+    """One joint's map from motion to current.
+
+    terms: of friction; held: (1 + D,) [A], friction at rest beyond that in motion, may be negative,
+    and what of it reverses over D other distances [rad], see `held_columns`;
+    band_moving, band_reversing, band_standing: half of the 95 % band [A] around the low-passed
+    current of a recording that was left out, by its `MotionState`, without what days change;
+    unseen: (P,), see `unseen_difference`; remarks: doubts about the fit; doubt:
+    (P, P), covariance of the coefficients where no motion that was left out shows their errors;
+    alone: (P,), coefficients that the currents alone would give, None unless their torque constant
+    contradicts the known one, which the estimate then keeps.
+    """
+
+    terms: tuple[str, ...]
+    distances: tuple[float, ...]
+    estimate: CoefficientEstimate
+    held: Array
+    band_moving: float
+    band_reversing: float
+    band_standing: float
+    unseen: Array
+    remarks: tuple[Remark, ...]
+    doubt: Array | None = None
+    alone: Array | None = None
+
+    def names(self) -> list[str]:
+        """Return the parameters' names."""
+        return ["torque_constant", "offset", *coefficient_names(self.terms)]
+
+    @property
+    def contradicted(self) -> float | None:
+        """The torque constant [Nm/A] that contradicts the known one, None without any."""
+        return None if self.alone is None else float(1 / self.alone[0])
+
+    def std_error(self) -> Array:
+        """Return the standard errors (P,) of the arm's parameters on any day."""
+        return np.hypot(self.estimate.std_error, self.unseen)
+
+
+@dataclass(frozen=True)
+class CurrentFit:
+    """The maps of the joints; units: number of paths, or of stretches if paths are few; dates: of
+    the recordings, ISO 8601, as far as they are known.
+    """
+
+    joints: tuple[JointFit, ...]
+    units: int
+    dates: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One fitted value in SI units; joint 1 to 6; interval: 95 %.
+
+    prior_share, arm_share, day_share, run_share: of what is known of it, see `shares_of_knowledge`.
+    """
+
+    joint: int
+    name: str
+    value: float
+    std_error: float
+    interval: tuple[float, float]
+    prior_share: float
+    arm_share: float
+    day_share: float
+    run_share: float
+    determined: bool
+
 
 NO_FIT = CurrentFit((), 0)
 

@@ -2,8 +2,45 @@
 
 from dataclasses import dataclass, field
 
-from ur5lib.thesis.gains import JointGains
 from ur5lib.timeseries.arrays import Array
+
+
+@dataclass(frozen=True)
+class Gain:
+    """One gain, K0 [1/s²] or K1 [1/s], with its confidence range.
+
+    best: the minimum of the cost; std_error: from the Jacobian there; low, high: ends of the 95 %
+    range; determined: whether both lie inside the search bounds (Raue et al. 2009) and less than an
+    order of magnitude apart. If not, the range is the result, `best` is one value in it, and
+    `std_error` is meaningless. grid, profile: (G,) values between the search bounds, and the
+    minimum of the cost over the other gain at each.
+    """
+
+    best: float
+    std_error: float
+    low: float
+    high: float
+    determined: bool
+    grid: Array
+    profile: Array
+
+
+@dataclass(frozen=True)
+class JointGains:
+    """The gains of one joint, and costs as in `tracking_cost`.
+
+    excited: whether the target moves; if not, the recording does not determine the gains. noise:
+    (2,) [rad, rad/s], of one independent sample of position and velocity; cost: the minimum; limit:
+    cost at the ends of the 95 % range; stiff: cost of a joint that follows its target exactly.
+    """
+
+    position: Gain
+    velocity: Gain
+    excited: bool
+    noise: Array
+    cost: float
+    limit: float
+    stiff: float
 
 
 @dataclass(frozen=True)

@@ -3,10 +3,34 @@
 from dataclasses import dataclass, field
 
 from ur5lib.errors import Remark
-from ur5lib.identification.excitation import Excitation
-from ur5lib.identification.rotor_inertia import Terms
 from ur5lib.tables import BY_KEY
 from ur5lib.timeseries.arrays import Array
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """What the motion of some recordings determines at a given noise of the torques.
+
+    condition: condition numbers of the regressor's columns, by group of base parameters and for
+    "all"; infinite if a column is zero; combinations: number of independent combinations of the
+    base parameters that are determined; undetermined: names of the base parameters that are not;
+    advice: motions that would determine more, empty if everything is determined.
+    """
+
+    condition: dict[str, float]
+    combinations: int
+    undetermined: list[str]
+    advice: list[Remark]
+
+
+@dataclass(frozen=True)
+class Terms:
+    """The terms fitted to each joint, (6,): [kg m²], [Nm], [Nm], [Nm s/rad]."""
+
+    inertia: Array
+    offset: Array
+    coulomb: Array
+    viscous: Array
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
+from ur5lib.records.clocks import SettledClock
 from ur5lib.records.table import JOINTS, XYZ, SegmentedTable, channel
-from ur5lib.signals.clock import SettledClock
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.kalman import InnovationTest
 

@@ -2,8 +2,49 @@
 
 from dataclasses import dataclass, field
 
-from ur5lib.identification.payload import JudgedLoad
-from ur5lib.identification.validation import Scores
+from ur5lib.timeseries.arrays import Array
+
+
+@dataclass(frozen=True)
+class Scores:
+    """Scores of one recording, (6,) each.
+
+    rmse: of the raw current [A]; of the low-passed current: rmse_lowpassed, mae [A], r2, and
+    coverage, the share of samples inside the 95 % band, and band_factor95, by which this would have
+    to be multiplied to hold 95 % of them.
+    """
+
+    rmse: Array
+    rmse_lowpassed: Array
+    mae: Array
+    r2: Array
+    coverage: Array
+    band_factor95: Array
+
+
+@dataclass(frozen=True)
+class LoadEstimate:
+    """A load: mass, std_error [kg]; interval: 95 % [kg]; certain: significant in all parts."""
+
+    mass: float
+    std_error: float
+    interval: tuple[float, float]
+    certain: bool
+
+
+@dataclass(frozen=True)
+class JudgedLoad(LoadEstimate):
+    """An undeclared load beside the payload that is known, of a mass `configured` [kg].
+
+    carried: both masses together [kg]; taken: whether the load is included in the prediction;
+    center_of_mass: (3,) [m], with its standard error; NaN of a load that is uncertain.
+    """
+
+    configured: float
+    carried: float
+    taken: bool
+    center_of_mass: Array
+    center_of_mass_std: Array
 
 
 @dataclass(frozen=True)

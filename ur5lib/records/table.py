@@ -34,7 +34,7 @@ class Channel:
 
     shape: of one sample, whose flat elements the labels name in order; -1 in it is the number of
     joints, where the labels are JOINTS; optional: whether it may be absent; keys: for which `{}` in
-    the name may stand, any without them.
+    the name may stand, any without them but those of standard deviations, which end in _std.
     """
 
     name: str
@@ -77,7 +77,7 @@ class Channel:
         stems, have = {"": self.name}, {*names}
         if self.several:
             first, *_ = self.columns(self.name)
-            pattern = re.compile(re.escape(first).replace(r"\{\}", "(.+)"))
+            pattern = re.compile(re.escape(first).replace(r"\{\}", r"(.+(?<!_std))"))
             found = [match[1] for name in names if (match := pattern.fullmatch(name))]
             keys = [key for key in self.keys if key in found] if self.keys else found
             stems = {key: self.name.format(key) for key in keys}

@@ -21,7 +21,7 @@ from pydantic import (
 from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.errors import InputError
 from ur5lib.strict import Strict, explain, read_yaml
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Six
 
 DESCRIPTION_FOLDER = Path(__file__).parent
 JOINT_SIZES_FILE = DESCRIPTION_FOLDER / "joint_sizes.yaml"
@@ -39,7 +39,6 @@ Vector3 = tuple[float, float, float]
 T = TypeVar("T")
 PerLink = tuple[T, ...]
 PerJoint = PerLink[float]
-Six = tuple[float, float, float, float, float, float]  # a pose, a wrench, an inertia tensor
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 

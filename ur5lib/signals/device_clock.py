@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur5lib.errors import Remark, remark
-from ur5lib.signals.clock import CLOCK_WANDER, MOTION_METHOD, STAMPS_METHOD, ClockRelation
+from ur5lib.records.clocks import ClockRelation
+from ur5lib.signals.clock import CLOCK_WANDER, MOTION_METHOD, STAMPS_METHOD
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.lowpass import inner_lowpass
 from ur5lib.timeseries.sampling import differentiate, interpolated

@@ -5,9 +5,10 @@ from dataclasses import asdict
 
 import pandas as pd
 
+from ur5lib.records.clocks import OwnClock
 from ur5lib.records.quality import Device, StartOffset
 from ur5lib.records.signals import SENSOR_COLUMNS, Signals
-from ur5lib.signals.clock import OwnClock, clock_from_stamps
+from ur5lib.signals.clock import clock_from_stamps
 from ur5lib.signals.device_clock import device_clock
 from ur5lib.timeseries.arrays import Array
 

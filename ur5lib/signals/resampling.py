@@ -5,9 +5,10 @@ import pandas as pd
 from scipy import signal
 from scipy.interpolate import CubicSpline
 
+from ur5lib.records.clocks import ClockRelation
 from ur5lib.records.quality import StartOffset
 from ur5lib.records.signals import SENSOR_COLUMNS
-from ur5lib.signals.clock import ClockRelation, clock_from_stamps
+from ur5lib.signals.clock import clock_from_stamps
 from ur5lib.signals.device_clock import even_samples, interpolate
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import by_segment

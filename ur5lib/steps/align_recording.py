@@ -6,9 +6,10 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.channels import columns
+from ur5lib.records.clocks import HostDrift, OwnClock, SettledClock
 from ur5lib.records.motion import Alignment, Motion
 from ur5lib.records.signals import Signals
-from ur5lib.signals.clock import HostDrift, OwnClock, SettledClock, settle_clocks
+from ur5lib.signals.clock import settle_clocks
 from ur5lib.signals.resampling import resample
 from ur5lib.smoothing.encoders import smooth_encoders
 from ur5lib.smoothing.smoothed_motion import (

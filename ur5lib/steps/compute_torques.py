@@ -18,9 +18,10 @@ from ur5lib.records.motion import Motion
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Contradictions, Finding
 from ur5lib.records.signals import Signals
-from ur5lib.robots.description import Payload, Robot, Six
+from ur5lib.robots.description import Payload, Robot
 from ur5lib.steps.tare import Span, tare_doubts
 from ur5lib.tables import read_footer, read_table
+from ur5lib.timeseries.arrays import Six
 
 
 class RecordingTorques(NamedTuple):

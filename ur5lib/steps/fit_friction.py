@@ -20,7 +20,7 @@ from ur5lib.identification.current_samples import (
     current_record,
     prior_of,
 )
-from ur5lib.identification.currents import CurrentFit, parameters, predict, torque_constants
+from ur5lib.identification.currents import parameters, predict, torque_constants
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import CurrentSamples, Smooth, record_paths
 from ur5lib.identification.validation import (
@@ -32,7 +32,7 @@ from ur5lib.identification.validation import (
 from ur5lib.recordings.copies import same_runs
 from ur5lib.records.accepted import ACCEPTED, KINDS
 from ur5lib.records.dynamics import Torques
-from ur5lib.records.friction import Friction, KnownConstants, LeftOut
+from ur5lib.records.friction import CurrentFit, Friction, KnownConstants, LeftOut
 from ur5lib.records.motion import Motion
 from ur5lib.records.postures import Postures
 from ur5lib.records.premises import Premises

@@ -22,15 +22,10 @@ from ur5lib.force.residual_model import (
     TorqueStretch,
     fit_residual_model,
 )
-from ur5lib.identification.currents import (
-    CurrentFit,
-    breakaway_torque,
-    constants_band,
-    torque_constants,
-)
+from ur5lib.identification.currents import breakaway_torque, constants_band, torque_constants
 from ur5lib.identification.samples import MIN_PATHS
 from ur5lib.records.currents import Currents
-from ur5lib.records.friction import Friction
+from ur5lib.records.friction import CurrentFit, Friction
 from ur5lib.records.motion import Motion
 from ur5lib.timeseries.segments import unbroken
 

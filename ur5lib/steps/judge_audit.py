@@ -13,10 +13,10 @@ from ur5lib.force.sensor_audit import (
     fit_sensor_errors,
     shifts_after_contacts,
 )
-from ur5lib.identification.payload import JudgedLoad
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.force_errors import Audit, AuditRow
 from ur5lib.records.motion import Motion
+from ur5lib.records.prediction import JudgedLoad
 from ur5lib.records.signals import Signals
 from ur5lib.records.table import WRENCH, WRENCH_UNITS
 from ur5lib.robots.description import Payload, Robot

@@ -6,9 +6,9 @@ import numpy as np
 
 from ur5lib.channels import CURRENT, Effort
 from ur5lib.identification.condition import QUANTITY_UNITS, joint_conditions
-from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.samples import CurrentSamples, Smooth
 from ur5lib.records.arm_state import Checkup
+from ur5lib.records.friction import CurrentFit
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.quality import Quality
 

@@ -23,7 +23,7 @@ from ur5lib.force.trial_contacts import (
     flange_speed,
     try_each_place,
 )
-from ur5lib.identification.currents import CurrentFit, torque_constants
+from ur5lib.identification.currents import torque_constants
 from ur5lib.identification.samples import INDEPENDENT_STEP
 from ur5lib.identification.validation import ShareBySpeed, share_by_speed
 from ur5lib.records.arm_state import Observed
@@ -31,7 +31,7 @@ from ur5lib.records.contacts import SPEEDS, SmallestPush
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.forces import Forces
-from ur5lib.records.friction import Friction
+from ur5lib.records.friction import CurrentFit, Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
 from ur5lib.timeseries.arrays import Array

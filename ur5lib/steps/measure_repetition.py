@@ -16,13 +16,13 @@ from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.gate import diagonal
 from ur5lib.force.problem import fmap_problem
 from ur5lib.force.residual_model import Residuals
-from ur5lib.identification.currents import CurrentFit, torque_constants
+from ur5lib.identification.currents import torque_constants
 from ur5lib.identification.samples import path_of
 from ur5lib.recordings.copies import same_runs
 from ur5lib.records.arm_state import Repeated
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
-from ur5lib.records.friction import Friction
+from ur5lib.records.friction import CurrentFit, Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.quality import Quality

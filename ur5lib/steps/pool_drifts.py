@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping
 
+from ur5lib.records.clocks import HostDrift, OwnClock
 from ur5lib.signals import clock
-from ur5lib.signals.clock import HostDrift, OwnClock
 
 
 def pool_drifts(

@@ -12,7 +12,6 @@ from ur5lib.dynamics.link_model import load_regressor
 from ur5lib.force.external_torque import external_torque, without_edges
 from ur5lib.identification.current_samples import Smoother, current_record
 from ur5lib.identification.currents import (
-    CurrentFit,
     band,
     friction_current,
     load_loss,
@@ -26,17 +25,12 @@ from ur5lib.identification.payload import (
     judged_load,
 )
 from ur5lib.identification.samples import CurrentSamples, blocks
-from ur5lib.identification.validation import (
-    Scores,
-    baseline_current,
-    coefficients_of_constants,
-    score,
-)
+from ur5lib.identification.validation import baseline_current, coefficients_of_constants, score
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
-from ur5lib.records.friction import Friction
+from ur5lib.records.friction import CurrentFit, Friction
 from ur5lib.records.motion import Motion
-from ur5lib.records.prediction import Prediction
+from ur5lib.records.prediction import Prediction, Scores
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Finding
 from ur5lib.records.signals import Signals

@@ -23,9 +23,10 @@ from ur5lib.records.judgement import Judgement
 from ur5lib.records.postures import Postures
 from ur5lib.records.quality import Contradictions, Quality
 from ur5lib.records.signals import Signals
-from ur5lib.robots.description import Payload, Robot, Six
+from ur5lib.robots.description import Payload, Robot
 from ur5lib.tables import checksum
 from ur5lib.tidy import files, written
+from ur5lib.timeseries.arrays import Six
 
 
 class ReadPostures(NamedTuple):

@@ -11,11 +11,11 @@ from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.errors import InputError, UnreadableError
 from ur5lib.recordings.entries import Entry
 from ur5lib.recordings.intake import read_and_repair
+from ur5lib.records.clocks import OwnClock
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.quality import Device, Quality
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
-from ur5lib.signals.clock import OwnClock
 from ur5lib.signals.own_clocks import own_clocks
 from ur5lib.tables import checksum
 

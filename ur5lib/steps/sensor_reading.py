@@ -11,10 +11,10 @@ from ur5lib.records.force_errors import OffsetAccount
 from ur5lib.records.motion import Motion
 from ur5lib.records.quality import StartOffset
 from ur5lib.records.signals import Signals
-from ur5lib.robots.description import Payload, Robot, Six
+from ur5lib.robots.description import Payload, Robot
 from ur5lib.signals.end_effector import ToolMotion, expected_values, tool_motion
 from ur5lib.signals.resampling import by_stamps
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Six
 
 MAX_CENTER_DISTANCE = 0.3  # m, of a tool's centre of mass
 CENTER_ROUNDS = 2  # of the tool's centre of mass, where its acceleration counts

@@ -9,6 +9,7 @@ import pandas as pd
 
 from ur5lib.recordings.copies import same_runs, spare_copy
 from ur5lib.records.account import NOTHING
+from ur5lib.records.clocks import SettledClock
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.quality import (
     UNREADABLE,
@@ -20,7 +21,6 @@ from ur5lib.records.quality import (
 )
 from ur5lib.records.signals import Signals
 from ur5lib.records.wording import sentence
-from ur5lib.signals.clock import SettledClock
 from ur5lib.tidy import Row
 
 SAME_RUN = "same run"  # the finding that a recording's contents are those of another one

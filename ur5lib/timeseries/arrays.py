@@ -25,3 +25,4 @@ class FromLists:
 Array = Annotated[NDArray[np.float64], FromLists(np.float64)]
 Labels = Annotated[NDArray[np.int64], FromLists(np.int64)]
 Mask = Annotated[NDArray[np.bool_], FromLists(np.bool_)]
+Six = tuple[float, float, float, float, float, float]  # a pose, a wrench, an inertia tensor

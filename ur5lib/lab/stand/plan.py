@@ -8,9 +8,9 @@ from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag, mode
 
 from ur5lib.channels import MOST_JOINTS
 from ur5lib.lab.stand.layout import SENSOR_COLUMNS
-from ur5lib.robots.description import Payload, Positive, Six, Vector3
+from ur5lib.robots.description import Payload, Positive, Vector3
 from ur5lib.strict import Strict, existing_file
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Six
 from ur5lib.timeseries.profiles import rest_conditions
 
 POSTURE = (0.5, -1.6, 1.6, -1.5, 1.5, 0.3)  # rad; elbow up, far from singularities

@@ -9,9 +9,9 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.lab.stand.plan import Fourier, Joints, Movej, Series, Standstill
-from ur5lib.robots.description import Robot, Six
+from ur5lib.robots.description import Robot
 from ur5lib.robots.urscript import parse, read_calls, six
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Six
 from ur5lib.timeseries.profiles import duration, fourier_terms, rest_conditions, trapezoid
 
 INITIAL_REST = 1.0  # s at rest at the beginning of every recording

@@ -9,8 +9,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from ur5lib.channels import CURRENT, TORQUE, Effort
-from ur5lib.identification.currents import CurrentFit, Parameter, predict
+from ur5lib.identification.currents import predict
 from ur5lib.identification.samples import CurrentSamples, Smooth, smoothed_moving
+from ur5lib.records.friction import CurrentFit, Parameter
 from ur5lib.report.figures.charts import residual_panels, scatter_panels
 from ur5lib.report.figures.house_style import Drawing, house_style, nothing_to_draw
 from ur5lib.robots.description import CurrentToTorque
