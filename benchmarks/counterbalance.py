@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.harness.markdown import markdown
 from benchmarks.harness.options import built, study_options
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import RefusalError
@@ -22,7 +23,6 @@ from ur5lib.finished import FinishedStudy
 from ur5lib.identification.current_samples import Smoother, measured_samples
 from ur5lib.identification.measured_torques import JOINT_TERMS, ArmFit
 from ur5lib.identification.torque_rows import MeasuredRun, torque_rows
-from ur5lib.leaderboard.tables import markdown
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from benchmarks.harness.markdown import markdown
 from benchmarks.harness.options import options_of
 from benchmarks.harness.right_logs import RightLog, real_logs, simulated_logs, wrongly_described
 from ur5lib.checks.arm import Pair
@@ -28,7 +29,6 @@ from ur5lib.checks.currents import moving_joints
 from ur5lib.checks.readings import exchanged_order, in_order
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.unchecked import unchecked
-from ur5lib.leaderboard.tables import markdown
 from ur5lib.records.quality import Finding
 from ur5lib.tables import channel, named
 from ur5lib.timeseries.arrays import Array

@@ -17,12 +17,12 @@ from benchmarks.harness.options import built, study_options
 from benchmarks.harness.sections import detection_tables, simulated_section
 from ur5lib.errors import InputError
 from ur5lib.force.estimators import OWN
-from ur5lib.leaderboard.board import RESULTS_FOLDER, TABLE_FILE, contenders, scored
-from ur5lib.leaderboard.estimators import all_estimators
-from ur5lib.leaderboard.estimators.ours import OURS
-from ur5lib.leaderboard.study import read_arms
-from ur5lib.leaderboard.tables import tables
 from ur5lib.tables import write_csv, write_text
+from ur5rivals.board import RESULTS_FOLDER, TABLE_FILE, contenders, scored
+from ur5rivals.estimators import all_estimators
+from ur5rivals.estimators.ours import OURS
+from ur5rivals.study import read_arms
+from ur5rivals.tables import tables
 
 QUICK = (OURS, "zero", "least squares", "momentum observer")
 PAGE = Path(__file__).parents[1] / "docs" / "benchmark.md"

@@ -24,13 +24,13 @@ from benchmarks.harness.options import arm_options, built
 from ur5lib.errors import InputError
 from ur5lib.force.live import CONTACT, UNKNOWN, Live
 from ur5lib.force.live_file import Measured, follow, learned
-from ur5lib.leaderboard.run import Run
-from ur5lib.leaderboard.study import read_arms
 from ur5lib.robots.description import load_robot
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.strict import read_yaml
 from ur5lib.study.model import CurrentLowpass
+from ur5rivals.run import Run
+from ur5rivals.study import read_arms
 
 FALSE_PER_MIN = 1.0
 LONG = 40.0  # s, of a long run

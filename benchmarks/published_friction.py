@@ -16,14 +16,13 @@ import numpy as np
 import pandas as pd
 from scipy.special import stdtrit
 
+from benchmarks.harness.markdown import markdown, replaced
 from benchmarks.harness.options import options_of
-from benchmarks.harness.page import replaced
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.identification.base_parameters import InertialEstimate
 from ur5lib.identification.current_samples import Smoother, measured_samples
 from ur5lib.identification.measured_torques import ArmFit
 from ur5lib.identification.torque_rows import MeasuredRun, torque_rows
-from ur5lib.leaderboard.tables import markdown
 from ur5lib.recordings.counting import at_the_joints
 from ur5lib.recordings.intake import with_efforts
 from ur5lib.records.signals import Signals

@@ -25,33 +25,28 @@ import numpy as np
 import pandas as pd
 import torch
 
+from benchmarks.harness.drawn_studies import ARMS, FIT_SECONDS, motion_of, planned
 from benchmarks.harness.options import options_of
-from benchmarks.harness.pushes import EACH, PAUSE, PLACES, pushes
+from benchmarks.harness.pushes import EACH, PLACES, pushes
 from benchmarks.harness.simulated import simulated_table
 from benchmarks.harness.timing import timed
 from benchmarks.leaderboard import QUICK
 from benchmarks.study import snakemake
+from ur5lib.finished import FinishedStudy
 from ur5lib.force.detection import CONTACT_FORCE, is_free
-from ur5lib.lab.stand.plan import POSTURE
-from ur5lib.leaderboard.board import RESULTS_FOLDER, estimates, learnt
-from ur5lib.leaderboard.estimators import all_estimators
-from ur5lib.leaderboard.estimators.published import ESTIMATORS as PUBLISHED
-from ur5lib.leaderboard.run import Estimate, Run
-from ur5lib.leaderboard.scores import known_to_all, masked, score_by_sample
-from ur5lib.leaderboard.study import StudyArm, label_paths, read_run
 from ur5lib.records.friction import Friction
 from ur5lib.records.signals import Signals
-from ur5lib.robots.description import load_robot
-from ur5lib.tables import read_csv, read_record, write_csv
+from ur5lib.tables import read_csv, write_csv
 from ur5lib.timeseries.arrays import Array
+from ur5rivals.board import RESULTS_FOLDER, estimates, learnt
+from ur5rivals.estimators import all_estimators
+from ur5rivals.estimators.published import ESTIMATORS as PUBLISHED
+from ur5rivals.run import Estimate, Run
+from ur5rivals.scores import known_to_all, masked, score_by_sample
+from ur5rivals.study import StudyArm, label_paths, read_run
 
-ARMS = ("ur5", "ur5e", "ur10e")
 SEEDS = 30
-FIT_SECONDS, QUICK_SECONDS = 20.0, 8.0
-LIMIT_SHARES = (0.5, 0.1)  # of the limits of speed, in the excitations to fit on
-PAUSE_S = 1.0  # s at each way-point of the third recording to fit on
-FRICTION = (0.7, 1.3)  # range of each joint's friction, relative to the usual one
-SWAY = 0.4  # rad, by which postures differ
+QUICK_SECONDS = 8.0
 NEEDED = ("forces.parquet", "sensor.parquet")
 LEFT_OUT = {own.name for own in PUBLISHED}  # the stand only imitates the controller
 NORMAL = 1.96  # standard deviations of a 95 % band
@@ -105,18 +100,17 @@ def seed_rows(
     """
     contacts = pushes(seed, each)
     study = planned(seed, contacts, seconds)
-    folder, arm = RESULTS_FOLDER / study["study"], ARMS[seed % len(ARMS)]
+    arm = ARMS[seed % len(ARMS)]
     clear(study)  # what a run left that was killed
     try:
         built(study)
-        robot = load_robot(folder / "parameters" / arm / "arm.yaml")
-        friction = read_record(Friction, folder / "parameters" / arm / "friction.json")
-        folders = [folder / "recordings" / own["name"] for own in study["recordings"]]
-        runs = [run for own in folders if (run := read_run(own, robot, friction)) is not None]
-        time = Signals.read(folders[-1] / "signals.parquet").time
+        results = FinishedStudy(RESULTS_FOLDER / study["study"])
+        robot, friction = results.arm(arm), results.parameters(Friction, arm, "friction")
+        each_run = [read_run(results, own, robot, friction) for own in results.recordings]
+        time = results.record(Signals, results.recordings[-1]).time
     finally:
         clear(study)
-    *free, pushed = label_paths(runs)
+    *free, pushed = label_paths([run for run in each_run if run is not None])
     known = StudyArm(study["study"], arm, free, [pushed], [])
     chosen = [own for own in all_estimators() if own.name in names]
     entries = {entry.estimator.name: entry for entry in learnt(known, chosen)}
@@ -133,69 +127,6 @@ def clear(study: dict[str, Any]) -> None:
     """Remove a seed's recordings and results."""
     for folder in (RESULTS_FOLDER / study["study"], Path("raw", study["study"])):
         shutil.rmtree(folder, ignore_errors=True)
-
-
-def planned(
-    seed: int, contacts: list[dict[str, Any]], seconds: float = FIT_SECONDS
-) -> dict[str, Any]:
-    """Return the study of a seed: three recordings to fit on, and the pushed one."""
-    random = np.random.default_rng([seed, 1])
-    friction = {
-        name: random.uniform(*FRICTION, 6).tolist() for name in ("coulomb_factor", "viscous_factor")
-    }
-    moves = [fourier(random, share, seconds) for share in LIMIT_SHARES]
-    moves.append(way_points(random, PAUSE_S))
-    plans: list[dict[str, Any]] = [{"trajectory": own, "seconds": seconds} for own in moves]
-    length = contacts[-1]["start_s"] + PAUSE
-    plans.append({"trajectory": motion_of(seed), "seconds": length, "contacts": contacts})
-    entries = [
-        {
-            "name": f"path_{k + 1}",
-            "robot": ARMS[seed % len(ARMS)],
-            "format": "thesis-csv",
-            "role": "contact" if "contacts" in plan else "fit",
-            "simulate": plan | friction | {"seed": len(plans) * seed + k},
-        }
-        for k, plan in enumerate(plans)
-    ]
-    return {"study": f"simulated-{seed}", "title": f"Seed {seed}", "recordings": entries}
-
-
-def fourier(
-    random: np.random.Generator, share: float, seconds: float = FIT_SECONDS
-) -> dict[str, Any]:
-    """Return a drawn excitation about a drawn posture; share: of the limits, that is used."""
-    return {
-        "kind": "fourier",
-        "draw": int(random.integers(10**6)),
-        "posture": posture(random),
-        "period_s": seconds,
-        "harmonics": 10,
-        "limit_share": share,
-    }
-
-
-def motion_of(seed: int) -> dict[str, Any]:
-    """Return the motion of the pushed recording: excitation, way-points or standstill."""
-    random = np.random.default_rng([seed, 2])
-    moves = [
-        fourier(random, LIMIT_SHARES[0]),
-        way_points(random, 0.0),
-        {"kind": "standstill", "posture": posture(random)},
-    ]
-    return moves[int(random.integers(len(moves)))]
-
-
-def way_points(random: np.random.Generator, pause: float) -> dict[str, Any]:
-    """Return a motion along drawn way-points with pauses [s]."""
-    drawn = [posture(random) for _ in range(4)]
-    return {"kind": "movej", "way_points": drawn, "pause_s": pause}
-
-
-def posture(random: np.random.Generator) -> list[float]:
-    """Return a drawn posture [rad], far from singularities."""
-    drawn: list[float] = (POSTURE + random.uniform(-SWAY, SWAY, 6)).tolist()
-    return drawn
 
 
 def built(study: dict[str, Any]) -> None:

@@ -17,8 +17,8 @@ import numpy as np
 import pandas as pd
 import torch
 
+from benchmarks.harness.drawn_studies import FRICTION, posture
 from benchmarks.harness.options import asked
-from benchmarks.simulated_contacts import FRICTION, posture
 from benchmarks.stand_seeds import CURRENTS, Taken, currents, fitted_map, simulated
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import TOUCH_FORCE

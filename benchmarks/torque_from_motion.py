@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.harness.markdown import markdown, replaced
 from benchmarks.harness.options import options_of
-from benchmarks.harness.page import replaced
 from benchmarks.harness.torque_models import (
     Ours,
     Run,
@@ -26,14 +26,16 @@ from benchmarks.harness.torque_models import (
     with_gears,
     with_memory,
 )
-from ur5lib.leaderboard.tables import markdown
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.tables import write_text
 from ur5lib.timeseries.arrays import Array
+from ur5rivals.estimators import gaussian_process
+from ur5rivals.learned_residual import Predict, TrainingSamples, standardised
 
 PAGE = Path(__file__).parents[1] / "docs" / "benchmark.md"
 TITLE = "Torque from motion"
 QUICK_FILES = 6
+POINTS_OF_PROCESS = 600  # that a Gaussian process learns from
 REPEATS_AFTER = 3  # files: the motion of file k is driven again in file k + 3
 
 
@@ -88,10 +90,22 @@ def rows(fitted: Sequence[Run], judged: Sequence[Run]) -> Iterator[Row]:
     ours = Ours(fitted[0].arm, fitted)
     torques, halves = zip(*map(ours.predicted, judged), strict=True)
     yield Row("ours", torques, halves)
-    process = ours.residual_process(fitted)
+    process = residual_process(ours, fitted)
     inputs = [ours.inputs(run, ours.friction.fit)[0] for run in judged]
     corrected = [torque + process(own) for torque, own in zip(torques, inputs, strict=True)]
     yield Row("ours + Gaussian process", corrected)
+
+
+def residual_process(ours: Ours, fitted: Sequence[Run]) -> Predict:
+    """Return what a Gaussian process expects of the torques that fits without the path leave.
+
+    It learns from (q, q̇, torque predicted) at POINTS_OF_PROCESS samples of the fitted runs.
+    """
+    learnt = [ours.inputs(run, ours.friction.fit_for(run.name)) for run in fitted]
+    inputs, left = map(np.concatenate, zip(*learnt, strict=True))
+    every = max(1, len(inputs) // POINTS_OF_PROCESS)
+    samples = TrainingSamples(inputs[::every], left[::every])
+    return standardised(gaussian_process.train, samples, samples)
 
 
 def line(row: Row, judged: Sequence[Run]) -> list[str]:

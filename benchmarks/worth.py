@@ -28,6 +28,7 @@ import pandas as pd
 import torch
 
 from benchmarks.harness.drawn_pushes import drawn_pushes
+from benchmarks.harness.markdown import markdown
 from benchmarks.harness.options import arm_options, built
 from benchmarks.harness.plain_currents import currents_table
 from benchmarks.leave_out import Fold, Recording, Study, read_study, refusal, unseen, without_each
@@ -39,7 +40,6 @@ from ur5lib.force.gate import diagonal
 from ur5lib.force.problem import fmap_problem
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.wrench_estimate import OPENING_PROBABILITY, WrenchEstimate
-from ur5lib.leaderboard.tables import markdown
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion

@@ -29,8 +29,8 @@ COPIED = [
     "config.yaml",
     "profiles",
     "workflow",
-    "ur5lib",
     "pyproject.toml",
+    *sorted(path.name for path in PROJECT.glob("ur5*")),  # the packages
 ]
 STUDY = """\
 study: small
@@ -232,12 +232,14 @@ def workflow(built_workflow: Workflow, tmp_path: Path) -> Workflow:
 @pytest.fixture(scope="session")
 def demo(tmp_path_factory: pytest.TempPathFactory, common_folder: Path) -> Workflow:
     """The default study, simulated and built: by the installed package, where that was tested."""
-    workflow = Workflow(copy_project(tmp_path_factory.mktemp("demo") / "project"))
-    for part in (common_folder / "lab").glob("*"):
-        if part.name in ("raw", "results", ".snakemake"):
-            shutil.copytree(part, workflow.folder / part.name)
-    workflow.build()  # what is missing
-    return workflow
+
+    def prepare(folder: Path) -> None:
+        for part in (common_folder / "lab").glob("*"):
+            if part.name in ("raw", "results", ".snakemake"):
+                shutil.copytree(part, folder / part.name)
+
+    workflow = build_once(common_folder / "demo", prepare)  # what is missing
+    return workflow.copied(tmp_path_factory.mktemp("demo") / "project")
 
 
 @pytest.fixture(scope="session")

@@ -21,6 +21,7 @@ from ur5lib.cli import app
 from ur5lib.errors import InputError
 from ur5lib.study.model import Study
 from ur5lib.study.reading import parse_study
+from ur5lib.workspace.beside import entry_points
 
 MARKDOWN = MarkdownIt("commonmark").enable("table")
 COMMANDS = ("make", "snakemake", "ur5", "python", "git", "pip", "docker")
@@ -122,8 +123,10 @@ def check_command(line: str) -> None:
             own = typer.main.get_command(app).params
             assert words[0] in [option for each in own for option in each.opts], words
         case "ur5" if words:
-            command = typer.main.get_command(app).commands[words[0]]  # type: ignore[attr-defined]
-            if words[1:]:  # else the text names the command
+            known = dict.fromkeys(entry_points())  # the package of one may be deleted
+            known |= typer.main.get_command(app).commands  # type: ignore[attr-defined]
+            command = known[words[0]]
+            if command and words[1:]:  # else the text names the command
                 with suppress(InputError):  # a study that is not here
                     command.make_context(words[0], words[1:])
         case "make":

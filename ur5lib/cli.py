@@ -4,33 +4,26 @@ import os
 import shlex
 import signal
 import sys
-from collections.abc import Iterable
 from itertools import takewhile
+from operator import itemgetter
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import typer
 
 from ur5lib import __version__
+from ur5lib.commands.arguments import (
+    ADDRESS_HELP,
+    STUDY_HELP,
+    Results,
+    StudyFile,
+    print_lines,
+    results_folder,
+)
 from ur5lib.errors import InputError, printable, unknown
+from ur5lib.workspace.beside import commands_beside
 
-
-def _study_file(address: str) -> Path:
-    from ur5lib.study.address import study_file
-
-    return study_file(address)
-
-
-def _results_folder(address: str) -> Path:
-    from ur5lib.study.address import results_folder
-
-    return results_folder(address)
-
-
-ADDRESS_HELP = "its name, its YAML file, or its folder of results"
-STUDY_HELP = f"a study: {ADDRESS_HELP}"
-StudyFile = Annotated[Path, typer.Argument(parser=_study_file, help=STUDY_HELP, metavar="STUDY")]
-Results = Annotated[Path, typer.Argument(parser=_results_folder, help=STUDY_HELP, metavar="STUDY")]
+PANELS = "Start", "Lab", "Results", "Arm", "Project"
 ArmName = Annotated[str, typer.Option(help="name of an arm in ur5lib/robots, e.g. ur5")]
 
 
@@ -38,12 +31,12 @@ class Panels(typer.core.TyperGroup):
     """Commands, listed by what they are for."""
 
     def format_commands(self, _: Any, formatter: Any) -> None:
-        """Write a section for each panel, in the order in which the commands are defined."""
-        panels: dict[str, list[tuple[str, str]]] = {}
+        """Write a section for each of PANELS, with its commands in the order of definition."""
+        panels: dict[str, list[tuple[str, str]]] = {panel: [] for panel in PANELS}
         for name, command in self.commands.items():
             row = name, command.get_short_help_str(200)
-            panels.setdefault(vars(command)["rich_help_panel"], []).append(row)
-        for panel, rows in panels.items():
+            panels[vars(command)["rich_help_panel"]].append(row)
+        for panel, rows in filter(itemgetter(1), panels.items()):
             with formatter.section(panel):
                 formatter.write_dl(rows)
 
@@ -110,7 +103,7 @@ def fetch(
 
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # removes temporary files
     if dataset is None:
-        _print(listing())
+        print_lines(listing())
         return
     typer.echo(fetch_dataset(dataset, target, source))
     study = catalogue()[dataset].study
@@ -144,7 +137,6 @@ def run(
     _use_one_thread()
     from ur5lib.commands.run import build
     from ur5lib.importing.written import study_of
-    from ur5lib.study.address import results_folder
 
     named = [*takewhile(lambda word: not word.startswith("-"), study_or_recordings)]
     options = study_or_recordings[len(named) :]
@@ -176,9 +168,8 @@ def _show(report: Path, open_report: bool) -> None:
 def status(study: StudyFile) -> None:
     """Print whether a study is being built, what its report lacks, and what a run would compute."""
     from ur5lib.commands.run import status as lines
-    from ur5lib.study.address import results_folder
 
-    _print(lines(study, results_folder(str(study))))
+    print_lines(lines(study, results_folder(str(study))))
 
 
 @app.command(rich_help_panel="Start")
@@ -289,11 +280,6 @@ def record(
         raise SystemExit(1)
 
 
-def _print(lines: Iterable[object]) -> None:
-    for line in lines:
-        typer.echo(line)
-
-
 @app.command(rich_help_panel="Results")
 def compare(
     before: Results,
@@ -312,7 +298,7 @@ def compare(
         if topic not in TOPICS:
             raise unknown("topic", topic, TOPICS)
     comparisons = compare_results(before, after)
-    _print(lines(comparisons))
+    print_lines(lines(comparisons))
     if junit:
         write_junit(comparisons, junit)
     if any(each.changed and each.topic in topics for each in comparisons):
@@ -334,7 +320,7 @@ def excite(
     results: Annotated[
         Path | None,
         typer.Option(
-            parser=_results_folder, help=f"a study that recorded this arm before: {ADDRESS_HELP}"
+            parser=results_folder, help=f"a study that recorded this arm before: {ADDRESS_HELP}"
         ),
     ] = None,
     table: Annotated[
@@ -358,7 +344,9 @@ def excite(
 
     load = None if payload is None else known_load(*payload)
     chosen = question or ("model" if results is None else "undetermined")
-    _print(excite(ExciteOptions(robot, seconds, chosen, results, table, boxes, seed, load), write))
+    print_lines(
+        excite(ExciteOptions(robot, seconds, chosen, results, table, boxes, seed, load), write)
+    )
 
 
 @app.command(rich_help_panel="Results")
@@ -366,7 +354,7 @@ def audit(study: StudyFile) -> None:
     """Print the faults of the wrist sensors in a study's recordings, and the remedies."""
     from ur5lib.commands.answers import audit_answers
 
-    _print(audit_answers(study))
+    print_lines(audit_answers(study))
 
 
 @app.command(rich_help_panel="Results")
@@ -374,7 +362,7 @@ def payload(study: StudyFile) -> None:
     """Print the payload of each recording by motor currents and by wrist sensor."""
     from ur5lib.commands.answers import payload_answers
 
-    _print(payload_answers(study))
+    print_lines(payload_answers(study))
 
 
 @app.command(rich_help_panel="Arm")
@@ -393,7 +381,7 @@ def export(
     ] = "urdf",
     results: Annotated[
         Path | None,
-        typer.Option(parser=_results_folder, help=f"a study that identified it: {ADDRESS_HELP}"),
+        typer.Option(parser=results_folder, help=f"a study that identified it: {ADDRESS_HELP}"),
     ] = None,
     as_in: Annotated[
         str, typer.Option(help="a recording of that study: with its payload and mounting")
@@ -425,7 +413,7 @@ def describe(
     """Describe an arm by its URDF: writes robots/<name>.yaml, for `robot: <name>` in a study."""
     from ur5lib.commands.described import describe_urdf
 
-    _print(describe_urdf(file, base, tip, name, physical))
+    print_lines(describe_urdf(file, base, tip, name, physical))
 
 
 @app.command(rich_help_panel="Results")
@@ -442,7 +430,7 @@ def convert(
     """Write a study's signals, motion, currents and forces, with bands, for MATLAB or Foxglove."""
     from ur5lib.commands.convert import write_recordings
 
-    _print(write_recordings(results, recordings or [], to, into))
+    print_lines(write_recordings(results, recordings or [], to, into))
 
 
 @app.command(rich_help_panel="Results")
@@ -468,31 +456,7 @@ def replay(
     """Replay a model along a recording in MuJoCo: errors of torque, and of angles in a loop."""
     from ur5lib.commands.replay import replayed
 
-    _print(replayed(file, results, recording))
-
-
-@app.command(rich_help_panel="Results")
-def leaderboard(
-    results: Annotated[
-        list[Path],
-        typer.Argument(
-            parser=_results_folder, metavar="STUDY", help=f"studies that are built: {ADDRESS_HELP}"
-        ),
-    ],
-    estimator: Annotated[
-        str | None,
-        typer.Option(
-            help="one more, as module:Class of a file in this folder or of a package "
-            "(docs/benchmark.md)"
-        ),
-    ] = None,
-) -> None:
-    """Compare published estimators of the contact force with ours, and yours, on your studies."""
-    from ur5lib.leaderboard.board import TABLE_FILE
-    from ur5lib.leaderboard.board import leaderboard as compared
-
-    typer.echo(compared(results, estimator))
-    typer.echo(f"all figures: {TABLE_FILE}")
+    print_lines(replayed(file, results, recording))
 
 
 @app.command(rich_help_panel="Project")
@@ -511,6 +475,8 @@ def settings() -> None:
     typer.echo(settings_text(), nl=False)
 
 
+for own in commands_beside():
+    app.command(own.name, rich_help_panel=own.panel)(own.run)
 for command in app.registered_commands:
     command.short_help = getattr(command.callback, "__doc__", None)  # of `help`, click shows a part
 

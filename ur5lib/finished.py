@@ -19,8 +19,7 @@ from ur5lib.study.paper_figure import paper_figure
 from ur5lib.study.reading import parse_study, read_plain
 from ur5lib.tables import intact, read_csv, read_record, read_table, read_units
 
-Record = TypeVar("Record", bound=Table)
-Parameters = TypeVar("Parameters")
+Record = TypeVar("Record")
 
 
 class FinishedStudy:
@@ -67,28 +66,31 @@ class FinishedStudy:
         with intact(path):
             return load_robot(path)
 
-    def parameters(self, kind: type[Parameters], robot: str, name: str) -> Parameters:
+    def parameters(self, kind: type[Record], robot: str, name: str) -> Record:
         """Return what was fitted to an arm, e.g. `Friction` of `parameters/<arm>/friction.json`."""
         return read_record(kind, self._existing("parameters", robot, f"{name}.json"))
 
     def quality(self, recording: str) -> Quality:
         """Return the files and the timing of a recording."""
-        return read_record(Quality, self._existing("recordings", recording, "quality.json"))
+        return self.record(Quality, recording)
 
     def judgement(self, recording: str) -> Judgement:
         """Return what is judged of a recording."""
-        return read_record(Judgement, self._existing("recordings", recording, "judgement.json"))
+        return self.record(Judgement, recording)
 
     def payload(self, recording: str) -> Payload | None:
         """Return the payload of the arm."""
-        premises = self._existing("recordings", recording, "premises.json")
-        return read_record(Premises, premises).load.payload
+        return self.record(Premises, recording).load.payload
 
-    def record(self, kind: type[Record], recording: str) -> Record:
-        """Return a recording's table as a record, e.g. `Motion` of motion.parquet."""
-        return kind.read(
-            self._existing("recordings", recording, f"{kind.__name__.lower()}.parquet")
-        )
+    def record(self, kind: type[Record], recording: str, name: str = "") -> Record:
+        """Return a file of a recording as a record, e.g. `Motion` of motion.parquet.
+
+        name: of the file where it is not the record's, e.g. `sensor` of `SensorWrenches`.
+        """
+        stem = name or kind.__name__.lower()
+        if issubclass(kind, Table):
+            return kind.read(self._existing("recordings", recording, f"{stem}.parquet"))
+        return read_record(kind, self._existing("recordings", recording, f"{stem}.json"))
 
     def table(self, name: str) -> pd.DataFrame:
         """Return a table of results, as in `tables/<name>.csv`: one value a row, SI units.

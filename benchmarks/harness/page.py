@@ -1,6 +1,5 @@
 """docs/benchmark.md: its tables and its sentences, all from the table of scores."""
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -8,11 +7,12 @@ from typing import Any, NamedTuple
 import jinja2
 import pandas as pd
 
+from benchmarks.harness.markdown import markdown, section
 from ur5lib.force import contact_figures, detection
-from ur5lib.leaderboard import tuning
-from ur5lib.leaderboard.estimators.ours import OURS
-from ur5lib.leaderboard.study import StudyArm
-from ur5lib.leaderboard.tables import interval, markdown, tables
+from ur5rivals import tuning
+from ur5rivals.estimators.ours import OURS
+from ur5rivals.study import StudyArm
+from ur5rivals.tables import interval, tables
 
 TEMPLATE = "page.md.jinja"
 COMPARED = ["recording", "figure", f"{OURS} [N]", "better beyond chance", "lower within chance",
@@ -87,19 +87,6 @@ def with_kept(new: str, old: str, measured: bool, estimators: Sequence[str]) -> 
     if missing and "|" in simulated:
         shown = f"{shown.rstrip()}\n\n{ABSENT} {'; '.join(missing)}."
     return new.replace(simulated, f"{shown.rstrip()}\n\n")
-
-
-def replaced(text: str, title: str, tables: str) -> str:
-    """Return a page with other tables in a section, below the lines that introduce it."""
-    old = section(text, title)
-    words = old[: old.index("\n|") + 1] if "\n|" in old else f"{old.rstrip()}\n\n"
-    return text.replace(old, f"{words}{tables.rstrip()}\n\n") if old else text
-
-
-def section(text: str, title: str) -> str:
-    """Return a section of a page with its heading, up to the next one; empty if there is none."""
-    found = re.search(rf"^## {re.escape(title)}\n.*?(?=^## |\Z)", text, re.DOTALL | re.MULTILINE)
-    return found.group() if found else ""
 
 
 def rule() -> dict[str, str]:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import pandas as pd
 
+from benchmarks.harness.markdown import markdown
 from benchmarks.harness.torque_models import MEMORIES, RIDGE
 from benchmarks.leave_out import Recording, Study, without_each
 from ur5lib.identification.current_regression import fit_currents
@@ -18,7 +19,6 @@ from ur5lib.identification.current_samples import (
 )
 from ur5lib.identification.currents import predict
 from ur5lib.identification.samples import INDEPENDENT_STEP, CurrentSamples, smoothed_moving
-from ur5lib.leaderboard.tables import markdown
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals

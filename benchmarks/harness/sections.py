@@ -6,9 +6,9 @@ from typing import Any
 
 import yaml
 
+from benchmarks.harness.markdown import markdown
 from benchmarks.harness.pushes import EACH, FORCES, PLACES
 from benchmarks.harness.simulated import better_than_ours, refused_on_some, simulated_table
-from ur5lib.leaderboard.tables import markdown
 from ur5lib.report.page.compose import shown_table
 from ur5lib.report.results import Results
 from ur5lib.tables import read_csv

@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from benchmarks.harness.markdown import markdown
 from ur5lib.force.contact_figures import CONTACT_RESAMPLES, INTERVAL_ENDS
-from ur5lib.leaderboard.estimators.ours import OURS
-from ur5lib.leaderboard.tables import interval, markdown, number, share
 from ur5lib.timeseries.arrays import Array
+from ur5rivals.estimators.ours import OURS
+from ur5rivals.tables import interval, number, share
 
 LINK_6 = ("flange", "tool")  # places at which estimators may be right
 COLUMNS = ["estimator", "causal", "latency", "RMSE at the flange [N]", "less ours [N]",

@@ -16,8 +16,6 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.identification.current_samples import Smoother, current_record, prior_of
 from ur5lib.identification.currents import band, predict
 from ur5lib.identification.samples import CurrentSamples
-from ur5lib.leaderboard.estimators import gaussian_process
-from ur5lib.leaderboard.learned_residual import Predict, TrainingSamples, standardised
 from ur5lib.recordings.entries import ENTRY
 from ur5lib.records.carried import carried
 from ur5lib.records.friction import CurrentFit
@@ -38,7 +36,6 @@ MOTION, CURRENTS = Butterworth(4, 10.0), Butterworth(4, 2.0)
 SMOOTH = Smoother(*CURRENTS)
 MEMORIES = (1e-5, 1e-4, 1e-3, 1e-2)  # rad, over which parts of dry friction reverse
 RIDGE = 1e-8  # of the columns' mean squares: the regressor's columns depend on each other
-POINTS_OF_PROCESS = 600  # that a Gaussian process learns from
 
 
 class Run:
@@ -151,17 +148,6 @@ class Ours:
         """Return the torque (N, n) [Nm] of a run, low-passed, and half of its 95 % band."""
         record, fit = self.record(run.name, run.signals, run.motion), fit or self.friction.fit
         return SMOOTH(predict(fit, record), record), band(fit, record, SMOOTH)
-
-    def residual_process(self, fitted: Sequence[Run]) -> Predict:
-        """Return what a Gaussian process expects of the torques that fits without the path leave.
-
-        It learns from (q, q̇, torque predicted) at POINTS_OF_PROCESS samples of the fitted runs.
-        """
-        learnt = [self.inputs(run, self.friction.fit_for(run.name)) for run in fitted]
-        inputs, left = map(np.concatenate, zip(*learnt, strict=True))
-        every = max(1, len(inputs) // POINTS_OF_PROCESS)
-        samples = TrainingSamples(inputs[::every], left[::every])
-        return standardised(gaussian_process.train, samples, samples)
 
     def inputs(self, run: Run, fit: CurrentFit) -> tuple[Array, Array]:
         """Return (q, q̇, torque predicted) (N, 3 n) of a run, and the torque that is left."""

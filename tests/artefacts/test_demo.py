@@ -10,9 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from typer.testing import CliRunner
 
-from benchmarks.leaderboard import QUICK
 from tests.artefacts.documents import (
     check_in_browser,
     check_pdf,
@@ -26,15 +24,12 @@ from tests.conftest import PROJECT, Workflow
 from tests.drawn_numbers import check_drawn_numbers
 from tests.library.test_benchmarks import run_benchmark
 from tests.rigid import check_rigid
-from ur5lib.cli import app
 from ur5lib.commands.convert import write_recordings
 from ur5lib.commands.exported import exported
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
 from ur5lib.importing.contents import UserStatement
 from ur5lib.importing.files import import_files
-from ur5lib.leaderboard import board
-from ur5lib.leaderboard.estimators import all_estimators
 from ur5lib.tables import read_csv, read_json
 
 FRICTION = ["torque_constant", "offset", "coulomb", "viscous", "load"]
@@ -70,7 +65,6 @@ def test_figures_draw_what_their_tables_state(
     [
         ("counterbalance", ["demo"], ["| demo | ur5 | 3 |", "| none |"]),
         ("leave_out", [], ["alarms a minute", "friction differs by"]),
-        ("live", [], ["NumPy, a step: median", "alarms a minute", "are left after its release"]),
         ("worth", [], ["| nothing |", "| cross-fitting |"]),
     ],
 )
@@ -79,32 +73,6 @@ def test_what_was_built_is_measured(
 ) -> None:
     printed = run_benchmark(name, demo.folder, *given)
     assert all(text in printed for text in texts)
-
-
-def test_an_estimator_from_outside_is_compared_beside_the_page(demo: Workflow) -> None:
-    """That of the page's example: in table and page copy; the page itself stays as it is."""
-    page = PROJECT / "docs" / "benchmark.md"
-    before = page.read_text()
-    (demo.folder / "moving_average.py").write_text(before.split("```python\n")[1].split("```")[0])
-    chosen = ("--estimator", "moving_average:MovingAverage")
-    printed = run_benchmark("leaderboard", demo.folder, "demo", "--page", *chosen)
-    beside = (demo.folder / "results" / "benchmark.md").read_text()
-    for name in ("momentum observer", "moving average"):
-        assert f"| {name} | yes |" in printed
-        assert f"| {name} | yes |" in beside
-    table = read_csv(demo.folder / "results" / "leaderboard.csv")
-    counts = table.groupby("estimator").size()
-    assert counts["moving average"] == counts["least squares"]
-    assert page.read_text() == before
-
-
-def test_the_command_compares_estimators(demo: Workflow, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of all that are published, a few; the installed package compares all of them."""
-    few = [own for own in all_estimators() if own.name in QUICK]
-    monkeypatch.setattr(board, "all_estimators", lambda: few)
-    monkeypatch.chdir(demo.folder)
-    done = CliRunner().invoke(app, ["leaderboard", "results/demo"], catch_exceptions=False)
-    assert "| momentum observer | yes |" in done.output
 
 
 def test_a_second_run_has_nothing_to_do(demo: Workflow) -> None:

@@ -1,6 +1,7 @@
 """How the code hangs together."""
 
 import ast
+import functools
 import graphlib
 import re
 import subprocess
@@ -38,7 +39,6 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "lab.recorder": BASE,
     "lab.stand": BASE,
     "lab.doubles": BASE | {"lab.recorder", "lab.stand"},
-    "leaderboard": BASE | METHODS - {"signals"} | {"records"},
     # steps join the rooms; jobs know them by their names alone
     "steps": BASE
     | ROOMS
@@ -56,7 +56,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     | {"checks", "excitation", "finished", "jobs", "lab.doubles", "lab.recorder", "recordings"}
     | {"records", "report", "steps", "study", "tidy", "workspace"},
     "importing": BASE | {"checks", "commands", "recordings", "records", "study"},
-    "cli": BASE | {"commands", "datasets", "importing", "leaderboard", "study"} | {"workspace"},
+    "cli": BASE | {"commands", "datasets", "importing", "study", "workspace"},
 }
 SCIPY = {"scipy.stats", "scipy.signal", "scipy.optimize"}
 LOADED = [  # steps, loaded one after the other, and the packages that none has loaded by then
@@ -83,27 +83,63 @@ LOADED = [  # steps, loaded one after the other, and the packages that none has 
     ),
 ]
 MODULES = sorted((PROJECT / "ur5lib").rglob("*.py"))
+BESIDE = sorted(path.name for path in PROJECT.glob("ur5*") if path.name != "ur5lib")
+EVERY = MODULES + sorted(path for package in BESIDE for path in (PROJECT / package).rglob("*.py"))
+AROUND = sorted(path for part in ("tests", "benchmarks") for path in (PROJECT / part).rglob("*.py"))
 
 
+def name_of(path: Path) -> str:
+    return ".".join(path.relative_to(PROJECT).with_suffix("").parts).removesuffix(".__init__")
+
+
+FILES = {name_of(path): path for path in EVERY + AROUND}
+
+
+@functools.cache
 def imports(path: Path) -> set[str]:
     tree = ast.parse(path.read_text())
-    froms = {node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
-    froms |= {
-        f"ur5lib.{own.name}"
-        for node in ast.walk(tree)
-        if isinstance(node, ast.ImportFrom) and node.module == "ur5lib"
+    froms = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+    names = {node.module or "" for node in froms}
+    names |= {
+        f"{node.module}.{own.name}"
+        for node in froms
+        if node.module in {"ur5lib", "benchmarks", *BESIDE}
         for own in node.names
         if not own.name.startswith("_")
     }
     plain = {a.name for n in ast.walk(tree) if isinstance(n, ast.Import) for a in n.names}
-    return froms | plain
+    return names | plain
+
+
+def users_of(package: str) -> set[Path]:
+    """All files that import it, directly or not."""
+    users = set[Path]()
+    while (
+        more := {
+            path
+            for path in FILES.values()
+            for name in imports(path)
+            if name.split(".")[0] == package or FILES.get(name) in users
+        }
+        - users
+    ):
+        users |= more
+    return users
+
+
+@pytest.mark.parametrize("package", BESIDE)
+def test_nothing_but_its_tests_and_benchmarks_uses_a_package_beside(package: str) -> None:
+    """The rest works as before where it is deleted (tests/workflow/test_packages.py)."""
+    may = [PROJECT / package, PROJECT / "tests" / package.removeprefix("ur5")]
+    may += [PROJECT / "benchmarks"]
+    assert [path for path in users_of(package) if not {*may} & {*path.parents}] == []
 
 
 def test_only_dynamics_imports_torch() -> None:
     """Whoever needs dynamics passes arrays through its door."""
     users = [path for path in MODULES if "torch" in imports(path)]
     rooms = {path.relative_to(PROJECT / "ur5lib").parts[0] for path in users}
-    assert rooms == {"dynamics", "leaderboard"}  # where others' networks learn
+    assert rooms == {"dynamics"}
 
 
 def test_no_step_waits_for_a_package_in_vain() -> None:
@@ -123,9 +159,10 @@ def part_of(module: str) -> str:
 
 
 def test_the_parts_are_those_of_the_drawing() -> None:
-    names = [".".join(path.relative_to(PROJECT).with_suffix("").parts) for path in MODULES]
-    assert {part_of(name) for name in names} - {"__init__", "lab.__init__"} == set(ARROWS)
-    assert len([name for name in names if name.count(".") == 1]) <= 6 + 1  # and __init__.py
+    """At most six are loose modules."""
+    paths = [path for path in MODULES if path.name != "__init__.py"]
+    assert {part_of(name_of(path)) for path in paths} == set(ARROWS)
+    assert len([path for path in paths if path.parent == PROJECT / "ur5lib"]) <= 6
 
 
 def files_of(part: str) -> list[Path]:
@@ -159,27 +196,27 @@ def test_the_motion_is_smoothed_once() -> None:
 
 
 def test_no_module_imports_itself_by_way_of_others() -> None:
-    names = {path: ".".join(path.relative_to(PROJECT).with_suffix("").parts) for path in MODULES}
-    used = {names[path]: imports(path) & set(names.values()) for path in MODULES}
+    names = {name_of(path): path for path in EVERY if path.name != "__init__.py"}
+    used = {name: imports(path) & names.keys() for name, path in names.items()}
     graphlib.TopologicalSorter(used).prepare()  # raises CycleError
 
 
 def test_tables_are_read_and_written_in_one_place() -> None:
     """pd.read_csv, to_parquet and their kind appear in tables.py and the readers alone."""
     words = ("read_parquet", "to_parquet", "to_csv(", "pd.read_csv", "json.dump(")
-    users = {path.name for path in MODULES if any(word in path.read_text() for word in words)}
+    users = {path.name for path in EVERY if any(word in path.read_text() for word in words)}
     assert users == {"tables.py"}
 
 
 def test_readers_ask_the_registry_which_estimate_leads() -> None:
-    readers = ("report", "commands", "leaderboard")
-    paths = [path for room in readers for path in (PROJECT / "ur5lib" / room).rglob("*.py")]
+    readers = ("ur5lib/report", "ur5lib/commands", *BESIDE)
+    paths = [path for reader in readers for path in (PROJECT / reader).rglob("*.py")]
     assert [path for path in paths if '"Fmap"' in path.read_text()] == []
 
 
 def test_functions_are_short() -> None:
     lengths = []
-    for path in MODULES:
+    for path in EVERY:
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.FunctionDef):
                 first = node.body[1] if ast.get_docstring(node) and node.body[1:] else node.body[0]

@@ -3,7 +3,6 @@
 import importlib
 import os
 import re
-import shutil
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -32,20 +31,12 @@ PRINTED = {  # what each prints at least
     "study": ["whole study, from raw files", "one more recording", "nothing to do"],
 }
 ELSEWHERE = {  # run by tests of their own, here and in tests/
-    "simulated_contacts",
+    *("leaderboard", "live", "simulated_contacts", "torque_from_motion"),  # rivals/
     "serial_arms",  # library/test_stand_of_other_arms.py
     "excitation_loop",  # artefacts/test_next_recording.py
 }
-OF_A_BUILT_STUDY = {
-    "counterbalance",
-    "leave_out",
-    "leaderboard",
-    "live",
-    "worth",
-}  # in tests/artefacts/test_demo.py
-
+OF_A_BUILT_STUDY = {"counterbalance", "leave_out", "worth"}  # in tests/artefacts/test_demo.py
 OF_PUBLIC_RECORDINGS = {  # folder in ../shared, and what each prints at least
-    "torque_from_motion": ("kuka-kr300/benchmark-10hz", ["linear map", "| ours |", "process"]),
     "published_friction": ("staubli-tx40", ["| joint 6 | rotor", "With it, the residual"]),
 }
 
@@ -100,25 +91,6 @@ def test_a_benchmark_of_public_recordings_prints_its_table(name: str) -> None:
     folder = shared_folder(shared, "docs/benchmark.md names their source")
     printed = run_benchmark(name, PROJECT, "--folder", str(folder))
     assert all(text in printed for text in texts), printed
-
-
-@pytest.mark.thorough
-@pytest.mark.slow
-def test_a_seed_goes_on_after_a_killed_run_and_is_computed_once() -> None:
-    """Of the killed run, a torn file lies where the workflow writes; none of it is used or kept."""
-    results, simulated = PROJECT / "results", PROJECT / "results" / "simulated-0"
-    rows, table = (results / f"simulated_contacts_quick{end}" for end in ("", ".csv"))
-    shutil.rmtree(rows, ignore_errors=True)
-    torn = simulated / "recordings" / "path_1" / "motion.parquet"
-    torn.parent.mkdir(parents=True, exist_ok=True)
-    torn.write_bytes(b"PAR1")
-    printed = run_benchmark("simulated_contacts", PROJECT)
-    assert "| least squares | no |" in printed
-    assert "seed 0: " in printed
-    assert not simulated.exists()
-    whole = (rows / "0.csv").read_bytes(), table.read_bytes()
-    assert "seed 0: " not in run_benchmark("simulated_contacts", PROJECT)
-    assert whole == ((rows / "0.csv").read_bytes(), table.read_bytes())
 
 
 def test_what_make_bench_runs_is_there() -> None:

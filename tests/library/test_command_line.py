@@ -82,7 +82,6 @@ LONG = "a" * 300
         f"compare {LONG} .",
         f"convert {LONG}",
         f"export --robot ur5 --results {LONG}",
-        f"leaderboard {LONG}",
         f"new {LONG}",
         f"excite --robot ur5 --write {LONG}",
         f"describe {LONG}",

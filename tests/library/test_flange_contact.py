@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tests.library.synthetic_run import synthetic_run
 from ur5lib.dynamics.flange import flange_kinematics, link_frames
+from ur5lib.force.external_torque import joint_states
 from ur5lib.force.flange_contact import (
     MAX_CONTACT_SAMPLES,
     MIN_PROBABILITY_ELSEWHERE,
@@ -34,11 +34,12 @@ def levers_of(frames: Frames) -> Levers:
 
 
 def test_a_contact_is_judged_by_its_middle_half_where_torques_are_known() -> None:
-    run = synthetic_run()
-    time = run.period * np.arange(len(run.q))
-    torque = run.torque.copy()
+    time, segment = 0.008 * np.arange(2500), np.zeros(2500, int)
+    phase = time[:, None] + np.arange(6)
+    torque = np.zeros_like(phase)
     torque[1000:1100, 2] = np.nan
-    given = ForceInput(run.q, run.qd, torque, run.states, run.segment, run.period)
+    states = joint_states(np.cos(phase), segment, 0.008)
+    given = ForceInput(np.sin(phase), np.cos(phase), torque, states, segment, 0.008)
     for start, end in ((2.0, 2.2), (4.0, 12.0), (8.2, 8.6)):
         rows = middle_half(given, time, start, end)
         middle = np.abs(time - (start + end) / 2) <= (end - start) / 4

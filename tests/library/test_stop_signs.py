@@ -15,8 +15,8 @@ import pytest
 import yaml
 from scipy.signal import butter, sosfiltfilt
 
+from benchmarks.harness.drawn_studies import planned
 from benchmarks.harness.pushes import pushes
-from benchmarks.simulated_contacts import planned
 from tests.conftest import PROJECT, said, shared_folder
 from tests.entries import read_and_check
 from tests.synthetic import write_recording

@@ -1,0 +1,42 @@
+"""The benchmarks that compare rivals run, in small sizes, and print their tables."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import PROJECT, shared_folder
+from tests.library.test_benchmarks import run_benchmark
+
+
+@pytest.mark.thorough
+@pytest.mark.slow
+def test_a_seed_goes_on_after_a_killed_run_and_is_computed_once() -> None:
+    """Of the killed run, a torn file lies where the workflow writes; none of it is used or kept."""
+    results, simulated = PROJECT / "results", PROJECT / "results" / "simulated-0"
+    rows, table = (results / f"simulated_contacts_quick{end}" for end in ("", ".csv"))
+    shutil.rmtree(rows, ignore_errors=True)
+    torn = simulated / "recordings" / "path_1" / "motion.parquet"
+    torn.parent.mkdir(parents=True, exist_ok=True)
+    torn.write_bytes(b"PAR1")
+    printed = run_benchmark("simulated_contacts", PROJECT)
+    assert "| least squares | no |" in printed
+    assert "seed 0: " in printed
+    assert not simulated.exists()
+    whole = (rows / "0.csv").read_bytes(), table.read_bytes()
+    assert "seed 0: " not in run_benchmark("simulated_contacts", PROJECT)
+    assert whole == ((rows / "0.csv").read_bytes(), table.read_bytes())
+
+
+@pytest.mark.thorough
+@pytest.mark.slow
+def test_torques_of_public_recordings_are_predicted() -> None:
+    folder = shared_folder("kuka-kr300/benchmark-10hz", "docs/benchmark.md names their source")
+    printed = run_benchmark("torque_from_motion", PROJECT, "--folder", str(folder))
+    assert all(text in printed for text in ("linear map", "| ours |", "process")), printed
+
+
+@pytest.mark.parametrize("name", ["leaderboard", "live"])
+def test_a_study_that_is_not_built_is_told(name: str, tmp_path: Path) -> None:
+    with pytest.raises(SystemExit, match=r"^results/other is not built; "):
+        run_benchmark(name, tmp_path, "other")

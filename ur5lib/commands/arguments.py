@@ -1,0 +1,32 @@
+"""Arguments that several commands of `ur5` take, and how their answers are printed."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def _study_file(address: str) -> Path:
+    from ur5lib.study.address import study_file
+
+    return study_file(address)
+
+
+def results_folder(address: str) -> Path:
+    """Return the folder of results of a study, as `study.address` finds it."""
+    from ur5lib.study.address import results_folder
+
+    return results_folder(address)
+
+
+ADDRESS_HELP = "its name, its YAML file, or its folder of results"
+STUDY_HELP = f"a study: {ADDRESS_HELP}"
+StudyFile = Annotated[Path, typer.Argument(parser=_study_file, help=STUDY_HELP, metavar="STUDY")]
+Results = Annotated[Path, typer.Argument(parser=results_folder, help=STUDY_HELP, metavar="STUDY")]
+
+
+def print_lines(lines: Iterable[object]) -> None:
+    """Print each line as soon as there is one."""
+    for line in lines:
+        typer.echo(line)

@@ -1,0 +1,46 @@
+"""Commands of the packages beside this one: an entry point of the project names each.
+
+In a clone, installed or not, pyproject.toml itself is read. A package that was deleted has none.
+"""
+
+import tomllib
+from collections.abc import Callable, Iterator
+from pkgutil import resolve_name
+from typing import Any, NamedTuple
+
+from ur5lib.workspace.places import IN_CLONE, WORKFLOW
+
+GROUP = "ur5lib.commands"
+
+
+class Command(NamedTuple):
+    """A command: its name, what it runs, and the `PANEL` of its module, under which it is listed.
+
+    As it is imported whenever `ur5` runs, its module loads what it needs inside the function.
+    """
+
+    name: str
+    run: Callable[..., Any]
+    panel: str
+
+
+def commands_beside() -> Iterator[Command]:
+    """Yield the commands of the packages that are there, in the order of their names."""
+    for name, place in sorted(entry_points().items()):
+        module = place.partition(":")[0]
+        try:
+            yield Command(name, resolve_name(place), resolve_name(f"{module}:PANEL"))
+        except ModuleNotFoundError as error:
+            if not f"{module}.".startswith(f"{error.name}."):
+                raise  # its package is there, and lacks another
+
+
+def entry_points() -> dict[str, str]:
+    """Return the place of each command, `module:function`, by its name."""
+    if IN_CLONE:
+        project = tomllib.loads((WORKFLOW / "pyproject.toml").read_text(encoding="utf-8"))
+        return dict(project["project"]["entry-points"][GROUP])
+    from importlib.metadata import distribution
+
+    points = distribution("ur5lib").entry_points.select(group=GROUP)
+    return {point.name: point.value for point in points}

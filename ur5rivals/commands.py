@@ -1,0 +1,33 @@
+"""`ur5 leaderboard`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ur5lib.commands.arguments import ADDRESS_HELP, results_folder
+
+PANEL = "Results"
+
+
+def leaderboard(
+    results: Annotated[
+        list[Path],
+        typer.Argument(
+            parser=results_folder, metavar="STUDY", help=f"studies that are built: {ADDRESS_HELP}"
+        ),
+    ],
+    estimator: Annotated[
+        str | None,
+        typer.Option(
+            help="one more, as module:Class of a file in this folder or of a package "
+            "(docs/benchmark.md)"
+        ),
+    ] = None,
+) -> None:
+    """Compare published estimators of the contact force with ours, and yours, on your studies."""
+    from ur5rivals.board import TABLE_FILE
+    from ur5rivals.board import leaderboard as compared
+
+    typer.echo(compared(results, estimator))
+    typer.echo(f"all figures: {TABLE_FILE}")

@@ -1,0 +1,56 @@
+"""F̂ᵐᵃᵖ, live: the estimator that `ur5 export --to live` writes, fed sample by sample.
+
+It is given what the controller states, positions, velocities and currents, and nothing smoothed.
+Its noise and threshold come from the runs to fit on; its constants were chosen before.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ur5lib.errors import InputError
+from ur5lib.force.live_file import follow, learned
+from ur5lib.timeseries.arrays import Array
+from ur5rivals.estimator import Contender, Learned
+from ur5rivals.run import Estimate, Run
+from ur5rivals.tuning import latency
+
+OURS_LIVE = "F̂ᵐᵃᵖ, live"
+FALSE_PER_MIN = 1.0  # alarms, by which no force changes
+
+
+@dataclass(frozen=True)
+class LiveMap:
+    """known: what runs without contact tell, as `learned` returns it."""
+
+    known: dict[str, Any]
+
+    def estimate(self, run: Run) -> Estimate | None:
+        """Return the wrench and its deviation, None where the controller's samples are missing."""
+        if run.measured is None:
+            return None
+        followed = follow({**run.arm, **self.known}, run.measured)
+        return Estimate(followed.wrench, followed.std)
+
+    def torque(self, run: Run) -> Array:
+        """Return the joint torques Jᵀ F (N, 6) [Nm] that the estimate explains, NaN without one."""
+        estimate = self.estimate(run)
+        if estimate is None:
+            return np.full_like(run.q, np.nan)
+        return (run.jacobian.mT @ estimate.wrench[..., None])[..., 0]
+
+
+def learn(runs: Sequence[Run]) -> Learned:
+    """The noise is learnt. Raises InputError without samples of a controller."""
+    known = [(run.arm, run.measured) for run in runs if run.measured is not None]
+    paths = len({run.path for run in runs if run.measured is not None})
+    if not known:
+        raise InputError("no run has what its controller stated; name others")
+    live = LiveMap(learned(known, paths, FALSE_PER_MIN))
+    gain = {"gain": live.known["constants"]["gain"]}
+    return Learned(live.estimate, gain, latency(live.torque, runs))
+
+
+ESTIMATORS = [Contender(OURS_LIVE, "ours", True, learn)]

@@ -1,0 +1,67 @@
+"""The force from the position error of the joints' control loops [Stolt et al. 2012].
+
+    τ̂_m = τ_model + K (q_target - q) + c,   τ_ext = τ_model + τ_f - τ̂_m
+
+The motors' torque is taken from the position error instead of the current: what the loop adds to
+the torque of the model. The paper detunes the loops of a robot, so that the error becomes large and
+a known gain turns it into a torque. The loops here are stiff and closed, and so gains and constant
+follow from the contact-free recordings, by least squares against the friction that the loop must
+overcome there. The paper's estimator of the force, which is told what touches the robot, is left
+out: all estimators share the way from torque to force.
+
+A trial push cannot show a latency, because the motion does not react to it. That of the low-pass is
+the most that the rule allows.
+
+A. Stolt, M. Linderoth, A. Robertsson, R. Johansson: Force controlled robotic assembly without a
+force sensor. ICRA (2012).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ur5lib.errors import InputError
+from ur5lib.force.external_torque import finite_rows
+from ur5lib.timeseries.arrays import Array
+from ur5rivals.estimator import Contender, Learned
+from ur5rivals.estimators.least_squares import LowPassed
+from ur5rivals.run import Run
+from ur5rivals.tuning import MAX_LATENCY, untuned
+
+
+@dataclass(frozen=True)
+class PositionError:
+    """gain: K (6,) [Nm/rad]; constant: c (6,) [Nm]."""
+
+    gain: Array
+    constant: Array
+
+    def torque(self, run: Run) -> Array:
+        """Return the external torque (N, 6) [Nm], NaN where the error is unknown."""
+        assert run.position_error is not None
+        feedback = self.gain * run.position_error + self.constant
+        return LowPassed(MAX_LATENCY).filtered(run.friction - feedback, run)
+
+
+def fitted_loops(runs: Sequence[Run]) -> PositionError:
+    """Return the gains by which the position error explains the friction, joint by joint."""
+    error = np.concatenate([run.position_error for run in runs if run.position_error is not None])
+    feedback = np.concatenate([run.friction - run.torque for run in runs])
+    finite = finite_rows(error + feedback)
+    lines = [np.polyfit(*pair, 1) for pair in zip(error[finite].T, feedback[finite].T, strict=True)]
+    return PositionError(*np.transpose(lines))
+
+
+def learn(runs: Sequence[Run]) -> Learned:
+    """Learn the loops' gains. Raises InputError where the target angles were not recorded."""
+    if any(run.position_error is None for run in runs):
+        raise InputError("a recording to fit on has no target_q; record it")
+    learned = untuned(fitted_loops(runs).torque, runs)
+    return Learned(
+        lambda run: None if run.position_error is None else learned.method(run),
+        {"time_constant": MAX_LATENCY},
+    )
+
+
+ESTIMATORS = [Contender("position error", "Stolt et al. 2012", True, learn)]

@@ -1,0 +1,88 @@
+"""F̂ᵐᵃᵖ less what contact-free runs of the same trajectory show.
+
+Friction depends on position and direction in a way that no formula describes, but it repeats. Where
+a run passes the configuration of a contact-free one at the same velocity, the external torque of
+that one is subtracted. How well it repeats, contact-free runs tell that are subtracted from one
+another.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ur5lib.force.external_torque import JointState, finite_rows, is_still
+from ur5lib.force.residual_model import (
+    ResidualModel,
+    TorqueStretch,
+    few_paths,
+    fit_residual_model,
+)
+from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.segments import unbroken
+from ur5lib.timeseries.trajectories import nearest, scaled_states
+from ur5rivals.estimator import Contender, Learned
+from ur5rivals.estimators.ours import OURS
+from ur5rivals.force import CUTOFF_HZ, breakaway_of, learned_noise, most_probable
+from ur5rivals.run import Estimate, Run
+
+
+def repeated(run: Run) -> Array:
+    """Return the external torque (N, 6) [Nm] less that of the nearest sample of the other runs in
+    (q, qd): as it is where the run rests, or none is near.
+    """
+    pairs = [(free, _moves(free) & finite_rows(free.smoothed)) for free in run.repeats]
+    places = np.concatenate([scaled_states(free.q, free.qd)[rows] for free, rows in pairs])
+    torques = np.concatenate([free.smoothed[rows] for free, rows in pairs])
+    result, moves = run.smoothed.copy(), np.flatnonzero(_moves(run))
+    if len(places) and len(moves):
+        near, index = nearest(scaled_states(run.q, run.qd)[moves], places)
+        result[moves[near]] -= torques[index[near]]
+    return result
+
+
+def _moves(run: Run) -> Mask:
+    return finite_rows(run.q) & finite_rows(run.qd) & ~is_still(run.states)
+
+
+def noise_of_repeats(noise: ResidualModel, runs: Sequence[Run]) -> ResidualModel:
+    """Return the noise in motion of runs of one trajectory, each less the others, at rest as it is.
+
+    With a single run, the repeatability is unknown. Wider by Student's t for few runs.
+    """
+    if len(runs) < 2:
+        return noise
+    stretches = [
+        TorqueStretch(torque[rows], run.states[rows], run.period)
+        for run in runs
+        for torque in [repeated(run)]
+        for rows in unbroken(run.segment)
+    ]
+    of_repeats = fit_residual_model(stretches, CUTOFF_HZ, noise.breakaway).wider(
+        few_paths(len(runs))
+    )
+
+    def joined(moving: Array, resting: Array) -> Array:
+        return np.concatenate([moving[: JointState.RESTING], resting[JointState.RESTING :]])
+
+    return replace(
+        noise,
+        spread=joined(of_repeats.spread, noise.spread),
+        change=joined(of_repeats.change, noise.change),
+        rate=joined(of_repeats.rate, noise.rate),
+    )
+
+
+def learn(runs: Sequence[Run]) -> Learned:
+    """The noise without other runs is learnt; that with them is each trajectory's own."""
+    noise = learned_noise(lambda run: run.smoothed, runs, breakaway_of(runs))
+
+    def estimate(run: Run) -> Estimate | None:
+        if not run.repeats:
+            return None
+        return most_probable(run, repeated(run), noise_of_repeats(noise, run.repeats))
+
+    return Learned(estimate, {})
+
+
+ESTIMATORS = [Contender(f"{OURS}, repeat-aware", "ours", False, learn)]

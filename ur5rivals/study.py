@@ -1,0 +1,167 @@
+"""The recordings of a built study as runs: to fit on, with a force sensor, and free of contact."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.errors import InputError
+from ur5lib.finished import FinishedStudy
+from ur5lib.force.force_input import Gears, force_input
+from ur5lib.force.live_file import Measured, numbers
+from ur5lib.force.published import controller_estimate
+from ur5lib.identification.current_samples import current_record
+from ur5lib.identification.currents import (
+    breakaway_torque,
+    friction_current,
+    load_loss,
+    torque_constants,
+)
+from ur5lib.identification.samples import path_of
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Kinematics, Torques
+from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
+from ur5lib.records.prediction import Prediction
+from ur5lib.records.signals import Signals
+from ur5lib.robots.description import Robot
+from ur5lib.study.model import Recording
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.trajectories import group_by_path
+from ur5rivals.momentum import momentum_rate
+from ur5rivals.run import Estimate, Run
+
+JOINT_COUNT = 6  # of the arms that estimators are written for
+
+
+@dataclass(frozen=True)
+class StudyArm:
+    """The runs of one arm that carry no undeclared load.
+
+    fit: contact-free, of the role `fit`; sensed: of the role `contact`, with a force sensor; free:
+    contact-free, of the role `validate`, which no fit has seen.
+    """
+
+    study: str
+    robot: str
+    fit: list[Run]
+    sensed: list[Run]
+    free: list[Run]
+
+
+def read_arms(folder: Path) -> list[StudyArm]:
+    """Return the arms of a built study that estimators can learn from and be scored on.
+
+    Raises InputError where it is not built, or has no such arm.
+    """
+    if not (folder / "configuration.yaml").is_file():
+        raise InputError(f"{folder} is not built; run snakemake on its study, or name another")
+    study = FinishedStudy(folder)
+    entries = study.configuration().recordings
+    names = dict.fromkeys(entry.arm.known_as for entry in entries)
+    arms = [read_arm(study, entries, name) for name in names]
+    usable = [arm for arm in arms if arm.fit and (arm.sensed or arm.free)]
+    if not usable:
+        raise InputError(
+            f"{folder}: no arm of six joints has recordings with currents of the role `fit`, and "
+            "others of the role `validate`, or `contact` with a force sensor; add them"
+        )
+    return usable
+
+
+def read_arm(study: FinishedStudy, entries: Sequence[Recording], name: str) -> StudyArm:
+    """Return the runs of an arm, the paths of all of them labelled together."""
+    robot, friction = study.arm(name), study.parameters(Friction, name, "friction")
+    six = len(robot.joints) == JOINT_COUNT
+    own = [entry for entry in entries if six and entry.arm.known_as == name and not entry.at_rest]
+    used = [
+        (entry.role, run)
+        for entry in own
+        if (run := read_run(study, entry.name, robot.mounted(entry.known_gravity()), friction))
+        is not None
+    ]
+    roles, runs = [role for role, _ in used], label_paths([run for _, run in used])
+    free = [run for role, run in zip(roles, runs, strict=True) if role != "contact"]
+    runs = [replace(run, repeats=repeats_of(run, free)) for run in runs]
+    by_role = {
+        role: [run for other, run in zip(roles, runs, strict=True) if other == role]
+        for role in ("fit", "contact", "validate")
+    }
+    sensed = [run for run in by_role["contact"] if run.sensor is not None]
+    return StudyArm(study.folder.name, name, by_role["fit"], sensed, by_role["validate"])
+
+
+def repeats_of(run: Run, free: Sequence[Run]) -> tuple[Run, ...]:
+    """Return the other runs along a run's path, each with the others but this one."""
+    same = [other for other in free if other.path == run.path and other.name != run.name]
+    return tuple(
+        replace(run_of_path, repeats=tuple(other for other in same if other is not run_of_path))
+        for run_of_path in same
+    )
+
+
+def read_run(study: FinishedStudy, name: str, robot: Robot, fitted: Friction) -> Run | None:
+    """Return a recording, None where its external torque is unknown or it carries a load."""
+    signals, motion = study.record(Signals, name), study.record(Motion, name)
+    currents, torques = study.record(Currents, name), study.record(Torques, name)
+    loaded = study.record(Prediction, name, "currents").is_loaded
+    record = current_record(name, signals, motion, torques, robot)
+    if record is None or currents.external_torque is None or loaded:
+        return None
+    fit = fitted.fit_for(name)
+    constant = torque_constants(fit)
+    assert currents.predicted is not None
+    torque = constant * (currents.predicted - record.current)
+    payload = study.payload(name)
+    weightless = LinkModel(robot.mounted([0, 0, 0]).carrying(payload), robot.fullest_model())
+    return Run(
+        name=name,
+        path=0,
+        period=motion.period,
+        segment=motion.segment,
+        states=force_input(motion, currents.external_torque, currents).states,
+        q=motion.q,
+        qd=motion.qd,
+        qdd=motion.qdd,
+        model=record.torque,
+        friction=constant * currents.predicted - record.torque,
+        jacobian=study.record(Kinematics, name).jacobian,
+        torque=torque,
+        smoothed=currents.external_torque,
+        momentum=weightless.momentum(motion.q, motion.qd),
+        rate=momentum_rate(weightless, motion.q, motion.qd, motion.qdd, torque),
+        breakaway=breakaway_torque(fit),
+        gears=Gears(
+            record.torque, load_loss(fit, record), constant * friction_current(fit, record)
+        ),
+        position_error=None if signals.target_q is None else signals.target_q - signals.actual_q,
+        measured=Measured.of(signals),
+        arm=numbers(robot, fitted, name, payload),
+        ready=ready_estimates(study, name, robot, signals),
+        sensor=study.record(SensorWrenches, name, "sensor").wrench.get("compensated"),
+    )
+
+
+def ready_estimates(
+    study: FinishedStudy, name: str, robot: Robot, signals: Signals
+) -> dict[str, Estimate]:
+    """Return the estimates that the study holds, the published ones as corrected; of a study
+    without published values, the controller's alone stands for these.
+    """
+    forces = study.record(Forces, name)
+    published: Mapping[str, Array] = controller_estimate(robot, signals)
+    if (study.folder / "recordings" / name / "published_forces.parquet").exists():
+        published = study.record(PublishedForces, name, "published_forces").corrected
+    return {name: Estimate(wrench) for name, wrench in published.items()} | {
+        name: Estimate(wrench, forces.std.get(name)) for name, wrench in forces.wrench.items()
+    }
+
+
+def label_paths(runs: list[Run]) -> list[Run]:
+    """Return the runs with the labels of their trajectories."""
+    passed = [path_of(run.q, run.qd, run.period) for run in runs]
+    labels = group_by_path(passed) if runs else np.empty(0, int)
+    return [replace(run, path=int(label)) for run, label in zip(runs, labels, strict=True)]
