@@ -63,7 +63,9 @@ def check_drawn_numbers(results: Path, monkeypatch: pytest.MonkeyPatch) -> list[
         files = {key: str(folder / f"{key}.parquet") for key in TABLES}
         files |= {key: str(fitted / key) for key in ("arm.yaml", "threshold.json")}
         given = arguments(
-            draw_figures, {Path(key).stem: path for key, path in files.items()}, settings
+            draw_figures,
+            {Path(key).stem: path for key, path in files.items()},
+            {**settings, "role": entry["role"]},
         )
         figures, received = draw_figures(**given), ~given["signals"].interpolated
         own = {

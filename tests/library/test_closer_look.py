@@ -58,7 +58,7 @@ def drawn(path: Path, panels: list[Panel], style: str = "first") -> Path:
     return path
 
 
-def pushed() -> Scene:
+def pushed(role: str = "contact") -> Scene:
     """A minute of an arm of seven joints, at 125 Hz: pushed from 20 to 30 s, along another way by
     the sensor. After 40 s, two seconds are missing.
     """
@@ -77,7 +77,7 @@ def pushed() -> Scene:
     currents = Currents(**samples, external_torque=torque)
     forces = Forces(**samples, wrench={"Fmap": wrench}, std={"Fmap": std}, log_odds={"Fmap": odds})
     sensor = SensorWrenches(**samples, wrench={"compensated": sensed})
-    return arm_scene(arm(), signals, currents, forces, sensor, {"Fmap": 0.0})
+    return arm_scene(arm(), signals, currents, forces, sensor, {"Fmap": 0.0}, role)
 
 
 def unpacked(text: str) -> dict[str, Any]:
@@ -418,6 +418,24 @@ def test_contacts_are_marked_on_the_line_of_time(page: Any) -> None:
     for _ in range(3):
         plots.press("+")
     assert page.locator("#forces .lane.gate i").bounding_box()["width"] > 1.5 * mark["width"]
+
+
+def test_an_alarm_while_nothing_touches_the_arm_is_called_false(
+    chromium: Any, tmp_path: Path
+) -> None:
+    figure = drawn(tmp_path / "free" / "forces.svg", WRENCH_PANELS)
+    scene = replace(pushed("validate"), contacts=None, sensed=None)
+    write_json(scene, tmp_path / "free" / "scene.json")
+    picture = Picture("Forces.", figure, "Forces.", "forces", "a.csv", "draw", "free")
+    document = Document("Report", "Of a test.", [Section("First", [picture])]).numbered()
+    write_text(html_page(document), tmp_path / "report.html")
+    page = chromium.new_page()
+    page.goto((tmp_path / "report.html").as_uri())
+    opened(page, "forces")
+    page.evaluate("stretches.get('free').point(25)")
+    page.wait_for_selector("text=At 25.00 s: false alarm by F̂ᵐᵃᵖ.")
+    assert page.locator("[aria-label*='False alarm by F̂ᵐᵃᵖ (gate): 20.0']").count() == 1
+    page.close()
 
 
 def test_a_phone_shows_it_whole_and_two_fingers_zoom(chromium: Any, report: Path) -> None:

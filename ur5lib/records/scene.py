@@ -23,7 +23,8 @@ class Scene:
     along −z; segment: (K,), labels of unbroken stretches; q: (K, n) [rad]; torque: (K, n) [Nm], the
     external one; force, std: (K, 3) [N], the environment on the arm at the origin of frame n and
     its standard deviation, base axes, by the estimate whose label is `estimate`; sensed: (K, 3)
-    [N], the same by the force sensor; contacts, alarms: what the sensor and the estimate find.
+    [N], the same by the force sensor; contacts, alarms: what the sensor and the estimate find;
+    free: whether nothing touches the arm, so that each alarm is false.
     """
 
     links: list[LinkPose]
@@ -38,3 +39,4 @@ class Scene:
     sensed: Array | None = None
     contacts: Spans | None = None
     alarms: Spans | None = None
+    free: bool = False

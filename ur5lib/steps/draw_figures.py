@@ -22,13 +22,14 @@ def draw_figures(
     forces: Forces,
     arm: Robot,
     threshold: dict[str, float],
+    role: str,
     min_singular_value: float,
     lowpass: tuple[int, float],
     gravity: list[float] | None = None,
 ) -> dict[str, Drawing | Scene]:
     """Return the figures of a recording, and the arm in motion for a closer look.
 
-    threshold: of alarms, by estimate; min_singular_value: below it, no force is determined;
+    threshold: of alarms, by estimate; role: of the recording; min_singular_value: below it, no force is determined;
     lowpass: of currents, order and cut-off [Hz]; gravity: see `Robot.mounted`.
     """
     felt, modelled = accelerations.published_felt, accelerations.published.get("euler")
@@ -43,6 +44,6 @@ def draw_figures(
         "forces_estimated": figures.estimate_figure(forces, sensor, hidden),
         "moments_estimated": figures.estimate_figure(forces, sensor, hidden, moments=True),
         "scene": arm_scene(
-            arm.mounted(gravity), signals.anew(), currents, forces, sensor, threshold
+            arm.mounted(gravity), signals.anew(), currents, forces, sensor, threshold, role
         ),
     }

@@ -29,6 +29,7 @@ rule draw_figures:
         **traces("draw_figures", "{recording}"),
     params:
         code=code("draw_figures"),
+        role=lambda wildcards: RECORDINGS[wildcards.recording].role,
         lowpass=design(SETTINGS.lowpass.currents),
         min_singular_value=SETTINGS.singularities.min_singular_value,
         gravity=of_recording(SELECTION.gravity),

@@ -28,8 +28,9 @@ def arm_scene(
     forces: Forces,
     sensor: SensorWrenches,
     thresholds: Mapping[str, float],
+    role: str,
 ) -> Scene:
-    """Return the arm at some times of a recording; thresholds: of alarms, by estimate."""
+    """Return the arm at some times of a recording with a role; thresholds: of alarms, by estimate."""
     time, felt = signals.time, sensor.wrench.get("compensated")
     rows = shown_rows(signals.segment, signals.period)
     lead = next((name for name in NEW if name in forces.wrench), "")
@@ -48,6 +49,7 @@ def arm_scene(
         sensed=_force(sensor.anew(rows).wrench.get("compensated")),
         contacts=None if felt is None else _spans(contacts(_size(felt)), time),
         alarms=_spans(alarms(forces.log_odds[lead], thresholds[lead]), time) if found else None,
+        free=role != "contact",
     )
 
 

@@ -98,6 +98,7 @@ def _packed_scene(file: Path) -> str:
             "estimate": scene.estimate,
             "contacts": scene.contacts,
             "alarms": scene.alarms,
+            "free": scene.free,
             **{name: _columns(own, CENTI) for name, own in measured.items() if own is not None},
         }
     )

@@ -20,7 +20,7 @@ class Arm {
   }
 
   build() {
-    const { estimate, contacts, alarms, force, sensed, torque } = this.scene;
+    const { estimate, contacts, alarms, free, force, sensed, torque } = this.scene;
     this.readings = {};
     const reading = (name, ...label) => make("p", {}, ...label, (this.readings[name] = make("span")));
     const readout = make("div", { className: "readout" }, reading("time"));
@@ -33,7 +33,7 @@ class Arm {
     this.slider = make("input", { type: "range", step: "any", ariaLabel: "Time" });
     this.lanes = [];
     if (contacts) this.lanes.push(lane("Contact by the force sensor", "contact", contacts));
-    if (alarms) this.lanes.push(lane(`Contact by ${estimate} (gate)`, "gate", alarms));
+    if (alarms) this.lanes.push(lane(`${free ? "False alarm" : "Contact"} by ${estimate} (gate)`, "gate", alarms));
     const line = make("div", { className: "timeline" }, this.slider, ...this.lanes.map((one) => one.element));
     return make("div", { className: "arm" }, this.canvas, this.button, line, readout);
   }
@@ -245,13 +245,13 @@ class Arm {
 
   // Write what is drawn.
   tell(now) {
-    const { estimate, contacts, alarms } = this.scene, { time } = this.stretch;
+    const { estimate, contacts, alarms, free } = this.scene, { time } = this.stretch;
     const list = (numbers, factor = 1) => numbers.map((one) => withMinus(factor * one, 1)).join(", ");
     const finders = [contacts && inside(contacts, time) && "the force sensor", alarms && inside(alarms, time) && estimate];
     const found = finders.filter(Boolean).join(" and by "), isSearched = contacts || alarms;
     const band = now?.std ? `, 95 % bands ± ${list(now.std, BAND95)}` : "";
     this.readings.time.textContent =
-      `At ${time.toFixed(2)} s${now ? (found ? `: contact by ${found}` : isSearched ? ": no contact found" : "") : ": a gap in the recording"}.`;
+      `At ${time.toFixed(2)} s${now ? (found ? `: ${free ? "false alarm" : "contact"} by ${found}` : isSearched ? ": no contact found" : "") : ": a gap in the recording"}.`;
     const shut = band && alarms && !inside(alarms, time) ? " if nothing touches" : "";
     if (this.readings.force) this.readings.force.textContent = now ? `${list(now.force)}${band}\u00a0N${shut}` : "–";
     if (this.readings.sensed) this.readings.sensed.textContent = now ? `${list(now.sensed)}\u00a0N` : "–";
