@@ -60,6 +60,12 @@ def test_contacts_found_missed_and_made_up() -> None:
     np.testing.assert_allclose(detection.delays, [0.2, -0.1])
 
 
+def test_a_contact_within_the_alarm_of_another_one_is_not_missed() -> None:
+    """One alarm over two pushes 0.15 s apart finds one of them; only the third has none."""
+    detection = compare([(100, 337)], [(100, 168), (183, 338), (600, 700)], 0.008)
+    assert (detection.contacts, detection.found, detection.merged) == (3, 1, 1)
+
+
 def test_without_contacts_there_is_no_recall() -> None:
     assert np.isnan(compare([], [], 0.1).recall())
     assert np.isnan(compare([], [], 0.1).precision())

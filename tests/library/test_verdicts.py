@@ -495,7 +495,8 @@ def test_without_a_sensor_contacts_are_plausible_only() -> None:
     told = said(judge_force(study(detection=searched, contacts=[contact] * 4)))
     assert told == (
         "not determined: No force sensor was recorded: contacts are plausible only, their size is "
-        "untested. Contacts found: 4, on 1 of 1 recordings. False alarms in 1.0 minutes of "
+        "untested. False alarms: 0 in 1.0 min without contact, at most 3 a minute (95 %). Contacts "
+        "found: 4, on 1 of 1 recordings. False alarms in 1.0 minutes of "
         "validate recordings without an undeclared load: 0, that is at most 3 a minute (95 %); no "
         "day without a fit recording tests them."
     )
@@ -538,7 +539,7 @@ def test_false_alarms_are_counted_by_the_minute_not_by_the_recording() -> None:
     table = results.tables["recordings"]
     table["duration_s"] = table["recording"].map(lengths).fillna(60.0)
     rates = {"estimate": "Fmap", "alarms_per_min": 4.0, "causal_alarms_per_min": 2.0}
-    rates |= {"contacts": 1, "found": 1}
+    rates |= {"contacts": 1, "found": 1, "merged": 0, "causal_found": 1}
     still = rates | {"alarms_per_min": 0.0, "causal_alarms_per_min": 0.0, "recording": "fitted"}
     rows = [rates | {"recording": "seen", "force_class_n": force} for force in (3.0, 5.0)]
     tables = {**results.tables, "detection": pd.DataFrame([*rows, still])}
@@ -695,18 +696,32 @@ def test_the_estimate_without_a_fit_is_never_called_good() -> None:
 def test_the_card_of_the_force_counts_missed_contacts_and_false_alarms() -> None:
     """Of contacts of 5 N, of quiet validate recordings; 3.0 is the Poisson limit of none seen."""
     known = {"estimate": "Fmap", "alarms_per_min": 0.0, "causal_alarms_per_min": 1.0}
-    counts = {"force_class_n": 5.0, "contacts": 4, "found": 3}
+    counts = {"force_class_n": 5.0, "contacts": 4, "found": 2, "merged": 1, "causal_found": 1}
     rows = [
         known | counts | {"recording": "seen"},
         known | counts | {"recording": "pushed"},
         known | counts | {"recording": "pushed", "force_class_n": 20.0, "found": 4},
     ]
-    card = judge_force(study(detection=rows, force_mae=touched(2.0)))
+    sensed = [
+        {"recording": "pushed", "estimate": "Fmap", "component": "norm", "peak": peak}
+        | {"start_s": 10.0 * k, "end_s": 10.0 * k + 1}
+        for k, peak in enumerate((20.0, 21.0, 35.0, 25.0))
+    ]
+    alarms = [
+        {"recording": "pushed", "estimate": "Fmap", "start_s": start, "end_s": start + length}
+        for start, length in ((20.0, 11.0), (0.0, 1.0))
+    ]
+    tables = {"contact_errors": sensed, "contacts": alarms, "force_mae": touched(2.0)}
+    card = judge_force(study(detection=rows, **tables))
     numbers = {number.name: (number.value, number.unit) for number in card.numbers}
     assert numbers["missed contacts"] == (2, "of 8")
     assert numbers["false alarms, at most (95 %)"] == (pytest.approx(3.0, abs=0.01), "a minute")
     told = said(card)
-    assert "Of the 8 contacts of 5 N or more at the sensor, 2 are missed." in told
+    assert (
+        "8 contacts of 5 N or more at the sensor, 2 are missed (up to 21 N), 2 lie within" in told
+    )
+    assert "found are contacts from 20 N on; from past currents alone, 2 are found." in told
+    assert "False alarms: 0 in 1.0 min without contact, at most 3 a minute" in card.sentence
     assert "in 1.0 minutes" in told
     assert ": 0, that is at most 3 a minute (95 %); no day without a fit recording" in told
     assert "from past currents alone, 1." in told
@@ -901,8 +916,10 @@ def test_contacts_without_an_alarm_of_their_own_are_named() -> None:
         detection=[about | {"alarms_per_min": 1.0}], contact_errors=sensed, contacts=[about | alarm]
     )
     (row,) = noticed(results).to_dict("records")
-    assert (row["found"], row["contacts"], row["missed"]) == (1, 3, [1.0, 8.0])
-    assert (row["weakest"], row["band"], row["axis"], row["band_s"]) == (20.0, 9.8, "y", 4.0)
+    assert (row["found"], row["contacts"]) == (1, 3)
+    assert (row["merged"], row["missed"]) == ([1.0], [8.0])
+    assert (row["weakest"], row["strongest"]) == (20.0, 7.0)
+    assert (row["band"], row["axis"], row["band_s"]) == (9.8, "y", 4.0)
     cells = shown_table("detection.noticed", results)
     assert "± 10 along y at 4.0 s" in [cell.text for cell in cells.rows[0]]
     (told,) = widest_band(results)

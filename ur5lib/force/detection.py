@@ -71,14 +71,15 @@ def _allowed_alarms(contact_free: list[Array], periods: list[float], per_minute:
 class Detection:
     """Alarms and a sensor's contacts, matched one to one.
 
-    contacts: number of contacts; found: of these, with an alarm of their own; alarms: number of
-    alarms; extra: of these, additional ones in a contact; false: of these, in no contact; delays:
-    from the start of each contact found to that of its alarm [s], negative where the alarm is
-    earlier (the estimate is offline).
+    contacts: number of contacts; found: of these, with an alarm of their own; merged: of these,
+    within the alarm of another one; alarms: number of alarms; extra: of these, additional ones in a
+    contact; false: of these, in no contact; delays: from the start of each contact found to that of
+    its alarm [s], negative where the alarm is earlier (the estimate is offline).
     """
 
     contacts: int
     found: int
+    merged: int
     alarms: int
     extra: int
     false: int
@@ -102,7 +103,8 @@ def compare(alarm: list[Span], contact: list[Span], period: float) -> Detection:
     late = np.array([alarm[i][0] - contact[j][0] for i, j in pairs], dtype=float)
     false = sum(not any(overlap(a, c) for c in contact) for a in alarm)
     extra = len(alarm) - false - len(pairs)
-    return Detection(len(contact), len(pairs), len(alarm), extra, false, late * period)
+    merged = sum(any(overlap(a, c) for a in alarm) for c in contact) - len(pairs)
+    return Detection(len(contact), len(pairs), merged, len(alarm), extra, false, late * period)
 
 
 def match(alarm: list[Span], contact: list[Span]) -> list[tuple[int, int]]:

@@ -45,13 +45,16 @@ class OnAxis:
 
 @dataclass(frozen=True)
 class ForceClass:
-    """The contacts that reach a force at the sensor [N], how many are found, and how late [s]."""
+    """The contacts that reach a force at the sensor [N], how many are found, how late [s], and how
+    many more lie within the alarm of another one.
+    """
 
     force: float
     contacts: int
     found: int
     recall: float
     median_delay: float | None
+    merged: int = 0
 
 
 @dataclass(frozen=True, kw_only=True)

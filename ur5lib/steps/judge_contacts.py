@@ -221,7 +221,7 @@ def by_class(least: float, force: Array, raised: list[Span], step: float) -> For
     """
     found = compare(raised, contacts(force, least), step)
     late = float(np.median(found.delays)) if len(found.delays) else None
-    return ForceClass(least, found.contacts, found.found, found.recall(), late)
+    return ForceClass(least, found.contacts, found.found, found.recall(), late, found.merged)
 
 
 def judged_by_torques(

@@ -85,6 +85,7 @@ def detection(detection: dict[str, Detected]) -> Iterator[Row]:
                 "median_delay_s": offline.median_delay,
                 "causal_delay_s": online and online.median_delay,
                 "causal_found": online and online.found,
+                "causal_merged": online and online.merged,
                 **(pushes if offline is found.classes[0] else {}),
             }
 

@@ -13,7 +13,7 @@ from ur5lib.force.contact_wrench import (
     MIN_CONSTANT_ERROR,
     STATIC_SPEED,
 )
-from ur5lib.force.detection import CONTACT_FORCE, Span, match
+from ur5lib.force.detection import CONTACT_FORCE, Span, match, overlap
 from ur5lib.force.estimators import ESTIMATES, LEADING, SPOKEN, UNGATED
 from ur5lib.records.account import NOTHING
 from ur5lib.records.quality import UNUSUAL_FRICTION
@@ -33,6 +33,7 @@ from ur5lib.report.views.currents import days_away, loaded
 from ur5lib.report.views.forces import (
     FORCE_COMPONENTS,
     FORCE_STDS,
+    contacts,
     hardest_pushes,
     leading,
     searched,
@@ -41,6 +42,7 @@ from ur5lib.timeseries.metrics import NORMAL95
 
 CLAIMED_ESTIMATE, CLAIMED_COMPONENT = "F*", "Fz"  # by which the thesis detects pushes
 FORCE_TOPIC = "Force in contact"
+FATES = ["found", "merged", "missed"]  # of a contact: by its own alarm, by another one's, by none
 WRENCH_NAME = r"(?i)force|wrench|\bft[_x]|\bf_?[xyz]\b"  # among the columns of a file
 STATIC_ESTIMATE = "static"  # the estimate without any fit
 MAX_BLIND_SHARE = 0.5  # of the time in contact in which a useful band may hold zero on every axis
@@ -143,12 +145,8 @@ def false_alarms(results: Results) -> dict[str, FalseAlarms | None]:
 
 
 def noticed_in_words(results: Results) -> Iterator[str]:
-    """Say which contacts are missed, what the band holds for meanwhile, and how many alarms are
-    false.
-    """
+    """Say what the band holds for while contacts are missed, and how many alarms are false."""
     missed = errors_in_contact(results, "missed")
-    if len(listed := _listed(results)):
-        yield say("force.missed", rows=listed)
     if len(hardest_pushes(results)):
         least = missed.loc[missed["coverage95"].idxmin()] if len(missed) else None
         yield say("force.while shut", least=least)
@@ -157,22 +155,31 @@ def noticed_in_words(results: Results) -> Iterator[str]:
 
 
 def noticed_pushes(results: Results) -> Iterator[str]:
-    """Say from which size on pushes are noticed."""
+    """Say from which size on pushes are noticed, which of the own contacts are missed, how large
+    these are, and how many alarms may be false.
+    """
     if len(pushes := hardest_pushes(results)):
         yield say("force.noticed", rows=pushes)
+    if len(listed := _listed(results)):
+        peaks = at_sensors(results).groupby("fate")["peak"].agg(["min", "max"])
+        yield say("force.missed", rows=listed, peaks=peaks.to_dict("index"))
+    if (alarms := false_alarms(results)["all"]) is not None:
+        yield say("force.most alarms", alarms=alarms)
 
 
 def _listed(results: Results) -> pd.DataFrame:
-    """Return how many contacts are found of those that the table of contacts lists."""
-    return results.rows("detection", estimate=LEADING, force_class_n=CONTACT_FORCE)
+    """Return how many contacts are found, merged and missed of those that the table lists."""
+    rows = results.rows("detection", estimate=LEADING, force_class_n=CONTACT_FORCE)
+    merged = rows["merged"].astype(float).fillna(0.0)
+    return rows.assign(merged=merged, missed=rows["contacts"] - rows["found"] - merged)
 
 
 def _numbers_of_alarms(results: Results) -> Iterator[Number]:
     """Yield how many contacts are missed, and the upper limit of the rate of false alarms."""
     if len(rows := _listed(results)):
-        count, found = int(rows["contacts"].sum()), int(rows["found"].sum())
+        count, missed = (int(rows[name].sum()) for name in ("contacts", "missed"))
         least = f"of {CONTACT_FORCE:g} N or more at the sensor"
-        yield Number("missed contacts", count - found, f"of {count}", least)
+        yield Number("missed contacts", missed, f"of {count}", least)
     if (alarms := false_alarms(results)["all"]) is not None:
         place = f"{alarms.alarms} in {alarms.minutes:.1f} min without contact"
         yield Number("false alarms, at most (95 %)", alarms.most, "a minute", place)
@@ -309,20 +316,37 @@ def noticed(results: Results) -> pd.DataFrame:
 def _noticed_on(results: Results, recording: str) -> dict[str, object]:
     """Return the contacts at the sensor, those without an alarm of their own, and the widest band.
 
-    missed: their starts [s]; weakest: peak of the weakest that is found [N]; band: half its width
-    [N] along `axis` at `band_s` in a posture, of the largest force of an alarm.
+    missed, merged: their starts [s]; strongest: peak of the strongest that is missed [N]; weakest:
+    of the weakest that is found; band: half its width [N] along `axis` at `band_s` in a posture, of
+    the largest force of an alarm.
     """
-    alarms = results.rows("contacts", recording=recording, estimate=LEADING)
-    sensed = results.rows("contact_errors", recording=recording, estimate=LEADING, component="norm")
-    found = [contact for _, contact in match(_spans(alarms), _spans(sensed))]
-    missed = sensed.drop(sensed.index[found])["start_s"]
+    alarms, sensed = contacts(results, recording), at_sensors(results, [recording])
+    found, merged, missed = (sensed[sensed["fate"] == fate] for fate in FATES)
     stds = alarms.melt(["peak_s", "posture_deg"], FORCE_STDS, "column", "std").dropna(subset="std")
-    noticed = {"contacts": len(sensed), "found": len(found), "missed": [*missed]}
-    noticed |= {"weakest": sensed["peak"].iloc[found].min(), "band": math.nan}
+    noticed = {"contacts": len(sensed), "found": len(found), "band": math.nan}
+    noticed |= {"missed": [*missed["start_s"]], "merged": [*merged["start_s"]]}
+    noticed |= {"weakest": found["peak"].min(), "strongest": missed["peak"].max()}
     for row in stds.sort_values("std")[-1:].itertuples():
         noticed |= {"band": NORMAL95 * row.std, "axis": row.column[1], "band_s": row.peak_s}
         noticed |= {"posture": row.posture_deg}
     return noticed
+
+
+def at_sensors(results: Results, recordings: list[str] | None = None) -> pd.DataFrame:
+    """Return the contacts at the sensors of recordings, by default of all, with their fate: found by
+    an alarm of their own, merged within another one's, or missed.
+    """
+    sensed = results.rows("contact_errors", estimate=LEADING, component="norm")
+    names = sensed["recording"].unique() if recordings is None else recordings
+    parts = []
+    for name in names:
+        rows = sensed[sensed["recording"] == name]
+        raised, touches = _spans(contacts(results, name)), _spans(rows)
+        own = {contact for _, contact in match(raised, touches)}
+        felt = [any(overlap(alarm, touch) for alarm in raised) for touch in touches]
+        fates = [FATES[0 if k in own else 1 if one else 2] for k, one in enumerate(felt)]
+        parts.append(rows.assign(fate=fates))
+    return pd.concat([sensed[:0].assign(fate=""), *parts])
 
 
 def widest_band(results: Results) -> Iterator[str]:
