@@ -29,8 +29,8 @@ def draw_figures(
 ) -> dict[str, Drawing | Scene]:
     """Return the figures of a recording, and the arm in motion for a closer look.
 
-    threshold: of alarms, by estimate; role: of the recording; min_singular_value: below it, no force is determined;
-    lowpass: of currents, order and cut-off [Hz]; gravity: see `Robot.mounted`.
+    threshold: of alarms, by estimate; role: of the recording; min_singular_value: below it, no
+    force is determined; lowpass: of currents, order and cut-off [Hz]; gravity: see `Robot.mounted`.
     """
     felt, modelled = accelerations.published_felt, accelerations.published.get("euler")
     hidden = kinematics.smallest_singular_value < min_singular_value

@@ -30,7 +30,7 @@ def arm_scene(
     thresholds: Mapping[str, float],
     role: str,
 ) -> Scene:
-    """Return the arm at some times of a recording with a role; thresholds: of alarms, by estimate."""
+    """Return the arm at some times of a recording; thresholds: of alarms, by estimate."""
     time, felt = signals.time, sensor.wrench.get("compensated")
     rows = shown_rows(signals.segment, signals.period)
     lead = next((name for name in NEW if name in forces.wrench), "")

@@ -333,8 +333,8 @@ def _noticed_on(results: Results, recording: str) -> dict[str, object]:
 
 
 def at_sensors(results: Results, recordings: list[str] | None = None) -> pd.DataFrame:
-    """Return the contacts at the sensors of recordings, by default of all, with their fate: found by
-    an alarm of their own, merged within another one's, or missed.
+    """Return the contacts at the sensors of recordings, by default of all, with their fate: found
+    by an alarm of their own, merged within another one's, or missed.
     """
     sensed = results.rows("contact_errors", estimate=LEADING, component="norm")
     names = sensed["recording"].unique() if recordings is None else recordings
