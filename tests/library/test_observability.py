@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from tests.library.made_up_torques import MODEL
-from tests.made_tables import gathered, table
+from tests.made_tables import gathered, record, table
 from ur5lib.force.detection import PAUSE_DURATION, PUSH_DURATION, smallest_force
 from ur5lib.force.external_torque import JointState
 from ur5lib.force.force_input import Gears
@@ -19,6 +19,7 @@ from ur5lib.force.trial_contacts import (
     felt_push,
     try_each_place,
 )
+from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.validation import (
     MIN_SAMPLES,
     SPEED_BINS,
@@ -27,7 +28,7 @@ from ur5lib.identification.validation import (
 )
 from ur5lib.records.arm_state import Observed
 from ur5lib.report.figures.arm_state_figures import observability_figure
-from ur5lib.steps.measure_observability import Judged, by_axis, observability
+from ur5lib.steps.measure_observability import Judged, at_rest, by_axis, observability
 from ur5lib.tidy import forces
 from ur5lib.timeseries.arrays import Array
 
@@ -155,6 +156,12 @@ def test_the_table_has_each_joint_and_push(tmp_path: Path) -> None:
     for pushed in (pushes[:0], pushes[:1].assign(speed_high=np.nan)):
         drawing = observability_figure(pd.concat([pushed, shares]), 0.9, MAX_TRIAL_FORCE)
         assert len(drawing.data) == len(pushed) + 6 * 9
+
+
+def test_the_band_at_rest_is_told_beside_that_of_motion() -> None:
+    joints = [{"band_moving": 0.1, "band_standing": wide} for wide in (0.4, 0.2)]
+    found = [*at_rest(record(CurrentFit, {"joints": joints}))]
+    assert [(row.joint, row.value) for row in found] == [(1, 4.0), (2, 2.0)]
 
 
 def test_nothing_is_drawn_of_recordings_that_tell_nothing(tmp_path: Path) -> None:

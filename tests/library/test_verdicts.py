@@ -361,6 +361,21 @@ def test_currents_say_by_which_factor_a_band_is_too_narrow_or_too_wide(
     assert f"0.20\u00a0to\u00a0{factor:.2f} times the band" in verdict.evidence
 
 
+def test_currents_say_how_much_wider_the_band_is_at_rest() -> None:
+    """The band of motion would hold few readings there, but it is not the one that is stated."""
+    known = {"robot": "ur5", "speed_low": 0.0, "speed_high": 0.005}
+    rows = [
+        known | {"quantity": name, "joint": joint, "value": value}
+        for name, values in (("band_at_rest", (3.8, 7.25)), ("friction_in_band", (0.67, 0.07)))
+        for joint, value in enumerate(values, start=1)
+    ]
+    verdict = judge_currents(study(current_rmse=predicted(0.2), observability=rows))
+    assert "bands hold; at rest" in verdict.sentence
+    assert "up to 7.2 times as wide as in motion" in verdict.sentence
+    told = "Below 0.005 rad/s, the band of motion would hold 7\u00a0to\u00a067 %"
+    assert told in verdict.evidence
+
+
 def test_currents_name_the_largest_error_and_the_least_band_by_themselves() -> None:
     """No mean over recordings hides the one on which a band holds least."""
     rows = predicted(0.2) + predicted(0.2, recording="fitted")

@@ -74,9 +74,10 @@ class Observed:
     """A row of observability.csv: a quantity in a range of speed; speed_high: None without an end.
 
     quantity: smallest_push_95_x, _y, _z [N], along an axis, by speed of the flange;
-    friction_in_band, the share of a joint's samples within the band of its friction, by its speed;
+    friction_in_band, the share of a joint's samples within the band of motion, by its speed;
     least_velocity [rad/s], the lower end of the speeds at which this share suffices, NaN where
-    there is none; bound: ">" of a push beyond `value`, the largest that was tried.
+    there is none; band_at_rest, the stated band at rest over that of motion; bound: ">" of a push
+    beyond `value`, the largest that was tried.
     """
 
     quantity: str

@@ -68,7 +68,7 @@ def measure_observability(
         if LEADING in threshold and problem is not None and odds is not None:
             jacobian = kinematics[name].jacobian
             trials.append(pushed(problem, jacobian, prior, threshold[LEADING], odds, least))
-    return [*observability(trials, errors)]
+    return [*observability(trials, errors), *at_rest(friction.fit)]
 
 
 class Judged(NamedTuple):
@@ -135,6 +135,20 @@ def observability(trials: Sequence[Trials], errors: Sequence[Judged]) -> Iterato
             yield from _shares(joint, share)
         for joint, share in enumerate(shares, start=1):
             yield _predicted(joint, *share.suffices())
+
+
+def at_rest(fit: CurrentFit) -> Iterator[Observed]:
+    """Yield how many times as wide as in motion each joint's 95 % band is at rest."""
+    for number, joint in enumerate(fit.joints, start=1):
+        yield Observed(
+            quantity="band_at_rest",
+            joint=number,
+            speed_low=0.0,
+            speed_high=0.0,
+            speed_unit="rad/s",
+            value=joint.band_standing / joint.band_moving if joint.band_moving else np.nan,
+            unit="1",
+        )
 
 
 def _push(push: SmallestPush) -> Observed:

@@ -353,6 +353,10 @@ def judge_currents(results: Results) -> Verdict:
     place = f"joint {least['joint']} on {least['recording']}"
     share = Number("least share in the 95 % band", 100 * coverage, "%", place)
     cutoff = results.study["settings"]["lowpass"]["currents"]["cutoff_hz"]
+    rest, slow = (
+        results.rows("observability", quantity=name, speed_low=0.0).dropna(subset="value")
+        for name in ("band_at_rest", "friction_in_band")
+    )
     too_wide = (rows.groupby("joint")["band_factor95"].max() < MIN_GOOD_BAND_FACTOR).any()
     sentence = say(
         "currents.verdict",
@@ -360,6 +364,7 @@ def judge_currents(results: Results) -> Verdict:
         hold=coverage >= MIN_GOOD_COVERAGE,
         wide=coverage >= WIDE_BAND_COVERAGE,
         factor=factors.max(),
+        rest=rest,
     )
     evidence = say(
         "currents.evidence",
@@ -367,6 +372,7 @@ def judge_currents(results: Results) -> Verdict:
         least=least,
         narrowest=factors.min(),
         factor=factors.max(),
+        slow=slow,
     )
     return Verdict(
         topic=spoken(CURRENTS_TOPIC),
