@@ -437,7 +437,7 @@ def test_gains_stand_with_their_range_and_contradictions_are_told() -> None:
     study = {"recordings": [{"name": name, "robot": "ur5"} for name in ("first", "second")]}
     results = Results(study, tables, Path())
     lines = [[*line.values()][2:] for line in shown("gains", results)]
-    assert lines == [["9 (8–12)", "< 30"], ["> 20", "2–29"]]
+    assert lines == [["9.0 (8.0–12.0)", "< 30"], ["> 20", "2–29"]]
     assert [*contradictions(results)] == [
         "No single position gain fits all recordings of ur5 on joint 1: there, the controller "
         "is not this closed loop."

@@ -8,9 +8,9 @@ import pytest
 
 from tests.conftest import PROJECT
 from ur5lib.errors import remark
-from ur5lib.records.wording import WORDS, in_words, templates
+from ur5lib.records.wording import WORDS, in_words, sentence, templates
 from ur5lib.report.page import sentences
-from ur5lib.report.page.formats import with_error
+from ur5lib.report.page.formats import between, with_error, within
 from ur5lib.report.page.sentences import say
 from ur5lib.strict import read_yaml
 
@@ -42,6 +42,44 @@ def test_two_digits_of_the_error_decide_how_a_value_is_shown(
     value: float, std: float, text: str
 ) -> None:
     assert with_error(value, std) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "low", "high", "text"),
+    [
+        (7.2512, 2.3, 11.9, "7.3"),
+        (3.39, 2.1, 5.4, "3.39"),
+        (0.04031, 0.04030, 0.04032, "0.0403"),
+        (7.2512, None, None, "7.25"),
+        (7.2512, math.nan, math.nan, "7.25"),
+        (3, None, None, "3"),
+    ],
+)
+def test_a_value_has_no_more_decimals_than_its_interval_tells(
+    value: float, low: float | None, high: float | None, text: str
+) -> None:
+    assert within(value, low, high) == text
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "value", "text"),
+    [
+        (7.2, 16.4, 11.1, "11 (7–16)"),
+        (0.61, 190.0, math.nan, "1–190"),
+        (4.8, 14, 8.3, "8.3 (4.8–14.0)"),
+    ],
+)
+def test_the_ends_of_an_interval_have_as_many_decimals(
+    low: float, high: float, value: float, text: str
+) -> None:
+    assert between(low, high, value) == text
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"), [(1.5e-8, "0.000000015"), (12345.0, "12300"), (2.0, "2")]
+)
+def test_no_number_of_a_finding_has_an_exponent(seconds: float, text: str) -> None:
+    assert f" {text} s " in f"{sentence('bytes skipped', {'seconds': seconds})} "
 
 
 def test_a_value_that_a_template_lacks_is_an_error() -> None:

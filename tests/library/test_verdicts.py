@@ -972,6 +972,7 @@ def test_without_a_search_nothing_is_noticed() -> None:
 
 def test_drawings_say_in_words_what_they_show() -> None:
     assert 'aria-label="1: 50 %, &lt;2&gt;: 200 %"' in bars({"1": 0.5, "<2>": 2.0})
+    assert bars({"1": 0.001, "2": np.nan}) == ""  # nobody would see them
     assert "error 4, zero 10" in error_bar(4.0, 3.0, 5.0, 10.0, 1.0)
     assert "nan" not in bars({}) + error_bar(4.0, np.nan, np.nan, 10.0, np.nan)
 
@@ -1018,9 +1019,9 @@ def test_what_to_record_next_names_what_is_known_least_and_the_command() -> None
     tables = {**results.tables, "friction": pd.DataFrame(rows)}
     (told,) = next_recordings(Results({"study": "mine"}, tables, Path(), loads={"ur5": 1.0}))
     least = {3: 90, 6: 6, 5: 5}  # shares of the prior [%] by joint, the largest first
-    places = [told.index(f"friction of joint {k} ± 0.100 ({s} %)") for k, s in least.items()]
+    places = [told.index(f"friction of joint {k} (± 0.1, {s} %)") for k, s in least.items()]
     assert places == sorted(places)
-    assert told.count("± 0.100") == len(places)
+    assert told.count("± 0.1,") == len(places)
     words = told.partition("ur5 excite ")[2].partition("”")[0].split()
     options = [word for word in words if word.startswith("--")]
     assert words[words.index("--results") + 1] == "results/mine"

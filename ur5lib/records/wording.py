@@ -8,6 +8,8 @@ from pathlib import Path
 from string import Formatter
 from typing import Any
 
+import numpy as np
+
 from ur5lib.errors import Remark, printable
 from ur5lib.records.accepted import KINDS
 from ur5lib.records.quality import Finding
@@ -35,10 +37,15 @@ class Words(Formatter):
         return ", ".join(self.format_field(part, format_spec) for part in value)
 
     def _bounded(self, value: Any, format_spec: str) -> str:
-        """Return a value in words, beyond four digits before the point as `above 9999`."""
+        """Return a value in words, beyond four digits before the point as `above 9999`, and
+        never with an exponent.
+        """
         most = MAX_STATED_NUMBER / 100 if format_spec.endswith("%") else MAX_STATED_NUMBER
+        text = str(super().format_field(value, format_spec))
+        if format_spec.endswith("g") and "e" in text:
+            return np.format_float_positional(float(text), trim="-")
         if format_spec[-1:] not in ("f", "%") or not abs(value) > most:
-            return str(super().format_field(value, format_spec))
+            return text
         bound = super().format_field(math.copysign(most, value), f".0{format_spec[-1]}")
         return f"{'above' if value > 0 else 'below'} {bound}"
 

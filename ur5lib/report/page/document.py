@@ -15,12 +15,14 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
 
+from ur5lib.report.page.formats import within
 from ur5lib.strict import Strict, read_yaml
 
 State = Literal["good", "usable", "do not use", "not determined"]
 Mark = Literal["lowest", "highest"]
 MOST_SHOWN = 4  # recordings with tables and figures of their own in one section
 MOST_ROWS = 60  # shown of a table; its CSV file has all
+ON_CARD = 2  # numbers that a card shows
 UNDETERMINED_TEXT = "undetermined"  # replaces a number that the data do not determine
 
 
@@ -328,7 +330,17 @@ class Document:
                 fields["alignment"] = block.alignment()
             if isinstance(block, Picture):
                 fields["path"] = str(block.path)
+            if isinstance(block, Verdicts):
+                for verdict in fields["verdicts"]:
+                    verdict["numbers"] = [*map(_on_card, verdict["numbers"][:ON_CARD])]
         return data
+
+
+def _on_card(number: dict[str, Any]) -> dict[str, str]:
+    """Return the name and the text of a number."""
+    value, low, high, unit = (number[key] for key in ("value", "low", "high", "unit"))
+    name = ", ".join(filter(None, (number["name"], number["place"])))
+    return {"name": name, "text": within(value, low, high, unit)}
 
 
 class Repeated(Strict):

@@ -11,7 +11,8 @@ import numpy as np
 import pandas as pd
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-VISIBLE_DIFFERENCE = 5e-5  # visible with four decimals
+MOST_DECIMALS = 4
+VISIBLE_DIFFERENCE = 5e-5  # visible with them
 
 
 def capital(text: str) -> str:
@@ -20,10 +21,13 @@ def capital(text: str) -> str:
 
 
 def fixed(value: float, digits: int = 0, unit: str = "") -> str:
-    """Format a value with some decimals, and its unit; a dash for NaN."""
+    """Format a value with some decimals, and its unit; a dash for NaN.
+
+    digits: of the decimals; below zero, of the zeros before the point.
+    """
     if pd.isna(value):
         return "–"
-    text = f"{round(value, digits) + 0.0:.{digits}f}".replace("-", "−")  # + 0.0: no −0
+    text = f"{round(value, digits) + 0.0:.{max(digits, 0)}f}".replace("-", "−")  # + 0.0: no −0
     return _with_unit(text, unit)
 
 
@@ -48,7 +52,7 @@ def measured(value: float, unit: str = "") -> str:
     """
     if pd.isna(value) or value == 0 or isinstance(value, int):
         return fixed(value, 0, unit)
-    return rounded(value, min(max(2 - math.floor(math.log10(abs(value))), 0), 4), unit)
+    return rounded(value, min(max(_decimals(value, 3), 0), MOST_DECIMALS), unit)
 
 
 def percent(share: float, digits: int = 0) -> str:
@@ -79,14 +83,37 @@ def with_error(value: float, std: float, unit: str = "") -> str:
     """Format a value with its standard error, two significant digits of which decide both."""
     if pd.isna(value) or not 0 < std < math.inf:
         return measured(value, unit)
-    digits = 1 - math.floor(math.log10(float(f"{std:.1e}")))
-    parts = [fixed(round(part, digits), max(digits, 0)) for part in (value, std)]
-    return _with_unit(" ± ".join(parts), unit)
+    digits = _decimals(std, 2)
+    return _with_unit(" ± ".join(fixed(part, digits) for part in (value, std)), unit)
+
+
+def within(value: float, low: float | None, high: float | None, unit: str = "") -> str:
+    """Format a value with the decimals of its 95 % interval, if known, but no more than `measured`
+    shows.
+    """
+    if low is None or high is None or not low < high or value == 0:
+        return measured(value, unit)
+    digits = min(_decimals((high - low) / 4, 2), _decimals(value, 3))
+    return rounded(value, min(max(digits, 0), MOST_DECIMALS), unit)
+
+
+def _decimals(value: float, digits: int) -> int:
+    """Return the number of decimals, or of whole digits below zero, of some significant digits."""
+    return digits - 1 - math.floor(math.log10(abs(float(f"{value:.{digits - 1}e}"))))
 
 
 def to(low: float, high: float, digits: int, unit: str = "") -> str:
     """Format an interval and its unit without a line break within the interval."""
     return _with_unit(f"{fixed(low, digits)}\u00a0to\u00a0{fixed(high, digits)}", unit)
+
+
+def between(low: float, high: float, value: float = math.nan) -> str:
+    """Format an interval, after its value if known, which has two significant digits; without, the
+    upper end has.
+    """
+    digits = max(_decimals(high if math.isnan(value) else value, 2), 0)
+    ends = "–".join(fixed(end, digits) for end in (low, high))
+    return ends if math.isnan(value) else f"{fixed(value, digits)} ({ends})"
 
 
 def each(

@@ -14,11 +14,13 @@ from markupsafe import Markup, escape
 
 from ur5lib.report.page import closer
 from ur5lib.report.page.document import Document
-from ur5lib.report.page.formats import measured
 
 TEMPLATE_FOLDER = Path(__file__).parent / "templates"
 NAMED_FILES = re.compile(r"\b(docs/[\w-]+\.md|tables\.zip)")
 DOCUMENTS = Path("docs")  # of a clone, two folders above the results of a study
+BREAK = re.compile(r"(?<=\d) (?=±)|(?<=±) (?=\d)|(?<=\d) (?=%|(?:[mk]?[msgN]|A|Nm|Hz|rad)\b)")
+REFERENCE = re.compile(r"(?<=[\"(])#([\w-]+)(?=[\")])")  # from one part of an SVG to another
+STYLE = re.compile(r'style="([^"]*)"')
 UNESCAPED_CHARACTERS = " '!$()*+,-./:;=?@[]_~"  # characters that a data URI need not escape
 
 
@@ -30,9 +32,10 @@ def html_page(document: Document) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
+        finalize=_unbroken,
     )
     environment.filters |= {"data_uri": _data_uri, "packed_lines": closer.packed_lines}
-    environment.filters |= {"packed_scenes": closer.packed_scenes, "measured": measured}
+    environment.filters |= {"packed_scenes": closer.packed_scenes}
     environment.filters |= {"breakable": _breakable, "with_links": _with_links}
     environment.globals["closer"] = closer
     return environment.get_template("report.html.jinja").render(document=document.as_data())
@@ -53,13 +56,18 @@ def pdf_document(document: Document) -> bytes:
             picture = f"figure_{block['number']}.svg"
             shutil.copy(block["path"], root / picture)
             block["path"] = picture
-        (root / "report.json").write_text(json.dumps(data), encoding="utf-8")
+        (root / "report.json").write_text(_unbroken(json.dumps(data, ensure_ascii=False)), "utf-8")
         compiled: bytes = typst.compile(root / "report.typ", root=root, timestamp=0)
         return compiled
 
 
 def _blocks(data: dict[str, Any], kind: str) -> list[dict[str, Any]]:
     return [b for section in data["sections"] for b in section["blocks"] if b["kind"] == kind]
+
+
+def _unbroken(text: Any) -> Any:
+    """Return a text in which no line breaks between a number and its error or its unit."""
+    return BREAK.sub("\u00a0", text) if type(text) is str else text
 
 
 def _with_links(text: str, home: str) -> Markup:
@@ -73,12 +81,12 @@ def _with_links(text: str, home: str) -> Markup:
         known = not up or Path(name).is_file()
         return f'<a href="{home}{up}{name}">{name}</a>' if known else name
 
-    return Markup(NAMED_FILES.sub(link, str(escape(text))))
+    return Markup(NAMED_FILES.sub(link, str(escape(_unbroken(text)))))
 
 
 def _breakable(text: str) -> Markup:
     """Return the text of a cell, in which a line may break within long names, not after < or >."""
-    whole = re.sub(r"(?<=&[lg]t;) (?=\d)", "\u00a0", str(escape(text)))
+    whole = re.sub(r"(?<=&[lg]t;) (?=\d)", "\u00a0", str(escape(_unbroken(text))))
     return Markup(re.sub(r"(?<=\w{9}[_/.-])(?=\w{9})", "<wbr>", whole))
 
 
@@ -93,11 +101,20 @@ def _data_uri(path: str) -> Markup:
 
 def _compact(svg: str) -> str:
     """Return an SVG of matplotlib's without what nobody sees: metadata, names that nothing refers
-    to, spaces, and digits beyond a tenth of a point.
+    to, groups of one, spaces, and digits beyond a tenth of a point; other names and styles that
+    repeat are short.
     """
-    used = {*re.findall(r"#([\w-]+)", svg)}
+    names = {name: f"n{i}" for i, name in enumerate(dict.fromkeys(REFERENCE.findall(svg)))}
     svg = re.sub(r"<metadata>.*?</metadata>|<!--.*?-->", "", svg)
-    svg = re.sub(r' id="([^"]*)"', lambda found: found[0] if found[1] in used else "", svg)
+    svg = re.sub(r' id="([^"]*)"', lambda m: f' id="{names[m[1]]}"' if m[1] in names else "", svg)
+    svg = REFERENCE.sub(lambda found: f"#{names[found[1]]}", svg)
     svg = re.sub(r"\d{2,}\.\d{3,}", lambda found: f"{float(found[0]):.1f}", svg)
-    svg = re.sub(r"(?<=[:;>]) +| (?=[MLQCz] )", "", svg)
+    svg = re.sub(r"(\.\d{3})\d+", r"\1", svg)
+    svg = re.sub(r"(?<=[:;>]) +| (?=[MLQCz] )|(?<=>) (?=<)", "", svg)
+    for _ in range(2):
+        svg = re.sub(r"<g>(<[^>]*/>)</g>", r"\1", svg)
+    styles = {style: f"s{i}" for i, style in enumerate(dict.fromkeys(STYLE.findall(svg)))}
+    svg = STYLE.sub(lambda found: f'class="{styles[found[1]]}"', svg)
+    sheet = "".join(f".{name}{{{style}}}" for style, name in styles.items())
+    svg = svg.replace("<defs>", f"<defs><style>{sheet}</style>", 1)
     return svg.replace('"', "'").replace("xlink:href", "href")

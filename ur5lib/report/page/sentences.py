@@ -22,8 +22,18 @@ from ur5lib.strict import read_yaml
 
 _SPOKEN = ContextVar("_SPOKEN", default=CURRENT)
 FORMAT_NAMES = (
-    *("capital", "counted", "days", "each", "fixed", "joints"),
-    *("measured", "percent", "power", "rounded", "signed", "significant", "to", "with_error"),
+    *("between", "capital", "counted", "days", "each", "fixed", "joints"),
+    *(
+        "measured",
+        "percent",
+        "power",
+        "rounded",
+        "signed",
+        "significant",
+        "to",
+        "with_error",
+        "within",
+    ),
 )
 
 

@@ -52,7 +52,7 @@ def change(row: Any) -> str:
     if row.quantity != "offset":  # in per cent of the value before
         before = abs(row.before)
         size, error = 100 * abs(row.size) / before, 100 * row.std_error / before
-        by = say("health.by share", share=size, error=error, digits=int(error < 1))
+        by = say("health.by share", share=size, error=error)
         added = 100 * row.by_temperature / before
     added = added if abs(added) >= MIN_TEMPERATURE_EFFECT else 0.0
     return say("health.change", row=row, by=by, added=added)

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pandas as pd
 
 from ur5lib.report.page.document import MOST_SHOWN
-from ur5lib.report.page.formats import capital, fixed
+from ur5lib.report.page.formats import capital, fixed, with_error
 from ur5lib.report.page.sentences import name, say
 from ur5lib.report.results import Results
 
@@ -94,7 +94,7 @@ def _sensor(audit: AuditRows) -> Iterator[str]:
 def _with_error(row: pd.Series) -> str:
     """Return a value with its standard error and its unit."""
     unit = "" if row.unit == "1" else row.unit
-    return say("sensor.value", row=row, digits=DIGITS_BY_UNIT[row.unit], unit=unit)
+    return with_error(row.value, row.std_error, unit)
 
 
 def _payload(audit: AuditRows) -> Iterator[str]:

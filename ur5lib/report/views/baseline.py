@@ -219,7 +219,10 @@ def bars(shares: Mapping[str, float], floors: Mapping[str, float] | None = None)
     """Draw shares (0 to 1) by name as bars, each of which fills its frame from below, as SVG.
 
     floors: shares of the same frames, by some of the names, each drawn as a line that cuts the bar.
+    Empty where no bar would be seen.
     """
+    if not any(DRAWING_HEIGHT * share > MIN_BAR_HEIGHT for share in shares.values()):
+        return ""
     step, parts = DRAWING_WIDTH / max(len(shares), 1), []
     width = step * (1 - BAR_GAP)
     for i, (name, share) in enumerate(shares.items()):

@@ -1,7 +1,7 @@
 // The arm at the time pointed at, drawn in parallel projection, with a line of time below.
 "use strict";
 
-const TALLEST = 380, MARGIN = 28; // pixels
+const TALLEST = 380, MARGIN = 28, SCALES = 30; // pixels, of the scales below the arm
 const LEAST_FILL = 0.55; // share of the picture's width or height
 const LINK = "#c3c8ce", EDGE = "#6a7078", INK = "#404040", GROUND = "#e6e6e6";
 const THICK = 0.05, THIN = 0.03; // radii of the first and the last link, shares of the reach
@@ -72,7 +72,7 @@ class Arm {
 
   resize() {
     const { canvas } = this, sharp = window.devicePixelRatio;
-    [this.wide, this.high] = [canvas.clientWidth, Math.min(TALLEST, 0.75 * canvas.clientWidth)];
+    [this.wide, this.high] = [canvas.clientWidth, Math.min(TALLEST, 0.9 * canvas.clientWidth)];
     canvas.style.height = `${this.high}px`;
     [canvas.width, canvas.height] = [sharp * this.wide, sharp * this.high];
     this.drawn = null;
@@ -108,7 +108,7 @@ class Arm {
   aim(now) {
     const { turn, tilt } = this.stretch.view, [c, s] = [Math.cos(turn), Math.sin(turn)], [ct, st] = [Math.cos(tilt), Math.sin(tilt)];
     this.axes = [[-s, c, 0], [-st * c, -st * s, ct], [ct * c, ct * s, st]];
-    const { frames, reach } = this.scene, sizes = [this.wide, this.high], aimed = [turn, tilt, ...sizes].join();
+    const { frames, reach } = this.scene, sizes = [this.wide, this.high - SCALES], aimed = [turn, tilt, ...sizes].join();
     if (aimed !== this.aimed) this.widest = [0, 1].map((i) => Math.max(...frames.map((points) => this.extent(i, points)[1] || 0)));
     this.aimed = aimed;
     const seen = now ? this.scene.points(now.origins, [now.force, now.sensed]) : [[0, 0, 0]];
@@ -127,7 +127,7 @@ class Arm {
   // Where a point [m] is in the picture.
   place(point) {
     const [right, up] = this.axes.slice(0, 2).map((axis, i) => this.scale * (dot(axis, point) - this.middle[i]));
-    return [this.wide / 2 + right, this.high / 2 - up];
+    return [this.wide / 2 + right, (this.high - SCALES) / 2 - up];
   }
 
   drawArm(pen, { origins, axes, torque, force, std, sensed }) {
