@@ -4,7 +4,7 @@ import html
 import json
 import re
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
@@ -15,6 +15,7 @@ import numpy as np
 import pypdfium2
 import pypdfium2.raw as raw
 import pytest
+from lxml.html import fromstring
 from pypdf import PdfReader
 
 WIDE, NARROW, HEIGHT = 1200, 390, 900  # pixels
@@ -106,18 +107,49 @@ def check_results(folder: Path) -> None:
     )
     jsonschema.validate(told, schema)
     assert told["$schema"] == "results.schema.json"
-    text = html.unescape((folder / "report.html").read_text())
+    page = html.unescape((folder / "report.html").read_text())
+    text = page.replace("\u00a0", " ").replace("<wbr>", "")
     cards = re.findall(r"<h3>(.*?) <span class=\"state\">(.*?)</span>", text)
     assert [(one["topic"], one["state"]) for one in told["verdicts"]] == cards
     shown = [one[part] for one in told["verdicts"] for part in ("sentence", "evidence")]
     listed = [sentence for one in told["lists"] for sentence in one["sentences"]]
     assert [one["heading"] for one in told["lists"]][:2] == ["What to do next", "Findings"]
     for sentence in [*shown, *listed]:
-        assert sentence in text
+        assert sentence.replace("\u00a0", " ") in text
     for verdict in told["verdicts"]:
         for number in verdict["numbers"]:
             if number["interval"]:
                 assert number["low"] <= number["value"] <= number["high"]
+
+
+def check_links(folder: Path) -> None:
+    """Whatever the pages link to is there, with its place."""
+    pages = {name: (folder / name).read_text() for name in ("report.html", "details.html")}
+    places = {name: {*re.findall(r'\bid="([^"]+)"', text)} for name, text in pages.items()}
+    for name, text in pages.items():
+        linked = re.findall(r'(?:href|src)="((?!data:|https?:)[^"]+)"', text)
+        assert linked
+        for file, _, place in (one.partition("#") for one in linked):
+            assert (folder / file).exists(), file
+            assert not place or place in places[file or name], f"{file}#{place}"
+
+
+def check_digits(texts: Iterable[str]) -> None:
+    """No number has an exponent or no meaning; one and its error have the same decimals, and no
+    line breaks between them.
+    """
+    number = r"(?<![\w.])\d[\d,]*(?:\.(\d+))?"
+    for text in texts:
+        assert not re.search(r"\bnan\b|\binf\b|\bNone\b|\d[eE][-+−]\d|± ?<|[ \n]±\d", text), text
+        assert not re.search(r"\d ±|± \d|\d %", text), f"{text}: may break within a number"
+        for decimals in re.findall(rf"{number}\u00a0±\u00a0{number}", text):
+            assert len({*map(len, decimals)}) == 1, text
+
+
+def shown_texts(page: Path) -> list[str]:
+    """The texts of a page: paragraphs, items, cells, captions and numbers of cards."""
+    kinds = ["p", "li", "td", "th", "dd", "dt", "figcaption", "caption", "h2", "h3"]
+    return [one.text_content() for one in fromstring(page.read_text()).iter(*kinds)]
 
 
 def stated(text: str) -> list[float]:

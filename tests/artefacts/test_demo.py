@@ -12,11 +12,14 @@ import pytest
 import yaml
 
 from tests.artefacts.documents import (
+    check_digits,
     check_in_browser,
+    check_links,
     check_pdf,
     check_results,
     check_structure,
     page_texts,
+    shown_texts,
 )
 from tests.artefacts.drawn_arm import check_arm
 from tests.compensated import check_formula
@@ -174,8 +177,10 @@ def test_every_page_says_that_it_is_simulated(results: Path) -> None:
 
 def test_the_report_is_fit_to_be_read(results: Path, tmp_path: Path) -> None:
     check_results(results)
+    check_links(results)
     for page in ("report.html", "details.html"):
         check_structure(results / page)
+        check_digits(shown_texts(results / page))
         (tmp_path / page).mkdir()
         check_in_browser(results / page, tmp_path / page)
     check_pdf(results / "report.pdf", ["What was found", "Estimates against the truth"])

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 
 from benchmarks.excitation import (
     STATE_STEP,
@@ -43,6 +44,8 @@ from ur5lib.excitation.trajectory import Path, WorkCell
 from ur5lib.identification.current_regression import expected_fit
 from ur5lib.identification.current_samples import prior_of
 from ur5lib.identification.currents import SEASON, friction_std, parameters
+from ur5lib.report.figures.excitation import excitation_figure
+from ur5lib.report.figures.house_style import REPORT_FONT_SIZE
 from ur5lib.robots.collisions import Box, Surroundings
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.timeseries.arrays import Array
@@ -63,6 +66,12 @@ def task(robot: str = "ur5e", question: str = "model", seconds: float = 10.0) ->
 @functools.cache
 def designed() -> Design:
     return design(task(), 0, SHORT)
+
+
+def test_letters_of_the_figure_can_be_read_in_print() -> None:
+    figure = excitation_figure(designed()).figure
+    texts = figure.findobj(Text)
+    assert min(text.get_fontsize() for text in texts) >= REPORT_FONT_SIZE
 
 
 @pytest.mark.parametrize("question", QUESTIONS)

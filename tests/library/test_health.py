@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.text import Text
 
 from tests.artefacts.documents import stated
 from tests.library.current_study import (
@@ -28,6 +29,7 @@ from ur5lib.records.friction import CurrentFit
 from ur5lib.records.prediction import JudgedLoad, Prediction, Scores
 from ur5lib.records.quality import Finding, Quality
 from ur5lib.report.figures.arm_state_figures import health_figure
+from ur5lib.report.figures.house_style import REPORT_FONT_SIZE
 from ur5lib.report.page.compose import shown_table
 from ur5lib.report.page.formats import days
 from ur5lib.report.results import Results
@@ -247,6 +249,8 @@ def test_the_section_states_dates_and_lost_frames(results: Results) -> None:
 
 def test_every_joint_and_quantity_is_drawn(results: Results) -> None:
     drawing = health_figure(*results.tables.values())
+    letters = [text.get_fontsize() for text in drawing.figure.findobj(Text)]
+    assert min(letters) >= REPORT_FONT_SIZE
     assert len(drawing.figure.axes) == 36
     assert {*drawing.data["quantity"]} == {*QUANTITY_UNITS, "temperature"}
     assert "[A]" in "".join(axis.get_ylabel() for axis in drawing.figure.axes)

@@ -16,7 +16,7 @@ import yaml
 from lxml import etree
 from lxml.html import fromstring
 
-from tests.artefacts.documents import stated
+from tests.artefacts.documents import check_digits, stated
 from tests.made_tables import empty, table
 from ur5lib.errors import InputError, remark
 from ur5lib.records.closed_loop import ClosedLoop
@@ -126,6 +126,15 @@ def test_a_figure_in_the_page_is_its_file_without_what_nobody_sees(
     assert len(text) < 0.9 * picture.stat().st_size
     names = {one.get("id") for one in shown.iter("{*}*")}
     assert {*re.findall(r"(?:url\(|href=\")#([\w-]+)", text)} <= names
+
+
+def test_no_line_breaks_within_a_number() -> None:
+    words = "10.3 ± 0.7 Nm, 4 % of 3 A"
+    rows = [[Cell("joint 1"), Cell("8.19 ± 0.60 (prior)")]]
+    blocks = [Paragraph([words]), Items([words]), TableBlock("", ["joint", "k"], rows), Code(words)]
+    page = fromstring(html_page(Document("t", "", [Section("First", blocks)])))
+    check_digits(one.text_content() for one in page.iter("p", "li", "td"))
+    assert words in page.text_content()  # as typed, to be copied
 
 
 def test_pdf_is_made_from_text_from_outside(document: Document, tmp_path: Path) -> None:

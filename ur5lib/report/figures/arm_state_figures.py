@@ -4,12 +4,11 @@ from collections.abc import Iterable
 from datetime import date
 from typing import Any
 
-import matplotlib
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, date2num
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from ur5lib.channels import CURRENT, Effort
 from ur5lib.records.contacts import SPEEDS
@@ -33,7 +32,7 @@ PANEL_LABELS = {
 }
 FIGURE_HEIGHT = 7.4  # inches, of six rows of panels
 JOINT_MARKERS = ("o", "s", "^", "v", "D", "P", "X", "*")
-TEXT_SIZES: Any = {"axes.titlesize": 7.5, "xtick.labelsize": 6.5}
+MOST_TICKS = 4  # of the values of a panel
 AXIS_STEP = 0.22  # of the step between speeds, from axis to axis
 MIN_DRAWN_SPEED = 0.003  # rad/s, where the axis of speeds begins
 DRIFT_STYLE: Any = SHADE_STYLE | {"alpha": 0.06}  # a drift, which lasts all the time
@@ -50,14 +49,14 @@ def health_figure(dates: pd.DataFrame, changes: pd.DataFrame, effort: Effort = C
         return nothing_to_draw()
     quantities = [name for name in PANEL_LABELS if name in {*rows["quantity"]}]
     size = FIGURE_HEIGHT / 6 * len(quantities), len(quantities), int(rows["joint"].max())
-    with matplotlib.rc_context(TEXT_SIZES), house_style(*size, sharex=True) as (figure, panels):
+    with house_style(*size, sharex=True) as (figure, panels):
         for row, quantity in zip(panels, quantities, strict=True):
             for joint, axis in enumerate(row, start=1):
                 _panel(axis, rows[(rows["quantity"] == quantity) & (rows["joint"] == joint)])
                 of_panel = (changes["quantity"] == quantity) & (changes["joint"] == joint)
                 for change in changes[of_panel].itertuples():
                     _mark(axis, change)
-            row[0].set_ylabel(labels[quantity].replace(" [", "\n["), fontsize=6.5)
+            row[0].set_ylabel(labels[quantity].replace(" [", "\n["))
         _label(panels[0], panels[-1])
     return Drawing(figure, rows)
 
@@ -81,8 +80,7 @@ def _panel(axis: Axes, rows: pd.DataFrame) -> None:
     axis.errorbar(
         days, rows["value"], half, fmt="o", markersize=2, linewidth=0.7, color=colour, zorder=3
     )
-    axis.tick_params(labelsize=6)
-    axis.yaxis.get_offset_text().set_fontsize(6)
+    axis.yaxis.set_major_locator(MaxNLocator(MOST_TICKS))
 
 
 def _place(day: str) -> float:
@@ -109,6 +107,7 @@ def _label(top: Iterable[Axes], bottom: Iterable[Axes]) -> None:
         locator = AutoDateLocator(minticks=2, maxticks=3)
         axis.xaxis.set_major_locator(locator)
         axis.xaxis.set_major_formatter(ConciseDateFormatter(locator))
+        axis.tick_params(axis="x", rotation=90)
 
 
 def observability_figure(rows: pd.DataFrame, wanted: float, most: float) -> Drawing:
@@ -159,4 +158,4 @@ def _shares(axis: Axes, rows: pd.DataFrame, wanted: float) -> None:
     axis.set(xscale="log", xlabel="speed of the joint [rad/s]", ylim=(0, 102))
     axis.set_ylabel("within the band of motion [%]")
     axis.xaxis.set_major_formatter(FuncFormatter(lambda speed, _: f"{speed:g}"))
-    axis.legend(loc="lower right", frameon=False)
+    axis.figure.legend(loc="outside upper center", frameon=False, ncols=8)

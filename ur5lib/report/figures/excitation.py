@@ -53,7 +53,13 @@ def _draw_path(panel: Axes, time: Array, q: Array) -> None:
     for joint, (angle, color) in enumerate(zip(q.T, JOINT_COLOURS, strict=False), 1):
         panel.plot(time, angle, color=color, label=f"joint {joint}")
     panel.set(xlabel="time [s]", ylabel="angle [rad]")
-    panel.legend(ncols=q.shape[1], fontsize=6, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    panel.legend(
+        ncols=q.shape[1],
+        columnspacing=0.8,
+        handlelength=1,
+        loc="lower center",
+        bbox_to_anchor=(0.5, 1.0),
+    )
 
 
 def _draw_spectrum(panel: Axes, path: Path) -> None:

@@ -2,7 +2,7 @@
 "use strict";
 
 const TALLEST = 380, MARGIN = 28, SCALES = 30; // pixels, of the scales below the arm
-const LEAST_FILL = 0.55; // share of the picture's width or height
+const LEAST_FILL = 0.6; // share of the picture's width or height that the arm takes, if its arrows fit
 const LINK = "#c3c8ce", EDGE = "#6a7078", INK = "#404040", GROUND = "#e6e6e6";
 const THICK = 0.05, THIN = 0.03; // radii of the first and the last link, shares of the reach
 const ARROWS = { force: { colour: ESTIMATE, dashes: [], width: 4 }, sensed: { colour: "#000000", dashes: [3, 2], width: 2 } };
@@ -104,7 +104,7 @@ class Arm {
   }
 
   // Set the projection: the axes to the right, upwards and out of the picture, its middle, that of the arm now, and
-  // its scale [pixels/m], by which the arm at its widest fills it, and now enough of it.
+  // its scale [pixels/m], by which the arm with its arrows at their widest fills it, and the arm now enough of it.
   aim(now) {
     const { turn, tilt } = this.stretch.view, [c, s] = [Math.cos(turn), Math.sin(turn)], [ct, st] = [Math.cos(tilt), Math.sin(tilt)];
     this.axes = [[-s, c, 0], [-st * c, -st * s, ct], [ct * c, ct * s, st]];
@@ -112,10 +112,11 @@ class Arm {
     if (aimed !== this.aimed) this.widest = [0, 1].map((i) => Math.max(...frames.map((points) => this.extent(i, points)[1] || 0)));
     this.aimed = aimed;
     const seen = now ? this.scene.points(now.origins, [now.force, now.sensed]) : [[0, 0, 0]];
-    const extents = [0, 1].map((i) => this.extent(i, seen)), filling = Math.min(...sizes.map((size, i) => size / (extents[i][1] || reach)));
-    const fitting = Math.min(...sizes.map((size, i) => (size - 2 * MARGIN) / (this.widest[i] + 2 * THICK * reach)));
+    const extents = [0, 1].map((i) => this.extent(i, seen)), arm = [0, 1].map((i) => this.extent(i, now?.origins ?? seen)[1] || reach);
+    const fitting = (widths) => Math.min(...sizes.map((size, i) => (size - 2 * MARGIN) / (widths[i] + 2 * THICK * reach)));
+    const filling = LEAST_FILL * Math.min(...sizes.map((size, i) => size / arm[i]));
     this.middle = extents.map(([middle]) => middle);
-    this.scale = Math.max(fitting, LEAST_FILL * filling);
+    this.scale = Math.max(fitting(this.widest), Math.min(filling, fitting(extents.map(([, wide]) => wide))));
   }
 
   // The middle of points along an axis of the picture, and how far they reach [m].
