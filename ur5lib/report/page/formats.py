@@ -111,7 +111,8 @@ def between(low: float, high: float, value: float = math.nan) -> str:
     """Format an interval, after its value if known, which has two significant digits; without, the
     upper end has.
     """
-    digits = max(_decimals(high if math.isnan(value) else value, 2), 0)
+    digits = _decimals(high if math.isnan(value) else value, 2)
+    digits = digits if abs(low) > 10**-digits / 2 else max(digits, 0)  # no end of zero
     ends = "–".join(fixed(end, digits) for end in (low, high))
     return ends if math.isnan(value) else f"{fixed(value, digits)} ({ends})"
 
