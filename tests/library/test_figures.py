@@ -125,7 +125,8 @@ def test_known_torque_constants_are_drawn_beside_the_fitted_ones() -> None:
     """Each line's slope is the current that a torque needs, 1/k [A/Nm]."""
     fitted, known = np.arange(5.0, 11.0), np.full(6, 10.0)
     torque = np.outer(np.linspace(-1, 1, 50), np.arange(1.0, 7.0))
-    samples = MovingSamples(torque, torque, torque, torque, torque / known, torque / fitted)
+    efforts = torque / known, torque / fitted, 0 * torque
+    samples = MovingSamples(torque, torque, torque, torque, *efforts)
     figures = friction_figures(samples, fitted, known)
     for name in ("current_torque", "current_torque_friction"):
         for joint, axis in enumerate(figures[name].figure.axes):
@@ -134,9 +135,22 @@ def test_known_torque_constants_are_drawn_beside_the_fitted_ones() -> None:
             np.testing.assert_allclose(slopes, [1 / fitted[joint], 1 / known[joint]])
 
 
+def test_a_spring_is_no_friction() -> None:
+    """A counterbalance of 100 Nm beside Coulomb friction of 2 Nm; drawn and fitted alike."""
+    qd = np.linspace(-1, 1, 50)[:, None] * np.ones(6)
+    spring, torque, constant = 100.0 * np.cos(3 * qd), 5.0 * qd, np.full(6, 10.0)
+    current = (torque + spring + 2.0 * np.sign(qd)) / constant
+    samples = MovingSamples(qd, qd, qd, torque, current, current, spring / constant)
+    drawing = friction_figures(samples, constant, constant)["friction"]
+    for axis in drawing.figure.axes:
+        for line in axis.lines:
+            np.testing.assert_allclose(np.abs(line.get_ydata()), 2.0)
+        assert "spring" in axis.get_ylabel()
+
+
 @pytest.mark.parametrize(("effort", "unit"), [(CURRENT, "[A]"), (TORQUE, "[Nm]")])
 def test_what_a_joint_measures_has_its_unit(effort: Effort, unit: str) -> None:
-    samples = MovingSamples(*np.random.default_rng(0).normal(size=(6, 50, 6)))
+    samples = MovingSamples(*np.random.default_rng(0).normal(size=(7, 50, 6)))
     figures = friction_figures(samples, np.ones(6), np.ones(6), effort)
     assert figures["current_torque"].figure.axes[0].get_ylabel().endswith(unit)
     assert figures["residuals"].figure.axes[0].get_ylabel().endswith(unit)

@@ -112,6 +112,15 @@ def friction_current(fit: CurrentFit, record: CurrentSamples) -> Array:
     return np.stack(currents, axis=1)
 
 
+def spring_current(fit: CurrentFit, record: CurrentSamples) -> Array:
+    """Return the part (N, n) [A] of the predicted current that springs and counterbalances take."""
+    currents = []
+    for model, motion in zip(fit.joints, motions(record), strict=True):
+        is_spring = np.array([name.startswith("balance") for name in model.names()])
+        currents.append(columns_of(motion, model.terms) @ (is_spring * model.estimate.coefficients))
+    return np.stack(currents, axis=1)
+
+
 def load_loss(fit: CurrentFit, record: CurrentSamples) -> Array:
     """Return load-dependent friction per Nm that the gears transmit (N, 6), with its sign."""
     loss = np.empty_like(record.q)

@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from ur5lib.channels import CURRENT, TORQUE, Effort
-from ur5lib.identification.currents import predict
+from ur5lib.identification.currents import predict, spring_current
 from ur5lib.identification.samples import CurrentSamples, Smooth, smoothed_moving
 from ur5lib.records.friction import CurrentFit, Parameter
 from ur5lib.report.figures.charts import residual_panels, scatter_panels
@@ -44,7 +44,9 @@ PARAMETER_SYMBOLS = {
 
 @dataclass(frozen=True)
 class MovingSamples:
-    """Low-passed samples of recordings, (N, 6) each; NaN where a joint rests."""
+    """Low-passed samples of recordings, (N, 6) each; NaN where a joint rests; spring: the part of
+    the predicted current that springs take.
+    """
 
     time: Array
     q: Array
@@ -52,6 +54,7 @@ class MovingSamples:
     torque: Array
     current: Array
     predicted: Array
+    spring: Array
 
     @classmethod
     def from_record(cls, record: CurrentSamples, fit: CurrentFit, smooth: Smooth) -> Self:
@@ -70,6 +73,7 @@ class MovingSamples:
             torque=thinned(record.torque),
             current=thinned(record.current),
             predicted=thinned(predict(fit, record)),
+            spring=thinned(spring_current(fit, record)),
         )
 
     @classmethod
@@ -126,12 +130,11 @@ def friction_figures(
     """
     symbol, unit = SYMBOLS[effort], effort.unit
     axis = f"{symbol} [{unit}]"
-    friction = constant * samples.predicted - samples.torque
-    needed = samples.torque + friction
+    needed, rigid = constant * samples.predicted, samples.torque + constant * samples.spring
     ends = np.stack([np.nanmin(needed, axis=0), np.nanmax(needed, axis=0)])
     lines = [(ends, ends / constant), (ends, ends / known)]
-    measured = constant * samples.current - samples.torque
-    labels = ("velocity of joint {} [rad/s]", f"k {symbol} − τ_{{0}} [Nm]")
+    sprung = " − spring" if np.nan_to_num(samples.spring).any() else ""
+    labels = ("velocity of joint {} [rad/s]", f"k {symbol} − τ_{{0}}{sprung} [Nm]")
     against = {
         "position [rad]": samples.q,
         "velocity [rad/s]": samples.qd,
@@ -145,7 +148,9 @@ def friction_figures(
         "current_torque_friction": scatter_panels(
             needed, samples.current, ("τ_{} with friction [Nm]", axis), lines
         ),
-        "friction": scatter_panels(samples.qd, measured, labels, fitted=friction),
+        "friction": scatter_panels(
+            samples.qd, constant * samples.current - rigid, labels, fitted=needed - rigid
+        ),
         "residuals": residual_panels(samples.current - samples.predicted, against, unit),
     }
 
