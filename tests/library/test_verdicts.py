@@ -961,6 +961,33 @@ def test_every_alarm_on_a_recording_without_contact_is_false() -> None:
     assert rows["false_alarms_per_min"].to_dict() == {"fit": 1.5, "validate": 1.5, "contact": 0.5}
 
 
+def test_false_alarms_are_pooled_by_role_where_recordings_are_many() -> None:
+    rates = {"estimate": "Fmap", "alarms_per_min": 2.0, "causal_alarms_per_min": 0.0}
+    results = study(detection=[rates | {"recording": name} for name in ("fitted", "seen")])
+    entries = [*results.study["recordings"]]
+    entries += [{"name": f"fit {k}", "robot": "ur5", "role": "fit"} for k in range(100)]
+    many = replace(results, study=results.study | {"recordings": entries})
+    body = shown_table("detection.false", many)
+    assert [cell.text for cell in body.rows[1]] == ["validate", "1", "1.0", "2", "6.3", "0", "3"]
+    (told,) = findings(results)
+    assert "False alarms: 2 in 1.0 min without contact, at most 6.3 a minute" in told
+
+
+def test_a_force_that_could_not_be_noticed_is_marked() -> None:
+    """An alarm whose force of 5 N is below the 12 N that are noticed at that speed along z."""
+    slow = [push(force, axis, 0.01) for force, axis in ((14.0, "x"), (28.0, "y"), (12.0, "z"))]
+    about = {"recording": "pushed", "estimate": "Fmap", "kind": "contact", "posture_deg": ""}
+    rows = [
+        about | {"flange_speed": speed, "Fx": 3.0, "Fy": 4.0, "Fz": along_z}
+        for speed, along_z in ((0.1, 0.0), (0.1, 20.0), (0.5, 0.0))
+    ]
+    known = dict.fromkeys(("start_s", "end_s", "peak_s", "Fx_std", "Fy_std", "Fz_std"), 1.0)
+    results = study(observability=slow, contacts=[known | row for row in rows])
+    body = shown_table("contacts", results, "pushed")
+    at = body.header.index("too small to be noticed")
+    assert [row[at].text for row in body.rows] == ["×", "–", "–"]
+
+
 def test_without_a_search_nothing_is_noticed() -> None:
     assert noticed(study()).empty
     assert [*widest_band(study())] == []

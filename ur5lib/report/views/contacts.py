@@ -97,12 +97,11 @@ def elsewhere(results: Results) -> Iterator[str]:
             yield say("contacts.elsewhere", name=name, count=count, total=len(rows))
 
 
-def quiet(results: Results) -> pd.DataFrame:
-    """Return the alarms on validate recordings without an undeclared load, with the recordings'
+def quiet(results: Results, role: str = "validate") -> pd.DataFrame:
+    """Return the alarms on recordings of a role without an undeclared load, with the recordings'
     minutes; a recording has one row.
     """
-    validated = results.with_role("validate")
-    rows = results.rows("detection", estimate=LEADING, recording=validated)
+    rows = results.rows("detection", estimate=LEADING, recording=results.with_role(role))
     rows = rows[~rows["recording"].isin(loaded(results)["recording"])].drop_duplicates("recording")
     lengths = results.tables["recordings"].set_index("recording")["duration_s"]
     return rows.assign(minutes=rows["recording"].map(lengths).astype(float) / 60)
@@ -142,6 +141,27 @@ def false_alarms(results: Results) -> dict[str, FalseAlarms | None]:
         "past_far": FalseAlarms.on(rows[(days > 0) & (days == days.max())], "causal_"),
     }
     return {name: one if one.minutes else None for name, one in found.items()}
+
+
+def raised_falsely(results: Results) -> Iterator[str]:
+    """Report false alarms, if there are any."""
+    if (alarms := false_alarms(results)["all"]) is not None and alarms.alarms:
+        yield say("force.most alarms", alarms=alarms)
+
+
+def false_by_role(results: Results) -> pd.DataFrame:
+    """Return the false alarms of contact-free recordings by their role, all and from past samples,
+    with the upper limits of their rates.
+    """
+    found = []
+    for role in ("fit", "validate"):
+        rows = quiet(results, role)
+        every, past = FalseAlarms.on(rows), FalseAlarms.on(rows, "causal_")
+        if every.minutes:
+            row = {"role": role, "recordings": len(rows), **every._asdict(), "most": every.most}
+            known = {"past": past.alarms, "past_most": past.most} if past.minutes else {}
+            found.append({"past": math.nan, "past_most": math.nan} | row | known)
+    return pd.DataFrame(found)
 
 
 def noticed_in_words(results: Results) -> Iterator[str]:
@@ -301,9 +321,11 @@ def with_floors(results: Results, rows: pd.DataFrame) -> pd.DataFrame:
 def noticed(results: Results) -> pd.DataFrame:
     """Return by recording which contacts are found, alarms, and the widest band.
 
-    Each alarm on a recording to fit or to validate is false.
+    Recordings to fit or to validate are left out without alarms, each of which is false.
     """
     rows = results.rows("detection", estimate=LEADING).drop_duplicates("recording")
+    of_contacts = rows["recording"].isin(results.with_role("contact"))
+    rows = rows[of_contacts | (rows["alarms_per_min"] > 0)]
     if rows.empty:
         return rows.assign(role="", band=math.nan)
     parts = [{**row, **_noticed_on(results, row["recording"])} for row in rows.to_dict("records")]

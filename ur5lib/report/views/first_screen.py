@@ -201,6 +201,7 @@ def findings(results: Results) -> list[str]:
             say("findings.felt", name=name)
             for name in contacts.felt_while_fitted(results)[:MOST_SHOWN]
         ),
+        *contacts.raised_falsely(results),
         *contacts.counted(results),
         *contacts.elsewhere(results),
         *_each("findings.load taken up", taken_up),

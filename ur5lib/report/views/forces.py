@@ -3,6 +3,7 @@
 import math
 from itertools import product
 
+import numpy as np
 import pandas as pd
 
 from ur5lib.force.estimators import GATED, LEADING, NEW, PUBLISHED
@@ -50,8 +51,15 @@ def contact_errors(results: Results, recording: str) -> pd.DataFrame:
 
 
 def contacts(results: Results, recording: str) -> pd.DataFrame:
-    """Return the contacts that the leading estimate finds."""
-    return results.rows("contacts", recording=recording, estimate=LEADING)
+    """Return the contacts that the leading estimate finds, with their largest `size` [N] and the
+    `least` minimum detectable force of an axis at their speed, NaN where that is unknown.
+    """
+    rows = results.rows("contacts", recording=recording, estimate=LEADING)
+    pushes = results.rows("observability", quantity=SMALLEST_PUSHES)
+    pushes = pushes[pushes["robot"] == results.arms().get(recording)]
+    least = pushes.groupby(pushes["speed_low"].map(SPEEDS))["value"].min()
+    size = np.sqrt((rows[FORCE_COMPONENTS].astype(float) ** 2).sum(axis="columns"))
+    return rows.assign(size=size, least=_states(rows).map(least).astype(float))
 
 
 def smallest_pushes(results: Results) -> pd.DataFrame:
@@ -75,10 +83,14 @@ def _touched_by_speed(results: Results) -> pd.DataFrame:
     """Return the number of contacts found on recordings with contact, by arm and speed."""
     names = results.with_role("contact")
     rows = results.rows("contacts", estimate=LEADING, kind="contact", recording=names)
-    steps, labels = [*SPEEDS, math.inf], [*SPEEDS.values()]
-    state = pd.cut(rows["flange_speed"], steps, right=False, labels=labels).astype(object)
-    rows = rows.assign(robot=rows["recording"].map(results.arms()), state=state)
+    rows = rows.assign(robot=rows["recording"].map(results.arms()), state=_states(rows))
     return rows.value_counts(PLACE[:2]).rename("contacts").reset_index()
+
+
+def _states(rows: pd.DataFrame) -> pd.Series:
+    """Return the range of the flange's speed during each contact, in words."""
+    steps, labels = [*SPEEDS, math.inf], [*SPEEDS.values()]
+    return pd.cut(rows["flange_speed"], steps, right=False, labels=labels).astype(object)
 
 
 def hardest_pushes(results: Results) -> pd.DataFrame:
