@@ -40,6 +40,7 @@ from ur5lib.report.views.first_screen import (
     findings,
     left_out,
     next_steps,
+    rules,
     verdicts,
 )
 from ur5lib.report.views.models import identified, judge_links
@@ -293,6 +294,25 @@ def test_a_load_that_the_controller_counts_with_is_named_beside_the_link_model()
     verdict = judge_links(study(torque_mae=torques({"A": 0.05}), quality=[load]))
     assert verdict.state == "usable"
     assert "On seen, it contains 0.40 kg." in verdict.sentence
+
+
+def test_the_model_that_comes_next_stands_beside_the_best() -> None:
+    rows = torques({"A": 0.3, "B": 0.1, "C": 0.2})
+    body = shown_table("torque_mae.decided", study(torque_mae=rows))
+    line = dict(zip(body.header, [cell.text for cell in body.rows[0]], strict=True))
+    names = ("model", "error", "next model", "its error")
+    assert [line[name] for name in names] == ["B", "0.100", "C", "0.200"]
+    alone = shown_table("torque_mae.decided", study(torque_mae=torques({"A": 0.3})))
+    assert "next model" not in alone.header
+
+
+def test_the_rules_of_verdicts_are_said_by_the_constants_that_give_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    (told,) = rules(study())
+    assert percents(told.replace("95 %", "")) == [50, 15, 90, 50, 50]
+    monkeypatch.setattr("ur5lib.report.views.baseline.MIN_GOOD_SKILL", 0.7)
+    assert percents(next(rules(study())))[0] == 30
 
 
 def test_the_fit_recordings_alone_make_no_good_model() -> None:
@@ -665,7 +685,8 @@ def test_a_force_is_good_only_if_clearly_better_than_plain_least_squares(
     assert verdict.state == expected
     told = "On pushed, plain least squares errs less: 1.5 for 2.0 N."
     assert (told in verdict.sentence) is (rival == 1.5)
-    assert (f"least squares is off by {rival:.1f}" in verdict.sentence) is (expected == "usable")
+    assert f"plain least squares by {rival:.1f}" in verdict.sentence
+    assert ("no worse" in verdict.sentence) is (expected == "usable")
 
 
 @pytest.mark.parametrize(("floor", "expected"), [(0.7, "good"), (0.6, "usable")])

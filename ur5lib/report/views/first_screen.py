@@ -15,6 +15,7 @@ from ur5lib.report.page.sentences import say
 from ur5lib.report.results import AT_REST, Results
 from ur5lib.report.views import (
     arm_state,
+    baseline,
     comparison,
     contacts,
     currents,
@@ -52,6 +53,14 @@ def verdicts(results: Results) -> list[Verdict]:
         for judge in VERDICTS
         if (verdict := judge(results))
     ]
+
+
+def rules(_: Results) -> Iterator[str]:
+    """Say by which rules the states of the cards were given."""
+    known = {"skill": baseline.MIN_GOOD_SKILL, "link": models.MIN_LINK_SKILL}
+    known |= {"ratio": baseline.BETTER_RIVAL_RATIO, "floors": baseline.MAX_GOOD_FLOORS}
+    known |= {"coverage": baseline.MIN_GOOD_COVERAGE, "factor": baseline.MIN_GOOD_BAND_FACTOR}
+    yield say("verdict.rules", **known, blind=contacts.MAX_BLIND_SHARE)
 
 
 def result(results: Results) -> Iterator[str]:

@@ -95,13 +95,15 @@ def published_gains(results: Results) -> Iterator[str]:
 class ModelComparison(NamedTuple):
     """Errors of the link models at one motion, on recordings in which the arm moves.
 
-    rows: of torque_mae.csv; unseen: whether no fit has seen these recordings; best: the models
-    that are closest on most joints, that with the least errors first; near: number of these
-    joints; differ: number of joints on which the models differ.
+    rows: of torque_mae.csv; unseen: whether no fit has seen these recordings; ranked: the models,
+    those that are closest on most joints first, of equal ones that with the least errors; best:
+    the first of these that are equal; near: number of their joints; differ: number of joints on
+    which the models differ.
     """
 
     rows: pd.DataFrame
     unseen: bool
+    ranked: list[str]
     best: list[str]
     near: int
     differ: int
@@ -120,9 +122,9 @@ def compare(results: Results) -> ModelComparison | None:
     above = mean.sub(mean.min(axis="columns"), axis="index")
     close = above[above.max(axis="columns") > VISIBLE_DIFFERENCE] <= VISIBLE_DIFFERENCE
     counts = close.sum()
-    equal = [*counts[counts == counts.max()].index]
-    best = sorted(equal, key=lambda model: float(above[model].sum()))
-    return ModelComparison(rows, len(unseen) > 0, best, int(counts.max()), len(close))
+    ranked = sorted(counts.index, key=lambda model: (-counts[model], float(above[model].sum())))
+    best = ranked[: int((counts == counts.max()).sum())]
+    return ModelComparison(rows, len(unseen) > 0, ranked, best, int(counts.max()), len(close))
 
 
 def named(model: str) -> str:
@@ -138,13 +140,18 @@ def beside_zero(results: Results, compared: ModelComparison) -> AgainstBaseline:
 
 
 def decided(results: Results) -> pd.DataFrame:
-    """Return the errors by which the link model of each arm is judged, by joint."""
+    """Return the errors by which the link model of each arm is judged, by joint, beside those of
+    the model that comes next (`second`).
+    """
 
     def of_arm(own: Results) -> pd.DataFrame:
         compared = compare(own)
         if compared is None:
             return pd.DataFrame()
-        return beside_zero(own, compared).by_place().assign(model=compared.best[0])
+        first, *others = compared.ranked
+        means = compared.rows.pivot_table("mae_2hz", "joint", "model")
+        table = beside_zero(own, compared).by_place().assign(model=first, second=None)
+        return table.assign(second=others[0], second_mae=means[others[0]]) if others else table
 
     return of_each_arm(results, of_arm)
 
