@@ -19,7 +19,7 @@ from ur5lib.report.page.document import (
 )
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.views.recordings import judge_files
+from ur5lib.report.views.recordings import MOST_BARS, judge_files
 from ur5lib.tidy import columns
 
 MANY = 2 * (MOST_ROWS + 1)
@@ -91,8 +91,7 @@ def shown_tables(document: Document) -> dict[str, TableBlock]:
 
 def test_a_file_that_cannot_be_used_is_no_good_data() -> None:
     whole = made()
-    months = DAYS.strftime("%Y-%m").nunique()
-    assert judge_files(whole).drawing.count("<rect") == 2 * months  # a bar of each month
+    assert judge_files(whole).drawing.count("<rect") == 2 * MOST_BARS
     without = replace(whole, tables=whole.tables | {"quality": whole.tables["quality"][:0]})
     assert judge_files(without).state == "usable"
     assert judge_files(without).sentence == say("quality.left out", count=1, of=MANY)
@@ -110,4 +109,4 @@ def test_a_page_shows_one_recording_alone() -> None:
     page = compose(contents().run, own)
     assert page.title == f"{LOST}, t"
     shown = [block for block in page.blocks() if isinstance(block, TableBlock | Picture)]
-    assert {"recordings", "quality.findings"} <= {block.label for block in shown}
+    assert {"recordings", "quality.causes"} <= {block.label for block in shown}

@@ -1,6 +1,5 @@
 """The smallest push by speed, and the speeds at which friction is predicted."""
 
-from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +7,7 @@ import pandas as pd
 import pytest
 
 from tests.library.made_up_torques import MODEL
-from tests.made_tables import gathered, record, table
+from tests.made_tables import gathered, record
 from ur5lib.force.detection import PAUSE_DURATION, PUSH_DURATION, smallest_force
 from ur5lib.force.external_torque import JointState
 from ur5lib.force.force_input import Gears
@@ -28,8 +27,7 @@ from ur5lib.identification.validation import (
 )
 from ur5lib.records.arm_state import Observed
 from ur5lib.report.figures.arm_state_figures import observability_figure
-from ur5lib.steps.measure_observability import Judged, at_rest, by_axis, observability
-from ur5lib.tidy import forces
+from ur5lib.steps.measure_observability import Judged, at_rest, observability
 from ur5lib.timeseries.arrays import Array
 
 PERIOD, COUNT = 0.01, 30_000  # s, samples: five minutes
@@ -93,10 +91,6 @@ def test_a_push_beyond_the_trials_is_the_largest_one_and_said_to_be_beyond(limit
     for row in pushes:
         assert (row.bound, row.value) == (">", MAX_TRIAL_FORCE)
         assert np.isnan(row.std_error)
-    found = {"threshold": 0.0, "smallest_force_95": [asdict(one) for one in by_axis(trials)]}
-    detected = table(forces.detection, {"free": {"Fmap": found | {"raised": []}}}).iloc[0]
-    assert detected["smallest_force_95_x"] == MAX_TRIAL_FORCE
-    assert {"x", "rest_x"} & {*detected["smallest_force_beyond"].split()}
 
 
 def test_without_a_place_nothing_is_tried() -> None:

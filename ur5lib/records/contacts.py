@@ -107,4 +107,3 @@ class Detected(Matched):
     free_time_in_alarm: float | None = None
     roc_area: float | None = None
     causal: Matched | None = None
-    smallest_force_95: list[SmallestPush] = field(default_factory=list)

@@ -222,11 +222,6 @@ class Results:
         given = {one["name"]: one.get("date") for one in entries}
         return {name: date.fromisoformat(str(own)) if own else None for name, own in given.items()}
 
-    def months(self) -> pd.Series:
-        """Return the month of each recording, as 2026-03, by its name."""
-        named = {name: f"{day:%Y-%m}" if day else "no date" for name, day in self.dates().items()}
-        return pd.Series(named, dtype=str, name="month").rename_axis("recording")
-
     def shown(self, names: Sequence[str], most: int = MOST_SHOWN) -> list[str]:
         """Return the first few recordings, as a report has room for, of those with figures.
 

@@ -29,13 +29,10 @@ from ur5lib.steps.judge_contacts import (
 )
 from ur5lib.steps.judge_joints import checkup, dated
 from ur5lib.steps.judge_sensor import compare_with_sensor, published_forces
-from ur5lib.steps.measure_observability import by_axis, pushed
 from ur5lib.steps.predict_currents import slower_than_fit
 from ur5lib.thesis.published_constants import PublishedConstants
 from ur5lib.thesis.reference import Published, read_reference
 from ur5lib.tidy import files, forces, friction, models, motion, written
-
-TRIAL_PUSHES = 120  # by which the smallest force that is detected is found
 
 
 class JudgedRecording(NamedTuple):
@@ -69,8 +66,7 @@ def judge_recording(evidence: Evidence) -> JudgedRecording:
 def detect_contacts(evidence: Evidence, sensor: SensorWrenches) -> dict[str, Detected]:
     """Return the contacts by each estimate, beside the sensor.
 
-    Of the leading one, also whether they are at the flange, what past currents alone tell, and the
-    smallest push that is detected.
+    Of the leading one, also whether they are at the flange, and what past currents alone tell.
     """
     forces, currents, thresholds = evidence.forces, evidence.currents, evidence.threshold
     alarms = all_alarms(forces, published_forces(evidence), thresholds)
@@ -83,10 +79,6 @@ def detect_contacts(evidence: Evidence, sensor: SensorWrenches) -> dict[str, Det
     found = contacts[LEADING]
     at_flange = judged_by_torques(evidence.arm, problem, forces.time, prior, found.raised)
     found = replace(found, raised=at_flange, causal=causally(forces, sensor, thresholds))
-    if evidence.is_examined and evidence.role == "validate":
-        odds, jacobian = forces.log_odds[LEADING], evidence.kinematics.jacobian
-        trials = pushed(problem, jacobian, prior, found.threshold, odds, TRIAL_PUSHES)
-        found = replace(found, smallest_force_95=[*by_axis(trials)])
     return contacts | {LEADING: found}
 
 

@@ -126,7 +126,7 @@ def observability(trials: Sequence[Trials], errors: Sequence[Judged]) -> Iterato
     """Yield smallest pushes by speed, and by joint the shares by speed and where they suffice."""
     if trials:
         together = Trials.joined([*trials])
-        yield from map(_push, by_axis(together, FLANGE_SPEEDS))
+        yield from map(_push, by_axis(together))
     if errors:
         speed, inside = (np.concatenate(part) for part in zip(*errors, strict=True))
         known = np.isfinite(inside).T
@@ -192,11 +192,9 @@ def _predicted(joint: int, low: float, high: float) -> Observed:
     )
 
 
-def by_axis(
-    trials: Trials, speeds: Sequence[float] = (*FLANGE_SPEEDS[:2], np.inf)
-) -> Iterator[SmallestPush]:
-    """Yield the smallest pushes along x, y and z between speeds [m/s]: at rest and in motion."""
-    for low, high in pairwise(speeds):
+def by_axis(trials: Trials) -> Iterator[SmallestPush]:
+    """Yield the smallest pushes along x, y and z by the flange's speed."""
+    for low, high in pairwise(FLANGE_SPEEDS):
         for axis, name in enumerate("xyz"):
             yield from limit(trials.within(low, high).along(axis), low, high, name)
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ur5lib.records.contacts import Detected, SmallestPush
+from ur5lib.records.contacts import Detected
 from ur5lib.records.force_errors import Audit, Compared
 from ur5lib.thesis.reference import Published
 from ur5lib.tidy import Row
@@ -68,15 +68,8 @@ def detection(detection: dict[str, Detected]) -> Iterator[Row]:
         if causal := found.causal:
             row["causal_false_alarms_per_min"] = causal.false_per_min
             row["causal_alarms_per_min"] = causal.alarms_per_min
-        pushes: Row = {}  # in the first row alone
-        for push in found.smallest_force_95:
-            place = _place(push)
-            pushes |= {f"smallest_force_95_{place}": push.force}
-            pushes |= {f"smallest_force_std_{place}": push.std}
-        beyond = [push for push in found.smallest_force_95 if push.beyond]
-        pushes["smallest_force_beyond"] = " ".join(map(_place, beyond))
         if not found.classes:
-            yield row | pushes
+            yield row
         past = found.causal.classes if found.causal else [None] * len(found.classes)
         for offline, online in zip(found.classes, past, strict=True):
             yield row | {
@@ -86,13 +79,7 @@ def detection(detection: dict[str, Detected]) -> Iterator[Row]:
                 "causal_delay_s": online and online.median_delay,
                 "causal_found": online and online.found,
                 "causal_merged": online and online.merged,
-                **(pushes if offline is found.classes[0] else {}),
             }
-
-
-def _place(push: SmallestPush) -> str:
-    """Return the axis of a push, and whether the arm rests."""
-    return f"{'' if push.speed_low else 'rest_'}{push.axis}"
 
 
 def fixed_threshold(detection: dict[str, Detected]) -> Iterator[Row]:

@@ -358,27 +358,14 @@ def judge_currents(results: Results) -> Verdict:
         for name in ("band_at_rest", "friction_in_band")
     )
     too_wide = (rows.groupby("joint")["band_factor95"].max() < MIN_GOOD_BAND_FACTOR).any()
-    sentence = say(
-        "currents.verdict",
-        against=against,
-        hold=coverage >= MIN_GOOD_COVERAGE,
-        wide=coverage >= WIDE_BAND_COVERAGE,
-        factor=factors.max(),
-        rest=rest,
-    )
-    evidence = say(
-        "currents.evidence",
-        against=against,
-        least=least,
-        narrowest=factors.min(),
-        factor=factors.max(),
-        slow=slow,
-    )
+    words = {"against": against, "factor": factors.max(), "narrowest": factors.min()}
+    words |= {"hold": coverage >= MIN_GOOD_COVERAGE, "wide": coverage >= WIDE_BAND_COVERAGE}
+    words |= {"least": least, "rest": rest, "slow": slow}
     return Verdict(
         topic=spoken(CURRENTS_TOPIC),
         state=against.state(coverage, tested=not too_wide),
-        sentence=against.after(sentence),
-        evidence=evidence,
+        sentence=against.after(say("currents.verdict", **words)),
+        evidence=say("currents.evidence", **words),
         drawing=against.drawing(),
         caption=say("error.bars", zero=against.zero, floor=against.floors),
         numbers=(*against.numbers(f"RMSE below {cutoff:g} Hz"), share),

@@ -56,7 +56,7 @@ def contacts(results: Results, recording: str) -> pd.DataFrame:
     """
     rows = results.rows("contacts", recording=recording, estimate=LEADING)
     pushes = results.rows("observability", quantity=SMALLEST_PUSHES)
-    pushes = pushes[pushes["robot"] == results.arms().get(recording)]
+    pushes = pushes[pushes["robot"] == (results.arms()[recording] if len(pushes) else "")]
     least = pushes.groupby(pushes["speed_low"].map(SPEEDS))["value"].min()
     size = np.sqrt((rows[FORCE_COMPONENTS].astype(float) ** 2).sum(axis="columns"))
     return rows.assign(size=size, least=_states(rows).map(least).astype(float))

@@ -8,7 +8,6 @@ import yaml
 from ur5lib.records.accepted import ACCEPTED
 from ur5lib.report.page.document import MOST_ROWS, MOST_SHOWN, Number, State, Verdict
 from ur5lib.report.page.findings import (
-    MAX_NAMED_PLACES,
     SEVERITIES,
     by_finding,
     by_severity,
@@ -29,6 +28,7 @@ STATES_OF_SEVERITIES: dict[str, State] = {
     "error": "usable",
     "warning": "usable",
 }
+MOST_BARS = 30  # recordings in a drawing
 CODE_WIDTH = 110  # characters per line in the PDF
 
 
@@ -65,30 +65,6 @@ def causes(results: Results) -> pd.DataFrame:
     """Return the findings of all recordings by their cause, most serious first."""
     rows = by_finding(results.tables["quality"])
     return rows.assign(recordings=rows["recordings"].map(_named), count=rows["recordings"].map(len))
-
-
-def counted(results: Results) -> Iterator[str]:
-    """Report how many findings there are, and the most frequent serious ones."""
-    quality = results.tables["quality"]
-    serious = quality[quality["severity"] != "note"]["finding"].value_counts()
-    worst = [*serious[:MAX_NAMED_RECORDINGS].items()]
-    yield say("quality.files", counts=count_findings(quality), worst=worst)
-
-
-def findings(results: Results) -> pd.DataFrame:
-    """Return the defects of the files, one row per finding and meaning, most serious first.
-
-    Of many recordings, each finding has the meaning that it has in the recording with most of it.
-    """
-    grouped = group_findings(results.tables["quality"], MAX_NAMED_PLACES)
-    if results.many:
-        most = grouped.sort_values("count", ascending=False, kind="stable")
-        kind = ["severity", "device", "finding"]
-        grouped = grouped.assign(detail=most.groupby(kind)["detail"].transform("first"))
-    kinds = grouped.groupby(["severity", "device", "finding", "detail"], sort=False)
-    return by_severity(
-        kinds.agg(recordings=("recording", _named), count=("count", "sum")).reset_index()
-    )
 
 
 def count_findings(quality: pd.DataFrame) -> str:
@@ -197,7 +173,7 @@ def judge_files(results: Results) -> Verdict:
         STATES_OF_SEVERITIES[name] for name in SEVERITIES[:-1] if name in {*serious["severity"]}
     ]
     lost = lost_shares(results)
-    drawn = pd.Series(lost).groupby(results.months()).max() if results.many else lost
+    drawn = pd.Series(lost, dtype=float).nlargest(MOST_BARS).sort_index()
     return Verdict(
         topic=FILES_TOPIC,
         state=states[0] if states else "usable" if results.unusable() else "good",
@@ -208,8 +184,8 @@ def judge_files(results: Results) -> Verdict:
             bad=serious["recording"].nunique(),
             recordings=len(results.roles()),
         ),
-        drawing=bars({str(name): float(share) for name, share in drawn.items()}),
-        caption=say("quality.caption", many=results.many),
+        drawing=bars(drawn.to_dict()),
+        caption=say("quality.caption", most=MOST_BARS if len(lost) > MOST_BARS else None),
         numbers=tuple(
             Number(f"{SPOKEN_SEVERITIES.get(name, name)}s", len(group), "")
             for name, group in (
