@@ -18,7 +18,6 @@ from ur5lib.force.trial_contacts import (
     felt_push,
     try_each_place,
 )
-from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.validation import (
     MIN_SAMPLES,
     SPEED_BINS,
@@ -26,6 +25,7 @@ from ur5lib.identification.validation import (
     share_by_speed,
 )
 from ur5lib.records.arm_state import Observed
+from ur5lib.records.friction import CurrentFit
 from ur5lib.report.figures.arm_state_figures import observability_figure
 from ur5lib.steps.measure_observability import Judged, at_rest, observability
 from ur5lib.timeseries.arrays import Array
