@@ -133,8 +133,7 @@ def friction_figures(
     needed, rigid = constant * samples.predicted, samples.torque + constant * samples.spring
     ends = np.stack([np.nanmin(needed, axis=0), np.nanmax(needed, axis=0)])
     lines = [(ends, ends / constant), (ends, ends / known)]
-    sprung = " − spring" if np.nan_to_num(samples.spring).any() else ""
-    labels = ("velocity of joint {} [rad/s]", f"k {symbol} − τ_{{0}}{sprung} [Nm]")
+    labels = ("velocity of joint {} [rad/s]", "friction of joint {} [Nm]")
     against = {
         "position [rad]": samples.q,
         "velocity [rad/s]": samples.qd,
