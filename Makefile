@@ -58,6 +58,19 @@ bench: .venv/dev ## measure speed side by side: some ten minutes, the default st
 leaderboard: .venv/ready ## compare all force estimators on the built studies thesis and ur10e, write docs/benchmark.md; ESTIMATOR=package.module:Class adds another
 	python -m benchmarks.leaderboard --page $(if $(ESTIMATOR),--estimator "$(ESTIMATOR)")
 
+pictures: .venv/dev ## build the default study and the lesson's, draw the documents' pictures and tables from them anew
+	snakemake
+	ur5 fetch ur10-bag $(if $(DATA),--from "$(DATA)")
+	snakemake --configfile workflow/studies/ur10-bag.yaml
+	python -m benchmarks.pictures
+	python -m benchmarks.expected --page
+
+gallery: pictures studies docs ## the same for all public studies whose recordings are in raw/, with their reports beside the site
+	python -m benchmarks.pictures
+	mkdir -p .site/html/reports
+	for study in demo thesis ur10-bag ur3-cb kuka-kr300; do \
+		test ! -e results/$$study/report.html || cp results/$$study/report.html .site/html/reports/$$study.html; done
+
 docs: .venv/dev ## build the documents as a site, .site/html
 	rm -rf .site && mkdir -p .site/pages
 	cp -RL *.md CITATION.cff LICENSE Snakefile config.yaml config docs ur5lib workflow .site/pages
@@ -100,4 +113,4 @@ help: ## list these commands
 		"the packages of requirements-dev.lock cannot be installed; check the network and the disk"; exit 1; }
 	@touch $@
 
-.PHONY: all thesis studies test test-all tests test-others test-real-time test-fast lint bench leaderboard docs schema lock clean help
+.PHONY: all thesis studies test test-all tests test-others test-real-time test-fast lint bench leaderboard pictures gallery docs schema lock clean help

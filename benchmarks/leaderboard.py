@@ -6,17 +6,21 @@ Prints the tables of results/<study> as built, by default of `thesis` and `ur10e
 leaderboard` does, and writes results/leaderboard.csv; `--page` writes docs/benchmark.md, too, with
 the table of `simulated_contacts` as that left it in results/, or as the page already has it.
 `--estimator` adds one that is not among them; with it, or with estimators of the working folder,
-the page is results/benchmark.md. `--quick` takes four estimators: it only shows that it runs.
+the page is results/benchmark.md. Beside it lie its figure and its numbers. `--quick` takes four
+estimators: it only shows that it runs.
 """
 
+import re
 import sys
 from pathlib import Path
 
 from benchmarks.harness import page
+from benchmarks.harness.latency_figure import error_over_latency
 from benchmarks.harness.options import built, study_options
 from benchmarks.harness.sections import detection_tables, simulated_section
 from ur5lib.errors import InputError
 from ur5lib.force.estimators import OWN
+from ur5lib.report.figures.house_style import save
 from ur5lib.tables import write_csv, write_text
 from ur5rivals.board import RESULTS_FOLDER, TABLE_FILE, contenders, scored
 from ur5rivals.estimators import all_estimators
@@ -50,10 +54,12 @@ def main() -> None:
         further = {"simulated": simulated, "detections": detection_tables(folders)}
         text, names = page.page(table, arms, further), [*table["estimator"].unique()]
         text = page.with_kept(text, PAGE.read_text(), simulated is not None, names)
-        if given.estimator or OWN:
-            write_text(text.replace("](methods.md", "](../docs/methods.md"), BESIDE)
-        else:
-            write_text(text, PAGE)
+        place = BESIDE if given.estimator or OWN else PAGE
+        write_text(
+            re.sub(r"\]\((?=\w+\.md)", "](../docs/", text) if place == BESIDE else text, place
+        )
+        save(error_over_latency(table), place.with_suffix(".svg"))
+        write_csv(table, place.with_suffix(".csv"))
 
 
 if __name__ == "__main__":

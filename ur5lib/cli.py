@@ -384,14 +384,17 @@ def export(
         typer.Option(parser=results_folder, help=f"a study that identified it: {ADDRESS_HELP}"),
     ] = None,
     as_in: Annotated[
-        str, typer.Option(help="a recording of that study: with its payload and mounting")
+        str, typer.Option(help="a recording of that study: with its payload, mounting and TCP")
     ] = "",
+    ros_names: Annotated[
+        bool, typer.Option("--ros-names", help="call the joints of a UR as ROS does")
+    ] = False,
 ) -> None:
     """Print an arm for other programs: as a model, all known parameters (json), the bias and tool
     of its force sensor (sensor), or what tells the force while it runs (live)."""
     from ur5lib.commands.exported import exported
 
-    typer.echo(exported(robot, model, to, results, as_in))
+    typer.echo(exported(robot, model, to, results, as_in, ros_names))
 
 
 @app.command(rich_help_panel="Arm")

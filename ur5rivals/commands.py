@@ -20,8 +20,8 @@ def leaderboard(
     estimator: Annotated[
         str | None,
         typer.Option(
-            help="one more, as module:Class of a file in this folder or of a package "
-            "(docs/benchmark.md)"
+            help="one more, as module:Class of a file in this folder or of a package, or by its "
+            "entry point (docs/outside.md)"
         ),
     ] = None,
 ) -> None:

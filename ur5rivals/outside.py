@@ -9,6 +9,7 @@ import sys
 from collections.abc import Collection, Sequence
 from copy import deepcopy
 from dataclasses import replace
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -20,7 +21,8 @@ from ur5rivals.estimator import Contender, Learned, Method
 from ur5rivals.run import Estimate, Run
 from ur5rivals.tuning import MAX_LATENCY, latency
 
-EXAMPLE_HINT = "docs/benchmark.md shows an example"
+EXAMPLE_HINT = "docs/outside.md shows an example"
+ENTRY_POINTS = "ur5rivals.estimators"  # group in which a package names its estimators
 FIELD_TYPES = {"name": str, "source": str, "causal": bool}
 MAX_CAUSAL_DIFFERENCE = 0.01  # N, up to which two estimates of one sample are the same
 
@@ -28,7 +30,8 @@ MAX_CAUSAL_DIFFERENCE = 0.01  # N, up to which two estimates of one sample are t
 def outside(place: str, taken: Collection[str]) -> Contender:
     """Return the estimator at `package.module:Class`, in the working folder or installed.
 
-    place: names a class that is made without arguments, or an object; taken: names of the rivals.
+    place: names a class that is made without arguments, or an object; or the entry point by which
+    an installed package names it; taken: names of the rivals.
     Raises ProtocolError with what it lacks; so does its `learn`.
     """
     estimator = made(place)
@@ -61,7 +64,8 @@ def refuse(place: str, fault: str) -> NoReturn:
 
 def made(place: str) -> Any:
     """Return what `package.module:Class` names, an object of it if it is a class."""
-    module, _, name = place.partition(":")
+    points = entry_points(group=ENTRY_POINTS, name=place)
+    module, _, name = next((point.value for point in points), place).partition(":")
     if not module or not name:
         refuse(place, f"is not of the form package.module:Class; {EXAMPLE_HINT}")
     if str(Path.cwd()) not in sys.path:

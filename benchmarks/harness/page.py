@@ -12,7 +12,7 @@ from ur5lib.force import contact_figures, detection
 from ur5rivals import tuning
 from ur5rivals.estimators.ours import OURS
 from ur5rivals.study import StudyArm
-from ur5rivals.tables import interval, tables
+from ur5rivals.tables import common, interval, number
 
 TEMPLATE = "page.md.jinja"
 COMPARED = ["recording", "figure", f"{OURS} [N]", "better beyond chance", "lower within chance",
@@ -62,10 +62,9 @@ def page(table: pd.DataFrame, arms: Sequence[StudyArm], further: Mapping[str, An
     return environment.get_template(TEMPLATE).render(
         arms=arms,
         rule=rule(),
-        findings=findings(table),
-        causal=causal_findings(table),
+        opening=[*opening(table)],
         compared=compared_table(table),
-        tables=tables(table),
+        summary=summary(table),
         methods=methods(table),
         **further,
     )
@@ -161,16 +160,61 @@ def findings(table: pd.DataFrame) -> list[str]:
     ]
 
 
-def causal_findings(table: pd.DataFrame) -> list[str]:
-    """Return a sentence for each recording with a sensor: the best of the causal estimators."""
+def opening(table: pd.DataFrame) -> Iterator[str]:
+    """Yield what the page says first: how much is compared, and who is best where."""
     vector = table[(table["component"] == "norm") & (table["during"] == "contact")]
-    known = vector[(vector["causal"] == "yes") & (vector["latency_s"] > 0)]
-    best = known.sort_values("rmse").groupby("recording", sort=False).head(1)
-    return [
-        f"On `{row['recording']}`: {row['estimator']}, {interval(row, 'rmse')} N at a latency of "
-        f"{1000 * row['latency_s']:.0f} ms; {interval(row, 'rmse_more', sign='+')} N against F̂ᵐᵃᵖ."
-        for _, row in best.sort_index().iterrows()
-    ]
+    kinds = table.drop_duplicates("estimator")["causal"].value_counts()
+    yield (
+        f"{kinds.sum()} estimators, {kinds.get('yes', 0)} of them causal, on "
+        f"{table['recording'].nunique()} recordings of {table['robot'].nunique()} arms; "
+        f"{vector['recording'].nunique()} have a force sensor."
+    )
+    for recording, rows in vector.groupby("recording", sort=False):
+        by_name = rows.set_index("estimator")
+        causal = rows[(rows["causal"] == "yes") & (rows["latency_s"] > 0)].sort_values("rmse")
+        best = "".join(
+            f"; of the causal ones, {row['estimator']} is best, {interval(row, 'rmse')} N at "
+            f"{1000 * row['latency_s']:.0f} ms"
+            for _, row in causal.head(1).iterrows()
+        )
+        none = (
+            f" (no force: {number(by_name.loc['zero', 'rmse'])} N)"
+            if "zero" in by_name.index
+            else ""
+        )
+        yield f"`{recording}`: {OURS} errs by {interval(by_name.loc[OURS], 'rmse')} N{none}{best}."
+    better = findings(table)
+    yield from better or [f"No other estimator is better than {OURS} beyond chance."]
+    free = false_force(table)
+    if OURS in free.index and "momentum observer" in free.index:
+        yield (
+            f"Where nothing touches the arm, {OURS} states {number(free[OURS])} N, the momentum "
+            f"observer {number(free['momentum observer'])} N."
+        )
+
+
+def false_force(table: pd.DataFrame) -> pd.Series:
+    """Return the median of |F| [N] without contact, by estimator, mean over recordings."""
+    if "median" not in table:
+        return pd.Series(dtype=float)
+    return table.dropna(subset="median").groupby("estimator")["median"].mean()
+
+
+def summary(table: pd.DataFrame) -> str:
+    """Return a row for each estimator, by its mean error over recordings with a force sensor."""
+    vector = table[(table["component"] == "norm") & (table["during"] == "contact")]
+    recordings, free = [*vector["recording"].unique()], false_force(table)
+    order = vector.groupby("estimator")["rmse"].mean().sort_values(kind="stable").index
+    rows = []
+    for name in [*order, *free.index.difference(order)]:
+        own = vector[vector["estimator"] == name].set_index("recording")
+        errors = [interval(own.loc[one], "rmse") if one in own.index else "" for one in recordings]
+        inside = own["coverage95"].dropna() if "coverage95" in own else own["rmse"][:0]
+        band = f"{inside.min():.2f} to {inside.max():.2f}" if len(inside) else ""
+        about = table[table["estimator"] == name].iloc[0]
+        rows.append([*common(about), *errors, band, number(free.get(name))])
+    columns = ["estimator", "causal", "latency", *recordings, "in band", "free [N]"]
+    return markdown(columns, rows)
 
 
 def compared_table(table: pd.DataFrame) -> str:

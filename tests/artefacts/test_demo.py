@@ -62,11 +62,20 @@ def test_figures_draw_what_their_tables_state(
     assert {*compared} == {"currents", "torques", "forces", "accelerations"}
 
 
+def test_the_picture_of_the_readme_shows_what_the_study_draws(results: Path) -> None:
+    """By its labels; `make pictures` draws it anew."""
+    labels = re.compile(r"<!-- (?![\d−.]+ -->)(.*?) -->")
+    drawn = results / "figures" / "way_points_pushed" / "forces_estimated.svg"
+    shown = PROJECT / "docs" / "example.svg"
+    assert {*labels.findall(shown.read_text())} == {*labels.findall(drawn.read_text())}
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "given", "texts"),
     [
         ("counterbalance", ["demo"], ["| demo | ur5 | 3 |", "| none |"]),
+        ("expected", ["demo"], ["| ur5, simulated | currents | force sensor | 3 paths, 1 date |"]),
         ("leave_out", [], ["alarms a minute", "friction differs by"]),
         ("worth", [], ["| nothing |", "| cross-fitting |"]),
     ],

@@ -710,28 +710,28 @@ def test_the_pdf_says_the_same(thesis_results: Path, torque: pd.DataFrame) -> No
         assert f"{value:.4f}" in text
 
 
-def test_the_readme_tells_the_numbers_of_the_tables(
+def test_the_page_of_the_thesis_tells_the_numbers_of_the_tables(
     study: FinishedStudy, torque: pd.DataFrame, force: pd.DataFrame
 ) -> None:
-    readme = (PROJECT / "README.md").read_text()
+    page = (PROJECT / "docs" / "errata.md").read_text()
     found = torque.query("recording == @TABLE_5_6 and motion == 'target' and model == 'identified'")
-    assert f"| | {found['mae'].iloc[1]:.4f} | |" in readme
+    assert f"| | {found['mae'].iloc[1]:.4f} | |" in page
     table = study.table("acceleration_mae")
     rows = table.query("recording == @TABLE_5_7 and component == 'x'").set_index("estimate")
     euler, ours = rows.loc["euler"], rows.loc["encoders"]
-    assert f"| {euler['printed']:.2f} | {ours['mae']:.3f} | |" in readme
+    assert f"| {euler['printed']:.2f} | {ours['mae']:.3f} | |" in page
     row = torque.query("recording == @TABLE_5_6 and motion == 'target' and model == 'C'").iloc[1]
-    assert f"| {row['printed']:.3f} | {row['mae']:.3f} | |" in readme
+    assert f"| {row['printed']:.3f} | {row['mae']:.3f} | |" in page
     along_x = force.query("component == 'Fx'").set_index(["kind", "estimate", "during"])
     printed = along_x.loc["printed", "F*", "all"]
     values = (printed["printed_mae"], printed["mae"], printed["zero_mae"])
-    assert "| {:.2f} | {:.2f} | {:.2f} |".format(*values) in readme
+    assert "| {:.2f} | {:.2f} | {:.2f} |".format(*values) in page
     for words, estimate in (
         ("the same in contact", "F*"),
         ("contact force by this project, x, in contact", "Fmap"),
     ):
         row = along_x.loc["compensated", estimate, "contact"]
-        (line,) = [line for line in readme.splitlines() if words in line]
+        (line,) = [line for line in page.splitlines() if words in line]
         assert f"(mean force there {row['mean_force']:.1f} N)" in line
         assert line.endswith(f"| | {row['mae']:.2f} | {row['zero_mae']:.2f} |")
 

@@ -34,8 +34,14 @@ ELSEWHERE = {  # run by tests of their own, here and in tests/
     *("leaderboard", "live", "simulated_contacts", "torque_from_motion"),  # rivals/
     "serial_arms",  # library/test_stand_of_other_arms.py
     "excitation_loop",  # artefacts/test_next_recording.py
+    "pictures",  # artefacts/test_lesson.py
 }
-OF_A_BUILT_STUDY = {"counterbalance", "leave_out", "worth"}  # in tests/artefacts/test_demo.py
+OF_A_BUILT_STUDY = {
+    "counterbalance",
+    "expected",
+    "leave_out",
+    "worth",
+}  # in tests/artefacts/test_demo.py
 OF_PUBLIC_RECORDINGS = {  # folder in ../shared, and what each prints at least
     "published_friction": ("staubli-tx40", ["| joint 6 | rotor", "With it, the residual"]),
 }

@@ -28,6 +28,7 @@ from ur5lib.robots.exports import JointFriction, isaac, sdf, urdf
 from ur5lib.robots.from_urdf import robot_from_urdf
 from ur5lib.robots.inertia import rigid_bodies, written_bodies
 from ur5lib.robots.mjcf import mjcf
+from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array
 
 JOINTS = [f"joint_{k}" for k in range(1, 7)]
@@ -269,7 +270,7 @@ def test_each_format_says_which_part_of_friction_it_has() -> None:
     """And of an arm as described, whose friction nobody identified, nothing."""
     robot = load_robot(robot_path("ur5e"))
     for to in ("urdf", "mjcf", "sdf", "isaac"):
-        texts = [WRITERS[to](robot, "maker", friction) for friction in (FRICTION, None)]
+        texts = [WRITERS[to](robot, "maker", friction, None) for friction in (FRICTION, None)]
         assert [FRICTION.note() in text for text in texts] == [True, False]
     assert "90.0%" in FRICTION.note()
 
@@ -312,6 +313,60 @@ def test_a_centre_of_mass_has_the_errors_of_mass_and_moment() -> None:
     half = [(one["high"] - one["low"]) / 2 for one in found]
     np.testing.assert_allclose(half, 1.96 * centers.std(axis=0), rtol=0.05)
     assert {*offset_of(offset(0.01, arm))["center_of_mass"].values()} == {None}
+
+
+@pytest.mark.parametrize("name", ["ur5e", "ur10", "kuka-kr300"])
+def test_links_are_capsules_between_the_joints(name: str) -> None:
+    """Of each link, from the frame before to its own; they touch a floor, and not one another."""
+    robot = load_robot(robot_path(name))
+    spec = mujoco.MjSpec.from_string(mjcf(robot, robot.chosen_model, None))
+    spec.worldbody.add_geom(name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[5, 5, 1])
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    data.qpos = q = np.linspace(0.4, -0.9, model.nq)
+    mujoco.mj_forward(model, data)
+    origins = link_frames(robot, q[None])[1]
+    for k in range(model.nq):
+        own = model.geom(f"link_{k + 1}")
+        along = data.geom_xmat[own.id].reshape(3, 3)[:, 2] * own.size[1]
+        ends = {tuple(np.round(data.geom_xpos[own.id] + side * along, 3)) for side in (-1, 1)}
+        assert np.round(origins[0, k + 1], 3) in np.array([*ends])
+    floor = model.geom("floor").id
+    assert all(floor in contact.geom for contact in data.contact)
+    assert model.body_mass.sum() == pytest.approx(
+        np.sum(rigid_bodies(robot, robot.chosen_model).mass)
+    )
+
+
+def test_flange_and_tool_centre_point_are_sites() -> None:
+    robot, tcp = load_robot(robot_path("ur5e")), (0.01, -0.02, 0.12, 0.0, 0.3, 0.0)
+    model = mujoco.MjModel.from_xml_string(mjcf(robot, "maker", None, tcp))
+    data = mujoco.MjData(model)
+    data.qpos = q = np.array([0.3, -1.2, 1.4, -0.7, 1.1, 0.5])
+    mujoco.mj_forward(model, data)
+    rotations, origins = link_frames(robot, q[None])
+    np.testing.assert_allclose(data.site("flange").xpos, origins[0, -1], atol=1e-5)
+    np.testing.assert_allclose(data.site("flange").xmat.reshape(3, 3), rotations[0, -1], atol=1e-5)
+    expected = origins[0, -1] + rotations[0, -1] @ tcp[:3]
+    np.testing.assert_allclose(data.site("tcp").xpos, expected, atol=1e-5)
+
+
+@pytest.mark.parametrize("to", ["mjcf", "urdf", "sdf", "isaac"])
+def test_joints_have_the_names_of_ros_on_request(to: str) -> None:
+    arguments = ["export", "--robot", "ur5e", "--to", to]
+    plain, named = (
+        CliRunner().invoke(app, [*arguments, *more]).output for more in ([], ["--ros-names"])
+    )
+    ros = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
+    for number, name in enumerate(ros, start=1):
+        plain = plain.replace(f"joint_{number}", f"{name}_joint")
+    assert named == plain
+    assert "wrist_3_joint" in named
+
+
+def test_only_a_ur_has_joints_that_ros_names() -> None:
+    with pytest.raises(InputError, match="axes of a UR alone"):
+        exported("kuka-kr300", "placeholder", "mjcf", None, "", ros_names=True)
 
 
 def test_limits_are_those_of_the_joints() -> None:

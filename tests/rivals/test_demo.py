@@ -19,7 +19,8 @@ def test_an_estimator_from_outside_is_compared_beside_the_page(demo: Workflow) -
     """That of the page's example: in table and page copy; the page itself stays as it is."""
     page = PROJECT / "docs" / "benchmark.md"
     before = page.read_text()
-    (demo.folder / "moving_average.py").write_text(before.split("```python\n")[1].split("```")[0])
+    example = (PROJECT / "docs" / "outside.md").read_text().split("```python\n")[1].split("```")[0]
+    (demo.folder / "moving_average.py").write_text(example)
     chosen = ("--estimator", "moving_average:MovingAverage")
     printed = run_benchmark("leaderboard", demo.folder, "demo", "--page", *chosen)
     beside = (demo.folder / "results" / "benchmark.md").read_text()

@@ -1,5 +1,6 @@
-"""The example of docs/benchmark.md: an estimator from outside."""
+"""The example of docs/outside.md: an estimator from outside."""
 
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -7,15 +8,21 @@ import pytest
 from tests.conftest import PROJECT
 from tests.examples import examples
 from tests.rivals.synthetic_run import synthetic_run
-from ur5rivals.outside import outside
+from ur5rivals.outside import ENTRY_POINTS, outside
+
+EXAMPLES = examples(PROJECT / "docs" / "outside.md")
+
+
+def test_its_entry_point_is_of_the_group_that_is_taken_up() -> None:
+    [points] = [tomllib.loads(example.text) for example in EXAMPLES if example.kind == "toml"]
+    assert [*points["project"]["entry-points"]] == [ENTRY_POINTS]
 
 
 def test_it_learns_on_a_constant_torque_without_noise(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As a file of its own."""
-    every = examples(PROJECT / "docs" / "benchmark.md")
-    [code] = [example.text for example in every if example.kind == "python"]
+    [code] = [example.text for example in EXAMPLES if example.kind == "python"]
     assert len(code.splitlines()) <= 25
     (tmp_path / "moving_average.py").write_text(code)
     monkeypatch.syspath_prepend(tmp_path)

@@ -161,3 +161,15 @@ def test_unknown_inputs_allow_unknown_forces() -> None:
     unknown = np.where(run.complete()[:, None], 0.0, np.full((COUNT, 6), np.nan))
     assert np.isnan(unknown[:, 0]).sum() == 10
     check(Estimate(unknown), run, "mine")
+
+
+def test_a_package_names_it_by_an_entry_point(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    here(monkeypatch, stated(lambda run: run.smoothed))
+    information = tmp_path / "mylab-1.0.dist-info"
+    information.mkdir()
+    (information / "METADATA").write_text("Metadata-Version: 2.1\nName: mylab\nVersion: 1.0\n")
+    (information / "entry_points.txt").write_text(f"[ur5rivals.estimators]\nmy-own = {HERE}\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert outside("my-own", []).name == ATTRIBUTES["name"]

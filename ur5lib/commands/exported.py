@@ -1,5 +1,6 @@
 """`ur5 export`: an arm, as described or as identified, in the formats of other programs."""
 
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from importlib import metadata
@@ -14,6 +15,7 @@ from ur5lib.commands.live_arm import live_arm
 from ur5lib.errors import InputError, perhaps, unknown
 from ur5lib.finished import FinishedStudy
 from ur5lib.identification.currents import torque_constants
+from ur5lib.recordings.rosbag import JOINTS
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import CurrentFit, Friction, Parameter
@@ -29,12 +31,14 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import DEAD_ZONE
 
-WRITERS: dict[str, Callable[[Robot, str, JointFriction | None], str]] = {
-    "urdf": lambda arm, model, friction: urdf(arm, written_bodies(arm, model), friction),
+TcpPose = tuple[float, float, float, float, float, float]
+WRITERS: dict[str, Callable[[Robot, str, JointFriction | None, TcpPose | None], str]] = {
+    "urdf": lambda arm, model, friction, _: urdf(arm, written_bodies(arm, model), friction),
     "mjcf": mjcf,
-    "sdf": lambda arm, model, friction: sdf(arm, written_bodies(arm, model), friction),
-    "isaac": isaac,
+    "sdf": lambda arm, model, friction, _: sdf(arm, written_bodies(arm, model), friction),
+    "isaac": lambda arm, model, friction, _: isaac(arm, model, friction),
 }
+ROS_NAMES = [f"{joint}_joint" for joint in JOINTS]  # of a UR's joints, base to wrist
 LIVE_FILES = ("live.py", "live.hpp", "live.schema.json")  # what reads `--to live`
 FORMATS = (*WRITERS, "json", "sensor", "live", *LIVE_FILES)
 MIN_MOVING_SAMPLES = 100  # from which a joint's friction is determined
@@ -43,12 +47,20 @@ BANDS = "band_moving", "band_reversing", "band_standing"
 FITTED_FIELDS = ("terms", "distances", "held", *BANDS, "contradicted")
 
 
-def exported(robot: str, model: str | None, to: str, results: Path | None, as_in: str) -> str:
+def exported(
+    robot: str,
+    model: str | None,
+    to: str,
+    results: Path | None,
+    as_in: str,
+    ros_names: bool = False,
+) -> str:
     """Return an arm with one of its link models, by default the chosen or the identified one, what
     its force sensor reads without contact, or what the live estimator needs, and its files.
 
     results: of a study that identified it; as_in: recording of the study whose payload and mounting
-    the arm has, empty for none. Raises InputError for unknown names and missing results.
+    the arm has, empty for none; ros_names: whether joints of a UR are called as ROS does. Raises
+    InputError for unknown names and missing results.
     """
     if to not in FORMATS:
         raise unknown("format", to, FORMATS)
@@ -62,9 +74,10 @@ def exported(robot: str, model: str | None, to: str, results: Path | None, as_in
     arm = described(robot) if study is None else study.arm(robot)
     if as_in and study is None:
         raise InputError("--as-in names a recording of a study; name its folder by --results")
+    if ros_names:
+        expect_ur(arm, "ur5 export --ros-names")
     if as_in and study is not None:
-        gravity = study.recording(as_in).known_gravity()
-        arm = arm.carrying(study.payload(as_in)).mounted(gravity)
+        arm = arm.carrying(study.payload(as_in)).mounted(study.recording(as_in).known_gravity())
     if model is None and arm.links == "unknown":
         raise InputError(
             f"the links of {robot} are placeholders that no fit has replaced; name by --results a "
@@ -79,13 +92,25 @@ def exported(robot: str, model: str | None, to: str, results: Path | None, as_in
         )
     friction = None if study is None else simulator_friction(robot, model, study)
     if to in WRITERS:
-        return WRITERS[to](arm, model, friction)
+        text = WRITERS[to](arm, model, friction, tool_centre_point(study, as_in))
+        return re.sub(r"\bjoint_([1-6])\b", called_by_ros, text) if ros_names else text
     parameters = described_arm(arm, model)
     if study is not None:
         parameters |= identified_parameters(study, robot, friction)
         fitted = {name for names in parameters["fitted_on"].values() for name in names}
         parameters["files"] = {name: study.quality(name).read for name in sorted(fitted)}
     return json_text(parameters)
+
+
+def tool_centre_point(study: FinishedStudy | None, recording: str) -> TcpPose | None:
+    """Return the tool centre point of a recording, None without a recording or a declared one."""
+    tool = study.recording(recording).known_tool() if study and recording else None
+    return tool.tcp if tool else None
+
+
+def called_by_ros(name: re.Match[str]) -> str:
+    """Return what ROS calls the joint of a match, whose group is its number."""
+    return ROS_NAMES[int(name[1]) - 1]
 
 
 def described(robot: str) -> Robot:

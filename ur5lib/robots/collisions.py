@@ -1,7 +1,6 @@
 """Collisions of an arm with itself and its surroundings, by capsules around its links, in MuJoCo.
 
-A capsule reaches from one link's frame to the next, as thick as the joint's housing: coarse, for a
-warning before an arm moves, not for planning close to obstacles.
+They are coarse: for a warning before an arm moves, not for planning close to obstacles.
 """
 
 from collections.abc import Iterator
@@ -15,15 +14,12 @@ from pydantic import ConfigDict, Field
 from scipy.spatial.transform import Rotation
 
 from ur5lib.robots.description import Positive, Robot, Vector3
-from ur5lib.robots.mjcf import add_arm
+from ur5lib.robots.mjcf import add_arm, add_capsules
 from ur5lib.robots.statics import link_frames
 from ur5lib.strict import Strict
 from ur5lib.timeseries.arrays import Array, Mask
 
-RADIUS_SHARE = 0.09  # radius of a capsule by the longest link, at joint 1
 HOUSING_HEIGHT = 0.02  # m, by which the joints' housings protrude from the capsules
-UR_RADIUS_FACTORS = (1.0, 1.0, 0.8, 0.65, 0.65, 0.65)  # by link of a UR
-OTHER_RADIUS_FACTOR = 1.7  # of all links of another arm; a Panda's have a radius of 6 cm
 # Between links of another arm that do not overlap by construction.
 MIN_FREE_SPACE = 0.05  # m
 OVERLAP_POSTURES = 100  # random ones, by which this is found
@@ -139,19 +135,7 @@ class Capsules:
 def _capsules(robot: Robot, surroundings: Surroundings, reach: float) -> mujoco.MjModel:
     spec = mujoco.MjSpec()
     add_arm(spec, robot, robot.chosen_model)
-    longest = max(float(np.linalg.norm(np.array(pose.position))) for pose in robot.link_poses())
-    factors = UR_RADIUS_FACTORS if robot.is_ur() else [OTHER_RADIUS_FACTOR] * len(robot.joints)
-    radii = RADIUS_SHARE * longest * np.array(factors)
-    links = [body for body in spec.bodies if body.name.startswith("link_")]
-    for body, radius in zip(links, radii, strict=True):
-        near_end = np.array(body.joints[0].pos)
-        body.add_geom(
-            name=body.name,
-            type=mujoco.mjtGeom.mjGEOM_CAPSULE,
-            size=[radius, 0, 0],
-            # to the frame's origin, or 1 mm off where both coincide
-            fromto=[*near_end, 0, 0, 0 if np.linalg.norm(near_end) > 1e-3 else 1e-3],
-        )
+    radii = add_capsules(spec, robot)
     _add_surroundings(spec, surroundings, _vertical(robot))
     for first, second in _overlapping_pairs(robot, radii, surroundings.table):
         spec.add_exclude(bodyname1=first, bodyname2=second)

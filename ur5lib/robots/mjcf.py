@@ -1,5 +1,7 @@
 """Arms in MuJoCo: their bodies, and export as MJCF, its model format."""
 
+from collections.abc import Sequence
+
 import mujoco
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -10,20 +12,34 @@ from ur5lib.robots.inertia import WRITTEN_SHARE, link_tail, rigid_bodies, rigid_
 from ur5lib.timeseries.arrays import Array
 
 TOOL_BODY = "tool"
+RADIUS_SHARE = 0.09  # radius of a capsule by the longest link, at joint 1
+UR_RADIUS_FACTORS = (1.0, 1.0, 0.8, 0.65, 0.65, 0.65)  # by link of a UR
+OTHER_RADIUS_FACTOR = 1.7  # of all links of another arm; a Panda's have a radius of 6 cm
 POINT_MASS_INERTIA = 1e-12  # kg m²
 
 
-def mjcf(robot: Robot, model: str, friction: JointFriction | None) -> str:
+def mjcf(
+    robot: Robot, model: str, friction: JointFriction | None, tcp: Sequence[float] | None = None
+) -> str:
     """Return an arm with one of its link models as MJCF.
 
     Joints have the rotors' inertia as `armature`, friction as `frictionloss` and `damping`, and the
-    limits of position; each has a motor with the limit of its torque. Numbers have six digits, as
-    MuJoCo writes them.
+    limits of position; each has a motor with the limit of its torque. Links are capsules, which
+    touch what else is in a scene, but not one another. The site `flange` is frame n, the site `tcp`
+    the pose tcp in it, position [m] and rotation vector [rad], the flange without any. Numbers
+    have six digits, as MuJoCo writes them.
     """
     spec = mujoco.MjSpec()
     spec.modelname, spec.compiler.degree = robot.name, False
     spec.option.gravity = robot.gravity
-    add_arm(spec, robot, model, WRITTEN_SHARE)
+    tool = add_arm(spec, robot, model, WRITTEN_SHARE)
+    add_capsules(spec, robot)
+    for geom in spec.geoms:
+        geom.contype, geom.conaffinity = 1, 0
+    position, rotation = np.reshape(tcp or np.zeros(6), (2, 3))
+    tool.parent.add_site(name="flange")
+    quaternion = Rotation.from_rotvec(rotation).as_quat(scalar_first=True)
+    tool.parent.add_site(name="tcp", pos=position, quat=quaternion)
     for k, (joint, ends) in enumerate(zip(spec.joints, robot.position_limits(), strict=True)):
         joint.name = f"joint_{k + 1}"
         joint.limited = np.isfinite(ends).all()
@@ -60,6 +76,27 @@ def add_arm(spec: mujoco.MjSpec, robot: Robot, model: str, share: float = 1e-12)
         inertia = tensor(payload.inertia) + POINT_MASS_INERTIA * np.eye(3)
         _set_inertia(tool, payload.mass, np.array(payload.center_of_mass), inertia, share)
     return tool
+
+
+def add_capsules(spec: mujoco.MjSpec, robot: Robot) -> Array:
+    """Add a capsule to each link of an arm in `spec`; return their radii (n,) [m].
+
+    It reaches from one link's frame to the next, as thick as the joint's housing.
+    """
+    longest = max(float(np.linalg.norm(np.array(pose.position))) for pose in robot.link_poses())
+    factors = UR_RADIUS_FACTORS if robot.is_ur() else [OTHER_RADIUS_FACTOR] * len(robot.joints)
+    radii = RADIUS_SHARE * longest * np.array(factors)
+    links = [body for body in spec.bodies if body.name.startswith("link_")]
+    for body, radius in zip(links, radii, strict=True):
+        near_end = np.array(body.joints[0].pos)
+        body.add_geom(
+            name=body.name,
+            type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+            size=[radius, 0, 0],
+            # to the frame's origin, or 1 mm off where both coincide
+            fromto=[*near_end, 0, 0, 0 if np.linalg.norm(near_end) > 1e-3 else 1e-3],
+        )
+    return radii
 
 
 def flange(model: mujoco.MjModel) -> int:

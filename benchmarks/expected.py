@@ -1,0 +1,206 @@
+"""What to expect: the numbers of built studies by arm, sensor, paths and dates.
+
+    python -m benchmarks.expected [<study> ...] [--page]
+
+Prints a row for each study in results/, by default of all public recordings and the demo; `--page`
+writes them into docs/expect.md, and those of README.md's columns there. `--quick` takes the studies
+that are built.
+"""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import yaml
+
+from benchmarks.harness.markdown import markdown, replaced
+from benchmarks.harness.options import built, study_options
+from ur5lib.records.friction import Friction
+from ur5lib.tables import read_csv, read_record, write_text
+
+RESULTS_FOLDER = Path("results")
+PROJECT = Path(__file__).parents[1]
+README = PROJECT / "README.md"
+TITLES = {README: "What to expect", PROJECT / "docs" / "expect.md": "By arm"}  # of sections
+STUDIES = ["demo", "thesis", "ur10e", "ur3-cb", "ur10-bag", "kuka-kr300"]
+CONTACT_N = 5  # force at the sensor from which on contacts are counted
+SPEEDS = {0.0: "at rest", 0.01: "slow", 0.25: "fast"}  # of the flange, from [m/s]
+SHORT = ("arm", "sensor", "force error in contact [N]", "smallest push [N]", "constants")
+
+
+class Row(NamedTuple):
+    """What a study's results say of one arm, as the page shows it."""
+
+    arm: str
+    recorded: str
+    sensor: str
+    fitted: str
+    force: str
+    found: str
+    band: str
+    push: str
+    constants: str
+    currents: str
+
+
+HEADS = Row(
+    arm="arm",
+    recorded="recorded",
+    sensor="sensor",
+    fitted="fitted to",
+    force="force error in contact [N]",
+    found=f"contacts of {CONTACT_N} N found",
+    band="in 95 % band",
+    push="smallest push [N]",
+    constants="constants",
+    currents="error of currents",
+)
+
+
+def main() -> None:
+    """Print the rows, and write them."""
+    options = study_options(__doc__)
+    options.set_defaults(studies=STUDIES)
+    options.add_argument("--page", action="store_true", help="write docs/expect.md and README.md")
+    given = options.parse_args()
+    folders = [RESULTS_FOLDER / name for name in given.studies]
+    if given.quick:
+        folders = [folder for folder in folders if (folder / "results.json").exists()]
+    rows = [row for folder in built(folders) for row in rows_of(folder)]
+    print(table(rows, HEADS))
+    for path, title in TITLES.items() if given.page else ():
+        heads = [head for head in HEADS if path != README or head in SHORT]
+        write_text(replaced(path.read_text(), title, table(rows, heads)), path)
+
+
+def table(rows: list[Row], heads: Sequence[str]) -> str:
+    """Return a table in Markdown of the columns with these heads."""
+    chosen = [HEADS.index(head) for head in heads]
+    return markdown([*heads], [[row[place] for place in chosen] for row in rows])
+
+
+def rows_of(folder: Path) -> Iterator[Row]:
+    """Yield a row for each arm that recordings of a study were fitted to."""
+    study = yaml.safe_load((folder / "configuration.yaml").read_text())
+    entries = pd.DataFrame(study["recordings"])
+    tables = {path.stem: read_csv(path) for path in (folder / "tables").glob("*.csv")}
+    for path in sorted((folder / "parameters").glob("*/friction.json")):
+        friction, arm = read_record(Friction, path), path.parent.name
+        own = {name: of_arm(rows, arm, entries) for name, rows in tables.items()}
+        simulated = entries.get("simulate", pd.Series(dtype=object)).notna().any()
+        yield Row(
+            arm=arm + (", simulated" if simulated else ""),
+            recorded="torques" if "torque" in friction.effort else "currents",
+            sensor="force sensor" if len(own["sensed"]) else "none",
+            fitted=", ".join(
+                [counted(friction.paths, "path"), counted(dates(entries, friction), "date")]
+            ),
+            force=force_error(own["force_mae"]),
+            found=contacts_found(own["detection"]),
+            band=band(own["force_mae"]),
+            push=pushes(own["observability"]),
+            constants=constants(own["friction"]),
+            currents=currents(own["current_rmse"], entries),
+        )
+
+
+def of_arm(rows: pd.DataFrame, arm: str, entries: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of a table that are of an arm or of its recordings."""
+    if "robot" in rows:
+        return rows[rows["robot"] == arm]
+    names = entries.loc[entries["robot"] == arm, "name"] if "robot" in entries else entries["name"]
+    return rows[rows["recording"].isin(names)] if "recording" in rows else rows
+
+
+def dates(entries: pd.DataFrame, friction: Friction) -> int:
+    """Return on how many dates the fit's recordings were taken, 1 if none is known."""
+    if "date" not in entries:
+        return 1
+    fitted = entries["name"].isin(friction.from_)
+    return max(1, entries.loc[fitted, "date"].nunique())
+
+
+def counted(count: int, noun: str) -> str:
+    """Return a number with its noun."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
+def force_error(rows: pd.DataFrame) -> str:
+    """Return the least and largest error of a recording, mean over axes, beside the mean force."""
+    own = in_contact(rows)
+    if own.empty:
+        return ""
+    means = own.groupby("recording")[["mae", "mean_force"]].mean().sort_values("mae")
+    return " to ".join(f"{row.mae:.1f} of {row.mean_force:.0f}" for row in ends(means))
+
+
+def in_contact(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of F̂ᵐᵃᵖ's force in contact, beside the compensated sensor."""
+    if rows.empty:
+        return rows
+    return rows[
+        (rows["kind"] == "compensated")
+        & (rows["during"] == "contact")
+        & (rows["estimate"] == "Fmap")
+        & rows["component"].str.startswith("F")
+    ]
+
+
+def ends(rows: pd.DataFrame) -> list:
+    """Return the first and the last row, one if there is only one."""
+    found = [*rows.itertuples()]
+    return [found[0], found[-1]] if len(found) > 1 else found
+
+
+def contacts_found(rows: pd.DataFrame) -> str:
+    """Return how many contacts at the sensor were found."""
+    own = rows[(rows["estimate"] == "Fmap") & (rows["force_class_n"] == CONTACT_N)]
+    return f"{own['found'].sum():.0f} of {own['contacts'].sum():.0f}" if len(own) else ""
+
+
+def band(rows: pd.DataFrame) -> str:
+    """Return the least and most share of readings in the band, by axis and recording."""
+    shares = in_contact(rows)["coverage95"].dropna() if len(rows) else pd.Series(dtype=float)
+    return f"{shares.min():.2f} to {shares.max():.2f}" if len(shares) else ""
+
+
+def pushes(rows: pd.DataFrame) -> str:
+    """Return the push along x, y, z that is found with 95 %, in the motion where it is least."""
+    own = rows[rows["quantity"].str.startswith("smallest_push_95", na=False)]
+    own = own.assign(speed=own["speed_low"].map(SPEEDS))
+    whole = own.groupby("speed").filter(lambda part: len(part) == len("xyz"))
+    if whole.empty:
+        return ""
+    best = whole.groupby("speed")["value"].mean().idxmin()
+    values = whole[whole["speed"] == best].sort_values("quantity")
+    texts = [
+        "> 100" if bound == ">" else f"{max(value, 1):.0f}"
+        for value, bound in values[["value", "bound"]].to_numpy()
+    ]
+    return f"{', '.join(texts)} ({best})"
+
+
+def constants(rows: pd.DataFrame) -> str:
+    """Return how many joints' constants are determined, and their median standard error."""
+    own = rows[rows["parameter"].isin(["torque_constant", "gain"])]
+    known = own[own["determined"] == "yes"]
+    error = (known["std_error"] / known["value"].abs()).median()
+    spread = "" if np.isnan(error) else f", ± {error:.0%}".replace("%", " %")
+    return f"{len(known)} of {own['joint'].nunique()}{spread}" if len(own) else ""
+
+
+def currents(rows: pd.DataFrame, entries: pd.DataFrame) -> str:
+    """Return the NRMSE of recordings of the role `validate`, median and worst joint."""
+    judged = entries.loc[entries["role"] == "validate", "name"]
+    unseen = (rows["model"] == "fitted") & (rows["fitted"] == "no")
+    own = rows[unseen & rows["recording"].isin(judged)].dropna(subset="r2")
+    if own.empty:
+        return ""
+    by_joint = np.sqrt(1 - own.groupby("joint")["r2"].median().clip(upper=1))
+    return f"{by_joint.median():.0%}, worst joint {by_joint.max():.0%}".replace("%", " %")
+
+
+if __name__ == "__main__":
+    main()

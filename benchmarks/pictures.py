@@ -1,0 +1,96 @@
+"""The documents' pictures, and what reports say in lesson and gallery, from built studies.
+
+    python -m benchmarks.pictures
+
+Copies figures of results/demo and results/ur10-bag into docs/, photographs the first screen of the
+lesson's report by Chromium, and writes what cards say into docs/lesson.md and, of the studies that
+are built, docs/gallery.md. `make pictures` builds the first two studies before, `make gallery` all.
+`--quick` leaves out the photograph.
+"""
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+from benchmarks.harness.markdown import markdown, replaced, section
+from benchmarks.harness.options import built, options_of
+from ur5lib.errors import InputError
+from ur5lib.tables import read_json, write_text
+
+RESULTS_FOLDER = Path("results")
+DOCUMENTS = Path(__file__).parents[1] / "docs"
+LESSON = "ur10-bag"
+PUSHED, MOTION, ARM = "way_points_pushed", "ur10_exciting_trajectory", "ur10"
+FIGURES = {  # picture: the figure of a study
+    "example": f"demo/figures/{PUSHED}/forces_estimated",
+    "lesson_constants": f"{LESSON}/figures/{ARM}/current_torque",
+    "lesson_friction": f"{LESSON}/figures/{ARM}/friction",
+    "lesson_knowledge": f"{LESSON}/figures/{ARM}/knowledge",
+    "lesson_push": f"{LESSON}/figures/{ARM}/observability",
+    "lesson_currents": f"{LESSON}/figures/{MOTION}/currents",
+    "lesson_force": f"{LESSON}/figures/{MOTION}/forces_estimated",
+}
+GALLERY = {  # section of the page: the study
+    "A simulated UR5": "demo",
+    "The thesis's UR5": "thesis",
+    "A UR10 in a ROS bag": LESSON,
+    "A UR3 without rotors": "ur3-cb",
+    "A KUKA KR300 by its motors' torques": "kuka-kr300",
+}
+FIRST_SCREEN = {"width": 1000, "height": 620}  # pixels
+
+
+def main() -> None:
+    """Copy, write and photograph."""
+    given = options_of(__doc__).parse_args()
+    built(RESULTS_FOLDER / study for study in ("demo", LESSON))
+    for name, figure in FIGURES.items():
+        shutil.copy(RESULTS_FOLDER / f"{figure}.svg", DOCUMENTS / f"{name}.svg")
+    lesson, gallery = DOCUMENTS / "lesson.md", DOCUMENTS / "gallery.md"
+    write_text(with_verdicts(lesson.read_text(), results(LESSON)), lesson)
+    text = gallery.read_text()
+    for title, study in GALLERY.items():
+        if (RESULTS_FOLDER / study / "results.json").exists():
+            text = replaced(text, title, cards(results(study)))
+    write_text(text, gallery)
+    if not given.quick:
+        photograph(RESULTS_FOLDER / LESSON / "report.html", DOCUMENTS / "lesson_report.png")
+
+
+def results(study: str) -> dict[str, Any]:
+    """Return the first screen of a study's report."""
+    return read_json(RESULTS_FOLDER / study / "results.json")
+
+
+def cards(found: dict[str, Any]) -> str:
+    """Return a table of what the cards of a report say."""
+    rows = [[own["topic"], own["state"], own["sentence"]] for own in found["verdicts"]]
+    return markdown(["card", "state", "why"], rows)
+
+
+def with_verdicts(page: str, found: dict[str, Any]) -> str:
+    """Return the lesson with the cards and the next steps of a study's results.json."""
+    title = "Read the first screen"
+    following = section(page, title).partition("\n\nSo a report")[2].partition("| next |")[0]
+    steps = next(own for own in found["lists"] if own["heading"] == "What to do next")
+    next_steps = markdown(["next"], [[step] for step in steps["sentences"]])
+    return replaced(page, title, f"{cards(found)}\n\nSo a report{following}{next_steps}")
+
+
+def photograph(report: Path, picture: Path) -> None:
+    """Write a report's first screen as PNG. Raises InputError without Chromium."""
+    program = shutil.which("chromium") or shutil.which("google-chrome")
+    if program is None:
+        raise InputError("Chromium is not installed, which photographs the report; install it")
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        page = browser.new_page(viewport=FIRST_SCREEN)
+        page.goto(report.absolute().as_uri())
+        page.screenshot(path=picture)
+        browser.close()
+
+
+if __name__ == "__main__":
+    main()
