@@ -353,19 +353,16 @@ def test_flange_and_tool_centre_point_are_sites() -> None:
 
 @pytest.mark.parametrize("to", ["mjcf", "urdf", "sdf", "isaac"])
 def test_joints_have_the_names_of_ros_on_request(to: str) -> None:
-    arguments = ["export", "--robot", "ur5e", "--to", to]
-    plain, named = (
-        CliRunner().invoke(app, [*arguments, *more]).output for more in ([], ["--ros-names"])
-    )
-    ros = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
-    for number, name in enumerate(ros, start=1):
+    plain, named = (exported("ur5e", None, to, None, "", ros) for ros in (False, True))
+    names = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
+    for number, name in enumerate(names, start=1):
         plain = plain.replace(f"joint_{number}", f"{name}_joint")
     assert named == plain
     assert "wrist_3_joint" in named
 
 
 def test_only_a_ur_has_joints_that_ros_names() -> None:
-    with pytest.raises(InputError, match="axes of a UR alone"):
+    with pytest.raises(InputError, match="leave out --ros-names"):
         exported("kuka-kr300", "placeholder", "mjcf", None, "", ros_names=True)
 
 

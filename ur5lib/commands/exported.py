@@ -74,8 +74,8 @@ def exported(
     arm = described(robot) if study is None else study.arm(robot)
     if as_in and study is None:
         raise InputError("--as-in names a recording of a study; name its folder by --results")
-    if ros_names:
-        expect_ur(arm, "ur5 export --ros-names")
+    if ros_names and not arm.is_ur():
+        raise InputError(f"ROS names the joints of a UR, not of {robot}; leave out --ros-names")
     if as_in and study is not None:
         arm = arm.carrying(study.payload(as_in)).mounted(study.recording(as_in).known_gravity())
     if model is None and arm.links == "unknown":
