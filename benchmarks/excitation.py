@@ -14,16 +14,16 @@ import numpy as np
 
 from benchmarks.harness.options import options_of
 from benchmarks.harness.timing import timed
-from ur5lib.commands.excite import ExciteOptions, earlier, task_of
+from ur5lab.collisions import Box, Surroundings
+from ur5lab.excitation.design import CHECK_RATE, Effort, design, free_postures, random_path
+from ur5lab.excitation.objective import STATE_STEP, Task, Worth
+from ur5lab.excitation.trajectory import WorkCell
+from ur5lab.excite import ExciteOptions, earlier, task_of
 from ur5lib.errors import InputError
-from ur5lib.excitation.design import CHECK_RATE, Effort, design, free_postures, random_path
-from ur5lib.excitation.objective import STATE_STEP, Task, Worth
 from ur5lib.excitation.problem import INDEPENDENT_STEP, DesignProblem
-from ur5lib.excitation.trajectory import WorkCell
-from ur5lib.lab.stand.plan import POSTURE, Movej
-from ur5lib.lab.stand.trajectories import INITIAL_REST, plan_targets
-from ur5lib.robots.collisions import Box, Surroundings
 from ur5lib.robots.description import load_robot, robot_names, robot_path
+from ur5lib.stand.plan import POSTURE, Movej
+from ur5lib.stand.trajectories import INITIAL_REST, plan_targets
 from ur5lib.timeseries.arrays import Array
 
 ROBOTS = ("ur5", "ur5e")

@@ -17,8 +17,8 @@ import yaml
 
 from benchmarks.harness.options import options_of
 from benchmarks.study import snakemake
-from ur5lib.commands.excite import ExciteOptions, excite, known_load
-from ur5lib.excitation.design import USUAL_EFFORT, Effort
+from ur5lab.excitation.design import USUAL_EFFORT, Effort
+from ur5lab.excite import ExciteOptions, excite, known_load
 from ur5lib.excitation.outlook import KEPT_COEFFICIENTS
 from ur5lib.excitation.problem import JOINT_PARAMETERS
 from ur5lib.records.friction import Friction

@@ -14,9 +14,9 @@ import pandas as pd
 
 from benchmarks.harness.options import options_of
 from benchmarks.study import snakemake
-from ur5lib.lab.stand.plan import SimulatedRecording
-from ur5lib.lab.stand.simulate import simulate
 from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.simulate import simulate
 
 RATE, PERIOD, REST = 500, 20, 1  # Hz; s, of the motion, which begins after a rest
 FOLDER = Path("raw/benchmark_long")

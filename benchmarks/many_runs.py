@@ -23,14 +23,14 @@ import numpy as np
 
 from benchmarks.harness.options import options_of
 from benchmarks.study import show_steps, snakemake
-from ur5lib.lab.stand.controller_channels import frames
-from ur5lib.lab.stand.device_files import write_files
-from ur5lib.lab.stand.faults import apply_faults, draw_faulty_frames
-from ur5lib.lab.stand.plan import SimulatedRecording
-from ur5lib.lab.stand.rig import Experiment, as_rows, perform, step_times
-from ur5lib.lab.stand.sensors import wrist_channels
-from ur5lib.lab.stand.simulate import WRITERS
 from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.stand.controller_channels import frames
+from ur5lib.stand.device_files import write_files
+from ur5lib.stand.faults import apply_faults, draw_faulty_frames
+from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.rig import Experiment, as_rows, perform, step_times
+from ur5lib.stand.sensors import wrist_channels
+from ur5lib.stand.simulate import WRITERS
 from ur5lib.tables import read_csv
 
 ARM, SECONDS, CYCLE = "ur10e", 20.0, 0.01  # s

@@ -18,12 +18,12 @@ from scipy.spatial.transform import Rotation
 
 from benchmarks.harness.options import asked
 from ur5lib.dynamics.flange import flange_kinematics
-from ur5lib.lab.stand.controller_channels import frames
-from ur5lib.lab.stand.plan import Imu, SimulatedRecording
-from ur5lib.lab.stand.rig import STEP, perform
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.smoothing.encoders import SmoothedMotion, smooth_encoders
 from ur5lib.smoothing.imu_fusion import LinearImu, linearise_imu, smooth_with_imu
+from ur5lib.stand.controller_channels import frames
+from ur5lib.stand.plan import Imu, SimulatedRecording
+from ur5lib.stand.rig import STEP, perform
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 

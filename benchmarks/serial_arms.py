@@ -30,10 +30,10 @@ from ur5lib.identification.currents import (
     DAY_TO_DAY_STD,
     RUN_TO_RUN_STD,
 )
-from ur5lib.lab.stand.layout import ROBOT_FILES
 from ur5lib.recordings.entries import RtdeFiles
 from ur5lib.robots.description import Motor, Robot
 from ur5lib.robots.from_urdf import robot_from_urdf
+from ur5lib.stand.layout import ROBOT_FILES
 from ur5lib.steps.fit_residuals import residual_models
 
 FIRST, SEEDS, SECONDS, QUICK = 2, 20, 20.0, 10.0  # on seeds 0 and 1, `BLUR` was chosen

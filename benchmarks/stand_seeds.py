@@ -31,8 +31,6 @@ from ur5lib.identification.current_samples import (
 )
 from ur5lib.identification.rotor_inertia import fit_rotor_inertia
 from ur5lib.identification.samples import CurrentSamples
-from ur5lib.lab.stand.plan import POSTURE, SimulatedRecording
-from ur5lib.lab.stand.simulate import simulate
 from ur5lib.recordings.entries import RtdeFiles, ThesisFiles
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.records.carried import carried
@@ -52,6 +50,8 @@ from ur5lib.signals.own_clocks import own_clocks
 from ur5lib.signals.resampling import resample
 from ur5lib.smoothing.encoders import SmoothedJoints, smooth_encoders
 from ur5lib.smoothing.smoothed_motion import measured, motion_record
+from ur5lib.stand.plan import POSTURE, SimulatedRecording
+from ur5lib.stand.simulate import simulate
 from ur5lib.steps.compare_with_truth import (
     Row,
     clock_rows,

@@ -6,7 +6,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -129,14 +129,6 @@ def real_ur3(kept_motion: Path) -> "RealStudy":
     return RealStudy(
         parse_study({"study": "ur3", "title": "", "recordings": runs}, ""), kept_motion
     )
-
-
-@pytest.fixture(scope="module")
-def controller_ports() -> Iterator[None]:
-    """The ports that ur_rtde expects of a controller, for one process at a time."""
-    with open(Path(tempfile.gettempdir()) / "ur5-controller-ports.lock", "w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        yield
 
 
 def copy_project(target: Path) -> Path:

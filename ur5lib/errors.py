@@ -4,7 +4,6 @@ import unicodedata
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
-from importlib import import_module
 from typing import Any
 
 SEPARATOR_CATEGORIES = {"Zl", "Zp"}  # beside "C…": controls, marks of direction, surrogates
@@ -56,16 +55,6 @@ def reason(error: ValueError) -> Remark:
     if isinstance(error, RefusalError):
         return error.remark
     return remark("other reason", reason=str(error))
-
-
-def of_recorder(module: str, purpose: str) -> Any:
-    """Return a module of the extra `record`. Raises InputError where it is not installed."""
-    try:
-        return import_module(module)
-    except ImportError as error:
-        raise InputError(
-            f"{purpose} needs the extra `record`; install it: pip install 'ur5lib[record]'"
-        ) from error
 
 
 def unknown(kind: str, name: str, known: Iterable[str]) -> InputError:

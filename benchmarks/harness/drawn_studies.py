@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.harness.pushes import PAUSE
-from ur5lib.lab.stand.plan import POSTURE
+from ur5lib.stand.plan import POSTURE
 
 ARMS = ("ur5", "ur5e", "ur10e")
 FIT_SECONDS = 20.0

@@ -14,15 +14,15 @@ from benchmarks.harness.abb_like import MadeUpArm, write_files
 from benchmarks.serial_arms import with_motors
 from ur5lib.checks.checked import Checked
 from ur5lib.checks.devices import checked_intake
-from ur5lib.lab.stand.layout import ROBOT_FILES
-from ur5lib.lab.stand.plan import SimulatedRecording
-from ur5lib.lab.stand.simulate import simulate
 from ur5lib.recordings.entries import ENTRY, Files
 from ur5lib.recordings.intake import read_and_repair
 from ur5lib.records.carried import carried
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_of, robot_path
 from ur5lib.robots.from_urdf import robot_from_urdf
+from ur5lib.stand.layout import ROBOT_FILES
+from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.simulate import simulate
 from ur5lib.study.reading import parse_study
 
 PROJECT = Path(__file__).parents[2]

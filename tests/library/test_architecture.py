@@ -33,27 +33,23 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "force": BASE | {"records", "workspace"},
     "smoothing": BASE | {"records", "signals"},
     "excitation": BASE | {"dynamics", "identification", "records"},
-    "records": BASE | {"lab.stand"},
+    "records": BASE | {"stand"},
     # branches
     "thesis": BASE | METHODS - {"identification"} | {"records"},
-    "lab.recorder": BASE,
-    "lab.stand": BASE,
-    "lab.doubles": BASE | {"lab.recorder", "lab.stand"},
+    "stand": BASE,
     # steps join the rooms; jobs know them by their names alone
     "steps": BASE
     | ROOMS
-    | {"commands", "lab.stand", "records", "report", "thesis", "tidy", "workspace"},
+    | {"commands", "stand", "records", "report", "thesis", "tidy", "workspace"},
     "tidy": BASE | {"force", "recordings", "records", "signals", "thesis"},
     "jobs": {"errors", "records", "report", "robots", "tables", "workspace"},
     # readers
-    "report": BASE
-    | METHODS - {"signals"}
-    | {"excitation", "records", "thesis", "tidy", "workspace"},
-    "study": BASE | {"lab.recorder", "lab.stand", "recordings", "records", "thesis", "workspace"},
+    "report": BASE | METHODS - {"signals", "dynamics"} | {"records", "thesis", "tidy", "workspace"},
+    "study": BASE | {"stand", "recordings", "records", "thesis", "workspace"},
     "finished": BASE | {"jobs", "records", "study"},
     "commands": BASE
-    | METHODS
-    | {"checks", "excitation", "finished", "jobs", "lab.doubles", "lab.recorder", "recordings"}
+    | METHODS - {"dynamics"}
+    | {"checks", "finished", "jobs", "recordings"}
     | {"records", "report", "steps", "study", "tidy", "workspace"},
     "importing": BASE | {"checks", "commands", "recordings", "records", "study"},
     "cli": BASE | {"commands", "datasets", "importing", "study", "workspace"},
@@ -153,9 +149,8 @@ def test_no_step_waits_for_a_package_in_vain() -> None:
 
 
 def part_of(module: str) -> str:
-    """The room, the sub-package of the lab, or the loose module that a dotted name lies in."""
-    _, room, *below = module.split(".")
-    return f"lab.{below[0]}" if room == "lab" and below else room
+    """The room or the loose module that a dotted name lies in."""
+    return module.split(".")[1]
 
 
 def test_the_parts_are_those_of_the_drawing() -> None:

@@ -26,14 +26,13 @@ PRINTED = {  # what each prints at least
     "false_changes": ["1 seeds, 2 quantities", "| 0.5 |"],
     "false_stops": ["4 right logs", "links described wrongly", "another arm declared"],
     "wrist_sensor": ["1 seeds", "turn", "intervals hold the truth", "mass_by_currents"],
-    "excitation": ["ur5e", "log det", "best of 3 random", "lower in torque"],
     "many_runs": ["planned", "whole study", "one more run to fit", "put in: Coulomb friction"],
     "study": ["whole study, from raw files", "one more recording", "nothing to do"],
 }
 ELSEWHERE = {  # run by tests of their own, here and in tests/
     *("leaderboard", "live", "simulated_contacts", "torque_from_motion"),  # rivals/
+    *("excitation", "excitation_loop"),  # lab/
     "serial_arms",  # library/test_stand_of_other_arms.py
-    "excitation_loop",  # artefacts/test_next_recording.py
     "pictures",  # artefacts/test_lesson.py
 }
 OF_A_BUILT_STUDY = {

@@ -57,7 +57,7 @@ def everything() -> str:
 
 def texts() -> Iterator[str]:
     """The strings of the program, with a mark for each value that they insert."""
-    for path in [*(PROJECT / "ur5lib").rglob("*.py"), *(PROJECT / "workflow").rglob("*.py")]:
+    for path in [*PROJECT.glob("ur5*/**/*.py"), *(PROJECT / "workflow").rglob("*.py")]:
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.JoinedStr):
                 parts = (v.value if isinstance(v, ast.Constant) else "\0" for v in node.values)

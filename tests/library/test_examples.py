@@ -23,9 +23,7 @@ from tests.library.test_docs import PAGES
 from tests.library.test_seven_joints import arm as seven_joints
 from tests.live_arm import arm_file
 from ur5lib.cli import app
-from ur5lib.lab.recorder.commanded_motion import read_motion, refusals
-from ur5lib.lab.recorder.move_program import planned_motion, read_program
-from ur5lib.robots.description import load_robot, robot_path, robot_yaml
+from ur5lib.robots.description import robot_path, robot_yaml
 from ur5lib.tables import write_table
 from ur5lib.workspace.extensions import ENTRY_POINT_GROUP, KINDS
 
@@ -93,21 +91,6 @@ def test_listed_files_exist(example: Example) -> None:
     lines = [line for line in example.text.splitlines() if line.strip() and line[0] != " "]
     paths = [path for line in lines for path in re.split(r" {2,}", line)[0].split(", ")]
     assert [path for path in paths if not (PROJECT / path).exists()] == []
-
-
-@of_kind("way-points")
-def test_way_points_can_be_read(example: Example, tmp_path: Path) -> None:
-    path = tmp_path / "points.csv"
-    path.write_text(example.text)
-    assert np.ptp(read_motion(path, 1.0).q, axis=0).min() > 0.1
-
-
-@of_kind("moves")
-def test_moves_are_possible(example: Example, tmp_path: Path) -> None:
-    path, robot = tmp_path / "moves.txt", load_robot(robot_path("ur5e"))
-    path.write_text(example.text)
-    motion = planned_motion(read_program(path), robot, np.zeros(6), 1.0, 0.0)
-    assert [*refusals(motion, robot, motion.q[0], 0.0)] == []
 
 
 # Code, each as its page says that it is used

@@ -14,8 +14,8 @@ from ur5lib.force.flange_contact import (
     places,
 )
 from ur5lib.force.force_input import ForceInput
-from ur5lib.lab.stand.plan import POSTURE
 from ur5lib.robots.description import Robot
+from ur5lib.stand.plan import POSTURE
 from ur5lib.steps.judge_contacts import middle_half
 from ur5lib.timeseries.arrays import Array
 

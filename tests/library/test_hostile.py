@@ -12,8 +12,8 @@ from tests.commands import SECONDS, Command, time_limit
 from tests.conftest import said
 from tests.corpus import rtde
 from ur5lib.errors import InputError, printable
-from ur5lib.lab.stand.trajectories import read_way_points
 from ur5lib.records.quality import Finding
+from ur5lib.stand.trajectories import read_way_points
 from ur5lib.study.reading import parse_study
 from ur5lib.thesis.reference import read_reference
 

@@ -17,10 +17,10 @@ from ur5lib.commands.described import describe_urdf
 from ur5lib.errors import InputError
 from ur5lib.importing.contents import UserStatement, contents
 from ur5lib.importing.files import import_files
-from ur5lib.lab.stand.controller_channels import frames
-from ur5lib.lab.stand.plan import SimulatedRecording
-from ur5lib.lab.stand.rig import perform
 from ur5lib.robots.description import load_robot
+from ur5lib.stand.controller_channels import frames
+from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.rig import perform
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 

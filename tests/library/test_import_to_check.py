@@ -12,13 +12,13 @@ from tests.library.test_from_urdf import made_up, saved
 from tests.library.test_postures import drawn
 from tests.synthetic import poor_log
 from ur5lib.commands.described import describe_urdf
-from ur5lib.lab.stand.controller_channels import frames
-from ur5lib.lab.stand.plan import SimulatedRecording
-from ur5lib.lab.stand.rig import perform
 from ur5lib.recordings import formats
 from ur5lib.recordings.counting import counted_as
 from ur5lib.recordings.intake import known_frames
 from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.stand.controller_channels import frames
+from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.rig import perform
 from ur5lib.study.reading import read_study
 from ur5lib.tables import channel
 

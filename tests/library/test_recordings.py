@@ -15,8 +15,6 @@ from tests.real_arms import RealStudy
 from tests.synthetic import PERIOD, START, write_channel, write_recording
 from ur5lib.channels import SIX_SUFFIXES, SUFFIXES
 from ur5lib.errors import InputError
-from ur5lib.lab.stand.device_files import MESSAGE_BYTES, messages
-from ur5lib.lab.stand.faults import FIRST_PART_BYTES
 from ur5lib.recordings import text_blocks
 from ur5lib.recordings.counting import counted_as
 from ur5lib.recordings.entries import ENTRY
@@ -29,6 +27,8 @@ from ur5lib.recordings.thesis_csv import ROBOT_CHANNELS
 from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.realtime_message import fields
+from ur5lib.stand.device_files import MESSAGE_BYTES, messages
+from ur5lib.stand.faults import FIRST_PART_BYTES
 from ur5lib.study.model import Recording
 from ur5lib.tables import channel, named
 

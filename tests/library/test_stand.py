@@ -16,18 +16,18 @@ from ur5lib.dynamics.rigid_body import (
 )
 from ur5lib.errors import InputError
 from ur5lib.force.sensor import move_to_frame_6, wrench_of_environment
-from ur5lib.lab.stand.controller_channels import frames
-from ur5lib.lab.stand.drive import drive_of, motion_share
-from ur5lib.lab.stand.friction import (
+from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
+from ur5lib.stand.controller_channels import frames
+from ur5lib.stand.drive import drive_of, motion_share
+from ur5lib.stand.friction import (
     COULOMB_WARMING,
     LOAD_SHARE,
     VISCOUS_WARMING,
     BristleFriction,
     friction_of,
 )
-from ur5lib.lab.stand.plan import POSTURE, SimulatedRecording
-from ur5lib.lab.stand.rig import STEP, Experiment, perform
-from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
+from ur5lib.stand.plan import POSTURE, SimulatedRecording
+from ur5lib.stand.rig import STEP, Experiment, perform
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 

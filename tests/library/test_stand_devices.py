@@ -15,13 +15,6 @@ from tests.real_arms import RealStudy
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.estimators import Run, controller
 from ur5lib.force.sensor import fit_offset, move_to_frame_6, wrench_of_environment
-from ur5lib.lab.stand.faults import (
-    FIRST_PART_BYTES,
-    LATE_PACKET_INTERVAL,
-    receipts_with_late_packets,
-)
-from ur5lib.lab.stand.plan import SimulatedRecording
-from ur5lib.lab.stand.simulate import Format, simulate
 from ur5lib.recordings.entries import ThesisFiles
 from ur5lib.recordings.intake import Intake
 from ur5lib.recordings.realtime_stream import read_stream
@@ -30,6 +23,13 @@ from ur5lib.records.carried import configured_payload
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.signals.own_clocks import own_clocks
+from ur5lib.stand.faults import (
+    FIRST_PART_BYTES,
+    LATE_PACKET_INTERVAL,
+    receipts_with_late_packets,
+)
+from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.simulate import Format, simulate
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import channel, read_json, read_table
 from ur5lib.timeseries.arrays import Array

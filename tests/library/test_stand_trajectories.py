@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from ur5lib.errors import InputError
-from ur5lib.lab.stand.plan import POSTURE, Fourier, Movej, Standstill
-from ur5lib.lab.stand.trajectories import INITIAL_REST, Targets, plan_targets, read_way_points
 from ur5lib.recordings.entries import ThesisFiles
 from ur5lib.recordings.thesis_csv import read_thesis_csv
 from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.stand.plan import POSTURE, Fourier, Movej, Standstill
+from ur5lib.stand.trajectories import INITIAL_REST, Targets, plan_targets, read_way_points
 from ur5lib.tables import channel
 
 TIME = np.arange(0, 20, 0.001)

@@ -29,12 +29,12 @@ from ur5lib.checks.exchanged_channels import roughness
 from ur5lib.checks.innovations import innovation_likelihoods
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.torques import foreign_torque, given_load
-from ur5lib.lab.stand.plan import SimulatedRecording
-from ur5lib.lab.stand.simulate import simulate
 from ur5lib.records.carried import carried
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.statics import load_torque
+from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.simulate import simulate
 from ur5lib.strict import read_yaml
 from ur5lib.study.model import Recording
 from ur5lib.study.reading import parse_study

@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from ur5lib.lab.stand.plan import Imu
 from ur5lib.records.clocks import SettledClock
 from ur5lib.records.forces import Forces
 from ur5lib.records.friction import Friction, Parameter
@@ -20,6 +19,7 @@ from ur5lib.report.results import Results
 from ur5lib.report.views.first_screen import beside_truth
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.smoothing.fused_motion import no_fused_motion
+from ur5lib.stand.plan import Imu
 from ur5lib.steps.compare_with_truth import (
     Row,
     clock_rows,

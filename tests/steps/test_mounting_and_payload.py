@@ -8,11 +8,11 @@ import pytest
 
 from tests.made_records import motion_of
 from ur5lib.identification.current_samples import current_record
-from ur5lib.lab.stand.controller_channels import frames
-from ur5lib.lab.stand.plan import SimulatedRecording
-from ur5lib.lab.stand.rig import Experiment, perform
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, load_robot
+from ur5lib.stand.controller_channels import frames
+from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.rig import Experiment, perform
 from ur5lib.steps.compute_torques import RecordingTorques, compute_torques
 from ur5lib.steps.identify_model import identify_model
 from ur5lib.tables import write_table, write_text

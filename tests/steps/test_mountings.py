@@ -10,10 +10,10 @@ import pytest
 
 from tests.steps.made_evidence import evidence
 from ur5lib.identification.current_samples import current_record
-from ur5lib.lab.stand.plan import ForceSensor, Imu
 from ur5lib.records.signals import Signals
 from ur5lib.records.truth import TrueParameters, Truth
 from ur5lib.robots.description import Robot
+from ur5lib.stand.plan import ForceSensor, Imu
 from ur5lib.steps.align_recording import align_recording
 from ur5lib.steps.calibrate_imu import calibrate_imu
 from ur5lib.steps.compute_torques import compute_torques

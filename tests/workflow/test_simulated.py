@@ -91,7 +91,7 @@ def test_deleted_files_are_made_again_to_the_byte(made: Workflow) -> None:
             HELD | {"read_recording": 1},
         ),
         ("points.txt", "0.5", "0.6", MOVED | {"read_recording": 1}),
-        ("ur5lib/lab/stand/friction.py", "0.054", "0.055", BOTH),
+        ("ur5lib/stand/friction.py", "0.054", "0.055", BOTH),
         ("ur5lib/robots/ur5.yaml", "1.61", "1.62", DESCRIBED | BOTH),
     ],
 )

@@ -9,9 +9,9 @@ import pytest
 import yaml
 
 from tests.conftest import Workflow, copy_project
-from ur5lib.lab.stand.plan import SimulatedRecording
-from ur5lib.lab.stand.simulate import simulate
 from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.simulate import simulate
 from ur5lib.tables import read_json
 
 PUSHES = [

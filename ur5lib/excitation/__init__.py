@@ -1,1 +1,1 @@
-"""Trajectories designed to determine an arm's parameters, to be recorded next."""
+"""What recordings have told of an arm's parameters, and what others would."""

@@ -5,9 +5,9 @@ from typing import Self
 
 import numpy as np
 
-from ur5lib.lab.stand.plan import Imu
 from ur5lib.records.table import JOINTS, SIX, Table, channel
 from ur5lib.robots.description import Payload, Vector3
+from ur5lib.stand.plan import Imu
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.sampling import interpolated
 
@@ -61,7 +61,7 @@ class TrueDrive:
 
 @dataclass(frozen=True)
 class TrueParameters:
-    """What estimates are compared with of truth.json, which `ur5lib.lab.stand.truth` writes.
+    """What estimates are compared with of truth.json, which `ur5lib.stand.truth` writes.
 
     model: simulated link model; friction: `FrictionParameters` (n,) of the stand, by name; clocks:
     `offset_s` and `drift_ppm` by device.

@@ -11,7 +11,6 @@ from scipy.stats import norm, t
 
 from ur5lib.dynamics.flange import point_acceleration
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.lab.stand.plan import Imu
 from ur5lib.records.accelerations import COMPONENTS, Accelerations
 from ur5lib.records.clocks import SettledClock
 from ur5lib.records.forces import Forces
@@ -22,6 +21,7 @@ from ur5lib.records.table import WRENCH, WRENCH_UNITS
 from ur5lib.records.truth import COLUMNS, TrueDrive, TrueParameters, Truth
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import ImuCalibration
+from ur5lib.stand.plan import Imu
 from ur5lib.tables import json_text, read_record
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth, inner_lowpass

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from ur5lib.lab.stand.plan import SimulatedRecording
-from ur5lib.lab.stand.simulate import Format, simulate
 from ur5lib.robots.description import Robot
+from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.simulate import Format, simulate
 
 
 def simulate_recording(

@@ -11,9 +11,6 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
-from ur5lib.lab.recorder.device_settings import LabSettings
-from ur5lib.lab.stand import layout
-from ur5lib.lab.stand.plan import SimulatedRecording
 from ur5lib.recordings.entries import (
     ChannelFiles,
     Files,
@@ -25,9 +22,12 @@ from ur5lib.recordings.entries import (
 )
 from ur5lib.records.quality import SENSORS
 from ur5lib.robots.description import Gravity, Payload, Vector3
+from ur5lib.stand import layout
+from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.strict import PathText, Strict, existing_file
 from ur5lib.study.accept import Accept
 from ur5lib.study.arms import ArmSettings, MountingSetting, Name, NamedArm, Tool
+from ur5lib.study.devices import LabSettings
 
 ORDER_TEXT = "order of the Butterworth filter, which runs forwards and backwards"
 CUTOFF_TEXT = (

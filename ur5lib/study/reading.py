@@ -20,8 +20,8 @@ from pydantic_core import ErrorDetails
 
 from ur5lib.channels import TORQUE
 from ur5lib.errors import InputError, some
-from ur5lib.lab.stand import layout
 from ur5lib.robots.description import PROJECT_FOLDER, load_robot, robot_path
+from ur5lib.stand import layout
 from ur5lib.strict import FAST_DUMPER, expect_few_values, explain, quoted, read_yaml
 from ur5lib.study.accept import joined
 from ur5lib.study.model import Study

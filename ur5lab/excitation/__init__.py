@@ -1,0 +1,1 @@
+"""Trajectories designed to determine an arm's parameters, to be recorded next."""

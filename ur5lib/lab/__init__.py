@@ -1,1 +1,0 @@
-"""A laboratory: its recorder, a virtual test stand, and doubles of its devices on that stand."""
