@@ -52,10 +52,8 @@ def test_a_shell_completes_commands() -> None:
     [
         ("chek x.yaml", "check"),
         ("export --robot ur5ee", "ur5e"),
-        ("excite --robot UR-5ee --write x", "ur5e"),
         ("export --robot ur5 --to urfd", "urdf"),
         ("export --robot ur5 --model C+rotor", "C+rotors"),
-        ("excite --robot ur5 --write x --question modle", "model"),
         ("fetch tesis", "thesis"),
         ("compare . . --fail-on forse", "force"),
     ],
@@ -83,7 +81,6 @@ LONG = "a" * 300
         f"convert {LONG}",
         f"export --robot ur5 --results {LONG}",
         f"new {LONG}",
-        f"excite --robot ur5 --write {LONG}",
         f"describe {LONG}",
     ],
 )

@@ -52,6 +52,14 @@ def test_a_study_that_is_not_built_is_told(tmp_path: Path, run_ur5: Command) -> 
     )
 
 
+def test_a_name_that_no_file_can_have_is_told_in_a_sentence(run_ur5: Command) -> None:
+    name = 300 * "a"
+    answer = run_ur5("leaderboard", name)
+    assert answer.status == 1
+    assert answer.err.startswith(f"ur5: {name}")
+    assert answer.err.count("\n") == 1
+
+
 def test_a_study_without_contacts_is_told(study: Path, run_ur5: Command) -> None:
     answer = run_ur5("leaderboard", study)
     assert answer.status == 1

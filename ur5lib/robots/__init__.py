@@ -1,1 +1,1 @@
-"""Arms as data: descriptions, statics, inverse kinematics, collisions, exports."""
+"""Arms as data: descriptions, statics, inverse kinematics, exports."""
