@@ -6,11 +6,10 @@ Takes results/<study> as built; by default that of `make`, of a ur5. Each path o
 to fit on is left out in turn, with its day if other days have enough paths: friction, residual
 model and threshold come from the other recordings, by the workflow's own steps, and what was left
 out is treated as a recording to validate on. Then each recording to fit on is the only one. Alarms
-are counted on recordings without contact, loaded or not, those from past currents alone
-(`causal`) too: all of them are false. The largest force
+are counted on recordings without contact, loaded or not: all of them are false. The largest force
 in an alarm is given in its standard deviations. Of each joint, the share of the current inside its
 band, by what the joint does, too, with the factor of the band that would hold 95 %, and by how much
-friction in motion differs from the predicted one. Causal alarms are given by date, too. The
+friction in motion differs from the predicted one. The
 rigid-body model stays the study's: the controller's own torque tells it, not the currents.
 `--quick` does a part of all this.
 """
@@ -56,7 +55,7 @@ from ur5lib.steps.estimate_forces import estimate_forces
 from ur5lib.steps.estimate_load import estimate_load
 from ur5lib.steps.fit_friction import fit_friction
 from ur5lib.steps.fit_residuals import fit_residuals
-from ur5lib.steps.judge_contacts import alarms_by_odds, live_alarms, strongest
+from ur5lib.steps.judge_contacts import alarms_by_odds, strongest
 from ur5lib.steps.predict_currents import predict_currents
 from ur5lib.steps.set_threshold import set_threshold
 from ur5lib.study.model import Settings
@@ -333,11 +332,6 @@ class Fold:
                         own.day,
                     ]
                 )
-            if (odds := forces.causal_log_odds) is not None:
-                raised = live_alarms(odds, thresholds.get("causal", 0.0))
-                lasted = sum(last - first for first, last in raised) * minute
-                figures = len(raised), len(odds) * minute, lasted, np.nan, own.day
-                rows.append([own.name, "causal", *figures])
         return pd.DataFrame(rows, columns=ALARMS)
 
 
@@ -384,12 +378,7 @@ def built_folds(
             report_alarms(label, found[-1])
             yield fold, tested
     if found:
-        together = pd.concat(found)
-        report_alarms(f"{title}, all together", together)
-        causal = together[together["estimate"] == "causal"]
-        for date, own in causal.groupby("date"):
-            minutes = own["minutes"].sum()
-            print(f"{'':>14}{date or 'undated'}: {own['alarms'].sum() / minutes:.2f} causal")
+        report_alarms(f"{title}, all together", pd.concat(found))
 
 
 def predicted(fold: Fold, own: Recording) -> Iterator[dict[str, Any]]:

@@ -22,8 +22,9 @@ import torch
 from benchmarks.harness.drawn_pushes import drawn_pushes
 from benchmarks.harness.options import arm_options, built
 from ur5lib.errors import InputError
-from ur5lib.force.live import CONTACT, UNKNOWN, Live
-from ur5lib.force.live_file import Measured, follow, learned
+from ur5lib.force.live import Live
+from ur5lib.force.live_file import learned
+from ur5lib.force.live_recording import Measured, follow
 from ur5lib.robots.description import load_robot
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
@@ -121,7 +122,7 @@ def on_date(
         if dates[own.name] == date and own.measured is not None:
             found = follow({**own.arm, **known}, own.measured)
             row = {"date": date, "recording": own.name, "alarms": len(found.alarms())}
-            row |= {"minutes": len(own.q) * own.period / 60, "known": found.known()}
+            row |= {"minutes": len(own.q) * own.period / 60, "known": float(found.known.mean())}
             row |= held_push(own, known) | dict(zip(*drawn(own, known), strict=True))
             print(row, flush=True)
             yield row
@@ -164,9 +165,9 @@ def drawn(run: Run, known: dict[str, Any]) -> tuple[list[str], list[float]]:
     edges = np.flatnonzero(np.diff(np.concatenate([[False], size > HELD, [False]])))
     delays = []
     for first, last in edges.reshape(-1, 2):
-        contact = [k for k in range(first, last) if found.contact[k] == CONTACT]
-        if UNKNOWN not in found.contact[first:last]:
-            delays.append((contact[0] - first) * run.period if contact else np.inf)
+        inside = found.contact[first:last]
+        if found.known[first:last].all():
+            delays.append(int(np.argmax(inside)) * run.period if inside.any() else np.inf)
     late = np.array(delays)
     names = ["pushes", "found", "delay"]
     seen = late[np.isfinite(late)]

@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 
 from ur5lib.force.live import STATES, Live
-from ur5lib.force.live_file import CONSTANTS, Measured, numbers
+from ur5lib.force.live_file import CONSTANTS, numbers
+from ur5lib.force.live_recording import Measured
 from ur5lib.records.friction import CoefficientEstimate, CurrentFit, Friction, JointFit
 from ur5lib.robots import newton_euler
 from ur5lib.robots.description import Robot, load_robot, robot_path

@@ -7,7 +7,7 @@ import numpy as np
 
 from ur5lib.force.external_torque import States, finite_rows
 from ur5lib.force.force_input import Gears
-from ur5lib.force.live_file import Measured
+from ur5lib.force.live_recording import Measured
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import unbroken
 

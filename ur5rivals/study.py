@@ -10,7 +10,8 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
 from ur5lib.force.force_input import Gears, force_input
-from ur5lib.force.live_file import Measured, numbers
+from ur5lib.force.live_file import numbers
+from ur5lib.force.live_recording import Measured
 from ur5lib.force.published import controller_estimate
 from ur5lib.identification.current_samples import current_record
 from ur5lib.identification.currents import (

@@ -31,8 +31,10 @@ from ur5lib.commands.convert import write_recordings
 from ur5lib.commands.exported import exported
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
+from ur5lib.force.live import Live
 from ur5lib.importing.contents import UserStatement
 from ur5lib.importing.files import import_files
+from ur5lib.records.signals import Signals
 from ur5lib.tables import read_csv, read_json
 
 FRICTION = ["torque_constant", "offset", "coulomb", "viscous", "load"]
@@ -267,11 +269,35 @@ def test_what_the_live_estimator_needs_is_exported(results: Path, tmp_path: Path
     shutil.copytree(results / "parameters", tmp_path / "parameters")
     for part in ("tables", "recordings", "configuration.yaml"):
         (tmp_path / part).symlink_to(results / part)
-    path = tmp_path / "parameters" / "ur5" / "friction.json"
-    friction = read_json(path) | {"refused": {"code": "short recordings", "values": {"seconds": 2}}}
-    path.write_text(json.dumps(friction))
+    path = tmp_path / "parameters" / "ur5" / "live.json"
+    refused = {"refused": {"code": "short recordings", "values": {"seconds": 2}}}
+    path.write_text(json.dumps(read_json(path) | refused))
     with pytest.raises(InputError, match="no force of ur5 is stated: "):
         exported("ur5", None, "live", tmp_path, "")
+
+
+@pytest.mark.parametrize("name", ["way_points_pushed", "standstill_pushed"])
+def test_the_report_shows_what_the_exported_estimator_states(results: Path, name: str) -> None:
+    """Fed sample by sample: its wrench, and the contacts of the causal columns."""
+    study = FinishedStudy(results)
+    run, stated = study.record(Signals, name), study.frame(name, "live_forces")
+    estimator = Live(json.loads(exported("ur5", None, "live", results, name)))
+    assert run.actual_q is not None
+    assert run.actual_qd is not None
+    assert run.actual_current is not None
+    samples = zip(run.time, run.actual_q, run.actual_qd, run.actual_current, strict=True)
+    answers = [estimator.step(*sample) for sample in samples]
+    wrench = stated[[f"live_{part}" for part in ("Fx", "Fy", "Fz", "nx", "ny", "nz")]]
+    np.testing.assert_allclose(wrench, [one.wrench for one in answers], rtol=0, atol=1e-9)
+    contact = np.array([one.contact for one in answers])
+    np.testing.assert_array_equal(stated["contact"], contact == "contact")
+    np.testing.assert_array_equal(stated["known"], contact != "unknown")
+    detection = study.table("detection").query("recording == @name and estimate == 'Fmap'")
+    alarms = np.count_nonzero(np.diff(np.append(0, contact == "contact")) > 0)
+    minutes = len(run.time) * run.period / 60
+    assert (detection["causal_alarms_per_min"] * minutes).round(6).unique() == [alarms]
+    assert detection["causal_unknown"].unique() == pytest.approx([np.mean(contact == "unknown")])
+    assert (detection["causal_found"] <= alarms).all()
 
 
 @pytest.mark.parametrize("name", ["way_points_pushed", "standstill_pushed"])

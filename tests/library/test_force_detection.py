@@ -13,7 +13,6 @@ from ur5lib.force.detection import (
     compare,
     force_alarms,
     force_threshold,
-    live_alarms,
     match,
     overlap,
     pushes_above,
@@ -40,13 +39,6 @@ def test_each_recording_counts_for_as_long_as_it_lasts() -> None:
     threshold = alarm_threshold([often, seldom], [0.002, 0.01], per_minute=1)
     assert 4.0 < threshold <= 5.0
     assert alarm_threshold([seldom, often], [0.01, 0.002], per_minute=1.3) == threshold
-
-
-def test_a_live_alarm_starts_where_the_threshold_is_reached() -> None:
-    odds = np.array([-5, -1, 1, 3, -1, -5.0])
-    assert alarms(odds, 0.0) == [(1, 5)]
-    assert live_alarms(odds, 0.0) == [(2, 5)]
-    assert live_alarms(odds, 2.0) == [(3, 4)]
 
 
 def test_contacts_found_missed_and_made_up() -> None:

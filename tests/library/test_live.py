@@ -14,9 +14,10 @@ import pytest
 from tests.conftest import PROJECT
 from tests.live_arm import PERIOD, arm_file, friction, hostile, push, robot, samples
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, RefusalError
 from ur5lib.force.live import CONTACT, FREE, UNKNOWN, Answer, Live
-from ur5lib.force.live_file import MIN_LOG_ODDS, Measured, follow, learned, numbers
+from ur5lib.force.live_file import MIN_LOG_ODDS, learned, numbers
+from ur5lib.force.live_recording import Measured, follow
 from ur5lib.robots.description import load_robot, robot_path
 
 HEADER = PROJECT / "ur5lib" / "force"
@@ -85,8 +86,50 @@ def fed(estimator: Live, stream: Iterable[Sample]) -> list[Answer]:
 
 def stream_of(run: Measured) -> list[Sample]:
     """Return a recording as samples."""
-    assert run.qd is not None
-    return [*zip(run.time, run.q, run.qd, run.current, strict=True)]
+    velocities = [None] * len(run.time) if run.qd is None else run.qd
+    return [*zip(run.time, run.q, velocities, run.current, strict=True)]
+
+
+def damaged(run: Measured) -> Measured:
+    """Return a recording with missing values, gaps, a turn that no joint makes, a repeated time."""
+    random, count = np.random.default_rng(0), len(run.time)
+    time, q = run.time.copy(), run.q.copy()
+    q[random.random(q.shape) < 0.002] = np.nan
+    q[count // 4 : count // 4 + 20] = np.nan
+    q[count // 3 :, 1] += 1.0
+    time[count // 2 :] += 3.0
+    time[-50] = time[-51]
+    return run._replace(time=time, q=q)
+
+
+@AT_REST_AND_IN_MOTION
+@pytest.mark.parametrize(
+    "change",
+    [damaged, lambda run: run, lambda run: run._replace(qd=None)],
+    ids=["damaged", "whole", "without velocities"],
+)
+def test_a_recording_is_followed_as_sample_by_sample(moving: bool, change: Any) -> None:
+    """In blocks, whatever ends a run, and whether slow errors are learnt from or not."""
+    run = change(samples(14.0, moving, push(7.0, 9.0, 20.0, -25.0, 15.0)))
+    for arm in (arm_file(), arm_file(1.0, slow=5.0)):
+        found, estimator = follow(arm, run), Live(arm)
+        answers = fed(estimator, stream_of(run))
+        for own, expected in (
+            (found.wrench, [one.wrench for one in answers]),
+            (found.std, [one.std for one in answers]),
+            (found.torque[-1], estimator.torque),
+            (found.evidence[-1], estimator.evidence),
+        ):
+            np.testing.assert_allclose(own, expected, rtol=0, atol=1e-9)
+        stated = np.where(found.contact, CONTACT, np.where(found.known, FREE, UNKNOWN))
+        assert stated.tolist() == [one.contact for one in answers]
+        assert {*stated} == {CONTACT, FREE, UNKNOWN}
+
+
+def test_nothing_is_learnt_from_rare_samples() -> None:
+    run = samples(20.0, True)
+    with pytest.raises(RefusalError, match="rare samples live"):
+        learned([(arm_file(), run._replace(period=0.1))], 5, 1.0)
 
 
 def test_each_fault_of_the_stream_has_its_answer() -> None:
@@ -123,7 +166,7 @@ def test_a_speed_that_was_never_seen_widens_the_band() -> None:
     arm, slower = arm_file(), arm_file() | {"speed": [0.15] * 6}
     usual, unseen = follow(arm, run), follow(slower, run)
     fast = (np.abs(run.qd) > 0.15).any(axis=1) & (run.time > 1.5)
-    assert {unseen.contact[k] for k in np.flatnonzero(fast)} == {UNKNOWN}
+    assert not unseen.known[fast].any()
     assert (unseen.std[fast] >= usual.std[fast] - 1e-9).all()
     assert unseen.std[fast, :3].mean() > 1.2 * usual.std[fast, :3].mean()
 

@@ -35,7 +35,6 @@ from ur5lib.records import clocks
 from ur5lib.robots import friction
 from ur5lib.signals import clock, device_clock
 from ur5lib.smoothing import noise
-from ur5lib.steps import fit_residuals as residual_fit
 from ur5lib.thesis import current_based as thesis
 from ur5lib.thesis import gains
 from ur5lib.timeseries import segments
@@ -128,7 +127,6 @@ def statements() -> Iterator[str]:
     yield f"| margin | {wrench_estimate.CONTACT_MARGIN:g} s |"
     yield f"| κ | {missed_contacts.MISSED_DEVIATIONS:g} |"
     yield f"| smoothing at rest | {wrench_estimate.REST_SMOOTHING:g} s |"
-    yield f"the factor {residual_fit.CAUSAL_ERROR_FACTOR:g} on errors of the past alone"
     yield f"κ is {missed_contacts.MISSED_DEVIATIONS:g}."
     yield f"a force that does not count as contact ({PRIOR.quiet:g} N)"
     yield (

@@ -553,14 +553,14 @@ def test_a_wrench_that_is_not_used_is_named() -> None:
         (
             "seen",
             "False alarms in 1.0 minutes of validate recordings without an undeclared load: 2, "
-            "that is at most 6.3 a minute (95 %); no day without a fit recording tests them; from "
-            "past currents alone, 3.",
+            "that is at most 6.3 a minute (95 %); no day without a fit recording tests them; the "
+            "live estimate, which knows in 75 % of the time, raises 3.",
         ),
         ("fitted", "No validate recording without an undeclared load shows how many alarms"),
     ],
 )
 def test_false_alarms_stand_on_the_card_of_force(recording: str, told: str) -> None:
-    rates = {"alarms_per_min": 2.0, "causal_alarms_per_min": 3.0}
+    rates = {"alarms_per_min": 2.0, "causal_alarms_per_min": 3.0, "causal_unknown": 0.25}
     searched = [{"recording": recording, "estimate": "Fmap", **rates}]
     assert told in judge_force(study(force_mae=touched(4.0), detection=searched)).evidence
 
@@ -575,6 +575,7 @@ def test_false_alarms_are_counted_by_the_minute_not_by_the_recording() -> None:
     table["duration_s"] = table["recording"].map(lengths).fillna(60.0)
     rates = {"estimate": "Fmap", "alarms_per_min": 4.0, "causal_alarms_per_min": 2.0}
     rates |= {"contacts": 1, "found": 1, "merged": 0, "causal_found": 1}
+    rates |= {"causal_unknown": 0.0}
     still = rates | {"alarms_per_min": 0.0, "causal_alarms_per_min": 0.0, "recording": "fitted"}
     rows = [rates | {"recording": "seen", "force_class_n": force} for force in (3.0, 5.0)]
     tables = {**results.tables, "detection": pd.DataFrame([*rows, still])}
@@ -583,7 +584,7 @@ def test_false_alarms_are_counted_by_the_minute_not_by_the_recording() -> None:
     evidence = judge_force(judged).evidence
     assert "in 2.0 minutes" in evidence
     assert "load: 6, that is at most" in evidence
-    assert "from past currents alone, 3." in evidence
+    assert "which knows in 100 % of the time, raises 3." in evidence
 
 
 def test_causal_alarms_are_stated_on_dates_that_no_fit_has_seen() -> None:
@@ -601,16 +602,22 @@ def test_causal_alarms_are_stated_on_dates_that_no_fit_has_seen() -> None:
         for name, own in rates.items()
     ]
     tables = study(force_mae=touched(4.0)).tables | {
-        "detection": pd.DataFrame(found).assign(force_class_n=np.nan),
+        "detection": pd.DataFrame(found).assign(force_class_n=np.nan, causal_unknown=0.0),
         "recordings": pd.DataFrame(
             [{"recording": name, "duration_s": own} for name, own in lengths.items()]
         ),
     }
     judged = Results({"recordings": entries}, tables, Path())
-    assert [*false_alarms(judged).values()] == [(0, 4.0), (6, 4.0), (0, 3.0), (6, 3.0), (4, 1.0)]
+    assert [*false_alarms(judged).values()] == [
+        (alarms, minutes, 0.0)
+        for alarms, minutes in [(0, 4.0), (6, 4.0), (0, 3.0), (6, 3.0), (4, 1.0)]
+    ]
     told = " ".join(noticed_in_words(judged))
     assert "on days without a fit recording, 0 in 3.0 minutes, at most 1 a minute" in told
-    assert "past currents alone, 6, of these on days without a fit recording 6, at most 3.9" in told
+    assert (
+        "100 % of the time, raises 6, of these on days without a fit recording 6, at most 3.9"
+        in told
+    )
     assert "on the farthest 4 in 1.0 minutes" in told
 
 
@@ -732,6 +739,7 @@ def test_the_estimate_without_a_fit_is_never_called_good() -> None:
 def test_the_card_of_the_force_counts_missed_contacts_and_false_alarms() -> None:
     """Of contacts of 5 N, of quiet validate recordings; 3.0 is the Poisson limit of none seen."""
     known = {"estimate": "Fmap", "alarms_per_min": 0.0, "causal_alarms_per_min": 1.0}
+    known |= {"causal_unknown": 0.0}
     counts = {"force_class_n": 5.0, "contacts": 4, "found": 2, "merged": 1, "causal_found": 1}
     rows = [
         known | counts | {"recording": "seen"},
@@ -754,17 +762,17 @@ def test_the_card_of_the_force_counts_missed_contacts_and_false_alarms() -> None
     assert numbers["false alarms, at most (95 %)"] == (pytest.approx(3.0, abs=0.01), "a minute")
     told = said(card)
     assert "Of 8 contacts of 5 N or more at the sensor, 2 are missed (up to 21 N)" in told
-    assert "2 merged with another one, and found from 20 N on; from past currents alone, 2" in told
+    assert "2 merged with another one, and found from 20 N on; the live estimate finds 2" in told
     assert "False alarms: 0 in 1.0 min without contact, at most 3 a minute" in card.sentence
     assert "in 1.0 minutes" in told
     assert ": 0, that is at most 3 a minute (95 %); no day without a fit recording" in told
-    assert "from past currents alone, 1." in told
+    assert "in 100 % of the time, raises 1." in told
 
 
 def test_alarms_on_days_without_a_fit_are_counted_by_themselves() -> None:
     row = {"recording": "seen", "estimate": "Fmap", "alarms_per_min": 2.0}
     results = study(detection=[row])
-    for day, expected in (("2026-03-01", None), ("2026-03-02", (2, 1.0))):
+    for day, expected in (("2026-03-01", None), ("2026-03-02", (2, 1.0, 0.0))):
         dates = {"fitted": "2026-03-01", "seen": day}
         entries = [one | {"date": dates.get(one["name"])} for one in results.study["recordings"]]
         dated = replace(results, study={**results.study, "recordings": entries})

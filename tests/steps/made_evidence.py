@@ -8,7 +8,7 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.records.carried import Carried
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.forces import Forces
+from ur5lib.records.forces import Forces, LiveForces
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Alignment, Motion
 from ur5lib.records.prediction import Prediction
@@ -52,6 +52,7 @@ def evidence(
         "currents": Currents(**grid),
         "prediction": Prediction(False),
         "forces": Forces(**grid),
+        "live": LiveForces(**grid),
         "friction": Friction(),
         "residuals": Residuals(),
         "threshold": {},

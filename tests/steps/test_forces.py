@@ -55,15 +55,14 @@ PERIOD = 0.016
 
 def recording(arm: Robot, run: Free, controller: Array | None = None) -> Evidence:
     """What is known of a run before its forces; controller: its own wrench from currents (N, 6)."""
-    torques = dict.fromkeys(("external_torque", "causal_torque"), run.torque)
     nothing, qdd = 0 * run.q, np.gradient(run.qd, run.time, axis=0)
     return evidence(
         arm,
         signals_of(run.time, run.q, wrench_calc_from_currents=controller),
         motion_of(run.time, run.q, run.qd, qdd),
         Kinematics.of(run.time, run.rotation, nothing[:, :3], run.jacobian),
-        currents=Currents(**stretch(run.time), load_doubt=nothing, **torques),
-        residuals=Residuals(MODEL, MODEL),
+        currents=Currents(**stretch(run.time), load_doubt=nothing, external_torque=run.torque),
+        residuals=Residuals(MODEL),
         friction=Friction(from_=["free"]),
     )
 
@@ -97,7 +96,6 @@ def test_every_estimate_has_its_band_and_its_odds(ur5: Robot) -> None:
         (forces.wrench, (count, 6)),
         (forces.std, (count, 6)),
         (forces.log_odds, (count,)),
-        ({"causal": forces.causal_log_odds}, (count,)),
         ({"background": forces.background}, (count, 6)),
     ]
     for arrays, shape in shapes:
@@ -328,7 +326,6 @@ def test_residuals_of_few_paths_are_wider(ur5: Robot, friction: Friction) -> Non
     assert (models[1].spread > models[5].spread).any()
     assert found[1].remarks[0] == remark("one path of all")
     assert [len(found[paths].remarks) for paths in (1, 2, 5)] == [2, 1, 0]
-    assert found[5].tau_causal is not None
     np.testing.assert_array_equal(models[5].breakaway, breakaway_torque(friction.fit))
 
 
@@ -374,9 +371,8 @@ def test_without_a_fit_there_are_no_residuals(ur5: Robot) -> None:
 
 @pytest.mark.parametrize("in_reference", [True, False])
 def test_a_threshold_counts_minutes_of_mixed_rates(ur5: Robot, in_reference: bool) -> None:
-    """Causal odds have a threshold of their own; F̂ᵘ pushes thrice, as long as the peaks.
-
-    It is the controller's, in a study without published values.
+    """F̂ᵘ pushes thrice, as long as the peaks; it is the controller's, in a study without published
+    values.
     """
     forces, signals, published = {}, {}, {}
     for name, period, peaks in (("fast", 0.002, [2.0, 4, 6]), ("slow", 0.01, [3.0, 5, 7])):
@@ -384,12 +380,11 @@ def test_a_threshold_counts_minutes_of_mixed_rates(ur5: Robot, in_reference: boo
         odds[[round(second / period) for second in (10, 30, 50)]] = peaks
         time = period * np.arange(len(odds))
         force = 2 * np.outer(odds + 5, [0, 1, 0, 9, 9, 9])  # N, Nm
-        forces[name] = Forces(**stretch(time), log_odds={"Fmap": odds}, causal_log_odds=odds - 1)
+        forces[name] = Forces(**stretch(time), log_odds={"Fmap": odds})
         signals[name] = signals_of(time, 0 * force, actual_TCP_force=force)
         published[name] = PublishedForces(**stretch(time), corrected={"Fu": force})
     found = set_threshold(forces, signals, ur5, 1.0, published if in_reference else None)
-    assert found.keys() == {"Fmap", "Fu", "causal"}
-    assert found["causal"] == pytest.approx(found["Fmap"] - 1)
+    assert found.keys() == {"Fmap", "Fu"}
     assert 20 < found["Fu"] <= 20.5  # N, of 14, 16, 18, 20, 22, 24
     assert 5.0 < found["Fmap"] < 5.01  # two minutes allow two alarms: 6 and 7
 

@@ -8,19 +8,16 @@ import numpy as np
 from ur5lib import __version__
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
-from ur5lib.force.detection import CONTACT_FORCE
-from ur5lib.force.live_file import Measured, follow, learned, numbers
-from ur5lib.force.residual_model import Residuals
-from ur5lib.identification.samples import path_of
-from ur5lib.records.forces import SensorWrenches
+from ur5lib.force.detection import in_contact
+from ur5lib.force.live_file import LiveFit, numbers
+from ur5lib.jobs.unreadable import reason
+from ur5lib.records.forces import LiveForces, SensorWrenches
 from ur5lib.records.friction import Friction
-from ur5lib.records.prediction import Prediction
 from ur5lib.records.signals import Signals
 from ur5lib.records.wording import in_words
-from ur5lib.robots.description import Robot
 from ur5lib.study.model import Recording
-from ur5lib.tables import json_text, read_record
-from ur5lib.timeseries.trajectories import group_by_path
+from ur5lib.tables import json_text
+from ur5lib.timeseries.segments import runs
 
 FORMAT = "ur5lib live 1"
 UNITS = "SI: m, kg, s, rad, N, Nm, A; links in the axes of their joint, joints from 1"
@@ -34,73 +31,50 @@ def live_arm(study: FinishedStudy | None, robot: str, as_in: str) -> str:
     if study is None:
         raise InputError("--to live is what a study fitted; name its folder by --results")
     arm, friction = study.arm(robot), study.parameters(Friction, robot, "friction")
-    refused = study.parameters(Residuals, robot, "residuals").refused
-    for remark in (friction.stopped, friction.refused, refused):
-        if remark is not None:
-            raise InputError(f"no force of {robot} is stated: {in_words(remark)}")
-    entries = [one for one in study.configuration().recordings if one.arm.known_as == robot]
-    runs = {entry.name: run for entry in entries if (run := _measured(study, arm, entry))}
-    fitted = [name for name in friction.from_ if name in runs]
-    if not fitted:
+    live = study.parameters(LiveFit, robot, "live")
+    if live.refused is not None:
+        raise InputError(f"no force of {robot} is stated: {in_words(live.refused)}")
+    if not live.known:
         raise InputError(
             f"{study.folder} has no recording without contact that {robot} was fitted to; add one "
             "of the role `fit`, with currents"
         )
-    paths = [
-        path_of(run.q, np.gradient(run.q, run.period, axis=0), run.period)
-        for run in (runs[name][1] for name in fitted)
-    ]
-    allowed = study.configuration().settings.alarms.false_per_min
-    known = learned([runs[name] for name in fitted], len(set(group_by_path(paths))), allowed)
+    entries = [one for one in study.configuration().recordings if one.arm.known_as == robot]
     mounted = arm.mounted(study.recording(as_in).known_gravity()) if as_in else arm
     payload = study.payload(as_in) if as_in else None
-    judged = [
-        _judged(study, entry, {**runs[entry.name][0], **known}, runs[entry.name][1])
-        for entry in entries
-        if entry.name in runs and entry.name not in fitted
-    ]
+    others = [entry for entry in entries if entry.name not in friction.from_]
     head = {"format": FORMAT, "units": UNITS, "exported_by": f"ur5lib {__version__}"}
     return json_text(
         head
         | {"arm": robot, "payload": payload and payload.model_dump(mode="json")}
         | numbers(mounted, friction, "", payload)
-        | known
-        | {"validity": _validity(study, entries, fitted), "judged_on": judged}
-        | {"fitted_on": {name: study.quality(name).read for name in fitted}}
+        | live.known
+        | {"validity": _validity(study, entries, friction.from_)}
+        | {"judged_on": [*_judged(study, others)]}
+        | {"fitted_on": {name: study.quality(name).read for name in friction.from_}}
     )
 
 
-def _measured(
-    study: FinishedStudy, arm: Robot, entry: Recording
-) -> tuple[dict[str, Any], Measured] | None:
-    """Return the arm in a recording and its samples, None at rest, unread, or with a load."""
-    folder = study.folder / "recordings" / entry.name
-    if entry.at_rest or not (folder / "currents.json").is_file():
-        return None
-    run = Measured.of(study.record(Signals, entry.name))
-    if run is None or read_record(Prediction, folder / "currents.json").is_loaded:
-        return None
-    friction = study.parameters(Friction, entry.arm.known_as, "friction")
-    mounted = arm.mounted(entry.known_gravity())
-    return numbers(mounted, friction, entry.name, study.payload(entry.name)), run
-
-
-def _judged(
-    study: FinishedStudy, entry: Recording, arm: dict[str, Any], run: Measured
-) -> dict[str, Any]:
-    """Return how the estimator does on a recording that nothing was learnt from."""
-    found = follow(arm, run)
-    row: dict[str, Any] = {"recording": entry.name, "role": entry.role}
-    row |= {"alarms": len(found.alarms()), "known_share": found.known()}
-    row |= {"minutes": len(run.time) * run.period / 60, "rmse_in_contact": None}
-    path = study.folder / "recordings" / entry.name / "sensor.parquet"
-    sensed = SensorWrenches.read(path).wrench.get("compensated") if path.is_file() else None
-    if sensed is not None:
-        touched = np.linalg.norm(sensed[:, :3], axis=1) > CONTACT_FORCE
-        if touched.any():
-            squares = ((found.wrench - sensed)[touched, :3] ** 2).sum(axis=1)
-            row["rmse_in_contact"] = float(np.sqrt(np.nanmean(squares)))
-    return row
+def _judged(study: FinishedStudy, entries: list[Recording]) -> Iterator[dict[str, Any]]:
+    """Yield how the estimator does on recordings that nothing was learnt from."""
+    for entry in entries:
+        folder = study.folder / "recordings" / entry.name
+        path = folder / "live_forces.parquet"
+        if entry.at_rest or not path.is_file() or reason(str(path)):
+            continue
+        found = LiveForces.read(path)
+        if found.wrench is None or found.contact is None or found.known is None:
+            continue
+        row: dict[str, Any] = {"recording": entry.name, "role": entry.role}
+        row |= {"alarms": len(runs(found.contact)), "known_share": float(found.known.mean())}
+        row |= {"minutes": len(found.time) * found.period / 60, "rmse_in_contact": None}
+        sensed = SensorWrenches.read(folder / "sensor.parquet").wrench.get("compensated")
+        if sensed is not None:
+            touched = in_contact(np.linalg.norm(sensed[:, :3], axis=1))
+            if touched.any():
+                squares = ((found.wrench - sensed)[touched, :3] ** 2).sum(axis=1)
+                row["rmse_in_contact"] = float(np.sqrt(np.nanmean(squares)))
+        yield row
 
 
 def _validity(study: FinishedStudy, entries: list[Recording], fitted: list[str]) -> dict[str, Any]:

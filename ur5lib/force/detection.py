@@ -35,17 +35,6 @@ def alarms(log_odds: Array, threshold: float) -> list[Span]:
     return spans(log_odds, threshold, threshold - ALARM_HYSTERESIS)
 
 
-def live_alarms(log_odds: Array, threshold: float) -> list[Span]:
-    """Return alarms as raised in real time: from the sample whose odds reach the threshold.
-
-    log_odds: (N,), causal. `alarms` start earlier, where the odds begin to rise.
-    """
-    return [
-        (first + int(np.argmax(log_odds[first:last] >= threshold)), last)
-        for first, last in alarms(log_odds, threshold)
-    ]
-
-
 def alarm_threshold(contact_free: list[Array], periods: list[float], per_minute: float) -> float:
     """Return the log-odds above which contact-free recordings raise few enough alarms a minute.
 

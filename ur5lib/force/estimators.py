@@ -47,8 +47,7 @@ class Run:
     motion: smoothed, with its `time` (N,); currents: predicted, and the external torques from them;
     kinematics: of the flange at that motion; controller: the wrench (N, 6) [N, Nm] that the
     controller computes from currents, where it was recorded; fmap: the most probable wrench;
-    causal_odds: log-odds (N,) of contact from past currents; static: the estimate without any fit,
-    where there is none.
+    static: the estimate without any fit, where there is none.
     """
 
     motion: "Motion"
@@ -56,7 +55,6 @@ class Run:
     kinematics: "Kinematics"
     controller: Array | None = None
     fmap: "WrenchEstimate | None" = None
-    causal_odds: Array | None = None
     static: Stated | None = None
 
     @property

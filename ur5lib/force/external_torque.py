@@ -71,30 +71,6 @@ def joint_states(qd: Array, segment: Labels, period: float) -> States:
     return states
 
 
-def past_states(qd: Array, segment: Labels, period: float) -> States:
-    """Return the states (N, 6) as far as past samples show them; arguments as of `joint_states`.
-
-    A joint about to start still counts as at rest, and one that slows down counts as REVERSING
-    until it has stopped.
-    """
-    states = np.full(qd.shape, JointState.MOVING, np.int8)
-    for rows in unbroken(segment):
-        slow, stretch = np.abs(qd[rows]) < REST_SPEED, states[rows]
-        stopped = ~_within_past(~slow, MIN_STOP_DURATION, period)
-        stretch[_within_past(slow, 2 * LOWPASS_REACH, period)] = JointState.REVERSING
-        stretch[stopped] = np.where(
-            _within_past(~stopped, RELAXATION_TIME, period), JointState.SETTLING, JointState.RESTING
-        )[stopped]
-        stretch[(stretch == JointState.RESTING).all(axis=1)] = JointState.STILL
-    return states
-
-
-def _within_past(where: Mask, seconds: float, period: float) -> Mask:
-    """Return the samples up to some seconds after one in the mask."""
-    window = round(seconds / period) + 1
-    return maximum_filter1d(where, window, axis=0, origin=(window - 1) // 2, mode="constant")
-
-
 def _within_reach(where: Mask, seconds: float, period: float) -> Mask:
     """Return the samples within some seconds of one in the mask."""
     return maximum_filter1d(where, 2 * round(seconds / period) + 1, axis=0, mode="nearest")

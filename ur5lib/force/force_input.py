@@ -1,6 +1,6 @@
 """A recording as the force estimates use it: motion, external torque, and the friction of gears."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -110,14 +110,9 @@ class ForceInput:
         )
 
 
-def force_input(
-    motion: Motion,
-    torque: Array,
-    currents: Currents,
-    states_of: Callable[[Array, Labels, float], States] = joint_states,
-) -> ForceInput:
+def force_input(motion: Motion, torque: Array, currents: Currents) -> ForceInput:
     """Return the measured motion and an external torque (N, 6) [Nm] of the same recording."""
-    states = states_of(motion.motor_qd, motion.segment, motion.period)
+    states = joint_states(motion.motor_qd, motion.segment, motion.period)
     return ForceInput(
         motion.q,
         motion.motor_qd,
@@ -130,16 +125,12 @@ def force_input(
     )
 
 
-def inputs(
-    recordings: Iterable[tuple[Currents, Motion]],
-    torque: str = "external_torque",
-    states_of: Callable[[Array, Labels, float], States] = joint_states,
-) -> list[ForceInput]:
-    """Return the inputs of the recordings that have an external torque, a field of `Currents`."""
+def inputs(recordings: Iterable[tuple[Currents, Motion]]) -> list[ForceInput]:
+    """Return the inputs of the recordings that have an external torque."""
     return [
-        force_input(motion, known, currents, states_of)
+        force_input(motion, currents.external_torque, currents)
         for currents, motion in recordings
-        if (known := getattr(currents, torque)) is not None
+        if currents.external_torque is not None
     ]
 
 

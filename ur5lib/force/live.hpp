@@ -202,11 +202,10 @@ class Live {
 
   void restart() noexcept {
     time_ = std::numeric_limits<double>::quiet_NaN();
-    passed_ = run_ = rested_ = evidence = above_ = quiet_for_ = 0;
+    passed_ = rested_ = evidence = 0;
     q_ = qd_ = lag_ = momentum_ = rate_ = observed = Joints{};
-    friction_ = drift_ = scale_ = rest_ = torque = slow_for_ = Joints{};
+    friction_ = drift_ = scale_ = rest_ = torque = Joints{};
     direction_ = {};
-    slow_ago_.fill(std::numeric_limits<double>::infinity());
     state.fill(MOVING);
     touched_ = at_rest_ = false;
     missed_ = 0;
@@ -294,10 +293,16 @@ class Live {
     return true;
   }
 
+  void start(double time) noexcept {
+    time_ = started_ = below_at_ = suspected_at_ = time;
+    fast_at_.fill(time);
+    slow_at_.fill(-std::numeric_limits<double>::infinity());
+  }
+
   void take(double time, const double* q, const double* qd, const double* current) noexcept {
     const bool first = std::isnan(time_);
-    passed_ = first ? 0.0 : time - time_;
-    run_ += passed_;
+    if (first) start(time);
+    passed_ = time - time_;
     velocity(q, qd, first);
     time_ = time;
     std::copy(q, q + n, q_.begin());
@@ -309,14 +314,16 @@ class Live {
     Joints load, friction;
     gears(current, load, friction);
     const Sweep swept = sweep(q_.data(), qd_.data());
-    const double gain = first ? 1.0 : gain_ * passed_ / (1 + gain_ * passed_);
+    const double gain = gain_ * passed_ / (1 + gain_ * passed_);
     for (int k = 0; k < n; ++k) {
       const double rate = load[k] + swept.rate[k];
-      if (!first) {
+      if (first) {
+        friction_[k] = friction[k];
+      } else {
         const double change = (swept.momentum[k] - momentum_[k]) / passed_ - (rate + rate_[k]) / 2;
         observed[k] += gain * (change - observed[k]);
+        friction_[k] += gain * (friction[k] - friction_[k]);
       }
-      friction_[k] += gain * (friction[k] - friction_[k]);
       momentum_[k] = swept.momentum[k];
       rate_[k] = rate;
     }
@@ -363,22 +370,22 @@ class Live {
     at_rest_ = true;
     for (int k = 0; k < n; ++k) {
       const bool slow = std::abs(qd_[k]) < rest_speed_;
-      slow_for_[k] = slow ? slow_for_[k] + passed_ : 0.0;
-      slow_ago_[k] = slow ? 0.0 : slow_ago_[k] + passed_;
-      at_rest_ = at_rest_ && slow_for_[k] >= stop_;
+      if (!slow) fast_at_[k] = time_;
+      if (slow) slow_at_[k] = time_;
+      at_rest_ = at_rest_ && time_ - fast_at_[k] >= stop_;
     }
     if (!at_rest_) rested_ = 0;
     for (int k = 0; k < n; ++k) {
-      if (slow_for_[k] >= stop_)
+      if (time_ - fast_at_[k] >= stop_)
         state[k] = !at_rest_ ? RESTING : rested_ >= settle_ ? STILL : SETTLING;
       else
-        state[k] = slow_ago_[k] <= reversal_ ? REVERSING : MOVING;
+        state[k] = time_ - slow_at_[k] <= reversal_ ? REVERSING : MOVING;
     }
   }
 
   void judge(const std::array<Wrench, MAX_JOINTS>& jacobian) noexcept {
     Joints variance{}, wider{}, touching{}, carried{};
-    bool doubtful = run_ < settle_;
+    bool doubtful = time_ - started_ < settle_;
     for (int k = 0; k < n; ++k) {
       torque[k] = observed[k] - (state[k] == STILL ? rest_[k] : drift_[k] + scale_[k] * friction_[k]);
       const double unseen = std::max(std::abs(qd_[k]) / fastest_[k], 1.0);
@@ -470,17 +477,17 @@ class Live {
   }
 
   void contact(bool doubtful) noexcept {
-    above_ = evidence >= threshold_ ? above_ + passed_ : 0.0;
+    if (evidence < threshold_) below_at_ = time_;
     if (touched_)
       touched_ = evidence >= threshold_ - hysteresis_;
     else
-      touched_ = !doubtful && above_ >= duration_;
+      touched_ = !doubtful && time_ - below_at_ >= duration_;
     answer_.contact = touched_ ? CONTACT : doubtful ? UNKNOWN : FREE;
   }
 
   void learn() noexcept {
-    quiet_for_ = touched_ || evidence > freeze_ ? 0.0 : quiet_for_ + passed_;
-    if (quiet_for_ < thaw_ || run_ < thaw_) return;
+    if (touched_ || evidence > freeze_) suspected_at_ = time_;
+    if (time_ - suspected_at_ < thaw_) return;
     const double share = passed_ / slow_;
     for (int k = 0; k < n; ++k) {
       if (state[k] == MOVING) {
@@ -491,7 +498,7 @@ class Live {
     }
     if (!at_rest_) return;
     rested_ += passed_;
-    const double own = rested_ <= settle_ ? passed_ / std::max(rested_, passed_) : share;
+    const double own = rested_ <= settle_ ? passed_ / rested_ : share;
     for (int k = 0; k < n; ++k) rest_[k] += own * (observed[k] - rest_[k]);
   }
 
@@ -509,9 +516,9 @@ class Live {
   double dead_zone_, rest_speed_, stop_, settle_, reversal_, wide_, rare_, lever_, quiet_, typical_;
   double duration_, hysteresis_, freeze_, thaw_, slow_;
   // of the run
-  double time_, passed_, run_, rested_, above_, quiet_for_;
+  double time_, passed_, rested_, started_, below_at_, suspected_at_;
   Joints q_{}, qd_{}, lag_{}, momentum_{}, rate_{}, friction_{}, drift_{}, scale_{}, rest_{};
-  Joints slow_for_{}, slow_ago_{};
+  Joints fast_at_{}, slow_at_{};
   std::array<Joints, MAX_PARTS> direction_{};
   bool touched_ = false, at_rest_ = false;
   int missed_ = 0;

@@ -43,7 +43,7 @@ class Answer(NamedTuple):
 
 
 class Sweep(NamedTuple):
-    """p = M q̇ (n,) [Nm s], Cᵀ q̇ - g (n,) [Nm], and the Jacobian (6, n) of the last frame."""
+    """p = M q̇ (..., n) [Nm s], Cᵀ q̇ - g (..., n) [Nm], Jacobian (..., 6, n) of the last frame."""
 
     momentum: Array
     rate: Array
@@ -63,6 +63,7 @@ class Live:
         turns, tails, self.mass, self.center, self.inertia = (
             np.array([link[name] for link in arm["links"]], float) for name in names
         )
+        self.joint = np.arange(len(self.mass))
         self.tail = np.tile(np.eye(4), (len(self.mass), 1, 1))
         self.tail[:, :3, :3], self.tail[:, :3, 3] = turns, tails
         self.weight = self.mass[:, None] * np.array(arm["gravity"], float)
@@ -97,11 +98,14 @@ class Live:
         self.q, self.qd, self.lag, self.momentum, self.rate, self.observed = np.zeros((6, n))
         self.friction, self.drift, self.scale, self.rest, self.torque = np.zeros((5, n))
         self.direction = np.zeros((len(self.share), n))
-        # seconds: for which each joint is slow, since it was, and of the whole arm's rest
-        self.slow_for, self.slow_ago, self.rested = np.zeros(n), np.full(n, np.inf), 0.0
-        self.evidence = self.above = self.quiet_for = 0.0
+        self.evidence, self.rested = 0.0, 0.0  # rested: seconds of the whole arm's rest
         self.touched, self.missed, self.state = False, 0, np.zeros(n, np.int64)
         self.answer = Answer(np.zeros(6), self.sizes.max(axis=0), UNKNOWN)
+
+    def start(self, time: float) -> None:
+        """Begin a run: its first sample counts as fast, of little evidence, and suspected."""
+        self.time = self.started = self.below_at = self.suspected_at = time
+        self.fast_at, self.slow_at = np.full((2, len(self.mass)), [[time], [-np.inf]])
 
     def step(self, time: float, q: Any, qd: Any, current: Any) -> Answer:
         """Return the force after a sample: time [s]; q, qd, current (n,) [rad, rad/s, A].
@@ -125,41 +129,53 @@ class Live:
         """Return whether a sample is new and possible; restart where the clock jumped."""
         if not all(one.shape == self.mass.shape for one in (q, current, qd)):
             return False
-        speed, strongest = (self.set["margin"] * most for most in (self.fastest, self.strongest))
-        possible = np.abs(time) < 1e12 and (np.abs(q) < self.set["turns"]).all()
-        possible &= (np.abs(current) <= strongest).all() and (np.abs(qd) <= speed).all()
+        possible = bool(self.possible(time, q, current, qd))
         if not possible or np.isnan(self.time):
-            return bool(possible)
+            return possible
         passed = time - self.time
         if abs(passed) > self.set["max_gap"]:
             self.restart()
             return True
-        return bool(passed > 0 and (np.abs(q - self.q) <= speed * passed + self.set["jump"]).all())
+        most = self.set["margin"] * self.fastest * passed + self.set["jump"]
+        return bool(passed > 0 and (np.abs(q - self.q) <= most).all())
+
+    def possible(self, time: Any, q: Array, current: Array, qd: Array) -> Any:
+        """Return whether samples (...) may be of this arm."""
+        usual = (np.abs(time) < 1e12) & (np.abs(q) < self.set["turns"]).all(axis=-1)
+        usual &= (np.abs(current) <= self.set["margin"] * self.strongest).all(axis=-1)
+        return usual & (np.abs(qd) <= self.set["margin"] * self.fastest).all(axis=-1)
 
     def _take(self, time: float, q: Array, qd: Array | None, current: Array) -> None:
         """Take a usable sample."""
         first = bool(np.isnan(self.time))
-        self.passed = passed = 0.0 if first else time - self.time
-        self.run += passed
-        self.qd = self._velocity(q, first) if qd is None else qd
+        if first:
+            self.start(time)
+        self.passed, self.run = time - self.time, time - self.started
+        self.qd = self.velocity(q, first) if qd is None else qd
         self.time, self.q = time, q
         # Dahl: dz = |dq| / distance (sign dq - z), solved exactly; dq by q̇, as encoders are coarse
-        kept = np.exp(-np.abs(self.qd) * passed / self.distance)
+        kept = np.exp(-np.abs(self.qd) * self.passed / self.distance)
         self.direction = kept * self.direction + (1 - kept) * np.sign(self.qd)
-        load, friction = self._gears(current)
+        load, friction = self.gears(q, self.qd, current, self.direction)
         swept = self.sweep(q, self.qd)
         rate = load + swept.rate
-        gain = 1.0 if first else self.set["gain"] * passed / (1 + self.set["gain"] * passed)
-        if not first:
-            change = (swept.momentum - self.momentum) / passed - (rate + self.rate) / 2
-            self.observed = self.observed + gain * (change - self.observed)
+        if first:
+            self.friction, self.momentum, self.rate = friction, swept.momentum, rate
+        gain = self.set["gain"] * self.passed / (1 + self.set["gain"] * self.passed)
+        change = (swept.momentum - self.momentum) / (self.passed or 1.0)
+        change = change - (rate + self.rate) / 2
+        self.observed = self.observed + gain * (change - self.observed)
         self.friction = self.friction + gain * (friction - self.friction)
         self.momentum, self.rate = swept.momentum, rate
-        self._move()
+        slow = np.abs(self.qd) < self.set["rest_speed"]
+        self.fast_at = np.where(slow, self.fast_at, time)
+        self.slow_at = np.where(slow, time, self.slow_at)
+        self.rested *= bool((time - self.fast_at >= self.set["stop"]).all())
+        self.state = self.states(time - self.fast_at, time - self.slow_at, self.rested)
         self._judge(swept.jacobian)
         self._learn()
 
-    def _velocity(self, q: Array, first: bool) -> Array:
+    def velocity(self, q: Array, first: bool) -> Array:
         """Return q̇ (n,) [rad/s] by the steady Kalman filter of a joint of constant velocity."""
         if first:
             return np.zeros(len(q))
@@ -170,12 +186,11 @@ class Live:
         self.lag = root**2 * innovation
         return np.asarray(self.qd + 2 * (1 - root) ** 2 / self.passed * innovation)
 
-    def _gears(self, current: Array) -> tuple[Array, Array]:
-        """Return the torque l that the gears pass on to the links, and their friction (n,) [Nm]."""
-        q, qd = self.q, self.qd
-        z, sin, cos = (self.share * self.direction).sum(axis=0), np.sin(q), np.cos(q)
+    def gears(self, q: Array, qd: Array, current: Array, direction: Array) -> tuple[Array, Array]:
+        """Return the torque l that gears pass on to the links, and their friction (..., n) [Nm]."""
+        z, sin, cos = (self.share * direction).sum(axis=-2), np.sin(q), np.cos(q)
         root, square = np.sqrt(np.abs(qd)) * np.sign(qd), np.abs(qd) * qd
-        held = (self.held * self.direction).sum(axis=0)
+        held = (self.held * direction).sum(axis=-2)
         friction = held * (1 - np.abs(np.tanh(qd / self.set["dead_zone"])))
         columns = z, qd, root, square, sin, cos, sin, cos  # of TERMS, but for load
         for name, column in zip(TERMS, columns, strict=False):
@@ -193,105 +208,107 @@ class Live:
         of the links from k on, about the base's origin: p_k = S_k · H_k,
         (Cᵀ q̇)_k = H_k · (V_k × S_k), g_k = -S_k · W_k.
         """
-        n, cos, sin = len(q), np.cos(q), np.sin(q)
-        turn = np.tile(np.eye(4), (n, 1, 1))
-        turn[:, 0, 0], turn[:, 0, 1], turn[:, 1, 0], turn[:, 1, 1] = cos, -sin, sin, cos
-        poses = np.empty((n + 1, 4, 4))
-        poses[0] = np.eye(4)
-        for k, joint in enumerate(turn @ self.tail):
-            poses[k + 1] = poses[k] @ joint
-        axis, origin, axes = poses[:n, :3, 2], poses[:n, :3, 3], poses[:n, :3, :3] @ turn[:, :3, :3]
+        n, turn = len(self.mass), np.zeros((*q.shape, 4, 4)) + np.eye(4)
+        turn[..., 0, 0] = turn[..., 1, 1] = np.cos(q)
+        turn[..., 0, 1], turn[..., 1, 0] = -np.sin(q), np.sin(q)
+        poses, joints = np.zeros((*q.shape[:-1], n + 1, 4, 4)), turn @ self.tail
+        poses[..., 0, :, :] = np.eye(4)
+        for k in range(n):
+            poses[..., k + 1, :, :] = poses[..., k, :, :] @ joints[..., k, :, :]
+        axis, origin = poses[..., :n, :3, 2], poses[..., :n, :3, 3]
+        axes = poses[..., :n, :3, :3] @ turn[..., :3, :3]
         arm = cross(origin, axis)
-        omega, v = np.cumsum(axis * qd[:, None], axis=0), np.cumsum(arm * qd[:, None], axis=0)
+        omega, v = (np.cumsum(own * qd[..., None], axis=-2) for own in (axis, arm))
         center = origin + (axes @ self.center[..., None])[..., 0]
         linear = self.mass[:, None] * (v + cross(omega, center))
         spin = (axes @ (self.inertia @ (axes.mT @ omega[..., None])))[..., 0]
         spin += cross(center, linear)
-        link = np.concatenate([spin, linear, cross(center, self.weight), self.weight], axis=1)
-        beyond = np.cumsum(link[::-1], axis=0)[::-1]
-        angular, linear = beyond[:, :3], beyond[:, 3:6]
-        momentum = (axis * angular + arm * linear).sum(axis=1) + self.rotor * qd
+        weight = np.broadcast_to(self.weight, center.shape)
+        link = np.concatenate([spin, linear, cross(center, weight), weight], axis=-1)
+        beyond = np.cumsum(link[..., ::-1, :], axis=-2)[..., ::-1, :]
+        angular, linear = beyond[..., :3], beyond[..., 3:6]
+        momentum = (axis * angular + arm * linear).sum(axis=-1) + self.rotor * qd
         rate = angular * cross(omega, axis) + linear * (cross(omega, arm) + cross(v, axis))
-        rate += axis * beyond[:, 6:9] + arm * beyond[:, 9:]
-        jacobian = np.concatenate([arm + cross(axis, poses[n, :3, 3]), axis], axis=1).T
-        return Sweep(momentum, rate.sum(axis=1), jacobian)
+        rate += axis * beyond[..., 6:9] + arm * beyond[..., 9:]
+        lift = arm + cross(axis, poses[..., n:, :3, 3])
+        return Sweep(momentum, rate.sum(axis=-1), np.concatenate([lift, axis], axis=-1).mT)
 
-    def _move(self) -> None:
-        """Set each joint's state of motion, as far as past samples show it."""
-        slow = np.abs(self.qd) < self.set["rest_speed"]
-        self.slow_for = np.where(slow, self.slow_for + self.passed, 0.0)
-        self.slow_ago = np.where(slow, 0.0, self.slow_ago + self.passed)
-        stopped = self.slow_for >= self.set["stop"]
-        self.rested = self.rested if stopped.all() else 0.0
-        at_rest = STILL if self.rested >= self.set["settle"] else SETTLING
-        moves = np.where(self.slow_ago <= self.set["reversal"], REVERSING, MOVING)
-        self.state = np.where(stopped, at_rest if stopped.all() else RESTING, moves)
+    def states(self, slow_for: Array, slow_ago: Array, rested: Any) -> Any:
+        """Return the state (..., n) of each joint, as far as past samples show it; all in [s]."""
+        stopped = slow_for >= self.set["stop"]
+        at_rest = np.where(rested >= self.set["settle"], STILL, SETTLING)
+        at_rest = np.where(stopped.all(axis=-1, keepdims=True), at_rest, RESTING)
+        moves = np.where(slow_ago <= self.set["reversal"], REVERSING, MOVING)
+        return np.where(stopped, at_rest, moves)
 
     def _judge(self, jacobian: Array) -> None:
         """State the wrench, its deviation, and whether there is a contact."""
         slow = self.drift + self.scale * self.friction
         self.torque = self.observed - np.where(self.state == STILL, self.rest, slow)
-        unseen = np.maximum(np.abs(self.qd) / self.fastest, 1.0)
-        own = self.state, np.arange(len(unseen))
+        wrench, std, evidence = self.weighed(self.torque, self.state, self.qd, jacobian)
+        self.evidence = float(evidence)
+        doubtful = self.run < self.set["settle"] or bool((np.abs(self.qd) > self.fastest).any())
+        if self.evidence < self.threshold:
+            self.below_at = self.time
+        if self.touched:
+            self.touched = self.evidence >= self.threshold - self.set["hysteresis"]
+        else:
+            self.touched = not doubtful and self.time - self.below_at >= self.set["duration"]
+        contact = CONTACT if self.touched else UNKNOWN if doubtful else FREE
+        self.answer = Answer(wrench, std, contact)
+
+    def weighed(self, torque: Array, state: Any, qd: Array, jacobian: Array) -> Posterior:
+        """Return the wrench and its deviation (..., 6), and the evidence (...) of a contact."""
+        own, unseen = (state, self.joint), np.maximum(np.abs(qd) / self.fastest, 1.0)
         variance = (self.noise[own] * unseen**2) ** 2
         # a free arm: its noise, and now and then a wider one
         free, wide = (
-            self._by_size(self.torque, jacobian, factor**2 * variance, self.quiet)[0][0]
+            self._by_size(torque, jacobian, factor**2 * variance, self.quiet)[0][..., 0]
             for factor in (1.0, self.set["wide"])
         )
         free = np.logaddexp(np.log(1 - self.set["rare"]) + free, np.log(self.set["rare"]) + wide)
         # of a contact at rest, dry friction takes a part
-        carried = self.torque + self.absorbed[own] * np.tanh(self.torque / self.breakaway)
+        carried = torque + self.absorbed[own] * np.tanh(torque / self.breakaway)
         variance += self.hidden[own] ** 2
         touched, mean, spread = self._by_size(carried, jacobian, variance, self.sizes)
-        weight = np.exp(touched - touched.max())
-        self.evidence = float(touched.max() + np.log(weight.mean()) - free)
+        largest = touched.max(axis=-1)
+        weight = np.exp(touched - largest[..., None])
+        evidence = largest + np.log(weight.mean(axis=-1)) - free
         weight *= self.sizes[:, 0] >= self.set["typical"]
-        weight /= weight.sum()
-        wrench, square = weight @ mean, weight @ (spread + mean**2)
-        std = np.sqrt(np.maximum(square - wrench**2, 0.0))
-        self.answer = Answer(wrench, std, self._contact(bool((unseen > 1).any())))
+        weight = (weight / weight.sum(axis=-1, keepdims=True))[..., None]
+        wrench, square = (weight * mean).sum(axis=-2), (weight * (spread + mean**2)).sum(axis=-2)
+        return wrench, np.sqrt(np.maximum(square - wrench**2, 0.0)), evidence
 
     def _by_size(self, torque: Array, jacobian: Array, variance: Array, sizes: Array) -> Posterior:
-        """Return log-density of the torque, and mean and variance of the wrench, by its size.
+        """Return log-density of the torque (..., K), mean and variance of the wrench (..., K, 6).
 
-        F = (P⁻¹ + Λ)⁻¹ J S⁻¹ τ, Λ = J S⁻¹ Jᵀ. variance: diagonal of S, (n,) [Nm²]; sizes: (K, 6).
+        F = (P⁻¹ + Λ)⁻¹ J S⁻¹ τ, Λ = J S⁻¹ Jᵀ. variance: diagonal of S, (..., n) [Nm²]; sizes: P^½.
         """
-        weighted, diagonal = jacobian / variance, np.arange(6)
-        information = np.tile(weighted @ jacobian.T, (len(sizes), 1, 1))
-        information[:, diagonal, diagonal] += sizes**-2.0
+        weighted = jacobian / variance[..., None, :]
+        information = (weighted @ jacobian.mT)[..., None, :, :] + sizes[:, None] ** -2.0 * np.eye(6)
         covariance = np.linalg.inv(information)
-        told = weighted @ torque
-        mean = covariance @ told
-        misfit = (torque**2 / variance + np.log(variance)).sum() - mean @ told
-        misfit = misfit + np.log(np.linalg.det(information)) + 2 * np.log(sizes).sum(axis=1)
-        return -misfit / 2, mean, np.asarray(covariance[:, diagonal, diagonal], float)
-
-    def _contact(self, doubtful: bool) -> str:
-        """Return whether there is a contact: evidence above the threshold for a while."""
-        doubtful |= self.run < self.set["settle"]
-        self.above = self.above + self.passed if self.evidence >= self.threshold else 0.0
-        if self.touched:
-            self.touched = self.evidence >= self.threshold - self.set["hysteresis"]
-        else:
-            self.touched = not doubtful and self.above >= self.set["duration"]
-        return CONTACT if self.touched else UNKNOWN if doubtful else FREE
+        told = weighted @ torque[..., None]
+        mean = (covariance @ told[..., None, :, :])[..., 0]
+        alone = (torque**2 / variance + np.log(variance)).sum(axis=-1)[..., None]
+        misfit = alone - (mean @ told)[..., 0] + 2 * np.log(sizes).sum(axis=-1)
+        misfit += np.log(np.linalg.det(information))
+        return -misfit / 2, mean, np.diagonal(covariance, axis1=-2, axis2=-1)
 
     def _learn(self) -> None:
         """Follow the run's friction and background where nothing suggests a contact."""
-        suspected = self.touched or self.evidence > self.set["freeze"]
-        self.quiet_for = 0.0 if suspected else self.quiet_for + self.passed
-        if self.quiet_for < self.set["thaw"] or self.run < self.set["thaw"]:
+        if self.touched or self.evidence > self.set["freeze"]:
+            self.suspected_at = self.time
+        if self.time - self.suspected_at < self.set["thaw"]:
             return
         share = self.passed / self.set["slow"]
         error = np.where(self.state == MOVING, share * self.torque, 0.0)
         self.drift = self.drift + error
         self.scale = self.scale + error * self.friction / (self.friction**2 + self.breakaway**2)
         # at rest: the mean of what settles, then a slow one
-        if self.state.min() >= SETTLING and self.state.max() != RESTING:
+        if (self.state == SETTLING).all() or (self.state == STILL).all():
             self.rested += self.passed
             settles = self.rested <= self.set["settle"]
-            share = self.passed / max(self.rested, self.passed) if settles else share
+            share = self.passed / self.rested if settles else share
             self.rest = self.rest + share * (self.observed - self.rest)
 
 

@@ -1,18 +1,19 @@
 """What `force/live.py` knows of an arm: its numbers, and the noise of runs without contact."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple, Self
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, RefusalError, Remark
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import MIN_STOP_DURATION, RELAXATION_TIME
 from ur5lib.force.force_input import MEAN_STICTION
-from ur5lib.force.live import CONTACT, STATES, STILL, TERMS, UNKNOWN, Live
+from ur5lib.force.live import STATES, STILL, TERMS
+from ur5lib.force.live_recording import Followed, Measured, follow
 from ur5lib.force.residual_model import TorqueStretch, few_paths, fit_residual_model
 from ur5lib.records.friction import Friction
-from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.robots.friction import (
     BASE_TERMS,
@@ -52,6 +53,7 @@ CONSTANTS: dict[str, Any] = {  # docs/live.md says on what they were chosen
     "encoder": 5e-5,
 }
 MIN_LOG_ODDS = 1.6  # of a contact, likewise
+RAREST = CONSTANTS["max_gap"] / 2  # s between samples
 LEARNING_STEP = 0.008  # s
 LONGEST = 300.0  # s of each recording from which noise is learnt
 MIN_BREAKAWAY = 0.1  # Nm
@@ -59,54 +61,14 @@ MIN_SPEED = 0.1  # rad/s, that counts as seen
 BANDWIDTH = CONSTANTS["gain"] / (2 * np.pi)  # Hz
 
 
-class Measured(NamedTuple):
-    """What a controller states: time (N,) [s], q, qd, current (N, n); qd None where it does not."""
+@dataclass(frozen=True)
+class LiveFit:
+    """live.json: what recordings without contact tell, as `learned` returns it, empty without a
+    fit; refused: why no force is stated.
+    """
 
-    time: Array
-    period: float
-    q: Array
-    qd: Array | None
-    current: Array
-
-    @classmethod
-    def of(cls, signals: Signals) -> "Measured | None":
-        """Return a recording, None without positions or efforts."""
-        if signals.actual_q is None or signals.effort is None:
-            return None
-        sampled = signals.actual_q, signals.actual_qd, signals.effort
-        return cls(signals.time, signals.period, *sampled)
-
-    def at(self, rows: slice) -> Self:
-        """Return some samples."""
-        qd, period = self.qd, self.period * (rows.step or 1)
-        some_qd = None if qd is None else qd[rows]
-        return type(self)(self.time[rows], period, self.q[rows], some_qd, self.current[rows])
-
-    def pushed(self, less: Array) -> Self:
-        """Return the same motion with less current (N, n) [A]."""
-        return self._replace(current=self.current - less)
-
-
-class Followed(NamedTuple):
-    """The answers to a recording: wrench, std (N, 6), contact (N,), evidence (N,), and of n joints
-    observed, torque [Nm] and state (N, n)."""
-
-    wrench: Array
-    std: Array
-    contact: list[str]
-    evidence: Array
-    torque: Array
-    state: Any
-
-    def alarms(self) -> list[tuple[int, int]]:
-        """Return the stretches in contact."""
-        inside = np.array([False, *(one == CONTACT for one in self.contact), False])
-        edges = np.flatnonzero(inside[1:] != inside[:-1]).tolist()
-        return [*zip(edges[::2], edges[1::2], strict=True)]
-
-    def known(self) -> float:
-        """Return the share of samples in which something is known of contacts."""
-        return 1 - self.contact.count(UNKNOWN) / len(self.contact)
+    known: dict[str, Any] = field(default_factory=dict)
+    refused: Remark | None = None
 
 
 def numbers(
@@ -192,18 +154,6 @@ def _links(arm: Robot, bodies: RigidBodies) -> Iterator[dict[str, Any]]:
         }
 
 
-def follow(arm: Mapping[str, Any], run: Measured) -> Followed:
-    """Return the answers of the estimator of an arm, sample by sample."""
-    estimator, answers, beside = Live(arm), [], []
-    velocities = [None] * len(run.time) if run.qd is None else run.qd
-    for sample in zip(run.time, run.q, velocities, run.current, strict=True):
-        answers.append(estimator.step(*sample))
-        beside.append((estimator.evidence, estimator.torque, estimator.state))
-    wrench, std, contact = zip(*answers, strict=True)
-    evidence, torque, state = map(np.array, zip(*beside, strict=True))
-    return Followed(np.array(wrench), np.array(std), [*contact], evidence, torque, state)
-
-
 def learned(
     runs: Sequence[tuple[Mapping[str, Any], Measured]], paths: int, false_per_min: float
 ) -> dict[str, Any]:
@@ -211,12 +161,14 @@ def learned(
 
     runs: numbers of the arm, of fits that left out the run's path, and what was measured; paths:
     their number; false_per_min: alarms allowed a minute. Raises RefusalError where they are too
-    short, or a joint never moves.
+    short, have too few samples a second, or a joint never moves.
     """
+    period = float(np.median([run.period for _, run in runs]))
+    if period > RAREST:
+        raise RefusalError("rare samples live", period=period, most=RAREST)
     thinned = [(arm, _thinned(run)) for arm, run in runs]
     speeds = [np.nanquantile(np.abs(velocity(run)), 0.999, axis=0) for _, run in thinned]
     breakaway = np.median([arm["breakaway"] for arm, _ in runs], axis=0)
-    period = float(np.median([run.period for _, run in runs]))
     known = {
         "speed": np.maximum(np.max(speeds, axis=0), MIN_SPEED).tolist(),
         "noise": _noise(np.tile(breakaway, (len(STATES), 1)), breakaway),
@@ -267,7 +219,7 @@ def _threshold(followed: Sequence[tuple[Followed, float]], allowed: float) -> di
     peaks = sorted(
         float(own.evidence[first:last].max()) for own, _ in followed for first, last in own.alarms()
     )
-    minutes = sum(own.known() * len(own.contact) * period for own, period in followed) / 60
+    minutes = sum(own.known.sum() * period for own, period in followed) / 60
     most = int(allowed * minutes)
     above = np.nextafter(peaks[-most - 1], np.inf) if len(peaks) > most else MIN_LOG_ODDS
     remaining = min(len(peaks), most)

@@ -3,9 +3,8 @@
 from dataclasses import replace
 from typing import NamedTuple
 
-from ur5lib.force.causal_gate import causal_log_odds
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.external_torque import JointState, finite_rows, is_still, past_states
+from ur5lib.force.external_torque import JointState, finite_rows, is_still
 from ur5lib.force.force_input import ForceInput, force_input
 from ur5lib.force.residual_model import ResidualModel, Residuals
 from ur5lib.force.shown_friction import MIN_SHARE, shown_friction
@@ -87,20 +86,3 @@ def _problem(motion: Motion, currents: Currents, residuals: Residuals) -> Proble
     if torque is None or model is None or not finite_rows(torque).any():
         return None
     return Problem(force_input(motion, torque, currents), model)
-
-
-def causal_odds(
-    motion: Motion,
-    currents: Currents,
-    residuals: Residuals,
-    jacobian: Array,
-    prior: ContactPrior,
-) -> Array | None:
-    """Return the log-odds (N,) of contact from past currents, None where their torque is not known.
-
-    jacobian: (M, 6, 6), at `used_rows`.
-    """
-    if currents.causal_torque is None or residuals.tau_causal is None:
-        return None
-    run = force_input(motion, currents.causal_torque, currents, past_states)
-    return causal_log_odds(run, jacobian, residuals.tau_causal, prior)

@@ -104,14 +104,13 @@ class ResidualModel:
 
 @dataclass(frozen=True)
 class Residuals:
-    """The residual models of an arm's external torques, None where a torque has none.
+    """The residual model of an arm's external torque, None where it has none.
 
-    refused: why a torque has none, although friction was fitted; remarks: what the fit recordings
+    refused: why it has none, although friction was fitted; remarks: what the fit recordings
     do not show.
     """
 
     tau_ext: ResidualModel | None = None
-    tau_causal: ResidualModel | None = None
     refused: Remark | None = None
     remarks: tuple[Remark, ...] = ()
 

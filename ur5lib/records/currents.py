@@ -13,13 +13,12 @@ class Currents(SegmentedTable):
     """The effort that motion without contact needs, and the external torque, (N, 6) each.
 
     predicted_current and current_band, half its 95 % band [A], or, where torques are measured,
-    predicted_torque and torque_band [Nm]; external_torque:
-    the environment acting on the arm [Nm]; causal_torque: the same, low-passed from past samples
-    only [Nm]; load_doubt: standard deviation that an estimated load leaves [Nm]; gear_torque,
-    friction_torque: what the gears transmit, and their friction, in that motion without contact
-    [Nm]; load_loss: friction per torque transmitted, with its sign [Nm/Nm]; all three low-passed as
-    the external torque; tared: (N,), where the external torques are counted from an untouched span,
-    None without one. All None where no currents were recorded, or no recording could be fitted.
+    predicted_torque and torque_band [Nm]; external_torque: the environment acting on the arm [Nm];
+    load_doubt: standard deviation that an estimated load leaves [Nm]; gear_torque, friction_torque:
+    what the gears transmit, and their friction, in that motion without contact [Nm]; load_loss:
+    friction per torque transmitted, with its sign [Nm/Nm]; all three low-passed as the external
+    torque; tared: (N,), where the external torque is counted from an untouched span, None without
+    one. All None where no currents were recorded, or no recording could be fitted.
     """
 
     predicted_current: Array | None = channel("predicted_current", "A", JOINTS, optional=True)
@@ -28,7 +27,6 @@ class Currents(SegmentedTable):
     torque_band: Array | None = channel("torque_band", "Nm", JOINTS, optional=True)
     external_torque: Array | None = channel("tau_ext", "Nm", JOINTS, optional=True)
     load_doubt: Array | None = channel("load_doubt", "Nm", JOINTS, optional=True)
-    causal_torque: Array | None = channel("tau_causal", "Nm", JOINTS, optional=True)
     gear_torque: Array | None = channel("tau_gears", "Nm", JOINTS, optional=True)
     friction_torque: Array | None = channel("tau_friction", "Nm", JOINTS, optional=True)
     load_loss: Array | None = channel("load_loss", "Nm/Nm", JOINTS, optional=True)

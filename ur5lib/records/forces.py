@@ -35,15 +35,14 @@ class Forces(SegmentedTable):
     origin, (N, 6) [N, Nm].
 
     wrench and, where it states one, std, its standard deviation, by estimate; log_odds: that there
-    is a contact, (N,), given all samples; causal_log_odds: given each sample and those before it;
-    background: (N, 6) [Nm], slow external torque that is no contact; if_untouched: (N,), where no
-    contact is found: there, the leading estimate's band holds only if nothing touches the arm.
+    is a contact, (N,), given all samples; background: (N, 6) [Nm], slow external torque that is no
+    contact; if_untouched: (N,), where no contact is found: there, the leading estimate's band holds
+    only if nothing touches the arm.
     """
 
     wrench: dict[str, Array] = channel("{}", "N, Nm", WRENCH)
     std: dict[str, Array] = channel("{}_std", "N, Nm", WRENCH)
     log_odds: dict[str, Array] = channel("log_odds_{}", "1", ())
-    causal_log_odds: Array | None = channel("causal_log_odds", "1", optional=True)
     background: Array | None = channel("tau_background", "Nm", JOINTS, optional=True)
     if_untouched: Mask | None = channel("if_untouched", "1", optional=True, dtype=np.bool_)
 
@@ -53,9 +52,8 @@ class Forces(SegmentedTable):
         motion: Motion,
         estimates: Mapping[str, Estimate | None],
         background: Array | None,
-        causal: Array | None,
     ) -> "Forces":
-        """Return estimates by name, at the times of a motion; causal: `causal_log_odds`."""
+        """Return estimates by name, at the times of a motion."""
         known = {name: one for name, one in estimates.items() if one is not None}
         odds = {name: one.log_odds for name, one in known.items()}
         leading = next((one for one in known.values() if one.log_odds is not None), None)
@@ -66,9 +64,23 @@ class Forces(SegmentedTable):
             std={name: one.std for name, one in known.items() if one.std is not None},
             log_odds={name: own for name, own in odds.items() if own is not None},
             background=background,
-            causal_log_odds=causal,
             if_untouched=None if leading is None else np.all(leading.wrench == 0, axis=1),
         )
+
+
+@dataclass(frozen=True, kw_only=True)
+class LiveForces(SegmentedTable):
+    """What the live estimator states of a recording, fed sample by sample; None where no force is.
+
+    wrench, std: as in `Forces`, (N, 6) [N, Nm]; evidence: (N,), log-odds of a contact; contact,
+    known: (N,), whether it states one, and whether it knows.
+    """
+
+    wrench: Array | None = channel("live", "N, Nm", WRENCH, optional=True)
+    std: Array | None = channel("live_std", "N, Nm", WRENCH, optional=True)
+    evidence: Array | None = channel("evidence", "1", optional=True)
+    contact: Mask | None = channel("contact", "1", optional=True, dtype=np.bool_)
+    known: Mask | None = channel("known", "1", optional=True, dtype=np.bool_)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,9 +7,9 @@ import numpy as np
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.contact_wrench import MIN_CONSTANT_ERROR, at_rest, static_wrench, torque_std
 from ur5lib.force.estimators import ESTIMATORS, Run, Stated
-from ur5lib.force.problem import causal_odds, fmap_problem, is_fitted
+from ur5lib.force.problem import fmap_problem, is_fitted
 from ur5lib.force.residual_model import Residuals
-from ur5lib.force.wrench_estimate import WrenchEstimate, used_rows
+from ur5lib.force.wrench_estimate import WrenchEstimate
 from ur5lib.identification.current_samples import (
     Smoother,
     controllers_ratio,
@@ -49,15 +49,15 @@ def estimate_forces(
     run = Run(motion.anew(), currents.anew(), kinematics.anew(), signals.wrench_calc_from_currents)
     if is_fitted(friction, premises.contradictions):
         prior = ContactPrior(force=contact_force_n)
-        known = motion, currents, residuals, kinematics, prior
-        run = replace(run, fmap=most_probable(*known), causal_odds=past_odds(*known))
+        fmap = most_probable(motion, currents, residuals, kinematics, prior)
+        run = replace(run, fmap=fmap)
     else:
         static = static_forces(arm, signals, motion, torques, kinematics.jacobian, *lowpass)
         run = replace(run, static=static)
     estimates = {name: one.estimate(run) for name, one in ESTIMATORS.items()}
-    background, odds, time = run.background, run.causal_odds, motion.anew()
+    background, time = run.background, motion.anew()
     del run  # of a long recording, either all inputs are held or all results
-    return Forces.of(time, estimates, background, odds)
+    return Forces.of(time, estimates, background)
 
 
 def most_probable(
@@ -70,18 +70,6 @@ def most_probable(
     """Return F̂ᵐᵃᵖ, None where its torque is not known."""
     problem = fmap_problem(motion, currents, residuals)
     return problem and problem.solve(kinematics.anew(problem.rows).jacobian, prior)
-
-
-def past_odds(
-    motion: Motion,
-    currents: Currents,
-    residuals: Residuals,
-    kinematics: Kinematics,
-    prior: ContactPrior,
-) -> Array | None:
-    """Return the log-odds (N,) of contact from past currents alone, None where they are unknown."""
-    rows = used_rows(motion.segment, motion.period)
-    return causal_odds(motion, currents, residuals, kinematics.anew(rows).jacobian, prior)
 
 
 def static_forces(

@@ -9,7 +9,7 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.records.closed_loop import ClosedLoop
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
-from ur5lib.records.forces import Forces, PublishedForces
+from ur5lib.records.forces import Forces, LiveForces, PublishedForces
 from ur5lib.records.friction import Friction
 from ur5lib.records.gains import GainSummary
 from ur5lib.records.motion import Alignment, Motion
@@ -49,6 +49,7 @@ class Evidence(NamedTuple):
     currents: Currents
     prediction: Prediction
     forces: Forces
+    live: LiveForces
     arm: Robot
     friction: Friction
     residuals: Residuals

@@ -1,4 +1,4 @@
-"""Residual models of the external torque without contact."""
+"""The residual model of the external torque without contact."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -11,8 +11,6 @@ from ur5lib.force.external_torque import (
     RELAXATION_TIME,
     finite_rows,
     is_still,
-    joint_states,
-    past_states,
 )
 from ur5lib.force.force_input import ForceInput, inputs
 from ur5lib.force.residual_model import (
@@ -29,12 +27,6 @@ from ur5lib.records.friction import CurrentFit, Friction
 from ur5lib.records.motion import Motion
 from ur5lib.timeseries.segments import unbroken
 
-# On errors of the causal torque: other months' do not average out so soon.
-CAUSAL_ERROR_FACTOR = 1.3
-TORQUE_MODELS = {  # by their model: the torque, the states of joints, and a factor on the errors
-    "tau_ext": ("external_torque", joint_states, 1.0),
-    "tau_causal": ("causal_torque", past_states, CAUSAL_ERROR_FACTOR),
-}
 MIN_REST_DURATION = 10.0  # s, below which hardly anything shows what friction holds at rest
 # Usual error along a path that no fit has seen, by joint state, relative to Coulomb friction: in
 # motion the median of joints of four arms; at rest the root mean square of the joints of a UR5
@@ -53,7 +45,7 @@ def fit_residuals(
     motion: Mapping[str, Motion],
     cutoff_hz: float,
 ) -> Residuals:
-    """Return residual models of the external torque without contact; empty without a fit.
+    """Return the residual model of the external torque without contact; empty without a fit.
 
     currents, motion: of the arm's `fit` recordings; cutoff_hz: of the torques.
     """
@@ -66,7 +58,7 @@ def fit_residuals(
 def residual_models(
     recordings: Sequence[tuple[Currents, Motion]], friction: Friction, cutoff: float
 ) -> Residuals:
-    """Return the residual model of each external torque, or the reason why there is none.
+    """Return the residual model, or the reason why there is none.
 
     recordings: those to fit, without contact, predicted by fits without their own path;
     cutoff: of the torques [Hz]. Where they show too little, the errors are those of other arms.
@@ -75,17 +67,13 @@ def residual_models(
         unknown = np.flatnonzero(~(friction.explained > 0)) + 1
         if len(friction.explained) - len(unknown) < min(FORCE_DIRECTIONS, len(friction.explained)):
             return Residuals(refused=remark("unknown torques", joints=unknown.tolist()))
-    models, refused = dict[str, ResidualModel](), None
-    for name, (field, states_of, margin) in TORQUE_MODELS.items():
-        try:
-            runs = inputs(recordings, field, states_of)
-            models[name] = _residual_model(runs, friction, cutoff).wider(margin)
-        except RefusalError as refusal:
-            refused = refusal.remark
-    if refused and "tau_ext" not in models and friction.measured == CURRENT:
-        return replace(usual_residuals(friction.fit, cutoff), remarks=(refused,))
-    remarks = () if refused else tuple(_remarks(friction.paths, recordings))
-    return Residuals(**models, refused=refused, remarks=remarks)
+    try:
+        model = _residual_model(inputs(recordings), friction, cutoff)
+    except RefusalError as refusal:
+        if friction.measured == CURRENT:
+            return replace(usual_residuals(friction.fit, cutoff), remarks=(refusal.remark,))
+        return Residuals(refused=refusal.remark)
+    return Residuals(model, remarks=tuple(_remarks(friction.paths, recordings)))
 
 
 def usual_model(fit: CurrentFit, cutoff: float) -> ResidualModel:
@@ -124,7 +112,7 @@ def usual_model(fit: CurrentFit, cutoff: float) -> ResidualModel:
 
 
 def usual_residuals(fit: CurrentFit, cutoff: float) -> Residuals:
-    """Return the residual models without contact-free recordings; arguments as above."""
+    """Return the residual model without contact-free recordings; arguments as above."""
     model = usual_model(fit, cutoff).of_few_paths(MIN_PATHS)
     return Residuals(tau_ext=replace(model, usual=True))
 

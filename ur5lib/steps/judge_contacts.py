@@ -17,7 +17,6 @@ from ur5lib.force.detection import (
     contacts,
     force_alarms,
     is_free,
-    live_alarms,
     pushes_above,
     receiver_curve,
 )
@@ -33,13 +32,13 @@ from ur5lib.force.force_input import ForceInput, gears
 from ur5lib.force.gate import TorqueVariances, diagonal
 from ur5lib.force.grasp import grasped_load
 from ur5lib.force.problem import Problem
-from ur5lib.records.contacts import Alarm, Detected, ForceClass, Matched, OnAxis
-from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.records.contacts import Alarm, Causal, Detected, ForceClass, Matched, OnAxis
+from ur5lib.records.forces import Forces, LiveForces, PublishedForces, SensorWrenches
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import link_frames
 from ur5lib.steps.evidence import Evidence
 from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.segments import inside_spans
+from ur5lib.timeseries.segments import inside_spans, runs
 
 FORCE_CLASSES = [TOUCH_FORCE, CONTACT_FORCE, 10.0, 15.0]  # N, that a contact reaches by the sensor
 RELIABLE_FORCE_OF_THESIS = 10.0  # N; along z, detection is reliable from there on (Section 6)
@@ -118,13 +117,12 @@ def detected(
     }
 
 
-def causally(
-    forces: Forces, sensor: SensorWrenches, thresholds: Mapping[str, float]
-) -> Matched | None:
-    """Return the alarms raised from past samples only, and their comparison with the sensor."""
-    if forces.causal_log_odds is None or "causal" not in thresholds:
+def causally(live: LiveForces, sensor: SensorWrenches) -> Causal | None:
+    """Return the contacts that the live estimator states, and their comparison with the sensor."""
+    if live.contact is None or live.known is None:
         return None
-    return matched(live_alarms(forces.causal_log_odds, thresholds["causal"]), sensor)
+    found = matched([(first, last) for first, last in runs(live.contact).tolist()], sensor)
+    return Causal(**vars(found), unknown=float(1 - live.known.mean()))
 
 
 def by_axis(own: Alarms, sensor: SensorWrenches, axis: int) -> OnAxis:

@@ -66,7 +66,7 @@ def judge_recording(evidence: Evidence) -> JudgedRecording:
 def detect_contacts(evidence: Evidence, sensor: SensorWrenches) -> dict[str, Detected]:
     """Return the contacts by each estimate, beside the sensor.
 
-    Of the leading one, also whether they are at the flange, and what past currents alone tell.
+    Of the leading one, also whether they are at the flange, and what the live estimator states.
     """
     forces, currents, thresholds = evidence.forces, evidence.currents, evidence.threshold
     alarms = all_alarms(forces, published_forces(evidence), thresholds)
@@ -78,7 +78,7 @@ def detect_contacts(evidence: Evidence, sensor: SensorWrenches) -> dict[str, Det
     prior = ContactPrior(force=evidence.contact_force_n)
     found = contacts[LEADING]
     at_flange = judged_by_torques(evidence.arm, problem, forces.time, prior, found.raised)
-    found = replace(found, raised=at_flange, causal=causally(forces, sensor, thresholds))
+    found = replace(found, raised=at_flange, causal=causally(evidence.live, sensor))
     return contacts | {LEADING: found}
 
 

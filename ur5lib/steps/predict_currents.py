@@ -37,8 +37,8 @@ from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.steps.tare import tared
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.lowpass import Butterworth, causal_lowpass
-from ur5lib.timeseries.segments import by_segment, extrapolated_samples
+from ur5lib.timeseries.lowpass import Butterworth
+from ur5lib.timeseries.segments import extrapolated_samples
 
 
 class PredictedCurrents(NamedTuple):
@@ -114,7 +114,7 @@ def predicted_currents(
     smooth: Smoother,
     effort: Effort = CURRENT,
 ) -> Currents:
-    """Return prediction, band, external torques and friction of a recording.
+    """Return prediction, band, external torque and friction of a recording.
 
     record: with `load_torque` in its torque, (N, 6) [Nm], of a load that was estimated; effort:
     that is predicted.
@@ -128,20 +128,11 @@ def predicted_currents(
         segment=torques.segment,
         **of_efforts,
         external_torque=inner(smooth(external, record), record, smooth.cutoff),
-        causal_torque=causally_smoothed(external, record, smooth.cutoff),
         load_doubt=SCALED_TORQUE_ERROR * np.abs(smooth(load_torque, record)),
         gear_torque=smooth(record.torque, record),
         friction_torque=constant * smooth(friction_current(fit, record), record),
         load_loss=smooth(load_loss(fit, record), record),
     )
-
-
-def causally_smoothed(torque: Array, record: CurrentSamples, cutoff: float) -> Array:
-    """Return a torque (N, 6) [Nm] low-passed [Hz] from each sample and those before it.
-
-    The low-pass is of first order, which delays slow changes by 1 / (2π f_c).
-    """
-    return by_segment(causal_lowpass, torque, record.segment, 1 / record.period, 1, cutoff)
 
 
 def with_load(

@@ -29,14 +29,9 @@ def set_threshold(
     forces, signals, published: of the arm's `fit` recordings; without published estimates, that of
     the controller stands for them.
     """
-    odds, causal = Evidence(), Evidence()
-    for one in forces.values():
-        odds.append((dict(one.log_odds), one.period))
-        if one.causal_log_odds is not None:
-            causal.append(({"causal": one.causal_log_odds}, one.period))
+    odds: Evidence = [(dict(one.log_odds), one.period) for one in forces.values()]
     rate = false_alarms_per_min
     found = thresholds(GATED, odds, alarm_threshold, rate)
-    found |= thresholds(["causal"], causal, alarm_threshold, rate)
     # without odds of contact, no force is stated, and nothing stands beside the published ones
     if found:
         sizes: Evidence = [

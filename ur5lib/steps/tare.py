@@ -95,11 +95,10 @@ def inside(span: Span, time: Array) -> Mask:
 
 
 def tared(currents: Currents, motion: Motion, untouched: Span) -> Currents:
-    """Return the currents with external torques counted from an untouched span [s].
+    """Return the currents with an external torque counted from an untouched span [s].
 
-    They count from there until a joint is elsewhere: constants and a load then err differently, and
-    friction at rest is another. As they are where the span does not hold MIN_REST_DURATION,
-    which
+    It counts from there until a joint is elsewhere: constants and a load then err differently, and
+    friction at rest is another. As it is where the span does not hold MIN_REST_DURATION, which
     `tare_doubts` says.
     """
     torque = currents.external_torque
@@ -110,11 +109,8 @@ def tared(currents: Currents, motion: Motion, untouched: Span) -> Currents:
     if known.sum() * motion.period < MIN_REST_DURATION:
         return currents
     kept = from_span(motion, known)
-    external, causal = (
-        own - kept[:, None] * own[known].mean(axis=0)
-        for own in (torque, _required(currents.causal_torque))
-    )
-    return replace(currents, external_torque=external, causal_torque=causal, tared=kept)
+    external = torque - kept[:, None] * torque[known].mean(axis=0)
+    return replace(currents, external_torque=external, tared=kept)
 
 
 def from_span(motion: Motion, known: Mask) -> Mask:
@@ -125,8 +121,3 @@ def from_span(motion: Motion, known: Mask) -> Mask:
     ends[:first] = False
     kept = np.arange(len(ends)) >= first
     return kept & ~np.maximum.accumulate(ends)
-
-
-def _required(torque: Array | None) -> Array:
-    assert torque is not None, "both external torques are known, or none"
-    return torque

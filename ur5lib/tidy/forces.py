@@ -68,6 +68,7 @@ def detection(detection: dict[str, Detected]) -> Iterator[Row]:
         if causal := found.causal:
             row["causal_false_alarms_per_min"] = causal.false_per_min
             row["causal_alarms_per_min"] = causal.alarms_per_min
+            row["causal_unknown"] = causal.unknown
         if not found.classes:
             yield row
         past = found.causal.classes if found.causal else [None] * len(found.classes)

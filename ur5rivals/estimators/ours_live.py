@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.force.live_file import follow, learned
+from ur5lib.force.live_file import learned
+from ur5lib.force.live_recording import follow
 from ur5lib.timeseries.arrays import Array
 from ur5rivals.estimator import Contender, Learned
 from ur5rivals.run import Estimate, Run

@@ -159,6 +159,27 @@ rule estimate_forces:
         run_step(rule, input, output, params, log)
 
 
+# Beside the last: the force as it would have been stated while the arm ran.
+rule estimate_live:
+    input:
+        signals=result("signals.parquet"),
+        premises=result("premises.json"),
+        prediction=result("currents.json"),
+        friction=parameter_of("friction.json"),
+        live=parameter_of("live.json"),
+        arm=parameter_of("arm.yaml"),
+    output:
+        forces=result("live_forces.parquet"),
+    log:
+        **traces("estimate_live", "{recording}"),
+    params:
+        code=code("estimate_live"),
+        recording="{recording}",
+        gravity=of_recording(SELECTION.gravity),
+    run:
+        run_step(rule, input, output, params, log)
+
+
 rule judge_recording:
     input:
         **BY_THE_THESIS,
@@ -174,6 +195,7 @@ rule judge_recording:
         currents=result("currents.parquet"),
         prediction=result("currents.json"),
         forces=result("forces.parquet"),
+        live=result("live_forces.parquet"),
         arm=parameter_of("arm.yaml"),
         friction=parameter_of("friction.json"),
         residuals=parameter_of("residuals.json"),

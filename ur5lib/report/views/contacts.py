@@ -108,16 +108,22 @@ def quiet(results: Results, role: str = "validate") -> pd.DataFrame:
 
 
 class FalseAlarms(NamedTuple):
-    """Alarms where nothing touches the arm, in so many minutes."""
+    """Alarms where nothing touches the arm, in so many minutes in which that is known; unknown:
+    share of all minutes in which it is not.
+    """
 
     alarms: int
     minutes: float
+    unknown: float = 0.0
 
     @classmethod
     def on(cls, rows: pd.DataFrame, kind: str = "") -> "FalseAlarms":
-        """Count those of recordings, which have `minutes`; kind: "causal_", from past samples."""
+        """Count those of recordings, which have `minutes`; kind: "causal_", stated live."""
         counts = rows[f"{kind}alarms_per_min"] * rows["minutes"]
-        return cls(round(counts.sum()), rows.loc[counts.notna(), "minutes"].sum())
+        minutes = rows.loc[counts.notna(), "minutes"]
+        known = minutes * (1 - rows["causal_unknown"]) if kind else minutes
+        total = float(known.sum())
+        return cls(round(counts.sum()), total, 1 - total / minutes.sum() if total else 0.0)
 
     @property
     def most(self) -> float:
@@ -126,7 +132,7 @@ class FalseAlarms(NamedTuple):
 
 
 def false_alarms(results: Results) -> dict[str, FalseAlarms | None]:
-    """Return the alarms on quiet recordings: all, from past samples, both on days without a fit,
+    """Return the alarms on quiet recordings: all, by the live estimate, both on days without a fit,
     the latter also on the day farthest from one; None where no recording tells.
     """
     rows = quiet(results)
@@ -150,8 +156,8 @@ def raised_falsely(results: Results) -> Iterator[str]:
 
 
 def false_by_role(results: Results) -> pd.DataFrame:
-    """Return the false alarms of contact-free recordings by their role, all and from past samples,
-    with the upper limits of their rates.
+    """Return the false alarms of contact-free recordings by their role, all and by the live estimate,
+    with the upper limits of their rates, and the share of time in which the latter does not know.
     """
     found = []
     for role in ("fit", "validate"):
@@ -159,8 +165,9 @@ def false_by_role(results: Results) -> pd.DataFrame:
         every, past = FalseAlarms.on(rows), FalseAlarms.on(rows, "causal_")
         if every.minutes:
             row = {"role": role, "recordings": len(rows), **every._asdict(), "most": every.most}
-            known = {"past": past.alarms, "past_most": past.most} if past.minutes else {}
-            found.append({"past": math.nan, "past_most": math.nan} | row | known)
+            live = (past.alarms, past.most, past.unknown) if past.minutes else [math.nan] * 3
+            names = ("past", "past_most", "past_unknown")
+            found.append(row | dict(zip(names, live, strict=True)))
     return pd.DataFrame(found)
 
 

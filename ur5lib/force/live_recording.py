@@ -1,0 +1,269 @@
+"""The answers of the live estimator to a recording: those of `Live.step`, in blocks of samples.
+
+What follows from measured samples alone is computed for all of them at once. The slow errors of the
+run depend on the evidence before: a block is computed as if it were learnt from throughout, and
+ends at the first sample that is suspected.
+"""
+
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+
+from ur5lib.force.detection import Span
+from ur5lib.force.live import MOVING, STILL, Live
+from ur5lib.records.signals import Signals
+from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.segments import runs
+
+CHUNK = 1024  # samples, of which what was measured is computed at once
+BLOCK = 128  # samples, that are learnt from at once
+
+
+class Measured(NamedTuple):
+    """What a controller states: time (N,) [s], q, qd, current (N, n); qd None where it does not."""
+
+    time: Array
+    period: float
+    q: Array
+    qd: Array | None
+    current: Array
+
+    @classmethod
+    def of(cls, signals: Signals) -> "Measured | None":
+        """Return a recording, None without positions or efforts."""
+        if signals.actual_q is None or signals.effort is None:
+            return None
+        sampled = signals.actual_q, signals.actual_qd, signals.effort
+        return cls(signals.time, signals.period, *sampled)
+
+    def at(self, rows: Any) -> Self:
+        """Return some samples."""
+        step = rows.step if isinstance(rows, slice) else 1
+        qd, period = self.qd, self.period * (step or 1)
+        some_qd = None if qd is None else qd[rows]
+        return type(self)(self.time[rows], period, self.q[rows], some_qd, self.current[rows])
+
+    def pushed(self, less: Array) -> Self:
+        """Return the same motion with less current (N, n) [A]."""
+        return self._replace(current=self.current - less)
+
+
+class Followed(NamedTuple):
+    """The answers to samples: wrench, std (N, 6), evidence, contact, known (N,), and of n joints
+    torque [Nm] and state (N, n). Where `known` is false, nothing is known of contacts.
+    """
+
+    wrench: Array
+    std: Array
+    evidence: Array
+    contact: Mask
+    known: Mask
+    torque: Array
+    state: Any
+
+    def alarms(self) -> list[Span]:
+        """Return the stretches in contact."""
+        return [(first, last) for first, last in runs(self.contact).tolist()]
+
+
+class Sensed(NamedTuple):
+    """What follows from measured samples alone, (M, ...); observed, friction: [Nm]."""
+
+    time: Array
+    passed: Array
+    qd: Array
+    observed: Array
+    friction: Array
+    slow_for: Array
+    at_rest: Mask
+    slow_ago: Array
+    jacobian: Array
+
+    def at(self, rows: slice) -> Self:
+        """Return some samples."""
+        return type(self)._make(own[rows] for own in self)
+
+
+def follow(arm: Mapping[str, Any], run: Measured) -> Followed:
+    """Return the answers to a recording: at a sample that cannot be used the last, or a fresh start
+    after too many.
+    """
+    estimator = LiveRecording(arm)
+    rows, restarts = estimator.used(run)
+    starts = [0, *(np.flatnonzero(restarts) + 1).tolist(), len(rows)]
+    parts = [_nothing(estimator)]
+    for first, last in pairwise(starts):
+        estimator.restart()
+        for begin in range(first, last, CHUNK):
+            parts += estimator.chunk(run.at(rows[begin : min(begin + CHUNK, last)]))
+    answers = Followed._make(map(np.concatenate, zip(*parts, strict=True)))  # of none, then of rows
+    at = np.arange(len(run.time))
+    latest = np.searchsorted(rows, at, side="right")
+    missed = at - np.concatenate([[-1], rows])[latest]
+    latest[missed * estimator.set["period"] > estimator.set["max_gap"]] = 0
+    return Followed._make(own[latest] for own in answers)
+
+
+def _nothing(estimator: Live) -> Followed:
+    """Return the answer of a fresh start."""
+    wrench, std, _ = estimator.answer
+    nothing, joints = np.zeros(1, bool), np.zeros((1, len(estimator.mass)))
+    return Followed(
+        wrench[None], std[None], np.zeros(1), nothing, nothing, joints, joints.astype(np.int8)
+    )
+
+
+class LiveRecording(Live):
+    """The estimator, given many samples at once."""
+
+    def used(self, run: Measured) -> tuple[Labels, Mask]:
+        """Return the rows (M,) of usable samples, and after which (M - 1,) the run starts anew."""
+        qd = np.zeros_like(run.q) if run.qd is None else run.qd
+        rows = np.flatnonzero(self.possible(run.time, run.q, run.current, qd))
+        while True:
+            passed, missed = np.diff(run.time[rows]), np.diff(rows) - 1
+            restarts = np.maximum(np.abs(passed), missed * self.set["period"]) > self.set["max_gap"]
+            most = self.set["margin"] * self.fastest * passed[:, None] + self.set["jump"]
+            near = (np.abs(np.diff(run.q[rows], axis=0)) <= most).all(axis=1)
+            usable = restarts | ((passed > 0) & near)
+            if usable.all():
+                return rows, restarts
+            rows = np.delete(rows, np.argmin(usable) + 1)
+
+    def chunk(self, run: Measured) -> Iterator[Followed]:
+        """Yield the answers to usable samples without a restart, which go on after the last."""
+        sensed, first = self._sense(run), 0
+        while first < len(sensed.time):
+            part = sensed.at(slice(first, first + BLOCK))
+            late = part.time - self.suspected_at >= self.set["thaw"]
+            learns = bool(late[0])
+            if not learns and late.any():
+                part = part.at(slice(int(np.argmax(late))))
+            yield (answers := self._judged(part, learns))
+            first += len(answers.wrench)
+
+    def _sense(self, run: Measured) -> Sensed:
+        """Return what follows from samples alone."""
+        if first := bool(np.isnan(self.time)):
+            self.start(run.time[0])
+        passed = np.diff(run.time, prepend=self.time)
+        by_joint = passed[:, None]
+        qd = self._velocities(run, passed, first) if run.qd is None else run.qd
+        kept = np.exp(-(np.abs(qd) * by_joint)[:, None] / self.distance)
+        direction = cascade(kept, (1 - kept) * np.sign(qd)[:, None], self.direction)
+        load, friction = self.gears(run.q, qd, run.current, direction)
+        swept = self.sweep(run.q, qd)
+        rate = load + swept.rate
+        if first:
+            self.friction, self.momentum, self.rate = friction[0], swept.momentum[0], rate[0]
+        gain = self.set["gain"] * by_joint / (1 + self.set["gain"] * by_joint)
+        change = np.diff(swept.momentum, prepend=self.momentum[None], axis=0)
+        change /= np.where(by_joint > 0, by_joint, 1.0)
+        change -= (rate + np.concatenate([self.rate[None], rate[:-1]])) / 2
+        observed = cascade(1 - gain, gain * change, self.observed)
+        friction = cascade(1 - gain, gain * friction, self.friction)
+        slow, time = np.abs(qd) < self.set["rest_speed"], run.time[:, None]
+        fast_at, slow_at = (
+            np.maximum.accumulate(np.vstack([since, np.where(own, time, -np.inf)]))[1:]
+            for own, since in ((~slow, self.fast_at), (slow, self.slow_at))
+        )
+        self.direction, self.observed, self.friction = direction[-1], observed[-1], friction[-1]
+        self.momentum, self.rate, self.fast_at, self.slow_at = (
+            own[-1] for own in (swept.momentum, rate, fast_at, slow_at)
+        )
+        self.time, self.q, self.qd = run.time[-1], run.q[-1], qd[-1]
+        moved = time - fast_at, (time - fast_at >= self.set["stop"]).all(axis=1), time - slow_at
+        return Sensed(run.time, passed, qd, observed, friction, *moved, swept.jacobian)
+
+    def _velocities(self, run: Measured, passed: Array, first: bool) -> Array:
+        """Return q̇ (M, n) [rad/s] where the controller states none."""
+        found = np.empty_like(run.q)
+        for k, q in enumerate(run.q):
+            self.passed = passed[k]
+            found[k] = self.qd = self.velocity(q, first and k == 0)
+            self.q = q
+        return found
+
+    def _judged(self, part: Sensed, learns: bool) -> Followed:
+        """Return the answers up to the first suspected sample, all of them where none is learnt."""
+        rested = self._rested(part, learns)
+        state = self.states(part.slow_for, part.slow_ago, np.array(rested[:-1])[:, None])
+        rest = self._rest(part, np.array(rested[1:]), learns)
+        torque, drift, scale = self._slow(part, state, rest[:-1], learns)
+        wrench, std, evidence = self.weighed(torque, state, part.qd, part.jacobian)
+        contact, doubtful = self._contacts(part, evidence)
+        suspected = contact | (evidence > self.set["freeze"])
+        count = int(np.argmax(suspected)) + 1 if learns and suspected.any() else len(suspected)
+        if suspected[:count].any():
+            self.suspected_at = float(part.time[:count][suspected[:count]][-1])
+        if (low := evidence[:count] < self.threshold).any():
+            self.below_at = float(part.time[:count][low][-1])
+        known, last = contact | ~doubtful, count - int(suspected[count - 1])
+        self.touched = bool(contact[count - 1])
+        self.rested, self.rest = rested[last], rest[last]
+        self.drift, self.scale = drift[last], scale[last]
+        answers = Followed(wrench, std, evidence, contact, known, torque, state.astype(np.int8))
+        return Followed._make(own[:count] for own in answers)
+
+    def _rested(self, part: Sensed, learns: bool) -> list[float]:
+        """Return for how long [s] the arm rests, before each sample, and after the last."""
+        rested = [self.rested]
+        for still, passed in zip(part.at_rest, part.passed, strict=True):
+            rested[-1] *= bool(still)
+            rested.append(rested[-1] + float(passed) * bool(still and learns))
+        return rested
+
+    def _rest(self, part: Sensed, rested: Array, learns: bool) -> Array:
+        """Return the background at rest (M + 1, n) [Nm], before each sample, and after the last."""
+        settles = rested <= self.set["settle"]
+        share = part.passed / np.where(settles & (rested > 0), rested, self.set["slow"])
+        share = (share * (part.at_rest & learns))[:, None]
+        return np.vstack([self.rest, cascade(1 - share, share * part.observed, self.rest)])
+
+    def _slow(self, part: Sensed, state: Any, rest: Array, learns: bool) -> tuple[Array, ...]:
+        """Return the torque (M, n) less slow errors, and drift and scale (M + 1, n).
+
+        Each sample changes the next: a Volterra equation, whose iterations converge.
+        """
+        per_scale = part.friction / (part.friction**2 + self.breakaway**2)
+        share = part.passed[:, None] * (state == MOVING) * learns / self.set["slow"]
+        drift, scale = self.drift + 0 * rest[:1], self.scale + 0 * rest[:1]
+        before = np.full_like(rest, np.inf)
+        while True:
+            slow = drift[: len(rest)] + scale[: len(rest)] * part.friction
+            torque = part.observed - np.where(state == STILL, rest, slow)
+            error = share * torque
+            drift, scale = (
+                np.cumsum(np.vstack([since, own]), axis=0)
+                for since, own in ((self.drift, error), (self.scale, error * per_scale))
+            )
+            if np.allclose(torque, before, rtol=1e-13, atol=1e-12):
+                return torque, drift, scale
+            before = torque
+
+    def _contacts(self, part: Sensed, evidence: Array) -> tuple[Mask, Mask]:
+        """Return the samples (M,) in contact, and the doubtful ones."""
+        doubtful = part.time - self.started < self.set["settle"]
+        doubtful |= (np.abs(part.qd) > self.fastest).any(axis=1)
+        low = np.where(evidence < self.threshold, part.time, -np.inf)
+        below_at = np.maximum.accumulate(np.maximum(low, self.below_at))
+        starts = ~doubtful & (part.time - below_at >= self.set["duration"])
+        stays = evidence >= self.threshold - self.set["hysteresis"]
+        contact, touched = [], self.touched
+        for start, stay in zip(starts.tolist(), stays.tolist(), strict=True):
+            touched = stay if touched else start
+            contact.append(touched)
+        return np.array(contact), doubtful
+
+
+def cascade(kept: Array, added: Array, first: Array) -> Array:
+    """Return x_k = kept_k x_(k-1) + added_k, each (M, ...), of x before: (...), by doubling."""
+    kept, found, step = kept.copy(), added + 0 * kept, 1
+    found[0] += kept[0] * first
+    while step < len(found):
+        found[step:] = found[step:] + kept[step:] * found[:-step]
+        kept[step:] = kept[step:] * kept[:-step]
+        step *= 2
+    return found

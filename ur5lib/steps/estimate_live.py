@@ -1,0 +1,42 @@
+"""The force of a recording as the live estimator states it, sample by sample."""
+
+from ur5lib.force.live_file import LiveFit, numbers
+from ur5lib.force.live_recording import Measured, follow
+from ur5lib.records.forces import LiveForces
+from ur5lib.records.friction import Friction
+from ur5lib.records.prediction import Prediction
+from ur5lib.records.premises import Premises
+from ur5lib.records.signals import Signals
+from ur5lib.robots.description import Robot
+
+
+def estimate_live(
+    recording: str,
+    signals: Signals,
+    premises: Premises,
+    prediction: Prediction,
+    friction: Friction,
+    live: LiveFit,
+    arm: Robot,
+    gravity: list[float] | None = None,
+) -> LiveForces:
+    """Return what the estimator that `ur5 export --to live` writes would have stated.
+
+    Empty without a fit, without positions or currents, where the recording contradicts the study,
+    and with a load that nobody declared.
+    """
+    run = Measured.of(signals)
+    stopped = premises.contradictions.stop_signs or prediction.is_loaded
+    if run is None or stopped or not live.known:
+        return LiveForces(time=signals.time, segment=signals.segment)
+    own = numbers(arm.mounted(gravity), friction, recording, premises.load.payload)
+    found = follow({**own, **live.known}, run)
+    return LiveForces(
+        time=signals.time,
+        segment=signals.segment,
+        wrench=found.wrench,
+        std=found.std,
+        evidence=found.evidence,
+        contact=found.contact,
+        known=found.known,
+    )

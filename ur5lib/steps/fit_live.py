@@ -1,0 +1,45 @@
+"""What the live estimator learns of an arm from recordings without contact."""
+
+from collections.abc import Mapping
+
+from ur5lib.errors import InputError, RefusalError, remark
+from ur5lib.force.live_file import LiveFit, learned, numbers
+from ur5lib.force.live_recording import Measured
+from ur5lib.force.residual_model import Residuals
+from ur5lib.records.friction import Friction
+from ur5lib.records.premises import Premises
+from ur5lib.records.signals import Signals
+from ur5lib.robots.description import Robot
+
+
+def fit_live(
+    signals: Mapping[str, Signals],
+    premises: Mapping[str, Premises],
+    friction: Friction,
+    residuals: Residuals,
+    arm: Robot,
+    gravities: dict[str, list[float] | None],
+    false_alarms_per_min: float,
+) -> LiveFit:
+    """Return the noise and the threshold of an arm, each recording by the fit without its path;
+    empty without a fit, or with the reason why no force is stated.
+
+    signals, premises, gravities: of the arm's `fit` recordings.
+    """
+    for refused in (friction.stopped, friction.refused, residuals.refused):
+        if refused is not None:
+            return LiveFit(refused=refused)
+    if not friction.from_:
+        return LiveFit()
+    under = {name: arm.mounted(gravity) for name, gravity in gravities.items()}
+    try:
+        runs = [
+            (numbers(under[name], friction, name, premises[name].load.payload), run)
+            for name in friction.from_
+            if (run := Measured.of(signals[name])) is not None
+        ]
+        return LiveFit(learned(runs, friction.paths, false_alarms_per_min))
+    except RefusalError as refusal:
+        return LiveFit(refused=refusal.remark)
+    except InputError as error:  # friction that is not of one joint alone
+        return LiveFit(refused=remark("other reason", reason=str(error)))
