@@ -102,13 +102,25 @@ def damaged(run: Measured) -> Measured:
     return run._replace(time=time, q=q)
 
 
+def attacked(run: Measured) -> Measured:
+    """Return a hostile stream of a recording as one."""
+    time, q, qd, current = map(np.array, zip(*hostile(run, 0), strict=True))
+    return run._replace(time=time, q=q, qd=qd, current=current)
+
+
 @AT_REST_AND_IN_MOTION
 @pytest.mark.parametrize(
-    "change",
-    [damaged, lambda run: run, lambda run: run._replace(qd=None)],
-    ids=["damaged", "whole", "without velocities"],
+    ("change", "stated"),
+    [
+        (lambda run: run, {CONTACT, FREE, UNKNOWN}),
+        (lambda run: run._replace(qd=None), {CONTACT, FREE, UNKNOWN}),
+        (damaged, {CONTACT, FREE, UNKNOWN}),
+        (attacked, {UNKNOWN}),
+    ],
 )
-def test_a_recording_is_followed_as_sample_by_sample(moving: bool, change: Any) -> None:
+def test_a_recording_is_followed_as_sample_by_sample(
+    moving: bool, change: Any, stated: set[str]
+) -> None:
     """In blocks, whatever ends a run, and whether slow errors are learnt from or not."""
     run = change(samples(14.0, moving, push(7.0, 9.0, 20.0, -25.0, 15.0)))
     for arm in (arm_file(), arm_file(1.0, slow=5.0)):
@@ -121,9 +133,9 @@ def test_a_recording_is_followed_as_sample_by_sample(moving: bool, change: Any) 
             (found.evidence[-1], estimator.evidence),
         ):
             np.testing.assert_allclose(own, expected, rtol=0, atol=1e-9)
-        stated = np.where(found.contact, CONTACT, np.where(found.known, FREE, UNKNOWN))
-        assert stated.tolist() == [one.contact for one in answers]
-        assert {*stated} == {CONTACT, FREE, UNKNOWN}
+        contact = np.where(found.contact, CONTACT, np.where(found.known, FREE, UNKNOWN))
+        assert contact.tolist() == [one.contact for one in answers]
+        assert {*contact} >= stated
 
 
 def test_nothing_is_learnt_from_rare_samples() -> None:
@@ -178,10 +190,10 @@ def test_velocities_may_be_missing() -> None:
     assert found.wrench[middle, 0].mean() == pytest.approx(30.0, abs=5.0)
 
 
-def streams(count: int) -> list[list[Sample]]:
+def streams(count: int, first: int = 0) -> list[list[Sample]]:
     """Return hostile streams of 4 s."""
     run = samples(4.0, True, push(2.0, 3.0, 0.0, 30.0, 0.0))
-    return [hostile(run, seed) for seed in range(count)]
+    return [hostile(run, first + seed) for seed in range(count)]
 
 
 def check_hostile(count: int) -> None:
@@ -252,12 +264,26 @@ def test_the_header_is_the_reference(program: Path, tmp_path: Path) -> None:
         {"distance": 1e-4, "share": 0.6, "held": [-0.5] * 6},
         {"distance": 0.02, "share": 0.4, "held": [0.3] * 6},
     ]
-    names = (FREE, CONTACT, UNKNOWN)
     runs = [samples(8.0, moving, push(5.0, 6.0, 20.0, 0.0, 5.0)) for moving in (False, True)]
     for stream in (*map(stream_of, runs), *streams(3)):
-        found, said = in_cpp(program, arm, stream, tmp_path)
-        expected = fed(Live(arm), stream)
-        numbers_of = np.array([[*one.wrench, *one.std] for one in expected])
-        np.testing.assert_allclose(found[:, :12], numbers_of, rtol=0, atol=1e-9)
-        assert [names[int(code)] for code in found[:, -2]] == [one.contact for one in expected]
-        assert said.startswith("0 allocations")
+        check_header(program, arm, stream, tmp_path)
+
+
+def check_header(program: Path, arm: dict[str, Any], stream: list[Sample], folder: Path) -> None:
+    """The header answers as the reference does, and allocates nothing."""
+    found, said = in_cpp(program, arm, stream, folder)
+    expected = fed(Live(arm), stream)
+    numbers_of = np.array([[*one.wrench, *one.std] for one in expected])
+    np.testing.assert_allclose(found[:, :12], numbers_of, rtol=0, atol=1e-9)
+    names = (FREE, CONTACT, UNKNOWN)
+    assert [names[int(code)] for code in found[:, -2]] == [one.contact for one in expected]
+    assert said.startswith("0 allocations")
+
+
+@pytest.mark.thorough
+def test_the_header_is_the_reference_on_a_thousand_hostile_streams(
+    program: Path, tmp_path: Path
+) -> None:
+    for first in range(0, 1000, 50):
+        stream = [sample for one in streams(50, first) for sample in one]
+        check_header(program, arm_file(), stream, tmp_path)
