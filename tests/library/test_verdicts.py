@@ -990,12 +990,15 @@ def test_every_alarm_on_a_recording_without_contact_is_false() -> None:
 
 def test_false_alarms_are_pooled_by_role_where_recordings_are_many() -> None:
     rates = {"estimate": "Fmap", "alarms_per_min": 2.0, "causal_alarms_per_min": 0.0}
+    rates |= {"causal_unknown": 0.25}
     results = study(detection=[rates | {"recording": name} for name in ("fitted", "seen")])
     entries = [*results.study["recordings"]]
     entries += [{"name": f"fit {k}", "robot": "ur5", "role": "fit"} for k in range(100)]
     many = replace(results, study=results.study | {"recordings": entries})
     body = shown_table("detection.false", many)
-    assert [cell.text for cell in body.rows[1]] == ["validate", "1", "1.0", "2", "6.3", "0", "3"]
+    assert [cell.text for cell in body.rows[1]] == [
+        *("validate", "1", "1.0", "2", "6.3", "0", "4", "25")
+    ]
     (told,) = findings(results)
     assert "False alarms: 2 in 1.0 min without contact, at most 6.3 a minute" in told
 

@@ -156,7 +156,7 @@ def raised_falsely(results: Results) -> Iterator[str]:
 
 
 def false_by_role(results: Results) -> pd.DataFrame:
-    """Return the false alarms of contact-free recordings by their role, all and by the live estimate,
+    """Return the false alarms of contact-free recordings by role, all and by the live estimate,
     with the upper limits of their rates, and the share of time in which the latter does not know.
     """
     found = []
