@@ -73,9 +73,9 @@ gallery: pictures studies docs ## the same for all public studies whose recordin
 
 docs: .venv/dev ## build the documents as a site, .site/html
 	rm -rf .site && mkdir -p .site/pages
-	cp -RL *.md CITATION.cff LICENSE Snakefile config.yaml config docs ur5lib workflow .site/pages
+	cp -RL *.md CITATION.cff LICENSE Snakefile config.yaml config docs site ur5lib workflow .site/pages
 	mkdir .site/pages/raw && cp raw/README.md .site/pages/raw
-	NO_MKDOCS_2_WARNING=1 mkdocs build --strict --quiet
+	zensical build --strict >.site/log 2>&1 || { cat .site/log >&2; exit 1; }
 	@echo "site: .site/html/index.html"
 
 schema: .venv/ready ## write the schema and the table of a study's settings anew
