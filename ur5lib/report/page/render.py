@@ -21,7 +21,7 @@ DOCUMENTS = Path("docs")  # of a clone, two folders above the results of a study
 BREAK = re.compile(r"(?<=\d) (?=±)|(?<=±) (?=\d)|(?<=\d) (?=%|(?:[mk]?[msgN]|A|Nm|Hz|min|rad)\b)")
 REFERENCE = re.compile(r"(?<=[\"(])#([\w-]+)(?=[\")])")  # from one part of an SVG to another
 STYLE = re.compile(r'style="([^"]*)"')
-UNESCAPED_CHARACTERS = " '!$()*+,-./:;=?@[]_~"  # characters that a data URI need not escape
+UNESCAPED_CHARACTERS = " '!$()*+,-./:;<=?@[]_~"  # characters that a data URI need not escape
 
 
 def html_page(document: Document) -> str:
