@@ -438,6 +438,15 @@ def test_an_alarm_while_nothing_touches_the_arm_is_called_false(
     page.close()
 
 
+def test_a_link_leads_to_the_second_of_the_largest_error(page: Any) -> None:
+    """The sensor reads another force than the estimate from 20 to 30 s alone."""
+    page.evaluate("stretches.get('pushed')?.point(5)")
+    page.evaluate("location.hash = '#currents'")
+    page.wait_for_selector("#currents .plots")
+    page.wait_for_function("stretches.get('pushed').time >= 20")
+    assert 20 <= time_of(page) <= 30
+
+
 def test_a_phone_shows_it_whole_and_two_fingers_zoom(chromium: Any, report: Path) -> None:
     context = chromium.new_context(viewport={"width": NARROW, "height": 844}, has_touch=True)
     page = context.new_page()

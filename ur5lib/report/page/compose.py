@@ -57,6 +57,8 @@ VIEWS: dict[str, ModuleType] = {
         *(models, motion, recordings),
     )
 }
+REPLAYED = ("currents", "forces_estimated")  # figures of a recording, of which the last one counts
+USES = "quality.trust"  # the table of what recordings serve
 REPORT_FILE, DETAILS_FILE = "report.html", "details.html"
 MENTION = re.compile(r"@([a-z_]+(?:\.[a-z_]+)?)")
 CONDITIONAL_TEXT = re.compile(
@@ -82,8 +84,15 @@ def compose_study(results: Results) -> StudyPages:
     shown = _labels(report.blocks())
     details = compose(contents().details(results.of_thesis), results, shown)
     further = {section.title: section for section in details.sections}
+    places = _replayed(report, details)
     linked = [
-        replace(section, blocks=[*section.blocks, *_link(further.get(section.title))])
+        replace(
+            section,
+            blocks=[
+                *(_with_replays(block, places) for block in section.blocks),
+                *_link(further.get(section.title)),
+            ],
+        )
         for section in report.sections
     ]
     there, here = Mention(details.sections[0].label, "Supplement", DETAILS_FILE), report.sections[0]
@@ -92,6 +101,25 @@ def compose_study(results: Results) -> StudyPages:
         replace(report, sections=linked, pages=[there]),
         replace(details, pages=[Mention(here.label, "Report", REPORT_FILE)]),
     )
+
+
+def _replayed(report: Document, details: Document) -> dict[str, str]:
+    """Return by recording the link to its figure that *Replay* opens at the worst second."""
+    return {
+        block.of: f"{page}#{block.label}"
+        for figure in REPLAYED
+        for page, document in ((DETAILS_FILE, details), ("", report))
+        for block in document.blocks()
+        if isinstance(block, Picture) and block.figure == figure
+    }
+
+
+def _with_replays(block: Block, places: Mapping[str, str]) -> Block:
+    """Return the table of what each recording serves with links from its names."""
+    if not isinstance(block, TableBlock) or block.label != USES:
+        return block
+    rows = [[replace(row[0], link=places.get(row[0].text, "")), *row[1:]] for row in block.rows]
+    return replace(block, rows=rows)
 
 
 def _link(section: Section | None) -> Iterator[Paragraph]:

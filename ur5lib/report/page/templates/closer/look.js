@@ -118,8 +118,15 @@ function offer(figure) {
     (open ? look.plots : button).focus({ preventScroll: true });
     figure.scrollIntoView({ block: "nearest" });
   };
+  const follow = async () => { // a link to the figure: to its worst second
+    if (location.hash !== `#${figure.id}`) return;
+    const { stretch, arm } = await show(true);
+    if (arm) stretch.point(arm.scene.worst());
+    figure.scrollIntoView({ block: "nearest" });
+  };
+  window.addEventListener("hashchange", follow);
   figure.querySelector("figcaption").before(button);
-  show("open" in figure.dataset);
+  show("open" in figure.dataset).then(follow);
 }
 
 if ("DecompressionStream" in window) document.querySelectorAll("figure[data-recording]").forEach(offer);

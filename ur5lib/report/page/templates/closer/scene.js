@@ -99,6 +99,14 @@ class Scene {
     return (this.torque ?? []).flat().reduce((largest, one) => Math.max(largest, Math.abs(one) || 0), 0);
   }
 
+  // The time of the largest error beside the sensor, or of the largest force.
+  worst() {
+    const { force, sensed } = this;
+    if (!force || !sensed) return this.busiest();
+    const errors = this.sizes(force.map((column, i) => column.map((one, row) => one - sensed[i][row])));
+    return this.times[errors.indexOf(Math.max(...errors))];
+  }
+
   // The time of the largest force, or the middle.
   busiest() {
     const sizes = this.sizes(this.sensed ?? this.force), middle = Math.floor(this.times.length / 2);
