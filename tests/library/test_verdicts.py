@@ -762,7 +762,7 @@ def test_the_card_of_the_force_counts_missed_contacts_and_false_alarms() -> None
     assert numbers["false alarms, at most (95 %)"] == (pytest.approx(3.0, abs=0.01), "a minute")
     told = said(card)
     assert "Of 8 contacts of 5 N or more at the sensor, 2 are missed (up to 21 N)" in told
-    assert "2 merged with another one, and found from 20 N on; the live estimate finds 2" in told
+    assert "2 merged with another one; the smallest found has 20 N; the live estimate" in told
     assert "False alarms: 0 in 1.0 min without contact, at most 3 a minute" in card.sentence
     assert "in 1.0 minutes" in told
     assert ": 0, that is at most 3 a minute (95 %); no day without a fit recording" in told
