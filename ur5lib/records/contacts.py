@@ -72,25 +72,6 @@ class Matched:
     extra: int | None = None
 
 
-@dataclass(frozen=True)
-class SmallestPush:
-    """The force [N] that is detected in 95 of 100 trials, with its standard error, in a range of
-    the flange's speed [m/s], along an axis.
-
-    tried, found: numbers of trials; beyond: whether it is larger than all of them, of which `force`
-    is the largest, and has no standard error.
-    """
-
-    speed_low: float
-    speed_high: float | None
-    tried: int
-    found: int
-    force: float
-    std: float
-    axis: str
-    beyond: bool = False
-
-
 @dataclass(frozen=True, kw_only=True)
 class Causal(Matched):
     """The contacts that the live estimator states; unknown: share of time in which it does not

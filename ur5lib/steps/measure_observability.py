@@ -27,7 +27,7 @@ from ur5lib.identification.currents import torque_constants
 from ur5lib.identification.samples import INDEPENDENT_STEP
 from ur5lib.identification.validation import ShareBySpeed, share_by_speed
 from ur5lib.records.arm_state import Observed
-from ur5lib.records.contacts import SPEEDS, SmallestPush
+from ur5lib.records.contacts import SPEEDS
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.forces import Forces
@@ -126,7 +126,7 @@ def observability(trials: Sequence[Trials], errors: Sequence[Judged]) -> Iterato
     """Yield smallest pushes by speed, and by joint the shares by speed and where they suffice."""
     if trials:
         together = Trials.joined([*trials])
-        yield from map(_push, by_axis(together))
+        yield from by_axis(together)
     if errors:
         speed, inside = (np.concatenate(part) for part in zip(*errors, strict=True))
         known = np.isfinite(inside).T
@@ -149,20 +149,6 @@ def at_rest(fit: CurrentFit) -> Iterator[Observed]:
             value=joint.band_standing / joint.band_moving if joint.band_moving else np.nan,
             unit="1",
         )
-
-
-def _push(push: SmallestPush) -> Observed:
-    return Observed(
-        quantity=f"smallest_push_95_{push.axis}",
-        speed_low=push.speed_low,
-        speed_high=push.speed_high,
-        speed_unit="m/s",
-        bound=">" if push.beyond else "",
-        value=push.force,
-        std_error=push.std,
-        unit="N",
-        samples=push.tried,
-    )
 
 
 def _shares(joint: int, shares: ShareBySpeed) -> Iterator[Observed]:
@@ -192,21 +178,26 @@ def _predicted(joint: int, low: float, high: float) -> Observed:
     )
 
 
-def by_axis(trials: Trials) -> Iterator[SmallestPush]:
-    """Yield the smallest pushes along x, y and z by the flange's speed."""
+def by_axis(trials: Trials) -> Iterator[Observed]:
+    """Yield the smallest pushes along x, y and z by the flange's speed, where trials suffice.
+
+    Beyond the largest trial, a logistic curve tells nothing: the push is that one, and `bound` ">".
+    """
     for low, high in pairwise(FLANGE_SPEEDS):
         for axis, name in enumerate("xyz"):
-            yield from limit(trials.within(low, high).along(axis), low, high, name)
-
-
-def limit(trials: Trials, low: float, high: float, axis: str) -> Iterator[SmallestPush]:
-    """Yield the smallest push that is detected between two speeds, if trials suffice.
-
-    Beyond the largest trial, a logistic curve tells nothing: it is that one, and `beyond`.
-    """
-    tried, found = len(trials.found), int(trials.found.sum())
-    if tried >= MIN_TRIALS_OF_A_LIMIT:
-        force, std = smallest_force(trials.force, trials.found)
-        if beyond := force > MAX_TRIAL_FORCE:
-            force, std = MAX_TRIAL_FORCE, np.nan
-        yield SmallestPush(low, high, tried, found, force, std, axis, beyond)
+            own = trials.within(low, high).along(axis)
+            if len(own.found) < MIN_TRIALS_OF_A_LIMIT:
+                continue
+            force, std = smallest_force(own.force, own.found)
+            beyond = force > MAX_TRIAL_FORCE
+            yield Observed(
+                quantity=f"smallest_push_95_{name}",
+                speed_low=low,
+                speed_high=high,
+                speed_unit="m/s",
+                bound=">" if beyond else "",
+                value=MAX_TRIAL_FORCE if beyond else force,
+                std_error=np.nan if beyond else std,
+                unit="N",
+                samples=len(own.found),
+            )
