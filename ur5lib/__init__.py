@@ -1,20 +1,51 @@
-"""Dynamics, friction and contact force of Universal Robots arms, from recordings."""
+"""Dynamics, friction and contact force of robot arms, from recordings.
 
-from typing import TYPE_CHECKING
+    arm = ur5lib.read_arm("ur5e")
+    model = ur5lib.fit(ur5lib.read(["free1.csv", "free2.csv"], arm))
+    forces = model.estimate(ur5lib.read("pushed.csv", arm))
+
+Each name is loaded when it is used: `import ur5lib` alone takes milliseconds.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 __version__ = "0.2.0"
+__all__ = ["Arm", "FinishedStudy", "InputError", "Model", "Recordings"]
+__all__ += ["fit", "load", "load_model", "read", "read_arm"]
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from ur5lib.chain.model import Model as Model
+    from ur5lib.chain.model import fit as fit
+    from ur5lib.chain.model import load_model as load_model
+    from ur5lib.chain.recordings import Arm as Arm
+    from ur5lib.chain.recordings import Recordings as Recordings
+    from ur5lib.errors import InputError as InputError
+    from ur5lib.finished import FinishedStudy as FinishedStudy
+    from ur5lib.finished import load as load
+    from ur5lib.importing.in_memory import read as read
+    from ur5lib.importing.in_memory import read_arm as read_arm
 
-    from ur5lib.finished import FinishedStudy
+_HOMES = {
+    "Arm": "chain.recordings",
+    "FinishedStudy": "finished",
+    "InputError": "errors",
+    "Model": "chain.model",
+    "Recordings": "chain.recordings",
+    "fit": "chain.model",
+    "load": "finished",
+    "load_model": "chain.model",
+    "read": "importing.in_memory",
+    "read_arm": "importing.in_memory",
+}
 
 
-def load(folder: "str | Path") -> "FinishedStudy":
-    """Return the results of a study, e.g. `ur5lib.load("results/mine").forces("pushed")`.
+def __getattr__(name: str) -> Any:
+    """Load a public name (PEP 562)."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'ur5lib' has no attribute {name!r}")
+    return getattr(import_module(f"ur5lib.{_HOMES[name]}"), name)
 
-    Raises InputError where the folder holds none.
-    """
-    from ur5lib.finished import FinishedStudy  # pandas, which not every user of the package needs
 
-    return FinishedStudy(folder)
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

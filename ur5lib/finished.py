@@ -1,25 +1,53 @@
 """The results of a study that was run: as data frames for a notebook, as records for commands."""
 
+from collections.abc import Mapping
 from difflib import get_close_matches
 from os.path import isdir, isfile  # unlike pathlib's, of names that are too long, too
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import pandas as pd
 
-from ur5lib.errors import InputError
+from ur5lib.chain.model import Model
+from ur5lib.chain.recordings import frame_of
+from ur5lib.errors import InputError, unknown
 from ur5lib.jobs.unreadable import reason
 from ur5lib.records.judgement import Judgement
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Quality
 from ur5lib.records.table import Table
 from ur5lib.robots.description import Payload, Robot, load_robot
-from ur5lib.study.model import Recording, Study
+from ur5lib.study.model import Recording, Settings, Study
 from ur5lib.study.paper_figure import paper_figure
 from ur5lib.study.reading import parse_study, read_plain
-from ur5lib.tables import intact, read_csv, read_record, read_table, read_units
+from ur5lib.tables import intact, read_csv, read_record
 
 Record = TypeVar("Record")
+FILES_OF_ARM = {  # of a model
+    "described": "described.yaml",
+    "arm": "arm.yaml",
+    "urdf": "arm.urdf",
+    "drifts": "drifts.json",
+    "rotors": "rotor_inertia.json",
+    "summary": "identification.json",
+    "friction": "friction.json",
+    "residuals": "residuals.json",
+    "threshold": "threshold.json",
+}
+
+
+def load(folder: str | Path) -> "FinishedStudy":
+    """Return the results of a study, e.g. `ur5lib.load("results/mine").forces("pushed")`.
+
+    Raises InputError where the folder holds none.
+    """
+    return FinishedStudy(folder)
+
+
+def arm_of(entry: Mapping[str, Any]) -> str:
+    """Return the name of the arm of a recording's entry in a built study."""
+    robot = entry["robot"]
+    return str(robot if isinstance(robot, str) else robot.get("name") or robot["arm"])
 
 
 class FinishedStudy:
@@ -142,9 +170,7 @@ class FinishedStudy:
         own = self._known(recording, self.recordings, "recording")
         names = [path.stem for path in (self.folder / "recordings" / own).glob("*.parquet")]
         path = self._existing("recordings", own, f"{self._known(name, names, 'file')}.parquet")
-        frame = read_table(path).set_index("time")
-        frame.attrs["units"] = read_units(path)
-        return frame
+        return frame_of(path)
 
     def figure(
         self, name: str, width: str = "88mm", font_size: float = 8, format: str = "pdf"
@@ -160,6 +186,30 @@ class FinishedStudy:
         name = self._known(recording, self.recordings, "recording")
         path = self.folder / "recordings" / name / "quality.json"
         return self.quality(name).start_epoch_s if path.is_file() else None
+
+    def model(self, robot: str) -> Model:
+        """Return the model that was fitted to an arm, as `ur5lib.fit` of its recordings returns it.
+
+        Raises InputError where the study has no such arm, or is not built.
+        """
+        plain = read_plain(self._existing("configuration.yaml"))
+        entries = [one for one in plain["recordings"] if arm_of(one) == robot]
+        if not entries:
+            raise unknown("arm", robot, sorted({arm_of(one) for one in plain["recordings"]}))
+        settings = Settings.model_validate(plain["settings"])
+        arm = {
+            name: self._existing("parameters", robot, file) for name, file in FILES_OF_ARM.items()
+        }
+        fitted = {
+            one["name"]: {
+                path.stem: path
+                for path in (self.folder / "recordings" / one["name"]).glob("[!.]*")
+                if not reason(str(path))
+            }
+            for one in entries
+            if one["role"] == "fit"
+        }
+        return Model(settings, robot, {**arm}, fitted)
 
     def _existing(self, *parts: str) -> Path:
         path = self.folder.joinpath(*parts)

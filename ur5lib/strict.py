@@ -92,7 +92,11 @@ def read_yaml(path: Path) -> Any:
     expect_file(path)
     if path.stat().st_size > MOST_BYTES:
         raise InputError(f"{path} has more than {MOST_BYTES:,} bytes; divide it")
-    text, source = path.read_text(encoding="utf-8"), str(path)
+    return plain_yaml(path.read_text(encoding="utf-8"), str(path))
+
+
+def plain_yaml(text: str, source: str) -> Any:
+    """Return the content of YAML as plain data; raises as `read_yaml`."""
     try:
         _expect_few_levels(text, source)  # before libyaml, which crashes on a deep nest
         return _plain_data(FAST_LOADER(text), source)

@@ -13,7 +13,8 @@ import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
-from functools import cache
+from functools import cache, partial
+from io import BytesIO, StringIO
 from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar, cast
@@ -35,6 +36,7 @@ ROWS = 1 << 16  # that are read or written at once
 FIRST_HALF = re.compile(r"_[0-2]$|_F[xyz]$")  # of a pose, a twist or a wrench
 NAMES = ("study", "recording", "robot", "model", "fitted_on", "tested_on")  # columns of any text
 Column = NDArray[Any]
+Source = str | Path | BytesIO  # a file, or one in memory
 Record = TypeVar("Record")
 Value = TypeVar("Value")
 
@@ -62,7 +64,7 @@ class ByKey(Mapping[str, Value]):
 
 
 @contextlib.contextmanager
-def intact(path: str | Path) -> Iterator[None]:
+def intact(path: Source) -> Iterator[None]:
     """Raise InputError with the remedy where a file of results is damaged."""
     try:
         yield
@@ -100,7 +102,7 @@ def has_unit(column: str) -> bool:
 
 def write_table(
     table: pd.DataFrame | Mapping[str, Column],
-    path: str | Path,
+    path: Source,
     units: Mapping[str, str] | None = None,
 ) -> None:
     """Write signals as Parquet, with the unit of each column: from `units`, else of its channel.
@@ -113,10 +115,11 @@ def write_table(
     for name, values in arrays.items():
         own = column_unit(name, explicit[name]) if explicit.get(name) else unit(name)
         fields.append(pa.field(name, pa.from_numpy_dtype(values.dtype), metadata={"unit": own}))
-    write_aside(path, lambda aside: _write_parquet(arrays, pa.schema(fields), aside))
+    write = partial(_write_parquet, arrays, pa.schema(fields))
+    write(path) if isinstance(path, BytesIO) else write_aside(path, write)
 
 
-def _write_parquet(arrays: Mapping[str, Column], schema: pa.Schema, path: Path) -> None:
+def _write_parquet(arrays: Mapping[str, Column], schema: pa.Schema, path: Path | BytesIO) -> None:
     """Write columns part by part, which avoids a copy of the whole."""
     count = len(next(iter(arrays.values())))
     # A dictionary of measured values takes three quarters of the time, and makes files larger.
@@ -127,7 +130,7 @@ def _write_parquet(arrays: Mapping[str, Column], schema: pa.Schema, path: Path) 
             writer.write_table(pa.Table.from_arrays(part, schema=schema))
 
 
-def read_table(path: str | Path, names: list[str] | None = None) -> pd.DataFrame:
+def read_table(path: Source, names: list[str] | None = None) -> pd.DataFrame:
     """Read a table of signals, or some of its columns."""
     # Column by column, which avoids a second copy of the whole.
     with intact(path), pq.ParquetFile(path) as file:
@@ -136,21 +139,21 @@ def read_table(path: str | Path, names: list[str] | None = None) -> pd.DataFrame
     return pd.DataFrame(arrays, copy=False)
 
 
-def read_units(path: str | Path) -> dict[str, str]:
+def read_units(path: Source) -> dict[str, str]:
     """Return the unit of each column of a table of signals."""
     with intact(path):
         fields = pq.read_schema(path)
     return {field.name: (field.metadata or {}).get(b"unit", b"").decode() for field in fields}
 
 
-def read_footer(path: str | Path) -> pq.FileMetaData:
+def read_footer(path: Source) -> pq.FileMetaData:
     """Return where a table's columns are in its file, with their names as `schema.names`."""
     with intact(path):
         return pq.read_metadata(path)
 
 
 def read_columns(
-    path: str | Path,
+    path: Source,
     names: list[str],
     dtype: type = np.float64,
     rows: Labels | None = None,
@@ -224,9 +227,18 @@ def write_rows(kind: type, rows: Sequence[object], path: str | Path) -> None:
 
 def read_csv(path: str | Path) -> pd.DataFrame:
     """Read a table of results: an empty cell is NaN, and a name is text (`nan`, `1e5`)."""
-    names = dict.fromkeys(NAMES, str)
     with _whole_lines(path) as file:
-        return pd.read_csv(file, dtype=names, keep_default_na=False, na_values=[""])
+        return _parsed(file)
+
+
+def as_written(table: pd.DataFrame) -> pd.DataFrame:
+    """Return a table of results as `read_csv` would read it."""
+    return _parsed(StringIO(csv_text(table)))
+
+
+def _parsed(file: Any) -> pd.DataFrame:
+    names = dict.fromkeys(NAMES, str)
+    return pd.read_csv(file, dtype=names, keep_default_na=False, na_values=[""])
 
 
 def read_cells(path: str | Path) -> pd.DataFrame:

@@ -42,16 +42,18 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     | ROOMS
     | {"commands", "stand", "records", "report", "thesis", "tidy", "workspace"},
     "tidy": BASE | {"force", "recordings", "records", "signals", "thesis"},
-    "jobs": {"errors", "records", "report", "robots", "tables", "workspace"},
+    "jobs": {"errors", "records", "report", "robots", "strict", "tables", "workspace"},
     # readers
     "report": BASE | METHODS - {"signals", "dynamics"} | {"records", "thesis", "tidy", "workspace"},
     "study": BASE | {"stand", "recordings", "records", "thesis", "workspace"},
-    "finished": BASE | {"jobs", "records", "study"},
+    "chain": BASE | {"jobs", "records", "study", "thesis"},
+    "finished": BASE | {"chain", "jobs", "records", "study"},
     "commands": BASE
     | METHODS - {"dynamics"}
     | {"checks", "finished", "jobs", "recordings"}
     | {"records", "report", "steps", "study", "tidy", "workspace"},
-    "importing": BASE | {"checks", "commands", "recordings", "records", "study"},
+    "importing": BASE
+    | {"chain", "checks", "commands", "recordings", "records", "study", "thesis", "workspace"},
     "cli": BASE | {"commands", "datasets", "importing", "study", "workspace"},
 }
 SCIPY = {"scipy.stats", "scipy.signal", "scipy.optimize"}

@@ -52,7 +52,7 @@ def write_imported(
     (add_to_study if append else write_study)(imported, study)
     _print_account(imported, stderr=False)
     print(last_line)
-    _expect_all(imported)
+    expect_all(imported)
 
 
 def print_imported(imported: ImportedFiles, next_command: str) -> None:
@@ -63,7 +63,7 @@ def print_imported(imported: ImportedFiles, next_command: str) -> None:
     print(as_entries(imported), end="")
     _print_account(imported, stderr=True)
     print(f"next: {next_command}", file=sys.stderr)
-    _expect_all(imported)
+    expect_all(imported)
 
 
 def study_of(named: Sequence[str], robot: str | None, output: Path | None) -> Path:
@@ -87,7 +87,8 @@ def _print_account(imported: ImportedFiles, stderr: bool) -> None:
     text_console(stderr=stderr, width=width).print(account_table(imported))
 
 
-def _expect_all(imported: ImportedFiles) -> None:
+def expect_all(imported: ImportedFiles) -> None:
+    """Raise InputError where some files were refused."""
     if imported.refused:
         raise InputError("\n".join(["not imported:", *imported.refused]))
 

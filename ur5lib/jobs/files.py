@@ -7,6 +7,7 @@ their types say how a file is read; what it returns is written under the names o
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
 from inspect import signature
+from io import BytesIO
 from pathlib import Path
 from types import UnionType
 from typing import Any, get_args, get_origin, get_type_hints
@@ -18,6 +19,7 @@ from ur5lib.records.table import Table
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.tables import (
     ByKey,
+    Source,
     intact,
     read_csv,
     read_record,
@@ -39,9 +41,9 @@ def arguments(step: Callable[..., Any], input: Files, params: Mapping[str, Any])
     input: paths; a parameter of type Mapping takes a list of files by the folders in which they
     lie, of recordings or arms. Raises InputError where a file is not as its type says.
     """
-    types = _types(step)
-    files = {name: _read(types[name], paths) for name, paths in input.items() if name in types}
-    settings = {name: _setting(types[name], own) for name, own in params.items() if name in types}
+    kinds = parameter_types(step)
+    files = {name: _read(kinds[name], paths) for name, paths in input.items() if name in kinds}
+    settings = {name: setting(kinds[name], own) for name, own in params.items() if name in kinds}
     whole = _single_tuple(step)
     return {whole[0]: whole[1](**files, **settings)} if whole else files | settings
 
@@ -71,7 +73,7 @@ def _parts(kind: Any, result: Any, output: Files) -> dict[str, tuple[Any, Any]]:
 
 
 @cache
-def _types(step: Callable[..., Any]) -> dict[str, Any]:
+def parameter_types(step: Callable[..., Any]) -> dict[str, Any]:
     """Return the types of a step's parameters; of an optional one, without None."""
     whole = _single_tuple(step)
     types = get_type_hints(whole[1] if whole else step, include_extras=True)
@@ -105,21 +107,25 @@ def _read(kind: Any, paths: str | Sequence[str]) -> Any:
         return ByKey({Path(path).parent.name: partial(read, path) for path in each})
     if not isinstance(paths, str):
         return None if not paths else _read(kind, paths[0])
-    return _read_file(kind, paths)
+    return read_file(kind, paths)
 
 
-def _read_file(kind: Any, path: str) -> Any:
+def read_file(kind: Any, path: Source) -> Any:
+    """Return the record that a file holds; in memory, a table."""
     if isinstance(kind, type) and issubclass(kind, Table):
         return kind.read(path)
+    if kind is pd.DataFrame and not str(path).endswith(".csv"):
+        return read_table(path)
+    assert not isinstance(path, BytesIO), f"{kind} is no table"
     if kind is pd.DataFrame:
-        return read_table(path) if path.endswith(".parquet") else read_csv(path)
+        return read_csv(path)
     if kind is Robot:
         with intact(path):
             return load_robot(path)
     return read_record(kind, path)
 
 
-def _setting(kind: Any, value: Any) -> Any:
+def setting(kind: Any, value: Any) -> Any:
     """Return a setting as its type: records and settings of a study come as plain data."""
     if value is None or kind in PLAIN or kind is Any:
         return value

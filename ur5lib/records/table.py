@@ -9,13 +9,12 @@ import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cache, partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import pandas as pd
 
-from ur5lib.tables import ByKey, read_columns, read_footer, write_table
+from ur5lib.tables import ByKey, Source, read_columns, read_footer, write_table
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import period
 
@@ -133,7 +132,7 @@ class Table:
         return period(self.time)
 
     @classmethod
-    def read(cls, path: str | Path, rows: Labels | None = None) -> Self:
+    def read(cls, path: Source, rows: Labels | None = None) -> Self:
         """Read a table, each channel when it is first used: a long recording fits no memory whole.
 
         rows: ascending, those to read; all by default. Raises KeyError where a column that is not
@@ -202,7 +201,7 @@ class Table:
             self.__dict__[name] = samples() if callable(samples) else samples
             return self.__dict__[name]
 
-    def write(self, path: str | Path) -> None:
+    def write(self, path: Source) -> None:
         """Write the table, each column with its unit; absent channels are left out."""
         columns: dict[str, Array] = {}
         units: dict[str, str] = {}

@@ -20,9 +20,7 @@ rule describe_arm:
         code=lambda wildcards: code(
             "describe_arm", JOINT_SIZES_FILE, *in_library([robot_path(ARMS[wildcards.robot].arm)])
         ),
-        arm=lambda wildcards: ARMS[wildcards.robot].arm,
-        robot="{robot}",
-        override=lambda wildcards: ARMS[wildcards.robot].override or {},
+        **from_study("describe_arm"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -36,7 +34,7 @@ rule pool_drifts:
         **traces("pool_drifts", "{robot}"),
     params:
         code=code("pool_drifts"),
-        hosts=STUDY.devices_of_hosts(),
+        **from_study("pool_drifts"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -93,9 +91,7 @@ rule identify_model:
         **traces("identify_model", "{robot}"),
     params:
         code=code("identify_model"),
-        gravities=gravities_of(fitted_on),
-        lowpass=design(SETTINGS.lowpass.motion),
-        currents=design(SETTINGS.lowpass.currents),
+        **from_study("identify_model"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -117,9 +113,7 @@ rule fit_friction:
         **traces("fit_friction", "{robot}"),
     params:
         code=code("fit_friction"),
-        dates=lambda wildcards: {name: SELECTION.date(name) for name in fitted_on(wildcards.robot)},
-        accepted=lambda wildcards: SELECTION.accepted_of_arm(wildcards.robot),
-        lowpass=design(SETTINGS.lowpass.currents),
+        **from_study("fit_friction"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -135,7 +129,7 @@ rule fit_residuals:
         **traces("fit_residuals", "{robot}"),
     params:
         code=code("fit_residuals"),
-        cutoff_hz=SETTINGS.lowpass.currents.cutoff_hz,
+        **from_study("fit_residuals"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -171,7 +165,7 @@ rule set_threshold:
         **traces("set_threshold", "{robot}"),
     params:
         code=code("set_threshold"),
-        false_alarms_per_min=SETTINGS.alarms.false_per_min,
+        **from_study("set_threshold"),
     run:
         run_step(rule, input, output, params, log)
 

@@ -13,6 +13,7 @@ from ur5lib.jobs.workers import FAILED, end_beside_the_schedule, run_step
 from ur5lib.report.page.document import Picture, contents
 from ur5lib.robots.description import JOINT_SIZES_FILE, robot_path
 from ur5lib.strict import read_yaml
+from ur5lib.study.given import STEPS, design
 from ur5lib.study.reading import parse_study, study_text
 from ur5lib.study.selection import Selection
 from ur5lib.study.turn import share_turn, take_turn
@@ -196,9 +197,12 @@ def gravities_of(names):
     return lambda wildcards: SELECTION.gravities(names(wildcards.robot))
 
 
-def design(lowpass):
-    """Return order and cut-off [Hz] of a Butterworth filter of the settings."""
-    return [lowpass.order, lowpass.cutoff_hz]
+def from_study(step):
+    """Return what the study gives a step, each as a function of a job's recording or arm."""
+    return {
+        name: lambda wildcards, of=of: of(SELECTION, wildcards[0])
+        for name, of in STEPS[step].items()
+    }
 
 
 def code(step, *files):

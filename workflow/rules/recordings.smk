@@ -18,8 +18,7 @@ rule read_recording:
         **traces("read_recording", "{recording}"),
     params:
         code=code("read_recording"),
-        recording=of_recording(SELECTION.entry_to_read),
-        max_gap_s=SETTINGS.frames.max_gap_s,
+        **from_study("read_recording"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -36,11 +35,7 @@ rule read_postures:
         **traces("read_postures", "{recording}"),
     params:
         code=code("read_postures"),
-        recording=of_recording(SELECTION.entry_to_read),
-        gravity=of_recording(SELECTION.gravity),
-        payload=of_recording(SELECTION.payload),
-        tcp=of_recording(SELECTION.tcp),
-        accepted=of_recording(SELECTION.accepted),
+        **from_study("read_postures"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -76,13 +71,7 @@ rule compute_torques:
         **traces("compute_torques", "{recording}"),
     params:
         code=code("compute_torques"),
-        role=lambda wildcards: RECORDINGS[wildcards.recording].role,
-        gravity=of_recording(SELECTION.gravity),
-        payload=of_recording(SELECTION.payload),
-        tcp=of_recording(SELECTION.tcp),
-        accepted=of_recording(SELECTION.accepted),
-        untouched=lambda wildcards: RECORDINGS[wildcards.recording].untouched,
-        cutoff_hz=SETTINGS.lowpass.currents.cutoff_hz,
+        **from_study("compute_torques"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -100,9 +89,7 @@ rule estimate_load:
         **traces("estimate_load", "{recording}"),
     params:
         code=code("estimate_load"),
-        recording="{recording}",
-        gravity=of_recording(SELECTION.gravity),
-        lowpass=design(SETTINGS.lowpass.currents),
+        **from_study("estimate_load"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -126,12 +113,7 @@ rule predict_currents:
         **traces("predict_currents", "{recording}"),
     params:
         code=code("predict_currents"),
-        recording="{recording}",
-        role=lambda wildcards: RECORDINGS[wildcards.recording].role,
-        date=of_recording(SELECTION.date),
-        gravity=of_recording(SELECTION.gravity),
-        untouched=lambda wildcards: RECORDINGS[wildcards.recording].untouched,
-        lowpass=design(SETTINGS.lowpass.currents),
+        **from_study("predict_currents"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -153,8 +135,7 @@ rule estimate_forces:
         **traces("estimate_forces", "{recording}"),
     params:
         code=code("estimate_forces"),
-        lowpass=design(SETTINGS.lowpass.currents),
-        contact_force_n=SETTINGS.contact.force_n,
+        **from_study("estimate_forces"),
     run:
         run_step(rule, input, output, params, log)
 

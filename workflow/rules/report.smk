@@ -50,7 +50,7 @@ rule draw_friction:
         **traces("draw_friction", "{robot}"),
     params:
         code=code("draw_friction"),
-        lowpass=design(SETTINGS.lowpass.currents),
+        **from_study("draw_friction"),
     run:
         run_step(rule, input, output, params, log)
 

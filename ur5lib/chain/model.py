@@ -1,0 +1,293 @@
+"""The model of an arm: fitted to recordings, shown, saved, and used on other recordings."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from ur5lib import __version__
+from ur5lib.chain.recordings import Recordings, frame_of
+from ur5lib.chain.shown import Shown, frames
+from ur5lib.chain.steps import Chain, Files
+from ur5lib.errors import InputError, unknown
+from ur5lib.jobs.memory import call, record_of, text_of
+from ur5lib.records.friction import Friction
+from ur5lib.records.premises import Premises
+from ur5lib.records.wording import in_words, worded
+from ur5lib.robots.description import Robot
+from ur5lib.study.model import Settings, Study
+from ur5lib.study.selection import Selection
+from ur5lib.tables import as_written, read_json, write_text
+from ur5lib.thesis.reference import PublishedValues
+
+TABLES = ["friction", "torque_constants", "cross_validation", "rotor_inertia", "parameters"]
+TABLES += ["excitation", "remarks"]
+OF_FRICTION = ("friction", "current_torque", "current_torque_friction", "residuals", "knowledge")
+OF_MODELS = ("models", "frames")
+FIGURES = dict.fromkeys(OF_FRICTION, "draw_friction") | dict.fromkeys(OF_MODELS, "draw_models")
+YAML_FILES = ("described", "arm", "urdf")  # of an arm; the others are JSON
+JSON_FILES = ("drifts", "rotors", "summary", "friction", "residuals", "threshold")
+SHOWN = {  # parameters that show a model, with their units
+    "torque_constant": "Nm/A",
+    "gain": "Nm/Nm",
+    "offset": "Nm",
+    "coulomb": "Nm",
+    "viscous": "Nm s/rad",
+}
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Model(Shown):
+    """Torque constants, friction, links and residuals of an arm, as `ur5lib.fit` returns them.
+
+    settings: with which it was fitted; robot: the arm's name; arm: what was fitted; fitted: what
+    was made of each recording that it learnt from.
+    """
+
+    settings: Settings
+    robot: str
+    arm: Files
+    fitted: Mapping[str, Files]
+
+    @property
+    def identified(self) -> Robot:
+        """Return the arm with the link models that were identified."""
+        robot: Robot = record_of(Robot, self.arm["arm"])
+        return robot
+
+    @property
+    def friction(self) -> Friction:
+        """Return torque constants and friction, with the fits that left each path out."""
+        friction: Friction = record_of(Friction, self.arm["friction"])
+        return friction
+
+    @property
+    def threshold(self) -> dict[str, float]:
+        """Return by estimate the log-odds of contact, or the force [N], that raise an alarm."""
+        threshold: dict[str, float] = record_of(dict[str, float], self.arm["threshold"])
+        return threshold
+
+    def table(self, name: str) -> pd.DataFrame:
+        """Return a table of the arm as the report has it, one value a row, SI units: "friction",
+        "torque_constants", "cross_validation", "rotor_inertia", "parameters", "excitation" or
+        "remarks". Raises InputError for another name.
+        """
+        if name not in TABLES:
+            raise unknown("table", name, TABLES)
+        of_arm = {
+            "arm": "arm",
+            "rotors": "rotors",
+            "identification": "summary",
+            "fitted": "friction",
+            "residuals": "residuals",
+        }
+        inputs = {key: {self.robot: self.arm[file]} for key, file in of_arm.items()}
+        none: dict[str, Any] = {"judgements": {}, "calibration": {self.robot: "{}"}}
+        tables = call("make_tables", inputs | none, {"parts": [], "unreadable": {}})
+        return as_written(tables[name])
+
+    def plot(self, name: str) -> Any:
+        """Return a figure of the report, matplotlib's: "friction", "current_torque",
+        "current_torque_friction", "residuals", "knowledge", "models" or "frames".
+
+        Raises InputError for another name, and of the first five where the model came from a file.
+        """
+        if name not in FIGURES:
+            raise unknown("figure", name, FIGURES)
+        if name in OF_FRICTION and not all("signals" in own for own in self._moving()):
+            raise InputError(
+                f"{name} shows recordings, which the file of a model lacks; fit it again, or take "
+                "it from its study: ur5lib.load(...).model(...)"
+            )
+        alone = Study.model_construct(
+            study=self.robot, title="", settings=self.settings, recordings=[]
+        )
+        chain = Chain(Selection(alone, PublishedValues()), self.robot, self.arm, {}, self.fitted)
+        return chain.result(FIGURES[name])[name].figure
+
+    def estimate(
+        self, recordings: Recordings, accept: Mapping[str, str] | None = None
+    ) -> pd.DataFrame:
+        """Return the estimated contact wrenches of recordings, as forces.parquet of a study has
+        them: `Fmap_Fx` ... `Fmap_nz` [N, Nm], `Fmap_std_Fx` ..., and `log_odds_Fmap` of a contact.
+
+        The environment on the arm, base axes, at the origin of frame 6; `time` [s] is the index, of
+        several recordings `recording` and `time`. accept: reasons for which stop signs are
+        overruled, by kind. Raises InputError for recordings of another arm, or with a stop sign.
+        """
+        self._expect_arm_of(recordings)
+        recordings = recordings.accepting(accept)
+        study = recordings.study.model_copy(update={"settings": self.settings})
+        made = recordings.chain(study)
+        chain = replace(made, arm=self.arm, several=self.fitted)
+        moving = {name: own for name, own in made.recordings.items() if "robot" in own}
+        if not moving:
+            raise InputError(
+                f"{', '.join(recordings.names)}: postures at rest tell no contact force"
+            )
+        for name in moving:
+            for step in ("align_recording", "compute_torques"):
+                chain.run(step, name)
+        expect_no_stop_sign(moving)
+        for name in moving:
+            for step in ("estimate_load", "predict_currents", "estimate_forces"):
+                chain.run(step, name)
+        return frames({name: frame_of(own["forces"]) for name, own in moving.items()})
+
+    def save(self, path: str | Path) -> None:
+        """Write the model as JSON, which `ur5lib.load_model` reads; its recordings stay out.
+
+        Raises InputError where the file cannot be written.
+        """
+        write_text(json.dumps(self._saved(), indent=1) + "\n", path)
+
+    @classmethod
+    def read(cls, path: str | Path) -> "Model":
+        """Read a model that was saved. Raises InputError where the file holds none."""
+        try:
+            saved = read_json(path)
+            texts: Files = {name: saved["arm"][name] for name in YAML_FILES}
+            texts |= {name: _text(saved["arm"][name]) for name in JSON_FILES}
+            fitted: dict[str, Files] = {
+                name: {part: _text(own) for part, own in parts.items()}
+                for name, parts in saved["fitted"].items()
+            }
+            settings = Settings.model_validate(saved["settings"])
+            model = cls(settings, str(saved["robot"]), texts, fitted)
+            model.identified, model.friction  # noqa: B018  raises where they are damaged
+        except OSError as error:
+            raise InputError(f"{path} cannot be read ({error.strerror}); check its name") from error
+        except (KeyError, TypeError, AttributeError, ValueError) as error:
+            raise InputError(
+                f"{path} holds no model of this version ({type(error).__name__}: "
+                f"{str(error).splitlines()[0]}); save it anew by `model.save`"
+            ) from error
+        return model
+
+    def __eq__(self, other: object) -> bool:
+        """Return whether two models state the same."""
+        return isinstance(other, Model) and self._saved() == other._saved()
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def _saved(self) -> dict[str, Any]:
+        texts = {name: text_of(self.arm[name]) for name in YAML_FILES}
+        plain = {name: json.loads(text_of(self.arm[name])) for name in JSON_FILES}
+        loads = {
+            name: {part: json.loads(text_of(own[part])) for part in ("payload",) if part in own}
+            for name, own in self.fitted.items()
+        }
+        return {
+            "ur5lib": __version__,
+            "robot": self.robot,
+            "settings": self.settings.model_dump(mode="json"),
+            "arm": texts | plain,
+            "fitted": loads,
+        }
+
+    def _expect_arm_of(self, recordings: Recordings) -> None:
+        if recordings.robot != self.robot:
+            raise InputError(
+                f"the model is of {self.robot}, but {', '.join(recordings.names)} of "
+                f"{recordings.robot}; read them with the arm of the model"
+            )
+        if text_of(recordings.arm["described"]) != text_of(self.arm["described"]):
+            raise InputError(
+                f"{self.robot} is described otherwise than when the model was fitted; fit it again"
+            )
+
+    def _moving(self) -> list[Files]:
+        return [own for name, own in self.fitted.items() if name in self.friction.from_]
+
+    def _title(self) -> str:
+        friction = self.friction
+        learnt = [*friction.from_, *friction.at_rest]
+        shown = ", ".join(learnt[:4]) + (", ..." if len(learnt) > 4 else "")
+        links = "identified" if "identified" in self.identified.models else "as described"
+        return (
+            f"Model of {self.robot}: fitted to {len(learnt)} recordings on {friction.paths} paths "
+            f"({shown}); links {links}; it may be used on recordings without a stop sign"
+        )
+
+    def summary(self) -> pd.DataFrame:
+        """Return the first parameters by joint, each with its 95 % interval."""
+        table = self.table("friction")
+        table = table[table["parameter"].isin(SHOWN)]
+        names = [f"{name} [{SHOWN[name]}]" for name in table["parameter"]]
+        cells = [_interval(row) for row in table.itertuples()]
+        shown = table.assign(parameter=names, cell=cells)
+        wide = shown.pivot_table(
+            index="joint", columns="parameter", values="cell", aggfunc="first", sort=False
+        )
+        return wide.reset_index().rename_axis(columns=None)
+
+
+def fit(recordings: Recordings, accept: Mapping[str, str] | None = None) -> Model:
+    """Fit torque constants, friction, links and residuals to the recordings of the role `fit`.
+
+    The steps, settings and selection are those of a study. accept: reasons for which stop signs
+    are overruled, by their kind, as `accept` of a study. Raises InputError where none has the role,
+    where a stop sign forbids it, and where too little was recorded.
+    """
+    recordings = recordings.accepting(accept)
+    chain = recordings.chain(recordings.study)
+    names = chain.selection.of_arm(chain.robot, "fit")
+    at_rest = chain.selection.of_arm(chain.robot, "fit", at_rest=True)
+    if not names:
+        raise InputError(
+            f"{', '.join(recordings.names)}: none has the role `fit`; read what nothing touches by "
+            'ur5lib.read(..., role="fit")'
+        )
+    free = chain.selection.of_arm(chain.robot, "fit", "validate")
+    replace(chain, several={one: chain.recordings[one] for one in free}).run("pool_drifts")
+    fitted = {one: chain.recordings[one] for one in [*names, *at_rest]}
+    chain = replace(chain, several=fitted)
+
+    def each(*steps: str) -> None:
+        for name in names:
+            for step in steps:
+                chain.run(step, name)
+
+    each("align_recording")
+    chain.run("identify_model")
+    each("compute_torques")
+    expect_no_stop_sign({name: fitted[name] for name in names})
+    chain.run("fit_friction")
+    model = Model(recordings.study.settings, chain.robot, chain.arm, fitted)
+    refused = model.friction.stopped or model.friction.refused
+    if refused is not None:
+        raise InputError(f"{chain.robot}: {in_words(refused)}")
+    each("estimate_load", "predict_currents")
+    chain.run("fit_residuals")
+    each("estimate_forces")
+    chain.run("set_threshold")
+    return model
+
+
+def load_model(path: str | Path) -> Model:
+    """Return a model that `Model.save` wrote. Raises InputError where the file holds none."""
+    return Model.read(path)
+
+
+def expect_no_stop_sign(files: Mapping[str, Files]) -> None:
+    """Raise InputError, with all of them, where recordings have stop signs."""
+    signs = [
+        f"{name}: {worded(sign)['detail']}"
+        for name, own in files.items()
+        for sign in record_of(Premises, own["premises"]).contradictions.stop_signs
+    ]
+    if signs:
+        raise InputError("\n".join(signs))
+
+
+def _interval(row: Any) -> str:
+    if row.determined != "yes":
+        return f"{row.value:.4g} (not determined)"
+    return f"{row.value:.4g} ({row.low:.4g} to {row.high:.4g})"
+
+
+def _text(plain: object) -> str:
+    return json.dumps(plain, indent=2) + "\n"

@@ -1,0 +1,219 @@
+"""Recordings that were read: what each holds, what may be used, and their signals as frames."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Self
+
+import pandas as pd
+from pydantic import ValidationError
+
+from ur5lib.chain.shown import Shown, frames
+from ur5lib.chain.steps import Chain, Files
+from ur5lib.errors import InputError, unknown
+from ur5lib.jobs.memory import Content
+from ur5lib.records.quality import Finding, Quality
+from ur5lib.records.wording import worded
+from ur5lib.robots.description import Robot
+from ur5lib.strict import explain
+from ur5lib.study.accept import Accept, joined
+from ur5lib.study.model import Study
+from ur5lib.study.selection import Selection
+from ur5lib.tables import read_footer, read_table, read_units
+from ur5lib.thesis.reference import read_reference
+
+NO_USE = ("stop", "error")  # severities of findings with which nothing is fitted
+
+
+@dataclass(frozen=True)
+class Arm(Shown):
+    """An arm as described; name: of its description."""
+
+    name: str
+    description: Robot
+
+    def _title(self) -> str:
+        robot = self.description
+        return (
+            f"Arm {self.name}: {len(robot.joints)} joints, measures {robot.measured.quantity}s; "
+            f"link models {', '.join(robot.models)}"
+        )
+
+    def summary(self) -> pd.DataFrame:
+        """Return the limits of each joint."""
+        robot = self.description
+        low, high = zip(*robot.position_limits(), strict=True)
+        return pd.DataFrame(
+            {
+                "joint": range(1, len(robot.joints) + 1),
+                "from [rad]": low,
+                "to [rad]": high,
+                "speed [rad/s]": robot.velocity_limits(),
+                "torque [Nm]": robot.torque_limits(),
+            }
+        ).round(3)
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Recordings(Shown):
+    """Recordings of one arm, as `ur5lib.read` returns them.
+
+    study: their entries and settings; arm: its description; files: of each recording as read;
+    qualities: what `ur5 check` finds in each, when it is asked.
+    """
+
+    study: Study
+    arm: Files
+    files: Mapping[str, Files]
+    qualities: Mapping[str, Quality]
+
+    @property
+    def names(self) -> list[str]:
+        """Return the names of the recordings."""
+        return [*self.files]
+
+    @property
+    def robot(self) -> str:
+        """Return the arm's name in results."""
+        return next(iter(self.study.arms()))
+
+    @property
+    def roles(self) -> dict[str, str]:
+        """Return what each is for: fit, validate or contact."""
+        return {one.name: one.role for one in self.study.recordings}
+
+    def __len__(self) -> int:
+        """Return how many they are."""
+        return len(self.files)
+
+    def __getitem__(self, name: str) -> "Recordings":
+        """Return one of them. Raises InputError for an unknown name."""
+        if name not in self.files:
+            raise unknown("recording", name, self.names)
+        entries = [one for one in self.study.recordings if one.name == name]
+        study = self.study.model_copy(update={"recordings": entries})
+        return replace(self, study=study, files={name: self.files[name]})
+
+    @property
+    def q(self) -> pd.DataFrame:
+        """Return the measured angles, `actual_q_0` ... [rad]."""
+        return self.channel("actual_q")
+
+    @property
+    def qd(self) -> pd.DataFrame:
+        """Return the measured velocities, `actual_qd_0` ... [rad/s]."""
+        return self.channel("actual_qd")
+
+    @property
+    def current(self) -> pd.DataFrame:
+        """Return the motor currents, `actual_current_0` ... [A]."""
+        return self.channel("actual_current")
+
+    @property
+    def torque(self) -> pd.DataFrame:
+        """Return the torques of an arm that measures them, `actual_torque_0` ... [Nm]."""
+        return self.channel("actual_torque")
+
+    def channel(self, name: str) -> pd.DataFrame:
+        """Return a channel on the robot's grid, e.g. `target_moment`.
+
+        Raises InputError where no recording has it.
+        """
+        return self._frame("robot", name + "_")
+
+    def device(self, name: str) -> pd.DataFrame:
+        """Return the samples of a device on its own clock: `robot`, `force` or `imu`."""
+        if name not in ("robot", "force", "imu"):
+            raise unknown("device", name, ["robot", "force", "imu"])
+        return self._frame(name, "")
+
+    def findings(self) -> pd.DataFrame:
+        """Return what was found in the files: recording, severity, and the sentence."""
+        rows = [
+            {"recording": name, "severity": one.severity, "detail": worded(one)["detail"]}
+            for name in self.names
+            for one in self.qualities[name].findings
+        ]
+        return pd.DataFrame(rows, columns=["recording", "severity", "detail"])
+
+    def accepting(self, reasons: Mapping[str, str] | None) -> Self:
+        """Return them with reasons for which stop signs are overruled, by kind, as in a study.
+
+        Raises InputError for an unknown kind, or an empty reason.
+        """
+        if not reasons:
+            return self
+        try:
+            general = Accept.model_validate(dict(reasons))
+        except ValidationError as error:
+            schema = Accept.model_json_schema()
+            mistakes = "; ".join(explain(one, schema) for one in error.errors())
+            raise InputError(f"accept: {mistakes}") from error
+        entries = [
+            one.model_copy(update={"accept": joined(general, one.accept)})
+            for one in self.study.recordings
+        ]
+        return replace(self, study=self.study.model_copy(update={"recordings": entries}))
+
+    def chain(self, study: Study) -> Chain:
+        """Return their chain of steps, with copies of what was made of them so far."""
+        files = {name: dict(own) for name, own in self.files.items()}
+        selection = Selection(study, read_reference(study.reference))
+        return Chain(selection, self.robot, dict(self.arm), files, {})
+
+    def _frame(self, file: str, prefix: str) -> pd.DataFrame:
+        parts = {name: own[file] for name, own in self.files.items() if file in own}
+        columns = {
+            name: [c for c in read_footer(one).schema.names if c.startswith(prefix)]
+            for name, one in parts.items()
+            if not isinstance(one, str)
+        }
+        have = {name: own for name, own in columns.items() if {*own} - {"time"}}
+        if not have:
+            what = prefix.rstrip("_") or file
+            raise InputError(f"{', '.join(self.names)}: no {what} was recorded")
+        return frames({name: frame_of(parts[name], own) for name, own in have.items()})
+
+    def _title(self) -> str:
+        duration = sum(self.qualities[name].duration_s for name in self.names)
+        stopped = [name for name in self.names if self._stop_signs(name)]
+        unused = f"; not used, for a stop sign: {', '.join(stopped)}" if stopped else ""
+        return f"{len(self)} recordings of {self.robot}, {duration:.0f} s{unused}"
+
+    def _stop_signs(self, name: str) -> list[Finding]:
+        return [one for one in self.qualities[name].findings if one.severity in NO_USE]
+
+    def summary(self) -> pd.DataFrame:
+        """Return role, length, rate and worst finding of each recording."""
+        rows = []
+        for name in self.names:
+            quality = self.qualities[name]
+            worst = self._stop_signs(name) or quality.findings[:0]
+            count = {
+                level: sum(one.severity == level for one in quality.findings)
+                for level in ("warning", "note")
+            }
+            minor = ", ".join(f"{n} {level}{'s' * (n > 1)}" for level, n in count.items() if n)
+            rows.append(
+                {
+                    "recording": name,
+                    "role": self.roles[name],
+                    "duration [s]": round(quality.duration_s, 1),
+                    "rate [Hz]": round(1 / quality.period_s) if quality.period_s > 0 else None,
+                    "devices": " ".join(quality.devices),
+                    "found": str(worded(worst[0])["detail"]) if worst else minor or "nothing",
+                }
+            )
+        return pd.DataFrame(rows)
+
+
+def frame_of(content: Content, columns: list[str] | None = None) -> pd.DataFrame:
+    """Return a table of samples with `time` [s] as index, and its units in `attrs["units"]`.
+
+    columns: those to read beside the time; all by default.
+    """
+    assert not isinstance(content, str), "a table is no text"
+    names = None if columns is None else ["time", *(c for c in columns if c != "time")]
+    frame = read_table(content, names).set_index("time")
+    units = read_units(content)
+    frame.attrs["units"] = {name: units[name] for name in ("time", *map(str, frame.columns))}
+    return frame

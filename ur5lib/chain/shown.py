@@ -1,0 +1,49 @@
+"""Objects that show themselves on one screen of a terminal or of a notebook."""
+
+from abc import ABC, abstractmethod
+from html import escape
+
+import pandas as pd
+
+from ur5lib.errors import printable
+
+MOST_ROWS, WIDTH = 16, 100  # of a screen
+
+
+class Shown(ABC):
+    """What is shown by a sentence and a table."""
+
+    @abstractmethod
+    def _title(self) -> str:
+        """Return what it is, how much it holds, and what may be done with it."""
+
+    @abstractmethod
+    def summary(self) -> pd.DataFrame:
+        """Return the table that shows it; numbers with their units in the column's names."""
+
+    def __repr__(self) -> str:
+        """Return title and table as text."""
+        table = self.summary()
+        with pd.option_context("display.width", WIDTH, "display.max_colwidth", WIDTH // 2):
+            lines = [] if table.empty else [table.to_string(index=False, max_rows=MOST_ROWS)]
+        return printable("\n".join([self._title(), *lines]))
+
+    def _repr_html_(self) -> str:
+        table = self.summary()
+        rows = table.to_html(index=False, max_rows=MOST_ROWS, border=0, escape=True)
+        return f"<p>{escape(self._title())}</p>{'' if table.empty else rows}"
+
+
+def frames(parts: dict[str, pd.DataFrame]) -> pd.DataFrame:
+    """Return the frame of a recording, with `time` as index; of several, `recording` and `time`.
+
+    Its columns' units are in `frame.attrs["units"]`.
+    """
+    first, *others = parts.values()
+    if not others:
+        return first
+    joined = pd.concat(parts, names=["recording"])
+    joined.attrs["units"] = {
+        k: v for part in parts.values() for k, v in part.attrs["units"].items()
+    }
+    return joined

@@ -1,0 +1,82 @@
+"""The steps of a study in memory: each is given what its signature asks, as by its rule."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from inspect import Parameter, signature
+from pathlib import Path
+from typing import Any, get_origin
+
+from ur5lib.jobs.code import of_study
+from ur5lib.jobs.files import parameter_types
+from ur5lib.jobs.memory import Content, Contents, call, contents, step_named
+from ur5lib.robots.description import robot_path
+from ur5lib.study.given import given
+from ur5lib.study.selection import Selection
+
+Files = dict[str, Content]  # of a recording or an arm, by name
+# What a step returns alone, by the name that others ask it by.
+RESULTS = {
+    "describe_arm": "described",
+    "pool_drifts": "drifts",
+    "fit_friction": "friction",
+    "estimate_load": "payload",
+    "fit_residuals": "residuals",
+    "estimate_forces": "forces",
+    "set_threshold": "threshold",
+}
+# Steps that are given the arm as described; the others know the models that were identified.
+OF_DESCRIBED = {"read_recording", "read_postures", "identify_model"}
+OF_DESCRIBED |= {"estimate_forces", "set_threshold"}
+OTHER_NAMES = {"unloaded": "payload"}  # of parameters whose files are called otherwise
+
+
+@dataclass(frozen=True)
+class Chain:
+    """What the steps of one arm have made so far.
+
+    arm: its files; recordings: those that steps run for; several: those that a step of the arm is
+    given together, in the study's order.
+    """
+
+    selection: Selection
+    robot: str
+    arm: Files
+    recordings: Mapping[str, Files]
+    several: Mapping[str, Files]
+
+    def run(self, step: str, recording: str = "") -> None:
+        """Run a step of a recording, or of the arm, and keep what it makes."""
+        own = self.recordings[recording] if recording else self.arm
+        own |= contents(RESULTS.get(step, ""), self.result(step, recording))
+
+    def result(self, step: str, recording: str = "") -> Any:
+        """Return what a step of a recording, or of the arm, returns."""
+        params = given(step, self.selection, recording or self.robot)
+        params |= self._paths(step, recording)
+        own = self.recordings[recording] if recording else {}
+        inputs: dict[str, Contents] = {}
+        function = step_named(step)
+        for parameter, kind in parameter_types(function).items():
+            name = OTHER_NAMES.get(parameter, parameter)
+            if parameter == "arm" and step in OF_DESCRIBED:
+                name = "described"
+            if parameter in params:
+                continue
+            if get_origin(kind) is Mapping:
+                found = {one: files[name] for one, files in self.several.items() if name in files}
+                if found or signature(function).parameters[parameter].default is Parameter.empty:
+                    inputs[parameter] = found
+            elif name in own or name in self.arm:
+                inputs[parameter] = own[name] if name in own else self.arm[name]
+        return call(step, inputs, params)
+
+    def _paths(self, step: str, recording: str) -> dict[str, list[Path]]:
+        """Return the files of the user's that a step reads."""
+        if step == "describe_arm":
+            arm = self.selection.study.arms()[self.robot]
+            own = of_study([robot_path(arm.arm)])
+            calibration = [arm.calibration] if arm.calibration else []
+            return {"description": [*map(Path, own)], "calibration": [*map(Path, calibration)]}
+        if step in ("read_recording", "read_postures"):
+            return {"raw": [*map(Path, self.selection.raw_files(recording))]}
+        return {}
