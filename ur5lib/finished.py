@@ -10,6 +10,7 @@ import pandas as pd
 
 from ur5lib.chain.model import Model
 from ur5lib.chain.recordings import frame_of
+from ur5lib.chain.shown import Shown
 from ur5lib.errors import InputError, unknown
 from ur5lib.jobs.unreadable import reason
 from ur5lib.records.judgement import Judgement
@@ -50,7 +51,7 @@ def arm_of(entry: Mapping[str, Any]) -> str:
     return str(robot if isinstance(robot, str) else robot.get("name") or robot["arm"])
 
 
-class FinishedStudy:
+class FinishedStudy(Shown):
     """The results in a folder `results/<study>`.
 
     A frame of a recording has its `time` [s] as index, one column per channel, and the columns'
@@ -210,6 +211,24 @@ class FinishedStudy:
             if one["role"] == "fit"
         }
         return Model(settings, robot, {**arm}, fitted)
+
+    def summary(self) -> pd.DataFrame:
+        """Return role, length and worst finding of each recording."""
+        own = read_plain(self._existing("configuration.yaml"))["recordings"]
+        table = pd.DataFrame({"recording": [one["name"] for one in own]})
+        table["arm"] = [arm_of(one) for one in own]
+        table["role"] = [one["role"] for one in own]
+        length = self.table("recordings").set_index("recording")["duration_s"]
+        table["duration [s]"] = table["recording"].map(length).round(1)
+        found = self.table("quality").groupby("recording")["severity"].agg(set)
+        kinds = ("stop", "error", "warning", "note")
+        worst = found.map(lambda severities: next(one for one in kinds if one in severities))
+        table["worst finding"] = table["recording"].map(worst).fillna("nothing")
+        return table
+
+    def _title(self) -> str:
+        names = f"{len(self.recordings)} recordings, {len(self.tables)} tables"
+        return f"Results of {self.folder}: {names}; `.model(arm)` is what was fitted"
 
     def _existing(self, *parts: str) -> Path:
         path = self.folder.joinpath(*parts)

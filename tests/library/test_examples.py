@@ -19,6 +19,7 @@ from typer.testing import CliRunner
 
 from tests.conftest import PROJECT
 from tests.examples import Example, check_command, examples, kind_of, words_of, yaml_faults
+from tests.in_memory import put_recordings
 from tests.library.test_docs import PAGES
 from tests.library.test_seven_joints import arm as seven_joints
 from tests.live_arm import arm_file
@@ -109,6 +110,15 @@ def record(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
     module.RTDEReceiveInterface.return_value.stopFileRecording.assert_called_once_with()
 
 
+def fit(code: str, _: pytest.MonkeyPatch) -> None:
+    """On recordings of the names that it has."""
+    put_recordings(Path())
+    known: dict[str, Any] = {}
+    exec(code, known)
+    assert known["forces"]["Fmap_Fx"].max() > 20
+    assert Path("model.json").is_file()
+
+
 def read(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """On a table where the page says that it lies."""
     path = Path("results/mine/recordings/pushed/forces.parquet")
@@ -147,6 +157,7 @@ def estimate_live(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
 PYTHON: dict[str, Callable[[str, pytest.MonkeyPatch], None]] = {
     "import rtde_receive": record,
     ">>> import ur5lib": read,
+    "import ur5lib": fit,
     "import numpy as np": extend,
     "from live import Live": estimate_live,
     "from ur5lib.workspace.places import": use_the_rules,

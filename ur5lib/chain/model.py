@@ -12,7 +12,7 @@ from ur5lib import __version__
 from ur5lib.chain.recordings import Recordings, frame_of
 from ur5lib.chain.shown import Shown, frames
 from ur5lib.chain.steps import Chain, Files
-from ur5lib.errors import InputError, unknown
+from ur5lib.errors import InputError, some, unknown
 from ur5lib.jobs.memory import call, record_of, text_of
 from ur5lib.records.friction import Friction
 from ur5lib.records.premises import Premises
@@ -205,12 +205,11 @@ class Model(Shown):
     def _title(self) -> str:
         friction = self.friction
         learnt = [*friction.from_, *friction.at_rest]
-        shown = ", ".join(learnt[:4]) + (", ..." if len(learnt) > 4 else "")
         links = "identified" if "identified" in self.identified.models else "as described"
-        return (
-            f"Model of {self.robot}: fitted to {len(learnt)} recordings on {friction.paths} paths "
-            f"({shown}); links {links}; it may be used on recordings without a stop sign"
-        )
+        fitted = f"fitted to {some(learnt, 4)} on {friction.paths} paths; links {links}"
+        if not learnt:
+            fitted = "no recording has the role `fit`: friction is only what other arms have"
+        return f"Model of {self.robot}, {fitted}; it estimates forces where no stop sign is found"
 
     def summary(self) -> pd.DataFrame:
         """Return the first parameters by joint, each with its 95 % interval."""
@@ -229,18 +228,14 @@ def fit(recordings: Recordings, accept: Mapping[str, str] | None = None) -> Mode
     """Fit torque constants, friction, links and residuals to the recordings of the role `fit`.
 
     The steps, settings and selection are those of a study. accept: reasons for which stop signs
-    are overruled, by their kind, as `accept` of a study. Raises InputError where none has the role,
-    where a stop sign forbids it, and where too little was recorded.
+    are overruled, by their kind, as `accept` of a study. Without such
+    recordings, friction is that of other arms. Raises InputError where a stop sign forbids a fit,
+    and where too little was recorded.
     """
     recordings = recordings.accepting(accept)
     chain = recordings.chain(recordings.study)
     names = chain.selection.of_arm(chain.robot, "fit")
     at_rest = chain.selection.of_arm(chain.robot, "fit", at_rest=True)
-    if not names:
-        raise InputError(
-            f"{', '.join(recordings.names)}: none has the role `fit`; read what nothing touches by "
-            'ur5lib.read(..., role="fit")'
-        )
     free = chain.selection.of_arm(chain.robot, "fit", "validate")
     replace(chain, several={one: chain.recordings[one] for one in free}).run("pool_drifts")
     fitted = {one: chain.recordings[one] for one in [*names, *at_rest]}

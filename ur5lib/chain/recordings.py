@@ -24,7 +24,7 @@ from ur5lib.thesis.reference import read_reference
 NO_USE = ("stop", "error")  # severities of findings with which nothing is fitted
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Arm(Shown):
     """An arm as described; name: of its description."""
 

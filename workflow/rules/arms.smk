@@ -17,10 +17,10 @@ rule describe_arm:
     log:
         **traces("describe_arm", "{robot}"),
     params:
+        **from_study("describe_arm"),
         code=lambda wildcards: code(
             "describe_arm", JOINT_SIZES_FILE, *in_library([robot_path(ARMS[wildcards.robot].arm)])
         ),
-        **from_study("describe_arm"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -33,8 +33,8 @@ rule pool_drifts:
     log:
         **traces("pool_drifts", "{robot}"),
     params:
-        code=code("pool_drifts"),
         **from_study("pool_drifts"),
+        code=code("pool_drifts"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -90,8 +90,8 @@ rule identify_model:
     log:
         **traces("identify_model", "{robot}"),
     params:
-        code=code("identify_model"),
         **from_study("identify_model"),
+        code=code("identify_model"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -112,8 +112,8 @@ rule fit_friction:
     log:
         **traces("fit_friction", "{robot}"),
     params:
-        code=code("fit_friction"),
         **from_study("fit_friction"),
+        code=code("fit_friction"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -128,8 +128,8 @@ rule fit_residuals:
     log:
         **traces("fit_residuals", "{robot}"),
     params:
-        code=code("fit_residuals"),
         **from_study("fit_residuals"),
+        code=code("fit_residuals"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -164,8 +164,8 @@ rule set_threshold:
     log:
         **traces("set_threshold", "{robot}"),
     params:
-        code=code("set_threshold"),
         **from_study("set_threshold"),
+        code=code("set_threshold"),
     run:
         run_step(rule, input, output, params, log)
 

@@ -17,8 +17,8 @@ rule read_recording:
     log:
         **traces("read_recording", "{recording}"),
     params:
-        code=code("read_recording"),
         **from_study("read_recording"),
+        code=code("read_recording"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -34,8 +34,8 @@ rule read_postures:
     log:
         **traces("read_postures", "{recording}"),
     params:
-        code=code("read_postures"),
         **from_study("read_postures"),
+        code=code("read_postures"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -70,8 +70,8 @@ rule compute_torques:
     log:
         **traces("compute_torques", "{recording}"),
     params:
-        code=code("compute_torques"),
         **from_study("compute_torques"),
+        code=code("compute_torques"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -88,8 +88,8 @@ rule estimate_load:
     log:
         **traces("estimate_load", "{recording}"),
     params:
-        code=code("estimate_load"),
         **from_study("estimate_load"),
+        code=code("estimate_load"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -112,8 +112,8 @@ rule predict_currents:
     log:
         **traces("predict_currents", "{recording}"),
     params:
-        code=code("predict_currents"),
         **from_study("predict_currents"),
+        code=code("predict_currents"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -134,8 +134,8 @@ rule estimate_forces:
     log:
         **traces("estimate_forces", "{recording}"),
     params:
-        code=code("estimate_forces"),
         **from_study("estimate_forces"),
+        code=code("estimate_forces"),
     run:
         run_step(rule, input, output, params, log)
 

@@ -49,8 +49,8 @@ rule draw_friction:
     log:
         **traces("draw_friction", "{robot}"),
     params:
-        code=code("draw_friction"),
         **from_study("draw_friction"),
+        code=code("draw_friction"),
     run:
         run_step(rule, input, output, params, log)
 

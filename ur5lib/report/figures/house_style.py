@@ -85,6 +85,7 @@ SHADE_STYLE: Any = {"color": "#000000", "alpha": 0.12, "linewidth": 0}
 PAGE_WIDTH = 7.2  # inches, of A4 between margins
 LABEL_DISTANCE = 0.6  # inches from a y-axis to its label, beside tick labels such as −0.0025
 IMAGE_DPI = 130  # of images inside a figure
+SCREEN_DPI = 100  # of a figure in a notebook
 PALETTE_SIZE = 64  # of such an image: a fourth of the size of one with all colours
 EMBEDDED_IMAGE = re.compile(rb"(?<=data:image/png;base64,)[A-Za-z0-9+/=\s]+")
 PRINTED = re.compile(
@@ -110,6 +111,16 @@ class Ticks(ScalarFormatter):
         return power
 
 
+class NotebookFigure(Figure):
+    """A figure that a notebook shows, whatever its backend."""
+
+    def _repr_png_(self) -> bytes:
+        buffer = BytesIO()
+        with matplotlib.rc_context(HOUSE_STYLE):
+            self.savefig(buffer, format="png", dpi=SCREEN_DPI)
+        return buffer.getvalue()
+
+
 class Drawing(NamedTuple):
     """A figure and its numbers; no rows for an empty figure.
 
@@ -130,7 +141,7 @@ def house_style(
     height: in inches; layout: further arguments of `Figure.subplots`.
     """
     with matplotlib.rc_context(HOUSE_STYLE):
-        figure = Figure(figsize=(PAGE_WIDTH, height), layout="constrained")
+        figure = NotebookFigure(figsize=(PAGE_WIDTH, height), layout="constrained")
         yield figure, figure.subplots(rows, columns, squeeze=False, **layout)
 
 

@@ -1,0 +1,55 @@
+"""Recordings in a folder for the library in memory, and a study's results beside what it gives."""
+
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+import ur5lib
+from ur5lib.chain.model import TABLES
+from ur5lib.lab.stand.plan import SimulatedRecording
+from ur5lib.lab.stand.simulate import simulate
+from ur5lib.robots.description import load_robot, robot_path
+
+PUSH = {"kind": "push", "start_s": 3, "seconds": 2, "force": [40, 0, 0]}
+
+
+def put_recordings(folder: Path) -> None:
+    """Put free1.csv, free2.csv and pushed.csv of a simulated UR5e into a folder."""
+    arm = load_robot(robot_path("ur5e"))
+    for name, draw, more in (
+        ("free1", 4, {}),
+        ("free2", 7, {"posture": [-0.4, -1.2, 1.3, -1.2, 1.2, -0.5]}),
+        ("pushed", 9, {}),
+    ):
+        plan: dict[str, Any] = {
+            "trajectory": {"kind": "fourier", "draw": draw, "period_s": 12, "harmonics": 6} | more,
+            "seed": draw,
+        }
+        if name == "pushed":
+            plan["contacts"] = [PUSH]
+        place = folder / name
+        simulate(arm, SimulatedRecording.model_validate(plan), "rtde-csv", place, place / "truth")
+        (place / "robot.csv").rename(folder / f"{name}.csv")
+
+
+def assert_as_in_study(study_file: str, results: Path, *names: str) -> None:
+    """A study read and fitted in memory states what its report does, to the last bit.
+
+    names: recordings whose forces are estimated.
+    """
+    study, runs = ur5lib.load(results), ur5lib.read(study_file)
+    model = ur5lib.fit(runs)
+    built = study.model(runs.robot)
+    for name, text in model.arm.items():
+        if name != "threshold":  # the published estimates have theirs, too
+            assert text == Path(built.arm[name]).read_text(), name
+    assert model.threshold.items() <= built.threshold.items()
+    for name in TABLES:
+        table = study.table(name)
+        reported = table[table["robot"] == runs.robot].reset_index(drop=True)
+        pd.testing.assert_frame_equal(model.table(name), reported, check_exact=True)
+    for name in names:
+        pd.testing.assert_frame_equal(
+            model.estimate(runs[name]), study.forces(name), check_exact=True
+        )

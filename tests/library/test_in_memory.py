@@ -1,0 +1,258 @@
+"""The library in a notebook: arms, recordings and models as objects."""
+
+import os
+import subprocess
+import sys
+import time
+from html.parser import HTMLParser
+from pathlib import Path
+from textwrap import dedent
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.figure import Figure
+
+import ur5lib
+from tests.conftest import PROJECT
+from tests.in_memory import put_recordings
+from ur5lib.chain.model import FIGURES, TABLES
+from ur5lib.chain.shown import Shown
+from ur5lib.importing.in_memory import Role
+
+FREE = ["free1.csv", "free2.csv"]
+SCREEN = 26  # lines
+SCRIPT = """\
+    import ur5lib
+
+    arm: ur5lib.Arm = ur5lib.read_arm("ur5e")
+    runs = ur5lib.read(["free1.csv", "free2.csv"], arm)
+    print(runs.names, len(runs), runs["free1"].q.attrs["units"])
+    model = ur5lib.fit(runs, accept={"constants": "measured on a bench"})
+    constants = model.table("torque_constants")
+    figure = model.plot("friction")
+    model.save("model.json")
+
+
+    def largest_push(again: ur5lib.Model, file: str) -> float:
+        try:
+            forces = again.estimate(ur5lib.read(file, arm, role="contact"))
+        except ur5lib.InputError as error:
+            raise SystemExit(str(error)) from error
+        return float(forces["Fmap_Fx"].abs().max())
+
+
+    print(largest_push(ur5lib.load_model("model.json"), "pushed.csv"))
+    study: ur5lib.FinishedStudy = ur5lib.load("results/mine")
+    other: ur5lib.Model = study.model("ur5e")
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("recorded")
+    put_recordings(folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def free(folder: Path) -> ur5lib.Recordings:
+    return ur5lib.read([folder / name for name in FREE], "ur5e")
+
+
+@pytest.fixture(scope="module")
+def model(free: ur5lib.Recordings) -> ur5lib.Model:
+    return ur5lib.fit(free)
+
+
+@pytest.fixture(scope="module")
+def pushed(folder: Path) -> ur5lib.Recordings:
+    return ur5lib.read(folder / "pushed.csv", ur5lib.read_arm("ur5e"), role="contact")
+
+
+def spoilt(folder: Path, tmp_path: Path, role: Role = "fit") -> ur5lib.Recordings:
+    """The recordings whose current of joint 2 has the opposite sign."""
+    for name in FREE:
+        table = pd.read_csv(folder / name)
+        table["actual_current_1"] *= -1
+        table.to_csv(tmp_path / name, index=False)
+    return ur5lib.read([tmp_path / name for name in FREE], "ur5e", role)
+
+
+def test_signals_are_frames_with_units(free: ur5lib.Recordings) -> None:
+    q = free["free1"].q
+    assert [*q] == [f"actual_q_{k}" for k in range(6)]
+    assert q.index.name == "time"
+    assert q.attrs["units"]["actual_q_0"] == "rad"
+    assert free.current.attrs["units"]["actual_current_5"] == "A"
+    assert free.current.index.names == ["recording", "time"]
+    assert [*free.current.index.unique("recording")] == free.names == ["free1", "free2"]
+
+
+def test_a_push_is_told_with_its_band_and_odds(
+    model: ur5lib.Model, pushed: ur5lib.Recordings
+) -> None:
+    forces = model.estimate(pushed)
+    during = forces.loc[3.7:4.3]
+    assert forces["Fmap_Fx"].loc[3:5].max() == pytest.approx(40, abs=6)
+    assert (during["log_odds_Fmap"] > 0).all()
+    assert (during["Fmap_std_Fx"] > 0).all()
+    assert forces.attrs["units"]["Fmap_Fx"] == "N"
+
+
+def test_a_model_is_the_same_after_it_was_saved(
+    model: ur5lib.Model, pushed: ur5lib.Recordings, tmp_path: Path
+) -> None:
+    model.save(tmp_path / "model.json")
+    again = ur5lib.load_model(tmp_path / "model.json")
+    assert again == model
+    pd.testing.assert_frame_equal(again.estimate(pushed), model.estimate(pushed), check_exact=True)
+    for name in TABLES:
+        pd.testing.assert_frame_equal(again.table(name), model.table(name), check_exact=True)
+    with pytest.raises(ur5lib.InputError, match="friction shows recordings"):
+        again.plot("friction")
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_figures_are_those_of_the_report(model: ur5lib.Model, name: str) -> None:
+    figure = model.plot(name)
+    assert isinstance(figure, Figure)
+    assert figure.axes
+
+
+class Tags(HTMLParser):
+    """The rows of a table."""
+
+    rows = 0
+
+    def handle_starttag(self, tag: str, _: object) -> None:
+        self.rows += tag == "tr"
+
+
+def test_each_object_shows_itself_on_one_screen(
+    free: ur5lib.Recordings, model: ur5lib.Model
+) -> None:
+    one, names = free["free1"], [f"run{k}" for k in range(200)]
+    entries = [one.study.recordings[0].model_copy(update={"name": name}) for name in names]
+    crowd = ur5lib.Recordings(
+        one.study.model_copy(update={"recordings": entries}),
+        one.arm,
+        dict.fromkeys(names, one.files["free1"]),
+        dict.fromkeys(names, one.qualities["free1"]),
+    )
+    shown: list[Shown] = [ur5lib.read_arm("ur5e"), free, model, crowd]
+    for each in shown:
+        assert len(repr(each).splitlines()) <= SCREEN, type(each)
+        html = Tags()
+        html.feed(each._repr_html_())
+        assert 2 <= html.rows <= SCREEN, type(each)
+
+
+def test_text_from_outside_is_escaped(free: ur5lib.Recordings) -> None:
+    class Named(Shown):
+        def _title(self) -> str:
+            return "<script>\x1b"
+
+        def summary(self) -> pd.DataFrame:
+            return pd.DataFrame({"a": ["<b>"]})
+
+    assert "<script>" not in Named()._repr_html_()
+    assert "<b>" not in Named()._repr_html_()
+    assert "\x1b" not in repr(Named())
+
+
+def test_what_a_stop_sign_forbids_is_refused_unless_it_is_accepted(
+    folder: Path, model: ur5lib.Model, tmp_path: Path
+) -> None:
+    turned = spoilt(folder, tmp_path)
+    assert "stop sign" in repr(turned)
+    with pytest.raises(ur5lib.InputError, match=r"free1: .*joint 2.*\nfree2: .*accept"):
+        ur5lib.fit(turned)
+    with pytest.raises(ur5lib.InputError, match=r"free1: .*joint 2"):
+        model.estimate(turned)
+    reasons = dict.fromkeys(("sign", "unit"), "the motor is turned")
+    assert len(model.estimate(turned["free1"], accept=reasons)) > 1000
+    with pytest.raises(ur5lib.InputError, match=r"unknown key `sing`.*`sign`"):
+        ur5lib.fit(turned, accept={"sing": "a motor is turned"})
+
+
+def test_without_free_recordings_friction_is_that_of_other_arms(
+    pushed: ur5lib.Recordings,
+) -> None:
+    model = ur5lib.fit(pushed)
+    assert "only what other arms have" in repr(model)
+    assert model.estimate(pushed)["Fmap_Fx"].abs().max() > 20
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda _, __: ur5lib.read_arm("ur5x"), "no description of `ur5x`.*`ur5"),
+        (lambda folder, _: ur5lib.read(folder / "no.csv", "ur5e"), r"no\.csv"),
+        (lambda folder, _: ur5lib.read(folder / FREE[0], "ur55"), "ur55"),
+        (
+            lambda folder, model: model.estimate(ur5lib.read(folder / FREE[0], "ur5")),
+            "the model is of ur5e, but free1 of ur5",
+        ),
+        (lambda _, model: model.table("frictoin"), "did you mean `friction`"),
+        (lambda _, model: model.plot("frictoin"), "did you mean `friction`"),
+        (lambda folder, _: ur5lib.load_model(folder / "no.json"), r"no\.json cannot be read"),
+        (lambda folder, _: ur5lib.load_model(folder / "wrong.json"), "holds no model"),
+        (lambda folder, _: ur5lib.load(folder), "holds no results"),
+    ],
+)
+def test_mistakes_are_told_in_a_sentence(
+    call: object, message: str, folder: Path, model: ur5lib.Model
+) -> None:
+    (folder / "wrong.json").write_text("{}")
+    with pytest.raises(ur5lib.InputError, match=message):
+        call(folder, model)  # type: ignore[operator]
+
+
+def test_a_recording_that_is_not_there_is_answered_with_its_neighbour(
+    free: ur5lib.Recordings,
+) -> None:
+    with pytest.raises(ur5lib.InputError, match="did you mean `free1`"):
+        free["free11"]
+    with pytest.raises(ur5lib.InputError, match="no actual_torque was recorded"):
+        _ = free.torque
+
+
+def test_the_library_is_imported_in_an_instant() -> None:
+    program = (
+        "import sys, ur5lib; sys.exit(bool(sys.modules.keys() & {'pandas', 'numpy', 'torch'}))"
+    )
+    began = time.process_time(), os.times().children_user
+    done = subprocess.run([sys.executable, "-c", program], cwd=PROJECT, check=False)
+    assert done.returncode == 0
+    assert os.times().children_user - began[1] < 0.3
+
+
+def test_every_public_name_is_there_and_documented() -> None:
+    for name in ur5lib.__all__:
+        own = getattr(ur5lib, name)
+        assert own.__doc__, name
+        assert name in dir(ur5lib)
+    with pytest.raises(AttributeError, match="fitt"):
+        _ = ur5lib.fitt  # type: ignore[attr-defined]
+
+
+@pytest.mark.slow
+def test_a_users_script_passes_the_strictest_check(tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(dedent(SCRIPT))
+    environment = os.environ | {"MYPYPATH": str(PROJECT), "MYPY_CACHE_DIR": str(tmp_path)}
+    options = ["--strict", "--follow-imports=silent", "--ignore-missing-imports"]
+    done = subprocess.run(
+        [sys.executable, "-m", "mypy", *options, str(script)],
+        cwd=tmp_path, env=environment, text=True, capture_output=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout
+
+
+def test_a_users_script_runs(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Up to the results of a study, which are not there."""
+    monkeypatch.chdir(folder)
+    known: dict[str, object] = {}
+    exec(dedent(SCRIPT).partition("study: ")[0], known)
+    assert np.isfinite(len(known["constants"]))  # type: ignore[arg-type]
