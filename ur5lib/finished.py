@@ -38,9 +38,10 @@ FILES_OF_ARM = {  # of a model
 
 
 def load(folder: str | Path) -> "FinishedStudy":
-    """Return the results of a study, e.g. `ur5lib.load("results/mine").forces("pushed")`.
+    """Return the results of a study. Raises InputError where the folder holds none.
 
-    Raises InputError where the folder holds none.
+    >>> ur5lib.load("results/mine").forces("pushed")["Fmap_Fx"].max()
+    1.0
     """
     return FinishedStudy(folder)
 
@@ -53,6 +54,9 @@ def arm_of(entry: Mapping[str, Any]) -> str:
 
 class FinishedStudy(Shown):
     """The results in a folder `results/<study>`.
+
+    >>> ur5lib.load("results/mine").recordings
+    ['pushed']
 
     A frame of a recording has its `time` [s] as index, one column per channel, and the columns'
     units in `frame.attrs["units"]`. Methods raise InputError for missing files and unknown names.

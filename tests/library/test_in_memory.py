@@ -4,6 +4,8 @@ import os
 import subprocess
 import sys
 import time
+from ast import literal_eval
+from doctest import DocTestParser
 from html.parser import HTMLParser
 from pathlib import Path
 from textwrap import dedent
@@ -19,6 +21,7 @@ from tests.in_memory import put_recordings
 from ur5lib.chain.model import FIGURES, TABLES
 from ur5lib.chain.shown import Shown
 from ur5lib.importing.in_memory import Role
+from ur5lib.tables import write_table
 
 FREE = ["free1.csv", "free2.csv"]
 SCREEN = 26  # lines
@@ -235,6 +238,27 @@ def test_every_public_name_is_there_and_documented() -> None:
         assert name in dir(ur5lib)
     with pytest.raises(AttributeError, match="fitt"):
         _ = ur5lib.fitt  # type: ignore[attr-defined]
+
+
+def test_the_example_of_every_public_name_runs(
+    folder: Path, model: ur5lib.Model, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One after the other, on recordings and results of the names that they have."""
+    monkeypatch.chdir(folder)
+    forces = pd.DataFrame({"time": [0.0, 0.1], "Fmap_Fx": [1.0, 0.5]})
+    write_table(forces, "results/mine/recordings/pushed/forces.parquet", {"Fmap_Fx": "N"})
+    known: dict[str, object] = {"ur5lib": ur5lib}
+    in_order = ["read_arm", "Arm", "read", "Recordings", "fit", "Model", "load_model"]
+    in_order += ["load", "FinishedStudy", "InputError"]
+    assert {*in_order} == {*ur5lib.__all__}
+    for name in in_order:
+        examples = DocTestParser().get_examples(getattr(ur5lib, name).__doc__)
+        assert examples, name
+        for example in examples:
+            if not example.want:
+                exec(example.source, known)
+            else:
+                assert eval(example.source, known) == literal_eval(example.want), name
 
 
 @pytest.mark.slow

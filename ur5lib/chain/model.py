@@ -45,6 +45,11 @@ class Model(Shown):
 
     settings: with which it was fitted; robot: the arm's name; arm: what was fitted; fitted: what
     was made of each recording that it learnt from.
+
+    >>> forces = model.estimate(ur5lib.read("pushed.csv", "ur5e", role="contact"))
+    >>> forces.attrs["units"]["Fmap_Fx"], forces.attrs["units"]["Fmap_nx"]
+    ('N', 'Nm')
+    >>> model.save("model.json")
     """
 
     settings: Settings
@@ -231,6 +236,10 @@ def fit(recordings: Recordings, accept: Mapping[str, str] | None = None) -> Mode
     are overruled, by their kind, as `accept` of a study. Without such
     recordings, friction is that of other arms. Raises InputError where a stop sign forbids a fit,
     and where too little was recorded.
+
+    >>> model = ur5lib.fit(runs)
+    >>> len(model.table("torque_constants"))
+    6
     """
     recordings = recordings.accepting(accept)
     chain = recordings.chain(recordings.study)
@@ -263,7 +272,11 @@ def fit(recordings: Recordings, accept: Mapping[str, str] | None = None) -> Mode
 
 
 def load_model(path: str | Path) -> Model:
-    """Return a model that `Model.save` wrote. Raises InputError where the file holds none."""
+    """Return a model that `Model.save` wrote. Raises InputError where the file holds none.
+
+    >>> ur5lib.load_model("model.json") == model
+    True
+    """
     return Model.read(path)
 
 

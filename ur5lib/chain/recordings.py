@@ -26,7 +26,11 @@ NO_USE = ("stop", "error")  # severities of findings with which nothing is fitte
 
 @dataclass(frozen=True, repr=False)
 class Arm(Shown):
-    """An arm as described; name: of its description."""
+    """An arm as described; name: of its description.
+
+    >>> ur5lib.read_arm("ur5e").description.rated_payload
+    5.0
+    """
 
     name: str
     description: Robot
@@ -59,6 +63,9 @@ class Recordings(Shown):
 
     study: their entries and settings; arm: its description; files: of each recording as read;
     qualities: what `ur5 check` finds in each, when it is asked.
+
+    >>> runs["free1"].current.attrs["units"]["actual_current_0"]
+    'A'
     """
 
     study: Study

@@ -65,6 +65,10 @@ def read(
     the files or the study tell; role: `fit` or `validate` of what nothing touches, or `contact`;
     by default as import finds it, or as the study says. Raises InputError where a file cannot be
     used.
+
+    >>> runs = ur5lib.read(["free1.csv", "free2.csv"], "ur5e")
+    >>> runs.names
+    ['free1', 'free2']
     """
     take_up_all()
     paths = [Path(files)] if isinstance(files, str | Path) else [*map(Path, files)]
