@@ -1,4 +1,4 @@
-"""A force sensor's reading, compensated by the formula that `ur5 export --to sensor` writes."""
+"""A force sensor's reading, compensated by the formula that `ur5 export --format sensor` writes."""
 
 from pathlib import Path
 from typing import Any

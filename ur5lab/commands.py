@@ -8,6 +8,7 @@ import typer
 from ur5lib.commands.arguments import ADDRESS_HELP, print_lines, results_folder
 
 PANEL = "Lab"
+QUESTION = Literal["model", "undetermined", "friction", "payload", "force-bands"]
 
 
 def record(
@@ -43,7 +44,10 @@ def record(
         ),
     ] = False,
 ) -> None:
-    """Record arm, force sensor and IMU together into raw/, and print the study's entry."""
+    """Record arm, force sensor and IMU together into raw/.
+
+    The study's entry is printed. Example: ur5 record lab.yaml pushed --seconds 12 --emulate
+    """
     from ur5lab.record import RecordOptions, record
     from ur5lib.commands.console import text_console
 
@@ -57,13 +61,12 @@ def record(
 
 def excite(
     robot: Annotated[str, typer.Option(help="name of an arm in ur5lib/robots, e.g. ur5e")],
-    write: Annotated[Path, typer.Option(help="folder to write to")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="folder to write to")],
     seconds: Annotated[float, typer.Option(help="length of the motion", min=5, max=60)] = 20.0,
     question: Annotated[
-        str | None,
+        QUESTION | None,
         typer.Option(
-            help="what to determine: model, undetermined, friction, payload, force-bands; "
-            "default: undetermined with --results, otherwise model"
+            help="what to determine; default: undetermined with --results, otherwise model"
         ),
     ] = None,
     results: Annotated[
@@ -88,11 +91,14 @@ def excite(
     ] = None,
     seed: Annotated[int, typer.Option(help="seed of the search", min=0)] = 0,
 ) -> None:
-    """Design the motion that best determines an arm's parameters, within limits and obstacles."""
+    """Design the motion that best determines an arm's parameters.
+
+    It keeps limits and obstacles. Example: ur5 excite --robot ur5e -o raw/mine/designed
+    """
     from ur5lab.excite import ExciteOptions, excite, known_load
 
     load = None if payload is None else known_load(*payload)
     chosen = question or ("model" if results is None else "undetermined")
     print_lines(
-        excite(ExciteOptions(robot, seconds, chosen, results, table, boxes, seed, load), write)
+        excite(ExciteOptions(robot, seconds, chosen, results, table, boxes, seed, load), output)
     )

@@ -74,7 +74,7 @@ def excite(options: ExciteOptions, folder: Path, effort: Effort = USUAL_EFFORT) 
     if options.question not in QUESTIONS:
         raise unknown("--question", options.question, QUESTIONS)
     if folder.exists() and not folder.is_dir():
-        raise InputError(f"--write {folder} is a file; name a folder")
+        raise InputError(f"--output {folder} is a file; name a folder")
     arm, earlier_study = earlier(options)
     designed = _design(task_of(options, arm, earlier_study), options.seed, effort)
     asked = {"robot": options.robot, "question": options.question, "seed": options.seed}

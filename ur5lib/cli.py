@@ -1,9 +1,11 @@
 """The command-line interface `ur5`."""
 
 import os
+import re
 import shlex
 import signal
 import sys
+from inspect import cleandoc
 from itertools import takewhile
 from operator import itemgetter
 from pathlib import Path
@@ -24,26 +26,77 @@ from ur5lib.errors import InputError, printable, unknown
 from ur5lib.workspace.beside import commands_beside
 
 PANELS = "Start", "Lab", "Results", "Arm", "Project"
+AsJson = Annotated[bool, typer.Option("--json", help="print the answer as JSON")]
 ArmName = Annotated[str, typer.Option(help="name of an arm in ur5lib/robots, e.g. ur5")]
 
 
+EXPORTED = Literal[
+    "urdf",
+    "mjcf",
+    "sdf",
+    "isaac",
+    "json",
+    "sensor",
+    "live",
+    "live.py",
+    "live.hpp",
+    "live.schema.json",
+]
+OTHERWISE = {  # options that commands had, with what is written now
+    "import": {"--write": "--output"},
+    "excite": {"--write": "--output"},
+    "convert": {"--to": "--format", "--into": "--output"},
+    "export": {"--to": "--format"},
+    "fetch": {"--to": "--output"},
+    "compare": {"--junit": "--output"},
+}
+
+
 class Panels(typer.core.TyperGroup):
-    """Commands, listed by what they are for."""
+    """Commands, listed by what they are for, on one screen."""
 
     def format_commands(self, _: Any, formatter: Any) -> None:
-        """Write a section for each of PANELS, with its commands in the order of definition."""
+        """Write the commands of each of PANELS in the order of definition."""
         panels: dict[str, list[tuple[str, str]]] = {panel: [] for panel in PANELS}
         for name, command in self.commands.items():
-            row = name, command.get_short_help_str(200)
+            row = name, (command.short_help or "").partition("\n\n")[0]
             panels[vars(command)["rich_help_panel"]].append(row)
+        width = max(map(len, self.commands))
         for panel, rows in filter(itemgetter(1), panels.items()):
-            with formatter.section(panel):
-                formatter.write_dl(rows)
+            formatter.write_heading(panel)
+            formatter.indent()
+            formatter.write_dl([(name.ljust(width), text) for name, text in rows])
+            formatter.dedent()
+
+    def resolve_command(self, context: Any, words: list[str]) -> Any:
+        """Return a command and its words; one with an option that it had answers how it is now."""
+        name, command, rest = super().resolve_command(context, words)
+        known = OTHERWISE.get(name or "", {})
+        own = [*takewhile(lambda word: word != "--", rest)]
+        if old := next((word for word in own if word.partition("=")[0] in known), None):
+            option, sign, value = old.partition("=")
+            now = [f"{known[option]}{sign}{value}" if word == old else word for word in rest]
+            line = printable(shlex.join(["ur5", str(name), *now]))
+            typer.echo(f"ur5: {option} is called {known[option]} now: {line}", err=True)
+            raise SystemExit(2)
+        return name, command, rest
+
+    def invoke(self, context: Any) -> Any:
+        """Run a command. Raises InputError for a choice that an option does not have."""
+        try:
+            return super().invoke(context)
+        except Exception as error:
+            said = str(getattr(error, "message", ""))
+            if "is not one of" not in said:
+                raise
+            wrong, *choices = re.findall(r"'([^']*)'", said)
+            option = getattr(getattr(error, "param", None), "name", "choice")
+            raise unknown(str(option), wrong, choices) from error
 
 
 app = typer.Typer(
     cls=Panels,
-    help="Dynamics, friction and contact force of Universal Robots arms, from recordings.",
+    help="Dynamics, friction and contact force of robot arms, from recordings.",
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
     rich_markup_mode=None,  # markup would take units, [s], for its own
@@ -78,7 +131,10 @@ def _options(
 def new(
     folder: Annotated[Path, typer.Argument(help="workspace to make; . is the folder you are in")],
 ) -> None:
-    """Make a workspace: a folder for your recordings, in which `snakemake` builds their report."""
+    """Make a workspace, a folder for your recordings.
+
+    In it, `ur5 run` builds their report. Example: ur5 new mylab
+    """
     from ur5lib.workspace.new import new_workspace
 
     typer.echo(new_workspace(folder))
@@ -92,11 +148,15 @@ def fetch(
     source: Annotated[
         Path | None, typer.Option("--from", help="copy from this folder instead of the network")
     ] = None,
-    target: Annotated[
-        Path | None, typer.Option("--to", help="folder to write to; default: raw/<dataset>")
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="folder to write to; default: raw/<dataset>"),
     ] = None,
 ) -> None:
-    """Download a published data set into raw/ and verify every file, or list them all."""
+    """Download a published data set into raw/, or list them all.
+
+    Every file is verified. Example: ur5 fetch ur10-bag
+    """
     from ur5lib.datasets.catalogue import catalogue, listing
     from ur5lib.datasets.fetching import fetch as fetch_dataset
     from ur5lib.workspace.new import copy_study
@@ -105,9 +165,9 @@ def fetch(
     if dataset is None:
         print_lines(listing())
         return
-    typer.echo(fetch_dataset(dataset, target, source))
+    typer.echo(fetch_dataset(dataset, output, source))
     study = catalogue()[dataset].study
-    if study and target is None:
+    if study and output is None:
         typer.echo(f"next: ur5 run {copy_study(study)}")
 
 
@@ -132,8 +192,14 @@ def run(
     verbose: Annotated[
         bool, typer.Option("--verbose", help="print all of Snakemake's lines")
     ] = False,
+    quiet: Annotated[
+        bool, typer.Option("--quiet", help="print no progress, only what went wrong")
+    ] = False,
 ) -> None:
-    """Build the report of a study, or of recordings: what is new or has changed is computed."""
+    """Build the report of a study, or of recordings.
+
+    What is new or has changed is computed. Example: ur5 run raw/mine/*.csv --robot ur5e --open
+    """
     _use_one_thread()
     from ur5lib.commands.run import build
     from ur5lib.importing.written import study_of
@@ -141,7 +207,7 @@ def run(
     named = [*takewhile(lambda word: not word.startswith("-"), study_or_recordings)]
     options = study_or_recordings[len(named) :]
     study = study_of(named, robot, output)
-    built = build(study, results_folder(str(study)), options, verbose)
+    built = build(study, results_folder(str(study)), options, verbose, quiet)
     if built.is_file():  # not after a dry run
         _show(built, open_report)
 
@@ -151,7 +217,10 @@ def report(
     results: Results,
     open_report: Annotated[bool, typer.Option("--open", help="show it in the browser")] = False,
 ) -> None:
-    """Print the file of a study's report, or show it."""
+    """Print the file of a study's report, or show it.
+
+    Example: ur5 report mine --open
+    """
     file = results / "report.html"
     if not file.is_file():
         raise InputError(f"{file} does not exist; build it: ur5 run {results.name}")
@@ -165,11 +234,15 @@ def _show(report: Path, open_report: bool) -> None:
 
 
 @app.command(rich_help_panel="Start")
-def status(study: StudyFile) -> None:
-    """Print whether a study is being built, what its report lacks, and what a run would compute."""
-    from ur5lib.commands.run import status as lines
+def status(study: StudyFile, as_json: AsJson = False) -> None:
+    """Print whether a study is built, and what a run would compute.
 
-    print_lines(lines(study, results_folder(str(study))))
+    Example: ur5 status mine
+    """
+    from ur5lib.commands.run import state
+
+    found = state(study, results_folder(str(study)))
+    print_lines([_json(found)] if as_json else found.lines())
 
 
 @app.command(rich_help_panel="Start")
@@ -178,13 +251,22 @@ def check(
     recordings: Annotated[
         list[str] | None, typer.Argument(help="some of its recordings, to see them in detail")
     ] = None,
+    everything: Annotated[
+        bool, typer.Option("--all", help="list what could not be checked, too")
+    ] = False,
+    as_json: AsJson = False,
 ) -> None:
-    """Check every recording of a study: read it, repair it, and print the findings."""
-    _use_one_thread()
-    from ur5lib.commands.check import print_findings
+    """Check every recording of a study, and print the findings.
 
-    if print_findings(study, recordings or []):
+    Each is read and repaired. Exit status 1: a stop sign or an error. Example: ur5 check mine
+    """
+    _use_one_thread()
+    from ur5lib.commands.check import Form, print_findings
+
+    if print_findings(study, recordings or [], Form(everything, as_json)):
         raise SystemExit(1)
+    if as_json:
+        return
     typer.echo(f"next: ur5 run {shlex.quote(str(study))}")
 
 
@@ -205,12 +287,16 @@ def import_(
     unit: Annotated[
         list[str] | None, typer.Option(help="unit of a channel, as actual_current=mA")
     ] = None,
-    write: Annotated[
-        Path | None, typer.Option(help="study file to write; default: print the entries")
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="study file to write; default: print the entries"),
     ] = None,
     add: Annotated[Path | None, typer.Option(help="study to append the entries to")] = None,
 ) -> None:
-    """Write the study entry of recordings, with what is proven, assumed, or to be checked."""
+    """Write the study entry of recordings, with what is proven.
+
+    Example: ur5 import raw/mine/*.csv --robot ur5e -o mine.yaml
+    """
     typer.echo(f"files to read: {len(files)}", err=True)  # before packages that load for seconds
     _use_one_thread()
     from ur5lib.importing.written import (
@@ -221,12 +307,18 @@ def import_(
     )
 
     imported = imported_files(files, user_statement(robot, columns, rate, unit or []))
-    if study := write or add:
+    if study := output or add:
         last_line = f"{study} written; next: ur5 check {study}"
-        write_imported(imported, study, last_line, append=write is None)
+        write_imported(imported, study, last_line, append=output is None)
     else:
         given = [word for word in sys.argv[1:] if word != "import"]
-        print_imported(imported, f"ur5 import {shlex.join(given)} --write mine.yaml")
+        print_imported(imported, f"ur5 import {shlex.join(given)} --output mine.yaml")
+
+
+def _json(answer: object) -> str:
+    from ur5lib.tables import json_text
+
+    return json_text(answer).rstrip()
 
 
 def _use_one_thread() -> None:
@@ -241,9 +333,15 @@ def compare(
     fail_on: Annotated[
         str, typer.Option(help="topics whose change gives exit status 1, e.g. force,currents")
     ] = "",
-    junit: Annotated[Path | None, typer.Option(help="JUnit XML file to write")] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="JUnit XML file to write")
+    ] = None,
+    as_json: AsJson = False,
 ) -> None:
-    """List what changed between two results by more than its error."""
+    """List what changed between two results by more than its error.
+
+    Example: ur5 compare monday tuesday --fail-on force,currents
+    """
     from ur5lib.commands.compare import TOPICS, lines, write_junit
     from ur5lib.commands.compare import compare as compare_results
 
@@ -252,16 +350,19 @@ def compare(
         if topic not in TOPICS:
             raise unknown("topic", topic, TOPICS)
     comparisons = compare_results(before, after)
-    print_lines(lines(comparisons))
-    if junit:
-        write_junit(comparisons, junit)
+    print_lines([_json(comparisons)] if as_json else lines(comparisons))
+    if output:
+        write_junit(comparisons, output)
     if any(each.changed and each.topic in topics for each in comparisons):
         raise SystemExit(1)
 
 
 @app.command(rich_help_panel="Results")
 def audit(study: StudyFile) -> None:
-    """Print the faults of the wrist sensors in a study's recordings, and the remedies."""
+    """Print the faults of the wrist sensors, and the remedies.
+
+    Example: ur5 audit mine
+    """
     from ur5lib.commands.answers import audit_answers
 
     print_lines(audit_answers(study))
@@ -269,7 +370,10 @@ def audit(study: StudyFile) -> None:
 
 @app.command(rich_help_panel="Results")
 def payload(study: StudyFile) -> None:
-    """Print the payload of each recording by motor currents and by wrist sensor."""
+    """Print each recording's payload by currents and by wrist sensor.
+
+    Example: ur5 payload mine
+    """
     from ur5lib.commands.answers import payload_answers
 
     print_lines(payload_answers(study))
@@ -282,11 +386,11 @@ def export(
         str | None,
         typer.Option(help="name of one of its link models; default: the chosen or identified one"),
     ] = None,
-    to: Annotated[
-        str,
+    format: Annotated[
+        EXPORTED,
         typer.Option(
-            help="output format: urdf, mjcf, sdf, isaac, json, sensor, live, and of the estimator "
-            "that reads this: live.py, live.hpp, live.schema.json"
+            help="what it is for; live.py, live.hpp and live.schema.json are of the estimator that "
+            "reads live"
         ),
     ] = "urdf",
     results: Annotated[
@@ -299,12 +403,25 @@ def export(
     ros_names: Annotated[
         bool, typer.Option("--ros-names", help="call the joints of a UR as ROS does")
     ] = False,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="file to write; default: print it")
+    ] = None,
 ) -> None:
-    """Print an arm for other programs: as a model, all known parameters (json), the bias and tool
-    of its force sensor (sensor), or what tells the force while it runs (live)."""
+    """Print an arm for other programs, as a model or as numbers.
+
+    json: all known parameters; sensor: bias and tool of its force sensor; live: what tells the
+    force while it runs. Example: ur5 export --robot ur5e --format mjcf -o ur5e.xml
+    """
     from ur5lib.commands.exported import exported
 
-    typer.echo(exported(robot, model, to, results, as_in, ros_names))
+    text = exported(robot, model, format, results, as_in, ros_names)
+    if output is None:
+        typer.echo(text)
+        return
+    from ur5lib.tables import write_text
+
+    write_text(text + "\n", output)
+    typer.echo(f"{output} written")
 
 
 @app.command(rich_help_panel="Arm")
@@ -323,7 +440,10 @@ def describe(
         ),
     ] = False,
 ) -> None:
-    """Describe an arm by its URDF: writes robots/<name>.yaml, for `robot: <name>` in a study."""
+    """Describe an arm by its URDF, for `robot: <name>` in a study.
+
+    Writes robots/<name>.yaml. Example: ur5 describe arm.urdf --tip flange --name my-arm
+    """
     from ur5lib.commands.described import describe_urdf
 
     print_lines(describe_urdf(file, base, tip, name, physical))
@@ -335,15 +455,23 @@ def convert(
     recordings: Annotated[
         list[str] | None, typer.Argument(help="some of its recordings; default: all")
     ] = None,
-    to: Annotated[str, typer.Option(help="output format: mat, csv, mcap")] = "mat",
-    into: Annotated[
-        Path | None, typer.Option(help="folder to write to; default: results/<study>/exported")
+    format: Annotated[
+        Literal["mat", "csv", "mcap"], typer.Option(help="for MATLAB, any program, Foxglove")
+    ] = "mat",
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", "-o", help="folder to write to; default: results/<study>/exported"
+        ),
     ] = None,
 ) -> None:
-    """Write a study's signals, motion, currents and forces, with bands, for MATLAB or Foxglove."""
+    """Write signals, motion and forces for MATLAB or Foxglove.
+
+    Currents and bands, too. Example: ur5 convert mine pushed --format mcap
+    """
     from ur5lib.commands.convert import write_recordings
 
-    print_lines(write_recordings(results, recordings or [], to, into))
+    print_lines(write_recordings(results, recordings or [], format, output))
 
 
 @app.command(rich_help_panel="Results")
@@ -352,9 +480,12 @@ def figure(
     figure: Annotated[str, typer.Argument(help="one in its folder figures, as pushed/torques")],
     width: Annotated[str, typer.Option(help="width in millimetres")] = "88mm",
     font_size: Annotated[float, typer.Option(help="size of all letters [points]")] = 8,
-    format: Annotated[str, typer.Option(help="file format: pdf, svg, png")] = "pdf",
+    format: Annotated[Literal["pdf", "svg", "png"], typer.Option(help="of the file")] = "pdf",
 ) -> None:
-    """Draw a figure of a study as a paper needs it, and print its file."""
+    """Draw a figure of a study as a paper needs it.
+
+    Its file is printed. Example: ur5 figure mine pushed/forces_estimated --width 88mm
+    """
     from ur5lib.study.paper_figure import paper_figure
 
     typer.echo(paper_figure(results, figure, width, font_size, format))
@@ -366,7 +497,10 @@ def replay(
     results: Results,
     recording: Annotated[str, typer.Argument(help="one of its recordings")],
 ) -> None:
-    """Replay a model along a recording in MuJoCo: errors of torque, and of angles in a loop."""
+    """Replay a model along a recording in MuJoCo.
+
+    Prints errors of torque, and of angles in a loop. Example: ur5 replay ur5e.xml mine pushed
+    """
     from ur5lib.commands.replay import replayed
 
     print_lines(replayed(file, results, recording))
@@ -374,7 +508,10 @@ def replay(
 
 @app.command(rich_help_panel="Project")
 def schema() -> None:
-    """Print the JSON schema of a study (workflow/study.schema.json)."""
+    """Print the JSON schema of a study.
+
+    It is workflow/study.schema.json. Example: ur5 schema > study.schema.json
+    """
     from ur5lib.study.model import schema_text
 
     typer.echo(schema_text(), nl=False)
@@ -382,7 +519,10 @@ def schema() -> None:
 
 @app.command(rich_help_panel="Project")
 def settings() -> None:
-    """Print every setting of a study with its default (docs/settings.md)."""
+    """Print every setting of a study with its default.
+
+    It is docs/settings.md. Example: ur5 settings > settings.md
+    """
     from ur5lib.study.schema import settings_text
 
     typer.echo(settings_text(), nl=False)
@@ -391,7 +531,7 @@ def settings() -> None:
 for own in commands_beside():
     app.command(own.name, rich_help_panel=own.panel)(own.run)
 for command in app.registered_commands:
-    command.short_help = getattr(command.callback, "__doc__", None)  # of `help`, click shows a part
+    command.short_help = cleandoc(getattr(command.callback, "__doc__", None) or "")
 
 
 def main() -> None:

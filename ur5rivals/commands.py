@@ -25,7 +25,10 @@ def leaderboard(
         ),
     ] = None,
 ) -> None:
-    """Compare published estimators of the contact force with ours, and yours, on your studies."""
+    """Compare published estimators of the contact force with ours.
+
+    Yours, too, and on your studies. Example: ur5 leaderboard thesis ur10e
+    """
     from ur5rivals.board import TABLE_FILE
     from ur5rivals.board import leaderboard as compared
 

@@ -151,7 +151,7 @@ def test_the_identified_arm_is_replayed_in_mujoco(
     results: Path, run_ur5: Command, tmp_path: Path
 ) -> None:
     """Closer to the currents than the maker's model, on a recording that it was fitted to."""
-    options = ["--robot", "cell-2", "--to", "mjcf", "--results", results]
+    options = ["--robot", "cell-2", "--format", "mjcf", "--results", results]
     (tmp_path / "arm.xml").write_text(run_ur5("export", *options, "--as-in", "fit_1").out)
     told = run_ur5("replay", tmp_path / "arm.xml", results, "fit_1").out
     rows = [(line[:40].strip(), line[40:].split()) for line in told.splitlines()]

@@ -40,7 +40,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
             excite, "design", lambda task, seed, _, told: search.design(task, seed, quick, told)
         )
         words = ["excite", "--robot", "ur5e", "--seconds", str(SECONDS)]
-        done = CliRunner().invoke(app, [*words, "--write", str(written)])
+        done = CliRunner().invoke(app, [*words, "--output", str(written)])
     assert done.exit_code == 0, done.output
     assert "smallest singular value" in done.output
     assert "log det" in done.output
@@ -126,13 +126,13 @@ def test_the_arm_of_the_stand_follows_it(folder: Path, ur5e: Robot, tmp_path: Pa
     ("words", "message"),
     [
         (["--robot", "ur6"], "no description of `ur6`"),
-        (["--question", "tea"], "unknown --question 'tea'; available: model, undetermined"),
+        (["--question", "tea"], "unknown question 'tea'; available: model, undetermined"),
         (["--payload", "0", "0", "0", "0"], "--payload 0 0 0 0: give a mass above zero"),
         (["--table", "nan"], "--table nan: give its height"),
         (["--boxes", "none.yaml"], "--boxes none.yaml cannot be read"),
         (["--boxes", "wrong.yaml"], "wrong.yaml: boxes.0.size"),
         (["--results", "results/none"], "results/none"),
-        (["--write", "wrong.yaml"], "--write wrong.yaml is a file"),
+        (["--output", "wrong.yaml"], "--output wrong.yaml is a file"),
     ],
 )
 def test_wrong_options_are_told_and_nothing_is_written(
@@ -140,7 +140,7 @@ def test_wrong_options_are_told_and_nothing_is_written(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("wrong.yaml").write_text("[{center: [0, 0, 0], size: [1, 0, 1]}]")
-    given = ["excite", "--robot", "ur5e", "--write", "out", *words]
+    given = ["excite", "--robot", "ur5e", "--output", "out", *words]
     done = CliRunner().invoke(app, given)
     assert isinstance(done.exception, InputError)
     assert message in str(done.exception)

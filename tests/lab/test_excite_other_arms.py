@@ -75,7 +75,7 @@ def test_the_files_are_for_the_arm_and_its_range(
     monkeypatch.setattr(
         excite, "design", lambda task, seed, _, told: search.design(task, seed, QUICK, told)
     )
-    words = ["excite", "--robot", "mine", "--seconds", "5", "--table", "-5", "--write", "out"]
+    words = ["excite", "--robot", "mine", "--seconds", "5", "--table", "-5", "--output", "out"]
     done = CliRunner().invoke(app, words, catch_exceptions=False)
     assert "the arm's own driver" in done.output
     assert "ur5 record" not in done.output

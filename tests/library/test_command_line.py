@@ -2,14 +2,19 @@
 
 import re
 from pathlib import Path
+from typing import Literal, get_args, get_origin, get_type_hints
 
 import pytest
 from typer.testing import CliRunner
 
 import ur5lib
 from tests.commands import Command
+from tests.examples import check_command
 from ur5lib.cli import app
+from ur5lib.commands import convert, exported
 from ur5lib.errors import InputError
+from ur5lib.excitation.objective import QUESTIONS
+from ur5lib.study import paper_figure
 
 COMMANDS = {one.name or one.callback.__name__: one.callback for one in app.registered_commands}
 
@@ -37,6 +42,76 @@ def test_each_command_is_told_in_a_whole_sentence() -> None:
     assert all(f" {command} " in listed for command in COMMANDS)
 
 
+def test_help_fits_a_screen(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    lines = CliRunner().invoke(app, ["--help"]).output.splitlines()
+    assert len(lines) <= 40
+    assert max(map(len, lines)) <= 80
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_each_command_s_example_is_one_that_it_takes(command: str) -> None:
+    example = re.search(r"Example: (ur5 .*)$", str(COMMANDS[command].__doc__).strip())
+    assert example
+    assert example[1].startswith(f"ur5 {command} ")
+    check_command(example[1])
+
+
+def literals(command: str, parameter: str) -> set[str]:
+    hint = get_type_hints(COMMANDS[command])[parameter]
+    kinds = [hint, *get_args(hint)]
+    return {name for kind in kinds if get_origin(kind) is Literal for name in get_args(kind)}
+
+
+def test_choices_are_those_that_there_are() -> None:
+    """Help and completion list them."""
+    assert literals("export", "format") == {*exported.FORMATS}
+    assert literals("convert", "format") == {*convert.WRITERS}
+    assert literals("figure", "format") == {*paper_figure.FORMATS}
+    assert literals("excite", "question") == {*QUESTIONS}
+    assert all(name in told("export", "-h") for name in exported.FORMATS)
+
+
+# What a user may write, and what the answer names; the status is 2 where it is no command's
+WRONG_CALLS = [
+    ("import a.csv --write mine.yaml", 2, "ur5 import a.csv --output mine.yaml"),
+    ("import a.csv --write=mine.yaml", 2, "ur5 import a.csv --output=mine.yaml"),
+    ("excite --robot ur5 --write out", 2, "ur5 excite --robot ur5 --output out"),
+    ("convert mine --to csv", 2, "ur5 convert mine --format csv"),
+    ("convert mine --into logs", 2, "ur5 convert mine --output logs"),
+    ("export --robot ur5 --to mjcf", 2, "ur5 export --robot ur5 --format mjcf"),
+    ("fetch ur10-bag --to raw/x", 2, "ur5 fetch ur10-bag --output raw/x"),
+    ("compare a b --junit c.xml", 2, "ur5 compare a b --output c.xml"),
+    ("export --robot ur5 --format urfd", 1, "did you mean `urdf`"),
+    ("convert . --format matlab", 1, "did you mean `mat`"),
+    ("figure . a/b --format jpg", 1, "available: pdf, svg, png"),
+    ("excite --robot ur5 -o x --question modle", 1, "did you mean `model`"),
+    ("record mine.yaml a --role contcat", 1, "did you mean `contact`"),
+    ("export --robto ur5", 2, "Possible options: --robot"),
+    ("chek mine", 2, "Did you mean 'check'"),
+    ("run", 2, "Missing argument 'STUDY | RECORDINGS'"),
+    ("status nothing", 1, "this folder has no study; make one by `ur5 new .`"),
+    ("run a.csv", 1, "a.csv"),
+]
+
+
+@pytest.mark.parametrize(("words", "status", "answer"), WRONG_CALLS)
+def test_a_wrong_call_is_answered_with_the_right_one(
+    words: str,
+    status: int,
+    answer: str,
+    run_ur5: Command,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "200")
+    (tmp_path / "recordings").mkdir()  # so that . is a folder of results
+    told = run_ur5(*words.split())
+    assert told.status == status
+    assert answer in told.err
+
+
 def test_the_version_is_told() -> None:
     assert told("--version") == f"ur5lib {ur5lib.__version__}"
 
@@ -52,7 +127,7 @@ def test_a_shell_completes_commands() -> None:
     [
         ("chek x.yaml", "check"),
         ("export --robot ur5ee", "ur5e"),
-        ("export --robot ur5 --to urfd", "urdf"),
+        ("export --robot ur5 --format urfd", "urdf"),
         ("export --robot ur5 --model C+rotor", "C+rotors"),
         ("fetch tesis", "thesis"),
         ("compare . . --fail-on forse", "force"),

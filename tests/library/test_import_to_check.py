@@ -91,7 +91,7 @@ FORMS = {
 
 def imported(words: list[str], arm: str, run_ur5: Command) -> tuple[pd.DataFrame, str]:
     """The table that `ur5 check` accepts, and what import wrote into its study."""
-    assert run_ur5("import", *words, "--robot", arm, "--write", "mine.yaml").status == 0
+    assert run_ur5("import", *words, "--robot", arm, "--output", "mine.yaml").status == 0
     checked = run_ur5("check", "mine.yaml")
     assert checked.status == 0, checked.line
     (recording,) = read_study(Path("mine.yaml")).recordings
@@ -146,7 +146,7 @@ def test_positions_from_a_home_posture(seven: pd.DataFrame, run_ur5: Command) ->
         for k in range(7)
     }
     pd.DataFrame({"t": seven["time"]} | columns).to_csv("run.csv", index=False)
-    run_ur5("import", "run.csv", "--robot", "mine", "--write", "mine.yaml")
+    run_ur5("import", "run.csv", "--robot", "mine", "--output", "mine.yaml")
     written = Path("mine.yaml").read_text()
     Path("mine.yaml").write_text(f"{written}  home_deg: {home.tolist()}\n")
     checked = run_ur5("check", "mine.yaml")

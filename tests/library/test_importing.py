@@ -182,7 +182,7 @@ def test_a_bad_file_stops_no_other(
     (tmp_path / "bad.h5").write_text("nothing")
     study = tmp_path / "mine.yaml"
     files = [str(tmp_path / name) for name in ("bad.h5", "good.h5")]
-    words = ["ur5", "import", *files, "--robot", "ur5", "--write", str(study)]
+    words = ["ur5", "import", *files, "--robot", "ur5", "--output", str(study)]
     monkeypatch.setattr("sys.argv", words)
     with pytest.raises(SystemExit) as stopped:
         cli.main()
@@ -427,7 +427,7 @@ def test_three_commands_are_named(
     raw = {"study": "mine", "title": "Mine", "recordings": yaml.safe_load(capsys.readouterr().out)}
     assert parse_study(raw, "pasted").recordings[0].name == "run"
     study = tmp_path / "mine.yaml"
-    monkeypatch.setattr("sys.argv", [*words, "--write", str(study)])
+    monkeypatch.setattr("sys.argv", [*words, "--output", str(study)])
     with pytest.raises(SystemExit, match="0"):
         cli.main()
     assert "next: ur5 check" in capsys.readouterr().out

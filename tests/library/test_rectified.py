@@ -55,7 +55,7 @@ def test_sizes_prove_no_opposite_sign(
     log = poor_log(load_robot(robot_path("ur5")), 30, seed=2)
     log[CURRENTS] = np.abs(log[CURRENTS])
     log[:: round(0.04 / PERIOD)].to_csv("run.csv", index=False)
-    run_ur5("import", "run.csv", "--robot", "ur5", "--write", "mine.yaml")
+    run_ur5("import", "run.csv", "--robot", "ur5", "--output", "mine.yaml")
     assert "opposite" not in Path("mine.yaml").read_text()
     assert "without its sign" in Path("mine.yaml").read_text()
     assert "columns not used" in run_ur5("check", "mine.yaml").line

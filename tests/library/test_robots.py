@@ -169,7 +169,7 @@ def test_a_new_arm_is_a_file_and_nothing_else(tmp_path: Path) -> None:
         (["--robot", "UR-5e"], r"no description of `UR-5e` \(did you mean `ur5e`\?\)"),
         (["--robot", "ur5", "--model", "D"], "no link model 'D'; available: A, B, C"),
         (
-            ["--robot", "ur5", "--model", "C", "--to", "usd"],
+            ["--robot", "ur5", "--model", "C", "--format", "usd"],
             r"unknown format 'usd' \(did you mean `sdf`\?\); available: urdf",
         ),
     ],

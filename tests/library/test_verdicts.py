@@ -1082,7 +1082,7 @@ def test_what_to_record_next_names_what_is_known_least_and_the_command() -> None
     words = told.partition("ur5 excite ")[2].partition("”")[0].split()
     options = [word for word in words if word.startswith("--")]
     assert words[words.index("--results") + 1] == "results/mine"
-    assert options == ["--robot", "--results", "--question", "--payload", "--table", "--write"]
+    assert options == ["--robot", "--results", "--question", "--payload", "--table", "--output"]
     assert words[words.index("--table") + 1] == "0"
     assert words[words.index("--payload") + 1] == "1.0"
     on_pedestal = {"study": "mine", "devices": {"table_m": -0.8}}

@@ -5,6 +5,7 @@ from dataclasses import replace
 from difflib import get_close_matches
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 import pandas as pd
 from rich.console import Console
@@ -37,6 +38,7 @@ from ur5lib.steps.read_postures import checked_postures
 from ur5lib.steps.tare import tare_doubts, touched_by_own_clock
 from ur5lib.study.model import Recording, Study, arms_without_fit
 from ur5lib.study.reading import read_study
+from ur5lib.tables import json_text
 from ur5lib.tidy import files, table
 from ur5lib.timeseries.segments import in_chunks
 from ur5lib.workspace.extensions import take_up_all
@@ -48,7 +50,32 @@ MAX_PROPOSED_NAMES = 20  # names of recordings that are proposed
 SEVERITY_STYLES = {"stop": "bold red", "error": "bold red", "warning": "yellow", "note": ""}
 
 
-def print_findings(path: Path, named: Sequence[str] = ()) -> int:
+UNCHECKED = (  # findings of what could not be checked, the riskiest first
+    "nothing checked",
+    "arm not checked",
+    "order not checked",
+    "currents not checked",
+    "unit not checked",
+    "size not checked",
+    "sign not checked",
+    "columns not checked",
+    "torques not checked",
+    "clock not checked",
+    "contact not checked",
+)
+
+
+class Form(NamedTuple):
+    """How findings are printed: with each that could not be checked, or as JSON."""
+
+    everything: bool = False
+    as_json: bool = False
+
+
+FOLDED = Form()
+
+
+def print_findings(path: Path, named: Sequence[str] = (), form: Form = FOLDED) -> int:
     """Print the findings of a study's recordings, or those of some recordings in detail.
 
     Returns how many are stop signs or errors. Raises InputError when the study itself is wrong or
@@ -61,15 +88,15 @@ def print_findings(path: Path, named: Sequence[str] = ()) -> int:
         if name not in names:
             near = get_close_matches(name, names, n=1) or names[:MAX_PROPOSED_NAMES]
             raise InputError(f"{path} has no recording {name!r}, but {', '.join(near)}")
-    return print_findings_of(study, named)
+    return print_findings_of(study, named, form)
 
 
-def print_findings_of(study: Study, named: Sequence[str] = ()) -> int:
+def print_findings_of(study: Study, named: Sequence[str] = (), form: Form = FOLDED) -> int:
     """Print the findings of recordings; returns how many are stop signs or errors.
 
     named: recordings whose findings are printed in detail; none: all, by finding.
     """
-    console = text_console()
+    console = text_console(stderr=form.as_json)  # beside the JSON
     for arm in arms_without_fit(study):
         console.print(
             f"no recording of {arm} has the role `fit`: friction is only what other arms have, and "
@@ -95,9 +122,9 @@ def print_findings_of(study: Study, named: Sequence[str] = ()) -> int:
         study, qualities, {name: own_clocks_of for name, (_, own_clocks_of) in results.items()}
     )
     roles = {recording.name: recording.role for recording in there}
-    severe_ones = print_tables(console, qualities, clocks, named, roles)
+    severe_ones = print_tables(console, qualities, clocks, named, roles, form)
     months = {recording.name: f"{recording.date:%Y-%m}" for recording in there if recording.date}
-    if not named and len({*months.values()}) > 1:
+    if not named and not form.as_json and len({*months.values()}) > 1:
         console.print(by_month(months, qualities))
     return severe_ones
 
@@ -108,6 +135,7 @@ def print_tables(
     clocks: Mapping[str, Mapping[str, SettledClock]],
     named: Sequence[str] = (),
     roles: Mapping[str, str] | None = None,
+    form: Form = FOLDED,
 ) -> int:
     """Print the quality and the clocks of recordings; returns how many stop signs and errors.
 
@@ -119,16 +147,20 @@ def print_tables(
     offsets = table("clocks", {name: files.clocks(own) for name, own in clocks.items()})
     names = [name for name in qualities if name in named] if named else [*qualities]
     quality, offsets = (own[own["recording"].isin(names)] for own in (quality, offsets))
+    severe_ones = int(quality["severity"].isin(ERROR_SEVERITIES).sum())
+    if form.as_json:
+        print(json_text(quality.to_dict("records")), end="")
+        return severe_ones
     if named or len(names) == 1:
         console.print(_findings(quality, names))
     else:
-        _print_by_finding(console, quality, names)
+        _print_by_finding(console, quality, names, form.everything)
         offsets = offsets.sort_values("end_std_s", ascending=False).drop_duplicates("device")
     if len(offsets):
         console.print(
             _clocks(offsets, "Clocks" if named else "The least certain clock of each device")
         )
-    return int(quality["severity"].isin(ERROR_SEVERITIES).sum())
+    return severe_ones
 
 
 def severe(quality: Quality) -> list[str]:
@@ -259,19 +291,40 @@ def settled(
     }
 
 
-def _print_by_finding(console: Console, quality: pd.DataFrame, names: list[str]) -> None:
-    """Print each finding once: the recordings that it concerns, and what it means."""
-    kinds = by_finding(quality).groupby(["severity", "device", "finding"], sort=False)
+def _print_by_finding(
+    console: Console, quality: pd.DataFrame, names: list[str], everything: bool
+) -> None:
+    """Print each finding once: the recordings that it concerns, and what it means.
+
+    everything: what could not be checked, too; otherwise in one line.
+    """
+    found = by_finding(quality)
+    is_open = found["finding"].isin(UNCHECKED) & ~everything
+    kinds = found[~is_open].groupby(["severity", "device", "finding"], sort=False)
     for (severity, device, finding), rows in kinds:
         title, style = f"{device}: {finding} ({severity}) in ", SEVERITY_STYLES[severity]
         for row in rows.itertuples():
             where = "" if row.alike else f"{row.recordings[0]}: "
             console.print(title + concerned(row.recordings, names), style=style)
             console.print(Padding(where + row.detail, (0, 0, 0, 4)))
+    if is_open.any():
+        console.print(_not_checked(found[is_open], names))
     unsound = {*quality["recording"]}
     if sound := [name for name in names if name not in unsound]:
         console.print(f"nothing found in {concerned(sound, names)}")
     console.print("`ur5 check <study> <recording>` shows a recording's findings in detail")
+
+
+def _not_checked(found: pd.DataFrame, names: list[str]) -> str:
+    """Return what could not be checked as one sentence, with the riskiest in full."""
+    rows = found.sort_values("finding", key=lambda f: f.map(UNCHECKED.index), kind="stable")
+    kinds = [*dict.fromkeys(rows["finding"].str.replace(" not checked", ""))]
+    riskiest = rows.iloc[0]
+    where = concerned(riskiest["recordings"], names)
+    return (
+        f"could not be checked: {', '.join(kinds)}; the riskiest, in {where}: {riskiest['detail']} "
+        "(`ur5 check <study> --all` lists them)"
+    )
 
 
 def by_month(months: Mapping[str, str], qualities: Mapping[str, Quality]) -> Table:

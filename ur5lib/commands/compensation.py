@@ -1,4 +1,4 @@
-"""`ur5 export --to sensor`: bias and tool of an arm's force sensor, and how to take them off."""
+"""`ur5 export --format sensor`: bias and tool of a force sensor, and how to take them off."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -65,7 +65,7 @@ def compensation(study: FinishedStudy | None, robot: str, only: str) -> str:
     recording has a force sensor.
     """
     if study is None:
-        raise InputError("--to sensor is what a study fitted; name its folder by --results")
+        raise InputError("--format sensor is what a study fitted; name its folder by --results")
     arm, entries = study.arm(robot), study.configuration().recordings
     chosen = [study.recording(only)] if only else [one for one in entries if not one.at_rest]
     of_arm = [entry for entry in chosen if entry.arm.known_as == robot]

@@ -97,7 +97,7 @@ def write_mat(contents: RecordingTables, path: Path) -> None:
         write_aside(path, lambda aside: savemat(aside, variables, oned_as="column", **form))
     except MatWriteError as error:
         raise InputError(
-            f"{path}: {contents.name} is too long for a MAT file; export it with --to mcap"
+            f"{path}: {contents.name} is too long for a MAT file; export it with --format mcap"
         ) from error
 
 

@@ -39,7 +39,7 @@ WRITERS: dict[str, Callable[[Robot, str, JointFriction | None, TcpPose | None], 
     "isaac": lambda arm, model, friction, _: isaac(arm, model, friction),
 }
 ROS_NAMES = [f"{joint}_joint" for joint in JOINTS]  # of a UR's joints, base to wrist
-LIVE_FILES = ("live.py", "live.hpp", "live.schema.json")  # what reads `--to live`
+LIVE_FILES = ("live.py", "live.hpp", "live.schema.json")  # what reads `--format live`
 FORMATS = (*WRITERS, "json", "sensor", "live", *LIVE_FILES)
 MIN_MOVING_SAMPLES = 100  # from which a joint's friction is determined
 UNIT_NOTE = "SI: m, kg, s, rad, N, Nm, A; joints from 1; low and high: the 95 % interval"

@@ -1,4 +1,4 @@
-"""`ur5 export --to live`: what a causal estimate of the force needs of an arm, as JSON."""
+"""`ur5 export --format live`: what a causal estimate of the force needs of an arm, as JSON."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -29,7 +29,7 @@ def live_arm(study: FinishedStudy | None, robot: str, as_in: str) -> str:
     Raises InputError where no force may be stated, with the report's reason.
     """
     if study is None:
-        raise InputError("--to live is what a study fitted; name its folder by --results")
+        raise InputError("--format live is what a study fitted; name its folder by --results")
     arm, friction = study.arm(robot), study.parameters(Friction, robot, "friction")
     live = study.parameters(LiveFit, robot, "live")
     if live.refused is not None:

@@ -5,7 +5,8 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
 from pathlib import Path
 
 from ur5lib.commands.console import text_console
@@ -25,12 +26,15 @@ SECONDS_BETWEEN_LINES = 60.0
 Report = Callable[[int, int], None]  # is told the steps that are done, and all
 
 
-def build(study: Path, results: Path, options: Sequence[str], verbose: bool) -> Path:
+def build(
+    study: Path, results: Path, options: Sequence[str], verbose: bool, quiet: bool = False
+) -> Path:
     """Build a study and return its report; print progress, and lines that are not usual, on stderr.
 
-    options: of Snakemake; verbose: print all of its lines. Raises InputError where it fails.
+    options: of Snakemake; verbose: print all of its lines; quiet: no progress. Raises InputError
+    where it fails.
     """
-    with _progress() as report:
+    with nullcontext(_untold) if quiet else _progress() as report:
         status = _watch(_command(study, options), report, verbose)
     if status:
         again = "" if verbose else "; `--verbose` shows every line of Snakemake's"
@@ -38,23 +42,53 @@ def build(study: Path, results: Path, options: Sequence[str], verbose: bool) -> 
     return results / "report.html"
 
 
-def status(study: Path, results: Path) -> Iterator[str]:
-    """Yield what is known of a study's results, line by line: who makes them, what is missing."""
-    report = results / "report.html"
-    if holder := running(results):
-        yield f"being made by {holder}"
+@dataclass(frozen=True)
+class State:
+    """What is known of a study's results: who makes them, what is missing.
+
+    report: its file, None while there is none; unreadable: reasons by recording; steps_to_run: that
+    a run would take, None while another makes them.
+    """
+
+    study: Path
+    being_made_by: str | None
+    report: Path | None
+    written: str | None
+    unreadable: dict[str, str]
+    steps_to_run: int | None
+
+    def lines(self) -> Iterator[str]:
+        """Yield it line by line."""
+        if self.being_made_by:
+            yield f"being made by {self.being_made_by}"
+        if self.report:
+            yield f"report: {self.report}, written {self.written}"
+        else:
+            yield f"no report yet; next: ur5 run {self.study}"
+        for name, reason in self.unreadable.items():
+            yield f"{name} cannot be read: {printable(reason)}"
+        if self.steps_to_run:
+            yield f"{self.steps_to_run} steps to run; next: ur5 run {self.study}"
+        elif self.steps_to_run == 0:
+            yield "nothing to be done"
+
+
+def state(study: Path, results: Path) -> State:
+    """Return what is known of a study's results. Raises InputError where it has mistakes."""
+    report, holder, written = results / "report.html", running(results), None
     if report.is_file():
-        built = time.strftime("%Y-%m-%d %H:%M", time.localtime(report.stat().st_mtime))
-        yield f"report: {report}, written {built}"
-    else:
-        yield f"no report yet; next: ur5 run {study}"
-    for name, reason in (unreadable(results) if results.is_dir() else {}).items():
-        yield f"{name} cannot be read: {printable(reason)}"
-    if not holder:
-        yield _steps_to_run(study)
+        written = time.strftime("%Y-%m-%d %H:%M", time.localtime(report.stat().st_mtime))
+    return State(
+        study,
+        holder or None,
+        report if written else None,
+        written,
+        unreadable(results) if results.is_dir() else {},
+        None if holder else _steps_to_run(study),
+    )
 
 
-def _steps_to_run(study: Path) -> str:
+def _steps_to_run(study: Path) -> int:
     """Return how many steps a run would take. Raises InputError where the study has mistakes."""
     dry = subprocess.run(
         _command(study, ["--dry-run", "--quiet", "host"]),
@@ -64,7 +98,7 @@ def _steps_to_run(study: Path) -> str:
         lines = [line for line in dry.stdout.splitlines() if not USUAL.match(line)]
         raise InputError("\n".join(lines))
     count = STEPS_TO_RUN.search(dry.stdout)
-    return f"{count[1]} steps to run; next: ur5 run {study}" if count else "nothing to be done"
+    return int(count[1]) if count else 0
 
 
 def _command(study: Path, options: Sequence[str]) -> list[str]:
@@ -103,6 +137,10 @@ def _progress() -> Iterator[Report]:
     with Progress(console=text_console(stderr=True), transient=True) as progress:
         bar = progress.add_task("steps", total=None)
         yield lambda done, total: progress.update(bar, completed=done, total=total)
+
+
+def _untold(done: int, total: int) -> None:
+    """Print no progress."""
 
 
 def _a_line_a_minute() -> Report:

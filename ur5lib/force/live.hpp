@@ -3,7 +3,7 @@
 //   live::Live arm = live::Live::load("arm.json");
 //   live::Answer now = arm.step(time, q, qd, current);  // now.wrench, now.std, now.contact
 //
-// `ur5 export --to live` writes arm.json. Equations, units and answers are those of live.py, whose
+// `ur5 export --format live` writes arm.json. Equations, units and answers are those of live.py, whose
 // names this file keeps; `step` neither allocates nor throws.
 #pragma once
 

@@ -1,7 +1,7 @@
 """The force on a running arm from its motor currents, sample by sample, without any look ahead.
 
-This file needs NumPy alone and may be copied away. `ur5 export --to live` writes what it needs to
-know of an arm, and `--to live.hpp` the same estimator for C++.
+This file needs NumPy alone and may be copied away. `ur5 export --format live` writes what it
+needs to know of an arm, and `--format live.hpp` the same estimator for C++.
 
     estimator = Live.load("arm.json")
     wrench, std, contact = estimator.step(time, q, qd, current)
@@ -58,7 +58,7 @@ class Live:
     """
 
     def __init__(self, arm: Mapping[str, Any]) -> None:
-        """Take what `ur5 export --to live` wrote."""
+        """Take what `ur5 export --format live` wrote."""
         names = ["rotation", "position", "mass", "center_of_mass", "inertia"]
         turns, tails, self.mass, self.center, self.inertia = (
             np.array([link[name] for link in arm["links"]], float) for name in names

@@ -18,7 +18,7 @@ FRICTION_NOTE = (
 )
 STICK_RADIUS = 0.03  # m
 ISAAC_HEAD = """\
-# Fields of ImplicitActuatorCfg in Isaac Lab 2, for the joints of `ur5 export --to urdf`.
+# Fields of ImplicitActuatorCfg in Isaac Lab 2, for the joints of `ur5 export --format urdf`.
 # Units: Nm, rad/s, kg m2, Nm s/rad; friction is in Nm since Isaac Sim 5.
 # The joints are driven by torque: for control of position, set stiffness and damping.
 """

@@ -1,4 +1,4 @@
-"""F̂ᵐᵃᵖ, live: the estimator that `ur5 export --to live` writes, fed sample by sample.
+"""F̂ᵐᵃᵖ, live: the estimator that `ur5 export --format live` writes, fed sample by sample.
 
 It is given what the controller states, positions, velocities and currents, and nothing smoothed.
 Its noise and threshold come from the runs to fit on; its constants were chosen before.
