@@ -1,5 +1,6 @@
 """`ur5 check`: a study looked through in seconds, without the workflow."""
 
+import json
 import subprocess
 import sys
 from collections.abc import Callable
@@ -17,8 +18,11 @@ from tests.made_tables import record
 from tests.synthetic import write_recording
 from ur5lib import tidy
 from ur5lib.commands.check import (
+    FOLDED,
     MAX_NAMED,
     SEVERITY_ORDER,
+    UNCHECKED,
+    Form,
     by_month,
     concerned,
     print_tables,
@@ -30,7 +34,7 @@ from ur5lib.errors import InputError, printable, remark
 from ur5lib.records.clocks import SettledClock
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.quality import Finding, Quality
-from ur5lib.records.wording import worded
+from ur5lib.records.wording import templates, worded
 from ur5lib.report.page.findings import by_finding, group_findings
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
@@ -151,6 +155,45 @@ def test_fourteen_recordings_with_one_note_fill_one_screen() -> None:
     note = Finding("robot", "irregular steps", "note", 1, {"most_ms": 2, "grid_ms": 10})
     print_tables(console, {f"run_{k}": Quality(findings=[note]) for k in range(14)}, {})
     assert len(console.file.getvalue().splitlines()) < 24
+
+
+def printed(form: Form) -> str:
+    """What is printed of four recordings, in all of which much could not be checked."""
+    console = text_console(file=StringIO(), width=200)
+    telling = {"arm": "ur5", "others": ["ur5e"], "absent": ["target_moment"]}
+    notes = [
+        Finding("robot", "clock not checked", "note", 1, {"seconds": 0.5}),
+        Finding("robot", "arm not checked", "note", 1, telling),
+        Finding("robot", "irregular steps", "note", 1, {"most_ms": 2, "grid_ms": 10}),
+    ]
+    print_tables(console, {f"run_{k}": Quality(findings=notes) for k in range(4)}, {}, form=form)
+    return console.file.getvalue()
+
+
+def test_what_could_not_be_checked_is_one_line_with_the_riskiest_named() -> None:
+    folded = printed(FOLDED)
+    [line] = [line for line in folded.splitlines() if "could not be checked" in line]
+    assert "arm, clock" in line
+    assert "in all 4 recordings" in folded
+    assert "could not be told from ur5e" in folded
+    assert "0.50 s late" not in folded
+    assert "--all" in folded
+    whole = printed(Form(everything=True))
+    assert "0.50 s late" in whole
+    assert "arm not checked (note) in all 4 recordings" in whole
+
+
+def test_the_riskiest_is_known_of_all_that_may_not_be_checked() -> None:
+    assert {*UNCHECKED} == {
+        code for code in templates() if code.endswith((" not checked", "nothing checked"))
+    }
+
+
+def test_findings_are_json_for_a_program(study: Path, run_ur5: Command) -> None:
+    answer = run_ur5("check", study, "--json")
+    rows = json.loads(answer.out)
+    assert {row["recording"] for row in rows} == {"good", "bad"}
+    assert {"severity", "finding", "detail"} <= {*rows[0]}
 
 
 def test_many_damaged_files_fill_one_screen() -> None:

@@ -1,5 +1,6 @@
 """`ur5 run`, `report` and `status`: what they build, what they print, and how a study is named."""
 
+import json
 import sys
 from pathlib import Path
 
@@ -115,3 +116,24 @@ def test_a_report_that_is_not_built_is_answered_with_the_command(
     here: Path, run_ur5: Command
 ) -> None:
     assert "ur5 run mine" in run_ur5("report", "mine").err
+
+
+def test_a_quiet_run_says_only_what_went_wrong(
+    here: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command
+) -> None:
+    snakemake_prints(monkeypatch, LINES, 0)
+    monkeypatch.setattr(run, "SECONDS_BETWEEN_LINES", 0.0)
+    Path("results/mine/report.html").touch()
+    answer = run_ur5("run", "mine", "--quiet")
+    assert answer.err.splitlines() == [LINES[-1]]
+    assert answer.out == "report: results/mine/report.html\n"
+
+
+def test_a_state_is_json_for_a_program(
+    here: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command
+) -> None:
+    snakemake_prints(monkeypatch, LINES, 0)
+    state = json.loads(run_ur5("status", "mine", "--json").out)
+    assert state["report"] is None
+    assert state["steps_to_run"] == 3
+    assert "3 steps to run; next: ur5 run arm.yaml" in run_ur5("status", "mine").out

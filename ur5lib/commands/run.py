@@ -50,9 +50,9 @@ class State:
     a run would take, None while another makes them.
     """
 
-    study: Path
+    study: str
     being_made_by: str | None
-    report: Path | None
+    report: str | None
     written: str | None
     unreadable: dict[str, str]
     steps_to_run: int | None
@@ -79,9 +79,9 @@ def state(study: Path, results: Path) -> State:
     if report.is_file():
         written = time.strftime("%Y-%m-%d %H:%M", time.localtime(report.stat().st_mtime))
     return State(
-        study,
+        str(study),
         holder or None,
-        report if written else None,
+        str(report) if written else None,
         written,
         unreadable(results) if results.is_dir() else {},
         None if holder else _steps_to_run(study),
