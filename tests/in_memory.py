@@ -4,11 +4,11 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
+from ur5lib.lab.stand.plan import SimulatedRecording
+from ur5lib.lab.stand.simulate import simulate
 
 import ur5lib
 from ur5lib.chain.model import TABLES
-from ur5lib.lab.stand.plan import SimulatedRecording
-from ur5lib.lab.stand.simulate import simulate
 from ur5lib.robots.description import load_robot, robot_path
 
 PUSH = {"kind": "push", "start_s": 3, "seconds": 2, "force": [40, 0, 0]}

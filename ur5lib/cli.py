@@ -9,7 +9,7 @@ from inspect import cleandoc
 from itertools import takewhile
 from operator import itemgetter
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 

@@ -13,7 +13,6 @@ from tests.examples import check_command
 from ur5lib.cli import app
 from ur5lib.commands import convert, exported
 from ur5lib.errors import InputError
-from ur5lib.excitation.objective import QUESTIONS
 from ur5lib.study import paper_figure
 
 COMMANDS = {one.name or one.callback.__name__: one.callback for one in app.registered_commands}
@@ -68,7 +67,6 @@ def test_choices_are_those_that_there_are() -> None:
     assert literals("export", "format") == {*exported.FORMATS}
     assert literals("convert", "format") == {*convert.WRITERS}
     assert literals("figure", "format") == {*paper_figure.FORMATS}
-    assert literals("excite", "question") == {*QUESTIONS}
     assert all(name in told("export", "-h") for name in exported.FORMATS)
 
 
@@ -76,7 +74,6 @@ def test_choices_are_those_that_there_are() -> None:
 WRONG_CALLS = [
     ("import a.csv --write mine.yaml", 2, "ur5 import a.csv --output mine.yaml"),
     ("import a.csv --write=mine.yaml", 2, "ur5 import a.csv --output=mine.yaml"),
-    ("excite --robot ur5 --write out", 2, "ur5 excite --robot ur5 --output out"),
     ("convert mine --to csv", 2, "ur5 convert mine --format csv"),
     ("convert mine --into logs", 2, "ur5 convert mine --output logs"),
     ("export --robot ur5 --to mjcf", 2, "ur5 export --robot ur5 --format mjcf"),
@@ -85,8 +82,6 @@ WRONG_CALLS = [
     ("export --robot ur5 --format urfd", 1, "did you mean `urdf`"),
     ("convert . --format matlab", 1, "did you mean `mat`"),
     ("figure . a/b --format jpg", 1, "available: pdf, svg, png"),
-    ("excite --robot ur5 -o x --question modle", 1, "did you mean `model`"),
-    ("record mine.yaml a --role contcat", 1, "did you mean `contact`"),
     ("export --robto ur5", 2, "Possible options: --robot"),
     ("chek mine", 2, "Did you mean 'check'"),
     ("run", 2, "Missing argument 'STUDY | RECORDINGS'"),

@@ -20,7 +20,7 @@ def estimate_live(
     arm: Robot,
     gravity: list[float] | None = None,
 ) -> LiveForces:
-    """Return what the estimator that `ur5 export --to live` writes would have stated.
+    """Return what the estimator that `ur5 export --format live` writes would have stated.
 
     Empty without a fit, without positions or currents, where the recording contradicts the study,
     and with a load that nobody declared.
