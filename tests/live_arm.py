@@ -60,7 +60,7 @@ def arm_file(noise: float = 0.3, **constants: float) -> dict[str, Any]:
         "speed": [2.0] * 6,
         "noise": {"std": std, "absorbed": lost, "hidden": lost},
         "threshold": {"log_odds": 3.0},
-        "constants": CONSTANTS | {"period": PERIOD} | constants,
+        "constants": CONSTANTS | {"period": PERIOD, "doubt": 1.1} | constants,
     }
 
 

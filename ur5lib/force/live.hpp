@@ -184,7 +184,7 @@ class Live {
     acceleration_ = constant("acceleration"), encoder_ = constant("encoder");
     dead_zone_ = constant("dead_zone"), rest_speed_ = constant("rest_speed");
     stop_ = constant("stop"), settle_ = constant("settle"), reversal_ = constant("reversal");
-    wide_ = constant("wide"), rare_ = constant("rare"), lever_ = constant("lever");
+    wide_ = constant("wide"), doubt_ = constant("doubt"), rare_ = constant("rare"), lever_ = constant("lever");
     duration_ = constant("duration"), hysteresis_ = constant("hysteresis");
     freeze_ = constant("freeze"), thaw_ = constant("thaw"), slow_ = constant("slow");
     quiet_ = arm.at("constants.quiet.0"), typical_ = constant("typical");
@@ -417,7 +417,7 @@ class Live {
     for (int i = 0; i < 6; ++i) {
       answer_.wrench[i] = mean[i] / total;
       const double spread = square[i] / total - answer_.wrench[i] * answer_.wrench[i];
-      answer_.std[i] = std::sqrt(std::max(spread, 0.0));
+      answer_.std[i] = doubt_ * std::sqrt(std::max(spread, 0.0));
     }
     contact(doubtful);
   }
@@ -513,7 +513,7 @@ class Live {
   std::array<double, MAX_SIZES> sizes_{};
   int parts_ = 0, count_ = 0;
   double threshold_, period_, max_gap_, turns_, margin_, jump_, gain_, acceleration_, encoder_;
-  double dead_zone_, rest_speed_, stop_, settle_, reversal_, wide_, rare_, lever_, quiet_, typical_;
+  double dead_zone_, rest_speed_, stop_, settle_, reversal_, wide_, doubt_, rare_, lever_, quiet_, typical_;
   double duration_, hysteresis_, freeze_, thaw_, slow_;
   // of the run
   double time_, passed_, rested_, started_, below_at_, suspected_at_;

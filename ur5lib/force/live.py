@@ -277,7 +277,8 @@ class Live:
         weight *= self.sizes[:, 0] >= self.set["typical"]
         weight = (weight / weight.sum(axis=-1, keepdims=True))[..., None]
         wrench, square = (weight * mean).sum(axis=-2), (weight * (spread + mean**2)).sum(axis=-2)
-        return wrench, np.sqrt(np.maximum(square - wrench**2, 0.0)), evidence
+        std = self.set["doubt"] * np.sqrt(np.maximum(square - wrench**2, 0.0))
+        return wrench, std, evidence
 
     def _by_size(self, torque: Array, jacobian: Array, variance: Array, sizes: Array) -> Posterior:
         """Return log-density of the torque (..., K), mean and variance of the wrench (..., K, 6).

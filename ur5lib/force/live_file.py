@@ -12,7 +12,7 @@ from ur5lib.force.external_torque import MIN_STOP_DURATION, RELAXATION_TIME
 from ur5lib.force.force_input import MEAN_STICTION
 from ur5lib.force.live import STATES, STILL, TERMS
 from ur5lib.force.live_recording import Followed, Measured, follow
-from ur5lib.force.residual_model import TorqueStretch, few_paths, fit_residual_model
+from ur5lib.force.residual_model import TorqueStretch, fit_residual_model
 from ur5lib.records.friction import Friction
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.robots.friction import (
@@ -35,6 +35,7 @@ CONSTANTS: dict[str, Any] = {  # docs/live.md says on what they were chosen
     "quiet": [PRIOR.quiet],  # N, of forces that do not count
     "rare": 0.2,  # share of the samples of a free arm whose noise is `wide` times wider
     "wide": 2.0,
+    "doubt": 1.0,  # factor on deviations of the wrench, of few paths
     "duration": 0.1,  # s, for which evidence lasts before a contact is stated
     "hysteresis": 2.0,  # in log-odds, by which it then may fall
     "freeze": 0.0,  # evidence above which the slow errors of the run are not learnt
@@ -181,9 +182,9 @@ def learned(
         own = follow({**arm, **known}, run)
         started = slice(round(CONSTANTS["settle"] / run.period), None)
         stretches.append(TorqueStretch(own.torque[started], own.state[started], run.period))
-    model = fit_residual_model(stretches, BANDWIDTH, breakaway).wider(few_paths(paths))
+    model = fit_residual_model(stretches, BANDWIDTH, breakaway).of_few_paths(paths)
     known["noise"] = _noise(model.spread, breakaway)
-    known["constants"] = CONSTANTS | {"period": period}
+    known["constants"] = CONSTANTS | {"period": period, "doubt": model.doubt}
     followed = [(follow({**arm, **known}, run), run.period) for arm, run in thinned]
     return known | {"threshold": _threshold(followed, false_per_min)}
 
