@@ -1,11 +1,11 @@
-"""`ur5 record` and `ur5 excite`."""
+"""`ur5 record`, `ur5 excite` and `ur5 live`."""
 
 from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
 
-from ur5lib.commands.arguments import ADDRESS_HELP, print_lines, results_folder
+from ur5lib.commands.arguments import ADDRESS_HELP, Results, print_lines, results_folder
 
 PANEL = "Lab"
 QUESTION = Literal["model", "undetermined", "friction", "payload", "force-bands"]
@@ -102,3 +102,26 @@ def excite(
     print_lines(
         excite(ExciteOptions(robot, seconds, chosen, results, table, boxes, seed, load), output)
     )
+
+
+def live(
+    results: Results,
+    host: Annotated[str, typer.Option(help="address of the arm's controller")],
+    robot: Annotated[
+        str | None, typer.Option(help="arm of the study, where it has several")
+    ] = None,
+    as_in: Annotated[
+        str, typer.Option(help="recording whose payload and mounting the arm has")
+    ] = "",
+    seconds: Annotated[
+        float | None, typer.Option(help="length; default: until the arm's stream ends or Ctrl-C")
+    ] = None,
+    write: Annotated[Path, typer.Option(help="file of what is stated")] = Path(
+        "live_forces.parquet"
+    ),
+) -> None:
+    """State the contact force of a running arm from its currents, and write it; moves nothing."""
+    from ur5lab.live import Stream, live
+    from ur5lib.commands.console import text_console
+
+    print_lines([live(results, robot, as_in, Stream(host, seconds), write, text_console())])

@@ -1,0 +1,86 @@
+"""The force of an emulated arm as it is stated while the arm runs."""
+
+import resource
+import threading
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.live_arm import arm_file
+from ur5lab.doubles.controller_double import ControllerDouble
+from ur5lab.live import Stream, in_words, record
+from ur5lib.errors import InputError
+from ur5lib.force.live import UNKNOWN, Answer, Live
+from ur5lib.stand.plan import SimulatedRecording, Standstill
+from ur5lib.tables import read_table, read_units
+
+HERE = "127.0.0.1"
+LATEST = 0.01  # s, after its arrival, that a sample may be answered
+MEMORY_GROWTH = 20_000  # kB
+STILL = SimulatedRecording(trajectory=Standstill(kind="standstill"))  # type: ignore[arg-type]
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.real_time,
+    pytest.mark.usefixtures("controller_ports"),
+]
+
+
+def stated(path: Path, seconds: float | None) -> tuple[pd.DataFrame, list[str]]:
+    """Follow an emulated arm at 500 Hz; returns the file, and what was shown."""
+    shown: list[str] = []
+    with ControllerDouble("ur5e", STILL) as arm:
+        if seconds is None:  # until the controller is off
+            threading.Timer(2.0, arm._process.kill).start()
+        stream, estimator = Stream(HERE, seconds), Live(arm_file())
+        count = record(estimator, stream, path, lambda *now: shown.append(in_words(*now)))
+    table = read_table(path)
+    assert count == len(table)
+    return table, shown
+
+
+def check(table: pd.DataFrame, seconds: float) -> None:
+    """No sample is missing or late, and each is answered."""
+    assert len(table) > 480 * seconds
+    np.testing.assert_allclose(np.diff(table["time"]), 0.002, rtol=0, atol=1e-9)
+    assert table["late"].max() < LATEST
+    assert np.isfinite(table.to_numpy(float)).all()
+    started = table["time"] - table["time"][0] < 0.99
+    assert not table["known"][started].any()
+    assert table["known"][~started].all()
+
+
+def test_what_is_stated_at_500_hz_is_written(tmp_path: Path) -> None:
+    path = tmp_path / "live.parquet"
+    table, shown = stated(path, 6.0)
+    check(table, 6.0)
+    assert read_units(path)["live_Fx"] == "N"
+    assert len(shown) > 10
+    assert UNKNOWN in shown[0]
+
+
+def test_the_file_is_whole_where_the_arm_s_stream_ends(tmp_path: Path) -> None:
+    table, _ = stated(tmp_path / "live.parquet", None)
+    assert len(table) > 400
+
+
+@pytest.mark.thorough
+def test_ten_minutes_take_no_more_memory_and_no_sample_is_late(tmp_path: Path) -> None:
+    stated(tmp_path / "warm.parquet", 10.0)
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    table, _ = stated(tmp_path / "live.parquet", 600.0)
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < MEMORY_GROWTH
+    check(table, 600.0)
+
+
+def test_no_controller_is_told(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="RTDE"):
+        record(Live(arm_file()), Stream(HERE, 1.0, port=9), tmp_path / "x.parquet", print)
+
+
+def test_an_answer_is_a_line() -> None:
+    answer = Answer(np.array([1.0, -20.0, 3.0, 0, 0, 0]), np.ones(6), UNKNOWN)
+    line = in_words(12.34, answer)
+    assert line.split()[:3] == ["12.3", "s", UNKNOWN]
+    assert "y  -20.0 ±  2.0" in line
