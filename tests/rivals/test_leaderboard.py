@@ -52,9 +52,11 @@ def test_a_study_that_is_not_built_is_told(tmp_path: Path, run_ur5: Command) -> 
     )
 
 
-def test_a_name_that_no_file_can_have_is_told_in_a_sentence(run_ur5: Command) -> None:
-    name = 300 * "a"
-    answer = run_ur5("leaderboard", name)
+def test_a_name_that_no_file_can_have_is_told_in_a_sentence(
+    run_ur5: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    answer = run_ur5("leaderboard", name := 300 * "a")
     assert answer.status == 1
     assert answer.err.startswith(f"ur5: {name}")
     assert answer.err.count("\n") == 1
