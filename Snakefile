@@ -41,6 +41,11 @@ if REFERENCE:
     include: "workflow/rules/thesis.smk"
 
 
+for rules_of_topic in sorted(PACKAGE.glob("topics/*/rules.smk")):
+
+    include: str(rules_of_topic)
+
+
 include: "workflow/rules/report.smk"
 include: "workflow/rules/paper.smk"
 include: "workflow/rules/cluster.smk"

@@ -11,8 +11,12 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.harness.options import asked
-from ur5lib.steps.track_health import FALSE_ALARM_PROBABILITY
-from ur5lib.timeseries.changes import DatedSeries, coloured, find_changes
+from ur5lib.timeseries.changes import (
+    FALSE_ALARM_PROBABILITY,
+    DatedSeries,
+    coloured,
+    find_changes,
+)
 
 ARMS, DATES, APART = 100, 20, 3.0  # days between dates
 SERIES = 30  # of an arm: six joints, five quantities

@@ -6,7 +6,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -32,6 +32,7 @@ COPIED = [
     "pyproject.toml",
     *sorted(path.name for path in PROJECT.glob("ur5*")),  # the packages
 ]
+Change = Callable[[str, str | None], None]
 STUDY = """\
 study: small
 title: Two made-up recordings
@@ -213,6 +214,24 @@ def built_workflow(common_folder: Path, tmp_path_factory: pytest.TempPathFactory
     """A small study of two made-up recordings, built once; each process has a copy."""
     workflow = build_once(common_folder / "small", put_small_study)
     return workflow.copied(tmp_path_factory.mktemp("small") / "project")
+
+
+@pytest.fixture
+def change(built_workflow: Workflow) -> Iterator[Change]:
+    """Append text to a file of the built study, or remove it, until the test ends."""
+    kept: list[tuple[Path, Path]] = []
+
+    def changed(name: str, more: str | None) -> None:
+        file = built_workflow.folder / name
+        aside = file.with_name(f"{file.name}.aside")
+        file.rename(aside)
+        kept.append((aside, file))
+        if more is not None:
+            file.write_text(aside.read_text() + more)
+
+    yield changed
+    for aside, file in kept:
+        aside.replace(file)
 
 
 @pytest.fixture

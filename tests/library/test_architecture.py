@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import PROJECT
+from ur5lib.jobs.code import all_steps, module_of, modules_of_step
 
 BASE = {"timeseries", "robots", "channels", "errors", "strict", "tables"}  # below every room
 METHODS = {"signals", "dynamics", "identification", "force"}
@@ -55,6 +56,8 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "importing": BASE
     | {"chain", "checks", "commands", "recordings", "records", "study", "thesis", "workspace"},
     "cli": BASE | {"commands", "datasets", "importing", "study", "workspace"},
+    # a topic knows the steps' records, and the report's blocks and figures; nothing knows it
+    "topics": BASE | ROOMS | {"records", "report", "tidy"},
 }
 SCIPY = {"scipy.stats", "scipy.signal", "scipy.optimize"}
 LOADED = [  # steps, loaded one after the other, and the packages that none has loaded by then
@@ -64,7 +67,7 @@ LOADED = [  # steps, loaded one after the other, and the packages that none has 
     ),
     (("set_threshold", "describe_arm", "describe_run"), {"torch", "matplotlib", *SCIPY}),
     (
-        ("draw_figures", "draw_calibration", "draw_health", "draw_observability"),
+        ("draw_figures", "draw_calibration", "draw_observability"),
         {"torch", *SCIPY},
     ),
     (("draw_tracking", "draw_published_forces", "draw_current_torque"), {"torch", *SCIPY}),
@@ -73,7 +76,7 @@ LOADED = [  # steps, loaded one after the other, and the packages that none has 
         {"torch", "scipy.stats", "scipy.signal"},
     ),
     (("compute_torques",), {"pytorch_kinematics", "scipy.stats", "scipy.signal"}),
-    (("align_recording", "calibrate_imu", "fit_friction", "track_health"), {"torch"}),
+    (("align_recording", "calibrate_imu", "fit_friction"), {"torch"}),
     (("write_report", "write_run"), {"torch"}),
     (
         ("estimate_load", "predict_currents", "estimate_forces", "identify_model"),
@@ -84,6 +87,8 @@ MODULES = sorted((PROJECT / "ur5lib").rglob("*.py"))
 BESIDE = sorted(path.name for path in PROJECT.glob("ur5*") if path.name != "ur5lib")
 EVERY = MODULES + sorted(path for package in BESIDE for path in (PROJECT / package).rglob("*.py"))
 AROUND = sorted(path for part in ("tests", "benchmarks") for path in (PROJECT / part).rglob("*.py"))
+TOPICS = sorted(path.parent for path in (PROJECT / "ur5lib").glob("topics/*/__init__.py"))
+STEPS_OF_TOPICS = [step for step in all_steps() if "topics" in module_of(step).parts]
 
 
 def name_of(path: Path) -> str:
@@ -140,14 +145,31 @@ def test_only_dynamics_imports_torch() -> None:
     assert rooms == {"dynamics"}
 
 
+def loaded_in_vain(steps: tuple[str, ...], packages: set[str]) -> str:
+    """The first of some steps that loads one of these packages, which takes longer than most steps
+    work, or a step before it does."""
+    program = f"import sys\nfrom ur5lib.jobs.job import load_step\nfor step in {steps}:"
+    program += f"\n load_step(step)\n if found := sys.modules.keys() & {packages}:"
+    program += "\n  sys.exit(f'{step}: {found}')"
+    done = subprocess.run([sys.executable, "-c", program], cwd=PROJECT, capture_output=True)
+    return done.stderr.decode().strip()
+
+
 def test_no_step_waits_for_a_package_in_vain() -> None:
-    """Loading one of these takes longer than most steps work."""
     for steps, packages in LOADED:
-        program = f"import sys\nfrom ur5lib.jobs.job import load_step\nfor step in {steps}:"
-        program += f"\n load_step(step)\n if found := sys.modules.keys() & {packages}:"
-        program += "\n  sys.exit(f'{step}: {found}')"
-        done = subprocess.run([sys.executable, "-c", program], cwd=PROJECT, capture_output=True)
-        assert done.stderr.decode().strip() == ""
+        assert loaded_in_vain(steps, packages) == ""
+
+
+DRAWN_BY_TOPICS = tuple(step for step in STEPS_OF_TOPICS if step.startswith("draw_"))
+
+
+@pytest.mark.skipif(not STEPS_OF_TOPICS, reason="all topics are deleted")
+def test_no_step_of_a_topic_waits_for_a_package_in_vain() -> None:
+    """None that does not compute dynamics loads torch, and none that draws loads SciPy's parts."""
+    moved = PROJECT / "ur5lib" / "dynamics" / "__init__.py"
+    still = tuple(step for step in STEPS_OF_TOPICS if moved not in modules_of_step(step))
+    assert loaded_in_vain(DRAWN_BY_TOPICS, {"torch", *SCIPY}) == ""
+    assert loaded_in_vain(still, {"torch"}) == ""
 
 
 def part_of(module: str) -> str:
@@ -174,9 +196,31 @@ def test_a_part_imports_what_the_drawing_allows(part: str) -> None:
         assert used - {part} <= ARROWS[part], path
 
 
+def topics_of(modules: set[str]) -> set[str]:
+    """The topics that modules belong to."""
+    return {name.split(".")[2] for name in modules if name.startswith("ur5lib.topics.")}
+
+
+def test_nothing_below_or_beside_a_topic_imports_it() -> None:
+    """So that its folder may be deleted; the report finds it by a loop. A topic's tests are its
+    own, too."""
+    folders = {path.name: [*path.rglob("*.py")] for path in TOPICS}
+    tests = {name: [*(PROJECT / "tests" / "topics" / name).rglob("*.py")] for name in folders}
+    for name in folders:
+        for path in {*EVERY, *AROUND} - {*folders[name], *tests[name]}:
+            assert name not in topics_of(imports(path)), path
+
+
+def test_a_step_has_its_name_alone() -> None:
+    """Over all topics: it is found by its name."""
+    assert len({*all_steps()}) == len(all_steps())
+
+
 @pytest.mark.parametrize("part", sorted(ARROWS))
 def test_no_arrow_of_the_drawing_is_idle(part: str) -> None:
-    """But those to what is below every room."""
+    """But those to what is below every room, and a topic's, which may be deleted."""
+    if part == "topics":
+        return
     used = {part_of(name) for path in files_of(part) for name in imports(path) if "ur5lib." in name}
     assert ARROWS[part] - BASE <= used
 
@@ -222,7 +266,7 @@ def test_functions_are_short() -> None:
     assert max(lengths) <= 40
 
 
-STEPS = sorted((PROJECT / "ur5lib" / "steps").glob("[!_]*.py"))
+STEPS = [*(PROJECT / "ur5lib" / "steps").glob("[!_]*.py"), *map(module_of, STEPS_OF_TOPICS)]
 
 
 @pytest.mark.parametrize("path", STEPS, ids=lambda path: path.stem)

@@ -19,6 +19,7 @@ from ur5lib.report.page.compose import (
     view,
 )
 from ur5lib.report.page.document import (
+    PAGES_OF_TOPICS,
     DeclaredSection,
     DeclaredTable,
     Document,
@@ -36,7 +37,10 @@ from ur5lib.thesis.reference import Erratum
 from ur5lib.tidy import columns
 
 TABLES_MADE = columns()
-RULES = "".join(path.read_text() for path in (PROJECT / "workflow" / "rules").glob("*.smk"))
+FILES = *PROJECT.glob("workflow/rules/*.smk"), *PROJECT.glob("ur5lib/topics/*/rules.smk")
+RULES = "".join(path.read_text() for path in FILES)
+PAGE = PROJECT / "ur5lib" / "report" / "page"
+WRITTEN = [PAGE / "contents.yaml", PAGE / "sentences.yaml", *PAGES_OF_TOPICS]
 
 
 EVERY = [*contents().blocks()]
@@ -47,7 +51,7 @@ TABLES = [block for block in EVERY if isinstance(block, DeclaredTable)]
 def test_every_view_exists() -> None:
     names = re.findall(
         r"(?:sentences|entries|rows|listing|judged|each): ([a-z_.]+)",
-        (PROJECT / "ur5lib" / "report" / "page" / "contents.yaml").read_text(),
+        "".join(path.read_text() for path in WRITTEN),
     )
     assert len(names) > 40
     found = [view(name) if "." in name else getattr(Results, name) for name in names]
@@ -205,9 +209,8 @@ def test_arms_that_sense_torque_have_no_currents() -> None:
 
 
 def test_every_word_in_braces_has_a_meaning() -> None:
-    page = PROJECT / "ur5lib" / "report" / "page"
-    for file in ("contents.yaml", "sentences.yaml"):
-        braces = re.findall(r"(?<![{%])\{(\w+)\}(?!\})", (page / file).read_text())
+    for file in WRITTEN:
+        braces = re.findall(r"(?<![{%])\{(\w+)\}(?!\})", file.read_text())
         words = [*CURRENT._asdict(), *map(str.capitalize, CURRENT._asdict())]
         assert {*braces} <= {"of", "leading", "drawn", *words}, file
 

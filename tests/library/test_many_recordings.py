@@ -45,9 +45,6 @@ def made(count: int = MANY) -> Results:
         name: used.assign(**row).reindex(columns=empty(name).columns)
         for name, row in filled.items()
     }
-    tables["health"] = pd.DataFrame(
-        columns=["robot", "date", "joint", "quantity", "value", "temperature_c"]
-    )
     lost = {"device": "robot", "finding": "lost frames", "severity": "warning", "detail": "lost"}
     tables["quality"] = pd.DataFrame([{"recording": LOST, "count": 50, "place": ""} | lost])
     tables["payload"].loc[used["recording"] == LOADED, "taken"] = "yes"

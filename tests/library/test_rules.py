@@ -13,7 +13,7 @@ import pytest
 
 from tests.conftest import PROJECT
 from tests.synthetic import write_recording
-from ur5lib.jobs.code import imported_modules
+from ur5lib.jobs.code import all_steps, imported_modules
 from ur5lib.jobs.job import load_step
 from ur5lib.report.figures.house_style import Drawing
 from ur5lib.tidy import columns
@@ -47,14 +47,11 @@ with SnakemakeApi() as api:
 KINDS = ("input", "output", "params")
 Names = dict[str, set[str]]
 """The names of each kind: input, output, params."""
-STEPS = {
-    path.stem
-    for path in (PROJECT / "ur5lib" / "steps").glob("*.py")
-    if f"def {path.stem}(" in path.read_text() and path.stem != "sensor_reading"  # no step's name
-}
-TEXT = "".join(path.read_text() for path in (PROJECT / "workflow" / "rules").glob("*.smk"))
+STEPS = {*all_steps()} - {"sensor_reading"}  # no step's name
+FILES = *PROJECT.glob("workflow/rules/*.smk"), *PROJECT.glob("ur5lib/topics/*/rules.smk")
+TEXT = "".join(path.read_text() for path in FILES)
 DECLARED = re.findall(r"^ *rule (\w+):", TEXT, re.MULTILINE)
-OF_ARMS = {"health", "health_changes", "observability", "next_recordings", "repetition"}  # tables
+PARTS = {*re.findall(r'parameter\("(\w+)\.csv"\)', TEXT)}  # of tables
 RULES = [rule for rule in DECLARED if f'code=code("{rule}' in TEXT]
 RULES += ["calibrate_imu_without_each", "describe_arm", "simulate_recording_simulated"]
 
@@ -137,7 +134,7 @@ def keys_of(function: Callable[..., Any], kind: Any, rule: str) -> set[str]:
     With the numbers of a figure, and the tables of arms, whose steps write their rows.
     """
     if rule == "make_tables":
-        return {*columns(), *OF_ARMS}
+        return {*columns(), *PARTS}
     path = Path(function.__code__.co_filename)
     used = [path, *imported_modules(path)]
     words = {word for file in used for word in re.findall(r'"(\w+)"', file.read_text())}

@@ -15,10 +15,11 @@ from ur5lib.report.page.sentences import say
 from ur5lib.strict import read_yaml
 
 REPORT = PROJECT / "ur5lib" / "report"
-TOPICS = read_yaml(REPORT / "page" / "sentences.yaml")
-NAMES = TOPICS.pop("names")
+NAMES, TOPICS = sentences._written()
 DEFINED = {f"{topic}.{name}" for topic, texts in TOPICS.items() for name in texts}
-CODE = "".join(path.read_text() for path in REPORT.rglob("*.py"))
+OF_TOPICS = PROJECT / "ur5lib" / "topics"
+MODULES = *REPORT.rglob("*.py"), *OF_TOPICS.rglob("*.py")
+CODE = "".join(path.read_text() for path in MODULES)
 
 
 def test_a_number_below_its_bound_is_not_zero() -> None:
@@ -97,9 +98,8 @@ def test_every_sentence_exists_and_is_said() -> None:
 
 
 def test_every_topic_of_names_is_used() -> None:
-    used = "".join(
-        (REPORT / "page" / f"{name}.yaml").read_text() for name in ("contents", "sentences")
-    )
+    files = *(REPORT / "page").glob("*.yaml"), *OF_TOPICS.glob("*/report.yaml")
+    used = "".join(path.read_text() for path in files)
     named = {topic for topic in NAMES if f"name('{topic}')" in used or f'names("{topic}")' in CODE}
     assert named == {*NAMES}
 

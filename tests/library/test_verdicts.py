@@ -16,7 +16,6 @@ from ur5lib.report.page.compose import shown_table
 from ur5lib.report.page.document import Verdict
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.views.arm_state import judge_drift
 from ur5lib.report.views.baseline import bars, error_bar, state
 from ur5lib.report.views.contacts import (
     claim,
@@ -54,19 +53,6 @@ EVERY_JOINT = "1 2 3 4 5 6"
 COLUMNS = columns() | {  # and of steps
     "next_recordings": ["robot", "after", "force", "current", "mass"],
     "observability": ["robot", *(one.name for one in fields(Observed))],
-    "health": ["robot", "date", "joint", "quantity", "value", "std_error", "group"],
-    "health_changes": [
-        "robot",
-        "joint",
-        "quantity",
-        "kind",
-        "first",
-        "last",
-        "before",
-        "size",
-        "std_error",
-        "by_temperature",
-    ],
     "changes": ["study", "topic", "name", "before", "after", "differs", "changed"],
     "repetition": ["robot", "quantity", "joint", "component", "floor"],
 }
@@ -805,35 +791,6 @@ def test_the_card_quotes_pushes_where_the_contacts_are_and_the_table_all() -> No
     nowhere = [contact | {"flange_speed": 0.5}]
     told = said(judge_force(study(**tables, contacts=nowhere)))
     assert "No recording without contact shows which pushes are noticed in fast motion" in told
-
-
-# Drift
-
-
-@pytest.mark.parametrize(
-    ("groups", "expected"),
-    [
-        ([0] * 6, "good"),
-        ([0, 0, 0, 1, 1, 1], "good"),
-        ([0, 1, 2, 3, 4, 5], "not determined"),
-        ([0, 0, 1, 1, 2, 3], "not determined"),
-    ],
-)
-def test_drift_is_determined_where_paths_were_repeated(groups: list[int], expected: str) -> None:
-    """Otherwise each date has a path of its own, which may explain any change."""
-    rows = [
-        {"robot": "ur5", "date": f"2020-0{month + 1}-01", "joint": 1, "quantity": "viscous",
-         "value": 1.0, "std_error": 0.1, "group": group}
-        for month, group in enumerate(groups)
-    ]  # fmt: skip
-    verdict = judge_drift(study(health=rows))
-    assert verdict.state == expected
-    assert ("Repeat one motion" in verdict.sentence) is (expected != "good")
-    change = {"robot": "ur5", "joint": 1, "quantity": "viscous", "kind": "jump", "size": 0.5}
-    change |= {"before": 1.0, "std_error": 0.1, "by_temperature": 0.0}
-    change |= {"first": "2020-03-01", "last": "2020-04-01"}
-    found = judge_drift(study(health=rows, health_changes=[change]))
-    assert found.state == "usable"
 
 
 # Motion

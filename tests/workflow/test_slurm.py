@@ -11,7 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
-import yaml
+import yte
 
 from tests.conftest import PROJECT, STUDY, Workflow
 from tests.one_node_slurm import NoSlurmError, ask, one_node_slurm
@@ -25,7 +25,7 @@ PROFILE = ("--workflow-profile", "profiles/slurm")
 SMALL = ("--cores", "2", "--latency-wait", "5")  # the profile is for more cores and a slow disk
 # two short recordings a job
 TOGETHER = ("--group-components", "motion=2", "forces=2", "judgement=2")
-GIVEN = yaml.safe_load((PROJECT / "profiles" / "slurm" / "config.yaml").read_text())
+GIVEN = yte.process_yaml((PROJECT / "profiles" / "slurm" / "config.yaml").read_text())
 
 
 needs_plugin = pytest.mark.skipif(
@@ -166,13 +166,13 @@ PUBLISHED = "reference: workflow/studies/thesis_reference.yaml\n"
 @pytest.mark.parametrize("more", ["", "hosts: {pc: [imu]}\n", PUBLISHED])
 def test_the_groups_of_a_study_do_not_wait_for_each_other(workflow: Workflow, more: str) -> None:
     (workflow.folder / "config.yaml").write_text(STUDY + more)
-    planned = workflow.plan("--forceall", "--groups", *GIVEN["groups"])
+    planned = workflow.plan("--forceall", "--groups", *map("=".join, GIVEN["groups"].items()))
     assert {"pool_drifts", "align_recording", "judge_recording"} <= planned.keys()
     assert ("rebuild_thesis" in planned) == (more == PUBLISHED)
 
 
 def test_every_rule_but_the_shortest_is_in_a_group() -> None:
-    groups = dict(pair.split("=") for pair in GIVEN["groups"])
+    groups = GIVEN["groups"]
     named = {name for name, _ in rules() if name}
     assert named - groups.keys() == {"describe_arm", "pool_drifts", "set_threshold", "write_run"}
     assert groups.keys() <= named

@@ -8,7 +8,7 @@ import shutil
 import signal
 import subprocess
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -16,11 +16,11 @@ import pytest
 
 from tests import warm_snakemake
 from tests.commands import time_limit
-from tests.conftest import PROJECT, STUDY, Workflow, copy_project
+from tests.conftest import PROJECT, STUDY, Change, Workflow, copy_project
 from tests.library.test_hostile import BOMBS
 from tests.stored_files import made_up_channels, write_npz
 from ur5lib.errors import InputError
-from ur5lib.jobs.code import imported_modules
+from ur5lib.jobs.code import all_steps, imported_modules, module_of, modules_of_step
 from ur5lib.study.paper_figure import paper_figure
 from ur5lib.study.turn import take_turn
 from ur5lib.tables import read_csv, read_table
@@ -37,7 +37,6 @@ EACH_RECORDING = ["read_recording", *FROM_MOTION]
 MODELS = {"identify_model": 1, "draw_models": 1}  # of the only arm
 OBSERVABILITY = {"measure_observability": 1, "draw_observability": 1, "measure_repetition": 1}
 RESIDUALS = {"fit_residuals": 1, "fit_live": 1, "set_threshold": 1} | OBSERVABILITY
-HEALTH = {"track_health": 1, "draw_health": 1}
 FITTED = {"fit_friction": 1, "draw_friction": 1, "rank_recordings": 1}
 FRICTION = FITTED | RESIDUALS
 IMU = {"calibrate_imu": 1, "calibrate_imu_without_each": 1}
@@ -46,17 +45,56 @@ DRIFTS = {"pool_drifts": 1}
 DOCUMENTED = {"write_report": 1, "describe_run": 1}
 DOCUMENT = {"time_steps": 1} | DOCUMENTED
 REPORT = {"make_tables": 1, "draw_calibration": 1} | DOCUMENT
-SUMMARY = HEALTH | REPORT  # of what is judged
 DRAWINGS = {
     "draw_filters": 1,
     "draw_friction": 1,
-    "draw_health": 1,
     "draw_models": 1,
     "draw_observability": 1,
     "draw_calibration": 1,
 }
-ALL_ELSE = DRIFTS | ARM | {"draw_filters": 1} | SUMMARY
+ALL_ELSE = DRIFTS | ARM | {"draw_filters": 1} | REPORT
 FRESH = {"describe_arm": 1} | ALL_ELSE | {"compare_studies": 1}
+
+
+FILES = *PROJECT.glob("workflow/rules/*.smk"), *PROJECT.glob("ur5lib/topics/*/rules.smk")
+RULES = {str(path.relative_to(PROJECT)): path.read_text() for path in FILES}
+
+
+def rules(folder: str = "") -> Iterator[tuple[str, str]]:
+    """Each rule with a name, also in a condition, and its text; that of a loop by its step.
+
+    folder: in which its file lies, at any depth.
+    """
+    for text in [text for path, text in RULES.items() if folder in path]:
+        for rule in re.split(r"^ *rule\b", text, flags=re.MULTILINE)[1:]:
+            yield rule[: rule.index(":")].strip(), rule
+
+
+OF_TOPICS = dict(rules("topics"))  # by name, the text of each rule
+
+
+def chain(planned: dict[str, int]) -> dict[str, int]:
+    """The jobs of a plan but for those of topics."""
+    return {rule: count for rule, count in planned.items() if rule not in OF_TOPICS}
+
+
+def names_of_files(text: str) -> set[str]:
+    """The names of results in a part of a rule."""
+    return {*re.findall(r'"([\w.]+\.(?:csv|json|parquet))"', text)}
+
+
+def topics_after(planned: Iterable[str], edited: Path | None = None) -> set[str]:
+    """The rules of topics that read what planned ones make, or whose steps use an edited module."""
+    parts = {name: rule.partition("output:") for name, rule in rules()}
+    made = {name: names_of_files(end.partition("log:")[0]) for name, (_, _, end) in parts.items()}
+    steps = {name: re.findall(r'code\("(\w+)"', rule)[0] for name, rule in OF_TOPICS.items()}
+    found = {name for name, step in steps.items() if edited in modules_of_step(step)}
+    while True:
+        new = set[str]().union(*(made[name] for name in {*planned, *found} & made.keys()))
+        more = {name for name in OF_TOPICS if names_of_files(parts[name][0]) & new} - found
+        if not more:
+            return found
+        found |= more
 
 
 def jobs(*rules: str, recordings: int = RECORDINGS) -> dict[str, int]:
@@ -84,25 +122,6 @@ def append(path: Path, text: str) -> None:
 
 
 NEW = "  - {name: new, robot: ur5, format: thesis-csv, folder: raw/new, role: ROLE}\n"
-Change = Callable[[str, str | None], None]
-
-
-@pytest.fixture
-def change(built_workflow: Workflow) -> Iterator[Change]:
-    """Append text to a file of the built study, or remove it, until the test ends."""
-    kept: list[tuple[Path, Path]] = []
-
-    def changed(name: str, more: str | None) -> None:
-        file = built_workflow.folder / name
-        aside = file.with_name(f"{file.name}.aside")
-        file.rename(aside)
-        kept.append((aside, file))
-        if more is not None:
-            file.write_text(aside.read_text() + more)
-
-    yield changed
-    for aside, file in kept:
-        aside.replace(file)
 
 
 # What a run makes
@@ -120,7 +139,9 @@ def test_a_second_run_has_nothing_to_do(built_workflow: Workflow) -> None:
 
 def test_a_fresh_run_does_every_step(built_workflow: Workflow, change: Change) -> None:
     change("results", None)
-    assert built_workflow.plan() == jobs(*EACH_RECORDING) | FRESH
+    planned = built_workflow.plan()
+    assert chain(planned) == jobs(*EACH_RECORDING) | FRESH
+    assert planned.keys() >= OF_TOPICS.keys()
 
 
 def test_every_step_leaves_a_log_and_its_time(built_workflow: Workflow) -> None:
@@ -180,20 +201,19 @@ def test_a_figure_of_a_run_that_was_stopped_is_refused(tmp_path: Path) -> None:
     ("module", "expected"),
     [
         ("ur5lib/timeseries/lowpass.py", jobs(*EACH_RECORDING) | ALL_ELSE | {"compare_studies": 1}),
-        ("ur5lib/timeseries/kalman.py", jobs(*FROM_MOTION) | ARM | SUMMARY),
-        ("ur5lib/dynamics/rigid_body.py", jobs(*FROM_TORQUES) | MODELS | FRICTION | SUMMARY),
-        ("ur5lib/checks/currents.py", jobs(*FROM_TORQUES) | FRICTION | SUMMARY),
-        ("ur5lib/robots/friction.py", jobs(*FROM_TORQUES) | MODELS | FRICTION | SUMMARY),
-        ("ur5lib/identification/payload.py", jobs(*FROM_LOADS) | RESIDUALS | SUMMARY),
-        ("ur5lib/force/residual_model.py", jobs(*FROM_FORCES) | RESIDUALS | SUMMARY),
+        ("ur5lib/timeseries/kalman.py", jobs(*FROM_MOTION) | ARM | REPORT),
+        ("ur5lib/dynamics/rigid_body.py", jobs(*FROM_TORQUES) | MODELS | FRICTION | REPORT),
+        ("ur5lib/checks/currents.py", jobs(*FROM_TORQUES) | FRICTION | REPORT),
+        ("ur5lib/robots/friction.py", jobs(*FROM_TORQUES) | MODELS | FRICTION | REPORT),
+        ("ur5lib/identification/payload.py", jobs(*FROM_LOADS) | RESIDUALS | REPORT),
+        ("ur5lib/force/residual_model.py", jobs(*FROM_FORCES) | RESIDUALS | REPORT),
         # Judgements: no force estimate runs again.
-        ("ur5lib/signals/imu_calibration.py", jobs(*JUDGED) | IMU | SUMMARY),
-        ("ur5lib/smoothing/imu_fusion.py", jobs(*JUDGED) | SUMMARY),
-        ("ur5lib/force/sensor.py", jobs(*JUDGED) | {"compare_studies": 1} | SUMMARY),
-        ("ur5lib/force/flange_contact.py", jobs(*JUDGED) | SUMMARY),
-        ("ur5lib/steps/judge_contacts.py", jobs(*JUDGED) | SUMMARY),
-        ("ur5lib/tidy/friction.py", jobs(*JUDGED) | SUMMARY),
-        ("ur5lib/timeseries/changes.py", SUMMARY),
+        ("ur5lib/signals/imu_calibration.py", jobs(*JUDGED) | IMU | REPORT),
+        ("ur5lib/smoothing/imu_fusion.py", jobs(*JUDGED) | REPORT),
+        ("ur5lib/force/sensor.py", jobs(*JUDGED) | {"compare_studies": 1} | REPORT),
+        ("ur5lib/force/flange_contact.py", jobs(*JUDGED) | REPORT),
+        ("ur5lib/steps/judge_contacts.py", jobs(*JUDGED) | REPORT),
+        ("ur5lib/tidy/friction.py", jobs(*JUDGED) | REPORT),
         # The wording of a warning, verdict or caption.
         ("ur5lib/checks/channels.words.yaml", REPORT),
         ("ur5lib/report/views/contacts.py", DOCUMENTED),
@@ -209,7 +229,9 @@ def test_editing_code_reruns_its_users(
     built_workflow: Workflow, change: Change, module: str, expected: dict[str, int]
 ) -> None:
     change(module, "\n# edited\n")
-    assert built_workflow.plan() == expected
+    planned = built_workflow.plan()
+    assert chain(planned) == expected
+    assert planned.keys() - expected.keys() == topics_after(expected, PROJECT / module)
 
 
 def test_touching_code_reruns_nothing(built_workflow: Workflow) -> None:
@@ -225,23 +247,23 @@ HOST = "hosts: {pc: [force_sensor, imu]}\n"
 @pytest.mark.parametrize(
     ("more", "expected"),
     [
-        (SETTING, jobs(*FROM_FORCES) | {"set_threshold": 1} | OBSERVABILITY | SUMMARY),
+        (SETTING, jobs(*FROM_FORCES) | {"set_threshold": 1} | OBSERVABILITY | REPORT),
         ("settings: {lowpass: {currents: {order: 4}}}\n", {}),  # the default, spelt out
-        (HOST, jobs(*FROM_MOTION) | DRIFTS | ARM | SUMMARY),
+        (HOST, jobs(*FROM_MOTION) | DRIFTS | ARM | REPORT),
         (NEW.replace("ROLE", "contact"), jobs(*EACH_RECORDING, recordings=1) | REPORT),
         (  # a contact-free one serves the others' IMU alone
             NEW.replace("ROLE", "validate"),
             jobs(*EACH_RECORDING, recordings=1)
             | jobs(*JUDGED, recordings=3)
             | {"calibrate_imu_without_each": 1}
-            | DRIFTS | OBSERVABILITY | SUMMARY,
+            | DRIFTS | OBSERVABILITY | REPORT,
         ),
         (  # one to fit on reruns what was fitted; the report draws the first few of a kind
             NEW.replace("ROLE", "fit"),
             jobs(*EACH_RECORDING, recordings=1)
             | jobs(*FROM_TORQUES, recordings=3)
             | jobs("draw_figures")
-            | DRIFTS | ARM | SUMMARY,
+            | DRIFTS | ARM | REPORT,
         ),
     ],
     ids=["setting", "default", "host", "contact", "validate", "fit"],
@@ -252,12 +274,14 @@ def test_editing_the_study_reruns_what_it_concerns(
     raw = built_workflow.folder / "raw"
     shutil.copytree(raw / "still", raw / "new", dirs_exist_ok=True)
     change("config.yaml", more)
-    assert built_workflow.plan() == expected
+    planned = built_workflow.plan()
+    assert chain(planned) == expected
+    assert planned.keys() - expected.keys() <= topics_after(expected)
 
 
 def test_a_changed_raw_file_reruns_its_recording(built_workflow: Workflow, change: Change) -> None:
     change("raw/pushed/csv_files/log_q_actual.csv", "9.0, 1, 1, 1, 1, 1, 1\n")
-    assert built_workflow.plan() == jobs(*EACH_RECORDING, recordings=1) | REPORT
+    assert chain(built_workflow.plan()) == jobs(*EACH_RECORDING, recordings=1) | REPORT
 
 
 DELETED = {
@@ -272,7 +296,7 @@ def test_a_deleted_file_is_planned_again(
     built_workflow: Workflow, change: Change, file: str, expected: dict[str, int]
 ) -> None:
     change(f"results/small/{file}", None)
-    assert built_workflow.plan() == expected
+    assert chain(built_workflow.plan()) == expected
 
 
 def processes_of(session: int) -> list[int]:
@@ -338,7 +362,7 @@ def test_another_study_inherits_nothing(built_workflow: Workflow, change: Change
     other = STUDY.replace("study: small", "study: other").splitlines()[:-1]
     (built_workflow.folder / "other.yaml").write_text("\n".join(other))
     expected = jobs(*EACH_RECORDING, recordings=1) | FRESH
-    assert built_workflow.plan("--configfile", "other.yaml") == expected
+    assert chain(built_workflow.plan("--configfile", "other.yaml")) == expected
     said = built_workflow.run("--dry-run", "--quiet", "all", "--configfile", "other.yaml").stdout
     assert "title: Two made-up recordings" in said
     assert "cutoff_hz: 33.0" not in said
@@ -454,16 +478,6 @@ def test_a_home_folder_that_cannot_be_written_is_not_needed(tmp_path: Path) -> N
 # The code of the workflow
 
 
-RULES = {path.stem: path.read_text() for path in (PROJECT / "workflow/rules").glob("*.smk")}
-
-
-def rules() -> Iterator[tuple[str, str]]:
-    """Each rule with a name, also in a condition, and its text; that of a loop by its step."""
-    for text in RULES.values():
-        for rule in re.split(r"^ *rule\b", text, flags=re.MULTILINE)[1:]:
-            yield rule[: rule.index(":")].strip(), rule
-
-
 def test_every_rule_runs_a_step_with_its_code_and_its_log() -> None:
     named = [(name, rule) for name, rule in rules() if name]
     assert {"compare_with_truth", "rebuild_thesis"} <= {name for name, _ in named}
@@ -490,7 +504,8 @@ def test_every_rule_of_a_loop_runs_a_step() -> None:
 
 def test_every_step_has_a_rule() -> None:
     """Or is a part of one that has."""
-    modules = {path.stem: path for path in (PROJECT / "ur5lib" / "steps").glob("[a-z]*.py")}
+    files = *PROJECT.glob("ur5lib/steps/[a-z]*.py"), *map(module_of, all_steps())
+    modules = {path.stem: path for path in files}
     run = {step for _, rule in rules() for step in re.findall(r'code\(\s*"(\w+)"', rule)}
     parts = {used.stem for path in modules.values() for used in imported_modules(path)}
     assert run <= modules.keys() <= run | parts

@@ -28,9 +28,21 @@ def checksum_of_step(step: str, files: Collection[Path] = ()) -> str:
     return sha256(b"".join(map(_content, every))).hexdigest()[:16]
 
 
+def module_of(step: str) -> Path:
+    """Return the file of a step, in the folder of its topic or in `steps`."""
+    of_topic = PACKAGE.glob(f"topics/*/{step}.py")
+    return next(of_topic, PACKAGE / "steps" / f"{step}.py")
+
+
+def all_steps() -> list[str]:
+    """Return the steps, each a module with a function of its name."""
+    modules = *PACKAGE.glob("steps/*.py"), *PACKAGE.glob("topics/*/*.py")
+    return sorted(own.stem for own in modules if f"\ndef {own.stem}(" in own.read_text())
+
+
 def modules_of_step(step: str) -> list[Path]:
     """Return the files of a step's module and of all modules that it uses, directly or not."""
-    modules, unseen = set[Path](), {PACKAGE / "steps" / f"{step}.py"}
+    modules, unseen = set[Path](), {module_of(step)}
     while unseen:
         modules |= unseen
         unseen = {used for module in unseen for used in imported_modules(module)} - modules
@@ -44,13 +56,17 @@ def _content(path: Path) -> bytes:
 
 @cache
 def imported_modules(path: Path) -> set[Path]:
-    """Return the files of ur5lib modules that a Python file imports, without importing them."""
+    """Return the files of ur5lib modules that a Python file imports, without importing them.
+
+    The report imports that of each topic, by a loop over their folders.
+    """
     statements = IMPORT.findall(TYPES.sub("", _content(path).decode()))
     names = {module for module, _ in statements}
     names |= {f"{module}.{name}" for module, of in statements for name in re.findall(r"\w+", of)}
     stems = [PACKAGE.parent.joinpath(*name.split(".")) for name in names]
     files = [file for stem in stems for file in (stem.with_suffix(".py"), stem / "__init__.py")]
-    return {file for file in files if file.is_file()}
+    loops = path == PACKAGE / "report" / "page" / "topics.py"
+    return {*filter(Path.is_file, files), *PACKAGE.glob("topics/*/report.py" if loops else "-")}
 
 
 def in_library(paths: Iterable[str | Path]) -> list[Path]:
@@ -65,9 +81,7 @@ def of_study(paths: Iterable[str | Path]) -> list[str]:
 
 def steps_with(file: Path) -> list[str]:
     """Return the steps that use a file of the library."""
-    modules = sorted((PACKAGE / "steps").glob("*.py"))
-    steps = [path.stem for path in modules if f"\ndef {path.stem}(" in path.read_text()]
-    return [step for step in steps if file.resolve() in modules_of_step(step)]
+    return [step for step in all_steps() if file.resolve() in modules_of_step(step)]
 
 
 if __name__ == "__main__":

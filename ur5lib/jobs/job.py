@@ -16,7 +16,9 @@ from pathlib import Path
 from typing import Any
 
 from ur5lib.errors import InputError, UnreadableError, printable
+from ur5lib.jobs.code import module_of
 from ur5lib.jobs.unreadable import Files, mark, readable
+from ur5lib.workspace.places import PACKAGE
 
 BENCHMARK = "s\tmax_rss\tstart_up_time\tcpu_time\n{:.4f}\t{:.1f}\t{:.2f}\t{:.2f}\n"
 
@@ -107,7 +109,8 @@ def largest_memory() -> float:
 @cache
 def load_step(name: str) -> Callable[..., Any]:
     """Return the function of a step, which its module is named by."""
-    step: Callable[..., Any] = getattr(importlib.import_module(f"ur5lib.steps.{name}"), name)
+    module = ".".join(module_of(name).relative_to(PACKAGE.parent).with_suffix("").parts)
+    step: Callable[..., Any] = getattr(importlib.import_module(module), name)
     gc.collect()
     gc.freeze()  # no later collection looks at what the packages keep
     return step

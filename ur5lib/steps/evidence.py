@@ -28,14 +28,13 @@ class Evidence(NamedTuple):
 
     force, imu: samples of the devices on their own clocks; calibrations: of the IMU, from all `fit`
     recordings, and from contact-free ones without each; threshold: of the evidence of contact by
-    estimate; date: by the study, ISO 8601 or empty; is_examined: whether sensors are audited and
+    estimate; is_examined: whether sensors are audited and
     pushes tried, which no force depends on; mounting: place [m] and turn [°] of the force sensor as
     the study states them. Of the thesis's methods, None where the study has no published values.
     """
 
     recording: str
     role: str
-    date: str
     is_examined: bool
     quality: Quality
     force: pd.DataFrame

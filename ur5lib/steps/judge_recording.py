@@ -7,9 +7,7 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.estimators import LEADING
 from ur5lib.force.problem import fmap_problem, unusual_friction
 from ur5lib.force.trial_contacts import flange_speed
-from ur5lib.identification.current_samples import Smoother, current_record
 from ur5lib.records.accelerations import Accelerations, ImuComparison
-from ur5lib.records.arm_state import Checkup
 from ur5lib.records.contacts import Detected
 from ur5lib.records.force_errors import Audit, Compared
 from ur5lib.records.forces import SensorWrenches
@@ -27,7 +25,6 @@ from ur5lib.steps.judge_contacts import (
     judged_by_torques,
     load_finder,
 )
-from ur5lib.steps.judge_joints import checkup, dated
 from ur5lib.steps.judge_sensor import compare_with_sensor, published_forces
 from ur5lib.steps.predict_currents import slower_than_fit
 from ur5lib.thesis.published_constants import PublishedConstants
@@ -57,9 +54,8 @@ def judge_recording(evidence: Evidence) -> JudgedRecording:
         **of_currents(evidence, published),
         **of_forces(evidence, published, beside_sensor, contacts),
     }
-    condition = examine_joints(evidence)
     found = findings_of(evidence, beside_sensor)
-    judgement = Judgement(rows, found, condition, beside_imu, beside_sensor.offset)
+    judgement = Judgement(rows, found, beside_imu, beside_sensor.offset)
     return JudgedRecording(sensor, fused, accelerations, judgement)
 
 
@@ -92,20 +88,6 @@ def audited(evidence: Evidence) -> Audit:
         return Audit()
     tool, load = evidence.premises.load.payload, evidence.prediction.load
     return audit(evidence.robot, signals, evidence.kinematics, evidence.motion, tool, load)
-
-
-def examine_joints(evidence: Evidence) -> Checkup:
-    """Return the condition of each joint; empty in contact, and where it cannot be told."""
-    if evidence.role == "contact":
-        return Checkup()
-    day = dated(evidence.date, evidence.quality, evidence.prediction)
-    tables = evidence.signals, evidence.motion, evidence.torques
-    record = current_record(evidence.recording, *tables, evidence.arm)
-    if day is None or record is None:
-        return Checkup()
-    smooth = Smoother(*evidence.currents_lowpass)
-    measured = evidence.arm.measured
-    return checkup(record, smooth, evidence.friction.fit, day, evidence.quality, measured)
 
 
 def findings_of(evidence: Evidence, beside_sensor: Compared) -> list[Finding]:

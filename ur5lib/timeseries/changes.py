@@ -31,6 +31,7 @@ from ur5lib.timeseries.metrics import BAND_COVERAGE
 
 MIN_DEGREES_OF_FREEDOM = 3  # of the residuals
 MIN_DATES = MIN_DEGREES_OF_FREEDOM + 3  # for a constant, a covariate and a change
+FALSE_ALARM_PROBABILITY = 0.05  # chance of any false change on an arm, at most
 MIN_DATES_BESIDE_JUMP = 2  # on either side: one alone may be an outlier
 MAX_CHANGES = 3  # of one series
 # Dates beyond which a series is one of spans, and their number; at 2 years, of 12 days each.

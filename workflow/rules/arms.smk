@@ -188,22 +188,6 @@ rule rank_recordings:
         run_step(rule, input, output, params, log)
 
 
-rule track_health:
-    input:
-        judgements=results_of(contact_free, "judgement.json"),
-        motion=results_of(contact_free, "motion.parquet"),
-    output:
-        health=parameter("health.csv"),
-        changes=parameter("health_changes.csv"),
-    log:
-        **traces("track_health", "{robot}"),
-    priority: 1  # of thousands of recordings, it takes long
-    params:
-        code=code("track_health"),
-    run:
-        run_step(rule, input, output, params, log)
-
-
 rule measure_observability:
     input:
         motion=results_of(SELECTION.drawn, "motion.parquet"),

@@ -10,7 +10,7 @@ from ur5lib.errors import InputError
 from ur5lib.jobs.code import checksum_of_step, in_library, of_study
 from ur5lib.jobs.unreadable import unreadable
 from ur5lib.jobs.workers import FAILED, end_beside_the_schedule, run_step
-from ur5lib.report.page.document import Picture, contents
+from ur5lib.report.page.document import PAGES_OF_TOPICS, Picture, contents
 from ur5lib.robots.description import JOINT_SIZES_FILE, robot_path
 from ur5lib.strict import read_yaml
 from ur5lib.study.given import STEPS, design
@@ -46,6 +46,7 @@ REFERENCE = {"reference": STUDY.reference} if STUDY.reference else {}
 ARMS = STUDY.arms()
 ROBOTS = sorted(ARMS)
 CONTENTS = [PACKAGE / "report" / "page" / name for name in ("contents.yaml", "sentences.yaml")]
+CONTENTS += PAGES_OF_TOPICS
 TEMPLATES = PACKAGE / "report" / "page" / "templates"
 COLUMNS = PACKAGE / "tidy" / "columns.yaml"
 WORDS_OF_FINDINGS = sorted(PACKAGE.rglob("*.words.yaml"))
@@ -162,6 +163,7 @@ def drawn_by(rule, of=""):
     return figures | {f"{name}_data": f"{folder}/{name}.csv" for name in names}
 
 
+RUNS_FOR = {}  # by step of a topic: its recordings, if not all
 BY_THE_THESIS = {}  # inputs of a study with published values
 if REFERENCE:
     BY_THE_THESIS = REFERENCE | {
@@ -225,7 +227,11 @@ def outputs_in(folder, kind="output"):
 
     What is for a paper is made on demand alone.
     """
-    of = {"{robot}": lambda step: ROBOTS, "{recording}": SELECTION.of_step}
+
+    def recordings(step):
+        return RUNS_FOR.get(step, SELECTION.of_step(step))
+
+    of = {"{robot}": lambda step: ROBOTS, "{recording}": recordings}
     paths = []
     for step in workflow.rules:
         for file in getattr(step, kind) or []:

@@ -194,7 +194,6 @@ rule judge_recording:
         code=code("judge_recording", COLUMNS),
         recording="{recording}",
         role=lambda wildcards: RECORDINGS[wildcards.recording].role,
-        date=of_recording(SELECTION.date),
         gravity=of_recording(SELECTION.gravity),
         mounting=of_recording(SELECTION.sensor_mounting),
         is_examined=lambda wildcards: wildcards.recording in SELECTION.examined,

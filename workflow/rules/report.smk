@@ -68,21 +68,6 @@ rule draw_models:
         run_step(rule, input, output, params, log)
 
 
-rule draw_health:
-    input:
-        arm=parameter("described.yaml"),
-        health=parameter("health.csv"),
-        changes=parameter("health_changes.csv"),
-    output:
-        **drawn_by("draw_health", "{robot}"),
-    log:
-        **traces("draw_health", "{robot}"),
-    params:
-        code=code("draw_health"),
-    run:
-        run_step(rule, input, output, params, log)
-
-
 rule draw_observability:
     input:
         observability=parameter("observability.csv"),

@@ -35,9 +35,9 @@ from ur5lib.report.page.document import (
 from ur5lib.report.page.formats import day
 from ur5lib.report.page.sentences import say, speaking_of, spoken
 from ur5lib.report.page.tabulated import Body, tabulate
+from ur5lib.report.page.topics import functions
 from ur5lib.report.results import Results
 from ur5lib.report.views import (
-    arm_state,
     audit,
     citing,
     comparison,
@@ -53,7 +53,7 @@ from ur5lib.report.views import (
 VIEWS: dict[str, ModuleType] = {
     module.__name__.rpartition(".")[2]: module
     for module in (
-        *(arm_state, audit, citing, comparison, contacts, currents, first_screen, forces),
+        *(audit, citing, comparison, contacts, currents, first_screen, forces),
         *(models, motion, recordings),
     )
 }
@@ -142,7 +142,8 @@ def compose(
 
 
 def _composed(parts: Sequence[DeclaredSection], results: Results, elsewhere: Set[str]) -> Document:
-    first, *others = parts
+    known = results.tables.keys()
+    first, *others = (part for part in parts if {*part.needs} <= known)
     above = _labels(_drafts(first, results)) - elsewhere
     sections = [
         Section(spoken(part.title), _blocks(part, results, above, elsewhere)) for part in others
@@ -167,7 +168,7 @@ def _composed(parts: Sequence[DeclaredSection], results: Results, elsewhere: Set
 def view(name: str) -> Callable[..., Any]:
     """Return the view `module.function`. Raises KeyError or AttributeError where there is none."""
     module, _, function = name.partition(".")
-    views_function: Callable[..., Any] = getattr(VIEWS[module], function)
+    views_function: Callable[..., Any] = getattr((VIEWS | functions())[module], function)
     return views_function
 
 

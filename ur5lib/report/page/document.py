@@ -1,8 +1,8 @@
 """A report as data: sections of paragraphs, tables, figures and lists, numbered throughout.
 
 HTML, PDF and the summary are made from the same object, so that they agree. The report's contents
-(`contents.yaml`) are the same blocks, not yet filled: they name views, `module.function`, that fill
-them from a study's results.
+(`contents.yaml`, and `report.yaml` of each topic) are the same blocks, not yet filled: they name
+views, `module.function`, that fill them from a study's results.
 """
 
 import math
@@ -10,6 +10,8 @@ import re
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, replace
 from functools import cache
+from itertools import chain
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
@@ -17,12 +19,14 @@ from pydantic import ConfigDict, Field
 
 from ur5lib.report.page.formats import within
 from ur5lib.strict import Strict, read_yaml
+from ur5lib.workspace.places import PACKAGE
 
 State = Literal["good", "usable", "do not use", "not determined"]
 Mark = Literal["lowest", "highest"]
 MOST_SHOWN = 4  # recordings with tables and figures of their own in one section
 MOST_ROWS = 60  # shown of a table; its CSV file has all
 ON_CARD = 2  # numbers that a card shows
+PAGES_OF_TOPICS = sorted(PACKAGE.glob("topics/*/report.yaml"))
 UNDETERMINED_TEXT = "undetermined"  # replaces a number that the data do not determine
 
 
@@ -360,24 +364,43 @@ DeclaredBlock = Block | DeclaredTable | Repeated
 
 
 class DeclaredSection(Strict):
-    """A section; absent: the reason that the report states if the study has no data for it."""
+    """A section; absent: the reason that the report states if the study has no data for it.
+
+    order: its place among the sections; needs: the tables without which it is not asked.
+    """
 
     title: str
+    order: int = 0
     absent: str = ""
+    needs: list[str] = Field(default_factory=list)
     blocks: list[DeclaredBlock]
 
 
 class Topic(Strict):
     """What the report has on a topic, what in the study of the thesis alone, and the details.
 
-    absent: the reason that the report states if the study has no data for it.
+    order, absent, needs: of its section.
     """
 
     title: str
+    order: int
     absent: str = ""
+    needs: list[str] = Field(default_factory=list)
     report: list[DeclaredBlock] = Field(default_factory=list)
     thesis: list[DeclaredBlock] = Field(default_factory=list)
     details: list[DeclaredBlock] = Field(default_factory=list)
+
+
+class TopicPage(Topic):
+    """What `report.yaml` in the folder of a topic adds to the report.
+
+    run: to a recording's own page; names, sentences: as in `sentences.yaml`, the sentences of a
+    topic that has the name of the folder.
+    """
+
+    run: list[DeclaredSection] = Field(default_factory=list)
+    names: dict[str, dict[str, str]] = Field(default_factory=dict)
+    sentences: dict[str, str] = Field(default_factory=dict)
 
 
 class Contents(Strict):
@@ -389,7 +412,7 @@ class Contents(Strict):
     def report(self, of_thesis: bool) -> list[DeclaredSection]:
         """Return the sections of the report; of_thesis: whether it is of the thesis's study."""
         return [
-            DeclaredSection(title=one.title, absent=one.absent, blocks=blocks)
+            DeclaredSection(title=one.title, absent=one.absent, needs=one.needs, blocks=blocks)
             for one in self.topics
             if (blocks := one.report + one.thesis * of_thesis)
         ]
@@ -397,7 +420,7 @@ class Contents(Strict):
     def details(self, of_thesis: bool) -> list[DeclaredSection]:
         """Return the sections of all else."""
         return [
-            DeclaredSection(title=one.title, blocks=blocks)
+            DeclaredSection(title=one.title, needs=one.needs, blocks=blocks)
             for one in self.topics
             if (blocks := one.thesis * (not of_thesis) + one.details)
         ]
@@ -411,5 +434,17 @@ class Contents(Strict):
 
 @cache
 def contents() -> Contents:
-    """Return the report's contents from `contents.yaml`."""
-    return Contents.model_validate(read_yaml(Path(__file__).with_name("contents.yaml")))
+    """Return the report's contents, those of the topics among them, in their order."""
+    own = Contents.model_validate(read_yaml(Path(__file__).with_name("contents.yaml")))
+    pages = topic_pages().values()
+    return Contents(
+        topics=sorted([*own.topics, *pages], key=attrgetter("order")),
+        run=sorted([*own.run, *chain(*(page.run for page in pages))], key=attrgetter("order")),
+    )
+
+
+@cache
+def topic_pages() -> dict[str, TopicPage]:
+    """Return what each topic adds to the report, by the name of its folder, in their order."""
+    read = {path.parent.name: TopicPage.model_validate(read_yaml(path)) for path in PAGES_OF_TOPICS}
+    return dict(sorted(read.items(), key=lambda page: page[1].order))

@@ -1,6 +1,7 @@
 """Sentences and cells of the report: templates of Jinja, filled with values.
 
-Sentences stand in `sentences.yaml`, cells in `contents.yaml`; their filters are `formats`.
+Sentences stand in `sentences.yaml`, cells in `contents.yaml`, those of a topic in its
+`report.yaml`; their filters are `formats`.
 """
 
 import re
@@ -18,6 +19,7 @@ from jinja2.environment import TemplateExpression
 from ur5lib.channels import CURRENT, Effort
 from ur5lib.force.estimators import ESTIMATES, LEADING, PUBLISHED
 from ur5lib.report.page import formats
+from ur5lib.report.page.document import topic_pages
 from ur5lib.strict import read_yaml
 
 _SPOKEN = ContextVar("_SPOKEN", default=CURRENT)
@@ -94,9 +96,13 @@ def names(topic: str) -> dict[str, str]:
 
 @cache
 def _written() -> tuple[dict[str, dict[str, str]], dict[str, dict[str, str]]]:
-    """Return the names and the templates in `sentences.yaml`, by topic."""
+    """Return the names and the templates of all sentences, by topic."""
     templates = dict(read_yaml(Path(__file__).with_name("sentences.yaml")))
-    return templates.pop("names"), templates
+    names = dict(templates.pop("names"))
+    for topic, page in topic_pages().items():
+        names |= page.names
+        templates[topic] = page.sentences
+    return names, templates
 
 
 @cache

@@ -9,12 +9,12 @@ from scipy.special import bdtr, bdtrc
 
 from ur5lib.force.estimators import LEADING
 from ur5lib.identification.samples import MIN_UNITS
+from ur5lib.report.page import topics
 from ur5lib.report.page.document import MOST_SHOWN, Verdict
 from ur5lib.report.page.formats import capital
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import AT_REST, Results
 from ur5lib.report.views import (
-    arm_state,
     baseline,
     comparison,
     contacts,
@@ -35,7 +35,6 @@ VERDICTS: list[Judge] = [
     by_arm(currents.judge_currents),
     by_arm(models.judge_links),
     by_arm(motion.judge_motion),
-    by_arm(arm_state.judge_drift),
 ]
 MAX_STEPS = 3  # steps that a reader remembers
 HIGH_LOST_SHARE = 0.1  # share of lost frames from which a recording is worth repeating
@@ -48,10 +47,10 @@ REMARKABLE_CHANCE = (
 def verdicts(results: Results) -> list[Verdict]:
     """Return the verdicts, the force first, with what the study accepts under each."""
     accepted = [*recordings.accepted(results)]
+    own = (verdict for judge in VERDICTS if (verdict := judge(results)))
     return [
         replace(verdict, evidence=" ".join(filter(None, [verdict.evidence, *accepted])))
-        for judge in VERDICTS
-        if (verdict := judge(results))
+        for verdict in (*own, *topics.cards(results))
     ]
 
 
@@ -112,7 +111,7 @@ def _figures(results: Results) -> Iterator[tuple[str, str]]:
 
 def next_steps(results: Results) -> list[str]:
     """Return the most urgent steps: errors of the set-up first, then files, then recordings."""
-    of_files = faulty_files(results), arm_state.steps(results)
+    of_files = faulty_files(results), topics.advice(results)
     steps = chain(corrections(results), *of_files, missing_recordings(results))
     return [*islice(steps, MAX_STEPS)] or [say("steps.none")]
 

@@ -1,4 +1,4 @@
-"""An arm's state: how each joint changed over time, the verdict, what can be observed."""
+"""The report's part on an arm's health: how each joint changed over time, and the verdict."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -9,6 +9,7 @@ from ur5lib.report.page.document import State, Verdict
 from ur5lib.report.page.formats import capital, day, days
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
+from ur5lib.report.views.arms import by_arm
 from ur5lib.report.views.baseline import bars
 from ur5lib.timeseries.changes import MIN_DATES
 
@@ -58,7 +59,7 @@ def change(row: Any) -> str:
     return say("health.change", row=row, by=by, added=added)
 
 
-def steps(results: Results) -> Iterator[str]:
+def advice(results: Results) -> Iterator[str]:
     """Ask for a fit to the recordings after the largest change."""
     rows = ranked(results)
     for row in rows[rows["share"] > 0][:1].itertuples():
@@ -97,3 +98,6 @@ def judge_drift(results: Results) -> Verdict | None:
         drawing=bars({str(joint): float(worst.get(joint, 0.0)) for joint in joints}),
         caption=say("health.caption"),
     )
+
+
+card = by_arm(judge_drift)

@@ -9,14 +9,18 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.identification.samples import path_of
-from ur5lib.records.arm_state import Checkup, Condition, Health, JointChange
-from ur5lib.records.judgement import Judgement
 from ur5lib.records.motion import Motion
 from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.changes import MIN_DATES, DatedSeries, find_changes, over_spans
+from ur5lib.timeseries.changes import (
+    FALSE_ALARM_PROBABILITY,
+    MIN_DATES,
+    DatedSeries,
+    find_changes,
+    over_spans,
+)
 from ur5lib.timeseries.trajectories import PathStates, group_by_path
+from ur5lib.topics.health.rows import Checkup, Condition, Health, JointChange
 
-FALSE_ALARM_PROBABILITY = 0.05  # chance of any false change on an arm, at most
 MIN_TEMPERATURE_RANGE = 1.0  # K between dates, above which temperature is a covariate
 
 
@@ -27,18 +31,15 @@ class TrackedHealth(NamedTuple):
     changes: list[JointChange]
 
 
-def track_health(
-    judgements: Mapping[str, Judgement], motion: Mapping[str, Motion]
-) -> TrackedHealth:
+def track_health(checkups: Mapping[str, Checkup], motion: Mapping[str, Motion]) -> TrackedHealth:
     """Return the condition of each joint by date, and what changed.
 
-    judgements, motion: of the arm's contact-free recordings.
+    checkups, motion: of the arm's contact-free recordings.
     """
-    each = {name: one.checkup for name, one in judgements.items()}
-    checkups = {name: one for name, one in each.items() if one.date}
-    motions = (motion[name] for name in checkups)
+    dated = {name: one for name, one in checkups.items() if one.date}
+    motions = (motion[name] for name in dated)
     paths = (path_of(own.q, own.motor_qd, own.period) for own in motions)
-    found = health_of([*checkups.values()], paths)
+    found = health_of([*dated.values()], paths)
     return TrackedHealth(found.dates, found.changes)
 
 

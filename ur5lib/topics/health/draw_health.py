@@ -2,9 +2,9 @@
 
 import pandas as pd
 
-from ur5lib.report.figures.arm_state_figures import health_figure
 from ur5lib.report.figures.house_style import Drawing
 from ur5lib.robots.description import Robot
+from ur5lib.topics.health.figure import health_figure
 
 
 def draw_health(arm: Robot, health: pd.DataFrame, changes: pd.DataFrame) -> dict[str, Drawing]:

@@ -1,9 +1,11 @@
 """The health of an arm: from recordings with changed friction to the words of the report."""
 
+import shutil
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import fields, replace
 from datetime import date, timedelta
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -11,6 +13,7 @@ import pytest
 from matplotlib.text import Text
 
 from tests.artefacts.documents import stated
+from tests.conftest import Change, Workflow
 from tests.library.current_study import (
     CONSTANT,
     FRICTION,
@@ -20,24 +23,25 @@ from tests.library.current_study import (
     smooth,
 )
 from tests.made_tables import gathered
+from tests.topics.pages import shown
 from ur5lib.channels import TORQUE
 from ur5lib.identification.condition import QUANTITY_UNITS, joint_conditions
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.samples import CurrentSamples, columns_of, recorded_path
-from ur5lib.records.arm_state import Checkup, Condition, Health, JointChange
 from ur5lib.records.friction import CurrentFit
 from ur5lib.records.prediction import JudgedLoad, Prediction, Scores
 from ur5lib.records.quality import Finding, Quality
-from ur5lib.report.figures.arm_state_figures import health_figure
 from ur5lib.report.figures.house_style import REPORT_FONT_SIZE
 from ur5lib.report.page.compose import shown_table
 from ur5lib.report.page.formats import days
 from ur5lib.report.results import Results
-from ur5lib.report.views import arm_state
-from ur5lib.report.views.arm_state import judge_drift
 from ur5lib.robots.friction import BASE_TERMS
-from ur5lib.steps.judge_joints import checkup, dated
-from ur5lib.steps.track_health import health_of, together
+from ur5lib.topics.health import report
+from ur5lib.topics.health.examine_joints import checkup, dated
+from ur5lib.topics.health.figure import health_figure
+from ur5lib.topics.health.report import judge_drift
+from ur5lib.topics.health.rows import Checkup, Condition, Health, JointChange
+from ur5lib.topics.health.track_health import health_of, together
 
 START = date(2026, 3, 3)
 QUALITY = Quality(frames=1000, findings=[Finding("robot", "lost frames", "warning", 20)])
@@ -202,17 +206,17 @@ def test_few_dates_give_no_tables(fit: CurrentFit, tmp_path: Path) -> None:
     results = of_arm(summary, tmp_path)
     assert judge_drift(results) is None
     assert results.tables["health"].empty
-    assert [*arm_state.changes(results)] == [*arm_state.steps(results)] == []
+    assert [*report.changes(results)] == [*report.advice(results)] == []
     assert health_figure(*results.tables.values()).data.empty
 
 
 def test_the_change_is_a_sentence_with_its_dates(results: Results) -> None:
-    jump, slow = arm_state.changes(results)
+    jump, slow = report.changes(results)
     assert jump.startswith("ur5, joint 4: Coulomb friction rose by 2")
     assert "% between 18 and 21 March 2026" in jump
     assert slow.startswith("ur5, joint 2: viscous friction slowly rose by ")
     assert "% from 3 March to 5 April 2026" in slow
-    assert [*arm_state.steps(results)] == [
+    assert [*report.advice(results)] == [
         "Fit ur5 only to what was recorded since 21 March 2026: Coulomb friction of joint 4 has "
         "changed."
     ]
@@ -237,7 +241,7 @@ def test_a_change_makes_the_arm_usable_and_none_makes_it_good(results: Results) 
 
 
 def test_the_section_states_dates_and_lost_frames(results: Results) -> None:
-    (sentence,) = arm_state.dates(results)
+    (sentence,) = report.dates(results)
     assert stated(sentence)[0::4] == [12, 2.0]
     assert "not recorded" not in sentence  # temperatures were
     table = shown_table("health_changes", results)
@@ -287,3 +291,66 @@ def test_dates_on_which_no_joint_could_be_judged_draw_nothing(results: Results) 
 
 def test_dates_of_two_years_are_told_with_both() -> None:
     assert days("2025-03-03", "2026-03-09", "and") == "3 March 2025 and 9 March 2026"
+
+
+def of_rows(dates: list[dict[str, Any]], changes: list[dict[str, Any]]) -> Results:
+    """A study with these rows of both tables."""
+    columns = [one.name for one in fields(JointChange)]
+    tables = {"health": pd.DataFrame(dates), "health_changes": pd.DataFrame(changes, None, columns)}
+    return Results({"recordings": [{"name": "one", "robot": "ur5"}]}, tables, Path())
+
+
+@pytest.mark.parametrize(
+    ("groups", "expected"),
+    [
+        ([0] * 6, "good"),
+        ([0, 0, 0, 1, 1, 1], "good"),
+        ([0, 1, 2, 3, 4, 5], "not determined"),
+        ([0, 0, 1, 1, 2, 3], "not determined"),
+    ],
+)
+def test_drift_is_determined_where_paths_were_repeated(groups: list[int], expected: str) -> None:
+    """Otherwise each date has a path of its own, which may explain any change."""
+    rows = [
+        {"robot": "ur5", "date": f"2020-0{month + 1}-01", "joint": 1, "quantity": "viscous",
+         "value": 1.0, "std_error": 0.1, "group": group}
+        for month, group in enumerate(groups)
+    ]  # fmt: skip
+    verdict = judge_drift(of_rows(rows, []))
+    assert verdict is not None
+    assert verdict.state == expected
+    assert ("Repeat one motion" in verdict.sentence) is (expected != "good")
+    change = {"robot": "ur5", "joint": 1, "quantity": "viscous", "kind": "jump", "size": 0.5}
+    change |= {"before": 1.0, "std_error": 0.1, "by_temperature": 0.0}
+    change |= {"first": "2020-03-01", "last": "2020-04-01"}
+    found = judge_drift(of_rows(rows, [change]))
+    assert found is not None
+    assert found.state == "usable"
+
+
+# In the report, and in the workflow
+
+
+def test_its_section_is_shown_where_there_are_dates(results: Results, tmp_path: Path) -> None:
+    assert shown("health", results) == ["Items", "TableBlock"]
+    assert shown("health", of_arm(Health(), tmp_path)) == []
+    assert shown("health", replace(results, tables={})) == []
+
+
+def test_another_test_of_changes_repeats_no_judge(built_workflow: Workflow, change: Change) -> None:
+    change("ur5lib/timeseries/changes.py", "\n# edited\n")
+    planned = built_workflow.plan()
+    assert planned.keys() >= {"track_health", "draw_health", "make_tables", "write_report"}
+    assert planned.keys().isdisjoint({"examine_joints", "judge_recording"})
+
+
+@pytest.mark.parametrize(("role", "count"), [("contact", 0), ("validate", 1)])
+def test_a_contact_tells_nothing_of_the_health(
+    built_workflow: Workflow, change: Change, role: str, count: int
+) -> None:
+    raw = built_workflow.folder / "raw"
+    shutil.copytree(raw / "still", raw / "new", dirs_exist_ok=True)
+    entry = "  - {name: new, robot: ur5, format: thesis-csv, folder: raw/new, role: %s}\n"
+    change("config.yaml", entry % role)
+    planned = built_workflow.plan()
+    assert [planned.get(step, 0) for step in ("examine_joints", "track_health")] == [count] * 2

@@ -1,0 +1,31 @@
+"""The Slurm jobs in which the steps of topics run; `profiles/slurm` names those of the others."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from ur5lib.workspace.places import PACKAGE
+
+RULE = re.compile(r"^ *rule (\w+):\n(.*?)(?=^ *rule |\Z)", re.MULTILINE | re.DOTALL)
+
+
+def groups_of_topics() -> dict[str, str]:
+    """Return the group of each step of a topic."""
+    files = sorted(PACKAGE.glob("topics/*/rules.smk"))
+    return dict(pair for file in files for pair in _groups(file))
+
+
+def _groups(rules: Path) -> Iterator[tuple[str, str]]:
+    """Yield each step of a file of rules with its group.
+
+    A step of a recording is one of its judgement; one of an arm is one of the document, unless
+    recordings wait for it as they do for fits.
+    """
+    text = rules.read_text(encoding="utf-8")
+    for step, body in RULE.findall(text):
+        made = re.findall(r'parameter\("([^"]+)"\)', body.partition("output:")[2])
+        if '"{recording}")' in body:
+            yield step, "judgement"
+        else:
+            awaited = any(f'parameter_of("{file}")' in text for file in made)
+            yield step, "fits" if awaited else "document"

@@ -1,0 +1,47 @@
+"""What the topics of a study add to its report: their functions, found by a loop over folders.
+
+The module `report` in the folder of a topic has the functions that its `report.yaml` names, and at
+most three for the first screen: `card`, its verdict; `advice`, what to do next; `findings`.
+"""
+
+from collections.abc import Iterator
+from functools import cache
+from importlib import import_module
+from types import ModuleType
+
+from ur5lib.report.page.document import Verdict, topic_pages
+from ur5lib.report.results import Results
+from ur5lib.workspace.places import PACKAGE
+
+
+@cache
+def functions() -> dict[str, ModuleType]:
+    """Return the functions of each topic, by the name of its folder, in the order of sections."""
+    has_some = (name for name in topic_pages() if (PACKAGE / f"topics/{name}/report.py").is_file())
+    return {name: import_module(f"ur5lib.topics.{name}.report") for name in has_some}
+
+
+def cards(results: Results) -> Iterator[Verdict]:
+    """Yield the topics' verdicts."""
+    for topic in _asked(results, "card"):
+        if verdict := topic.card(results):
+            yield verdict
+
+
+def advice(results: Results) -> Iterator[str]:
+    """Yield what the topics propose to do next."""
+    for topic in _asked(results, "advice"):
+        yield from topic.advice(results)
+
+
+def findings(results: Results) -> Iterator[str]:
+    """Yield the topics' findings."""
+    for topic in _asked(results, "findings"):
+        yield from topic.findings(results)
+
+
+def _asked(results: Results, slot: str) -> Iterator[ModuleType]:
+    """Yield the topics that have a function and the tables that they need."""
+    for name, own in functions().items():
+        if hasattr(own, slot) and {*topic_pages()[name].needs} <= results.tables.keys():
+            yield own
