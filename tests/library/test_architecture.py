@@ -40,7 +40,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "stand": BASE,
     # steps join the rooms; jobs know them by their names alone
     "steps": BASE
-    | ROOMS
+    | ROOMS - {"excitation"}
     | {"commands", "stand", "records", "report", "thesis", "tidy", "workspace"},
     "tidy": BASE | {"force", "recordings", "records", "signals", "thesis"},
     "jobs": {"errors", "records", "report", "robots", "strict", "tables", "workspace"},

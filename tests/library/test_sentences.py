@@ -90,7 +90,7 @@ def test_a_value_that_a_template_lacks_is_an_error() -> None:
 
 
 def test_every_sentence_exists_and_is_said() -> None:
-    named = re.findall(r'"([a-z]+)\.([a-z ]+)"', CODE)
+    named = re.findall(r'"([a-z_]+)\.([a-z ]+)"', CODE)
     said = {f"{topic}.{name}" for topic, name in named if topic in TOPICS}
     assert said <= DEFINED
     chosen = re.findall(r'f"([a-z]+)\.\{', CODE)  # by their reason or kind

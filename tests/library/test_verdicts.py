@@ -31,8 +31,6 @@ from ur5lib.report.views.currents import (
     farthest_in_time,
     judge_constants,
     judge_currents,
-    limits,
-    next_recordings,
 )
 from ur5lib.report.views.first_screen import (
     drawn,
@@ -1025,43 +1023,7 @@ def test_three_steps_are_named_and_the_most_urgent_first() -> None:
     ]
 
 
-def test_what_to_record_next_names_what_is_known_least_and_the_command() -> None:
-    known = {"robot": "ur5", "parameter": "coulomb", "std_error": 0.1}
-    rows = [known | {"joint": k, "prior_share": k / 100} for k in range(1, 7)]
-    rows[2] |= {"parameter": "load", "prior_share": 0.9}
-    results = study()
-    tables = {**results.tables, "friction": pd.DataFrame(rows)}
-    (told,) = next_recordings(Results({"study": "mine"}, tables, Path(), loads={"ur5": 1.0}))
-    least = {3: 90, 6: 6, 5: 5}  # shares of the prior [%] by joint, the largest first
-    places = [told.index(f"friction of joint {k} (± 0.1, {s} %)") for k, s in least.items()]
-    assert places == sorted(places)
-    assert told.count("± 0.1,") == len(places)
-    words = told.partition("ur5 excite ")[2].partition("”")[0].split()
-    options = [word for word in words if word.startswith("--")]
-    assert words[words.index("--results") + 1] == "results/mine"
-    assert options == ["--robot", "--results", "--question", "--payload", "--table", "--output"]
-    assert words[words.index("--table") + 1] == "0"
-    assert words[words.index("--payload") + 1] == "1.0"
-    on_pedestal = {"study": "mine", "devices": {"table_m": -0.8}}
-    (told,) = next_recordings(Results(on_pedestal, tables, Path()))
-    assert "--table -0.8 " in told
-
-
 # Tables that used to contradict themselves
-
-
-@pytest.mark.parametrize(("force", "told"), [(9.6, []), (9.1, []), (9.0, ["10 to ± 9 N"])])
-def test_the_recording_that_narrows_forces_most_is_a_step(force: float, told: list[str]) -> None:
-    rows = [("now", 10.0), ("slowly", 9.7), ("with 2 kg", force)]
-    known = {"robot": "ur5", "current": 0.1, "mass": 0.1}
-    tables = {"next_recordings": [known | {"after": after, "force": f} for after, f in rows]}
-    steps = [step for step in next_steps(study(**tables)) if "with 2 kg" in step]
-    assert len(steps) == len(told)
-    assert all(one in step for one, step in zip(told, steps, strict=True))
-    assert len(shown_table("next_recordings", study(**tables)).rows) == 3 * len(told)
-    assert [f"± 10 to ± {force:g} N at best" in one for one in limits(study(**tables))] == (
-        [] if told else [True]
-    )
 
 
 def test_only_joints_that_gravity_loads_are_blamed_for_a_wrong_constant() -> None:

@@ -40,6 +40,8 @@ OPTIONAL |= {
     name: pd.DataFrame(columns=["robot", *(one.name for one in fields(row))])
     for name, row in (("repetition", Repeated), ("observability", Observed))
 }
+# A topic's, as far as it is read elsewhere.
+OPTIONAL["next_recordings"] = pd.DataFrame(columns=["robot", "after", "force"])
 
 
 def with_zero(rows: pd.DataFrame, method: str, each: list[str]) -> pd.DataFrame:

@@ -1,7 +1,8 @@
 """What the topics of a study add to its report: their functions, found by a loop over folders.
 
 The module `report` in the folder of a topic has the functions that its `report.yaml` names, and at
-most three for the first screen: `card`, its verdict; `advice`, what to do next; `findings`.
+most four for the first screen: `card`, its verdict; `advice`, what to do next; `to_record`, what
+to record where nothing is more urgent; `findings`.
 """
 
 from collections.abc import Iterator
@@ -32,6 +33,12 @@ def advice(results: Results) -> Iterator[str]:
     """Yield what the topics propose to do next."""
     for topic in _asked(results, "advice"):
         yield from topic.advice(results)
+
+
+def to_record(results: Results) -> Iterator[str]:
+    """Yield what the topics propose to record, where nothing is more urgent."""
+    for topic in _asked(results, "to_record"):
+        yield from topic.to_record(results)
 
 
 def findings(results: Results) -> Iterator[str]:

@@ -24,7 +24,6 @@ from ur5lib.tidy.models import STOP
 from ur5lib.timeseries.metrics import NORMAL95
 
 WORTHWHILE_BAND_RATIO = 0.9  # of the band of forces, from which on a recording is worth naming
-MAX_NAMED_PARAMETERS = 3  # parameters that the next recording is designed for
 CONSTANTS = ["torque_constant", "gain"]  # the parameter, of currents and of measured torques
 PARAMETER_SYMBOLS = {"torque_constant": "k", "offset": "b"}
 CONSTANTS_TOPIC, CURRENTS_TOPIC = "{Constant}s", "Friction and {quantity}s"  # topics
@@ -102,7 +101,7 @@ def _by_joints(rows: pd.DataFrame) -> Iterator[str]:
 
 def outlooks(results: Results) -> dict[str, tuple[pd.Series, pd.Series]]:
     """Return by arm the bands as they are, and after the recording that narrows forces most."""
-    groups = results.tables["next_recordings"].groupby("robot", sort=False)
+    groups = results.rows("next_recordings").groupby("robot", sort=False)
     return {
         str(robot): (
             rows[rows["after"] == "now"].iloc[0],
@@ -115,30 +114,6 @@ def outlooks(results: Results) -> dict[str, tuple[pd.Series, pd.Series]]:
 def is_worthwhile(now: pd.Series, best: pd.Series) -> bool:
     """Return whether a recording narrows the band of forces by a tenth or more."""
     return bool(best["force"] <= WORTHWHILE_BAND_RATIO * now["force"])
-
-
-def worthwhile(results: Results) -> pd.DataFrame:
-    """Return what to record next of the arms for which that is worth it."""
-    named = [robot for robot, pair in outlooks(results).items() if is_worthwhile(*pair)]
-    return results.rows("next_recordings", robot=named)
-
-
-def limits(results: Results) -> Iterator[str]:
-    """Say what limits the band of forces where another recording hardly narrows it."""
-    for robot, (now, best) in outlooks(results).items():
-        if not is_worthwhile(now, best):
-            yield say("currents.limit", robot=robot, now=now, best=best)
-
-
-def next_recordings(results: Results) -> Iterator[str]:
-    """Yield each arm's least determined parameters, and the command that designs a recording."""
-    study, lab = results.study["study"], results.study.get("devices") or {}
-    table = lab.get("table_m") or 0.0
-    for robot, rows in results.tables["friction"].groupby("robot", sort=False):
-        worst = rows.sort_values("prior_share", ascending=False)[:MAX_NAMED_PARAMETERS]
-        words = {"robot": robot, "study": study, "table": f"{table:g}", "last": rows["joint"].max()}
-        words["load"] = results.loads.get(robot)
-        yield say("currents.next recording", worst=[*worst.itertuples()], **words)
 
 
 def farthest_in_time(results: Results) -> Iterator[str]:

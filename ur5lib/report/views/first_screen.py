@@ -185,10 +185,7 @@ def missing_recordings(results: Results) -> Iterator[str]:
             yield say(f"steps.{role}", held=results.with_role(AT_REST))
     if results.tables["force_mae"].empty and not contacts.touched(results):
         yield say("steps.pushes")
-    for robot, (now, best) in outlooks.items():
-        if robot not in hardly:
-            yield say("steps.narrower", robot=robot, now=now, best=best)
-    yield from currents.limits(results)
+    yield from topics.to_record(results)
 
 
 def _some(names: list[str]) -> str:

@@ -1,0 +1,1 @@
+"""What another recording of an arm is worth."""
