@@ -52,14 +52,6 @@ from ur5lib.smoothing.encoders import SmoothedJoints, smooth_encoders
 from ur5lib.smoothing.smoothed_motion import measured, motion_record
 from ur5lib.stand.plan import POSTURE, SimulatedRecording
 from ur5lib.stand.simulate import simulate
-from ur5lib.steps.compare_with_truth import (
-    Row,
-    clock_rows,
-    friction_rows,
-    imu_rows,
-    rotor_rows,
-    wrench_rows,
-)
 from ur5lib.steps.compute_torques import joint_torques
 from ur5lib.steps.fit_friction import fitted_friction
 from ur5lib.steps.fit_residuals import residual_models
@@ -67,6 +59,14 @@ from ur5lib.steps.identify_model import rotor_samples
 from ur5lib.steps.predict_currents import predicted_currents
 from ur5lib.study.model import Settings
 from ur5lib.tables import read_record
+from ur5lib.tidy.truth import (
+    Row,
+    clock_rows,
+    friction_rows,
+    imu_rows,
+    rotor_rows,
+    wrench_rows,
+)
 from ur5lib.timeseries.arrays import Mask
 from ur5lib.timeseries.lowpass import Butterworth
 

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import pandas as pd
 import pytest
 
 from tests import warm_snakemake
@@ -18,6 +19,7 @@ from tests.synthetic import write_recording
 from ur5lib.records.quality import Finding
 from ur5lib.records.wording import worded
 from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.tables import read_csv
 
 if TYPE_CHECKING:
     from tests.real_arms import RealStudy
@@ -69,6 +71,14 @@ def run_ur5(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture) -> C
 def said(finding: Finding) -> str:
     """The sentence of the report and of `ur5 check` about a finding."""
     return str(worded(finding)["detail"])
+
+
+def table_of_topic(results: Path, name: str) -> pd.DataFrame:
+    """A table of a study that a topic makes, as far as there is that topic."""
+    file = results / "tables" / f"{name}.csv"
+    if not file.exists():
+        pytest.skip(f"the topic of {name}.csv is deleted")
+    return read_csv(file)
 
 
 def shared_folder(name: str, remedy: str, *others: Path) -> Path:

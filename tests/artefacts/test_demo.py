@@ -25,7 +25,7 @@ from tests.artefacts.documents import (
 )
 from tests.artefacts.drawn_arm import check_arm
 from tests.compensated import check_formula
-from tests.conftest import PROJECT, Workflow
+from tests.conftest import PROJECT, Workflow, table_of_topic
 from tests.drawn_numbers import check_drawn_numbers
 from tests.in_memory import assert_as_in_study
 from tests.library.test_benchmarks import run_benchmark
@@ -51,7 +51,7 @@ def results(demo: Workflow) -> Path:
 
 @pytest.fixture(scope="module")
 def truth(results: Path) -> pd.DataFrame:
-    return read_csv(results / "tables" / "truth.csv")
+    return table_of_topic(results, "truth")
 
 
 def errors(truth: pd.DataFrame, quantity: str) -> pd.Series:
@@ -186,7 +186,7 @@ def test_every_page_says_that_it_is_simulated(results: Path) -> None:
     html = (results / "report.html").read_text()
     assert f'<aside class="notice" aria-label="notice">{NOTICE}' in html
     assert "<title>A UR5 on the virtual test stand (simulated)</title>" in html
-    assert "Estimates against the truth" in html
+    assert "Provenance" in html
 
 
 def test_the_report_is_fit_to_be_read(results: Path, tmp_path: Path) -> None:
@@ -197,7 +197,7 @@ def test_the_report_is_fit_to_be_read(results: Path, tmp_path: Path) -> None:
         check_digits(shown_texts(results / page))
         (tmp_path / page).mkdir()
         check_in_browser(results / page, tmp_path / page)
-    check_pdf(results / "report.pdf", ["What was found", "Estimates against the truth"])
+    check_pdf(results / "report.pdf", ["What was found", "Provenance"])
 
 
 def test_the_report_is_short_and_leaves_the_rest_to_the_details(results: Path) -> None:

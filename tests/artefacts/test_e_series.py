@@ -13,7 +13,7 @@ import yaml
 
 from tests.commands import Command
 from tests.compensated import check_formula
-from tests.conftest import Workflow, copy_project
+from tests.conftest import Workflow, copy_project, table_of_topic
 from ur5lib.commands.exported import exported
 from ur5lib.errors import InputError
 from ur5lib.records.premises import Premises
@@ -67,7 +67,7 @@ def results(workflow: Workflow) -> Path:
 
 @pytest.fixture(scope="module")
 def truth(results: Path) -> pd.DataFrame:
-    return read_csv(results / "tables" / "truth.csv")
+    return table_of_topic(results, "truth")
 
 
 def test_each_recording_has_its_own_rate(results: Path) -> None:

@@ -42,7 +42,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "steps": BASE
     | ROOMS - {"excitation"}
     | {"commands", "stand", "records", "report", "thesis", "tidy", "workspace"},
-    "tidy": BASE | {"force", "recordings", "records", "signals", "thesis"},
+    "tidy": BASE | {"stand"} | {"force", "recordings", "records", "signals", "thesis"},
     "jobs": {"errors", "records", "report", "robots", "strict", "tables", "workspace"},
     # readers
     "report": BASE | METHODS - {"signals", "dynamics"} | {"records", "thesis", "tidy", "workspace"},

@@ -19,7 +19,6 @@ from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.errors import InputError
 from ur5lib.records.arm_state import Observed, Repeated
 from ur5lib.records.quality import UNREADABLE
-from ur5lib.records.truth import COLUMNS as TRUTH
 from ur5lib.report.page.document import MOST_ROWS, MOST_SHOWN
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import bearing_joints
@@ -33,7 +32,6 @@ AT_REST = "at rest"
 PACKAGES = ["snakemake", "numpy", "scipy", "pandas", "pyarrow"]
 PACKAGES += ["torch", "pytorch-kinematics", "mujoco", "matplotlib", "typst"]
 OPTIONAL = {  # tables that not every study has
-    "truth": pd.DataFrame(columns=TRUTH),
     "printed": pd.DataFrame(columns=PRINTED),
 }
 OPTIONAL |= {

@@ -1,11 +1,11 @@
-"""Results beside those of other studies, published numbers, and the truth of simulations."""
+"""Results beside those of other studies, and published numbers."""
 
 from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
 
-from ur5lib.report.page.sentences import names, say
+from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
 from ur5lib.thesis.printed_numbers import EQUAL, UNEXPLAINED
 
@@ -56,15 +56,3 @@ def unexplained(results: Results) -> list[str]:
         words = {"nearest": nearest, "source": source, "gap": gap, "digits": COMPUTED_DIGITS}
         sentences.append(say("printed.missed", row=row, place=place, **words))
     return sentences
-
-
-def intervals(results: Results) -> pd.DataFrame:
-    """Return how many stated intervals contain the truth, by quantity."""
-    stated = results.rows("truth").dropna(subset="within95")
-    groups = stated.assign(inside=stated["within95"] == "yes").groupby("quantity", sort=False)
-    return groups["inside"].agg(values="size", inside="sum").reset_index()
-
-
-def single(results: Results) -> pd.DataFrame:
-    """Return the single values: those fitted to several recordings, and of a recording's clocks."""
-    return results.rows("truth", quantity=[*names("truth")])

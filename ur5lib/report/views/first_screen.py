@@ -5,7 +5,6 @@ from dataclasses import replace
 from itertools import chain, islice
 
 import pandas as pd
-from scipy.special import bdtr, bdtrc
 
 from ur5lib.force.estimators import LEADING
 from ur5lib.identification.samples import MIN_UNITS
@@ -39,9 +38,6 @@ VERDICTS: list[Judge] = [
 MAX_STEPS = 3  # steps that a reader remembers
 HIGH_LOST_SHARE = 0.1  # share of lost frames from which a recording is worth repeating
 ASKING_CODES = ["no motion", "one path", "few paths"]  # codes of remarks that ask for a recording
-REMARKABLE_CHANCE = (
-    0.025  # below this chance, the count of intervals that contain the truth is remarkable
-)
 
 
 def verdicts(results: Results) -> list[Verdict]:
@@ -214,7 +210,7 @@ def findings(results: Results) -> list[str]:
         *contacts.claim(results),
         *contacts.undetermined_moments(results),
         *wrist_sensor_faults(results),
-        *beside_truth(results.rows("truth")),
+        *topics.findings(results),
         *comparison.changes(results),
     ]
     looked = len(searched(results)) or len(results.tables["sensed"])
@@ -263,18 +259,3 @@ def nearest_model(results: Results) -> Iterator[str]:
         yield say("models.same")
     else:
         yield say("models.nearest", best=[*map(models.named, compared.best)], compared=compared)
-
-
-def beside_truth(truth: pd.DataFrame) -> Iterator[str]:
-    """Report how many stated intervals contain the simulated truth, and the expected count."""
-    stated = truth["within95"].dropna()
-    if len(stated):
-        count, inside = len(stated), int((stated == "yes").sum())
-        yield say("findings.truth", count=count, held=inside)
-        many, few = (
-            bdtrc(inside - 1, count, 0.95),
-            bdtr(inside, count, 0.95),
-        )  # of independent values
-        chance = min(many, few)
-        surprise = {"chance": chance if chance < REMARKABLE_CHANCE else None, "many": many < few}
-        yield say("findings.right intervals", count=count, **surprise)

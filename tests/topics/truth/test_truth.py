@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tests.topics.pages import shown
 from ur5lib.records.clocks import SettledClock
 from ur5lib.records.forces import Forces
 from ur5lib.records.friction import Friction, Parameter
@@ -16,23 +17,23 @@ from ur5lib.records.motion import FusedMotion, Motion
 from ur5lib.records.truth import COLUMNS, TrueParameters, Truth
 from ur5lib.report.page.compose import shown_table
 from ur5lib.report.results import Results
-from ur5lib.report.views.first_screen import beside_truth
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.smoothing.fused_motion import no_fused_motion
 from ur5lib.stand.plan import Imu
-from ur5lib.steps.compare_with_truth import (
+from ur5lib.tables import as_record
+from ur5lib.tidy.truth import (
     Row,
     clock_rows,
     errors,
     friction_rows,
     imu_rows,
-    joint_acceleration_rows,
     rotor_rows,
     values,
     wrench_rows,
 )
-from ur5lib.tables import as_record
 from ur5lib.timeseries.arrays import Array
+from ur5lib.topics.truth.compare_with_truth import joint_acceleration_rows
+from ur5lib.topics.truth.report import beside_truth
 
 TRUTH = as_record(
     TrueParameters,
@@ -186,3 +187,6 @@ def test_the_section_counts_and_shows_what_is_in_the_table() -> None:
     results = Results({"recordings": []}, {"truth": table}, Path())
     lines = [len(shown_table(f"truth.{table}", results).rows) for table in ("summary", "single")]
     assert lines == [2, 2]
+    assert shown("truth", results) == ["TableBlock", "TableBlock"]
+    assert shown("truth", replace(results, tables={"truth": table[:0]})) == []
+    assert shown("truth", replace(results, tables={})) == []

@@ -1,0 +1,1 @@
+"""Estimates from simulated recordings beside the truth."""
