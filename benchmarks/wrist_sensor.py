@@ -17,8 +17,7 @@ import pandas as pd
 import yaml
 
 from benchmarks.harness.options import asked
-from ur5lib.records.judgement import Judgement
-from ur5lib.tables import read_record
+from ur5lib.tables import read_csv
 from ur5lib.workspace.new import new_workspace
 
 SEEDS, SECONDS = 20, 60.0
@@ -103,12 +102,11 @@ def audited(folder: Path, study: dict[str, Any], cores: str) -> pd.DataFrame:
     new_workspace(folder)
     (folder / "config.yaml").write_text(yaml.safe_dump(study))
     pushed = [one["name"] for one in study["recordings"] if one["role"] == "contact"]
-    files = [f"results/wrist/recordings/{name}/judgement.json" for name in pushed]
+    files = [f"results/wrist/recordings/{name}/audit.csv" for name in pushed]
     options = ["--quiet", "all", "--cores", cores]
     command = [sys.executable, "-m", "snakemake", *options, "--", *files]
     subprocess.run(command, cwd=folder, check=True)
-    known = [read_record(Judgement, folder / file) for file in files]
-    rows = pd.DataFrame([row for one in known for row in one.rows["audit"]])
+    rows = pd.concat([read_csv(folder / file) for file in files], ignore_index=True)
     rows = rows.fillna({"component": ""})
     rows["truth"] = [
         TRUTH.get(key) for key in zip(rows["quantity"], rows["component"], strict=True)

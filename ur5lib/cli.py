@@ -5,6 +5,7 @@ import re
 import shlex
 import signal
 import sys
+from importlib import import_module
 from inspect import cleandoc
 from itertools import takewhile
 from operator import itemgetter
@@ -24,6 +25,7 @@ from ur5lib.commands.arguments import (
 )
 from ur5lib.errors import InputError, printable, unknown
 from ur5lib.workspace.beside import commands_beside
+from ur5lib.workspace.places import PACKAGE
 
 PANELS = "Start", "Lab", "Results", "Arm", "Project"
 AsJson = Annotated[bool, typer.Option("--json", help="print the answer as JSON")]
@@ -358,17 +360,6 @@ def compare(
 
 
 @app.command(rich_help_panel="Results")
-def audit(study: StudyFile) -> None:
-    """Print the faults of the wrist sensors, and the remedies.
-
-    Example: ur5 audit mine
-    """
-    from ur5lib.commands.answers import audit_answers
-
-    print_lines(audit_answers(study))
-
-
-@app.command(rich_help_panel="Results")
 def payload(study: StudyFile) -> None:
     """Print each recording's payload by currents and by wrist sensor.
 
@@ -527,6 +518,11 @@ def settings() -> None:
 
     typer.echo(settings_text(), nl=False)
 
+
+for path in sorted(PACKAGE.glob("topics/*/command.py")):  # a topic's own, which has its name
+    topic = path.parent.name
+    module = import_module(f"ur5lib.topics.{topic}.command")
+    app.command(rich_help_panel="Results")(getattr(module, topic))
 
 for own in commands_beside():
     app.command(own.name, rich_help_panel=own.panel)(own.run)

@@ -109,7 +109,7 @@ def test_the_wrist_sensor_is_compared_and_audited(results: Path) -> None:
     errors = read_csv(results / "tables" / "force_mae.csv")
     assert {*errors["recording"]} == {"pushed"}
     assert {*errors["kind"]} == {"corrected", "compensated"}  # it has no stamps of its own
-    audit = read_csv(results / "tables" / "audit.csv").set_index(["quantity", "component"])
+    audit = table_of_topic(results, "audit").set_index(["quantity", "component"])
     for (quantity, *parts), truth in {
         ("turn", "x"): 3, ("turn", "z"): 4, ("scale", "y"): 0.9, ("bias", "Fx"): 3
     }.items():  # fmt: skip

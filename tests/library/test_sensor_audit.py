@@ -13,7 +13,6 @@ from ur5lib.force.sensor_audit import (
 )
 from ur5lib.force.sensor_audit import shifts_after_contacts as shifts
 from ur5lib.robots.description import Payload
-from ur5lib.steps.judge_audit import row
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.changes import coloured
 
@@ -139,15 +138,6 @@ def test_what_contacts_leave_is_found(left: float) -> None:
     # the drift takes up a part of steps that add up
     assert found[:, 0].mean() == pytest.approx(left, abs=0.5)
     np.testing.assert_allclose(found[:, 1:3], 0, atol=0.2)
-
-
-def test_a_verdict_needs_an_interval_narrower_than_what_matters() -> None:
-    told = {row("scale", "x", v, s, "1", 1.0, 0.05).verdict for v, s in [(1.01, 0.1)]}
-    assert told == {"unknown"}
-    assert row("scale", "x", 1.2, 0.01, "1", 1.0, 0.05).verdict == "wrong"
-    assert row("scale", "x", 1.02, 0.01, "1", 1.0, 0.05).verdict == "right"
-    assert row("scale", "x", 1.2, 0.2, "1", 1.0, 0.05).verdict == "unknown"
-    assert row("bias", "Fx", 5.0, 0.1, "N", None, None).verdict == ""
 
 
 def slowly(seed: int, seconds: float) -> Array:

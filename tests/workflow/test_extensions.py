@@ -131,7 +131,7 @@ def test_no_study_brings_any_along(lab: Workflow, tmp_path: Path) -> None:
 COMMANDS = [
     ("check", "config.yaml"),
     ("import", "raw/free.mylog", "--robot", "ur5"),
-    ("audit", "config.yaml"),
+    ("payload", "config.yaml"),
 ]
 
 

@@ -9,27 +9,10 @@ import pandas as pd
 
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
-from ur5lib.report.views.audit import verdicts
 from ur5lib.study.address import RESULTS_FOLDER
 from ur5lib.study.reading import read_study
 
 MAX_PAYLOAD = 35.0  # kg: more than the maker's largest arm carries
-
-
-def audit_answers(study: Path) -> Iterator[str]:
-    """Yield the verdicts on the wrist sensors of a study's recordings, line by line.
-
-    Raises InputError where the study was not run, or has no wrist sensor.
-    """
-    rows = _finished(study).table("audit")
-    if rows.empty:
-        raise InputError(
-            f"{study}: no recording has a wrist sensor's reading (ft_raw_wrench or "
-            "actual_TCP_force of an e-Series arm); record one of them"
-        )
-    for name, part in rows.groupby("recording", sort=False):
-        yield f"{name}:"
-        yield from (f"  {sentence}" for sentence in verdicts(part))
 
 
 def payload_answers(study: Path) -> Iterator[str]:
@@ -37,8 +20,11 @@ def payload_answers(study: Path) -> Iterator[str]:
 
     Raises InputError where the study was not run.
     """
-    results = _finished(study)
-    loads, sensed = results.table("payload"), results.table("audit")
+    results = finished_study(study)
+    loads = results.table("payload")
+    sensed = pd.DataFrame(columns=["recording", "quantity"])
+    if "audit" in results.tables:  # which its topic makes
+        sensed = results.table("audit")
     for recording in read_study(study).recordings:
         rows = [table[table["recording"] == recording.name] for table in (loads, sensed)]
         yield f"{recording.name}: {'; '.join(_carried(*rows))}"
@@ -80,7 +66,7 @@ def _place(row: Any) -> str:
     return f"; {row.mass:.2f} kg are undeclared, at ({parts}) m in frame 6"
 
 
-def _finished(study: Path) -> FinishedStudy:
+def finished_study(study: Path) -> FinishedStudy:
     """Return the results of the last run of a study."""
     folder = RESULTS_FOLDER / read_study(study).study
     if not (folder / "tables").is_dir():

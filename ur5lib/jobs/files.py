@@ -14,7 +14,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 import pandas as pd
 
-from ur5lib.jobs.unreadable import Files
+from ur5lib.jobs.unreadable import Files, mark
 from ur5lib.records.table import Table
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.tables import (
@@ -57,6 +57,17 @@ def write(step: Callable[..., Any], result: Any, output: Files) -> None:
     kind = get_type_hints(step)["return"]
     for name, (own, value) in _parts(kind, result, output).items():
         _write(own, value, Path(str(output[name])))
+
+
+def leave(step: Callable[..., Any], reason: str, output: Files) -> None:
+    """Write why a recording cannot be read in place of a step's results; of rows, none are left."""
+    kind = get_type_hints(step)["return"]
+    for paths in output.values():
+        for path in [paths] if isinstance(paths, str) else paths:
+            if get_origin(kind) is list and path.endswith(".csv"):
+                write_rows(get_args(kind)[0], [], path)
+            else:
+                mark([path], reason)
 
 
 def _parts(kind: Any, result: Any, output: Files) -> dict[str, tuple[Any, Any]]:

@@ -17,7 +17,7 @@ from typing import Any
 
 from ur5lib.errors import InputError, UnreadableError, printable
 from ur5lib.jobs.code import module_of
-from ur5lib.jobs.unreadable import Files, mark, readable
+from ur5lib.jobs.unreadable import Files, readable
 from ur5lib.workspace.places import PACKAGE
 
 BENCHMARK = "s\tmax_rss\tstart_up_time\tcpu_time\n{:.4f}\t{:.1f}\t{:.2f}\t{:.2f}\n"
@@ -74,7 +74,9 @@ class Job:
             self._run()
         except UnreadableError as absent:  # the rest of the study goes on without the recording
             print(absent)
-            mark(paths(self.output), str(absent))
+            from ur5lib.jobs.files import leave  # slow to import
+
+            leave(load_step(self.step), str(absent), self.output)
         except InputError as error:
             return printable(f"{self.step}: {error}")
         except Exception as error:

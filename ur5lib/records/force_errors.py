@@ -102,33 +102,3 @@ class Compared:
     felt: Felt | None = None
     errors: dict[str, dict[str, ByPeriod]] = field(default_factory=dict)
     contacts: dict[str, list[ContactErrors]] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class AuditRow:
-    """A value in the audit of a wrist's force sensor, with its 95 % interval from low to high.
-
-    verdict: unknown, wrong or right, as by `ur5lib.steps.judge_audit.row`; empty without an
-    expected value.
-    """
-
-    quantity: str
-    component: str
-    value: float
-    std_error: float
-    low: float
-    high: float
-    unit: str
-    expected: float | None
-    verdict: str
-
-
-@dataclass(frozen=True)
-class Audit:
-    """What is wrong with the force sensor in an arm's wrist.
-
-    free_s: contact-free time [s], None where there is nothing to audit.
-    """
-
-    free_s: float | None = None
-    rows: list[AuditRow] = field(default_factory=list)

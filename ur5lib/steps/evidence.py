@@ -28,9 +28,9 @@ class Evidence(NamedTuple):
 
     force, imu: samples of the devices on their own clocks; calibrations: of the IMU, from all `fit`
     recordings, and from contact-free ones without each; threshold: of the evidence of contact by
-    estimate; is_examined: whether sensors are audited and
-    pushes tried, which no force depends on; mounting: place [m] and turn [°] of the force sensor as
-    the study states them. Of the thesis's methods, None where the study has no published values.
+    estimate; is_examined: whether pushes are tried, which no force depends on; mounting: place [m]
+    and turn [°] of the force sensor as the study states them. Of the thesis's methods, None where
+    the study has no published values.
     """
 
     recording: str

@@ -9,7 +9,7 @@ from ur5lib.force.problem import fmap_problem, unusual_friction
 from ur5lib.force.trial_contacts import flange_speed
 from ur5lib.records.accelerations import Accelerations, ImuComparison
 from ur5lib.records.contacts import Detected
-from ur5lib.records.force_errors import Audit, Compared
+from ur5lib.records.force_errors import Compared
 from ur5lib.records.forces import SensorWrenches
 from ur5lib.records.gains import GainSummary
 from ur5lib.records.judgement import Judgement, Rows
@@ -17,7 +17,6 @@ from ur5lib.records.motion import FusedMotion, MotionAccount
 from ur5lib.records.quality import UNUSUAL_FRICTION, Finding
 from ur5lib.steps.evidence import Evidence
 from ur5lib.steps.judge_accelerations import compare_accelerations, fuse_imu
-from ur5lib.steps.judge_audit import audit
 from ur5lib.steps.judge_contacts import (
     all_alarms,
     causally,
@@ -76,18 +75,6 @@ def detect_contacts(evidence: Evidence, sensor: SensorWrenches) -> dict[str, Det
     at_flange = judged_by_torques(evidence.arm, problem, forces.time, prior, found.raised)
     found = replace(found, raised=at_flange, causal=causally(evidence.live, sensor))
     return contacts | {LEADING: found}
-
-
-def audited(evidence: Evidence) -> Audit:
-    """Return what is wrong with the sensor in the arm's wrist, of a recording that is examined."""
-    signals = evidence.signals
-    has_own_file = "force" in evidence.quality.starts
-    stopped = evidence.premises.contradictions.stop_signs
-    looks = evidence.is_examined and evidence.arm.wrist_sensor
-    if not looks or has_own_file or signals.force_sensor is None or stopped:
-        return Audit()
-    tool, load = evidence.premises.load.payload, evidence.prediction.load
-    return audit(evidence.robot, signals, evidence.kinematics, evidence.motion, tool, load)
 
 
 def findings_of(evidence: Evidence, beside_sensor: Compared) -> list[Finding]:
@@ -157,5 +144,4 @@ def of_forces(
         detection=forces.detection(contacts),
         fixed_threshold=forces.fixed_threshold(contacts),
         contacts=forces.contacts(contacts),
-        audit=forces.audit(audited(evidence)),
     )

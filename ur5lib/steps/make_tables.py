@@ -31,11 +31,11 @@ def make_tables(
     """Return each table by its name.
 
     judgements: of all recordings; the others are of all arms; parts: CSV files that steps write for
-    each arm, in the folder of its name: together they are the table of their name; unreadable: the
-    recordings without a judgement, each with the reason; roles: of all, by which a copy of another
-    recording is left out.
+    each recording or arm, in the folder of its name: together they are the table of their name;
+    unreadable: the recordings without a judgement, each with the reason; roles: of all, by which a
+    copy of another recording is left out.
     """
-    tables = tables_of_recordings(dict(judgements), unreadable, roles or {})
+    tables = tables_of_recordings(dict(judgements), unreadable, roles or {}, joined(parts))
 
     def of_arms(name: str, rows: Callable[[str], Iterable[Row]]) -> None:
         tables[name] = table(name, {robot: rows(robot) for robot in arm}, "robot")
@@ -51,14 +51,17 @@ def make_tables(
         "remarks",
         lambda robot: models.remarks(identification[robot], fitted[robot], residuals[robot]),
     )
-    return tables | joined(parts)
+    return tables
 
 
 def tables_of_recordings(
-    judgements: Mapping[str, Judgement], unreadable: Mapping[str, str], roles: Mapping[str, str]
+    judgements: Mapping[str, Judgement],
+    unreadable: Mapping[str, str],
+    roles: Mapping[str, str],
+    written: Mapping[str, pd.DataFrame],
 ) -> dict[str, pd.DataFrame]:
     """Return the tables whose rows are those of the recordings; of others, a stop sign; of copies,
-    the findings alone.
+    the findings alone; written: tables that steps have written.
     """
     rows: dict[str, dict[str, Iterable[Row]]] = {
         name: {recording: one.rows.get(name, ()) for recording, one in judgements.items()}
@@ -71,19 +74,26 @@ def tables_of_recordings(
     rows["acceleration_bands"] = {
         recording: motion.acceleration_bands(one, imu) for recording, one in imu.items()
     }
-    tables = {name: table(name, own) for name, own in rows.items()}
+    tables = {name: table(name, own) for name, own in rows.items()} | {**written}
     quality = tables.pop("quality")
     copies = files.spare_copies(quality, roles)
-    kept = {name: own[~own["recording"].isin(copies)] for name, own in tables.items()}
+    kept = {
+        name: own[~own["recording"].isin(copies)] if "recording" in own else own
+        for name, own in tables.items()
+    }
     return kept | {"quality": files.name_copies(quality, roles)}
 
 
 def joined(parts: Iterable[Path]) -> dict[str, pd.DataFrame]:
-    """Return the tables that steps have written for each arm, by name; cells as text."""
-    by_name: dict[str, dict[str, pd.DataFrame]] = {}
+    """Return the tables that steps have written for each recording or arm, by name; cells as text.
+
+    Those of a recording lie in a folder of `recordings`.
+    """
+    by_name: dict[tuple[str, str], dict[str, pd.DataFrame]] = {}
     for part in parts:
-        by_name.setdefault(part.stem, {})[part.parent.name] = read_cells(part)
+        owner = "recording" if part.parents[1].name == "recordings" else "robot"
+        by_name.setdefault((part.stem, owner), {})[part.parent.name] = read_cells(part)
     return {
-        name: pd.concat(own, names=["robot", None]).reset_index("robot")
-        for name, own in by_name.items()
+        name: pd.concat(own, names=[owner, None]).reset_index(owner)
+        for (name, owner), own in by_name.items()
     }

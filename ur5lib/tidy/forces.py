@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ur5lib.records.contacts import Detected
-from ur5lib.records.force_errors import Audit, Compared
+from ur5lib.records.force_errors import Compared
 from ur5lib.thesis.reference import Published
 from ur5lib.tidy import Row
 
@@ -104,10 +104,3 @@ def contacts(detection: dict[str, Detected]) -> Iterator[Row]:
                 **dict(zip(STDS, alarm.force_std, strict=True)),
                 "posture_deg": " ".join(f"{angle:z.1f}" for angle in np.degrees(alarm.q)),
             }
-
-
-def audit(audit: Audit) -> Iterator[Row]:
-    """Yield the audit of a wrist's force sensor; one row where the contact-free time is short."""
-    if audit.free_s is not None:
-        yield {"quantity": "free_time", "value": audit.free_s, "unit": "s"}
-        yield from map(vars, audit.rows)

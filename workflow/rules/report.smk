@@ -7,7 +7,9 @@ COMPARED = [
     "current_rmse",
     "force_mae",
 ]
-PARTS = [path for path in outputs_in("parameters") if path.endswith(".csv")]  # of the steps above
+PARTS = [  # of tables, by the steps above
+    path for path in outputs_in("parameters") + outputs_in("recordings") if path.endswith(".csv")
+]
 PAGE = *CONTENTS, TEMPLATES / "report.html.jinja", *sorted(TEMPLATES.glob("closer/**/*.*"))
 
 
@@ -105,7 +107,7 @@ rule make_tables:
         calibration=parameters("imu.json"),
         fitted=parameters("friction.json"),
         residuals=parameters("residuals.json"),
-        parts=PARTS,
+        parts=lambda wildcards: PARTS,
     output:
         **tables([*read_yaml(COLUMNS), *sorted({Path(path).stem for path in PARTS})]),
     log:

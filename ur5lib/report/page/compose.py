@@ -38,7 +38,6 @@ from ur5lib.report.page.tabulated import Body, tabulate
 from ur5lib.report.page.topics import functions
 from ur5lib.report.results import Results
 from ur5lib.report.views import (
-    audit,
     citing,
     comparison,
     contacts,
@@ -53,7 +52,7 @@ from ur5lib.report.views import (
 VIEWS: dict[str, ModuleType] = {
     module.__name__.rpartition(".")[2]: module
     for module in (
-        *(audit, citing, comparison, contacts, currents, first_screen, forces),
+        *(citing, comparison, contacts, currents, first_screen, forces),
         *(models, motion, recordings),
     )
 }

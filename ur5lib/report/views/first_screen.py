@@ -23,7 +23,6 @@ from ur5lib.report.views import (
     recordings,
 )
 from ur5lib.report.views.arms import Judge, by_arm
-from ur5lib.report.views.audit import faults as wrist_sensor_faults
 from ur5lib.report.views.forces import hardest_pushes, searched
 from ur5lib.tidy.models import STOP
 
@@ -209,7 +208,6 @@ def findings(results: Results) -> list[str]:
         *contacts.readings(results),
         *contacts.claim(results),
         *contacts.undetermined_moments(results),
-        *wrist_sensor_faults(results),
         *topics.findings(results),
         *comparison.changes(results),
     ]

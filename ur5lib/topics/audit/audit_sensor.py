@@ -14,9 +14,10 @@ from ur5lib.force.sensor_audit import (
     shifts_after_contacts,
 )
 from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.force_errors import Audit, AuditRow
 from ur5lib.records.motion import Motion
-from ur5lib.records.prediction import JudgedLoad
+from ur5lib.records.prediction import JudgedLoad, Prediction
+from ur5lib.records.premises import Premises
+from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.records.table import WRENCH, WRENCH_UNITS
 from ur5lib.robots.description import Payload, Robot
@@ -24,6 +25,7 @@ from ur5lib.signals.end_effector import ToolMotion
 from ur5lib.steps.sensor_reading import in_frame_6, moved_tool, within_reach
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
+from ur5lib.topics.audit.rows import AuditRow
 
 CENTER_ROUNDS = 3  # of the tool's centre of mass, where its acceleration counts
 # Of its scale; beyond, the declared payload is wrong, not the sensor.
@@ -38,6 +40,28 @@ SCALE_STD = 0.03  # of a sensor whose scale nothing tells but the mass that it w
 MAX_INERTIAL_ACCELERATION = 0.3
 
 
+def audit_sensor(
+    quality: Quality,
+    signals: Signals,
+    kinematics: Kinematics,
+    motion: Motion,
+    premises: Premises,
+    prediction: Prediction,
+    arm: Robot,
+    gravity: list[float] | None = None,
+) -> list[AuditRow]:
+    """Return the audit of the sensor in the arm's wrist; empty without its reading.
+
+    arm: as fitted; gravity: in its base frame [m/s²], None as described.
+    """
+    has_own_file = "force" in quality.starts
+    stopped = premises.contradictions.stop_signs
+    if not arm.wrist_sensor or has_own_file or signals.force_sensor is None or stopped:
+        return []
+    robot, tool = arm.mounted(gravity), premises.load.payload
+    return audit(robot, signals, kinematics, motion, tool, prediction.load)
+
+
 def audit(
     robot: Robot,
     signals: Signals,
@@ -45,9 +69,10 @@ def audit(
     motion: Motion,
     tool: Payload | None,
     currents: JudgedLoad | None,
-) -> Audit:
-    """Return what can be said of the sensor, a row a value; tool: on the flange, as declared.
+) -> list[AuditRow]:
+    """Return what can be said of the sensor, a row a value, and the time without contact.
 
+    tool: on the flange, as declared.
     currents: the load that the motor currents show beside the tool, None where they show none.
     """
     free, rows, moved = 0.0, list[AuditRow](), moved_tool(robot, kinematics, motion)
@@ -68,7 +93,8 @@ def audit(
     if currents:
         known = currents.carried, currents.std_error, "kg", currents.configured
         rows.append(row("mass_by_currents", "", *known, 0.0))
-    return Audit(free, rows if free >= MIN_FREE_DURATION else [])
+    time = AuditRow("free_time", "", free, None, None, None, "s", None, "")
+    return [time, *(rows if free >= MIN_FREE_DURATION else [])]
 
 
 def _explained(

@@ -1,4 +1,4 @@
-"""Faults of the force sensor in an arm's wrist, in sentences and numbers."""
+"""The report's part on the sensor in an arm's wrist: its faults, in sentences and numbers."""
 
 from collections.abc import Iterator
 
@@ -30,14 +30,14 @@ def sentences(results: Results, recording: str) -> Iterator[str]:
         yield capital(f"{text}.")
 
 
-def faults(results: Results) -> Iterator[str]:
+def findings(results: Results) -> Iterator[str]:
     """Yield a sentence for each kind of fault of wrist sensors, with the recordings."""
     rows = results.rows("audit", verdict="wrong")
     for quantity, part in rows.groupby("quantity", sort=False):
         names = [*map(str, part["recording"].unique())]
         if results.many and len(names) > MOST_SHOWN:
             names[MOST_SHOWN:] = [f"{len(names) - MOST_SHOWN} more"]
-        yield say("sensor.fault", name=name(str(quantity), "audit"), names=names)
+        yield say("audit.fault", name=name(str(quantity), "audit"), names=names)
 
 
 def values(results: Results, recording: str) -> pd.DataFrame:
@@ -52,16 +52,16 @@ def verdicts(rows: pd.DataFrame) -> Iterator[str]:
     filled = rows.fillna({"component": "", "verdict": ""}).set_index("component")
     audit = dict([*filled.groupby("quantity")])
     if len(filled) == 1:
-        yield say("sensor.short", seconds=filled["value"].iloc[0])
+        yield say("audit.short", seconds=filled["value"].iloc[0])
         return
     if "mass" in audit:
         yield from _sensor(audit)
     if "zero" in audit:
         zero, remaining = audit["zero"], audit["left_mass"].loc[""]
-        force = say("sensor.vector", values=zero["value"][:3])
-        yield say("sensor.zero", force=force, wrong=(zero["verdict"] == "wrong").any())
+        force = say("audit.vector", values=zero["value"][:3])
+        yield say("audit.zero", force=force, wrong=(zero["verdict"] == "wrong").any())
         if remaining.verdict == "wrong":
-            yield say("sensor.left", left=_with_error(remaining))
+            yield say("audit.left", left=_with_error(remaining))
 
 
 def _sensor(audit: AuditRows) -> Iterator[str]:
@@ -73,21 +73,21 @@ def _sensor(audit: AuditRows) -> Iterator[str]:
             if quantity in audit:
                 row = audit[quantity].loc[component]
                 words = {"word": QUANTITY_WORDS[quantity], "limit": STATED_LIMITS[quantity]}
-                judged.append(say("sensor.judged", row=row, value=_with_error(row), **words))
-        yield say("sensor.axis", axis=axis, parts=judged)
+                judged.append(say("audit.judged", row=row, value=_with_error(row), **words))
+        yield say("audit.axis", axis=axis, parts=judged)
     if "scale" not in audit:
-        yield say("sensor.no scale")
+        yield say("audit.no scale")
     if "shift" not in audit:
-        yield say("sensor.no shift")
+        yield say("audit.no shift")
     turn = audit["turn"]
-    vector = say("sensor.vector", values=turn["value"])
+    vector = say("audit.vector", values=turn["value"])
     if (turn["verdict"] == "unknown").any():
-        yield say("sensor.turn unknown")
+        yield say("audit.turn unknown")
     elif (turn["verdict"] == "wrong").any():
         size = float((turn["value"] ** 2).sum() ** 0.5)
-        yield say("sensor.turn wrong", size=size, vector=vector, typed=vector.replace("−", "-"))
+        yield say("audit.turn wrong", size=size, vector=vector, typed=vector.replace("−", "-"))
     else:
-        yield say("sensor.turn right", vector=vector)
+        yield say("audit.turn right", vector=vector)
     yield from _payload(audit)
 
 
@@ -110,6 +110,6 @@ def _payload(audit: AuditRows) -> Iterator[str]:
     if certain and ("scale" not in audit or (center["verdict"] == "wrong").any()):
         place = ", ".join(fixed(value, 3).replace("−", "-") for value in center["value"])
     words = {"mass": _with_error(mass), "kg": mass.value, "declared": declared, "place": place}
-    yield say("sensor.payload", **words)
+    yield say("audit.payload", **words)
     if "mass_by_currents" in audit:
-        yield say("sensor.by currents", by=audit["mass_by_currents"].loc[""])
+        yield say("audit.by currents", by=audit["mass_by_currents"].loc[""])

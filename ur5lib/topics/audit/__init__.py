@@ -1,0 +1,1 @@
+"""What is wrong with the force sensor in an arm's wrist."""
