@@ -41,7 +41,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     # steps join the rooms; jobs know them by their names alone
     "steps": BASE
     | ROOMS - {"excitation"}
-    | {"commands", "stand", "records", "report", "thesis", "tidy", "workspace"},
+    | {"stand", "records", "report", "thesis", "tidy", "workspace"},
     "tidy": BASE | {"stand"} | {"force", "recordings", "records", "signals", "thesis"},
     "jobs": {"errors", "records", "report", "robots", "strict", "tables", "workspace"},
     # readers
@@ -57,7 +57,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     | {"chain", "checks", "commands", "recordings", "records", "study", "thesis", "workspace"},
     "cli": BASE | {"commands", "datasets", "importing", "study", "workspace"},
     # a topic knows the steps' records, and the report's blocks and figures; nothing knows it
-    "topics": BASE | ROOMS | {"records", "report", "tidy"},
+    "topics": BASE | ROOMS | {"commands", "records", "report", "steps", "tidy"},
 }
 SCIPY = {"scipy.stats", "scipy.signal", "scipy.optimize"}
 LOADED = [  # steps, loaded one after the other, and the packages that none has loaded by then

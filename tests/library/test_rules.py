@@ -51,7 +51,7 @@ STEPS = {*all_steps()} - {"sensor_reading"}  # no step's name
 FILES = *PROJECT.glob("workflow/rules/*.smk"), *PROJECT.glob("ur5lib/topics/*/rules.smk")
 TEXT = "".join(path.read_text() for path in FILES)
 DECLARED = re.findall(r"^ *rule (\w+):", TEXT, re.MULTILINE)
-PARTS = {*re.findall(r'parameter\("(\w+)\.csv"\)', TEXT)}  # of tables
+PARTS = {*re.findall(r'(?:parameter|result)\("(\w+)\.csv"\)', TEXT)}  # of tables
 RULES = [rule for rule in DECLARED if f'code=code("{rule}' in TEXT]
 RULES += ["calibrate_imu_without_each", "describe_arm", "simulate_recording_simulated"]
 

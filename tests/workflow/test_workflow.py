@@ -53,7 +53,7 @@ DRAWINGS = {
     "draw_calibration": 1,
 }
 ALL_ELSE = DRIFTS | ARM | {"draw_filters": 1} | REPORT
-FRESH = {"describe_arm": 1} | ALL_ELSE | {"compare_studies": 1}
+FRESH = {"describe_arm": 1} | ALL_ELSE
 
 
 FILES = *PROJECT.glob("workflow/rules/*.smk"), *PROJECT.glob("ur5lib/topics/*/rules.smk")
@@ -200,7 +200,7 @@ def test_a_figure_of_a_run_that_was_stopped_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("module", "expected"),
     [
-        ("ur5lib/timeseries/lowpass.py", jobs(*EACH_RECORDING) | ALL_ELSE | {"compare_studies": 1}),
+        ("ur5lib/timeseries/lowpass.py", jobs(*EACH_RECORDING) | ALL_ELSE),
         ("ur5lib/timeseries/kalman.py", jobs(*FROM_MOTION) | ARM | REPORT),
         ("ur5lib/dynamics/rigid_body.py", jobs(*FROM_TORQUES) | MODELS | FRICTION | REPORT),
         ("ur5lib/checks/currents.py", jobs(*FROM_TORQUES) | FRICTION | REPORT),
@@ -210,7 +210,7 @@ def test_a_figure_of_a_run_that_was_stopped_is_refused(tmp_path: Path) -> None:
         # Judgements: no force estimate runs again.
         ("ur5lib/signals/imu_calibration.py", jobs(*JUDGED) | IMU | REPORT),
         ("ur5lib/smoothing/imu_fusion.py", jobs(*JUDGED) | REPORT),
-        ("ur5lib/force/sensor.py", jobs(*JUDGED) | {"compare_studies": 1} | REPORT),
+        ("ur5lib/force/sensor.py", jobs(*JUDGED) | REPORT),
         ("ur5lib/force/flange_contact.py", jobs(*JUDGED) | REPORT),
         ("ur5lib/steps/judge_contacts.py", jobs(*JUDGED) | REPORT),
         ("ur5lib/tidy/friction.py", jobs(*JUDGED) | REPORT),
@@ -219,7 +219,6 @@ def test_a_figure_of_a_run_that_was_stopped_is_refused(tmp_path: Path) -> None:
         ("ur5lib/report/views/contacts.py", DOCUMENTED),
         ("ur5lib/report/page/contents.yaml", DOCUMENTED),
         ("ur5lib/report/page/sentences.yaml", DOCUMENTED),
-        ("ur5lib/commands/compare.py", {"compare_studies": 1} | DOCUMENT),
         ("ur5lib/report/figures/house_style.py", jobs("draw_figures") | DRAWINGS | DOCUMENT),
         ("ur5lib/cli.py", {}),
         ("ur5lib/jobs/files.py", {}),
@@ -390,21 +389,6 @@ def test_a_sensor_in_an_archive_is_compared_where_it_is_mounted(workflow: Workfl
     ahead, turned = (read_table(workflow.folder / path) for path in wanted)
     np.testing.assert_allclose(turned, ahead, atol=1e-9)
     assert ahead.filter(like="compensated_F").abs().max().max() > 20
-
-
-def test_a_study_is_compared_with_another(workflow: Workflow) -> None:
-    """With a copy of its own results: nothing has changed. Without it, the same steps run again."""
-    folder = workflow.folder / "results"
-    shutil.copytree(folder / "small", folder / "before")
-    append(workflow.folder / "config.yaml", "compare_with: [before]\n")
-    compared = {"compare_studies": 1} | DOCUMENT
-    assert workflow.plan() == compared
-    workflow.build("--until", "compare_studies")
-    rows = read_csv(folder / "small" / "tables" / "changes.csv")
-    assert {*rows["study"], *rows["changed"]} == {"before", "no"}
-    assert workflow.plan() == DOCUMENT
-    (workflow.folder / "config.yaml").write_text(STUDY)
-    assert workflow.plan() == compared
 
 
 # Bad input: one clear sentence, a non-zero exit, nothing destroyed

@@ -1,12 +1,3 @@
-COMPARED = [
-    "quality",
-    "parameters",
-    "rotor_inertia",
-    "friction",
-    "payload",
-    "current_rmse",
-    "force_mae",
-]
 PARTS = [  # of tables, by the steps above
     path for path in outputs_in("parameters") + outputs_in("recordings") if path.endswith(".csv")
 ]
@@ -128,20 +119,6 @@ rule draw_calibration:
         **traces("draw_calibration"),
     params:
         code=code("draw_calibration"),
-    run:
-        run_step(rule, input, output, params, log)
-
-
-rule compare_studies:
-    input:
-        own=tables_of([STUDY.study], COMPARED if STUDY.compare_with else []),
-        others=tables_of(STUDY.compare_with, COMPARED),
-    output:
-        **tables(["changes"]),
-    log:
-        **traces("compare_studies"),
-    params:
-        code=code("compare_studies"),
     run:
         run_step(rule, input, output, params, log)
 

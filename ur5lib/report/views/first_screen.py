@@ -209,7 +209,6 @@ def findings(results: Results) -> list[str]:
         *contacts.claim(results),
         *contacts.undetermined_moments(results),
         *topics.findings(results),
-        *comparison.changes(results),
     ]
     looked = len(searched(results)) or len(results.tables["sensed"])
     return sentences or [say("findings.none" if looked else "findings.unsearched")]

@@ -1,0 +1,43 @@
+"""A study beside others: in its report, and when its comparison runs again."""
+
+import shutil
+from dataclasses import replace
+
+from tests.conftest import STUDY, Change, Workflow
+from tests.library.test_verdicts import study
+from tests.topics.pages import shown
+from tests.workflow.test_workflow import DOCUMENT, append
+from ur5lib.tables import read_csv
+from ur5lib.topics.changes import report
+
+
+def test_a_study_is_compared_with_another(workflow: Workflow) -> None:
+    """With a copy of its own results: nothing has changed. Without it, the same steps run again."""
+    folder = workflow.folder / "results"
+    shutil.copytree(folder / "small", folder / "before")
+    append(workflow.folder / "config.yaml", "compare_with: [before]\n")
+    compared = {"compare_studies": 1} | DOCUMENT
+    assert workflow.plan() == compared
+    workflow.build("--until", "compare_studies")
+    rows = read_csv(folder / "small" / "tables" / "changes.csv")
+    assert {*rows["study"], *rows["changed"]} == {"before", "no"}
+    assert workflow.plan() == DOCUMENT
+    (workflow.folder / "config.yaml").write_text(STUDY)
+    assert workflow.plan() == compared
+
+
+def test_another_comparison_repeats_nothing_else(built_workflow: Workflow, change: Change) -> None:
+    change("ur5lib/commands/compare.py", "\n# edited\n")
+    assert built_workflow.plan() == {"compare_studies": 1} | DOCUMENT
+
+
+def test_its_section_counts_what_changed_and_is_empty_without_another_study() -> None:
+    one = {"study": "before", "topic": "force", "name": "a", "before": "1", "after": "2"}
+    rows = [one | {"differs": "yes", "changed": flag} for flag in ("yes", "no")]
+    results = study(changes=rows)
+    assert shown("changes", results) == ["Heading", "TableBlock", "TableBlock"]
+    (told,) = report.findings(results)
+    assert "1 of 2" in told
+    assert shown("changes", study()) == [*report.findings(study())] == []
+    tables = {name: own for name, own in results.tables.items() if name != "changes"}
+    assert shown("changes", replace(results, tables=tables)) == []

@@ -1,0 +1,1 @@
+"""A study's results beside those of other studies."""
