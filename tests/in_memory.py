@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
-from ur5lib.lab.stand.plan import SimulatedRecording
-from ur5lib.lab.stand.simulate import simulate
+from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.simulate import simulate
 
 import ur5lib
 from ur5lib.chain.model import TABLES
