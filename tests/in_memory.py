@@ -4,12 +4,12 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
-from ur5lib.stand.plan import SimulatedRecording
-from ur5lib.stand.simulate import simulate
 
 import ur5lib
 from ur5lib.chain.model import TABLES
 from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.simulate import simulate
 
 PUSH = {"kind": "push", "start_s": 3, "seconds": 2, "force": [40, 0, 0]}
 
