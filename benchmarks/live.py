@@ -30,12 +30,16 @@ from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.strict import read_yaml
 from ur5lib.study.model import CurrentLowpass
+from ur5lib.timeseries.segments import runs as stretches
+from ur5lib.timeseries.trajectories import REST_SPEED
 from ur5rivals.run import Run
 from ur5rivals.study import read_arms
 
 FALSE_PER_MIN = 1.0
 LONG = 40.0  # s, of a long run
 HELD, LASTS = 10.0, 10.0  # N, s
+AFTER_STOP = 3.0  # s
+REST = AFTER_STOP + LASTS + 1.0  # s, that is long enough
 HEADER = Path(__file__).parents[1] / "ur5lib" / "force"
 SOURCE = Path(__file__).parent / "harness" / "live_samples.cpp"
 
@@ -130,12 +134,26 @@ def on_date(
 
 def held_push(run: Run, known: dict[str, Any]) -> dict[str, float]:
     """How much of a push of 10 N the slow state leaves after 10 s, and what it adds just after the
-    release: beside an estimator without it, median over the axes.
+    release: beside an estimator without it, median over the axes; in motion, from a third of the
+    recording on, and in a long rest.
     """
-    first, seconds = round(len(run.q) * run.period / 3), np.arange(len(run.q)) * run.period
-    if seconds[-1] < first + LASTS + 1:
-        return {}
-    inside = (seconds >= first) & (seconds < first + LASTS)
+    seconds = np.arange(len(run.q)) * run.period
+    starts = {"": seconds[-1] / 3}
+    for first, last in stretches((np.abs(run.qd) < REST_SPEED).all(axis=1)).tolist():
+        if (last - first) * run.period > REST:
+            starts[" at rest"] = first * run.period + AFTER_STOP
+    found = {}
+    for state, start in starts.items():
+        if seconds[-1] > start + LASTS + 1:
+            stays, left = held_from(start, run, known)
+            found |= {f"held{state}": stays, f"left{state}": left}
+    return found
+
+
+def held_from(start: float, run: Run, known: dict[str, Any]) -> list[float]:
+    """The same of a push from a time [s] on."""
+    seconds = np.arange(len(run.q)) * run.period
+    inside = (seconds >= start) & (seconds < start + LASTS)
     frozen = {**known, "constants": known["constants"] | {"slow": 1e12}}
     shown = []
     for axis in range(3):
@@ -146,12 +164,11 @@ def held_push(run: Run, known: dict[str, Any]) -> dict[str, float]:
             for own in (known, frozen)
         ]
         held, gone = (
-            [one[(seconds >= first + a) & (seconds < first + b)].mean() for one in both]
+            [one[(seconds >= start + a) & (seconds < start + b)].mean() for one in both]
             for a, b in ((LASTS - 0.5, LASTS), (LASTS + 0.2, LASTS + 0.7))
         )
         shown.append([held[0] / held[1], gone[0] / held[1]])
-    stays, left = np.median(shown, axis=0)
-    return {"held": stays, "left": left}
+    return np.median(shown, axis=0).tolist()
 
 
 def drawn(run: Run, known: dict[str, Any]) -> tuple[list[str], list[float]]:
@@ -184,13 +201,14 @@ def report(rows: pd.DataFrame) -> None:
         f"{HELD:.0f} N found {rows['found'].sum():.0f} of {rows['pushes'].sum():.0f}, after "
         f"{rows['delay'].median():.2f} s"
     )
-    if "held" in rows:
-        held, left = rows["held"].dropna(), rows["left"].dropna()
-        print(
-            f"of a push of {HELD:.0f} N held for {LASTS:.0f} s, {held.median():.0%} stay "
-            f"(least {held.min():.0%}), and {left.abs().median():.0%} are left after its release "
-            f"(most {left.abs().max():.0%})"
-        )
+    for state in ("", " at rest"):
+        if f"held{state}" in rows:
+            held, left = rows[f"held{state}"].dropna(), rows[f"left{state}"].dropna()
+            print(
+                f"of a push of {HELD:.0f} N held for {LASTS:.0f} s{state}, "
+                f"{held.median():.0%} stay (least {held.min():.0%}), and {left.abs().median():.0%} "
+                f"are left after its release (most {left.abs().max():.0%})"
+            )
 
 
 if __name__ == "__main__":
