@@ -4,7 +4,7 @@
 
 Copies figures of results/demo and results/ur10-bag into docs/, photographs the first screen of the
 lesson's report by Chromium, and writes what cards say into docs/lesson.md and, of the studies that
-are built, docs/gallery.md. `make pictures` builds the first two studies before, `make gallery` all.
+are built, docs/gallery.md; the columns of tables go into docs/report.md. `make pictures` builds the first two studies before, `make gallery` all.
 `--quick` leaves out the photograph.
 """
 
@@ -16,6 +16,7 @@ from benchmarks.harness.markdown import markdown, replaced, section
 from benchmarks.harness.options import built, options_of
 from ur5lib.errors import InputError
 from ur5lib.tables import read_json, write_text
+from ur5lib.tidy import columns
 
 RESULTS_FOLDER = Path("results")
 DOCUMENTS = Path(__file__).parents[1] / "docs"
@@ -46,6 +47,8 @@ def main() -> None:
     built(RESULTS_FOLDER / study for study in ("demo", LESSON))
     for name, figure in FIGURES.items():
         shutil.copy(RESULTS_FOLDER / f"{figure}.svg", DOCUMENTS / f"{name}.svg")
+    report = DOCUMENTS / "report.md"
+    write_text(with_columns(report.read_text()), report)
     lesson, gallery = DOCUMENTS / "lesson.md", DOCUMENTS / "gallery.md"
     write_text(with_verdicts(lesson.read_text(), results(LESSON)), lesson)
     text = gallery.read_text()
@@ -55,6 +58,12 @@ def main() -> None:
     write_text(text, gallery)
     if not given.quick:
         photograph(RESULTS_FOLDER / LESSON / "report.html", DOCUMENTS / "lesson_report.png")
+
+
+def with_columns(page: str) -> str:
+    """Return the report's page with the columns of each table."""
+    rows = [[f"`{name}`", ", ".join(own)] for name, own in sorted(columns().items())]
+    return replaced(page, "Columns of the tables", markdown(["table", "columns"], rows))
 
 
 def results(study: str) -> dict[str, Any]:

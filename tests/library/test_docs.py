@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.pictures import with_columns
 from tests.conftest import PROJECT
 from ur5lib.records.wording import templates
 
@@ -35,6 +36,11 @@ def test_the_readme_leads_to_every_document() -> None:
     linked = {target for target, _ in LINK.findall((PROJECT / "README.md").read_text())}
     pages = (page for page in (PROJECT / "docs").iterdir() if page.suffix not in PICTURES)
     assert {f"docs/{page.name}" for page in pages} <= linked
+
+
+def test_the_report_s_page_lists_the_columns_of_all_tables() -> None:
+    page = (PROJECT / "docs" / "report.md").read_text()
+    assert with_columns(page) == page, "`make pictures` writes them"
 
 
 def test_the_readme_is_short() -> None:
