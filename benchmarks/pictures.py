@@ -4,8 +4,8 @@
 
 Copies figures of results/demo and results/ur10-bag into docs/, photographs the first screen of the
 lesson's report by Chromium, and writes what cards say into docs/lesson.md and, of the studies that
-are built, docs/gallery.md; the columns of tables go into docs/report.md. `make pictures` builds the first two studies before, `make gallery` all.
-`--quick` leaves out the photograph.
+are built, docs/gallery.md; the columns of tables go into docs/report.md. `make pictures` builds the
+first two studies before, `make gallery` all. `--quick` leaves out the photograph.
 """
 
 import shutil

@@ -8,7 +8,6 @@ from ur5rivals.estimators.ours import OURS
 
 LATER_DATA = -12.0  # ms, where estimates stand that use later data
 UNKNOWN = 62.0  # ms, where causal ones stand whose latency is not known
-NAMED = 3  # of each kind, the best are named
 
 
 def error_over_latency(table: pd.DataFrame) -> Drawing:

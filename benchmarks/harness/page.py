@@ -154,7 +154,7 @@ def named(rows: pd.DataFrame, figure: str) -> list[str]:
 def findings(table: pd.DataFrame) -> list[str]:
     """Return a sentence for each figure in which another estimator is better beyond chance."""
     return [
-        f"On `{own.recording}`, {own.figure}: {', '.join(own.better)}."
+        f"`{own.recording}`, {own.figure}: {', '.join(own.better)}."
         for own in comparisons(table)
         if own.better
     ]
@@ -183,7 +183,7 @@ def opening(table: pd.DataFrame) -> Iterator[str]:
             else ""
         )
         yield f"`{recording}`: {OURS} errs by {interval(by_name.loc[OURS], 'rmse')} N{none}{best}."
-    better = findings(table)
+    better = [f"Better than {OURS} beyond chance: {one}" for one in findings(table)]
     yield from better or [f"No other estimator is better than {OURS} beyond chance."]
     free = false_force(table)
     if OURS in free.index and "momentum observer" in free.index:
@@ -201,18 +201,21 @@ def false_force(table: pd.DataFrame) -> pd.Series:
 
 
 def summary(table: pd.DataFrame) -> str:
-    """Return a row for each estimator, by its mean error over recordings with a force sensor."""
+    """Return a row for each estimator, by its mean error over recordings with a force sensor; those
+    that lack some come last.
+    """
     vector = table[(table["component"] == "norm") & (table["during"] == "contact")]
     recordings, free = [*vector["recording"].unique()], false_force(table)
-    order = vector.groupby("estimator")["rmse"].mean().sort_values(kind="stable").index
+    errors = vector.groupby("estimator")["rmse"].agg(["size", "mean"])
+    order = errors.sort_values(["size", "mean"], ascending=[False, True], kind="stable").index
     rows = []
     for name in [*order, *free.index.difference(order)]:
         own = vector[vector["estimator"] == name].set_index("recording")
-        errors = [interval(own.loc[one], "rmse") if one in own.index else "" for one in recordings]
+        cells = [interval(own.loc[one], "rmse") if one in own.index else "" for one in recordings]
         inside = own["coverage95"].dropna() if "coverage95" in own else own["rmse"][:0]
         band = f"{inside.min():.2f} to {inside.max():.2f}" if len(inside) else ""
         about = table[table["estimator"] == name].iloc[0]
-        rows.append([*common(about), *errors, band, number(free.get(name))])
+        rows.append([*common(about), *cells, band, number(free.get(name))])
     columns = ["estimator", "causal", "latency", *recordings, "in band", "free [N]"]
     return markdown(columns, rows)
 
