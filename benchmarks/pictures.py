@@ -8,6 +8,7 @@ are built, docs/gallery.md; the columns of tables go into docs/report.md. `make 
 first two studies before, `make gallery` all. `--quick` leaves out the photograph.
 """
 
+import re
 import shutil
 from pathlib import Path
 from typing import Any
@@ -54,7 +55,7 @@ def main() -> None:
     text = gallery.read_text()
     for title, study in GALLERY.items():
         if (RESULTS_FOLDER / study / "results.json").exists():
-            text = replaced(text, title, cards(results(study)))
+            text = replaced(text, title, cards(results(study), first=True))
     write_text(text, gallery)
     if not given.quick:
         photograph(RESULTS_FOLDER / LESSON / "report.html", DOCUMENTS / "lesson_report.png")
@@ -71,9 +72,11 @@ def results(study: str) -> dict[str, Any]:
     return read_json(RESULTS_FOLDER / study / "results.json")
 
 
-def cards(found: dict[str, Any]) -> str:
-    """Return a table of what the cards of a report say."""
+def cards(found: dict[str, Any], first: bool = False) -> str:
+    """Return a table of what the cards of a report say, by their first sentence or all."""
     rows = [[own["topic"], own["state"], own["sentence"]] for own in found["verdicts"]]
+    if first:
+        rows = [[*about, re.split(r"(?<=\.) (?=[A-Z])", told)[0]] for *about, told in rows]
     return markdown(["card", "state", "why"], rows)
 
 

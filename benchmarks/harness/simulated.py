@@ -13,8 +13,8 @@ from ur5rivals.estimators.ours import OURS
 from ur5rivals.tables import interval, number, share
 
 LINK_6 = ("flange", "tool")  # places at which estimators may be right
-COLUMNS = ["estimator", "causal", "latency", "RMSE at the flange [N]", "less ours [N]",
-           "RMSE at the tool [N]", "less ours [N]", "in band", "interval score [N]",
+COLUMNS = ["estimator", "causal", "latency", "RMSE at the flange [N]",
+           "RMSE at the tool [N]", "in band", "interval score [N]",
            "RMSE at the elbow [N]", "free, median [N]"]  # fmt: skip
 
 
@@ -97,20 +97,12 @@ def row(own: pd.DataFrame, drawn: Array, ours: Mapping[str, Array]) -> dict[str,
 
 def cells(own: pd.Series) -> list[str]:
     """Return an estimator's cells."""
-    latency, ours = own["latency_s"], own["estimator"] == OURS
-    errors = [
-        cell
-        for place in LINK_6
-        for cell in (
-            interval(own, place),
-            "" if ours else interval(own, f"{place}_more", sign="+"),
-        )
-    ]
+    latency = own["latency_s"]
     return [
         own["estimator"],
         own["causal"],
         "" if pd.isna(latency) else f"{1000 * latency:.0f} ms",
-        *errors,
+        *(interval(own, place) for place in LINK_6),
         share(own.get("inside", np.nan)),
         interval(own, "score"),
         interval(own, "elbow"),
