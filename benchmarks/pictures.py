@@ -8,6 +8,7 @@ are built, docs/gallery.md; the columns of tables go into docs/report.md. `make 
 first two studies before, `make gallery` all. `--quick` leaves out the photograph.
 """
 
+import ast
 import re
 import shutil
 from pathlib import Path
@@ -20,6 +21,7 @@ from ur5lib.tables import read_json, write_text
 from ur5lib.tidy import columns
 
 RESULTS_FOLDER = Path("results")
+LIBRARY = Path(__file__).parents[1] / "ur5lib"
 DOCUMENTS = Path(__file__).parents[1] / "docs"
 LESSON = "ur10-bag"
 PUSHED, MOTION, ARM = "way_points_pushed", "ur10_exciting_trajectory", "ur10"
@@ -63,8 +65,21 @@ def main() -> None:
 
 def with_columns(page: str) -> str:
     """Return the report's page with the columns of each table."""
-    rows = [[f"`{name}`", ", ".join(own)] for name, own in sorted(columns().items())]
+    rows = [[f"`{name}`", ", ".join(own)] for name, own in sorted((columns() | declared()).items())]
     return replaced(page, "Columns of the tables", markdown(["table", "columns"], rows))
+
+
+def declared() -> dict[str, list[str]]:
+    """Return the fields of each class of the library that is `A row of <table>.csv`."""
+    found = {}
+    for path in sorted(LIBRARY.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if not isinstance(node, ast.ClassDef):
+                continue
+            if table := re.match(r"A row of (\w+)\.csv", ast.get_docstring(node) or ""):
+                fields = [part.target for part in node.body if isinstance(part, ast.AnnAssign)]
+                found[table[1]] = ["…", *map(ast.unparse, fields)]
+    return found
 
 
 def results(study: str) -> dict[str, Any]:
