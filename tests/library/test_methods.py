@@ -175,3 +175,12 @@ def test_no_paragraph_is_long() -> None:
     paragraphs = re.split(r"\n\n|\n- ", page)
     long = [own for own in paragraphs if len(own.split()) > 120 and own[0] not in "| "]
     assert long == []
+
+
+def test_each_source_is_in_the_bibliography() -> None:
+    """By its DOI, which the text links."""
+    page = (PROJECT / "docs" / "methods.md").read_text()
+    bibliography = (PROJECT / "paper" / "references.bib").read_text()
+    cited = re.findall(r"https://doi\.org/(\S+?)\)(?=[\s;,.)])", page)
+    assert len(cited) > 20
+    assert [doi for doi in cited if f"doi = {{{doi}}}" not in bibliography] == []
