@@ -15,8 +15,6 @@ from ur5rivals.study import StudyArm
 from ur5rivals.tables import common, interval, number
 
 TEMPLATE = "page.md.jinja"
-COMPARED = ["recording", "figure", f"{OURS} [N]", "better beyond chance", "lower within chance",
-            "worse beyond chance"]  # fmt: skip
 FIGURES = {  # what the sentences are about: component and figure, and how it is called
     ("norm", "rmse"): "error in contact (RMSE)",
     ("Fx", "mae"): "MAE along x",
@@ -33,15 +31,12 @@ ABSENT = "Estimators of the tables above that did not run on all of these seeds:
 class Comparison(NamedTuple):
     """The other estimators beside ours, in one figure on one recording.
 
-    better: lower beyond chance; lower: within chance; worse: how many of the `others` are higher
-    beyond chance.
+    better: those lower beyond chance; worse: how many of the `others` are higher beyond chance.
     """
 
     recording: str
     figure: str
-    ours: str
     better: list[str]
-    lower: list[str]
     worse: int
     others: int
 
@@ -63,7 +58,6 @@ def page(table: pd.DataFrame, arms: Sequence[StudyArm], further: Mapping[str, An
         arms=arms,
         rule=rule(),
         opening=[*opening(table)],
-        compared=compared_table(table),
         summary=summary(table),
         methods=methods(table),
         **further,
@@ -125,24 +119,16 @@ def comparisons(table: pd.DataFrame) -> Iterator[Comparison]:
 
 
 def comparison(recording: str, title: str, own: pd.DataFrame, figure: str) -> Comparison:
-    """Return who is lower than ours, beyond chance or within it, and who is higher beyond chance.
+    """Return who is lower than ours beyond chance, and how many are higher.
 
     Beyond chance is a difference whose 95 % interval does not contain zero; too few contacts give
     no interval.
     """
     others = own.drop(index=OURS).dropna(subset=figure)
-    ends = [f"{figure}_more", f"{figure}_more_low", f"{figure}_more_high"]
-    more, low, high = (others.reindex(columns=ends)[end] for end in ends)
-    more = more.fillna(others[figure] - own.loc[OURS, figure])
-    return Comparison(
-        recording=recording,
-        figure=title,
-        ours=interval(own.loc[OURS], figure),
-        better=named(others[high < 0], ends[0]),
-        lower=named(others[(more < 0) & ~(high < 0)], ends[0]),
-        worse=int((low > 0).sum()),
-        others=len(others),
-    )
+    ends = [f"{figure}_more_{end}" for end in ("low", "high")]
+    low, high = (others.reindex(columns=ends)[end] for end in ends)
+    better = named(others[high < 0], f"{figure}_more")
+    return Comparison(recording, title, better, int((low > 0).sum()), len(others))
 
 
 def named(rows: pd.DataFrame, figure: str) -> list[str]:
@@ -183,8 +169,14 @@ def opening(table: pd.DataFrame) -> Iterator[str]:
             else ""
         )
         yield f"`{recording}`: {OURS} errs by {interval(by_name.loc[OURS], 'rmse')} N{none}{best}."
-    better = [f"Better than {OURS} beyond chance: {one}" for one in findings(table)]
-    yield from better or [f"No other estimator is better than {OURS} beyond chance."]
+    all_of_them = [*comparisons(table)]
+    yield (
+        f"Of {sum(own.others for own in all_of_them)} comparisons with {OURS} (RMSE, errors along "
+        "each axis, interval score), another estimator is better beyond chance in "
+        f"{sum(len(own.better) for own in all_of_them)} and worse in "
+        f"{sum(own.worse for own in all_of_them)}."
+    )
+    yield from (f"Better than {OURS} beyond chance: {one}" for one in findings(table))
     free = false_force(table)
     if OURS in free.index and "momentum observer" in free.index:
         yield (
@@ -218,13 +210,3 @@ def summary(table: pd.DataFrame) -> str:
         rows.append([*common(about), *cells, band, number(free.get(name))])
     columns = ["estimator", "causal", "latency", *recordings, "in band", "free [N]"]
     return markdown(columns, rows)
-
-
-def compared_table(table: pd.DataFrame) -> str:
-    """Return all comparisons with ours; of those lower within chance, the lowest is named."""
-    rows = []
-    for own in comparisons(table):
-        lower = f"{len(own.lower)}: {own.lower[0]}" if own.lower else "none"
-        better, worse = ", ".join(own.better) or "none", f"{own.worse} of {own.others}"
-        rows.append([own.recording, own.figure, own.ours, better, lower, worse])
-    return markdown(COMPARED, rows)

@@ -312,7 +312,10 @@ def test_the_page_says_who_is_better() -> None:
     table = scored()
     sentence = page.findings(table)[0]
     assert sentence.endswith("(RMSE): better by −1.7 (−1.7 to −1.7) N.")
-    assert "| none | 1 of 2 |" in page.compared_table(table)
+    told = " ".join(page.opening(table))
+    assert "3 estimators, 0 of them causal, on 1 recordings of 1 arms" in told
+    assert "Of 10 comparisons" in told  # two rivals, by five figures; all bands hold
+    assert "better beyond chance in 4 and worse in 4." in told
 
 
 PAGE = """# Page
