@@ -22,8 +22,10 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "pyproject.toml").write_text(PROJECT)
     folder = tmp_path / "ur5greeting"
     folder.mkdir()
+    (folder / "__init__.py").touch()
     (folder / "commands.py").write_text(COMMANDS)
     monkeypatch.setattr(beside, "WORKFLOW", tmp_path)
+    monkeypatch.setattr(beside, "PACKAGE", tmp_path / "ur5lib")
     monkeypatch.setattr(beside, "IN_CLONE", True)
     monkeypatch.syspath_prepend(tmp_path)
     for name in ("ur5greeting", "ur5greeting.commands"):
@@ -47,5 +49,14 @@ def test_what_a_package_lacks_is_told(package: Path) -> None:
 
 
 def test_byte_code_that_git_left_behind_is_no_package(package: Path) -> None:
-    (package / "commands.py").unlink()
+    for file in ("__init__.py", "commands.py"):
+        (package / file).unlink()
+    assert list(commands_beside()) == []
+
+
+def test_the_package_of_another_clone_is_none_of_this_one(
+    package: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As where an editable installation of that one can be imported."""
+    monkeypatch.setattr(beside, "PACKAGE", package / "ur5lib")
     assert list(commands_beside()) == []

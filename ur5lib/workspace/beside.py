@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from pkgutil import resolve_name
 from typing import Any, NamedTuple
 
-from ur5lib.workspace.places import IN_CLONE, WORKFLOW
+from ur5lib.workspace.places import IN_CLONE, PACKAGE, WORKFLOW
 
 GROUP = "ur5lib.commands"
 
@@ -25,14 +25,12 @@ class Command(NamedTuple):
 
 
 def commands_beside() -> Iterator[Command]:
-    """Yield the commands of the packages that are there, in the order of their names."""
+    """Yield the commands of the packages that lie beside this one, in the order of their names."""
     for name, place in sorted(entry_points().items()):
-        module = place.partition(":")[0]
-        try:
+        module, _, _ = place.partition(":")
+        package, _, _ = module.partition(".")
+        if (PACKAGE.parent / package / "__init__.py").is_file():
             yield Command(name, resolve_name(place), resolve_name(f"{module}:PANEL"))
-        except ModuleNotFoundError as error:
-            if not f"{module}.".startswith(f"{error.name}."):
-                raise  # its package is there, and lacks another
 
 
 def entry_points() -> dict[str, str]:
