@@ -206,7 +206,10 @@ def test_a_figure_of_a_run_that_was_stopped_is_refused(tmp_path: Path) -> None:
         ("ur5lib/checks/currents.py", jobs(*FROM_TORQUES) | FRICTION | REPORT),
         ("ur5lib/robots/friction.py", jobs(*FROM_TORQUES) | MODELS | FRICTION | REPORT),
         ("ur5lib/identification/payload.py", jobs(*FROM_LOADS) | RESIDUALS | REPORT),
-        ("ur5lib/force/residual_model.py", jobs(*FROM_FORCES) | RESIDUALS | REPORT),
+        (
+            "ur5lib/force/residual_model.py",
+            jobs("estimate_live", *FROM_FORCES) | RESIDUALS | REPORT,
+        ),
         # Judgements: no force estimate runs again.
         ("ur5lib/signals/imu_calibration.py", jobs(*JUDGED) | IMU | REPORT),
         ("ur5lib/smoothing/imu_fusion.py", jobs(*JUDGED) | REPORT),

@@ -11,7 +11,6 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from ur5lib.force.detection import Span
 from ur5lib.force.live import MOVING, STILL, Live
 from ur5lib.records.signals import Signals
 from ur5lib.timeseries.arrays import Array, Labels, Mask
@@ -63,7 +62,7 @@ class Followed(NamedTuple):
     torque: Array
     state: Any
 
-    def alarms(self) -> list[Span]:
+    def alarms(self) -> list[tuple[int, int]]:
         """Return the stretches in contact."""
         return [(first, last) for first, last in runs(self.contact).tolist()]
 
