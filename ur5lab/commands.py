@@ -116,12 +116,15 @@ def live(
     seconds: Annotated[
         float | None, typer.Option(help="length; default: until the arm's stream ends or Ctrl-C")
     ] = None,
-    write: Annotated[Path, typer.Option(help="file of what is stated")] = Path(
+    output: Annotated[Path, typer.Option("--output", "-o", help="file of what is stated")] = Path(
         "live_forces.parquet"
     ),
 ) -> None:
-    """State the contact force of a running arm from its currents, and write it; moves nothing."""
+    """State the contact force of a running arm, and write it.
+
+    From its currents; moves nothing. Example: ur5 live mine --host 192.168.1.10
+    """
     from ur5lab.live import Stream, live
     from ur5lib.commands.console import text_console
 
-    print_lines([live(results, robot, as_in, Stream(host, seconds), write, text_console())])
+    print_lines([live(results, robot, as_in, Stream(host, seconds), output, text_console())])

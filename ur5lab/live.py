@@ -68,7 +68,7 @@ def live(
         raise InputError(f"{results} has the arms {', '.join(arms)}; name one by --robot")
     arm = json.loads(live_arm(study, robot or arms[0], as_in))
     if write.exists():
-        raise InputError(f"{write} exists; give another name by --write")
+        raise InputError(f"{write} exists; give another name by --output")
     view = Display(console=console, auto_refresh=False) if console.is_terminal else None
     with view or nullcontext():
         count = record(Live(arm), stream, write, _nothing if view is None else shown_on(view))
