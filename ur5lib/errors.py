@@ -15,10 +15,10 @@ class InputError(Exception):
     The message is one sentence that a user can act on: where the fault is (file, line or key),
     what is wrong, and what to do. It is shown without a traceback.
 
-    >>> try:
-    ...     ur5lib.read_arm("ur55")
-    ... except ur5lib.InputError as error:
-    ...     reason = str(error)
+        >>> try:
+        ...     ur5lib.read_arm("ur55")
+        ... except ur5lib.InputError as error:
+        ...     reason = str(error)
     """
 
     def __str__(self) -> str:

@@ -55,8 +55,8 @@ def arm_of(entry: Mapping[str, Any]) -> str:
 class FinishedStudy(Shown):
     """The results in a folder `results/<study>`.
 
-    >>> ur5lib.load("results/mine").recordings
-    ['pushed']
+        >>> ur5lib.load("results/mine").recordings
+        ['pushed']
 
     A frame of a recording has its `time` [s] as index, one column per channel, and the columns'
     units in `frame.attrs["units"]`. Methods raise InputError for missing files and unknown names.

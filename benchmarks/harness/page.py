@@ -208,5 +208,6 @@ def summary(table: pd.DataFrame) -> str:
         band = f"{inside.min():.2f} to {inside.max():.2f}" if len(inside) else ""
         about = table[table["estimator"] == name].iloc[0]
         rows.append([*common(about), *cells, band, number(free.get(name))])
-    columns = ["estimator", "causal", "latency", *recordings, "in band", "free [N]"]
+    names = [str(one).removeprefix("Movement_").replace("_", " ") for one in recordings]
+    columns = ["estimator", "causal", "latency", *names, "in band", "free [N]"]
     return markdown(columns, rows)

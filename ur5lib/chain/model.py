@@ -46,10 +46,10 @@ class Model(Shown):
     settings: with which it was fitted; robot: the arm's name; arm: what was fitted; fitted: what
     was made of each recording that it learnt from.
 
-    >>> forces = model.estimate(ur5lib.read("pushed.csv", "ur5e", role="contact"))
-    >>> forces.attrs["units"]["Fmap_Fx"], forces.attrs["units"]["Fmap_nx"]
-    ('N', 'Nm')
-    >>> model.save("model.json")
+        >>> forces = model.estimate(ur5lib.read("pushed.csv", "ur5e", role="contact"))
+        >>> forces.attrs["units"]["Fmap_Fx"], forces.attrs["units"]["Fmap_nx"]
+        ('N', 'Nm')
+        >>> model.save("model.json")
     """
 
     settings: Settings
@@ -237,9 +237,9 @@ def fit(recordings: Recordings, accept: Mapping[str, str] | None = None) -> Mode
     recordings, friction is that of other arms. Raises InputError where a stop sign forbids a fit,
     and where too little was recorded.
 
-    >>> model = ur5lib.fit(runs)
-    >>> len(model.table("torque_constants"))
-    6
+        >>> model = ur5lib.fit(runs)
+        >>> len(model.table("torque_constants"))
+        6
     """
     recordings = recordings.accepting(accept)
     chain = recordings.chain(recordings.study)

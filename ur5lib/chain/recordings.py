@@ -64,8 +64,8 @@ class Recordings(Shown):
     study: their entries and settings; arm: its description; files: of each recording as read;
     qualities: what `ur5 check` finds in each, when it is asked.
 
-    >>> runs["free1"].current.attrs["units"]["actual_current_0"]
-    'A'
+        >>> runs["free1"].current.attrs["units"]["actual_current_0"]
+        'A'
     """
 
     study: Study

@@ -38,8 +38,8 @@ def read_arm(name: str | Path) -> Arm:
     Of a URDF, robots/<name>.yaml is written, as by `ur5 describe`, unless it is there. Raises
     InputError for an unknown name, and a description that is wrong.
 
-    >>> ur5lib.read_arm("ur5e").name
-    'ur5e'
+        >>> ur5lib.read_arm("ur5e").name
+        'ur5e'
     """
     take_up_all()
     path = Path(name)
@@ -66,9 +66,9 @@ def read(
     by default as import finds it, or as the study says. Raises InputError where a file cannot be
     used.
 
-    >>> runs = ur5lib.read(["free1.csv", "free2.csv"], "ur5e")
-    >>> runs.names
-    ['free1', 'free2']
+        >>> runs = ur5lib.read(["free1.csv", "free2.csv"], "ur5e")
+        >>> runs.names
+        ['free1', 'free2']
     """
     take_up_all()
     paths = [Path(files)] if isinstance(files, str | Path) else [*map(Path, files)]
