@@ -13,6 +13,8 @@ from ur5lib.report.page.compose import shown_table
 from ur5lib.report.results import Results
 from ur5lib.tables import read_csv
 
+JUDGED = ("Fmap", "Fu")  # those of the thesis find nothing at the thresholds that the rule gives
+
 
 def simulated_section(path: Path) -> dict[str, Any] | None:
     """Return the section on simulated arms from its table, None where that is missing."""
@@ -43,5 +45,5 @@ def judged(folder: Path) -> Results:
     study = yaml.safe_load((folder / "configuration.yaml").read_text())
     table = read_csv(folder / "tables" / "detection.csv")
     untouched = table["recording"].isin(Results(study, {}, folder).with_role("validate"))
-    known = table["force_class_n"].notna() | untouched
+    known = (table["force_class_n"].notna() | untouched) & table["estimate"].isin(JUDGED)
     return Results(study, {"detection": table[known]}, folder)
