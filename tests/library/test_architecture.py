@@ -233,7 +233,7 @@ def test_the_motion_is_smoothed_once() -> None:
         if path.parent.name != "smoothing"
         and any(name.startswith("ur5lib.smoothing") for name in imports(path))
     }
-    assert users == {"align_recording", "judge_accelerations"}
+    assert users == {"align_recording", "compare_accelerations"}
 
 
 def test_no_module_imports_itself_by_way_of_others() -> None:

@@ -15,7 +15,7 @@ from ur5lib.records.judgement import Judgement
 from ur5lib.records.models import Identification, Rotors
 from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Robot
-from ur5lib.steps.make_tables import joined, make_tables
+from ur5lib.steps.make_tables import bands_of_accelerations, joined, make_tables
 from ur5lib.tables import read_csv, write_csv
 from ur5lib.tidy import columns, rows_of, table
 
@@ -29,7 +29,9 @@ def made(arm: Robot, judgements: dict[str, Judgement], **more: Any) -> dict[str,
     fits = {"rotors": Rotors(), "identification": Identification(), "calibration": {}}
     fits |= {"fitted": friction, "residuals": Residuals()}
     each = {name: {"ur5": own} for name, own in {"arm": arm, **fits}.items()}
-    return make_tables(judgements, **{"parts": [], "unreadable": {}} | each | more)
+    return make_tables(
+        judgements, **{"parts": [], "unreadable": {}, "beside_imu": {}} | each | more
+    )
 
 
 def judged(*findings: str) -> Judgement:
@@ -74,9 +76,9 @@ def test_bands_of_acceleration_are_of_the_other_recordings(ur5: Robot) -> None:
     imu = ImuComparison(
         calibrated_on=["a", "b", "gone"], ranges=difference, plain_ranges=difference
     )
-    bands = made(ur5, {name: Judgement(imu=replace(imu)) for name in "ab"})["acceleration_bands"]
+    bands = bands_of_accelerations({name: replace(imu) for name in "ab"})
     assert {*bands["recording"]} == {"a", "b"}
-    assert made(ur5, {"a": Judgement(imu=imu)})["acceleration_bands"].empty
+    assert bands_of_accelerations({"a": imu}).empty
 
 
 def test_what_steps_have_written_for_each_arm_is_joined_as_it_is(tmp_path: Path) -> None:

@@ -16,8 +16,8 @@ from ur5lib.robots.description import Robot
 from ur5lib.stand.plan import ForceSensor, Imu
 from ur5lib.steps.align_recording import align_recording
 from ur5lib.steps.calibrate_imu import calibrate_imu
+from ur5lib.steps.compare_accelerations import compare_accelerations
 from ur5lib.steps.compute_torques import compute_torques
-from ur5lib.steps.judge_accelerations import compare_accelerations, fuse_imu
 from ur5lib.steps.judge_recording import judge_recording
 from ur5lib.steps.judge_sensor import compare_with_sensor
 from ur5lib.steps.read_recording import read_recording
@@ -87,16 +87,16 @@ class Mounted:
             role="fit",
             quality=read.quality,
             force=read.force,
-            imu=read.imu,
             alignment=aligned.alignment,
             torques=torques,
             premises=premises,
-            calibration=self.calibration,
-            calibration_without_each=self.calibration,
             gravity=gravity,
         )
-        self.fused, _ = fuse_imu(self.known)
-        _, self.beside_imu = compare_accelerations(self.known, self.fused)
+        self.beside = compare_accelerations(
+            *("made", read.quality, read.imu, read.kinematics, signals, aligned.motion),
+            *(aligned.alignment, arm, self.calibration, self.calibration, LOWPASS, gravity),
+        )
+        self.fused, self.beside_imu = self.beside.fused, self.beside.comparison
         self.sensor, self.beside_sensor = compare_with_sensor(self.known)
 
     def by_sensor(self) -> Array:
@@ -175,14 +175,17 @@ def test_sensor_and_currents_tell_the_pushes(
 def test_a_judged_recording_has_rows_of_every_table_of_recordings(
     arm: Callable[[str], Mounted],
 ) -> None:
-    """Of bands of acceleration, `make_tables`, which knows the other recordings, and of findings,
-    which it words.
+    """But of those beside the IMU, which a step of its own has, and of findings, which
+    `make_tables` words.
     """
     judged = judge_recording(arm("floor").known)
     of_recordings = {name for name, own in columns().items() if "recording" in own}
-    assert judged.judgement.rows.keys() == of_recordings - {"acceleration_bands", "quality"}
+    others = {"acceleration_bands", "acceleration_mae", "innovations", "quality"}
+    assert judged.judgement.rows.keys() == of_recordings - others
     assert judged.judgement.findings
     for name, rows in judged.judgement.rows.items():
         assert all(row.keys() <= {*columns()[name]} for row in rows), name
     assert {row["device"] for row in judged.judgement.rows["clocks"]} == {"force", "imu"}
-    np.testing.assert_array_equal(judged.fused.q, arm("floor").fused.q)
+    beside = arm("floor").beside
+    assert {*beside.innovations["estimate"]} == {"encoders", "encoders+imu"}
+    assert {*beside.errors["estimate"]} >= {"encoders", "encoders+imu", "filterpy"}

@@ -32,7 +32,9 @@ JUDGED = ["judge_recording", "draw_figures"]
 FROM_FORCES = ["estimate_forces", *JUDGED]
 FROM_LOADS = ["estimate_load", "predict_currents", "estimate_live", *FROM_FORCES]
 FROM_TORQUES = ["compute_torques", *FROM_LOADS]
-FROM_MOTION = ["align_recording", *FROM_TORQUES]
+ACCELERATIONS = ["compare_accelerations", "draw_figures"]
+FROM_ARM = [*FROM_TORQUES, "compare_accelerations"]
+FROM_MOTION = ["align_recording", *FROM_ARM]
 EACH_RECORDING = ["read_recording", *FROM_MOTION]
 MODELS = {"identify_model": 1, "draw_models": 1}  # of the only arm
 OBSERVABILITY = {"measure_observability": 1, "draw_observability": 1, "measure_repetition": 1}
@@ -202,17 +204,17 @@ def test_a_figure_of_a_run_that_was_stopped_is_refused(tmp_path: Path) -> None:
     [
         ("ur5lib/timeseries/lowpass.py", jobs(*EACH_RECORDING) | ALL_ELSE),
         ("ur5lib/timeseries/kalman.py", jobs(*FROM_MOTION) | ARM | REPORT),
-        ("ur5lib/dynamics/rigid_body.py", jobs(*FROM_TORQUES) | MODELS | FRICTION | REPORT),
+        ("ur5lib/dynamics/rigid_body.py", jobs(*FROM_ARM) | MODELS | FRICTION | REPORT),
         ("ur5lib/checks/currents.py", jobs(*FROM_TORQUES) | FRICTION | REPORT),
-        ("ur5lib/robots/friction.py", jobs(*FROM_TORQUES) | MODELS | FRICTION | REPORT),
+        ("ur5lib/robots/friction.py", jobs(*FROM_ARM) | MODELS | FRICTION | REPORT),
         ("ur5lib/identification/payload.py", jobs(*FROM_LOADS) | RESIDUALS | REPORT),
         (
             "ur5lib/force/residual_model.py",
             jobs("estimate_live", *FROM_FORCES) | RESIDUALS | REPORT,
         ),
         # Judgements: no force estimate runs again.
-        ("ur5lib/signals/imu_calibration.py", jobs(*JUDGED) | IMU | REPORT),
-        ("ur5lib/smoothing/imu_fusion.py", jobs(*JUDGED) | REPORT),
+        ("ur5lib/signals/imu_calibration.py", jobs(*ACCELERATIONS) | IMU | REPORT),
+        ("ur5lib/smoothing/imu_fusion.py", jobs(*ACCELERATIONS) | REPORT),
         ("ur5lib/force/sensor.py", jobs(*JUDGED) | REPORT),
         ("ur5lib/force/flange_contact.py", jobs(*JUDGED) | REPORT),
         ("ur5lib/steps/judge_contacts.py", jobs(*JUDGED) | REPORT),
@@ -256,14 +258,14 @@ HOST = "hosts: {pc: [force_sensor, imu]}\n"
         (  # a contact-free one serves the others' IMU alone
             NEW.replace("ROLE", "validate"),
             jobs(*EACH_RECORDING, recordings=1)
-            | jobs(*JUDGED, recordings=3)
+            | jobs(*ACCELERATIONS, recordings=3)
             | {"calibrate_imu_without_each": 1}
             | DRIFTS | OBSERVABILITY | REPORT,
         ),
         (  # one to fit on reruns what was fitted; the report draws the first few of a kind
             NEW.replace("ROLE", "fit"),
             jobs(*EACH_RECORDING, recordings=1)
-            | jobs(*FROM_TORQUES, recordings=3)
+            | jobs(*FROM_ARM, recordings=3)
             | jobs("draw_figures")
             | DRIFTS | ARM | REPORT,
         ),

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, field
 
-from ur5lib.records.accelerations import ImuComparison
 from ur5lib.records.force_errors import OffsetAccount
 from ur5lib.records.quality import Finding
 
@@ -14,12 +13,10 @@ Rows = list[dict[str, Value]]  # of a table, by column
 class Judgement:
     """judgement.json: the recording's rows of the study's tables, by table.
 
-    findings: about its files, clocks and sensor, for the table `quality`; imu: the acceleration
-    beside an IMU, of which the band of another recording's is made; offset: what is not force of
-    the sensor's reading, its bias and its tool.
+    findings: about its files, clocks and sensor, for the table `quality`; offset: what is not force
+    of the sensor's reading, its bias and its tool.
     """
 
     rows: dict[str, Rows] = field(default_factory=dict)
     findings: list[Finding] = field(default_factory=list)
-    imu: ImuComparison = field(default_factory=ImuComparison)
     offset: OffsetAccount | None = None

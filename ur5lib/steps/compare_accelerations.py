@@ -3,9 +3,11 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 from itertools import product
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from ur5lib.records.accelerations import (
     COMPONENTS,
@@ -16,7 +18,8 @@ from ur5lib.records.accelerations import (
     ImuComparison,
 )
 from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.motion import FusedMotion, Motion, MotionAccount
+from ur5lib.records.motion import Alignment, FusedMotion, Motion, MotionAccount
+from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.signals.end_effector import felt_acceleration, point_acceleration
@@ -31,8 +34,10 @@ from ur5lib.smoothing.fused_motion import fused_record, imu_model, no_fused_moti
 from ur5lib.smoothing.imu_fusion import smooth_with_imu
 from ur5lib.smoothing.plain_smoother import PlainMotion, smooth_plainly
 from ur5lib.smoothing.smoothed_motion import known_joints, measured, motion_account
-from ur5lib.steps.evidence import Evidence
 from ur5lib.thesis.accelerations import as_published
+from ur5lib.thesis.reference import Published, read_reference
+from ur5lib.tidy import part
+from ur5lib.tidy.motion import acceleration_mae, innovations
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import (
     Butterworth,
@@ -49,44 +54,100 @@ Differences = Callable[[float], Mapping[str, Array]]
 """Returns by motion how far both differ in acceleration (N, 6), low-passed at a cut-off [Hz]."""
 
 
-def fuse_imu(evidence: Evidence) -> tuple[FusedMotion, dict[str, MotionAccount]]:
-    """Return the joints' motion from encoders and IMU, where the IMU is valid, and its account."""
-    if not has_valid_imu(evidence.alignment.clocks):
-        return no_fused_motion(), {}
-    signals, motion = evidence.signals, evidence.motion
-    calibration = calibration_for(evidence.recording, evidence.calibration)
-    encoders = known_joints(motion, evidence.alignment.encoders)
-    model = imu_model(evidence.robot, evidence.kinematics, calibration, motion.qd)
+class ComparedMotion(NamedTuple):
+    """A recording's motion beside its IMU; errors, innovations: its rows of the tables
+    `acceleration_mae` and `innovations`.
+    """
+
+    fused: FusedMotion
+    accelerations: Accelerations
+    comparison: ImuComparison
+    errors: pd.DataFrame
+    innovations: pd.DataFrame
+
+
+def compare_accelerations(
+    recording: str,
+    quality: Quality,
+    imu: pd.DataFrame,
+    kinematics: Kinematics,
+    signals: Signals,
+    motion: Motion,
+    alignment: Alignment,
+    arm: Robot,
+    calibration: dict[str, ImuCalibration],
+    calibration_without_each: dict[str, ImuCalibration],
+    lowpass: Butterworth,
+    gravity: list[float] | None = None,
+    reference: Path | None = None,
+) -> ComparedMotion:
+    """Return the motion from encoders and IMU, and the end effector's acceleration from joints,
+    through Euler angles and from the IMU; empty without a valid IMU.
+
+    imu: its samples, by its own clock; calibrations: from all `fit` recordings, and from contact-
+    free ones without each; lowpass: of the accelerations; reference: of published values.
+    """
+    robot, fused, account = arm.mounted(gravity), no_fused_motion(), dict[str, MotionAccount]()
+    accelerations = Accelerations(time=signals.time, segment=signals.segment)
+    comparison = ImuComparison()
+    if has_valid_imu(alignment.clocks):
+        known = calibration_for(recording, calibration)
+        fused, account = fuse_imu(robot, kinematics, signals, motion, alignment, known)
+        unseen = calibration_for(recording, calibration_without_each)
+        placed = by_stamps(imu, quality.starts["imu"], signals.time, "imu")
+        motions = {"encoders": motion, "encoders+imu": fused}
+        own = beside_imu(robot, kinematics, signals, motions, unseen)
+        accelerations, comparison = judged(own, lowpass, placed, motion.qd)
+    published = Published(read_reference(reference).printed, recording)
+    encoders = {"encoders": alignment.encoders}
+    errors = part("acceleration_mae", acceleration_mae(comparison, published))
+    tests = part("innovations", innovations(encoders, account))
+    return ComparedMotion(fused, accelerations, comparison, errors, tests)
+
+
+def fuse_imu(
+    robot: Robot,
+    kinematics: Kinematics,
+    signals: Signals,
+    motion: Motion,
+    alignment: Alignment,
+    calibration: ImuCalibration,
+) -> tuple[FusedMotion, dict[str, MotionAccount]]:
+    """Return the joints' motion from encoders and IMU, and its account."""
+    encoders = known_joints(motion, alignment.encoders)
+    model = imu_model(robot, kinematics, calibration, motion.qd)
     samples = signals.time, signals.segment, *measured(signals)
     fused = smooth_with_imu(*samples, signals.imu, model, encoders)
     return fused_record(signals, fused), {"encoders+imu": motion_account(fused)}
 
 
-def compare_accelerations(
-    evidence: Evidence, fused: FusedMotion
+def beside_imu(
+    robot: Robot,
+    kinematics: Kinematics,
+    signals: Signals,
+    motions: Mapping[str, Motion],
+    calibration: ImuCalibration,
+) -> "BesideImu":
+    """Return a recording beside its IMU, with filterpy's plain smoother among the motions."""
+    plain = smooth_plainly(signals.segment, *measured(signals), signals.period)
+    modelled = at_the_imu(robot, kinematics, {**motions, "filterpy": plain}, calibration)
+    return BesideImu(robot, signals, kinematics, modelled, calibration)
+
+
+def judged(
+    own: "BesideImu", lowpass: Butterworth, placed: Array, qd: Array
 ) -> tuple[Accelerations, ImuComparison]:
-    """Return the end effector's acceleration from joints, through Euler angles and from an IMU,
-    and how far they differ; empty without a valid IMU.
+    """Return the accelerations, and how far they differ.
+
+    placed: the IMU's samples by start stamps alone (N, 6); qd: (N, 6) [rad/s].
     """
-    signals, kinematics = evidence.signals, evidence.kinematics
-    if not has_valid_imu(evidence.alignment.clocks):
-        return Accelerations(time=signals.time, segment=signals.segment), ImuComparison()
-    calibration = calibration_for(evidence.recording, evidence.calibration_without_each)
-    motions: dict[str, Motion | PlainMotion] = {
-        "encoders": evidence.motion,
-        "encoders+imu": fused,
-        "filterpy": smooth_plainly(signals.segment, *measured(signals), signals.period),
-    }
-    modelled = at_the_imu(evidence.arm, kinematics, motions, calibration)
-    own = BesideImu(evidence.robot, signals, kinematics, modelled, calibration)
-    placed = by_stamps(evidence.imu, evidence.quality.starts["imu"], signals.time, "imu")
-    accelerations, bias = compared(own, evidence.accelerations_lowpass, placed)
-    ranged = {"ranges": modelled["encoders"], "plain_ranges": modelled["filterpy"]}
+    accelerations, bias = compared(own, lowpass, placed)
+    ranged = {"ranges": own.modelled["encoders"], "plain_ranges": own.modelled["filterpy"]}
     return accelerations, ImuComparison(
         errors=acceleration_errors(accelerations),
-        calibrated_on=[*calibration.from_],
+        calibrated_on=[*own.calibration.from_],
         accelerometer_bias=bias,
-        **by_range(partial(differences, own._replace(modelled=ranged)), evidence.motion.qd),
+        **by_range(partial(differences, own._replace(modelled=ranged)), qd),
     )
 
 

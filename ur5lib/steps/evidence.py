@@ -18,7 +18,6 @@ from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, Vector3
-from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.thesis.published_constants import PublishedConstants
 from ur5lib.timeseries.lowpass import Butterworth
 
@@ -26,19 +25,15 @@ from ur5lib.timeseries.lowpass import Butterworth
 class Evidence(NamedTuple):
     """All that is known of a recording and its arm.
 
-    force, imu: samples of the devices on their own clocks; calibrations: of the IMU, from all `fit`
-    recordings, and from contact-free ones without each; threshold: of the evidence of contact by
-    estimate; is_examined: whether pushes are tried, which no force depends on; mounting: place [m]
-    and turn [°] of the force sensor as the study states them. Of the thesis's methods, None where
-    the study has no published values.
+    force: samples of its sensor on its own clock; threshold: of the evidence of contact by
+    estimate; mounting: place [m] and turn [°] of the force sensor as the study states them. Of the
+    thesis's methods, None where the study has no published values.
     """
 
     recording: str
     role: str
-    is_examined: bool
     quality: Quality
     force: pd.DataFrame
-    imu: pd.DataFrame
     kinematics: Kinematics
     signals: Signals
     motion: Motion
@@ -53,10 +48,7 @@ class Evidence(NamedTuple):
     friction: Friction
     residuals: Residuals
     threshold: dict[str, float]
-    calibration: dict[str, ImuCalibration]
-    calibration_without_each: dict[str, ImuCalibration]
     currents_lowpass: Butterworth
-    accelerations_lowpass: Butterworth
     contact_force_n: float
     bias_window_s: float
     min_singular_value: float

@@ -1,4 +1,4 @@
-"""Judge a recording: beside its sensors, by its contacts, as rows of the study's tables."""
+"""Judge a recording: beside its force sensor, by its contacts, as rows of the study's tables."""
 
 from dataclasses import replace
 from typing import NamedTuple
@@ -7,16 +7,13 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.estimators import LEADING
 from ur5lib.force.problem import fmap_problem, unusual_friction
 from ur5lib.force.trial_contacts import flange_speed
-from ur5lib.records.accelerations import Accelerations, ImuComparison
 from ur5lib.records.contacts import Detected
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.forces import SensorWrenches
 from ur5lib.records.gains import GainSummary
 from ur5lib.records.judgement import Judgement, Rows
-from ur5lib.records.motion import FusedMotion, MotionAccount
 from ur5lib.records.quality import UNUSUAL_FRICTION, Finding
 from ur5lib.steps.evidence import Evidence
-from ur5lib.steps.judge_accelerations import compare_accelerations, fuse_imu
 from ur5lib.steps.judge_contacts import (
     all_alarms,
     causally,
@@ -35,27 +32,23 @@ class JudgedRecording(NamedTuple):
     """What shows how right the estimates of a recording are."""
 
     sensor: SensorWrenches
-    fused: FusedMotion
-    accelerations: Accelerations
     judgement: Judgement
 
 
 def judge_recording(evidence: Evidence) -> JudgedRecording:
-    """Return a recording's motion and forces beside its sensors, and its rows of the tables."""
-    fused, account = fuse_imu(evidence)
-    accelerations, beside_imu = compare_accelerations(evidence, fused)
+    """Return a recording's forces beside its sensor, and its rows of the tables."""
     sensor, beside_sensor = compare_with_sensor(evidence)
     published = Published(read_reference(evidence.reference).printed, evidence.recording)
     contacts = detect_contacts(evidence, sensor)
     rows = {
         **of_files(evidence),
-        **of_motion(evidence, published, beside_imu, account),
+        **of_motion(evidence, published),
         **of_currents(evidence, published),
         **of_forces(evidence, published, beside_sensor, contacts),
     }
     found = findings_of(evidence, beside_sensor)
-    judgement = Judgement(rows, found, beside_imu, beside_sensor.offset)
-    return JudgedRecording(sensor, fused, accelerations, judgement)
+    judgement = Judgement(rows, found, beside_sensor.offset)
+    return JudgedRecording(sensor, judgement)
 
 
 def detect_contacts(evidence: Evidence, sensor: SensorWrenches) -> dict[str, Detected]:
@@ -100,23 +93,15 @@ def of_files(evidence: Evidence) -> dict[str, Rows]:
     )
 
 
-def of_motion(
-    evidence: Evidence,
-    published: Published,
-    beside_imu: ImuComparison,
-    fused: dict[str, MotionAccount],
-) -> dict[str, Rows]:
+def of_motion(evidence: Evidence, published: Published) -> dict[str, Rows]:
     """Return the rows about motion and link models."""
     signals, loop = evidence.signals, evidence.closed_loop
-    encoders = {"encoders": evidence.alignment.encoders}
     gains = evidence.gains or GainSummary()
     return written(
         torque_mae=models.torque_mae(signals, evidence.torques, loop, published),
         closed_loop_mae=motion.closed_loop_mae(loop, signals, published) if loop else (),
         gains=motion.gains(gains),
         published_gains=motion.published_gains(gains),
-        acceleration_mae=motion.acceleration_mae(beside_imu, published),
-        innovations=motion.innovations(encoders, fused),
     )
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import pandas as pd
 
 from ur5lib.force.residual_model import Residuals
+from ur5lib.records.accelerations import ImuComparison
 from ur5lib.records.friction import Friction
 from ur5lib.records.judgement import Judgement
 from ur5lib.records.models import Identification, Rotors
@@ -18,6 +19,7 @@ from ur5lib.tidy import Row, columns, files, friction, models, motion, table
 
 def make_tables(
     judgements: Mapping[str, Judgement],
+    beside_imu: Mapping[str, ImuComparison],
     arm: Mapping[str, Robot],
     rotors: Mapping[str, Rotors],
     identification: Mapping[str, Identification],
@@ -30,12 +32,13 @@ def make_tables(
 ) -> dict[str, pd.DataFrame]:
     """Return each table by its name.
 
-    judgements: of all recordings; the others are of all arms; parts: CSV files that steps write for
-    each recording or arm, in the folder of its name: together they are the table of their name;
-    unreadable: the recordings without a judgement, each with the reason; roles: of all, by which a
-    copy of another recording is left out.
+    judgements, beside_imu: of all recordings; arm to residuals: of all arms; parts: CSV files that
+    steps write for each recording or arm, in the folder of its name: together they are the table of
+    their name; unreadable: the recordings without a judgement, each with the reason; roles: of all,
+    by which a copy of another recording is left out.
     """
-    tables = tables_of_recordings(dict(judgements), unreadable, roles or {}, joined(parts))
+    written = joined(parts) | {"acceleration_bands": bands_of_accelerations(dict(beside_imu))}
+    tables = tables_of_recordings(dict(judgements), unreadable, roles or {}, written)
 
     def of_arms(name: str, rows: Callable[[str], Iterable[Row]]) -> None:
         tables[name] = table(name, {robot: rows(robot) for robot in arm}, "robot")
@@ -70,10 +73,6 @@ def tables_of_recordings(
     }
     rows["quality"] = {name: map(worded, one.findings) for name, one in judgements.items()}
     rows["quality"] |= {name: [files.unreadable(why)] for name, why in unreadable.items()}
-    imu = {recording: one.imu for recording, one in judgements.items()}
-    rows["acceleration_bands"] = {
-        recording: motion.acceleration_bands(one, imu) for recording, one in imu.items()
-    }
     tables = {name: table(name, own) for name, own in rows.items()} | {**written}
     quality = tables.pop("quality")
     copies = files.spare_copies(quality, roles)
@@ -82,6 +81,12 @@ def tables_of_recordings(
         for name, own in tables.items()
     }
     return kept | {"quality": files.name_copies(quality, roles)}
+
+
+def bands_of_accelerations(imu: Mapping[str, ImuComparison]) -> pd.DataFrame:
+    """Return the table of the bands of accelerations, each from the other recordings."""
+    rows = {name: motion.acceleration_bands(one, imu) for name, one in imu.items()}
+    return table("acceleration_bands", rows)
 
 
 def joined(parts: Iterable[Path]) -> dict[str, pd.DataFrame]:

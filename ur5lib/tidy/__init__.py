@@ -41,6 +41,11 @@ def written(**tables: Iterable[Row]) -> dict[str, list[Row]]:
     return {name: rows_of(name, rows) for name, rows in tables.items()}
 
 
+def part(name: str, rows: Iterable[Row]) -> pd.DataFrame:
+    """Return the rows of one recording or arm as a part of a table, which `make_tables` joins."""
+    return pd.DataFrame(rows_of(name, rows), columns=columns()[name][1:])
+
+
 def table(name: str, rows: Mapping[str, Iterable[Row]], owner: str = "recording") -> pd.DataFrame:
     """Return a table from its rows by the recordings or arms (`robot`) that they are of."""
     each = [{owner: of, **row} for of, own in rows.items() for row in rows_of(name, own)]

@@ -161,12 +161,41 @@ rule estimate_live:
         run_step(rule, input, output, params, log)
 
 
+# Beside forces: no step of a force needs the IMU.
+rule compare_accelerations:
+    input:
+        **REFERENCE,
+        quality=result("quality.json"),
+        imu=result("imu.parquet"),
+        kinematics=result("kinematics.parquet"),
+        signals=result("signals.parquet"),
+        motion=result("motion.parquet"),
+        alignment=result("alignment.json"),
+        arm=parameter_of("arm.yaml"),
+        calibration=parameter_of("imu.json"),
+        calibration_without_each=parameter_of("imu_without_each.json"),
+    output:
+        fused=result("fused_motion.parquet"),
+        accelerations=result("accelerations.parquet"),
+        comparison=result("imu_comparison.json"),
+        errors=result("acceleration_mae.csv"),
+        innovations=result("innovations.csv"),
+    log:
+        **traces("compare_accelerations", "{recording}"),
+    params:
+        code=code("compare_accelerations", COLUMNS),
+        recording="{recording}",
+        gravity=of_recording(SELECTION.gravity),
+        lowpass=design(SETTINGS.lowpass.accelerations),
+    run:
+        run_step(rule, input, output, params, log)
+
+
 rule judge_recording:
     input:
         **BY_THE_THESIS,
         quality=result("quality.json"),
         force=result("force.parquet"),
-        imu=result("imu.parquet"),
         kinematics=result("kinematics.parquet"),
         signals=result("signals.parquet"),
         motion=result("motion.parquet"),
@@ -181,12 +210,8 @@ rule judge_recording:
         friction=parameter_of("friction.json"),
         residuals=parameter_of("residuals.json"),
         threshold=parameter_of("threshold.json"),
-        calibration=parameter_of("imu.json"),
-        calibration_without_each=parameter_of("imu_without_each.json"),
     output:
         sensor=result("sensor.parquet"),
-        fused=result("fused_motion.parquet"),
-        accelerations=result("accelerations.parquet"),
         judgement=result("judgement.json"),
     log:
         **traces("judge_recording", "{recording}"),
@@ -196,9 +221,7 @@ rule judge_recording:
         role=lambda wildcards: RECORDINGS[wildcards.recording].role,
         gravity=of_recording(SELECTION.gravity),
         mounting=of_recording(SELECTION.sensor_mounting),
-        is_examined=lambda wildcards: wildcards.recording in SELECTION.examined,
         currents_lowpass=design(SETTINGS.lowpass.currents),
-        accelerations_lowpass=design(SETTINGS.lowpass.accelerations),
         contact_force_n=SETTINGS.contact.force_n,
         bias_window_s=SETTINGS.sensor.bias_window_s,
         min_singular_value=SETTINGS.singularities.min_singular_value,

@@ -92,6 +92,7 @@ rule make_tables:
     input:
         judgements=lambda wildcards: results("judgement.json")
         + postures("judgement.json", SELECTION.at_rest),
+        beside_imu=lambda wildcards: results("imu_comparison.json"),
         arm=parameters("arm.yaml"),
         rotors=parameters("rotor_inertia.json"),
         identification=parameters("identification.json"),
