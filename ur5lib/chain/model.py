@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_origin
 
 import pandas as pd
 
@@ -13,7 +13,9 @@ from ur5lib.chain.recordings import Recordings, frame_of
 from ur5lib.chain.shown import Shown, frames
 from ur5lib.chain.steps import Chain, Files
 from ur5lib.errors import InputError, some, unknown
-from ur5lib.jobs.memory import call, record_of, text_of
+from ur5lib.jobs.files import parameter_types
+from ur5lib.jobs.job import step_named
+from ur5lib.jobs.memory import Contents, call, record_of, text_of
 from ur5lib.records.friction import Friction
 from ur5lib.records.premises import Premises
 from ur5lib.records.wording import in_words, worded
@@ -25,6 +27,13 @@ from ur5lib.thesis.reference import PublishedValues
 
 TABLES = ["friction", "torque_constants", "cross_validation", "rotor_inertia", "parameters"]
 TABLES += ["excitation", "remarks"]
+FILES_OF_TABLES = {
+    "arm": "arm",
+    "rotors": "rotors",
+    "identification": "summary",
+    "fitted": "friction",
+    "residuals": "residuals",
+}
 OF_FRICTION = ("friction", "current_torque", "current_torque_friction", "residuals", "knowledge")
 OF_MODELS = ("models", "frames")
 FIGURES = dict.fromkeys(OF_FRICTION, "draw_friction") | dict.fromkeys(OF_MODELS, "draw_models")
@@ -82,16 +91,14 @@ class Model(Shown):
         """
         if name not in TABLES:
             raise unknown("table", name, TABLES)
-        of_arm = {
-            "arm": "arm",
-            "rotors": "rotors",
-            "identification": "summary",
-            "fitted": "friction",
-            "residuals": "residuals",
+        asked = parameter_types(step_named("make_tables")).items()
+        inputs: dict[str, Contents] = {
+            key: {self.robot: self.arm[FILES_OF_TABLES[key]]} if key in FILES_OF_TABLES else {}
+            for key, kind in asked
+            if get_origin(kind) is Mapping
         }
-        inputs = {key: {self.robot: self.arm[file]} for key, file in of_arm.items()}
-        none: dict[str, Any] = {"judgements": {}, "calibration": {self.robot: "{}"}}
-        tables = call("make_tables", inputs | none, {"parts": [], "unreadable": {}})
+        inputs["calibration"] = {self.robot: "{}"}  # no IMU is calibrated
+        tables = call("make_tables", inputs, {"parts": [], "unreadable": {}})
         return as_written(tables[name])
 
     def plot(self, name: str) -> Any:

@@ -8,7 +8,8 @@ from typing import Any, get_origin
 
 from ur5lib.jobs.code import of_study
 from ur5lib.jobs.files import parameter_types
-from ur5lib.jobs.memory import Content, Contents, call, contents, step_named
+from ur5lib.jobs.job import step_named
+from ur5lib.jobs.memory import Content, Contents, call, contents
 from ur5lib.robots.description import robot_path
 from ur5lib.study.given import given
 from ur5lib.study.selection import Selection

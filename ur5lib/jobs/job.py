@@ -109,10 +109,17 @@ def largest_memory() -> float:
 
 
 @cache
-def load_step(name: str) -> Callable[..., Any]:
+def step_named(name: str) -> Callable[..., Any]:
     """Return the function of a step, which its module is named by."""
     module = ".".join(module_of(name).relative_to(PACKAGE.parent).with_suffix("").parts)
     step: Callable[..., Any] = getattr(importlib.import_module(module), name)
+    return step
+
+
+@cache
+def load_step(name: str) -> Callable[..., Any]:
+    """Return the function of a step in a process of jobs, which keeps its packages."""
+    step = step_named(name)
     gc.collect()
     gc.freeze()  # no later collection looks at what the packages keep
     return step

@@ -1,9 +1,8 @@
 """The files of a step in memory, byte for byte, so that its results are those of a job."""
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import partial
-from importlib import import_module
 from io import BytesIO
 from pathlib import Path
 from typing import Any, get_args, get_origin
@@ -11,6 +10,7 @@ from typing import Any, get_args, get_origin
 import pandas as pd
 
 from ur5lib.jobs.files import parameter_types, read_file, setting
+from ur5lib.jobs.job import step_named
 from ur5lib.records.table import Table
 from ur5lib.robots.description import Robot, robot_of
 from ur5lib.strict import plain_yaml
@@ -18,12 +18,6 @@ from ur5lib.tables import ByKey, as_record, json_text, write_table
 
 Content = Path | BytesIO | str  # a file; a table as Parquet; the text of any other file
 Contents = Content | Mapping[str, Content]  # several by recording, or by arm
-
-
-def step_named(name: str) -> Callable[..., Any]:
-    """Return the function of a step, which its module is named by."""
-    step: Callable[..., Any] = getattr(import_module(f"ur5lib.steps.{name}"), name)
-    return step
 
 
 def call(step: str, inputs: Mapping[str, Contents], params: Mapping[str, Any]) -> Any:
