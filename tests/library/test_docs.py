@@ -10,6 +10,7 @@ import pytest
 
 from benchmarks.pictures import with_columns
 from tests.conftest import PROJECT
+from ur5lib.jobs.code import all_steps
 from ur5lib.records.wording import templates
 
 OTHERS = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "raw/README.md", "config/README.md")
@@ -90,3 +91,13 @@ def test_messages_of_the_document_are_those_of_the_program(message: str) -> None
     parts = [part.strip() for part in re.split(r"…|\d[\d.]*", message)]
     whole = [part for part in parts if len(part.split()) > 1] or [max(parts, key=len)]
     assert all(part in everything() for part in whole)
+
+
+def test_the_table_of_the_design_has_every_step_of_recordings_and_arms() -> None:
+    """And no other; topics' steps stand in their folders."""
+    page = (PROJECT / "docs" / "design.md").read_text()
+    cells = re.findall(r"^\| (.*?) \|", page.split("## ")[1], re.MULTILINE)
+    named = {step for cell in cells for step in re.findall(r"`(\w+)`", cell)}
+    rules = [PROJECT / "workflow" / "rules" / f"{of}.smk" for of in ("recordings", "arms")]
+    run = {step for path in rules for step in re.findall(r'code\(\s*"(\w+)"', path.read_text())}
+    assert run - {"read_postures"} <= named <= {*all_steps()}
