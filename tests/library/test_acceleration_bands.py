@@ -11,7 +11,7 @@ from ur5lib.records.accelerations import ImuComparison
 from ur5lib.smoothing.encoders import widening
 from ur5lib.steps.compare_accelerations import by_range
 from ur5lib.tidy import table
-from ur5lib.tidy.motion import acceleration_bands
+from ur5lib.tidy.accelerations import acceleration_bands
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.kalman import innovation_test
 

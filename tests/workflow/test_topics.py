@@ -13,7 +13,14 @@ from ur5lib.workspace.places import PACKAGE
 pytestmark = [pytest.mark.slow, pytest.mark.thorough]
 
 TOPICS = sorted(path.parent.name for path in PACKAGE.glob("topics/*/rules.smk"))
-OF_A_RUN = {"run_times.csv", "ro-crate-metadata.json", "tables.zip", "Snakefile", "report.pdf"}
+OF_A_RUN = {
+    ".running",
+    "run_times.csv",
+    "ro-crate-metadata.json",
+    "tables.zip",
+    "Snakefile",
+    "report.pdf",
+}
 OF_ALL = {"What was found", "Provenance"}  # sections that name what all others have
 NUMBERED = re.compile(r"(Table|Figure) \d+")
 

@@ -37,7 +37,7 @@ from ur5lib.smoothing.smoothed_motion import known_joints, measured, motion_acco
 from ur5lib.thesis.accelerations import as_published
 from ur5lib.thesis.reference import Published, read_reference
 from ur5lib.tidy import part
-from ur5lib.tidy.motion import acceleration_mae, innovations
+from ur5lib.tidy.accelerations import acceleration_mae, innovations
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import (
     Butterworth,

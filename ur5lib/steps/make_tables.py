@@ -14,7 +14,7 @@ from ur5lib.records.wording import worded
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.tables import read_cells
-from ur5lib.tidy import Row, columns, files, friction, models, motion, table
+from ur5lib.tidy import Row, accelerations, columns, files, friction, models, table
 
 
 def make_tables(
@@ -43,7 +43,7 @@ def make_tables(
     def of_arms(name: str, rows: Callable[[str], Iterable[Row]]) -> None:
         tables[name] = table(name, {robot: rows(robot) for robot in arm}, "robot")
 
-    of_arms("imu_calibration", lambda robot: motion.imu_calibration(calibration[robot]))
+    of_arms("imu_calibration", lambda robot: accelerations.imu_calibration(calibration[robot]))
     of_arms("rotor_inertia", lambda robot: models.rotor_inertia(rotors[robot]))
     of_arms("parameters", lambda robot: models.parameters(identification[robot]))
     of_arms("excitation", lambda robot: models.excitation(identification[robot]))
@@ -85,7 +85,7 @@ def tables_of_recordings(
 
 def bands_of_accelerations(imu: Mapping[str, ImuComparison]) -> pd.DataFrame:
     """Return the table of the bands of accelerations, each from the other recordings."""
-    rows = {name: motion.acceleration_bands(one, imu) for name, one in imu.items()}
+    rows = {name: accelerations.acceleration_bands(one, imu) for name, one in imu.items()}
     return table("acceleration_bands", rows)
 
 
