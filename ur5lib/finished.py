@@ -13,6 +13,7 @@ from ur5lib.chain.recordings import frame_of
 from ur5lib.chain.shown import Shown
 from ur5lib.errors import InputError, unknown
 from ur5lib.jobs.unreadable import reason
+from ur5lib.records.force_errors import Compared
 from ur5lib.records.judgement import Judgement
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Quality
@@ -108,8 +109,12 @@ class FinishedStudy(Shown):
         return self.record(Quality, recording)
 
     def judgement(self, recording: str) -> Judgement:
-        """Return what is judged of a recording."""
+        """Return what is judged of a recording by itself."""
         return self.record(Judgement, recording)
+
+    def beside_sensor(self, recording: str) -> Compared:
+        """Return the estimates of a recording beside its force sensor, and this one's offset."""
+        return self.record(Compared, recording, "beside_sensor")
 
     def payload(self, recording: str) -> Payload | None:
         """Return the payload of the arm."""

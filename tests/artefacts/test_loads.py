@@ -11,10 +11,12 @@ import yaml
 from tests.conftest import Workflow, copy_project
 from ur5lib import tidy
 from ur5lib.force.estimators import GATED
+from ur5lib.records.contacts import Detected
 from ur5lib.records.forces import Forces
 from ur5lib.records.judgement import Judgement
 from ur5lib.records.premises import Premises
 from ur5lib.records.truth import Truth
+from ur5lib.steps.make_tables import rows_of_forces
 from ur5lib.tables import read_record
 from ur5lib.timeseries.sampling import interpolated
 
@@ -57,14 +59,17 @@ STUDY = {
 def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     workflow = Workflow(copy_project(tmp_path_factory.mktemp("loads") / "project"))
     (workflow.folder / "config.yaml").write_text(yaml.safe_dump(STUDY, sort_keys=False))
-    workflow.build("--until", "judge_recording")
+    workflow.build("--until", "judge_recording", "judge_contacts")
     return workflow.folder / "results" / "loads"
 
 
 def table(results: Path, name: str, recording: str) -> pd.DataFrame:
     """As the report's."""
-    file = results / "recordings" / recording / "judgement.json"
-    return tidy.table(name, {recording: read_record(Judgement, file).rows[name]})
+    folder = results / "recordings" / recording
+    judged = read_record(Judgement, folder / "judgement.json").rows
+    contacts = {recording: read_record(dict[str, Detected], folder / "contacts.json")}
+    rows = {name: {recording: own} for name, own in judged.items()}
+    return tidy.table(name, (rows | rows_of_forces({}, contacts, {}))[name])
 
 
 def gated(results: Path, name: str, recording: str) -> pd.DataFrame:

@@ -35,7 +35,7 @@ def unfitted(thesis_data: Path, common_folder: Path) -> Path:
         del study["reference"]
         (folder / "config.yaml").write_text(yaml.safe_dump(study))
 
-    workflow = build_once(common_folder / "unfitted", prepare, "--until", "judge_recording")
+    workflow = build_once(common_folder / "unfitted", prepare, "--until", "judge_sensor")
     return workflow.folder / "results" / "thesis"
 
 

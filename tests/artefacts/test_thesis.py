@@ -27,7 +27,7 @@ from tests.rigid import check_rigid
 from ur5lib.commands.exported import exported
 from ur5lib.finished import FinishedStudy
 from ur5lib.force.estimators import PUBLISHED
-from ur5lib.records.judgement import Judgement
+from ur5lib.records.accelerations import ImuComparison
 from ur5lib.tables import channel, read_json, read_record, read_table
 from ur5lib.thesis.reference import read_reference
 
@@ -101,8 +101,8 @@ def test_joints_tell_what_the_imu_feels(
     limits = ACCELERATION_LIMITS[recording]
     assert (rows["mae"].to_numpy()[: len(limits)] <= limits).all()
     folder = thesis_results / "recordings" / recording
-    judged = read_record(Judgement, folder / "judgement.json")
-    assert recording not in judged.imu.calibrated_on
+    beside = read_record(ImuComparison, folder / "imu_comparison.json")
+    assert recording not in beside.calibrated_on
 
 
 def test_identified_links_can_exist(thesis_results: Path) -> None:

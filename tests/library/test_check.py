@@ -288,8 +288,8 @@ def test_copies_and_poor_clocks_are_findings() -> None:
             record(Quality, own),
             None,
             record(dict[str, SettledClock], clocks[name]),
-            record(Compared, forces[name]),
         )
+        + record(Compared, forces[name]).findings()
         for name, own in qualities.items()
     }
     rows = tidy.table("quality", {name: map(worded, own) for name, own in found.items()})

@@ -125,5 +125,5 @@ def test_no_import_of_the_library_is_missed() -> None:
 
 def test_the_steps_with_a_file_are_those_whose_checksum_it_changes() -> None:
     gate = steps_with(PROJECT / "ur5lib" / "force" / "gate.py")
-    assert {"estimate_forces", "judge_recording"} <= {*gate}
+    assert {"estimate_forces", "judge_contacts"} <= {*gate}
     assert "fit_friction" not in gate

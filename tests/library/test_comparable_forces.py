@@ -28,7 +28,7 @@ def test_a_sensor_is_not_compared_with_itself(
     reading: Any = SimpleNamespace(own_clock=own_clock)
     both = {"Fu": WRENCH, "F": 2 * WRENCH}
     published: Any = SimpleNamespace(printed=both, corrected=both)
-    forces: Any = SimpleNamespace(wrench={}, std={})
+    forces: Any = SimpleNamespace(wrench={}, std={}, log_odds={})
     found = compared_estimates(robot, signals, reading, published, forces)
     assert {*found} == {"printed", "corrected", "compensated"}
     for estimates in found.values():

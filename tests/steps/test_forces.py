@@ -10,13 +10,7 @@ import pytest
 from tests.library.current_study import make_record, prior, smooth, with_current, with_noise
 from tests.library.made_up_torques import MODEL, Free, between, free_run
 from tests.made_records import motion_of, signals_of, stretch, torques_of
-from tests.steps.made_evidence import (
-    CONTACT_FORCE,
-    CURRENTS_LOWPASS,
-    NO_LOAD,
-    evidence,
-    premises,
-)
+from tests.steps.made_recording import CURRENTS_LOWPASS, NO_LOAD, Known, known_of, premises
 from ur5lib.channels import TORQUE
 from ur5lib.dynamics.link_model import LinkModel, load_regressor
 from ur5lib.errors import remark
@@ -30,10 +24,10 @@ from ur5lib.identification.payload import SCALED_TORQUE_ERROR, PayloadEstimate, 
 from ur5lib.identification.samples import CurrentSamples
 from ur5lib.identification.validation import least_squares_coefficients
 from ur5lib.records.carried import Carried
-from ur5lib.records.contacts import Alarm
+from ur5lib.records.contacts import Alarm, Detected
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
-from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.records.forces import Forces, PublishedForces
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import JudgedLoad
@@ -43,9 +37,8 @@ from ur5lib.robots.description import Payload, Robot
 from ur5lib.robots.statics import link_frames
 from ur5lib.steps.estimate_forces import estimate_forces
 from ur5lib.steps.estimate_load import estimate_load
-from ur5lib.steps.evidence import Evidence
 from ur5lib.steps.fit_residuals import fit_residuals, usual_residuals
-from ur5lib.steps.judge_recording import detect_contacts
+from ur5lib.steps.judge_contacts import judge_contacts
 from ur5lib.steps.predict_currents import predict_currents
 from ur5lib.steps.set_threshold import set_threshold
 from ur5lib.timeseries.arrays import Array
@@ -53,10 +46,10 @@ from ur5lib.timeseries.arrays import Array
 PERIOD = 0.016
 
 
-def recording(arm: Robot, run: Free, controller: Array | None = None) -> Evidence:
+def recording(arm: Robot, run: Free, controller: Array | None = None) -> Known:
     """What is known of a run before its forces; controller: its own wrench from currents (N, 6)."""
     nothing, qdd = 0 * run.q, np.gradient(run.qd, run.time, axis=0)
-    return evidence(
+    return known_of(
         arm,
         signals_of(run.time, run.q, wrench_calc_from_currents=controller),
         motion_of(run.time, run.q, run.qd, qdd),
@@ -67,10 +60,9 @@ def recording(arm: Robot, run: Free, controller: Array | None = None) -> Evidenc
     )
 
 
-def forces_of(known: Evidence) -> Forces:
-    tables = known.signals, known.kinematics, known.motion, known.torques, known.currents
-    fits = known.premises, known.friction, known.residuals
-    return estimate_forces(*tables, *fits, known.arm, CURRENTS_LOWPASS, CONTACT_FORCE)
+def forces_of(known: Known) -> Forces:
+    forces: Forces = known.run(estimate_forces)
+    return forces
 
 
 def load_torque(ur5: Robot, run: Free, mass: float) -> Array:
@@ -392,8 +384,9 @@ def test_a_threshold_counts_minutes_of_mixed_rates(ur5: Robot, in_reference: boo
 def raised(run: Free, ur5: Robot) -> list[Alarm]:
     """The alarms of F̂ᵐᵃᵖ."""
     known = recording(ur5, run)
-    known = known._replace(forces=forces_of(known), threshold={"Fmap": 0.0, "F*": 15.0})
-    return detect_contacts(known, SensorWrenches(**stretch(run.time)))["Fmap"].raised
+    known = known.but(forces=forces_of(known), threshold={"Fmap": 0.0, "F*": 15.0})
+    contacts: dict[str, Detected] = known.run(judge_contacts)
+    return contacts["Fmap"].raised
 
 
 @pytest.mark.parametrize("mass", [2.0, 4.0])

@@ -26,6 +26,7 @@ PARAMETER = {"joint": 2, "name": "coulomb", "value": 6.0, "std_error": 0.1, "int
 def made(arm: Robot, judgements: dict[str, Judgement], **more: Any) -> dict[str, pd.DataFrame]:
     """The tables of a study of one arm."""
     friction = record(Friction, {"parameters": [PARAMETER]})
+    more = {"beside_sensor": {}, "contacts": {}} | more
     fits = {"rotors": Rotors(), "identification": Identification(), "calibration": {}}
     fits |= {"fitted": friction, "residuals": Residuals()}
     each = {name: {"ur5": own} for name, own in {"arm": arm, **fits}.items()}

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.steps.made_evidence import evidence
+from tests.steps.made_recording import known_of
 from ur5lib.identification.current_samples import current_record
+from ur5lib.records.judgement import Judgement
 from ur5lib.records.signals import Signals
 from ur5lib.records.truth import TrueParameters, Truth
 from ur5lib.robots.description import Robot
@@ -19,7 +20,8 @@ from ur5lib.steps.calibrate_imu import calibrate_imu
 from ur5lib.steps.compare_accelerations import compare_accelerations
 from ur5lib.steps.compute_torques import compute_torques
 from ur5lib.steps.judge_recording import judge_recording
-from ur5lib.steps.judge_sensor import compare_with_sensor
+from ur5lib.steps.judge_sensor import judge_sensor
+from ur5lib.steps.make_tables import rows_of_forces
 from ur5lib.steps.read_recording import read_recording
 from ur5lib.steps.simulate_recording import simulate_recording
 from ur5lib.study.reading import parse_study
@@ -79,12 +81,11 @@ class Mounted:
         torques, premises = compute_torques(
             file, aligned.motion, arm, "fit", CUTOFF, gravity, entry.known_payload()
         )
-        self.known = evidence(
+        self.known = known_of(
             arm,
             signals,
             aligned.motion,
             read.kinematics,
-            role="fit",
             quality=read.quality,
             force=read.force,
             alignment=aligned.alignment,
@@ -97,7 +98,7 @@ class Mounted:
             *(aligned.alignment, arm, self.calibration, self.calibration, LOWPASS, gravity),
         )
         self.fused, self.beside_imu = self.beside.fused, self.beside.comparison
-        self.sensor, self.beside_sensor = compare_with_sensor(self.known)
+        self.sensor, self.beside_sensor = self.known.run(judge_sensor)
 
     def by_sensor(self) -> Array:
         """Contact force (N, 3) [N], less bias and the tool's weight."""
@@ -172,20 +173,20 @@ def test_sensor_and_currents_tell_the_pushes(
             np.testing.assert_allclose(own, upright, atol=0.4)
 
 
-def test_a_judged_recording_has_rows_of_every_table_of_recordings(
+def test_a_judged_recording_has_rows_of_the_tables_of_recordings(
     arm: Callable[[str], Mounted],
 ) -> None:
-    """But of those beside the IMU, which a step of its own has, and of findings, which
+    """But of those beside sensor and IMU, which other steps have, and of findings, which
     `make_tables` words.
     """
-    judged = judge_recording(arm("floor").known)
+    judgement: Judgement = arm("floor").known.run(judge_recording)
     of_recordings = {name for name, own in columns().items() if "recording" in own}
     others = {"acceleration_bands", "acceleration_mae", "innovations", "quality"}
-    assert judged.judgement.rows.keys() == of_recordings - others
-    assert judged.judgement.findings
-    for name, rows in judged.judgement.rows.items():
+    assert judgement.rows.keys() == of_recordings - rows_of_forces({}, {}, {}).keys() - others
+    assert judgement.findings
+    for name, rows in judgement.rows.items():
         assert all(row.keys() <= {*columns()[name]} for row in rows), name
-    assert {row["device"] for row in judged.judgement.rows["clocks"]} == {"force", "imu"}
+    assert {row["device"] for row in judgement.rows["clocks"]} == {"force", "imu"}
     beside = arm("floor").beside
     assert {*beside.innovations["estimate"]} == {"encoders", "encoders+imu"}
     assert {*beside.errors["estimate"]} >= {"encoders", "encoders+imu", "filterpy"}

@@ -7,10 +7,11 @@ import pandas as pd
 import pytest
 
 from tests.made_records import motion_of, signals_of, torques_of
-from tests.steps.made_evidence import aligned, evidence, premises
+from tests.steps.made_recording import Known, aligned, known_of, premises
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import remark
+from ur5lib.force.published import published_or_controller
 from ur5lib.records.clocks import SettledClock
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.force_errors import Compared
@@ -20,8 +21,7 @@ from ur5lib.records.quality import Quality, StartOffset, contradiction
 from ur5lib.records.signals import SENSOR_COLUMNS
 from ur5lib.robots.description import Robot
 from ur5lib.signals.clock import STAMPS_METHOD
-from ur5lib.steps.evidence import Evidence
-from ur5lib.steps.judge_sensor import compare_with_sensor, published_forces
+from ur5lib.steps.judge_sensor import judge_sensor
 from ur5lib.steps.rebuild_thesis import rebuild_thesis
 from ur5lib.thesis.current_based import friction_torque
 from ur5lib.timeseries.lowpass import Butterworth
@@ -49,16 +49,15 @@ def truth() -> tuple[np.ndarray, ...]:
 class Results:
     """What the steps make of it."""
 
-    known: Evidence
+    known: Known
     published: PublishedForces
     sensor: SensorWrenches
     compared: Compared
 
 
-def rebuilt(known: Evidence) -> PublishedForces:
-    tables = known.signals, known.motion, known.torques, known.kinematics
-    premises = known.premises, known.friction
-    return rebuild_thesis(*tables, *premises, known.arm, LOWPASS, 0.01).published
+def rebuilt(known: Known) -> PublishedForces:
+    published: PublishedForces = known.run(rebuild_thesis).published
+    return published
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +79,7 @@ def results(ur5: Robot) -> Results:
     sent = {"target_qd": qd, "actual_TCP_force": -wrench + 1.0}
     columns = dict(zip(SENSOR_COLUMNS["force"], (reading + BIAS).T, strict=True))
     clock = SettledClock(START, 0.001, None, None, STAMPS_METHOD, warning=None, end_std=0.001)
-    known = evidence(
+    known = known_of(
         ur5,
         signals_of(TIME, q, **read, **sent),
         motion_of(TIME, q, qd, qdd),
@@ -89,9 +88,10 @@ def results(ur5: Robot) -> Results:
         force=pd.DataFrame({"time": TIME - START} | columns),
         quality=Quality(starts={"force": StartOffset(START, 0.001)}),
         alignment=aligned({"force": clock}),
+        lowpass=LOWPASS,
     )
     published = rebuilt(known)
-    return Results(known, published, *compare_with_sensor(known._replace(published=published)))
+    return Results(known, published, *known.but(published=published).run(judge_sensor))
 
 
 def test_the_corrected_estimate_finds_the_force(results: Results) -> None:
@@ -112,15 +112,19 @@ def test_no_force_is_stated_where_fit_or_recording_contradicts_the_arm(
     results: Results, contradicting: dict
 ) -> None:
     """Nor that of the controller, in a study without published values."""
-    known = results.known._replace(**contradicting)
-    withheld = rebuilt(known), published_forces(known)
-    assert all(own.corrected == own.printed == {} for own in withheld)
+    known = results.known.but(**contradicting)
+    withheld = rebuilt(known)
+    assert withheld.corrected == withheld.printed == {}
+    beside = known.run(judge_sensor).compared.errors
+    assert all(estimates == {} for estimates in beside.values())
 
 
 def test_without_published_values_the_controller_s_estimate_stands_alone(results: Results) -> None:
-    stated = published_forces(results.known).corrected
+    known = results.known
+    stated = published_or_controller(None, known.arm, known.signals, withheld=False).corrected
     assert stated.keys() == {"Fu"}
     np.testing.assert_array_equal(stated["Fu"], results.published.corrected["Fu"])
+    assert known.run(judge_sensor).compared.errors["corrected"].keys() == {"Fu"}
 
 
 def test_without_friction_the_estimate_is_off(results: Results) -> None:

@@ -9,10 +9,12 @@ import pytest
 import yaml
 
 from tests.conftest import Workflow, copy_project
+from ur5lib.force.estimators import LEADING
+from ur5lib.records.force_errors import Compared
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.simulate import simulate
-from ur5lib.tables import read_json
+from ur5lib.tables import read_json, read_record
 
 PUSHES = [
     {"kind": "push", "start_s": start, "seconds": 2.0, "force": force}
@@ -39,7 +41,9 @@ def compared(tmp_path_factory: pytest.TempPathFactory) -> Workflow:
     study: dict[str, Any] = {"study": "forces", "title": "Three forces"}
     study["recordings"] = [FIT, imported, apart]
     (workflow.folder / "config.yaml").write_text(yaml.safe_dump(study))
-    workflow.build("--", *(f"results/forces/recordings/{name}/judgement.json" for name in NAMES))
+    workflow.build(
+        "--", *(f"results/forces/recordings/{name}/beside_sensor.json" for name in NAMES)
+    )
     return workflow
 
 
@@ -60,12 +64,12 @@ def without_moments(folder: Path) -> dict[str, Any]:
 @pytest.mark.parametrize("name", NAMES)
 def test_forces_are_compared_and_moments_are_not_invented(compared: Workflow, name: str) -> None:
     folder = compared.folder / "results/forces/recordings" / name
-    rows = read_json(folder / "judgement.json")["rows"]
-    assert [row["contacts"] for row in rows["sensed"]] == [len(PUSHES)]
-    errors = pd.DataFrame(rows["force_mae"]).query("estimate == 'Fmap' and during == 'contact'")
-    compensated = errors[errors["kind"] == "compensated"]
-    assert {*compensated["component"]} == {"Fx", "Fy", "Fz"}
-    assert (compensated["mae"] < 0.8 * compensated["zero_mae"]).all()
+    beside = read_record(Compared, folder / "beside_sensor.json")
+    assert beside.felt is not None
+    assert beside.felt.contacts == len(PUSHES)
+    figures = beside.errors["compensated"][LEADING]["contact"]
+    assert figures["mae"].keys() == {"Fx", "Fy", "Fz"}
+    assert all(error < 0.8 * figures["zero_mae"][name] for name, error in figures["mae"].items())
     table = pd.read_parquet(folder / "sensor.parquet")
     assert table["compensated_Fx"].notna().mean() > 0.9
     assert table[[f"compensated_n{axis}" for axis in "xyz"]].isna().all(axis=None)

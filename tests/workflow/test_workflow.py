@@ -28,9 +28,9 @@ from ur5lib.tables import read_csv, read_table
 SECONDS = 60  # in which a run that must fail ends
 RECORDINGS = 2
 RUN = "run_times", "ro-crate-metadata"  # files that say when or how long it ran
-JUDGED = ["judge_recording", "draw_figures"]
-FROM_FORCES = ["estimate_forces", *JUDGED]
-FROM_LOADS = ["estimate_load", "predict_currents", "estimate_live", *FROM_FORCES]
+SENSED = ["judge_sensor", "judge_contacts", "draw_figures"]
+FROM_FORCES = ["estimate_forces", *SENSED]
+FROM_LOADS = ["estimate_load", "predict_currents", "estimate_live", "judge_recording", *FROM_FORCES]
 FROM_TORQUES = ["compute_torques", *FROM_LOADS]
 ACCELERATIONS = ["compare_accelerations", "draw_figures"]
 FROM_ARM = [*FROM_TORQUES, "compare_accelerations"]
@@ -211,15 +211,15 @@ def test_a_figure_of_a_run_that_was_stopped_is_refused(tmp_path: Path) -> None:
         ("ur5lib/identification/payload.py", jobs(*FROM_LOADS) | RESIDUALS | REPORT),
         (
             "ur5lib/force/residual_model.py",
-            jobs("estimate_live", *FROM_FORCES) | RESIDUALS | REPORT,
+            jobs("estimate_live", "judge_recording", *FROM_FORCES) | RESIDUALS | REPORT,
         ),
         # Judgements: no force estimate runs again.
         ("ur5lib/signals/imu_calibration.py", jobs(*ACCELERATIONS) | IMU | REPORT),
         ("ur5lib/smoothing/imu_fusion.py", jobs(*ACCELERATIONS) | REPORT),
-        ("ur5lib/force/sensor.py", jobs(*JUDGED) | REPORT),
-        ("ur5lib/force/flange_contact.py", jobs(*JUDGED) | REPORT),
-        ("ur5lib/steps/judge_contacts.py", jobs(*JUDGED) | REPORT),
-        ("ur5lib/tidy/friction.py", jobs(*JUDGED) | REPORT),
+        ("ur5lib/force/sensor.py", jobs(*SENSED) | REPORT),
+        ("ur5lib/force/flange_contact.py", jobs("judge_contacts") | REPORT),
+        ("ur5lib/steps/judge_contacts.py", jobs("judge_contacts") | REPORT),
+        ("ur5lib/tidy/friction.py", jobs("judge_recording") | REPORT),
         # The wording of a warning, verdict or caption.
         ("ur5lib/checks/channels.words.yaml", REPORT),
         ("ur5lib/report/views/contacts.py", DOCUMENTED),

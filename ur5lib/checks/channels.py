@@ -149,6 +149,13 @@ def slow_samples(
     return [Finding("robot", "slower than fit", "warning", 1, values)] * slower
 
 
+def slower_than_fit(
+    q: Array, segment: Labels, period: float, cutoff: float, of_fit: float | None
+) -> list[Finding]:
+    """Return the warning of `slow_samples`, none where nothing was fitted."""
+    return [] if of_fit is None else slow_samples(q, segment, period, cutoff, of_fit)
+
+
 def _missed_and_bent(q: Array) -> tuple[Array, Array]:
     """Return how far a spline through q_0, q_2 ... (N, n) and straight lines miss q_1, q_3 ..."""
     from scipy.interpolate import make_interp_spline  # slow to import; most logs are fast

@@ -84,21 +84,22 @@ def compensation(study: FinishedStudy | None, robot: str, only: str) -> str:
 
 def _recording(study: FinishedStudy, arm: Robot, entry: Recording) -> dict[str, Any] | None:
     """Return what a recording tells of its sensor, and when it did; None without a sensor."""
-    judged, quality = study.judgement(entry.name), study.quality(entry.name)
-    if judged.offset is None:
+    quality, sensor = study.quality(entry.name), study.beside_sensor(entry.name)
+    if sensor.offset is None:
         return None
+    found = study.judgement(entry.name).findings + sensor.findings()
     place = arm.with_force_sensor(*entry.sensor_mounting()).mounting
     return {
         "recording": entry.name,
         "start": _start(quality, entry),
         "duration_s": quality.duration_s,
         "temperature": _last_temperature(study.record(Signals, entry.name)),
-        "remarks": [str(worded(one)["detail"]) for one in judged.findings if _is_doubt(one)],
+        "remarks": [str(worded(one)["detail"]) for one in found if _is_doubt(one)],
         "reading": _reading(quality),
         "gravity": [*arm.mounted(entry.known_gravity()).gravity],
         "position": [*place.force_sensor],
         "turn_deg": [*place.force_sensor_turn_deg],
-        **offset_of(judged.offset),
+        **offset_of(sensor.offset),
     }
 
 

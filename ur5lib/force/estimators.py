@@ -5,7 +5,7 @@ ESTIMATORS as they stand here; the first that a recording has leads its figures 
 """
 
 import re
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
@@ -20,6 +20,7 @@ if TYPE_CHECKING:  # whoever reads estimates need not load what makes them
     from ur5lib.force.wrench_estimate import WrenchEstimate
     from ur5lib.records.currents import Currents
     from ur5lib.records.dynamics import Kinematics
+    from ur5lib.records.forces import Forces
     from ur5lib.records.motion import Motion
 
 
@@ -34,6 +35,18 @@ class Stated(NamedTuple):
     wrench: Array
     std: Array | None = None
     log_odds: Array | None = None
+
+
+def all_stated(forces: "Forces", others: Mapping[str, Array]) -> dict[str, Stated]:
+    """Return what every estimate of a recording states, by name.
+
+    others: wrenches (N, 6) without bands and odds, as the controller's and the thesis's.
+    """
+    ours = {
+        name: Stated(wrench, forces.std.get(name), forces.log_odds.get(name))
+        for name, wrench in forces.wrench.items()
+    }
+    return {name: Stated(wrench) for name, wrench in others.items()} | ours
 
 
 # The second states the same; None where the recording lacks what the estimator needs.

@@ -1,5 +1,6 @@
 """The controller's own estimate of the contact wrench, which published ones stand beside."""
 
+from ur5lib.records.forces import PublishedForces
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
@@ -23,3 +24,17 @@ def controller_estimate(robot: Robot, signals: Signals) -> dict[str, Array]:
         return {}
     stated = signals.actual_TCP_force
     return {"Fu": stated if robot.wrist_sensor else environment_on_arm(stated)}
+
+
+def published_or_controller(
+    published: PublishedForces | None, robot: Robot, signals: Signals, withheld: bool = False
+) -> PublishedForces:
+    """Return the published estimates, in a study without published values the controller's alone;
+    none where they are withheld.
+    """
+    if published is not None:
+        return published
+    stated = {} if withheld else controller_estimate(robot, signals)
+    return PublishedForces(
+        time=signals.time, segment=signals.segment, printed=stated, corrected=stated
+    )

@@ -6,7 +6,6 @@ their types say how a file is read; what it returns is written under the names o
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
-from inspect import signature
 from io import BytesIO
 from pathlib import Path
 from types import UnionType
@@ -44,8 +43,7 @@ def arguments(step: Callable[..., Any], input: Files, params: Mapping[str, Any])
     kinds = parameter_types(step)
     files = {name: _read(kinds[name], paths) for name, paths in input.items() if name in kinds}
     settings = {name: setting(kinds[name], own) for name, own in params.items() if name in kinds}
-    whole = _single_tuple(step)
-    return {whole[0]: whole[1](**files, **settings)} if whole else files | settings
+    return files | settings
 
 
 def write(step: Callable[..., Any], result: Any, output: Files) -> None:
@@ -86,17 +84,8 @@ def _parts(kind: Any, result: Any, output: Files) -> dict[str, tuple[Any, Any]]:
 @cache
 def parameter_types(step: Callable[..., Any]) -> dict[str, Any]:
     """Return the types of a step's parameters; of an optional one, without None."""
-    whole = _single_tuple(step)
-    types = get_type_hints(whole[1] if whole else step, include_extras=True)
+    types = get_type_hints(step, include_extras=True)
     return {name: _without_none(kind) for name, kind in types.items() if name != "return"}
-
-
-def _single_tuple(step: Callable[..., Any]) -> tuple[str, Any] | None:
-    """Return name and type of the one parameter of a step that takes all it is given as a tuple."""
-    hints = get_type_hints(step)
-    names = [*signature(step).parameters]
-    kind = hints[names[0]]
-    return (names[0], kind) if len(names) == 1 and hasattr(kind, "_fields") else None
 
 
 def _without_none(kind: Any) -> Any:

@@ -1,8 +1,9 @@
 """What a force sensor shows of the estimates, and of itself."""
 
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 
 from ur5lib.errors import Remark
+from ur5lib.records.quality import Finding
 from ur5lib.timeseries.arrays import Array, Six
 
 
@@ -86,19 +87,26 @@ ByPeriod = dict[str, Figures]  # in contact, free and all
 
 @dataclass(frozen=True, kw_only=True)
 class Compared:
-    """Every estimate of the contact wrench beside the force sensor.
+    """beside_sensor.json: every estimate of the contact wrench beside the force sensor; empty
+    without one.
 
-    std: median standard deviation by estimate and component; errors: by kind of reference,
-    estimate and period; contacts: errors of each contact by estimate; felt: what the sensor felt;
-    offset_doubt: why its bias may be a push; mounting_doubt: why its mounting may be wrong.
+    errors: by kind of reference, estimate and period; contacts: errors of each contact by estimate;
+    felt: what the sensor felt; offset_doubt: why its bias may be a push; mounting_doubt: why its
+    mounting may be wrong.
     """
 
-    force_sensor: bool = False
-    share_near_singularity: float = float("nan")
-    std: Figures = field(default_factory=dict)
     offset: OffsetAccount | None = None
     offset_doubt: Remark | None = None
     mounting_doubt: Remark | None = None
     felt: Felt | None = None
     errors: dict[str, dict[str, ByPeriod]] = field(default_factory=dict)
     contacts: dict[str, list[ContactErrors]] = field(default_factory=dict)
+
+    def findings(self) -> list[Finding]:
+        """Return why the sensor's mounting and bias may be wrong."""
+        doubts = {"mounting": self.mounting_doubt, "offset": self.offset_doubt}
+        return [
+            Finding("force", name, "warning", 1, {"doubt": asdict(doubt)})
+            for name, doubt in doubts.items()
+            if doubt is not None
+        ]

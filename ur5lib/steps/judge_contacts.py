@@ -20,6 +20,7 @@ from ur5lib.force.detection import (
     pushes_above,
     receiver_curve,
 )
+from ur5lib.force.estimators import LEADING, Stated, all_stated
 from ur5lib.force.external_torque import JointState, finite_rows
 from ur5lib.force.flange_contact import (
     MAX_CONTACT_SAMPLES,
@@ -31,12 +32,20 @@ from ur5lib.force.flange_contact import (
 from ur5lib.force.force_input import ForceInput, gears
 from ur5lib.force.gate import TorqueVariances, diagonal
 from ur5lib.force.grasp import grasped_load
-from ur5lib.force.problem import Problem
+from ur5lib.force.problem import Problem, fmap_problem
+from ur5lib.force.published import published_or_controller
+from ur5lib.force.residual_model import Residuals
+from ur5lib.force.trial_contacts import flange_speed
 from ur5lib.records.contacts import Alarm, Causal, Detected, ForceClass, Matched, OnAxis
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.forces import Forces, LiveForces, PublishedForces, SensorWrenches
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
+from ur5lib.records.premises import Premises
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import link_frames
-from ur5lib.steps.evidence import Evidence
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import inside_spans, runs
 
@@ -59,29 +68,64 @@ class Alarms(NamedTuple):
     std: Array
 
 
-def alarms_by_odds(forces: Forces, name: str, threshold: float) -> Alarms:
-    """Return the alarms of an estimate that states odds of contact."""
-    odds = forces.log_odds[name]
-    return Alarms(odds, alarms(odds, threshold), forces.wrench[name], forces.std[name])
+def judge_contacts(
+    kinematics: Kinematics,
+    signals: Signals,
+    motion: Motion,
+    premises: Premises,
+    currents: Currents,
+    forces: Forces,
+    live: LiveForces,
+    sensor: SensorWrenches,
+    arm: Robot,
+    friction: Friction,
+    residuals: Residuals,
+    threshold: dict[str, float],
+    contact_force_n: float,
+    gravity: list[float] | None = None,
+    published: PublishedForces | None = None,
+) -> dict[str, Detected]:
+    """Return the contacts by each estimate that has a threshold, beside the sensor.
+
+    Of the leading one, also whether they are at the flange, and what the live estimator states.
+    arm: as fitted; gravity: in its base frame [m/s²], None as described.
+    """
+    withheld = bool(premises.contradictions.stop_signs or friction.stopped)
+    others = published_or_controller(published, arm, signals, withheld)
+    found = all_alarms(all_stated(forces, others.corrected), threshold)
+    moved = motion.q, flange_speed(kinematics.jacobian, motion.qd)
+    loads = load_finder(arm.mounted(gravity), motion, currents, forces, friction, residuals)
+    contacts = detected(found, sensor, *moved, threshold, loads)
+    problem = fmap_problem(motion, currents, residuals)
+    if problem is None or LEADING not in contacts:
+        return contacts
+    prior, leading = ContactPrior(force=contact_force_n), contacts[LEADING]
+    at_flange = judged_by_torques(arm, problem, forces.time, prior, leading.raised)
+    leading = replace(leading, raised=at_flange, causal=causally(live, sensor))
+    return contacts | {LEADING: leading}
+
+
+def alarms_of(estimate: Stated, threshold: float) -> Alarms:
+    """Return the alarms of an estimate: by its odds of contact, where it states a force alone by
+    the size of this, of which the threshold then is [N].
+    """
+    wrench, std, odds = estimate
+    std = np.full_like(wrench, np.nan) if std is None else std
+    if odds is not None:
+        return Alarms(odds, alarms(odds, threshold), wrench, std)
+    size = np.nan_to_num(np.linalg.norm(wrench[:, :3], axis=1))
+    return Alarms(size, force_alarms(size, threshold), wrench, std)
 
 
 def all_alarms(
-    forces: Forces, published: PublishedForces, thresholds: Mapping[str, float]
+    estimates: Mapping[str, Stated], thresholds: Mapping[str, float]
 ) -> dict[str, Alarms]:
-    """Return the alarms of every estimate that the recording has and a threshold is known of.
-
-    The published ones state a force alone, of which the threshold is a size [N].
-    """
-    found = {}
-    for name, threshold in thresholds.items():
-        if name in forces.log_odds:
-            found[name] = alarms_by_odds(forces, name, threshold)
-        elif name in published.corrected:
-            wrench = published.corrected[name]
-            size = np.nan_to_num(np.linalg.norm(wrench[:, :3], axis=1))
-            raised = force_alarms(size, threshold)
-            found[name] = Alarms(size, raised, wrench, np.full_like(wrench, np.nan))
-    return found
+    """Return the alarms of every estimate that the recording has and a threshold is known of."""
+    return {
+        name: alarms_of(estimates[name], threshold)
+        for name, threshold in thresholds.items()
+        if name in estimates
+    }
 
 
 def detected(
@@ -139,18 +183,26 @@ def by_axis(own: Alarms, sensor: SensorWrenches, axis: int) -> OnAxis:
     )
 
 
-def load_finder(evidence: Evidence) -> Named:
-    """Return a function that decides whether an alarm is a grasped load, and estimates its mass."""
-    currents, forces = evidence.currents, evidence.forces
+def load_finder(
+    robot: Robot,
+    motion: Motion,
+    currents: Currents,
+    forces: Forces,
+    friction: Friction,
+    residuals: Residuals,
+) -> Named:
+    """Return a function that decides whether an alarm is a grasped load, and estimates its mass.
+
+    robot: under the recording's gravity.
+    """
     external, background = currents.external_torque, forces.background
-    model = evidence.residuals.tau_ext
-    if external is None or background is None or model is None or not evidence.friction.from_:
+    model = residuals.tau_ext
+    if external is None or background is None or model is None or not friction.from_:
         return lambda _, alarm: alarm
     torque = external - background
     if (known_gears := gears(currents)) is not None:
         torque, _ = known_gears.contact_torque(torque)
     spread = model.doubt * model.spread[JointState.MOVING]
-    robot, motion = evidence.robot, evidence.motion
 
     def named(span: Span, alarm: Alarm) -> Alarm:
         part = slice(*span)

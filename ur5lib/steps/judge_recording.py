@@ -1,132 +1,98 @@
-"""Judge a recording: beside its force sensor, by its contacts, as rows of the study's tables."""
+"""Judge a recording by itself: findings, and its rows of the study's tables."""
 
 from dataclasses import replace
-from typing import NamedTuple
+from pathlib import Path
 
-from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.estimators import LEADING
-from ur5lib.force.problem import fmap_problem, unusual_friction
-from ur5lib.force.trial_contacts import flange_speed
-from ur5lib.records.contacts import Detected
-from ur5lib.records.force_errors import Compared
-from ur5lib.records.forces import SensorWrenches
+from ur5lib.checks.channels import slower_than_fit
+from ur5lib.force.problem import unusual_friction
+from ur5lib.force.residual_model import Residuals
+from ur5lib.records.closed_loop import ClosedLoop
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.friction import Friction
 from ur5lib.records.gains import GainSummary
 from ur5lib.records.judgement import Judgement, Rows
-from ur5lib.records.quality import UNUSUAL_FRICTION, Finding
-from ur5lib.steps.evidence import Evidence
-from ur5lib.steps.judge_contacts import (
-    all_alarms,
-    causally,
-    detected,
-    judged_by_torques,
-    load_finder,
-)
-from ur5lib.steps.judge_sensor import compare_with_sensor, published_forces
-from ur5lib.steps.predict_currents import slower_than_fit
+from ur5lib.records.motion import Alignment, Motion
+from ur5lib.records.prediction import Prediction
+from ur5lib.records.premises import Premises
+from ur5lib.records.quality import UNUSUAL_FRICTION, Finding, Quality
+from ur5lib.records.signals import Signals
 from ur5lib.thesis.published_constants import PublishedConstants
 from ur5lib.thesis.reference import Published, read_reference
-from ur5lib.tidy import files, forces, friction, models, motion, written
+from ur5lib.tidy import files, friction, models, motion, written
 
 
-class JudgedRecording(NamedTuple):
-    """What shows how right the estimates of a recording are."""
+def judge_recording(
+    recording: str,
+    quality: Quality,
+    signals: Signals,
+    motion: Motion,
+    alignment: Alignment,
+    torques: Torques,
+    premises: Premises,
+    currents: Currents,
+    prediction: Prediction,
+    friction: Friction,
+    residuals: Residuals,
+    cutoff_hz: float,
+    closed_loop: ClosedLoop | None = None,
+    gains: GainSummary | None = None,
+    constants: PublishedConstants | None = None,
+    reference: Path | None = None,
+) -> Judgement:
+    """Return a recording's findings, and its rows of tables.
 
-    sensor: SensorWrenches
-    judgement: Judgement
-
-
-def judge_recording(evidence: Evidence) -> JudgedRecording:
-    """Return a recording's forces beside its sensor, and its rows of the tables."""
-    sensor, beside_sensor = compare_with_sensor(evidence)
-    published = Published(read_reference(evidence.reference).printed, evidence.recording)
-    contacts = detect_contacts(evidence, sensor)
-    rows = {
-        **of_files(evidence),
-        **of_motion(evidence, published),
-        **of_currents(evidence, published),
-        **of_forces(evidence, published, beside_sensor, contacts),
-    }
-    found = findings_of(evidence, beside_sensor)
-    judgement = Judgement(rows, found, beside_sensor.offset)
-    return JudgedRecording(sensor, judgement)
-
-
-def detect_contacts(evidence: Evidence, sensor: SensorWrenches) -> dict[str, Detected]:
-    """Return the contacts by each estimate, beside the sensor.
-
-    Of the leading one, also whether they are at the flange, and what the live estimator states.
+    cutoff_hz: of the currents' low-pass [Hz]. Of the thesis's methods, None where the study has no
+    published values.
     """
-    forces, currents, thresholds = evidence.forces, evidence.currents, evidence.threshold
-    alarms = all_alarms(forces, published_forces(evidence), thresholds)
-    moved = evidence.motion.q, flange_speed(evidence.kinematics.jacobian, evidence.motion.qd)
-    contacts = detected(alarms, sensor, *moved, thresholds, load_finder(evidence))
-    problem = fmap_problem(evidence.motion, currents, evidence.residuals)
-    if problem is None or LEADING not in contacts:
-        return contacts
-    prior = ContactPrior(force=evidence.contact_force_n)
-    found = contacts[LEADING]
-    at_flange = judged_by_torques(evidence.arm, problem, forces.time, prior, found.raised)
-    found = replace(found, raised=at_flange, causal=causally(evidence.live, sensor))
-    return contacts | {LEADING: found}
+    published = Published(read_reference(reference).printed, recording)
+    rows = {
+        **of_files(quality, signals, alignment),
+        **of_models(signals, torques, closed_loop, gains or GainSummary(), published),
+        **of_currents(prediction, constants or PublishedConstants(), published),
+    }
+    moved = signals.actual_q, signals.segment, signals.period
+    slower = slower_than_fit(*moved, cutoff_hz, friction.period)
+    share = unusual_friction(motion, currents, residuals)
+    unusual = Finding("robot", UNUSUAL_FRICTION, "warning", 1, {"share": share})
+    doubts = slower if share is None else [*slower, unusual]
+    known = premises.contradictions
+    contradictions = replace(known, findings=[*known.findings, *doubts])
+    return Judgement(rows, files.findings(quality, contradictions, alignment.clocks))
 
 
-def findings_of(evidence: Evidence, beside_sensor: Compared) -> list[Finding]:
-    """Return the findings about the recording's files, clocks and sensor."""
-    contradictions, cutoff = evidence.premises.contradictions, evidence.currents_lowpass.cutoff
-    slower = slower_than_fit(evidence.signals, evidence.friction, cutoff)
-    share = unusual_friction(evidence.motion, evidence.currents, evidence.residuals)
-    unusual = [Finding("robot", UNUSUAL_FRICTION, "warning", 1, {"share": share})]
-    doubts = [*contradictions.findings, *slower, *(unusual if share is not None else [])]
-    contradictions = replace(contradictions, findings=doubts)
-    clocks = evidence.alignment.clocks
-    return files.findings(evidence.quality, contradictions, clocks, beside_sensor)
-
-
-def of_files(evidence: Evidence) -> dict[str, Rows]:
+def of_files(quality: Quality, signals: Signals, alignment: Alignment) -> dict[str, Rows]:
     """Return the rows about the recording's files."""
-    quality, clocks = evidence.quality, evidence.alignment.clocks
     return written(
-        recordings=files.recordings(quality, evidence.signals),
+        recordings=files.recordings(quality, signals),
         files=files.files(quality),
         account=files.account(quality),
-        clocks=files.clocks(clocks),
+        clocks=files.clocks(alignment.clocks),
     )
 
 
-def of_motion(evidence: Evidence, published: Published) -> dict[str, Rows]:
-    """Return the rows about motion and link models."""
-    signals, loop = evidence.signals, evidence.closed_loop
-    gains = evidence.gains or GainSummary()
+def of_models(
+    signals: Signals,
+    torques: Torques,
+    loop: ClosedLoop | None,
+    gains: GainSummary,
+    published: Published,
+) -> dict[str, Rows]:
+    """Return the rows about link models and the controller."""
     return written(
-        torque_mae=models.torque_mae(signals, evidence.torques, loop, published),
+        torque_mae=models.torque_mae(signals, torques, loop, published),
         closed_loop_mae=motion.closed_loop_mae(loop, signals, published) if loop else (),
         gains=motion.gains(gains),
         published_gains=motion.published_gains(gains),
     )
 
 
-def of_currents(evidence: Evidence, published: Published) -> dict[str, Rows]:
-    """Return the rows about currents and the load that they show."""
-    constants = evidence.constants or PublishedConstants()
-    return written(
-        current_rmse=friction.current_rmse(evidence.prediction),
-        payload=friction.payload(evidence.prediction),
-        published_constants=friction.published_constants(constants, published),
-    )
-
-
-def of_forces(
-    evidence: Evidence,
-    published: Published,
-    beside_sensor: Compared,
-    contacts: dict[str, Detected],
+def of_currents(
+    prediction: Prediction, constants: PublishedConstants, published: Published
 ) -> dict[str, Rows]:
-    """Return the rows about forces and contacts."""
+    """Return the rows about currents and the load that they show."""
     return written(
-        force_mae=forces.force_mae(beside_sensor, published),
-        contact_errors=forces.contact_errors(beside_sensor),
-        sensed=forces.sensed(beside_sensor),
-        detection=forces.detection(contacts),
-        fixed_threshold=forces.fixed_threshold(contacts),
-        contacts=forces.contacts(contacts),
+        current_rmse=friction.current_rmse(prediction),
+        payload=friction.payload(prediction),
+        published_constants=friction.published_constants(constants, published),
     )

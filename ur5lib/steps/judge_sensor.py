@@ -1,14 +1,15 @@
 """The force sensor's wrench, and every estimate of the contact wrench beside it."""
 
 from collections.abc import Mapping
-from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from ur5lib.force.contact_figures import contact_errors, figures_by_contact
 from ur5lib.force.detection import sensed_contact
-from ur5lib.force.estimators import LEADING, UNGATED
-from ur5lib.force.published import controller_estimate
+from ur5lib.force.estimators import LEADING, UNGATED, Stated, all_stated
+from ur5lib.force.published import published_or_controller
 from ur5lib.force.sensor import (
     measured_columns,
     mounting_doubt,
@@ -17,64 +18,71 @@ from ur5lib.force.sensor import (
     opposite_axes,
     wrench_of_environment,
 )
-from ur5lib.records.force_errors import ByPeriod, Compared, Figures
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.force_errors import ByPeriod, Compared
 from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Alignment, Motion
+from ur5lib.records.premises import Premises
+from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.records.table import WRENCH
-from ur5lib.robots.description import Robot
-from ur5lib.steps.evidence import Evidence
+from ur5lib.robots.description import Robot, Vector3
 from ur5lib.steps.sensor_reading import SensorReading, by_own_clock, moved_tool, sensor_reading
 from ur5lib.timeseries.arrays import Array
 
-Estimates = dict[str, tuple[Array, Array | None]]  # wrench and its standard deviation, (N, 6)
+
+class JudgedSensor(NamedTuple):
+    """The force sensor's wrench, and every estimate beside it; both empty without a sensor."""
+
+    sensor: SensorWrenches
+    compared: Compared
 
 
-def compare_with_sensor(evidence: Evidence) -> tuple[SensorWrenches, Compared]:
-    """Return the force sensor's wrench, and every estimate beside it; both empty without one."""
-    signals, kinematics, forces = evidence.signals, evidence.kinematics, evidence.forces
-    near = kinematics.smallest_singular_value < evidence.min_singular_value
-    compared = Compared(
-        force_sensor=signals.force_sensor is not None,
-        share_near_singularity=float(near.mean()),
-        std=band_widths(forces),
-    )
-    if signals.force_sensor is None:
-        return SensorWrenches(time=signals.time, segment=signals.segment), compared
-    robot = evidence.robot.with_force_sensor(*evidence.mounting)
-    reading = read_sensor(evidence, robot)
-    sensor = sensor_wrenches(robot, signals, reading, kinematics.rotation)
-    estimates = compared_estimates(robot, signals, reading, published_forces(evidence), forces)
-    if (torque := evidence.currents.external_torque) is not None and forces.wrench:
-        known = torque, kinematics.jacobian, evidence.min_singular_value
-        estimates["compensated"] = estimates["compensated"] | {UNGATED: (ungated(*known), None)}
-    return sensor, beside_sensor(compared, reading, sensor, estimates, kinematics.rotation)
+def judge_sensor(
+    quality: Quality,
+    force: pd.DataFrame,
+    kinematics: Kinematics,
+    signals: Signals,
+    motion: Motion,
+    alignment: Alignment,
+    premises: Premises,
+    currents: Currents,
+    forces: Forces,
+    arm: Robot,
+    friction: Friction,
+    bias_window_s: float,
+    min_singular_value: float,
+    mounting: tuple[Vector3 | None, Vector3 | None] = (None, None),
+    gravity: list[float] | None = None,
+    published: PublishedForces | None = None,
+) -> JudgedSensor:
+    """Return the force sensor's wrench, and every estimate of a recording beside it.
 
-
-def published_forces(evidence: Evidence) -> PublishedForces:
-    """Return the published estimates, in a study without published values the controller's alone;
-    none where the recording contradicts the study.
+    force: the sensor's samples on its own clock; arm: as fitted; bias_window_s: at the start, free
+    of contact; mounting: place [m] and turn [°] of the sensor as the study states them; gravity: in
+    the arm's base frame [m/s²], None as described.
     """
-    if evidence.published is not None:
-        return evidence.published
-    signals = evidence.signals
-    stopped = evidence.premises.contradictions.stop_signs or evidence.friction.stopped
-    stated = {} if stopped else controller_estimate(evidence.arm, signals)
-    return PublishedForces(
-        time=signals.time, segment=signals.segment, printed=stated, corrected=stated
-    )
-
-
-def read_sensor(evidence: Evidence, robot: Robot) -> SensorReading:
-    """Return the reading of the arm's own sensor, or of one with a clock of its own."""
-    signals, window = evidence.signals, evidence.bias_window_s
-    moved = moved_tool(robot, evidence.kinematics, evidence.motion)
-    start = evidence.quality.starts.get("force")
-    if start is None:
+    if signals.force_sensor is None:
+        return JudgedSensor(SensorWrenches(time=signals.time, segment=signals.segment), Compared())
+    robot = arm.mounted(gravity).with_force_sensor(*mounting)
+    moved = moved_tool(robot, kinematics, motion)
+    if (start := quality.starts.get("force")) is None:
         whole = signals.ft_raw_wrench is not None  # else, the controller takes its tool off
-        tool = evidence.premises.load.payload if whole else None
-        return sensor_reading(robot, signals, moved, window, tool=tool)
-    clock_std = evidence.alignment.clocks["force"].end_std
-    return by_own_clock(robot, signals, moved, window, clock_std, evidence.force, start)
+        tool = premises.load.payload if whole else None
+        reading = sensor_reading(robot, signals, moved, bias_window_s, tool=tool)
+    else:
+        clock_std = alignment.clocks["force"].end_std
+        reading = by_own_clock(robot, signals, moved, bias_window_s, clock_std, force, start)
+    sensor = sensor_wrenches(robot, signals, reading, kinematics.rotation)
+    withheld = bool(premises.contradictions.stop_signs or friction.stopped)
+    others = published_or_controller(published, arm, signals, withheld)
+    estimates = compared_estimates(robot, signals, reading, others, forces)
+    if (torque := currents.external_torque) is not None and forces.wrench:
+        plain = ungated(torque, kinematics.jacobian, min_singular_value)
+        estimates["compensated"] |= {UNGATED: Stated(plain)}
+    return JudgedSensor(sensor, beside_sensor(reading, sensor, estimates, kinematics.rotation))
 
 
 def sensor_wrenches(
@@ -89,7 +97,7 @@ def sensor_wrenches(
     wrenches = {
         "printed": wrench_of_environment(reading.placed, rotation),
         "corrected": at_flange(reading.placed - reading.start_bias),
-        "compensated": at_flange(reading.values - reading.untouched),
+        "compensated": at_flange(reading.wrench - reading.untouched),
     }
     if not reading.own_clock:
         del wrenches["printed"]
@@ -114,7 +122,7 @@ def compared_estimates(
     reading: SensorReading,
     published: PublishedForces,
     forces: Forces,
-) -> dict[str, Estimates]:
+) -> dict[str, dict[str, Stated]]:
     """Return the estimates that each kind of reference is compared with.
 
     With a sensor in the arm's wrist, the controller's own force F^u is this sensor's reading; only
@@ -122,52 +130,52 @@ def compared_estimates(
     """
     other = signals.ft_raw_wrench is not None or reading.own_clock
     itself = set() if other or not robot.wrist_sensor else {"Fu"}
-    found: dict[str, Estimates] = {}
-    for kind, own in (("printed", published.printed), ("corrected", published.corrected)):
-        found[kind] = {name: (wrench, None) for name, wrench in own.items() if name not in itself}
-    found["corrected"] |= {name: (own, forces.std.get(name)) for name, own in forces.wrench.items()}
-    return found | {"compensated": found["corrected"]}
+    printed, corrected = (
+        {name: own for name, own in kind.items() if name not in itself}
+        for kind in (published.printed, published.corrected)
+    )
+    found = {"printed": {name: Stated(own) for name, own in printed.items()}}
+    found["corrected"] = all_stated(forces, corrected)
+    return found | {"compensated": {**found["corrected"]}}
 
 
 def beside_sensor(
-    found: Compared,
     reading: SensorReading,
     sensor: SensorWrenches,
-    compared: Mapping[str, Estimates],
+    compared: Mapping[str, Mapping[str, Stated]],
     rotation: Array,
 ) -> Compared:
-    """Return a comparison with the offsets taken off the reading, doubts about them and the
-    mounting, what the sensor felt, and the errors beside it.
+    """Return the offsets taken off the reading, doubts about them and the mounting, what the sensor
+    felt, and the errors beside it.
 
     What is in contact and what is free follows from the sensor less bias and tool weight. Beside a
     sensor without moments, forces alone are compared. compared: of `compared_estimates`.
     """
-    own, best = reading.offset, sensor.wrench["compensated"]
+    best = sensor.wrench["compensated"]
     force = np.linalg.norm(best[:, :3], axis=1)
     columns = measured_columns(best)
     opposite = list[str]()
     if LEADING in compared["compensated"]:
-        estimated, _ = compared["compensated"][LEADING]
+        estimated = compared["compensated"][LEADING].wrench
         opposite = opposite_axes(best[:, :3], estimated[:, :3], rotation)
 
-    def errors(wrench: Array, std: Array | None, reference: Array) -> ByPeriod:
-        band = None if std is None else std[:, columns]
-        given = wrench[:, columns], band, reference[:, columns]
+    def errors(own: Stated, reference: Array) -> ByPeriod:
+        band = None if own.std is None else own.std[:, columns]
+        given = own.wrench[:, columns], band, reference[:, columns]
         return by_component(figures_by_contact(*given, force, sensor.period))
 
-    return replace(
-        found,
+    return Compared(
         offset=reading.account(),
-        offset_doubt=offset_doubt(own, reading.each),
-        mounting_doubt=mounting_doubt(own, opposite),
+        offset_doubt=offset_doubt(reading.offset, reading.each),
+        mounting_doubt=mounting_doubt(reading.offset, opposite),
         felt=sensed_contact(force, sensor.time),
         errors={
-            kind: {name: errors(*estimate, reference) for name, estimate in compared[kind].items()}
+            kind: {name: errors(own, reference) for name, own in compared[kind].items()}
             for kind, reference in sensor.wrench.items()
         },
         contacts={
-            name: [*contact_errors(wrench[:, :3], best[:, :3], sensor.time)]
-            for name, (wrench, _) in compared["compensated"].items()
+            name: [*contact_errors(own.wrench[:, :3], best[:, :3], sensor.time)]
+            for name, own in compared["compensated"].items()
         },
     )
 
@@ -177,12 +185,4 @@ def by_component(figures: dict[str, dict[str, Array]]) -> ByPeriod:
     return {
         during: {name: dict(zip(WRENCH, values, strict=False)) for name, values in part.items()}
         for during, part in figures.items()
-    }
-
-
-def band_widths(forces: Forces) -> Figures:
-    """Return the median standard deviation of each estimate, by component."""
-    return {
-        name: dict(zip(WRENCH, np.nanmedian(std, axis=0).tolist(), strict=True))
-        for name, std in forces.std.items()
     }

@@ -7,6 +7,8 @@ import pandas as pd
 
 from ur5lib.force.residual_model import Residuals
 from ur5lib.records.accelerations import ImuComparison
+from ur5lib.records.contacts import Detected
+from ur5lib.records.force_errors import Compared
 from ur5lib.records.friction import Friction
 from ur5lib.records.judgement import Judgement
 from ur5lib.records.models import Identification, Rotors
@@ -14,12 +16,17 @@ from ur5lib.records.wording import worded
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.tables import read_cells
-from ur5lib.tidy import Row, accelerations, columns, files, friction, models, table
+from ur5lib.thesis.reference import Printed, Published, read_reference
+from ur5lib.tidy import Row, accelerations, columns, files, forces, friction, models, table
+
+RowsByTable = dict[str, dict[str, Iterable[Row]]]  # by table, then by recording
 
 
 def make_tables(
     judgements: Mapping[str, Judgement],
     beside_imu: Mapping[str, ImuComparison],
+    beside_sensor: Mapping[str, Compared],
+    contacts: Mapping[str, dict[str, Detected]],
     arm: Mapping[str, Robot],
     rotors: Mapping[str, Rotors],
     identification: Mapping[str, Identification],
@@ -29,16 +36,22 @@ def make_tables(
     parts: list[Path],
     unreadable: dict[str, str],
     roles: dict[str, str] | None = None,
+    reference: Path | None = None,
 ) -> dict[str, pd.DataFrame]:
     """Return each table by its name.
 
-    judgements, beside_imu: of all recordings; arm to residuals: of all arms; parts: CSV files that
-    steps write for each recording or arm, in the folder of its name: together they are the table of
-    their name; unreadable: the recordings without a judgement, each with the reason; roles: of all,
-    by which a copy of another recording is left out.
+    judgements: of all recordings; beside_imu to contacts: of those in motion; arm to residuals: of
+    all arms; parts: CSV files that steps write for each recording or arm, in the folder of its
+    name: together they are the table of their name; unreadable: the recordings without a judgement,
+    each with the reason; roles: of all, by which a copy of another recording is left out;
+    reference: published values.
     """
+    judged, compared = dict(judgements), dict(beside_sensor)
+    rows = rows_of_recordings(judged, compared, unreadable)
+    rows |= rows_of_forces(compared, dict(contacts), read_reference(reference).printed)
     written = joined(parts) | {"acceleration_bands": bands_of_accelerations(dict(beside_imu))}
-    tables = tables_of_recordings(dict(judgements), unreadable, roles or {}, written)
+    tables = {name: table(name, own) for name, own in rows.items()} | written
+    tables = without_copies(tables, roles or {})
 
     def of_arms(name: str, rows: Callable[[str], Iterable[Row]]) -> None:
         tables[name] = table(name, {robot: rows(robot) for robot in arm}, "robot")
@@ -57,24 +70,50 @@ def make_tables(
     return tables
 
 
-def tables_of_recordings(
+def rows_of_forces(
+    compared: Mapping[str, Compared],
+    contacts: Mapping[str, dict[str, Detected]],
+    printed: Printed,
+) -> RowsByTable:
+    """Return the rows about forces and contacts."""
+    errors: dict[str, Iterable[Row]] = {
+        name: forces.force_mae(one, Published(printed, name)) for name, one in compared.items()
+    }
+    return {
+        "force_mae": errors,
+        "contact_errors": {name: forces.contact_errors(one) for name, one in compared.items()},
+        "sensed": {name: forces.sensed(one) for name, one in compared.items()},
+        "detection": {name: forces.detection(one) for name, one in contacts.items()},
+        "fixed_threshold": {name: forces.fixed_threshold(one) for name, one in contacts.items()},
+        "contacts": {name: forces.contacts(one) for name, one in contacts.items()},
+    }
+
+
+def rows_of_recordings(
     judgements: Mapping[str, Judgement],
+    compared: Mapping[str, Compared],
     unreadable: Mapping[str, str],
-    roles: Mapping[str, str],
-    written: Mapping[str, pd.DataFrame],
-) -> dict[str, pd.DataFrame]:
-    """Return the tables whose rows are those of the recordings; of others, a stop sign; of copies,
-    the findings alone; written: tables that steps have written.
+) -> RowsByTable:
+    """Return the rows that recordings' judgements hold, and all findings; of recordings that cannot
+    be read, a stop sign.
     """
-    rows: dict[str, dict[str, Iterable[Row]]] = {
+    rows: RowsByTable = {
         name: {recording: one.rows.get(name, ()) for recording, one in judgements.items()}
         for name, own in columns().items()
         if "recording" in own
     }
-    rows["quality"] = {name: map(worded, one.findings) for name, one in judgements.items()}
+    found = {name: one.findings for name, one in judgements.items()}
+    found |= {name: found[name] + one.findings() for name, one in compared.items()}
+    rows["quality"] = {name: map(worded, own) for name, own in found.items()}
     rows["quality"] |= {name: [files.unreadable(why)] for name, why in unreadable.items()}
-    tables = {name: table(name, own) for name, own in rows.items()} | {**written}
-    quality = tables.pop("quality")
+    return rows
+
+
+def without_copies(
+    tables: Mapping[str, pd.DataFrame], roles: Mapping[str, str]
+) -> dict[str, pd.DataFrame]:
+    """Return the tables of recordings; of copies of another recording, the findings alone."""
+    quality = tables["quality"]
     copies = files.spare_copies(quality, roles)
     kept = {
         name: own[~own["recording"].isin(copies)] if "recording" in own else own

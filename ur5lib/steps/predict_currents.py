@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ur5lib.channels import CURRENT, Effort
-from ur5lib.checks.channels import slow_samples
+from ur5lib.checks.channels import slower_than_fit
 from ur5lib.dynamics.link_model import load_regressor
 from ur5lib.force.external_torque import external_torque, without_edges
 from ur5lib.identification.current_samples import Smoother, current_record
@@ -32,7 +32,6 @@ from ur5lib.records.friction import CurrentFit, Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction, Scores
 from ur5lib.records.premises import Premises
-from ur5lib.records.quality import Finding
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.steps.tare import tared
@@ -73,10 +72,9 @@ def predict_currents(
     summary = Prediction(recording in friction.from_)
     record = current_record(recording, signals, motion, torques, arm)
     fit, smooth = friction.fit_for(recording), Smoother(*lowpass)
-    stopped = premises.contradictions.stop_signs or slower_than_fit(
-        signals, friction, smooth.cutoff
-    )
-    if record is None or not fit.joints or stopped:
+    moved = signals.actual_q, signals.segment, signals.period
+    slower = slower_than_fit(*moved, smooth.cutoff, friction.period)
+    if record is None or not fit.joints or premises.contradictions.stop_signs or slower:
         return PredictedCurrents(Currents(time=signals.time, segment=signals.segment), summary)
     load, load_torque = None, 0 * record.q
     if payload.is_known:
@@ -93,17 +91,6 @@ def predict_currents(
     rivals = baselines(record, arm, friction.least_squares, signals)
     scored = scores(record, currents, rivals, smooth)
     return PredictedCurrents(currents, replace(summary, load=load, scores=scored))
-
-
-def slower_than_fit(signals: Signals, friction: Friction, cutoff: float) -> list[Finding]:
-    """Return a warning of a recording in motion that is too slow for the fit's bands.
-
-    cutoff: of the low-pass of currents [Hz].
-    """
-    if friction.period is None:
-        return []
-    moved = signals.actual_q, signals.segment, signals.period
-    return slow_samples(*moved, cutoff, friction.period)
 
 
 def predicted_currents(

@@ -30,7 +30,7 @@ class SensorReading:
     own_clock: whether it has one; each: samples (N,) for each of the sensor's own.
     """
 
-    values: Array
+    wrench: Array
     untouched: Array
     offset: SensorOffset
     pull_at: Array

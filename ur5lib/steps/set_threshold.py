@@ -8,7 +8,7 @@ import numpy as np
 
 from ur5lib.force.detection import alarm_threshold, force_threshold
 from ur5lib.force.estimators import GATED, PUBLISHED
-from ur5lib.force.published import controller_estimate
+from ur5lib.force.published import published_or_controller
 from ur5lib.records.forces import Forces, PublishedForces
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
@@ -34,24 +34,13 @@ def set_threshold(
     found = thresholds(GATED, odds, alarm_threshold, rate)
     # without odds of contact, no force is stated, and nothing stands beside the published ones
     if found:
-        sizes: Evidence = [
-            (force_sizes(others_of(name, signals, arm, published)), one.period)
-            for name, one in forces.items()
-        ]
+        known = published or {}
+        sizes: Evidence = []
+        for name, one in forces.items():
+            stated = published_or_controller(known.get(name), arm, signals[name])
+            sizes.append((force_sizes(stated.corrected), one.period))
         found |= thresholds([*PUBLISHED], sizes, force_threshold, rate)
     return found
-
-
-def others_of(
-    recording: str,
-    signals: Mapping[str, Signals],
-    arm: Robot,
-    published: Mapping[str, PublishedForces] | None,
-) -> Mapping[str, Array]:
-    """Return the published wrenches (N, 6) of a recording, or the controller's alone."""
-    if published is None:
-        return controller_estimate(arm, signals[recording])
-    return published[recording].corrected
 
 
 def force_sizes(wrenches: Mapping[str, Array]) -> dict[str, Array]:

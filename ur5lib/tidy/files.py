@@ -10,7 +10,6 @@ import pandas as pd
 from ur5lib.recordings.copies import same_runs, spare_copy
 from ur5lib.records.account import NOTHING
 from ur5lib.records.clocks import SettledClock
-from ur5lib.records.force_errors import Compared
 from ur5lib.records.quality import (
     UNREADABLE,
     Contradictions,
@@ -77,10 +76,8 @@ def findings(
     quality: Quality,
     contradictions: Contradictions | None = None,
     clocks: Mapping[str, SettledClock] | None = None,
-    forces: Compared | None = None,
 ) -> list[Finding]:
-    """Return the findings about a recording's files, clocks without a measured drift, and a force
-    sensor that contradicts the motor currents or its tool's weight, or whose bias may be a push.
+    """Return the findings about a recording's files, and clocks without a measured drift.
 
     Each device's file has its checksum; its count is 1 where it is used, else 0. The robot's rows
     have their fingerprint. `name_copies` keeps those of several recordings.
@@ -99,9 +96,6 @@ def findings(
         doubt = "clock by stamps alone" if clock.warning else "unknown drift"
         if clock.warning or clock.drift is None:
             found.append(Finding(cast(Device, sensor), doubt, "warning", 1, asdict(clock)))
-    for doubted in ("mounting", "offset"):
-        if told := getattr(forces, f"{doubted}_doubt", None):
-            found.append(Finding("force", doubted, "warning", 1, {"doubt": asdict(told)}))
     return found
 
 

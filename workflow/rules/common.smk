@@ -164,12 +164,12 @@ def drawn_by(rule, of=""):
 
 
 RUNS_FOR = {}  # by step of a topic: its recordings, if not all
-BY_THE_THESIS = {}  # inputs of a study with published values
+BY_THE_THESIS, PUBLISHED_FORCES = {}, {}  # inputs of a study with published values
 if REFERENCE:
+    PUBLISHED_FORCES = {"published": result("published_forces.parquet")}
     BY_THE_THESIS = REFERENCE | {
         "closed_loop": result("closed_loop.parquet"),
         "gains": result("gains.json"),
-        "published": result("published_forces.parquet"),
         "constants": result("published_constants.json"),
     }
 

@@ -191,12 +191,66 @@ rule compare_accelerations:
         run_step(rule, input, output, params, log)
 
 
+rule judge_sensor:
+    input:
+        **PUBLISHED_FORCES,
+        quality=result("quality.json"),
+        force=result("force.parquet"),
+        kinematics=result("kinematics.parquet"),
+        signals=result("signals.parquet"),
+        motion=result("motion.parquet"),
+        alignment=result("alignment.json"),
+        premises=result("premises.json"),
+        currents=result("currents.parquet"),
+        forces=result("forces.parquet"),
+        arm=parameter_of("arm.yaml"),
+        friction=parameter_of("friction.json"),
+    output:
+        sensor=result("sensor.parquet"),
+        compared=result("beside_sensor.json"),
+    log:
+        **traces("judge_sensor", "{recording}"),
+    params:
+        code=code("judge_sensor"),
+        gravity=of_recording(SELECTION.gravity),
+        mounting=of_recording(SELECTION.sensor_mounting),
+        bias_window_s=SETTINGS.sensor.bias_window_s,
+        min_singular_value=SETTINGS.singularities.min_singular_value,
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule judge_contacts:
+    input:
+        **PUBLISHED_FORCES,
+        kinematics=result("kinematics.parquet"),
+        signals=result("signals.parquet"),
+        motion=result("motion.parquet"),
+        premises=result("premises.json"),
+        currents=result("currents.parquet"),
+        forces=result("forces.parquet"),
+        live=result("live_forces.parquet"),
+        sensor=result("sensor.parquet"),
+        arm=parameter_of("arm.yaml"),
+        friction=parameter_of("friction.json"),
+        residuals=parameter_of("residuals.json"),
+        threshold=parameter_of("threshold.json"),
+    output:
+        contacts=result("contacts.json"),
+    log:
+        **traces("judge_contacts", "{recording}"),
+    params:
+        code=code("judge_contacts"),
+        gravity=of_recording(SELECTION.gravity),
+        contact_force_n=SETTINGS.contact.force_n,
+    run:
+        run_step(rule, input, output, params, log)
+
+
 rule judge_recording:
     input:
         **BY_THE_THESIS,
         quality=result("quality.json"),
-        force=result("force.parquet"),
-        kinematics=result("kinematics.parquet"),
         signals=result("signals.parquet"),
         motion=result("motion.parquet"),
         alignment=result("alignment.json"),
@@ -204,26 +258,15 @@ rule judge_recording:
         premises=result("premises.json"),
         currents=result("currents.parquet"),
         prediction=result("currents.json"),
-        forces=result("forces.parquet"),
-        live=result("live_forces.parquet"),
-        arm=parameter_of("arm.yaml"),
         friction=parameter_of("friction.json"),
         residuals=parameter_of("residuals.json"),
-        threshold=parameter_of("threshold.json"),
     output:
-        sensor=result("sensor.parquet"),
         judgement=result("judgement.json"),
     log:
         **traces("judge_recording", "{recording}"),
     params:
         code=code("judge_recording", COLUMNS),
         recording="{recording}",
-        role=lambda wildcards: RECORDINGS[wildcards.recording].role,
-        gravity=of_recording(SELECTION.gravity),
-        mounting=of_recording(SELECTION.sensor_mounting),
-        currents_lowpass=design(SETTINGS.lowpass.currents),
-        contact_force_n=SETTINGS.contact.force_n,
-        bias_window_s=SETTINGS.sensor.bias_window_s,
-        min_singular_value=SETTINGS.singularities.min_singular_value,
+        cutoff_hz=SETTINGS.lowpass.currents.cutoff_hz,
     run:
         run_step(rule, input, output, params, log)

@@ -90,9 +90,12 @@ rule draw_filters:
 # Thousands of inputs are given as functions: of a list, Snakemake weighs each path when it parses.
 rule make_tables:
     input:
+        **REFERENCE,
         judgements=lambda wildcards: results("judgement.json")
         + postures("judgement.json", SELECTION.at_rest),
         beside_imu=lambda wildcards: results("imu_comparison.json"),
+        beside_sensor=lambda wildcards: results("beside_sensor.json"),
+        contacts=lambda wildcards: results("contacts.json"),
         arm=parameters("arm.yaml"),
         rotors=parameters("rotor_inertia.json"),
         identification=parameters("identification.json"),

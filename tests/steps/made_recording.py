@@ -1,5 +1,8 @@
 """What the steps know of a made-up recording: records that say nothing but what a test gives."""
 
+from collections.abc import Callable
+from inspect import signature
+from types import SimpleNamespace
 from typing import Any
 
 from tests.made_records import stretch, torques_of
@@ -8,7 +11,7 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.records.carried import Carried
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.forces import Forces, LiveForces
+from ur5lib.records.forces import Forces, LiveForces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Alignment, Motion
 from ur5lib.records.prediction import Prediction
@@ -16,7 +19,6 @@ from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Contradictions, Quality
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
-from ur5lib.steps.evidence import Evidence
 from ur5lib.steps.read_recording import NO_SAMPLES
 from ur5lib.timeseries.lowpass import Butterworth
 
@@ -33,14 +35,24 @@ def aligned(clocks: dict[str, Any] | None = None) -> Alignment:
     return Alignment(clocks or {}, record(Alignment, {"clocks": {}}).encoders)
 
 
-def evidence(
+class Known(SimpleNamespace):
+    """Records and settings by the names that steps ask for them."""
+
+    def but(self, **others: Any) -> "Known":
+        return Known(**vars(self) | others)
+
+    def run(self, step: Callable[..., Any]) -> Any:
+        asked = signature(step).parameters
+        return step(**{name: own for name, own in vars(self).items() if name in asked})
+
+
+def known_of(
     arm: Robot, signals: Signals, motion: Motion, kinematics: Kinematics, **known: Any
-) -> Evidence:
+) -> Known:
     """Nothing is known besides: no currents, no forces, no sensor."""
     grid = stretch(signals.time)
     usual: dict[str, Any] = {
         "recording": "made",
-        "role": "contact",
         "quality": Quality(),
         "force": NO_SAMPLES,
         "alignment": aligned(),
@@ -50,13 +62,15 @@ def evidence(
         "prediction": Prediction(False),
         "forces": Forces(**grid),
         "live": LiveForces(**grid),
+        "sensor": SensorWrenches(**grid),
         "friction": Friction(),
         "residuals": Residuals(),
         "threshold": {},
-        "currents_lowpass": CURRENTS_LOWPASS,
+        "cutoff_hz": CURRENTS_LOWPASS.cutoff,
+        "lowpass": CURRENTS_LOWPASS,
         "contact_force_n": CONTACT_FORCE,
         "bias_window_s": 1.0,
         "min_singular_value": 0.01,
     }
     own = {"arm": arm, "signals": signals, "motion": motion, "kinematics": kinematics}
-    return Evidence(**usual | own | known)
+    return Known(**usual | own | known)
