@@ -117,7 +117,7 @@ def bare(own: Checked) -> Checked:
     """Return a log with its positions, velocities and efforts alone."""
     kept = ("time", "segment", "interpolated", *moved(own))
     names = [name for name in own.robot if name.startswith(kept)]
-    return Checked(own.robot[names], own.arm, own.configured, own.declared, own.fitted)
+    return Checked(own.robot[names], own.arm, own.configured, own.declared, own.fitted, own.cutoff)
 
 
 def faults(own: Checked) -> Iterator[Fault]:

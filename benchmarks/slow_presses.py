@@ -111,7 +111,7 @@ def estimate(own: Taken, untouched: tuple[float, float] | None) -> WrenchEstimat
     friction = fitted_map([], [own])
     known = currents(friction, own)
     if untouched:
-        known = tared(known, own.motion, untouched)
+        known = tared(known, own.motion, untouched, CURRENTS.cutoff)
     problem = fmap_problem(own.motion, known, usual_residuals(friction.fit, CURRENTS.cutoff))
     assert problem is not None
     return problem.solve(own.kinematics.jacobian[problem.rows], ContactPrior())

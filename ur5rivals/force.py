@@ -66,6 +66,6 @@ def most_probable(run: Run, torque: Array, noise: ResidualModel) -> Estimate:
     noise: of that torque without contact, with the breakaway torque.
     """
     inputs = run.q, run.qd, torque, run.states, run.segment, run.period, None, run.gears
-    jacobian = run.jacobian[used_rows(run.segment, run.period)]
+    jacobian = run.jacobian[used_rows(run.segment, run.period, noise.cutoff)]
     estimate = estimate_wrench(ForceInput(*inputs), jacobian, noise, ContactPrior())
     return Estimate(estimate.wrench, estimate.std)

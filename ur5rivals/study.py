@@ -76,13 +76,13 @@ def read_arms(folder: Path) -> list[StudyArm]:
 def read_arm(study: FinishedStudy, entries: Sequence[Recording], name: str) -> StudyArm:
     """Return the runs of an arm, the paths of all of them labelled together."""
     robot, friction = study.arm(name), study.parameters(Friction, name, "friction")
+    cutoff = study.configuration().settings.lowpass.currents.cutoff_hz
     six = len(robot.joints) == JOINT_COUNT
     own = [entry for entry in entries if six and entry.arm.known_as == name and not entry.at_rest]
     used = [
         (entry.role, run)
         for entry in own
-        if (run := read_run(study, entry.name, robot.mounted(entry.known_gravity()), friction))
-        is not None
+        if (run := read_run(study, entry, robot, friction, cutoff)) is not None
     ]
     roles, runs = [role for role, _ in used], label_paths([run for _, run in used])
     free = [run for role, run in zip(roles, runs, strict=True) if role != "contact"]
@@ -104,8 +104,14 @@ def repeats_of(run: Run, free: Sequence[Run]) -> tuple[Run, ...]:
     )
 
 
-def read_run(study: FinishedStudy, name: str, robot: Robot, fitted: Friction) -> Run | None:
-    """Return a recording, None where its external torque is unknown or it carries a load."""
+def read_run(
+    study: FinishedStudy, entry: Recording, arm: Robot, fitted: Friction, cutoff: float
+) -> Run | None:
+    """Return a recording, None where its external torque is unknown or it carries a load.
+
+    cutoff: of the currents' low-pass [Hz].
+    """
+    name, robot = entry.name, arm.mounted(entry.known_gravity())
     signals, motion = study.record(Signals, name), study.record(Motion, name)
     currents, torques = study.record(Currents, name), study.record(Torques, name)
     loaded = study.record(Prediction, name, "currents").is_loaded
@@ -123,7 +129,7 @@ def read_run(study: FinishedStudy, name: str, robot: Robot, fitted: Friction) ->
         path=0,
         period=motion.period,
         segment=motion.segment,
-        states=force_input(motion, currents.external_torque, currents).states,
+        states=force_input(motion, currents.external_torque, currents, cutoff).states,
         q=motion.q,
         qd=motion.qd,
         qdd=motion.qdd,

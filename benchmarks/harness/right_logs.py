@@ -26,7 +26,7 @@ from ur5lib.stand.simulate import simulate
 from ur5lib.study.reading import parse_study
 
 PROJECT = Path(__file__).parents[2]
-MAX_GAP = 0.1  # s
+MAX_GAP, CUTOFF = 0.1, 2.0  # s, Hz
 STUDIES = {  # of the workflow, and the folder of their files among the reference data
     "thesis": "thesis",
     "ur10e": "ur10e",
@@ -88,7 +88,7 @@ def checked(
     files = entry if isinstance(entry, Files) else ENTRY.validate_python(entry)
     table = checked_intake(read_and_repair(files, arm, MAX_GAP), arm).robot
     load = carried(payload, Signals.from_table(table))
-    return Checked(table, arm, load.configured, load.payload, role == "fit")
+    return Checked(table, arm, load.configured, load.payload, role == "fit", cutoff=CUTOFF)
 
 
 def of_baxter(shared: Path) -> Iterator[Made]:

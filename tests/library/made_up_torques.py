@@ -93,7 +93,7 @@ class Free:
     ) -> WrenchEstimate:
         """others: fields of the `ForceInput`."""
         run = self.input(**others)
-        jacobian = self.jacobian[used_rows(run.segment, run.period)]
+        jacobian = self.jacobian[used_rows(run.segment, run.period, model.cutoff)]
         return estimate_wrench(run, jacobian, model, prior)
 
 
@@ -112,7 +112,7 @@ def free_run(
     pace, phase = random.uniform(0.4, 0.9, 6), random.uniform(0, 6, 6)
     angle, swing = pace * time[:, None] + phase, 0.4 * moving
     q, qd = around + swing * np.sin(angle), swing * pace * np.cos(angle)
-    states = joint_states(qd, np.zeros(len(time), int), period)
+    states = joint_states(qd, np.zeros(len(time), int), period, cutoff=2.0)
     torque = scale * residual(states, period, random)
     rotation, _, jacobian = flange_kinematics(ur5, q)
     return Free(time, q, qd, jacobian, rotation, states, torque)

@@ -68,7 +68,7 @@ def log(arm: Robot, seed: int = 0, spring: float = 0.0) -> Checked:
     table = pd.DataFrame({"time": time, "segment": 0, "interpolated": False})
     for name, values in {"actual_q": q, "actual_qd": qd, arm.measured.channel: effort}.items():
         table = table.assign(**named(values, name))
-    return Checked(table, arm, None, None, fitted=True)
+    return Checked(table, arm, None, None, fitted=True, cutoff=2.0)
 
 
 def spoilt(own: Checked, order: list[int], *names: str, sign: Array | None = None) -> Checked:
@@ -148,13 +148,24 @@ def test_a_joint_whose_friction_brakes_is_not_turned(seed: int) -> None:
     assert signs(replace(own, robot=rippled)) == []
 
 
+@pytest.mark.parametrize(("cutoff", "shortest"), [(2.0, 0.03), (10.0, 0.006)])
+def test_a_delay_matters_from_a_share_of_the_cut_off_s_period_on(
+    ur5e: Robot, cutoff: float, shortest: float
+) -> None:
+    delays = replace(log(ur5e), cutoff=cutoff).delays
+    assert delays is not None
+    assert delays.shortest == pytest.approx(shortest)
+
+
 @pytest.mark.parametrize(("before_shorter", "told"), [(2.0, False), (20.0, True)])
 def test_a_delay_is_told_where_a_shorter_one_explains_less(
     before_shorter: float, told: bool
 ) -> None:
     """Friction that follows a reversal looks like a delay of one step, or of the next."""
     seconds = 0.02 * np.arange(-2, 3)
-    delays = Delays(seconds, np.array([0.0, 0.0, 70.0, 100.0 - before_shorter, 100.0]))
+    delays = Delays(
+        seconds, np.array([0.0, 0.0, 70.0, 100.0 - before_shorter, 100.0]), shortest=0.03
+    )
     assert bool([*delayed_currents(delays, driven=True, name="actual_current")]) == told
 
 

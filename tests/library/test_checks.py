@@ -301,7 +301,7 @@ def test_motion_that_samples_do_not_tell_is_a_stop_sign() -> None:
     log = poor_log(load_robot(robot_path("ur5")), 40, seed=1, speed=1.5)
     for every, stops in ((1, False), (12, False), (125, True)):  # at 125, 10 and 1 Hz
         table = log[::every].reset_index(drop=True).assign(segment=0, interpolated=False)
-        checked = Checked(table, load_robot(robot_path("ur5")), None, None, True)
+        checked = Checked(table, load_robot(robot_path("ur5")), None, None, True, cutoff=2.0)
         codes = [sign.code for sign in stop_signs(checked)]
         assert ("untold motion" in codes) == stops
 
@@ -311,7 +311,7 @@ def test_few_other_arms_are_named_that_fit_as_well_and_never_its_own() -> None:
     described = load_robot(robot_path("ur5"))
     own = described.model_copy(update={"name": "mine"})
     log = poor_log(described, 10.0, seed=1).drop(columns=CURRENTS)
-    checked = Checked(log.assign(segment=0, interpolated=False), own, None, None, False)
+    checked = Checked(log.assign(segment=0, interpolated=False), own, None, None, False, cutoff=2.0)
     told = said(found(unchecked(checked), "arm not checked")).partition("told from ")[2]
     *named, more = told.partition(":")[0].split(" or ")
     assert len(named) == MAX_NAMED

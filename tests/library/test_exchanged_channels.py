@@ -36,5 +36,5 @@ def test_cells_that_are_missing_have_no_noise(
             columns=dict(zip(CURRENTS + TARGETS, TARGETS + CURRENTS, strict=True))
         )
     table, *_ = repair_frames(frames, None, 0.1, "log.csv")
-    signs = stop_signs(Checked(table, load_robot(robot_path("ur5")), None, None, True))
+    signs = stop_signs(Checked(table, load_robot(robot_path("ur5")), None, None, True, cutoff=2.0))
     assert ("exchanged channels" in [sign.code for sign in signs]) == is_exchanged

@@ -38,7 +38,7 @@ def test_a_contact_is_judged_by_its_middle_half_where_torques_are_known() -> Non
     phase = time[:, None] + np.arange(6)
     torque = np.zeros_like(phase)
     torque[1000:1100, 2] = np.nan
-    states = joint_states(np.cos(phase), segment, 0.008)
+    states = joint_states(np.cos(phase), segment, 0.008, cutoff=2.0)
     given = ForceInput(np.sin(phase), np.cos(phase), torque, states, segment, 0.008)
     for start, end in ((2.0, 2.2), (4.0, 12.0), (8.2, 8.6)):
         rows = middle_half(given, time, start, end)

@@ -25,7 +25,6 @@ from ur5lib.force.gate import Observations, TorqueVariances, find_contacts
 from ur5lib.force.missed_contacts import MISSED_DEVIATIONS, missed_contacts, probability_while_shut
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import (
-    THINNED_STEP,
     StretchEstimate,
     WrenchEstimate,
     contact_spans,
@@ -366,7 +365,7 @@ def test_where_the_pose_is_unknown_nothing_is_told(ur5: Robot) -> None:
 
 
 def test_between_the_samples_used_a_pose_is_unknown_beside_an_unknown_one(ur5: Robot) -> None:
-    run = free_run(ur5, seed=72, seconds=4, period=THINNED_STEP / 4)
+    run = free_run(ur5, seed=72, seconds=4, period=0.008)
     J = run.jacobian.copy()
     J[99:102] = np.nan  # the sample used is 100
     wrench = replace(run, jacobian=J).estimate().wrench

@@ -69,7 +69,7 @@ def fitted(*stretches: TorqueStretch) -> ResidualModel:
 
 
 def states_of(qd: np.ndarray, period: float = PERIOD) -> np.ndarray:
-    return joint_states(qd, np.zeros(len(qd), int), period)
+    return joint_states(qd, np.zeros(len(qd), int), period, cutoff=2.0)
 
 
 def test_an_arm_is_still_once_all_joints_rest() -> None:
@@ -127,7 +127,7 @@ def test_friction_relaxes_for_a_second_at_both_ends_of_a_rest(rate: int) -> None
 def test_a_gap_wakes_no_joint() -> None:
     qd = np.zeros((100, 6))
     qd[:50] = 1.0
-    states = joint_states(qd, np.repeat([0, 1], 50), PERIOD)
+    states = joint_states(qd, np.repeat([0, 1], 50), PERIOD, cutoff=2.0)
     assert (states[:50] == JointState.MOVING).all()
     assert (states[50:] == JointState.STILL).all()
 

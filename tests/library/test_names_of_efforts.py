@@ -82,7 +82,7 @@ def test_torques_of_motors_with_currents_are_currents(tmp_path: Path) -> None:
 
 def test_what_is_missing_is_called_by_its_name(tmp_path: Path) -> None:
     arm = sensing(7)
-    notes = unchecked(Checked(read(tmp_path, arm).robot, arm, None, None, True))
+    notes = unchecked(Checked(read(tmp_path, arm).robot, arm, None, None, True, cutoff=2.0))
     (missing,) = (one for one in notes if one.finding == "no currents")
     said = worded(missing)["detail"]
     assert "no actual_torque" in said

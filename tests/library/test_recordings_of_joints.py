@@ -73,7 +73,7 @@ def test_a_recording_has_the_joints_of_its_arm(count: int, tmp_path: Path) -> No
     for name in ("actual_q", "actual_qd", "actual_torque"):
         assert channel(found.robot, name).shape[1] == count
     assert not check_robot(found.robot, PERIOD, [(-10.0, 10.0)] * count, [10.0] * count)
-    assert not stop_signs(Checked(found.robot, robot, None, None, True))
+    assert not stop_signs(Checked(found.robot, robot, None, None, True, cutoff=2.0))
 
 
 @pytest.mark.parametrize("count", [2, 7])

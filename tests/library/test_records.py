@@ -197,7 +197,7 @@ def test_a_force_estimate_is_given_one_recording_s_motion_and_torque() -> None:
     assert isinstance(motion, Motion)
     assert isinstance(currents, Currents)
     assert currents.external_torque is not None
-    one = force_input(motion, currents.external_torque, currents)
+    one = force_input(motion, currents.external_torque, currents, 2.0)
     assert (one.q is motion.q, one.qd is motion.motor_qd) == (True, True)
     assert (one.torque is currents.external_torque, one.doubt is currents.load_doubt) == (True,) * 2
     assert one.period == motion.period

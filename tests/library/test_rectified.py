@@ -21,7 +21,7 @@ CURRENTS = columns("actual_current")
 
 def reported(log: pd.DataFrame, arm: str) -> list[str]:
     table = log.assign(segment=0, interpolated=False)
-    checked = Checked(table, load_robot(robot_path(arm)), None, None, True)
+    checked = Checked(table, load_robot(robot_path(arm)), None, None, True, cutoff=2.0)
     return [said(sign) for sign in stop_signs(checked)]
 
 

@@ -202,7 +202,7 @@ def test_a_wrench_is_estimated() -> None:
         breakaway=np.ones(JOINTS),
     )
     segment = np.zeros(len(q), np.int64)
-    used = jacobian[used_rows(segment, PERIOD)]
+    used = jacobian[used_rows(segment, PERIOD, model.cutoff)]
     states = np.full(q.shape, JointState.MOVING, np.int8)
     run = ForceInput(q, 0 * q, torque, states, segment, PERIOD)
     found = estimate_wrench(run, used, model, ContactPrior())
@@ -279,4 +279,4 @@ def test_it_is_no_cause_of_what_six_joints_read(
     for name, values in channels.items():
         table[[f"{name}_{k}" for k in range(6)]] = values
     assert "seven" in robot_names()
-    assert stop_signs(Checked(table, ur5, None, None, False)) == []
+    assert stop_signs(Checked(table, ur5, None, None, False, cutoff=2.0)) == []

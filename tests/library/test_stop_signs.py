@@ -101,7 +101,7 @@ class Taken:
         robot = load_robot(robot_path(arm)).mounted(self.arm.gravity) if arm else self.arm
         load = carried(self.entry.known_payload(), Signals.from_table(table))
         fitted = self.entry.role == "fit"
-        checked = Checked(table, robot, load.configured, load.payload, fitted)
+        checked = Checked(table, robot, load.configured, load.payload, fitted, cutoff=2.0)
         return [*map(said, stop_signs(checked))]
 
 
@@ -452,7 +452,7 @@ def test_a_velocity_that_was_not_recorded_is_that_of_the_positions(made: Path) -
 def test_delays_are_as_far_apart_at_every_rate(made: Path, name: str, robot: str) -> None:
     """As near as frames allow: at 125 Hz and at 500 Hz."""
     taken = simulated(made, name, robot, "floor")
-    checked = Checked(taken.table, taken.arm, None, None, fitted=True)
+    checked = Checked(taken.table, taken.arm, None, None, fitted=True, cutoff=2.0)
     assert checked.answers is not None
     steps = np.diff(checked.answers.delays.seconds)
     np.testing.assert_allclose(steps, DELAY_STEP, atol=checked.step / 2)
@@ -528,7 +528,7 @@ def test_a_similar_arm_that_fits_much_better_is_reported(made: Path) -> None:
     """As of two generations: here, an arm that differs by 0.5 kg at its end."""
     taken = simulated(made, "slow", "ur5", "floor")
     heavier = taken.arm.carrying(Payload(mass=0.5)).model_copy(update={"name": "heavier"})
-    (sign,) = stop_signs(Checked(taken.table, heavier, None, None, fitted=True))
+    (sign,) = stop_signs(Checked(taken.table, heavier, None, None, fitted=True, cutoff=2.0))
     assert "`robot: ur5` would fit" in said(sign)
 
 
@@ -538,7 +538,7 @@ def test_a_load_that_the_study_does_not_know_is_told_by_the_controllers_torque(m
     found = {}
     for mass in (3.0, 2.0):
         known = Payload(mass=mass, center_of_mass=(0.0, 0.0, 0.06))
-        checked = Checked(taken.table, taken.arm, known, known, fitted=True)
+        checked = Checked(taken.table, taken.arm, known, known, fitted=True, cutoff=2.0)
         assert not any(foreign_torque(checked.means, taken.arm, [known]))
         found[mass] = [*given_load(checked)]
     (load,) = found[2.0]
@@ -550,7 +550,9 @@ def test_a_load_that_the_study_does_not_know_is_told_by_the_controllers_torque(m
 def test_no_right_torque_contains_an_unknown_load(study: str, name: str) -> None:
     taken = real(study, name)
     load = carried(taken.entry.known_payload(), Signals.from_table(taken.table))
-    checked = Checked(taken.table, taken.arm, load.configured, load.payload, fitted=True)
+    checked = Checked(
+        taken.table, taken.arm, load.configured, load.payload, fitted=True, cutoff=2.0
+    )
     assert [*given_load(checked)] == []
 
 

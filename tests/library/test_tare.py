@@ -43,7 +43,7 @@ def resting(moves_at: float = np.inf) -> tuple[Currents, Motion]:
 
 def test_the_torque_of_the_span_is_zero_until_the_arm_is_elsewhere() -> None:
     known, motion = resting(moves_at=8.0)
-    found = tared(known, motion, (0.0, 1.5))
+    found = tared(known, motion, (0.0, 1.5), 2.0)
     torque = found.external_torque
     assert torque is not None
     np.testing.assert_allclose(torque[TIME < 8], 0, atol=1e-12)
@@ -53,7 +53,7 @@ def test_the_torque_of_the_span_is_zero_until_the_arm_is_elsewhere() -> None:
 @pytest.mark.parametrize(("usual", "state"), [(True, JointState.TARED), (False, JointState.STILL)])
 def test_a_background_that_no_recording_shows_is_held(usual: bool, state: int) -> None:
     known, motion = resting(moves_at=8.0)
-    found = tared(known, motion, (0.0, 1.5))
+    found = tared(known, motion, (0.0, 1.5), 2.0)
     problem = fmap_problem(motion, found, Residuals(tau_ext=replace(MODEL, usual=usual)))
     assert problem is not None
     assert (problem.input.states[TIME < 5] == state).all()
@@ -83,7 +83,7 @@ def test_a_span_outside_or_in_motion_or_too_short_is_no_tare(
 ) -> None:
     """The recording costs its tare, and no other recording anything."""
     known, motion = resting(moves_at=8.0)
-    assert tared(known, motion, span) is known
+    assert tared(known, motion, span, 2.0) is known
     signals = resting_signals(ur5, moves_at=8.0)
     (finding,) = tare_doubts(span, signals, ur5, 2.0)
     assert finding.severity == "error"

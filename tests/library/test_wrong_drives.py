@@ -63,7 +63,7 @@ class Cell:
 
 
 def checked(intake: Intake, arm: Robot) -> Checked:
-    return Checked(intake.robot, arm, None, None, True)
+    return Checked(intake.robot, arm, None, None, True, cutoff=2.0)
 
 
 @pytest.fixture(scope="module", params=SEEDS)

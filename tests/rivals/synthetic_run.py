@@ -37,7 +37,7 @@ def synthetic_run(seed: int = 0, push: Array | float = 0.0, noise: float = 0.0) 
         path=seed,
         period=PERIOD,
         segment=segment,
-        states=joint_states(qd, segment, PERIOD),
+        states=joint_states(qd, segment, PERIOD, cutoff=2.0),
         q=q,
         qd=qd,
         qdd=qdd,

@@ -30,7 +30,7 @@ class Checked:
 
     robot: a repaired table; arm: under the recording's gravity; configured: the payload that the
     controller was given; declared: the one that the study gives; fitted: whether the recording has
-    the role `fit`.
+    the role `fit`; cutoff: of the currents' low-pass [Hz].
     """
 
     robot: pd.DataFrame
@@ -38,6 +38,7 @@ class Checked:
     configured: Payload | None
     declared: Payload | None
     fitted: bool
+    cutoff: float
 
     @cached_property
     def step(self) -> float:
@@ -80,7 +81,7 @@ class Checked:
             return None
         if moving_joints(self.means).sum() < (1 if self.driven else MIN_JOINTS_LED_BY_HAND):
             return None
-        return answers(self.robot, self.means, self.loaded, self.step)
+        return answers(self.robot, self.means, self.loaded, self.step, self.cutoff)
 
     @cached_property
     def delays(self) -> Delays | None:
@@ -90,7 +91,7 @@ class Checked:
         by_motors = self.arm.effort == "motor_torque" and self.driven
         if not self.shows_currents() or not by_motors or not moving_joints(self.means).any():
             return None
-        return delays_by_motion(self.robot, self.loaded, self.step)
+        return delays_by_motion(self.robot, self.loaded, self.step, self.cutoff)
 
     @cached_property
     def motion(self) -> MotionChecks | None:

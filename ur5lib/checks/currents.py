@@ -68,12 +68,15 @@ class Answers(NamedTuple):
         )
 
 
-def answers(robot: pd.DataFrame, means: BlockMeans, arm: Robot, step: float) -> Answers:
+def answers(
+    robot: pd.DataFrame, means: BlockMeans, arm: Robot, step: float, cutoff: float
+) -> Answers:
     """Return how well motions explain the measured currents.
 
-    robot: a repaired table; means: over its blocks; arm: with what it carries; step: [s].
+    robot: a repaired table; means: over its blocks; arm: with what it carries; step: [s]; cutoff:
+    of the currents' low-pass [Hz].
     """
-    by_motion = delays_by_motion(robot, arm, step)
+    by_motion = delays_by_motion(robot, arm, step, cutoff)
     lags = np.rint(by_motion.seconds / step).astype(np.int64)
     likelihoods = innovation_likelihoods(robot, step, lags)
     of_delays = by_motion.likelihoods + np.einsum("ljj->l", likelihoods)

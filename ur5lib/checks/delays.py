@@ -20,18 +20,19 @@ MIN_LEAD_OF_DELAY = 20.0
 # and where a hand leads. In right recordings, it is at most 1.
 MIN_LEAD_BEFORE_SHORTER, MIN_LEAD_OF_DELAY_BY_HAND = 8.0, 40.0
 DELAY_STEP, MAX_DELAY = 0.02, 0.4  # s, of the delays that are tried; right recordings show none
-MIN_DELAY = 0.03  # s; a shorter delay changes nothing that is fitted below 2 Hz
+DELAY_IN_PERIODS = 0.06  # of the currents' low-pass; a shorter delay changes nothing that it leaves
 CURRENT_NOISE = 0.02  # A, or Nm of torques; nothing is explained better
 MIN_SHARE_RECEIVED = 0.4  # share of a block's frames; in some recordings, half are lost
 
 
 class Delays(NamedTuple):
     """How much later than the motion all currents come, `seconds`, none in the middle, and the
-    log-likelihoods of these delays.
+    log-likelihoods of these delays; shortest: that matters [s].
     """
 
     seconds: Array
     likelihoods: Array
+    shortest: float
 
     def behind(self) -> Array:
         """Return how much likelier no delay is than each."""
@@ -39,7 +40,7 @@ class Delays(NamedTuple):
 
     def late(self) -> Mask:
         """Return which delays matter; none at 1 Hz, where steps are longer than all of these."""
-        return np.asarray(np.abs(self.seconds) >= MIN_DELAY)
+        return np.asarray(np.abs(self.seconds) >= self.shortest)
 
     def longest_unnoticed(self) -> float:
         """Return the longest delay [s] that is hardly less likely than none."""
@@ -64,10 +65,11 @@ def delayed_currents(delays: Delays, driven: bool, name: str) -> Iterator[Findin
         yield contradiction(code, name=name, seconds=abs(delay))
 
 
-def delays_by_motion(robot: pd.DataFrame, arm: Robot, step: float) -> Delays:
+def delays_by_motion(robot: pd.DataFrame, arm: Robot, step: float, cutoff: float) -> Delays:
     """Return the log-likelihoods of delays of all currents, from the joints that move.
 
-    robot: a repaired table with a period `step` [s]; arm: with what it carries.
+    robot: a repaired table with a period `step` [s]; arm: with what it carries; cutoff: of the
+    currents' low-pass [Hz].
     """
     count = max(1, round(DELAY_STEP / step))
     most = round(MAX_DELAY / (count * step))
@@ -95,7 +97,7 @@ def delays_by_motion(robot: pd.DataFrame, arm: Robot, step: float) -> Delays:
         currents = later[rows - most, joint]
         residual = currents - basis @ (basis.T @ currents)
         scores -= independent / 2 * np.log((residual**2).mean(axis=0) + CURRENT_NOISE**2)
-    return Delays(np.asarray(lags * step), scores)
+    return Delays(np.asarray(lags * step), scores, DELAY_IN_PERIODS / cutoff)
 
 
 def _means(values: Array, count: int) -> Array:

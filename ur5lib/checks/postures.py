@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.channels import EFFORT_CHANNELS
-from ur5lib.checks.arm import MIN_LEAD_OF_ARM, gains_of_arms, of_measured
+from ur5lib.checks.arm import MAX_CONSTANT_RATIO, MIN_LEAD_OF_ARM, gains_of_arms, of_measured
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.checked import MIN_BLOCKS, arms_alike
 from ur5lib.checks.currents import foreign_currents
@@ -28,7 +28,6 @@ MIN_ERRORS_OF_CORRELATION = 5.0  # standard errors by which gravity shows in a c
 # Of the motor's largest torque: the standard deviation of gravity beside which friction is small.
 MIN_GRAVITY_SHARE = 0.1
 MAX_CONSTANT_ERROR = 0.1  # relative, of a torque constant that contradicts the known one
-MAX_CONSTANT_RATIO = 1.75  # to the known one
 # Of the motor's largest torque: the static friction of a joint. It is 0.04 to 0.06 on the
 # measured arms.
 STATIC_FRICTION_SHARE = 0.06

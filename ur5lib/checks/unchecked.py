@@ -7,7 +7,6 @@ from ur5lib.channels import TARGET_CURRENT, TORQUE
 from ur5lib.checks.arm import Pair, fitting_arms, torque_constants
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import MIN_GRAVITY_TORQUE, MIN_LEAD_OF_EXCHANGE
-from ur5lib.checks.delays import MIN_DELAY
 from ur5lib.checks.doubts import doubted_links
 from ur5lib.checks.readings import exchanged_order, in_order
 from ur5lib.checks.sensed_torques import size_ratio
@@ -132,7 +131,7 @@ def _currents(checked: Checked) -> Iterator[Finding]:
     if checked.delays is None:
         yield _note("torques not checked")
         return
-    if (delay := checked.delays.longest_unnoticed()) >= MIN_DELAY:
+    if (delay := checked.delays.longest_unnoticed()) >= checked.delays.shortest:
         yield _note("clock not checked", seconds=delay)
 
 

@@ -188,13 +188,13 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
     declared, tool = recording.known_payload(), recording.known_tool()
     signals, fitted = Signals.from_table(intake.robot), recording.role == "fit"
     load = carried(declared, signals)
-    checked = Checked(intake.robot, arm, load.configured, load.payload, fitted)
+    cutoff = study.settings.lowpass.currents.cutoff_hz
+    checked = Checked(intake.robot, arm, load.configured, load.payload, fitted, cutoff)
     accepted = recording.accepted()
     stops = stop_signs(checked, accepted)
     doubts = disagreements(declared, tool.tcp if tool else None, signals)
     doubts += unfiltered(study, intake.quality.period_s)
     moved = signals.actual_q, signals.segment, intake.quality.period_s
-    cutoff = study.settings.lowpass.currents.cutoff_hz
     doubts += too_short(*moved[1:], cutoff)
     doubts += fast_between_samples(*moved, arm.velocity_limits())
     if not fitted:

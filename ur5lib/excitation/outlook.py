@@ -31,10 +31,11 @@ from ur5lib.identification.currents import SEASON, friction_std
 from ur5lib.identification.samples import INDEPENDENT_STEP
 from ur5lib.records.friction import CurrentFit, Parameter
 from ur5lib.robots.description import Robot
+from ur5lib.robots.friction import BASE_TERMS
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
-KEPT_COEFFICIENTS = ("torque_constant", "offset", "coulomb", "viscous", "load")  # of a fit's
+KEPT_COEFFICIENTS = ("torque_constant", "offset", *BASE_TERMS)  # of a fit's
 SCALING_ROUNDS = 4  # after which predicted standard errors are within 3 % of the study's
 # Speed and acceleration of recordings that may come next.
 FAST_MOTION = (1.5, 3.0)  # rad/s, rad/s²

@@ -14,7 +14,7 @@ States = NDArray[np.int8]
 
 MIN_STOP_DURATION = 0.4  # s; a joint that is slow for a shorter time reverses
 RELAXATION_TIME = 1.0  # s, for which friction relaxes after a stop
-LOWPASS_REACH = 0.25  # s, over which a low-pass at 2 Hz spreads the friction of a reversal
+REACH_IN_PERIODS = 0.5  # of the cut-off, over which a low-pass spreads the friction of a reversal
 
 
 class JointState(IntEnum):
@@ -56,16 +56,20 @@ def without_edges(values: Array, segment: Labels, samples: int) -> Array:
     return result
 
 
-def joint_states(qd: Array, segment: Labels, period: float) -> States:
-    """Return the `JointState` (N, 6) of each joint; qd: (N, 6) [rad/s]; period: [s]."""
+def joint_states(qd: Array, segment: Labels, period: float, cutoff: float) -> States:
+    """Return the `JointState` (N, 6) of each joint.
+
+    qd: (N, 6) [rad/s]; period: [s]; cutoff: of the torque's low-pass [Hz], which blurs reversals.
+    """
+    reach = REACH_IN_PERIODS / cutoff
     states = np.full(qd.shape, JointState.MOVING, np.int8)
     for rows in unbroken(segment):
         slow, stretch = np.abs(qd[rows]) < REST_SPEED, states[rows]
         # a joint that is slow only for a moment has not stopped
         stopped = binary_opening(slow, np.ones((max(1, round(MIN_STOP_DURATION / period)), 1)))
         relaxing = stopped & _within_reach(~stopped, RELAXATION_TIME, period)
-        stretch[_within_reach(slow & ~stopped, LOWPASS_REACH, period)] = JointState.REVERSING
-        stretch[_within_reach(relaxing, LOWPASS_REACH, period)] = JointState.SETTLING
+        stretch[_within_reach(slow & ~stopped, reach, period)] = JointState.REVERSING
+        stretch[_within_reach(relaxing, reach, period)] = JointState.SETTLING
         stretch[stopped & ~relaxing] = JointState.RESTING
         stretch[(stretch == JointState.RESTING).all(axis=1)] = JointState.STILL
     return states

@@ -110,9 +110,12 @@ class ForceInput:
         )
 
 
-def force_input(motion: Motion, torque: Array, currents: Currents) -> ForceInput:
-    """Return the measured motion and an external torque (N, 6) [Nm] of the same recording."""
-    states = joint_states(motion.motor_qd, motion.segment, motion.period)
+def force_input(motion: Motion, torque: Array, currents: Currents, cutoff: float) -> ForceInput:
+    """Return the measured motion and an external torque (N, 6) [Nm] of the same recording.
+
+    cutoff: of the torque's low-pass [Hz].
+    """
+    states = joint_states(motion.motor_qd, motion.segment, motion.period, cutoff)
     return ForceInput(
         motion.q,
         motion.motor_qd,
@@ -125,10 +128,10 @@ def force_input(motion: Motion, torque: Array, currents: Currents) -> ForceInput
     )
 
 
-def inputs(recordings: Iterable[tuple[Currents, Motion]]) -> list[ForceInput]:
-    """Return the inputs of the recordings that have an external torque."""
+def inputs(recordings: Iterable[tuple[Currents, Motion]], cutoff: float) -> list[ForceInput]:
+    """Return the inputs of the recordings that have an external torque; arguments as above."""
     return [
-        force_input(motion, currents.external_torque, currents)
+        force_input(motion, currents.external_torque, currents, cutoff)
         for currents, motion in recordings
         if currents.external_torque is not None
     ]

@@ -29,7 +29,7 @@ class Problem(NamedTuple):
     @property
     def rows(self) -> Labels:
         """Return the rows (M,) of the samples that the estimate uses."""
-        return used_rows(self.input.segment, self.input.period)
+        return used_rows(self.input.segment, self.input.period, self.model.cutoff)
 
     def solve(self, jacobian: Array, prior: ContactPrior) -> WrenchEstimate:
         """Return the contact wrench; jacobian: (M, 6, 6), at `rows`."""
@@ -85,4 +85,4 @@ def _problem(motion: Motion, currents: Currents, residuals: Residuals) -> Proble
     torque, model = currents.external_torque, residuals.tau_ext
     if torque is None or model is None or not finite_rows(torque).any():
         return None
-    return Problem(force_input(motion, torque, currents), model)
+    return Problem(force_input(motion, torque, currents, model.cutoff), model)

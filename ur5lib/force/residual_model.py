@@ -56,6 +56,11 @@ class ResidualModel:
     sensed: bool = False
     usual: bool = False
 
+    @property
+    def cutoff(self) -> float:
+        """Return the cut-off [Hz] of the torques' low-pass, which leaves independent values."""
+        return 1 / (2 * self.independent)
+
     def variance(self, of: Array, states: States) -> Array:
         """Return the variances at each sample, of `spread` or `change`: (N, n) [Nm²]."""
         return np.asarray(of[states, np.arange(states.shape[1])] ** 2)

@@ -30,7 +30,7 @@ from ur5lib.force.missed_contacts import (
 )
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
-from ur5lib.timeseries.sampling import THINNED_STEP, interpolated
+from ur5lib.timeseries.sampling import interpolated, thinning
 from ur5lib.timeseries.segments import inside_spans, unbroken
 
 OPENING_PROBABILITY = 0.5  # that a contact reaches
@@ -90,9 +90,12 @@ class WrenchEstimate:
     least_squares_std = AtAllSamples()
 
 
-def used_rows(segment: Labels, period: float) -> Labels:
-    """Return the rows (M,) of the samples that an estimate uses, from the first of each stretch."""
-    stride = thinning(period)
+def used_rows(segment: Labels, period: float, cutoff: float) -> Labels:
+    """Return the rows (M,) of the samples that an estimate uses, from the first of each stretch.
+
+    cutoff: of the torque's low-pass [Hz].
+    """
+    stride = thinning(period, cutoff)
     return np.concatenate([np.arange(rows.start, rows.stop, stride) for rows in unbroken(segment)])
 
 
@@ -107,8 +110,8 @@ def estimate_wrench(
     run: with a low-passed torque, and states of `model`; unknown friction of its gears counts as
     none; jacobian: (M, 6, n), at `used_rows`, NaN where the arm's pose is unknown.
     """
-    # every stretch on its own, thinned to THINNED_STEP
-    stride, estimates, start = thinning(run.period), [], 0
+    # every stretch on its own, thinned
+    stride, estimates, start = thinning(run.period, model.cutoff), [], 0
     for rows in unbroken(run.segment):
         thin = slice(rows.start, rows.stop, stride)
         part = run.thinned(stride, thin)
@@ -120,11 +123,6 @@ def estimate_wrench(
             quantity[~observations.posed] = np.nan
         estimates.append((rows, estimate))
     return WrenchEstimate(estimates, stride)
-
-
-def thinning(period: float) -> int:
-    """Return the number of samples from one that is used to the next; period: [s]."""
-    return max(1, round(THINNED_STEP / period))
 
 
 def _estimate(observations: Observations) -> StretchEstimate:

@@ -57,7 +57,8 @@ def compute_torques(
         doubts += tare_doubts(untouched, known, robot, cutoff_hz, motion.motor_qd)
     moved = known.actual_q, known.segment, known.period
     doubts += fast_between_samples(*moved, robot.velocity_limits())
-    contradictions = contradicting(signals, robot, load, role, doubts, accepted or {})
+    declared = robot, load, role == "fit", cutoff_hz
+    contradictions = contradicting(signals, *declared, doubts, accepted or {})
     torques = joint_torques(robot, load, known, motion)
     return RecordingTorques(torques, Premises(load, contradictions))
 
@@ -66,18 +67,19 @@ def contradicting(
     signals: Path,
     robot: Robot,
     load: Carried,
-    role: str,
+    fitted: bool,
+    cutoff: float,
     doubts: list[Finding],
     accepted: Mapping[str, str],
 ) -> Contradictions:
     """Return the stop signs of a recording, and further doubts.
 
-    signals: file of `Signals`, of which the checks read what they need.
+    signals: file of `Signals`, of which the checks read what they need; robot, load, fitted,
+    cutoff: as in `Checked`.
     """
     names = CHECKED_COLUMNS.intersection(read_footer(signals).schema.names)
-    checked = Checked(
-        read_table(signals, [*names]), robot, load.configured, load.payload, role == "fit"
-    )
+    table = read_table(signals, [*names])
+    checked = Checked(table, robot, load.configured, load.payload, fitted, cutoff)
     doubts = [*doubts, *checked.odd_targets.values()]
     stops = stop_signs(checked, accepted)
     if not stops:  # from which others would follow

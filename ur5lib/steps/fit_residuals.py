@@ -68,12 +68,12 @@ def residual_models(
         if len(friction.explained) - len(unknown) < min(FORCE_DIRECTIONS, len(friction.explained)):
             return Residuals(refused=remark("unknown torques", joints=unknown.tolist()))
     try:
-        model = _residual_model(inputs(recordings), friction, cutoff)
+        model = _residual_model(inputs(recordings, cutoff), friction, cutoff)
     except RefusalError as refusal:
         if friction.measured == CURRENT:
             return replace(usual_residuals(friction.fit, cutoff), remarks=(refusal.remark,))
         return Residuals(refused=refusal.remark)
-    return Residuals(model, remarks=tuple(_remarks(friction.paths, recordings)))
+    return Residuals(model, remarks=tuple(_remarks(friction.paths, recordings, cutoff)))
 
 
 def usual_model(fit: CurrentFit, cutoff: float) -> ResidualModel:
@@ -117,12 +117,14 @@ def usual_residuals(fit: CurrentFit, cutoff: float) -> Residuals:
     return Residuals(tau_ext=replace(model, usual=True))
 
 
-def _remarks(paths: int, recordings: Sequence[tuple[Currents, Motion]]) -> Iterator[Remark]:
+def _remarks(
+    paths: int, recordings: Sequence[tuple[Currents, Motion]], cutoff: float
+) -> Iterator[Remark]:
     """Say what so few paths, and so little rest, do not show."""
     if paths == 1:
         yield remark("one path of all")
     if paths < MIN_PATHS:
-        runs = inputs(recordings)
+        runs = inputs(recordings, cutoff)
         still = [is_still(one.states) & finite_rows(one.torque) for one in runs]
         rest = sum(float(own.sum() * one.period) for own, one in zip(still, runs, strict=True))
         if rest < MIN_REST_DURATION:

@@ -36,9 +36,10 @@ from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies, written_bodies
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth, zero_phase_lowpass
-from ur5lib.timeseries.sampling import THINNED_STEP, differentiate
+from ur5lib.timeseries.sampling import differentiate
 from ur5lib.timeseries.segments import BLOCK_DURATION, by_segment, unbroken
 
+ROW_STEP = 0.032  # s, between rows of the controller's torques, which have no noise to average
 TORQUE_RESOLUTION = 1e-3  # Nm: noise of a torque in the excitation check
 SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²: of the motions that it may suggest
 DESCRIPTION = "identified from the controller's torques, physically consistent"
@@ -318,7 +319,7 @@ def torque_blocks(
     joints, parameters = regressor.shape[1:]
     rows = np.hstack([regressor.reshape(len(regressor), -1), signals.target_moment - load])
     rows = comparable(rows, signals, exact, design)
-    every = max(1, round(THINNED_STEP / signals.period))
+    every = max(1, round(ROW_STEP / signals.period))
     for part in unbroken(signals.segment, (signals.time // BLOCK_DURATION).astype(np.int64)):
         chosen = rows[part][::every]
         yield chosen[:, :-joints].reshape(-1, joints, parameters), chosen[:, -joints:]

@@ -87,7 +87,7 @@ def predict_currents(
     record, load_torque = with_load(replace(record, day=date), load_torque, fit, smooth)
     currents = predicted_currents(record, fit, load_torque, torques, smooth, arm.measured)
     if untouched is not None:
-        currents = tared(currents, motion, untouched)
+        currents = tared(currents, motion, untouched, smooth.cutoff)
     rivals = baselines(record, arm, friction.least_squares, signals)
     scored = scores(record, currents, rivals, smooth)
     return PredictedCurrents(currents, replace(summary, load=load, scores=scored))

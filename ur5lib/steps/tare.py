@@ -42,7 +42,7 @@ def tare_doubts(
         qd = np.gradient(smooth, period, axis=0)
     unknown = extrapolated_samples(cutoff, period)
     known = finite_rows(without_edges(np.zeros_like(signals.actual_q), signals.segment, unknown))
-    known &= is_still(joint_states(qd, signals.segment, period)) & inside(span, time)
+    known &= is_still(joint_states(qd, signals.segment, period, cutoff)) & inside(span, time)
     if (rest := float(known.sum() * period)) < MIN_REST_DURATION:
         values = {
             "span": [*span],
@@ -94,9 +94,10 @@ def inside(span: Span, time: Array) -> Mask:
     return np.asarray((time >= span[0]) & (time <= span[1]))
 
 
-def tared(currents: Currents, motion: Motion, untouched: Span) -> Currents:
+def tared(currents: Currents, motion: Motion, untouched: Span, cutoff: float) -> Currents:
     """Return the currents with an external torque counted from an untouched span [s].
 
+    cutoff: of its low-pass [Hz].
     It counts from there until a joint is elsewhere: constants and a load then err differently, and
     friction at rest is another. As it is where the span does not hold MIN_REST_DURATION, which
     `tare_doubts` says.
@@ -104,7 +105,7 @@ def tared(currents: Currents, motion: Motion, untouched: Span) -> Currents:
     torque = currents.external_torque
     if torque is None:
         return currents
-    still = is_still(joint_states(motion.motor_qd, motion.segment, motion.period))
+    still = is_still(joint_states(motion.motor_qd, motion.segment, motion.period, cutoff))
     known = inside(untouched, motion.time - motion.time[0]) & still & finite_rows(torque)
     if known.sum() * motion.period < MIN_REST_DURATION:
         return currents

@@ -4,7 +4,15 @@ import numpy as np
 
 from ur5lib.timeseries.arrays import Array, Labels
 
-THINNED_STEP = 0.032  # s between the samples used: torques contain nothing above some 2 Hz
+STEP_IN_PERIODS = 0.064  # of a low-pass's cut-off, between samples that hold all that it leaves
+
+
+def thinning(period: float, cutoff: float) -> int:
+    """Return the number of samples from one that is used to the next of low-passed values.
+
+    period: [s]; cutoff: of the low-pass [Hz].
+    """
+    return max(1, round(STEP_IN_PERIODS / cutoff / period))
 
 
 def differentiate(values: Array, period: float) -> Array:
