@@ -23,12 +23,12 @@ from benchmarks.stand_seeds import CURRENTS, Taken, currents, fitted_map, simula
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import TOUCH_FORCE
 from ur5lib.force.problem import fmap_problem
+from ur5lib.force.tare import tared
 from ur5lib.force.wrench_estimate import OPENING_PROBABILITY, WrenchEstimate
 from ur5lib.identification.current_samples import Smoother
 from ur5lib.recordings.entries import RtdeFiles
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.steps.fit_residuals import usual_residuals
-from ur5lib.steps.tare import tared
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 

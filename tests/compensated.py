@@ -12,7 +12,7 @@ from ur5lib.finished import FinishedStudy
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
-from ur5lib.signals.end_effector import point_acceleration
+from ur5lib.robots.end_effector import point_acceleration
 from ur5lib.timeseries.arrays import Array
 
 

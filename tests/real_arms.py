@@ -22,6 +22,7 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.problem import Problem, fmap_problem
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.sensor import SensorOffset
+from ur5lib.force.sensor_reading import by_own_clock, moved_tool
 from ur5lib.force.wrench_estimate import WrenchEstimate
 from ur5lib.identification.current_samples import (
     Smoother,
@@ -40,7 +41,7 @@ from ur5lib.records.friction import CurrentFit, Friction
 from ur5lib.records.motion import Alignment, Motion
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.signals.resampling import resample
+from ur5lib.signals.resampling import by_stamps, resample
 from ur5lib.smoothing.encoders import smooth_encoders
 from ur5lib.smoothing.smoothed_motion import measured, motion_record
 from ur5lib.steps.compute_torques import joint_torques
@@ -48,7 +49,6 @@ from ur5lib.steps.fit_friction import fitted_friction
 from ur5lib.steps.fit_residuals import residual_models
 from ur5lib.steps.judge_sensor import sensor_wrenches
 from ur5lib.steps.predict_currents import predicted_currents
-from ur5lib.steps.sensor_reading import by_own_clock, moved_tool
 from ur5lib.study.model import Recording, Settings, Study
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import read_record, write_json
@@ -137,7 +137,11 @@ class RealRecording:
         clock_std = self.sensor_clock.std_after(signals.time[-1] - signals.time[0])
         window = self.settings.sensor.bias_window_s
         device = self.intake.sensors["force"]
-        reading = by_own_clock(self.robot, signals, moved, window, clock_std, device, start)
+        placed, step = (
+            by_stamps(device, start, signals.time, "force"),
+            device["time"].diff().mean(),
+        )
+        reading = by_own_clock(self.robot, signals, moved, window, clock_std, placed, float(step))
         wrenches = sensor_wrenches(self.robot, signals, reading, self.kinematics.rotation)
         return wrenches.wrench["compensated"], reading.offset
 

@@ -211,6 +211,12 @@ def test_nothing_below_or_beside_a_topic_imports_it() -> None:
             assert name not in topics_of(imports(path)), path
 
 
+def test_no_step_imports_another() -> None:
+    """What several share is a function of a room; a topic's steps are its own."""
+    for path in (PROJECT / "ur5lib" / "steps").glob("*.py"):
+        assert [name for name in imports(path) if name.startswith("ur5lib.steps")] == [], path
+
+
 def test_a_step_has_its_name_alone() -> None:
     """Over all topics: it is found by its name."""
     assert len({*all_steps()}) == len(all_steps())

@@ -11,14 +11,14 @@ from ur5lib.dynamics.kinematics import acceleration, velocity
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Mounting, Robot
-from ur5lib.signals.clock import clock_from_stamps
-from ur5lib.signals.device_clock import device_clock
-from ur5lib.signals.end_effector import (
+from ur5lib.robots.end_effector import (
     euler_acceleration,
     felt_acceleration,
     point_acceleration,
     point_velocity,
 )
+from ur5lib.signals.clock import clock_from_stamps
+from ur5lib.signals.device_clock import device_clock
 from ur5lib.signals.imu_calibration import ImuRecord
 from ur5lib.signals.imu_samples import imu_samples
 from ur5lib.timeseries.arrays import Array

@@ -20,11 +20,11 @@ from ur5lib.errors import InputError
 from ur5lib.force.external_torque import JointState
 from ur5lib.force.problem import fmap_problem
 from ur5lib.force.residual_model import Residuals
+from ur5lib.force.tare import tare_doubts, tared
 from ur5lib.records.currents import Currents
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.robots.description import Robot
-from ur5lib.steps.tare import tare_doubts, tared
 from ur5lib.study.reading import parse_study
 from ur5lib.timeseries.arrays import Array
 

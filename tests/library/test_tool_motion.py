@@ -12,16 +12,16 @@ from tests.library.test_smoothing import kinematics, random_states
 from tests.library.test_stand_devices import FOURIER, PUSH, Recorded
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.force.sensor_reading import moved_tool, sensor_reading
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot
+from ur5lib.robots.end_effector import ToolMotion, expected_values, point_acceleration, tool_motion
 from ur5lib.signals.clock import clock_from_stamps
-from ur5lib.signals.end_effector import ToolMotion, expected_values, point_acceleration, tool_motion
 from ur5lib.signals.resampling import resample
 from ur5lib.smoothing.encoders import smooth_encoders
 from ur5lib.smoothing.smoothed_motion import measured, motion_record
 from ur5lib.steps.judge_sensor import sensor_wrenches
-from ur5lib.steps.sensor_reading import moved_tool, sensor_reading
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.sampling import interpolated

@@ -11,7 +11,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ur5lib.checks.block_means import FULL_FRICTION_SPEED, BlockMeans
 from ur5lib.checks.channels import MIN_MOVING_SPEED
-from ur5lib.records.quality import Finding
+from ur5lib.records.quality import CONTACT_TORQUE_SHARE, Finding
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import STANDARD_GRAVITY
 from ur5lib.timeseries.arrays import Array, Mask
@@ -20,8 +20,6 @@ from ur5lib.timeseries.segments import runs
 WINDOW_BLOCKS = 5  # blocks, 0.5 s; shorter deviations are those of friction
 SETTLING_BLOCKS = 5  # blocks after a stop until friction holds what it will
 MIN_MOVING_BLOCKS = 100  # blocks in which a joint moves, which its friction is fitted to
-# Of the motor's largest torque. Right recordings leave 0.071, without the worst arm 0.061.
-CONTACT_TORQUE_SHARE = 0.1
 REGRESSION_ROUNDS = 10  # of reweighted least squares
 OUTLIER_DISTANCE = 1.5  # robust standard deviations from which on a block counts less
 CONTACT_FORCE = 15.0  # N; a sensor's drift and the weight of its own half stay below

@@ -22,6 +22,7 @@ from ur5lib.checks.unchecked import unchecked
 from ur5lib.commands.console import announced, text_console
 from ur5lib.commands.processes import side_by_side
 from ur5lib.errors import InputError
+from ur5lib.force.tare import tare_doubts, touched_by_own_clock
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.records.accepted import accepting
 from ur5lib.records.carried import carried, disagreements
@@ -35,7 +36,6 @@ from ur5lib.robots.statics import geometric_jacobian, link_frames
 from ur5lib.signals.clock import pool_drifts, settle_clocks
 from ur5lib.signals.own_clocks import own_clocks
 from ur5lib.steps.read_postures import checked_postures
-from ur5lib.steps.tare import tare_doubts, touched_by_own_clock
 from ur5lib.study.model import Recording, Study, arms_without_fit
 from ur5lib.study.reading import read_study
 from ur5lib.tables import json_text

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_opening, maximum_filter1d
 
 from ur5lib.timeseries.arrays import Array, Labels, Mask
-from ur5lib.timeseries.segments import unbroken
+from ur5lib.timeseries.segments import extrapolated_samples, unbroken
 from ur5lib.timeseries.trajectories import REST_SPEED
 
 States = NDArray[np.int8]
@@ -54,6 +54,11 @@ def without_edges(values: Array, segment: Labels, samples: int) -> Array:
         part[:samples] = np.nan
         part[max(0, len(part) - samples) :] = np.nan
     return result
+
+
+def inner(torque: Array, segment: Labels, period: float, cutoff: float) -> Array:
+    """Return a torque (N, 6), NaN at the ends of segments, where its low-pass [Hz] extrapolates."""
+    return without_edges(torque, segment, extrapolated_samples(cutoff, period))
 
 
 def joint_states(qd: Array, segment: Labels, period: float, cutoff: float) -> States:

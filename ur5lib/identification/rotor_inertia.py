@@ -13,7 +13,9 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from ur5lib.identification.regression import HUBER_LIMIT
-from ur5lib.records.models import Terms
+from ur5lib.records.models import Rotors, Terms
+from ur5lib.robots.description import Robot
+from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.timeseries.arrays import Array
 
 RECORDING_PARTS = 8  # into which a single recording is divided
@@ -63,3 +65,22 @@ def _fit_joint(samples: Array) -> Array:
     deviation = np.abs(residual - terms @ start).mean()  # a median would be that of rest
     scale = HUBER_LIMIT * np.sqrt(np.pi / 2) * deviation
     return least_squares(lambda x: (terms @ x - residual) / scale, start, loss="huber").x
+
+
+def with_rotors(robot: Robot, rotors: Rotors) -> Robot:
+    """Return the arm with the fitted rotor inertias in its chosen model, as "<model>+rotors"."""
+    if rotors.value is None:
+        return robot
+    name = f"{robot.chosen_model}+rotors"
+    described = name if name in robot.models else robot.chosen_model
+    # A joint that kept still, or whose torque is no rotor's, keeps the inertia that was described.
+    fitted = [
+        value if value >= 0 else inertia
+        for value, inertia in zip(
+            rotors.value.inertia.tolist(),
+            rigid_bodies(robot, described).rotor_inertia.tolist(),
+            strict=True,
+        )
+    ]
+    model = robot.models[described].model_copy(update={"rotor_inertias": tuple(fitted)})
+    return robot.with_model(name, model)

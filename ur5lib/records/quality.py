@@ -14,6 +14,9 @@ Severity = Literal["stop", "error", "warning", "note"]
 GIVEN_LOAD = "given load"  # the finding that the controller counts with a load unknown to the study
 # Share of target_moment that the right arm may leave. It leaves 0.063 at most.
 MAX_SHARE_UNMODELLED = 0.15
+# Share of the motor's largest torque that a contact takes. Right recordings leave 0.071 of it,
+# without the worst arm 0.061.
+CONTACT_TORQUE_SHARE = 0.1
 ODD_TARGET = "odd target"  # the finding that a target of a current is to blame
 UNREADABLE = "unreadable"  # the finding that a recording cannot be read
 UNUSUAL_FRICTION = "unusual friction"  # the finding that friction hides a contact's force

@@ -9,8 +9,8 @@ from ur5lib.records.clocks import ClockRelation
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
+from ur5lib.robots.end_effector import point_velocity
 from ur5lib.signals.clock import HOST_METHOD, MOTION_METHOD, SHARED_METHOD
-from ur5lib.signals.end_effector import point_velocity
 from ur5lib.signals.imu_calibration import ImuRecord
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth, inner_lowpass

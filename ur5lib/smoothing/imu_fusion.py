@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import block_diag
 
-from ur5lib.signals.end_effector import jacobian_derivative, point_jacobian
+from ur5lib.robots.end_effector import jacobian_derivative, point_jacobian
 from ur5lib.smoothing.encoders import (
     LINK_FROM_STATES,
     STATES_PER_JOINT,

@@ -22,7 +22,7 @@ from ur5lib.records.motion import Alignment, FusedMotion, Motion, MotionAccount
 from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
-from ur5lib.signals.end_effector import felt_acceleration, point_acceleration
+from ur5lib.robots.end_effector import felt_acceleration, point_acceleration
 from ur5lib.signals.imu_calibration import (
     ImuCalibration,
     accelerometer_bias,

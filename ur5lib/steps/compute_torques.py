@@ -11,6 +11,7 @@ from ur5lib.checks.checked import Checked
 from ur5lib.checks.stop_signs import CHECKED_COLUMNS, stop_signs
 from ur5lib.checks.torques import given_load
 from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.force.tare import Span, tare_doubts
 from ur5lib.records.accepted import accepting
 from ur5lib.records.carried import Carried, carried, disagreements
 from ur5lib.records.dynamics import Torques
@@ -19,7 +20,6 @@ from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Contradictions, Finding
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot
-from ur5lib.steps.tare import Span, tare_doubts
 from ur5lib.tables import read_footer, read_table
 from ur5lib.timeseries.arrays import Six
 

@@ -7,6 +7,7 @@ import numpy as np
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.contact_wrench import MIN_CONSTANT_ERROR, at_rest, static_wrench, torque_std
 from ur5lib.force.estimators import ESTIMATORS, Run, Stated
+from ur5lib.force.external_torque import inner
 from ur5lib.force.problem import fmap_problem, is_fitted
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.wrench_estimate import WrenchEstimate
@@ -24,7 +25,6 @@ from ur5lib.records.motion import Motion
 from ur5lib.records.premises import Premises
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
-from ur5lib.steps.predict_currents import inner
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
 
@@ -95,7 +95,8 @@ def static_forces(
     smooth, inverse = Smoother(order, cutoff), prior.inverse_constant.mean
     error = np.sqrt(np.diag(np.linalg.inv(prior.inverse_constant.precision))) / inverse
     motor = smooth(record.current, record) / inverse
-    torque = inner(smooth(record.torque, record) - motor, record, cutoff)
+    left = smooth(record.torque, record) - motor
+    torque = inner(left, record.segment, record.period, cutoff)
     torque[~at_rest(record.qd)] = np.nan
     std = torque_std(motor, np.maximum(error, MIN_CONSTANT_ERROR), prior.torque_max)
     return Stated(*static_wrench(torque, std, jacobian))

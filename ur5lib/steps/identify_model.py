@@ -33,7 +33,7 @@ from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, robot_yaml
 from ur5lib.robots.exports import urdf
-from ur5lib.robots.inertia import rigid_bodies, written_bodies
+from ur5lib.robots.inertia import written_bodies
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth, zero_phase_lowpass
 from ur5lib.timeseries.sampling import differentiate
@@ -74,7 +74,7 @@ def identify_model(
     if arm.links == "unknown":
         return with_unknown_links(arm, signals, motion, gravities, Smoother(*currents))
     rotors = fitted_rotors(arm, signals, motion, gravities, lowpass)
-    robot = with_rotors(arm, rotors)
+    robot = rotor_inertia.with_rotors(arm, rotors)
     blocks = {
         name: [*torque_blocks(robot.mounted(gravities[name]), signals[name], motion[name], lowpass)]
         for name in signals
@@ -167,25 +167,6 @@ def fitted_rotors(
         return Rotors()
     fit = rotor_inertia.fit_rotor_inertia(*zip(*samples.values(), strict=True))
     return Rotors([*samples], fit.value, fit.std_error)
-
-
-def with_rotors(robot: Robot, rotors: Rotors) -> Robot:
-    """Return the arm with the fitted rotor inertias in its chosen model, as "<model>+rotors"."""
-    if rotors.value is None:
-        return robot
-    name = f"{robot.chosen_model}+rotors"
-    described = name if name in robot.models else robot.chosen_model
-    # A joint that kept still, or whose torque is no rotor's, keeps the inertia that was described.
-    fitted = [
-        value if value >= 0 else inertia
-        for value, inertia in zip(
-            rotors.value.inertia.tolist(),
-            rigid_bodies(robot, described).rotor_inertia.tolist(),
-            strict=True,
-        )
-    ]
-    model = robot.models[described].model_copy(update={"rotor_inertias": tuple(fitted)})
-    return robot.with_model(name, model)
 
 
 def with_identified(

@@ -18,6 +18,7 @@ from ur5lib.force.sensor import (
     opposite_axes,
     wrench_of_environment,
 )
+from ur5lib.force.sensor_reading import SensorReading, by_own_clock, moved_tool, sensor_reading
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.force_errors import ByPeriod, Compared
@@ -29,7 +30,7 @@ from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.records.table import WRENCH
 from ur5lib.robots.description import Robot, Vector3
-from ur5lib.steps.sensor_reading import SensorReading, by_own_clock, moved_tool, sensor_reading
+from ur5lib.signals.resampling import by_stamps
 from ur5lib.timeseries.arrays import Array
 
 
@@ -73,8 +74,9 @@ def judge_sensor(
         tool = premises.load.payload if whole else None
         reading = sensor_reading(robot, signals, moved, bias_window_s, tool=tool)
     else:
-        clock_std = alignment.clocks["force"].end_std
-        reading = by_own_clock(robot, signals, moved, bias_window_s, clock_std, force, start)
+        clock_std, step = alignment.clocks["force"].end_std, float(np.diff(force["time"]).mean())
+        placed = by_stamps(force, start, signals.time, "force")
+        reading = by_own_clock(robot, signals, moved, bias_window_s, clock_std, placed, step)
     sensor = sensor_wrenches(robot, signals, reading, kinematics.rotation)
     withheld = bool(premises.contradictions.stop_signs or friction.stopped)
     others = published_or_controller(published, arm, signals, withheld)

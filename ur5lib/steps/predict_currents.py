@@ -9,7 +9,8 @@ import numpy as np
 from ur5lib.channels import CURRENT, Effort
 from ur5lib.checks.channels import slower_than_fit
 from ur5lib.dynamics.link_model import load_regressor
-from ur5lib.force.external_torque import external_torque, without_edges
+from ur5lib.force.external_torque import external_torque, inner
+from ur5lib.force.tare import tared
 from ur5lib.identification.current_samples import Smoother, current_record
 from ur5lib.identification.currents import (
     band,
@@ -34,10 +35,8 @@ from ur5lib.records.prediction import Prediction, Scores
 from ur5lib.records.premises import Premises
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
-from ur5lib.steps.tare import tared
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
-from ur5lib.timeseries.segments import extrapolated_samples
 
 
 class PredictedCurrents(NamedTuple):
@@ -114,7 +113,9 @@ def predicted_currents(
         time=torques.time,
         segment=torques.segment,
         **of_efforts,
-        external_torque=inner(smooth(external, record), record, smooth.cutoff),
+        external_torque=inner(
+            smooth(external, record), record.segment, record.period, smooth.cutoff
+        ),
         load_doubt=SCALED_TORQUE_ERROR * np.abs(smooth(load_torque, record)),
         gear_torque=smooth(record.torque, record),
         friction_torque=constant * smooth(friction_current(fit, record), record),
@@ -132,7 +133,7 @@ def with_load(
     if load_torque.any():
         loaded = replace(record, torque=record.torque + load_torque)
         external = external_torque(torque_constants(fit), loaded.current, predict(fit, loaded))
-        left = inner(smooth(external, record), record, smooth.cutoff)
+        left = inner(smooth(external, record), record.segment, record.period, smooth.cutoff)
         count = int(blocks(record)[-1]) + 1
         load_torque = load_torque * (1 - joint_gains(left, smooth(load_torque, record), count))
     return replace(record, torque=record.torque + load_torque), load_torque
@@ -177,8 +178,3 @@ def scores(
     for name, current in others:
         figures[name] = score(record, current, smooth, np.full_like(half, np.nan))
     return figures
-
-
-def inner(torque: Array, record: CurrentSamples, cutoff: float) -> Array:
-    """Return a torque (N, 6), NaN at the ends of segments, where a low-pass [Hz] extrapolates."""
-    return without_edges(torque, record.segment, extrapolated_samples(cutoff, record.period))

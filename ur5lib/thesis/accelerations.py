@@ -7,7 +7,7 @@ import numpy as np
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
-from ur5lib.signals.end_effector import euler_acceleration, felt_acceleration
+from ur5lib.robots.end_effector import euler_acceleration, felt_acceleration
 from ur5lib.signals.imu_calibration import (
     NOMINAL_CALIBRATION,
 )

@@ -9,7 +9,7 @@ from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.quality import StartOffset
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Model, Robot
-from ur5lib.signals.end_effector import felt_acceleration
+from ur5lib.robots.end_effector import felt_acceleration
 from ur5lib.signals.imu_samples import derivative, lowpassed
 from ur5lib.signals.resampling import by_stamps
 from ur5lib.thesis.accelerations import through_angles

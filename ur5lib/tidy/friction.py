@@ -59,7 +59,7 @@ def cross_validation(friction: Friction) -> Iterator[Row]:
 def current_rmse(currents: Prediction) -> Iterator[Row]:
     """Yield the errors of each model's prediction of a recording's currents."""
     for model, scores in currents.scores.items():
-        columns = vars(scores) | {"rmse_2hz": scores.rmse_lowpassed, "coverage95": scores.coverage}
+        columns = vars(scores) | {"coverage95": scores.coverage}
         yield from by_joint(columns, model=model, fitted=currents.fitted)
 
 

@@ -13,6 +13,7 @@ from ur5lib.force.sensor_audit import (
     fit_sensor_errors,
     shifts_after_contacts,
 )
+from ur5lib.force.sensor_reading import in_frame_6, moved_tool, within_reach
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import JudgedLoad, Prediction
@@ -21,8 +22,7 @@ from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.records.table import WRENCH, WRENCH_UNITS
 from ur5lib.robots.description import Payload, Robot
-from ur5lib.signals.end_effector import ToolMotion
-from ur5lib.steps.sensor_reading import in_frame_6, moved_tool, within_reach
+from ur5lib.robots.end_effector import ToolMotion
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.topics.audit.rows import AuditRow

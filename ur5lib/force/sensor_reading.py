@@ -3,17 +3,14 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-import pandas as pd
 
 from ur5lib.force.sensor import SensorOffset, fit_offset, initial_bias
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.force_errors import OffsetAccount
 from ur5lib.records.motion import Motion
-from ur5lib.records.quality import StartOffset
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot
-from ur5lib.signals.end_effector import ToolMotion, expected_values, tool_motion
-from ur5lib.signals.resampling import by_stamps
+from ur5lib.robots.end_effector import ToolMotion, expected_values, tool_motion
 from ur5lib.timeseries.arrays import Array, Six
 
 MAX_CENTER_DISTANCE = 0.3  # m, of a tool's centre of mass
@@ -97,16 +94,14 @@ def by_own_clock(
     moved: ToolMotion,
     bias_window: float,
     clock_std: float,
-    device: pd.DataFrame,
-    start: StartOffset,
+    placed: Array,
+    step: float,
 ) -> SensorReading:
     """Return the reading of a sensor with a clock of its own; arguments as of `sensor_reading`.
 
-    device: its samples on its own clock; start: of its stamp.
+    placed: its samples by start stamps alone (N, 6); step: between them [s].
     """
-    placed = by_stamps(device, start, signals.time, "force")
     reading = sensor_reading(robot, signals, moved, bias_window, clock_std, placed)
-    step = float(np.diff(device["time"]).mean())
     return replace(reading, each=max(1.0, step / signals.period))
 
 
