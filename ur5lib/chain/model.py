@@ -20,6 +20,7 @@ from ur5lib.records.friction import Friction
 from ur5lib.records.premises import Premises
 from ur5lib.records.wording import in_words, worded
 from ur5lib.robots.description import Robot
+from ur5lib.robots.friction import PARAMETER_UNITS
 from ur5lib.study.model import Settings, Study
 from ur5lib.study.selection import Selection
 from ur5lib.tables import as_written, read_json, write_text
@@ -39,13 +40,6 @@ OF_MODELS = ("models", "frames")
 FIGURES = dict.fromkeys(OF_FRICTION, "draw_friction") | dict.fromkeys(OF_MODELS, "draw_models")
 YAML_FILES = ("described", "arm", "urdf")  # of an arm; the others are JSON
 JSON_FILES = ("drifts", "rotors", "summary", "friction", "residuals", "threshold")
-SHOWN = {  # parameters that show a model, with their units
-    "torque_constant": "Nm/A",
-    "gain": "Nm/Nm",
-    "offset": "Nm",
-    "coulomb": "Nm",
-    "viscous": "Nm s/rad",
-}
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -226,8 +220,8 @@ class Model(Shown):
     def summary(self) -> pd.DataFrame:
         """Return the first parameters by joint, each with its 95 % interval."""
         table = self.table("friction")
-        table = table[table["parameter"].isin(SHOWN)]
-        names = [f"{name} [{SHOWN[name]}]" for name in table["parameter"]]
+        table = table[table["parameter"].isin(PARAMETER_UNITS)]
+        names = [f"{name} [{PARAMETER_UNITS[name]}]" for name in table["parameter"]]
         cells = [_interval(row) for row in table.itertuples()]
         shown = table.assign(parameter=names, cell=cells)
         wide = shown.pivot_table(

@@ -22,13 +22,7 @@ from ur5lib.robots.friction import coefficient_names
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import unbroken
 
-QUANTITY_UNITS = {
-    "coulomb": "Nm",
-    "viscous": "Nm s/rad",
-    "torque_constant": "Nm/A",
-    "offset": "Nm",
-    "noise": "A",
-}
+QUANTITIES = ("coulomb", "viscous", "torque_constant", "offset", "noise")
 FITTED_COLUMNS = {"offset": 1, "coulomb": 2, "viscous": 3}  # of a joint's samples
 MAX_CONSTANT_ERROR = 0.2  # relative, beyond which a torque constant is not stated
 UNKNOWN_ESTIMATE = float("nan"), float("nan")  # value and standard error
@@ -36,7 +30,7 @@ Estimates = dict[str, tuple[float, float]]
 
 
 def joint_conditions(record: CurrentSamples, smooth: Smooth, fit: CurrentFit) -> list[Estimates]:
-    """Return value and standard error of each of QUANTITY_UNITS, for each of joints 1 to 6.
+    """Return value and standard error of each of QUANTITIES, for each of joints 1 to 6.
 
     record: one contact-free recording; smooth: the low-pass; fit: of its arm. Value and error are
     NaN if the joint moves too little. Standard errors come from the recording alone; they do not

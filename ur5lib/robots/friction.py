@@ -79,6 +79,13 @@ class Term:
 
 
 BASE_TERMS = ("coulomb", "viscous", "load")
+PARAMETER_UNITS = {  # of what is fitted to each joint, that shows its motor
+    "torque_constant": "Nm/A",
+    "gain": "Nm/Nm",
+    "offset": "Nm",
+    "coulomb": "Nm",
+    "viscous": "Nm s/rad",
+}
 # Terms that are not fitted, but make the others less sure: over a part of a turn, a periodic term
 # looks like an offset, and together with gravity like a torque constant.
 CONSIDERED_TERMS = ("periodic",)

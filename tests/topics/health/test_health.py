@@ -25,7 +25,7 @@ from tests.library.current_study import (
 from tests.made_tables import gathered
 from tests.topics.pages import shown
 from ur5lib.channels import TORQUE
-from ur5lib.identification.condition import QUANTITY_UNITS, joint_conditions
+from ur5lib.identification.condition import QUANTITIES, joint_conditions
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.samples import CurrentSamples, columns_of, recorded_path
 from ur5lib.records.friction import CurrentFit
@@ -131,7 +131,7 @@ def test_a_joint_at_rest_has_no_friction_to_tell(fit: CurrentFit) -> None:
     record = worn(1, {}, {})
     still = replace(record, q=0 * record.q, qd=0 * record.qd)
     (first, *_) = joint_conditions(still, smooth, fit)
-    assert np.isnan([first[name] for name in QUANTITY_UNITS if name != "noise"]).all()
+    assert np.isnan([first[name] for name in QUANTITIES if name != "noise"]).all()
 
 
 def test_a_recording_has_the_date_that_it_is_given_or_its_stamp_s() -> None:
@@ -256,7 +256,7 @@ def test_every_joint_and_quantity_is_drawn(results: Results) -> None:
     letters = [text.get_fontsize() for text in drawing.figure.findobj(Text)]
     assert min(letters) >= REPORT_FONT_SIZE
     assert len(drawing.figure.axes) == 36
-    assert {*drawing.data["quantity"]} == {*QUANTITY_UNITS, "temperature"}
+    assert {*drawing.data["quantity"]} == {*QUANTITIES, "temperature"}
     assert "[A]" in "".join(axis.get_ylabel() for axis in drawing.figure.axes)
     of_torques = (own.replace("torque_constant", "gain") for own in results.tables.values())
     sensed = health_figure(*of_torques, effort=TORQUE).figure

@@ -5,7 +5,7 @@ from datetime import UTC, date, datetime
 import numpy as np
 
 from ur5lib.channels import CURRENT, Effort
-from ur5lib.identification.condition import QUANTITY_UNITS, joint_conditions
+from ur5lib.identification.condition import QUANTITIES, joint_conditions
 from ur5lib.identification.current_samples import Smoother, current_record
 from ur5lib.identification.samples import CurrentSamples, Smooth
 from ur5lib.records.dynamics import Torques
@@ -56,7 +56,7 @@ def checkup(
     if record.temperature is not None:
         warmth = np.nanmean(record.temperature, axis=0)
     found = joint_conditions(record, smooth, fit)
-    joints = [{measured.parameter(name): one[name] for name in QUANTITY_UNITS} for one in found]
+    joints = [{measured.parameter(name): one[name] for name in QUANTITIES} for one in found]
     return Checkup(day.isoformat(), joints, warmth, lost / quality.frames)
 
 
