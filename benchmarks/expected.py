@@ -27,7 +27,6 @@ TITLES = {README: "What to expect", PROJECT / "docs" / "expect.md": "By arm"}  #
 STUDIES = ["demo", "thesis", "ur10e", "ur3-cb", "ur10-bag", "kuka-kr300"]
 CONTACT_N = 5  # force at the sensor from which on contacts are counted
 SPEEDS = {0.0: "at rest", 0.01: "slow", 0.25: "fast"}  # of the flange, from [m/s]
-SHORT = ("arm", "sensor", "force error in contact [N]", "smallest push [N]", "constants")
 
 
 class Row(NamedTuple):
@@ -50,13 +49,14 @@ HEADS = Row(
     recorded="recorded",
     sensor="sensor",
     fitted="fitted to",
-    force="force error in contact [N]",
+    force="force error in contact, of the mean force [N]: best to worst recording",
     found=f"contacts of {CONTACT_N} N found",
     band="in 95 % band",
-    push="smallest push [N]",
-    constants="constants",
+    push="push found with 95 % along x, y, z [N]",
+    constants="constants determined, ± error",
     currents="error of currents",
 )
+SHORT = (HEADS.arm, HEADS.sensor, HEADS.force, HEADS.push, HEADS.constants)  # in README.md
 
 
 def main() -> None:

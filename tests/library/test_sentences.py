@@ -132,7 +132,13 @@ def test_remarks_stand_in_the_sentences_of_others() -> None:
     reasons = [remark("negative weight", mass=-0.3, std=0.02), remark("other reason", reason="so")]
     found = in_words(remark("turned sensor", reasons=reasons))
     assert found.startswith(
-        "the weight of the sensor's tool points upwards (-0.3 ± 0.02 kg) and so: "
+        "the weight of the sensor's tool points upwards (−0.3 ± 0.02 kg) and so: "
+    )
+
+
+def test_a_list_of_numbers_is_as_a_study_writes_it() -> None:
+    assert (
+        in_words(remark("mounting as cause", value=[0.0, 0.0, -9.81])) == "`gravity: [0, 0, -9.81]`"
     )
 
 
@@ -147,4 +153,4 @@ def test_a_number_without_bounds_has_four_digits() -> None:
         text = in_words(remark("other torque", arm="ur5", share=share))
         assert f"differs from the torque of ur5 by {said} of its size" in text
     text = in_words(remark("implausible clock", apart_s=-2e7, drift=-0.5))
-    assert "a start below -9999 s from the start stamps and a drift of -50.00%" in text
+    assert "a start below −9999 s from the start stamps and a drift of −50.00%" in text

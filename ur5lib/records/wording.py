@@ -22,7 +22,9 @@ MAX_STATED_NUMBER = 9999
 
 
 class Words(Formatter):
-    """Values in a sentence: lists are joined by commas, remarks by their format."""
+    """Values in a sentence: lists are joined by commas, as a study writes them, remarks by their
+    format.
+    """
 
     def format_field(self, value: Any, format_spec: str) -> str:
         """Return a value in words; NaN, which JSON does not know, is unknown."""
@@ -31,10 +33,11 @@ class Words(Formatter):
         if isinstance(value, Mapping):
             return sentence(value["code"], value["values"])
         if not isinstance(value, list | tuple):
-            return self._bounded(value, format_spec)
+            text = self._bounded(value, format_spec)
+            return text if isinstance(value, str) else text.replace("-", "−")
         if all(isinstance(part, Mapping | str) for part in value):
             return (format_spec or ", ").join(self.format_field(part, "") for part in value)
-        return ", ".join(self.format_field(part, format_spec) for part in value)
+        return ", ".join(self._bounded(part, format_spec) for part in value)
 
     def _bounded(self, value: Any, format_spec: str) -> str:
         """Return a value in words, beyond four digits before the point as `above 9999`, and

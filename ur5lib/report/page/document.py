@@ -341,9 +341,10 @@ class Document:
 
 
 def _on_card(number: dict[str, Any]) -> dict[str, str]:
-    """Return the name and the text of a number."""
+    """Return the name and the text of a number; of a count of one, the name in the singular."""
     value, low, high, unit = (number[key] for key in ("value", "low", "high", "unit"))
-    name = ", ".join(filter(None, (number["name"], number["place"])))
+    name = number["name"].removesuffix("s" if value == 1 and not unit else "")
+    name = ", ".join(filter(None, (name, number["place"])))
     return {"name": name, "text": within(value, low, high, unit)}
 
 

@@ -13,7 +13,7 @@ from xml.sax.saxutils import quoteattr
 import pandas as pd
 
 from ur5lib.report.page.document import Number, State
-from ur5lib.report.page.formats import VISIBLE_DIFFERENCE, rounded
+from ur5lib.report.page.formats import VISIBLE_DIFFERENCE, measured
 from ur5lib.report.page.sentences import say
 
 ZERO_ESTIMATE = "zero baseline"
@@ -95,16 +95,15 @@ class Rival:
 class AgainstBaseline:
     """Errors beside those of the baseline `zero`, by joint or component (column `place`).
 
-    rows: by recording and place, with the errors in the columns `error` and `baseline`; unit,
-    digits: of the numbers; zero: name of the baseline; floors: what repetition alone leaves, by
-    joint or component, where that is known; rival: the simplest method.
+    rows: by recording and place, with the errors in the columns `error` and `baseline`; unit: of
+    the numbers; zero: name of the baseline; floors: what repetition alone leaves, by joint or
+    component, where that is known; rival: the simplest method.
     """
 
     rows: pd.DataFrame
     error: str
     baseline: str
     unit: str
-    digits: int
     place: str = "joint"
     zero: str = ZERO_ESTIMATE
     floors: Mapping[Any, float] = field(default_factory=dict)
@@ -184,7 +183,7 @@ class AgainstBaseline:
 
     def shown(self) -> str:
         """Return the worst error, its range over recordings, and its baseline."""
-        low, high = (rounded(self.worst[end], self.digits) for end in ("low", "high"))
+        low, high = (measured(self.worst[end]) for end in ("low", "high"))
         return say("error.with range", row=self.worst, spread=low != high, against=self)
 
     def largest_shown(self) -> str:

@@ -267,7 +267,7 @@ def _farthest(rows: pd.DataFrame) -> dict[str, Any]:
     ratio = rows["value"] / rows["known"]
     row = rows.loc[ratio.where(ratio > 1, 1 / ratio).idxmax()]
     number = Number(
-        spoken("{constant}"),
+        spoken("{constant} farthest from the known one"),
         float(row["value"]),
         spoken("{constant_unit}"),
         f"joint {row['joint']}",
@@ -284,7 +284,7 @@ def beside_constant(results: Results) -> AgainstBaseline:
     models, unit = unseen(results), spoken("{unit}")
     rows, rival = models.query("model == 'fitted'"), ("plain least squares", models, "rmse_2hz")
     return AgainstBaseline(
-        *(rows, "rmse_2hz", "zero", unit, 2),
+        *(rows, "rmse_2hz", "zero", unit),
         zero=spoken(CONSTANT_ESTIMATE),
         floors=results.floors("current"),
         rival=Rival.beside(*rival, "joint", COMPARED_MODELS),

@@ -59,14 +59,15 @@ def rules(_: Results) -> Iterator[str]:
 
 def result(results: Results) -> Iterator[str]:
     """Say in one sentence which pushes are noticed, and how far off forces and constants are."""
-    forces = contacts.errors_in_contact(results)
-    forces = contacts.with_sure_bias(results, forces).sort_values("mae")
+    every = contacts.errors_in_contact(results)
+    forces = contacts.with_sure_bias(results, every).sort_values("mae")
     fitted = results.rows("friction", parameter=currents.CONSTANTS, determined="yes")
     off = fitted[["low", "high"]].sub(fitted["value"], axis="index").abs().max(axis="columns")
     errors = (off / fitted["value"]).groupby(fitted["joint"]).max().sort_values()
     if not results.stopped() and (len(forces) or len(fitted)):
         pushes = hardest_pushes(results).dropna(subset="value")
         found = {"pushes": pushes, "force": forces[-1:], "errors": errors}
+        found["left_out"] = len(forces) < len(every)
         yield capital(say("result.sentence", **found))
 
 

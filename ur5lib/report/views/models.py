@@ -136,7 +136,7 @@ def beside_zero(results: Results, compared: ModelComparison) -> AgainstBaseline:
     """Return the errors of the model that is closest on most joints, beside zero torque's."""
     rows = compared.rows[compared.rows["model"] == compared.best[0]]
     floors = results.floors("torque")
-    return AgainstBaseline(rows, "mae_2hz", "zero_mae_2hz", "Nm", 3, floors=floors)
+    return AgainstBaseline(rows, "mae_2hz", "zero_mae_2hz", "Nm", floors=floors)
 
 
 def decided(results: Results) -> pd.DataFrame:

@@ -40,7 +40,7 @@ def beside_zero(results: Results) -> AgainstBaseline:
     rows = methods[methods["estimate"] == "encoders"]
     models = {"encoders": "ours", "filterpy": "rival"}
     rival = Rival.beside("filterpy's plain smoother", methods, "mae", "component", models)
-    return AgainstBaseline(rows, "mae", "zero_mae", "m/s²", 3, "component", rival=rival)
+    return AgainstBaseline(rows, "mae", "zero_mae", "m/s²", "component", rival=rival)
 
 
 def decided(results: Results) -> pd.DataFrame:
