@@ -156,6 +156,13 @@ def test_a_constant_farther_off_than_those_of_other_arms_is_not_good(
     assert ("joint 6" in verdict.sentence) is (expected == "usable")
 
 
+def test_a_constant_that_is_not_determined_is_not_shown_as_far_from_the_known_one() -> None:
+    """The known one is used there, as the table says."""
+    verdict = judge_constants(study(friction=[constant(1, 8.0), constant(2, 17.0, **UNKNOWN)]))
+    assert [number.place for number in verdict.numbers] == ["joint 1"]
+    assert "joint 2" not in said(verdict)
+
+
 def test_a_refused_constant_is_told_with_what_the_currents_would_give() -> None:
     rows = [constant(1, 10.0, **REFUSED), constant(2, 11.0)]
     assert "142 Nm/A" in judge_constants(study(friction=rows)).sentence

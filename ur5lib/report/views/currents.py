@@ -247,7 +247,7 @@ def judge_constants(results: Results) -> Verdict | None:
     determined, refused = rows["determined"] == "yes", rows["contradicted"].notna()
     constants = [*rows.loc[determined, "joint"].unique()]
     unlikely = [*results.rows("remarks", code="unlikely constant")["joint"].astype(int)]
-    apart = [*rows.loc[_far(rows) & ~rows["joint"].isin(unlikely), "joint"]]
+    apart = [*rows.loc[_far(rows) & determined & ~rows["joint"].isin(unlikely), "joint"]]
     state: State = "good" if determined.all() and not (refused.any() or apart) else "usable"
     if unlikely or not constants:
         state = "do not use" if unlikely else "not determined"
@@ -258,12 +258,12 @@ def judge_constants(results: Results) -> Verdict | None:
         sentence=say("constants.verdict", **words),
         drawing=bars({str(joint): float(share) for joint, share in shares.items()}),
         caption=say("constants.caption"),
-        **_farthest(rows) if constants else {},
+        **_farthest(rows[determined]) if constants else {},
     )
 
 
 def _farthest(rows: pd.DataFrame) -> dict[str, Any]:
-    """Return evidence and numbers of a verdict: the constant farthest from the known one."""
+    """Return evidence and numbers of a verdict: the determined constant farthest from the known."""
     ratio = rows["value"] / rows["known"]
     row = rows.loc[ratio.where(ratio > 1, 1 / ratio).idxmax()]
     number = Number(
