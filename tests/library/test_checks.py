@@ -101,7 +101,7 @@ def test_limits_are_each_joints_own() -> None:
     assert not [f for f in check_robot(table, PERIOD, turns, speeds) if f.finding == "joint limits"]
     turns[2] = (-6.4, 9.0)
     (reported,) = [f for f in check_robot(table, PERIOD, turns, speeds) if f.count == 5]
-    assert "(joint 3: up to -6.5 rad)" in said(reported)
+    assert "(joint 3: up to −6.5 rad)" in said(reported)
 
 
 @pytest.mark.parametrize(("count", "reported"), [(9, False), (10, True)])

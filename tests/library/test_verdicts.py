@@ -779,7 +779,7 @@ def test_the_card_of_the_force_counts_missed_contacts_and_false_alarms() -> None
     assert numbers["missed contacts"] == (2, "of 8")
     assert numbers["false alarms without contact"] == (0, "in 1.0 min")
     told = said(card)
-    assert "Of 8 contacts of 5 N or more at the sensor, 2 are missed (up to 21 N)." in told
+    assert "Of 8 contacts from 5 N on, 2 are missed (up to 21 N)." in told
     assert "False alarms: 0 in 1.0 min without contact, at most 3 a minute" in card.sentence
     assert "in 1.0 minutes" in told
     assert ": 0, that is at most 3 a minute (95 %); no day without a fit recording" in told

@@ -208,5 +208,6 @@ def _draw_links(
         level = abs(end - start)[0] > abs(end - start)[1]
         aside, side = ((0, 24), "center") if level else ((20, 3), "left")
         middle = (start + end) / 2
-        label = axis.annotate(", ".join(parts), middle, aside, textcoords="offset points")
+        text = ", ".join(parts).replace("-", "−")
+        label = axis.annotate(text, middle, aside, textcoords="offset points")
         label.set(ha=side, va="bottom")
