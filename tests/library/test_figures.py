@@ -147,6 +147,14 @@ def test_a_spring_is_no_friction() -> None:
             np.testing.assert_allclose(np.abs(line.get_ydata()), 2.0)
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_joint_that_rests_has_an_empty_panel() -> None:
+    values = np.random.default_rng(0).normal(size=(7, 50, 6))
+    values[..., 4] = np.nan
+    for drawing in friction_figures(MovingSamples(*values), np.ones(6), np.ones(6)).values():
+        assert drawing.data.filter(regex="(τ|i)_5 |joint 5").isna().all(axis=None)
+
+
 @pytest.mark.parametrize(("effort", "unit"), [(CURRENT, "[A]"), (TORQUE, "[Nm]")])
 def test_what_a_joint_measures_has_its_unit(effort: Effort, unit: str) -> None:
     samples = MovingSamples(*np.random.default_rng(0).normal(size=(7, 50, 6)))

@@ -201,7 +201,11 @@ def test_without_free_recordings_friction_is_that_of_other_arms(
         (lambda _, model: model.plot("frictoin"), "did you mean `friction`"),
         (lambda folder, _: ur5lib.load_model(folder / "no.json"), r"no\.json cannot be read"),
         (lambda folder, _: ur5lib.load_model(folder / "wrong.json"), "holds no model"),
+        (lambda folder, _: ur5lib.load_model(folder / FREE[0]), "holds no model"),
         (lambda folder, _: ur5lib.load(folder), "holds no results"),
+        (lambda folder, _: ur5lib.fit(str(folder / FREE[0])), r"free1\.csv.*ur5lib\.read"),
+        (lambda folder, model: model.estimate([folder / FREE[0]]), r"free1\.csv.*ur5lib\.read"),
+        (lambda _, __: ur5lib.read([], "ur5e"), "name at least one"),
     ],
 )
 def test_mistakes_are_told_in_a_sentence(

@@ -9,8 +9,8 @@ from typing import Any, get_origin
 import pandas as pd
 
 from ur5lib import __version__
-from ur5lib.chain.recordings import Recordings, frame_of
-from ur5lib.chain.shown import Shown, frames
+from ur5lib.chain.recordings import Recordings, as_recordings, frame_of
+from ur5lib.chain.shown import Shown, counted, frames
 from ur5lib.chain.steps import Chain, Files
 from ur5lib.errors import InputError, some, unknown
 from ur5lib.jobs.files import parameter_types
@@ -23,7 +23,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.friction import PARAMETER_UNITS
 from ur5lib.study.model import Settings, Study
 from ur5lib.study.selection import Selection
-from ur5lib.tables import as_written, read_json, write_text
+from ur5lib.tables import as_written, write_text
 from ur5lib.thesis.reference import PublishedValues
 
 TABLES = ["friction", "torque_constants", "cross_validation", "rotor_inertia", "parameters"]
@@ -124,8 +124,8 @@ class Model(Shown):
         several recordings `recording` and `time`. accept: reasons for which stop signs are
         overruled, by kind. Raises InputError for recordings of another arm, or with a stop sign.
         """
+        recordings = as_recordings(recordings).accepting(accept)
         self._expect_arm_of(recordings)
-        recordings = recordings.accepting(accept)
         study = recordings.study.model_copy(update={"settings": self.settings})
         made = recordings.chain(study)
         chain = replace(made, arm=self.arm, several=self.fitted)
@@ -154,7 +154,7 @@ class Model(Shown):
     def read(cls, path: str | Path) -> "Model":
         """Read a model that was saved. Raises InputError where the file holds none."""
         try:
-            saved = read_json(path)
+            saved = json.loads(Path(path).read_text(encoding="utf-8"))
             texts: Files = {name: saved["arm"][name] for name in YAML_FILES}
             texts |= {name: _text(saved["arm"][name]) for name in JSON_FILES}
             fitted: dict[str, Files] = {
@@ -212,7 +212,7 @@ class Model(Shown):
         friction = self.friction
         learnt = [*friction.from_, *friction.at_rest]
         links = "identified" if "identified" in self.identified.models else "as described"
-        fitted = f"fitted to {some(learnt, 4)} on {friction.paths} paths; links {links}"
+        fitted = f"fitted to {some(learnt, 4)} on {counted(friction.paths, 'path')}; links {links}"
         if not learnt:
             fitted = "no recording has the role `fit`: friction is only what other arms have"
         return f"Model of {self.robot}, {fitted}; it estimates forces where no stop sign is found"
@@ -242,7 +242,7 @@ def fit(recordings: Recordings, accept: Mapping[str, str] | None = None) -> Mode
         >>> len(model.table("torque_constants"))
         6
     """
-    recordings = recordings.accepting(accept)
+    recordings = as_recordings(recordings).accepting(accept)
     chain = recordings.chain(recordings.study)
     names = chain.selection.of_arm(chain.robot, "fit")
     at_rest = chain.selection.of_arm(chain.robot, "fit", at_rest=True)

@@ -7,7 +7,7 @@ from typing import Self
 import pandas as pd
 from pydantic import ValidationError
 
-from ur5lib.chain.shown import Shown, frames
+from ur5lib.chain.shown import Shown, counted, frames
 from ur5lib.chain.steps import Chain, Files
 from ur5lib.errors import InputError, unknown
 from ur5lib.jobs.memory import Content
@@ -184,7 +184,7 @@ class Recordings(Shown):
         duration = sum(self.qualities[name].duration_s for name in self.names)
         stopped = [name for name in self.names if self._stop_signs(name)]
         unused = f"; not used, for a stop sign: {', '.join(stopped)}" if stopped else ""
-        return f"{len(self)} recordings of {self.robot}, {duration:.0f} s{unused}"
+        return f"{counted(len(self), 'recording')} of {self.robot}, {duration:.0f} s{unused}"
 
     def _stop_signs(self, name: str) -> list[Finding]:
         return [one for one in self.qualities[name].findings if one.severity in NO_USE]
@@ -199,7 +199,7 @@ class Recordings(Shown):
                 level: sum(one.severity == level for one in quality.findings)
                 for level in ("warning", "note")
             }
-            minor = ", ".join(f"{n} {level}{'s' * (n > 1)}" for level, n in count.items() if n)
+            minor = ", ".join(counted(n, level) for level, n in count.items() if n)
             rows.append(
                 {
                     "recording": name,
@@ -211,6 +211,15 @@ class Recordings(Shown):
                 }
             )
         return pd.DataFrame(rows)
+
+
+def as_recordings(recordings: object) -> Recordings:
+    """Return them as they are. Raises InputError for a file that was not read."""
+    if not isinstance(recordings, Recordings):
+        raise InputError(
+            f"{recordings!r:.80} is no recording that was read; put it through ur5lib.read first"
+        )
+    return recordings
 
 
 def frame_of(content: Content, columns: list[str] | None = None) -> pd.DataFrame:

@@ -34,6 +34,11 @@ class Shown(ABC):
         return f"<p>{escape(self._title())}</p>{'' if table.empty else rows}"
 
 
+def counted(count: int, what: str) -> str:
+    """Return "1 path" or "2 paths"."""
+    return f"{count} {what}{'s' * (count != 1)}"
+
+
 def frames(parts: dict[str, pd.DataFrame]) -> pd.DataFrame:
     """Return the frame of a recording, with `time` as index; of several, `recording` and `time`.
 

@@ -72,6 +72,8 @@ def read(
     """
     take_up_all()
     paths = [Path(files)] if isinstance(files, str | Path) else [*map(Path, files)]
+    if not paths:
+        raise InputError("no file is named to be read; name at least one")
     name = arm.name if isinstance(arm, Arm) else arm
     if len(paths) == 1 and paths[0].suffix in YAML_SUFFIXES:
         return _recordings(_of_arm(parse_study(read_plain(paths[0]), str(paths[0])), name))

@@ -131,7 +131,7 @@ def friction_figures(
     symbol, unit = SYMBOLS[effort], effort.unit
     axis = f"{symbol} [{unit}]"
     needed, rigid = constant * samples.predicted, samples.torque + constant * samples.spring
-    ends = np.stack([np.nanmin(needed, axis=0), np.nanmax(needed, axis=0)])
+    ends = np.stack([np.fmin.reduce(needed), np.fmax.reduce(needed)])
     lines = [(ends, ends / constant), (ends, ends / known)]
     labels = ("velocity of joint {} [rad/s]", "friction of joint {} [Nm]")
     against = {

@@ -147,7 +147,7 @@ def house_style(
 
 def nothing_to_draw() -> Drawing:
     """Return the placeholder of a figure without data."""
-    figure = Figure(figsize=(PAGE_WIDTH, 0.5))
+    figure = NotebookFigure(figsize=(PAGE_WIDTH, 0.5))
     figure.text(0.5, 0.5, "not recorded", ha="center", va="center")
     return Drawing(figure, pd.DataFrame())
 
