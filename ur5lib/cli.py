@@ -301,6 +301,7 @@ def import_(
     """
     typer.echo(f"files to read: {len(files)}", err=True)  # before packages that load for seconds
     _use_one_thread()
+    from ur5lib.importing.files import expect_new
     from ur5lib.importing.written import (
         imported_files,
         print_imported,
@@ -308,6 +309,8 @@ def import_(
         write_imported,
     )
 
+    if output is not None:
+        expect_new(output)  # before the files are read
     imported = imported_files(files, user_statement(robot, columns, rate, unit or []))
     if study := output or add:
         last_line = f"{study} written; next: ur5 check {study}"

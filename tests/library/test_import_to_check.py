@@ -89,6 +89,24 @@ FORMS = {
 }
 
 
+def test_a_study_that_exists_is_kept_before_recordings_are_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("mine.yaml").write_text("mine")
+    refused = run_ur5("import", "nowhere.csv", "--output", "mine.yaml")
+    assert refused.status == 1
+    assert "mine.yaml exists" in refused.line
+    assert Path("mine.yaml").read_text() == "mine"
+
+
+def test_recordings_given_as_a_study_are_answered_by_import(
+    tmp_path: Path, run_ur5: Command
+) -> None:
+    (tmp_path / "run.csv").write_text("timestamp,actual_q_0\n0.0,1.5\n")
+    assert "ur5 import" in run_ur5("check", str(tmp_path / "run.csv")).line
+
+
 def imported(words: list[str], arm: str, run_ur5: Command) -> tuple[pd.DataFrame, str]:
     """The table that `ur5 check` accepts, and what import wrote into its study."""
     assert run_ur5("import", *words, "--robot", arm, "--output", "mine.yaml").status == 0

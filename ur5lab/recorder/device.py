@@ -189,5 +189,5 @@ def no_controller(interface: str, address: str, port: int, error: Exception) -> 
     """Return the error for a controller that does not answer; interface: by which it was asked."""
     return InputError(
         f"no controller answers by {interface} at {address}, port {port} ({error}); check that it "
-        "is switched on and that its address is the one in the study"
+        "is switched on and that this is its address"
     )

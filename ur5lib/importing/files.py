@@ -178,10 +178,15 @@ def account_table(imported: Sequence[ImportedRecording]) -> Table:
     return table
 
 
-def write_study(imported: Sequence[ImportedRecording], path: Path) -> None:
-    """Write a study of recordings. Raises InputError where the file exists already."""
+def expect_new(path: Path) -> None:
+    """Raise InputError where the file of a study exists already."""
     if path.exists():
         raise InputError(f"{path} exists; name another file, or add the entries with --add")
+
+
+def write_study(imported: Sequence[ImportedRecording], path: Path) -> None:
+    """Write a study of recordings. Raises InputError where the file exists already."""
+    expect_new(path)
     name = identifier(path.stem)
     plain = {"study": name, "title": f"Recordings of {name}"}
     head = yaml.safe_dump(plain, sort_keys=False, allow_unicode=True)

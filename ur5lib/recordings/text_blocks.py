@@ -37,8 +37,7 @@ def text_blocks(log: Log) -> Iterator[bytes]:
         raise InputError(f"{path} is a damaged gzip file; copy it again from its source") from error
     except OSError as error:
         raise InputError(
-            f"{path} is missing or cannot be read ({error.strerror}); "
-            "add the file, or remove the recording from the study"
+            f"{path} is missing or cannot be read ({error.strerror}); add the file, or leave it out"
         ) from error
 
 

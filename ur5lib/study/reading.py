@@ -56,7 +56,10 @@ def read_plain(path: Path) -> PlainData:
         reason = problem or str(error)
         raise InputError(f"{place}: cannot be read as YAML ({reason}); correct it") from error
     if not isinstance(raw, dict):
-        raise InputError(f"{path} is not a study: it needs `study`, `title` and `recordings`")
+        raise InputError(
+            f"{path} is not a study: it needs `study`, `title` and `recordings`; of recordings, "
+            "`ur5 import` writes one"
+        )
     if CODE_KEY in raw:
         raise InputError(
             f"{path}: `{CODE_KEY}` tells Snakemake to run code that the file holds, but a study is "
