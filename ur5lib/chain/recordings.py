@@ -183,7 +183,9 @@ class Recordings(Shown):
     def _title(self) -> str:
         duration = sum(self.qualities[name].duration_s for name in self.names)
         stopped = [name for name in self.names if self._stop_signs(name)]
-        unused = f"; not used, for a stop sign: {', '.join(stopped)}" if stopped else ""
+        unused = (
+            f"; not used, for a stop sign (see findings()): {', '.join(stopped)}" if stopped else ""
+        )
         return f"{counted(len(self), 'recording')} of {self.robot}, {duration:.0f} s{unused}"
 
     def _stop_signs(self, name: str) -> list[Finding]:

@@ -7,7 +7,7 @@ import pandas as pd
 
 from ur5lib.errors import printable
 
-MOST_ROWS, WIDTH = 16, 100  # of a screen
+MOST_ROWS, MOST_LETTERS = 16, 50  # of a table, of a cell
 
 
 class Shown(ABC):
@@ -24,9 +24,8 @@ class Shown(ABC):
     def __repr__(self) -> str:
         """Return title and table as text."""
         table = self.summary()
-        with pd.option_context("display.width", WIDTH, "display.max_colwidth", WIDTH // 2):
-            lines = [] if table.empty else [table.to_string(index=False, max_rows=MOST_ROWS)]
-        return printable("\n".join([self._title(), *lines]))
+        text = table.to_string(index=False, max_rows=MOST_ROWS, max_colwidth=MOST_LETTERS)
+        return printable("\n".join([self._title(), *([] if table.empty else [text])]))
 
     def _repr_html_(self) -> str:
         table = self.summary()

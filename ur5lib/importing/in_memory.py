@@ -9,10 +9,9 @@ import yaml
 
 from ur5lib.chain.recordings import Arm, Recordings
 from ur5lib.chain.steps import Chain, Files
-from ur5lib.commands.console import text_console
 from ur5lib.errors import InputError, some
-from ur5lib.importing.files import account_table, as_entries
-from ur5lib.importing.written import ACCOUNT_WIDTH, expect_all, imported_files, user_statement
+from ur5lib.importing.files import as_entries
+from ur5lib.importing.written import expect_all, imported_files, print_account, user_statement
 from ur5lib.records.quality import Quality
 from ur5lib.robots.description import (
     PROJECT_FOLDER,
@@ -86,7 +85,7 @@ def read(
         "title": "Recordings",
         "recordings": [e | stated for e in entries],
     }
-    text_console(width=ACCOUNT_WIDTH).print(account_table(imported))
+    print_account(imported)
     return _recordings(_of_arm(parse_study(plain, "the files"), None))
 
 

@@ -50,7 +50,7 @@ def write_imported(
     Raises InputError, after that, where some files were refused.
     """
     (add_to_study if append else write_study)(imported, study)
-    _print_account(imported, stderr=False)
+    print_account(imported)
     print(last_line)
     expect_all(imported)
 
@@ -61,7 +61,7 @@ def print_imported(imported: ImportedFiles, next_command: str) -> None:
     Raises InputError, after that, where some files were refused.
     """
     print(as_entries(imported), end="")
-    _print_account(imported, stderr=True)
+    print_account(imported, stderr=True)
     print(f"next: {next_command}", file=sys.stderr)
     expect_all(imported)
 
@@ -82,7 +82,8 @@ def study_of(named: Sequence[str], robot: str | None, output: Path | None) -> Pa
     return study
 
 
-def _print_account(imported: ImportedFiles, stderr: bool) -> None:
+def print_account(imported: ImportedFiles, stderr: bool = False) -> None:
+    """Print what the columns were taken for, as wide as the terminal."""
     width = None if sys.stdout.isatty() else ACCOUNT_WIDTH
     text_console(stderr=stderr, width=width).print(account_table(imported))
 
