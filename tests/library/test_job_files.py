@@ -158,21 +158,6 @@ def test_settings_are_as_their_types_say() -> None:
     assert arguments(step, {}, nothing) == nothing
 
 
-class Known(NamedTuple):
-    """All that a step is given."""
-
-    load: Load
-    limit: float
-    table: SegmentedTable | None = None
-
-
-def test_a_step_may_take_all_it_is_given_as_one_tuple(files: Path) -> None:
-    def step(known: Known) -> None: ...
-
-    given = arguments(step, {"load": f"{files}/a/load.json"}, {"limit": 3.0, "code": "checksum"})
-    assert given == {"known": Known(Load(ord("a"), []), 3.0)}
-
-
 def test_a_file_of_another_kind_is_an_error_of_the_input(files: Path) -> None:
     def step(load: list[float]) -> None: ...
 

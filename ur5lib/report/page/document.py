@@ -17,7 +17,6 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
 
-from ur5lib.report.page.formats import within
 from ur5lib.strict import Strict, read_yaml
 from ur5lib.workspace.places import PACKAGE
 
@@ -345,6 +344,8 @@ def _on_card(number: dict[str, Any]) -> dict[str, str]:
     value, low, high, unit = (number[key] for key in ("value", "low", "high", "unit"))
     name = number["name"].removesuffix("s" if value == 1 and not unit else "")
     name = ", ".join(filter(None, (name, number["place"])))
+    from ur5lib.report.page.formats import within  # with pandas, which the rules do not load
+
     return {"name": name, "text": within(value, low, high, unit)}
 
 
