@@ -3,8 +3,8 @@
     python -m benchmarks.expected [<study> ...] [--page]
 
 Prints a row for each study in results/, by default of all public recordings and the demo; `--page`
-writes them into docs/expect.md, and those of README.md's columns there. `--quick` takes the studies
-that are built.
+writes them into docs/expect.md, and those of README.md's columns there. Without
+names, `--quick` takes those that are built.
 """
 
 from collections.abc import Iterator, Sequence
@@ -66,7 +66,7 @@ def main() -> None:
     options.add_argument("--page", action="store_true", help="write docs/expect.md and README.md")
     given = options.parse_args()
     folders = [RESULTS_FOLDER / name for name in given.studies]
-    if given.quick:
+    if given.quick and given.studies == STUDIES:
         folders = [folder for folder in folders if (folder / "results.json").exists()]
     rows = [row for folder in built(folders) for row in rows_of(folder)]
     print(table(rows, HEADS))

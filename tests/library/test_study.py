@@ -11,6 +11,7 @@ from pydantic import BaseModel
 from tests.commands import words
 from tests.conftest import PROJECT
 from ur5lib.errors import InputError
+from ur5lib.study import given
 from ur5lib.study.model import Settings, Study, arms_without_fit, schema_text
 from ur5lib.study.reading import parse_study
 from ur5lib.study.schema import settings_text
@@ -331,8 +332,9 @@ def test_the_table_of_settings_has_every_key() -> None:
 
 
 def test_every_setting_is_documented_and_used() -> None:
-    """Each field of each part has a description, and a rule passes it or its whole part."""
-    rules = "".join(path.read_text() for path in (PROJECT / "workflow" / "rules").glob("*.smk"))
+    """Each field of each part has a description, and a step is given it or its whole part."""
+    rules = [*PROJECT.glob("workflow/rules/*.smk"), *PROJECT.glob("ur5lib/topics/*/rules.smk")]
+    text = "".join(path.read_text() for path in [*rules, Path(given.__file__)])
 
     def check(model: Any, place: str) -> None:
         for name, field in model.model_fields.items():
@@ -340,10 +342,11 @@ def test_every_setting_is_documented_and_used() -> None:
                 check(field.annotation, f"{place}.{name}")
             else:
                 assert field.description
-                used = rf"[=(]{place}\.{name}\b|design\({place}\)"
-                assert re.search(used, rules), f"{place}.{name}"
+                *_, part = place.split(".")
+                used = rf"\b{place}\.{name}\b|design\({place}\)|_lowpass, \"{part}\""
+                assert re.search(used, text, re.IGNORECASE), f"{place}.{name}"
 
-    check(Settings, "SETTINGS")
+    check(Settings, "settings")
 
 
 def test_the_shipped_studies_are_valid(thesis_data: Path, tmp_path: Path, monkeypatch: Any) -> None:
