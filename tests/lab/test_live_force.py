@@ -46,9 +46,9 @@ def check(table: pd.DataFrame, seconds: float) -> None:
     np.testing.assert_allclose(np.diff(table["time"]), 0.002, rtol=0, atol=1e-9)
     assert table["late"].max() < LATEST
     assert np.isfinite(table.to_numpy(float)).all()
-    started = table["time"] - table["time"][0] < 0.99
-    assert not table["known"][started].any()
-    assert table["known"][~started].all()
+    elapsed = table["time"] - table["time"][0]  # unknown while friction may settle, for 1 s
+    assert not table["known"][elapsed < 0.99].any()
+    assert table["known"][elapsed > 1.01].all()
 
 
 def test_what_is_stated_at_500_hz_is_written(tmp_path: Path) -> None:
