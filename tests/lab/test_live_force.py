@@ -27,14 +27,19 @@ pytestmark = [
 ]
 
 
-def stated(path: Path, seconds: float | None) -> tuple[pd.DataFrame, list[str]]:
-    """Follow an emulated arm at 500 Hz; returns the file, and what was shown."""
+def follow(path: Path, seconds: float | None) -> tuple[int, list[str]]:
+    """Follow an emulated arm at 500 Hz; returns the number of samples, and what was shown."""
     shown: list[str] = []
     with ControllerDouble("ur5e", STILL) as arm:
         if seconds is None:  # until the controller is off
             threading.Timer(2.0, arm._process.kill).start()
         stream, estimator = Stream(HERE, seconds), Live(arm_file())
-        count = record(estimator, stream, path, lambda *now: shown.append(in_words(*now)))
+        return record(estimator, stream, path, lambda *now: shown.append(in_words(*now))), shown
+
+
+def stated(path: Path, seconds: float | None) -> tuple[pd.DataFrame, list[str]]:
+    """Follow an emulated arm; returns the file, and what was shown."""
+    count, shown = follow(path, seconds)
     table = read_table(path)
     assert count == len(table)
     return table, shown
@@ -69,9 +74,9 @@ def test_the_file_is_whole_where_the_arm_s_stream_ends(tmp_path: Path) -> None:
 def test_ten_minutes_take_no_more_memory_and_no_sample_is_late(tmp_path: Path) -> None:
     stated(tmp_path / "warm.parquet", 10.0)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    table, _ = stated(tmp_path / "live.parquet", 600.0)
+    follow(tmp_path / "live.parquet", 600.0)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < MEMORY_GROWTH
-    check(table, 600.0)
+    check(read_table(tmp_path / "live.parquet"), 600.0)
 
 
 def test_no_controller_is_told(tmp_path: Path) -> None:
