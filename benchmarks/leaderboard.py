@@ -59,7 +59,6 @@ def main() -> None:
             re.sub(r"\]\((?=\w+\.md)", "](../docs/", text) if place == BESIDE else text, place
         )
         save(error_over_latency(table), place.with_suffix(".svg"))
-        write_csv(table, place.with_suffix(".csv"))
 
 
 if __name__ == "__main__":
