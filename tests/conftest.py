@@ -24,6 +24,8 @@ from ur5lib.tables import read_csv
 if TYPE_CHECKING:
     from tests.real_arms import RealStudy
 
+pytest.register_assert_rewrite("tests.artefacts.documents")  # which says what Axe found
+
 PROJECT = Path(__file__).parents[1]
 COPIED = [
     "Snakefile",

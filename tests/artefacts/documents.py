@@ -25,6 +25,9 @@ POINTS = 72 / 25.4  # in a millimetre
 SLACK = 6  # points: punctuation hangs out
 LEAST_LETTERS = 8  # points in the PDF
 LEAST_FIGURE = 700  # pixels of a figure on a phone, whose letters then are 10 pixels high
+# Replays that are open from the start are there, so that nothing moves while Axe looks.
+OPENED = """[...document.querySelectorAll("button.look[aria-expanded=true]")].every(
+    one => one.closest("figure").querySelector(".closer"))"""
 TOUCH = 2  # points by which letters of neighbours may reach into each other
 
 
@@ -60,6 +63,7 @@ def check_in_browser(report: Path, folder: Path, views: Sequence[tuple[int, str]
             assert page.evaluate("document.documentElement.scrollWidth") <= width
             if width == NARROW:
                 check_on_a_phone(page)
+            page.wait_for_function(OPENED)
             violations = Axe().run(page).response["violations"]
             assert [(v["id"], v["nodes"][0]["html"][:200]) for v in violations] == []
             if (width, scheme) == views[0]:

@@ -417,7 +417,8 @@ def test_contacts_are_marked_on_the_line_of_time(page: Any) -> None:
     assert mark["width"] == pytest.approx(lane["width"] / 6, abs=3)
     for _ in range(3):
         plots.press("+")
-    assert page.locator("#forces .lane.gate i").bounding_box()["width"] > 1.5 * mark["width"]
+    drawn = "document.querySelector('#forces .lane.gate i').getBoundingClientRect().width"
+    page.wait_for_function(f"{drawn} > {1.5 * mark['width']}")  # lanes follow in the next frame
 
 
 def test_an_alarm_while_nothing_touches_the_arm_is_called_false(
