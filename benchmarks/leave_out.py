@@ -161,6 +161,9 @@ def read_study(folder: Path, robot: str, roles: Sequence[str] = ("fit", "validat
     entries = [
         entry for entry in plan["recordings"] if entry["robot"] == robot and entry["role"] in roles
     ]
+    if not entries:
+        arms = sorted({entry["robot"] for entry in plan["recordings"]})
+        raise SystemExit(f"{folder}: no {robot} was recorded; name an arm: {', '.join(arms)}")
     folders = [folder / "recordings" / entry["name"] for entry in entries]
     motions = [Motion.read(own / "motion.parquet") for own in folders]
     labels = group_by_path([path_of(own.q, own.qd, own.period) for own in motions]).tolist()
