@@ -36,11 +36,6 @@ include: "workflow/rules/stand.smk"
 include: "workflow/rules/recordings.smk"
 
 
-if REFERENCE:
-
-    include: "workflow/rules/thesis.smk"
-
-
 for rules_of_topic in sorted(PACKAGE.glob("topics/*/rules.smk")):
 
     include: str(rules_of_topic)

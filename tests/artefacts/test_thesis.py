@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 import yaml
 from lxml.html import HtmlElement, fromstring
+from ur5lib.thesis.reference import read_reference
 
 import ur5lib
 from tests.artefacts.documents import (
@@ -29,7 +30,6 @@ from ur5lib.finished import FinishedStudy
 from ur5lib.force.estimators import PUBLISHED
 from ur5lib.records.accelerations import ImuComparison
 from ur5lib.tables import channel, read_json, read_record, read_table
-from ur5lib.thesis.reference import read_reference
 
 TABLE_5_6 = "Movement_No5_Acc_slow_no_disturbance"
 TABLE_5_7 = "Movement_No9_Singularity_Free_NoDist"

@@ -36,25 +36,22 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "excitation": BASE | {"dynamics", "identification", "records"},
     "records": BASE | {"stand"},
     # branches
-    "thesis": BASE | METHODS - {"identification"} | {"records"},
     "stand": BASE,
     # steps join the rooms; jobs know them by their names alone
-    "steps": BASE
-    | ROOMS - {"excitation"}
-    | {"stand", "records", "report", "thesis", "tidy", "workspace"},
-    "tidy": BASE | {"stand"} | {"force", "recordings", "records", "signals", "thesis"},
+    "steps": BASE | ROOMS - {"excitation"} | {"stand", "records", "report", "tidy", "workspace"},
+    "tidy": BASE | {"stand"} | {"force", "recordings", "records", "signals"},
     "jobs": {"errors", "records", "report", "robots", "strict", "tables", "workspace"},
     # readers
-    "report": BASE | METHODS - {"signals", "dynamics"} | {"records", "thesis", "tidy", "workspace"},
-    "study": BASE | {"stand", "recordings", "records", "thesis", "workspace"},
-    "chain": BASE | {"jobs", "records", "study", "thesis"},
+    "report": BASE | METHODS - {"signals", "dynamics"} | {"records", "tidy", "workspace"},
+    "study": BASE | {"stand", "recordings", "records", "workspace"},
+    "chain": BASE | {"jobs", "records", "study"},
     "finished": BASE | {"chain", "jobs", "records", "study"},
     "commands": BASE
     | METHODS - {"dynamics"}
     | {"checks", "finished", "jobs", "recordings"}
     | {"records", "report", "steps", "study", "tidy", "workspace"},
     "importing": BASE
-    | {"chain", "checks", "commands", "recordings", "records", "study", "thesis", "workspace"},
+    | {"chain", "checks", "commands", "recordings", "records", "study", "workspace"},
     "cli": BASE | {"commands", "datasets", "importing", "study", "workspace"},
     # a topic knows the steps' records, and the report's blocks and figures; nothing knows it
     "topics": BASE | ROOMS | {"commands", "records", "report", "steps", "tidy"},
@@ -70,7 +67,6 @@ LOADED = [  # steps, loaded one after the other, and the packages that none has 
         ("draw_figures", "draw_calibration", "draw_observability"),
         {"torch", *SCIPY},
     ),
-    (("draw_tracking", "draw_published_forces", "draw_current_torque"), {"torch", *SCIPY}),
     (
         ("make_tables", "measure_repetition", "read_postures"),
         {"torch", "scipy.stats", "scipy.signal"},
@@ -160,15 +156,13 @@ def test_no_step_waits_for_a_package_in_vain() -> None:
         assert loaded_in_vain(steps, packages) == ""
 
 
-DRAWN_BY_TOPICS = tuple(step for step in STEPS_OF_TOPICS if step.startswith("draw_"))
-
-
 @pytest.mark.skipif(not STEPS_OF_TOPICS, reason="all topics are deleted")
 def test_no_step_of_a_topic_waits_for_a_package_in_vain() -> None:
     """None that does not compute dynamics loads torch, and none that draws loads SciPy's parts."""
     moved = PROJECT / "ur5lib" / "dynamics" / "__init__.py"
     still = tuple(step for step in STEPS_OF_TOPICS if moved not in modules_of_step(step))
-    assert loaded_in_vain(DRAWN_BY_TOPICS, {"torch", *SCIPY}) == ""
+    drawn = tuple(step for step in still if step.startswith("draw_"))
+    assert loaded_in_vain(drawn, {"torch", *SCIPY}) == ""
     assert loaded_in_vain(still, {"torch"}) == ""
 
 

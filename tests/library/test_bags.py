@@ -24,7 +24,6 @@ from ur5lib.robots.description import Robot
 from ur5lib.study.reading import of_each_file, read_study
 from ur5lib.study.selection import Selection
 from ur5lib.tables import channel, checksum
-from ur5lib.thesis.reference import PublishedValues
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 STATE = STORE.types["sensor_msgs/msg/JointState"]
@@ -225,5 +224,5 @@ def test_a_folder_is_imported_checked_and_has_its_files_as_input(
     write_study(imported, tmp_path / "study.yaml")
     assert [one["file"] for one in of_each_file(imported[0].entry | {"file": "r*"})] == ["run"]
     assert run_ur5("check", tmp_path / "study.yaml").status == 0
-    study = Selection(read_study(tmp_path / "study.yaml"), PublishedValues())
+    study = Selection(read_study(tmp_path / "study.yaml"))
     assert study.raw_files("run") == sorted(map(str, folder.iterdir()))

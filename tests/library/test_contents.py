@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pandas as pd
 import pytest
@@ -12,6 +13,7 @@ from ur5lib.channels import CURRENT, TORQUE
 from ur5lib.report.page.compose import (
     MENTION,
     SENTENCE_END,
+    VIEWS,
     _drafts,
     _filled,
     body_of,
@@ -33,7 +35,6 @@ from ur5lib.report.page.document import (
     contents,
 )
 from ur5lib.report.results import Results
-from ur5lib.thesis.reference import Erratum
 from ur5lib.tidy import columns
 
 TABLES_MADE = columns()
@@ -60,7 +61,7 @@ def test_every_view_exists() -> None:
 
 @pytest.mark.parametrize("figure", FIGURES, ids=lambda figure: figure.figure)
 def test_every_figure_is_drawn_by_the_rule_it_names(figure: Picture) -> None:
-    (rule,) = re.findall(rf"\nrule {figure.rule}:.*?(?=\nrule |\Z)", RULES, re.DOTALL)
+    (rule,) = re.findall(rf"\n *rule {figure.rule}:.*?(?=\n *rule |\Z)", RULES, re.DOTALL)
     assert f'drawn_by("{figure.rule}"' in rule or f'["{figure.figure}"]' in rule
 
 
@@ -74,8 +75,8 @@ def test_every_table_comes_from_a_file_of_the_workflow(table: DeclaredTable) -> 
 
 def test_every_table_and_figure_of_the_report_is_mentioned() -> None:
     """So that a reader knows what to look at it for; those of the details have captions alone."""
-    details = contents().details(of_thesis=False)
-    for part in [*contents().report(of_thesis=True), *details]:
+    details = contents().details()
+    for part in [*contents().report(), *details]:
         flat = [
             b for one in part.blocks for b in (one.blocks if isinstance(one, Repeated) else [one])
         ]
@@ -155,11 +156,11 @@ def test_a_table_named_alone_is_shown_as_it_is() -> None:
 
 @pytest.mark.parametrize("count", [0, 2])
 def test_a_list_is_introduced_where_it_has_items(count: int) -> None:
-    errata = [Erratum(place="(2.1)", error="A sign.", choice="Plus.")] * count
-    part = DeclaredSection(
-        title="Errata", blocks=[Items(entries="recordings.errata", above="Found:")]
-    )
-    shown = [*_drafts(part, Results(study={}, tables={}, figures=Path(), errata=errata))]
+    part = DeclaredSection(title="Cited", blocks=[Items(entries="some.found", above="Found:")])
+    results = Results(study={}, tables={}, figures=Path())
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(VIEWS, "some", SimpleNamespace(found=lambda _: ["One."] * count))
+        shown = [*_drafts(part, results)]
     assert [type(block) for block in shown] == ([Paragraph, Items] if count else [])
 
 

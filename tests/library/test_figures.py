@@ -16,7 +16,6 @@ from PIL import Image
 
 from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.dynamics.flange import link_frames
-from ur5lib.records.closed_loop import ClosedLoop
 from ur5lib.records.signals import Signals
 from ur5lib.report.figures import house_style
 from ur5lib.report.figures.arm_figures import (
@@ -30,11 +29,7 @@ from ur5lib.report.figures.arm_figures import (
 )
 from ur5lib.report.figures.friction_figures import MovingSamples, friction_figures
 from ur5lib.report.figures.house_style import EMBEDDED_IMAGE, JOINT_COLOURS, Drawing, save
-from ur5lib.report.figures.recording_figures import (
-    older_torque_figure,
-    packet_figure,
-    tracking_figure,
-)
+from ur5lib.report.figures.recording_figures import packet_figure
 from ur5lib.report.figures.traces import TORQUE_PANELS, WRENCH_PANELS, Traces, decimate, draw_traces
 from ur5lib.robots.description import Cylinder, Robot
 from ur5lib.steps.draw_filters import FILTERED, FILTERED_IN_THESIS, draw_filters
@@ -236,34 +231,6 @@ def signals(lost: np.ndarray | None = None) -> Signals:
         target_q=q + 0.25,
         target_moment=10 * q,
     )
-
-
-def closed_loop(gains: str) -> ClosedLoop:
-    own = signals()
-    return ClosedLoop(time=own.time, segment=own.segment, q={gains: own.actual_q - 0.5})
-
-
-def test_the_loop_stands_beside_measurement_and_target_with_their_errors() -> None:
-    data = tracking_figure(signals(), closed_loop("C"), "C", "q").data
-    for joint in range(1, 7):
-        measured = data[f"measured, joint {joint} [rad]"]
-        for line, offset in (("target", 0.25), ("closed loop, gains C", -0.5)):
-            drawn = data[f"{line}, joint {joint} [rad]"]
-            assert (drawn - measured).to_numpy() == pytest.approx(offset)
-            error = data[f"error of {line}, joint {joint} [rad]"]
-            assert error.to_numpy() == pytest.approx(-offset)
-
-
-def test_gains_that_were_not_simulated_are_not_drawn() -> None:
-    assert tracking_figure(signals(), closed_loop("C"), "[21]", "q").data.empty
-
-
-def test_a_printed_mean_error_stands_beside_the_errors_of_what_can_be_rebuilt() -> None:
-    own, printed = signals(), (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
-    data = older_torque_figure(own, {"Model C": 8 * own.actual_q}, printed).data
-    assert data["error of [21], printed mean, joint 3 [Nm]"].to_numpy() == pytest.approx(3)
-    expected = 0.2 * data["controller's target_moment, joint 2 [Nm]"].to_numpy()
-    assert data["error of Model C, joint 2 [Nm]"].to_numpy() == pytest.approx(expected)
 
 
 def test_lost_frames_lengthen_the_step_to_the_next_received_one() -> None:

@@ -35,8 +35,6 @@ from ur5lib.records import clocks
 from ur5lib.robots import friction
 from ur5lib.signals import clock, device_clock
 from ur5lib.smoothing import noise
-from ur5lib.thesis import current_based as thesis
-from ur5lib.thesis import gains
 from ur5lib.timeseries import segments
 from ur5lib.timeseries.arrays import Array
 
@@ -66,8 +64,6 @@ def statements() -> Iterator[str]:
     yield f"in windows of {noise.NOISE_WINDOW:g} s"
     yield f"jackknife over blocks of {segments.BLOCK_DURATION:g} s. Without β"
     # identification
-    yield f"within the {percent(gains.CONFIDENCE_LEVEL)} point of F(2, n − 2)"
-    yield f"narrower than a factor of {gains.MAX_RANGE_FACTOR:g}."
     yield f"if less than {percent(base_parameters.MAX_PRIOR_VARIANCE_SHARE)} of its variance"
     yield f"over {friction.PRESLIDING_DISTANCE:.0e} rad".replace("e-0", "e-")
     percents = map(percent, (selection.MIN_SHARE, selection.MIN_SHARE_AT_REST))
@@ -157,7 +153,6 @@ def statements() -> Iterator[str]:
         f"sample of {detection.TOUCH_FORCE:g} N"
     )
     yield f"from {contact_figures.CONTACT_RESAMPLES} resamples of whole contacts"
-    yield f"{1e3 * thesis.PUBLISHED_JACOBIAN_LAG:g} ms earlier, as in the published script"
 
 
 STATEMENTS = [*statements()]

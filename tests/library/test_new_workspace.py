@@ -9,7 +9,6 @@ from ur5lib.datasets.catalogue import catalogue
 from ur5lib.strict import read_yaml
 from ur5lib.study.reading import read_study
 from ur5lib.tables import write_text
-from ur5lib.thesis.reference import read_reference
 from ur5lib.workspace.new import copy_study, new_workspace
 
 
@@ -81,6 +80,6 @@ def test_what_cannot_be_written_is_said(here: Path, run_ur5: Command) -> None:
 
 def test_a_fetched_study_comes_with_its_printed_numbers(here: Path) -> None:
     study = copy_study("workflow/studies/thesis.yaml")
-    assert read_reference(read_yaml(study)["reference"]).recordings()
+    assert read_yaml(Path(read_yaml(study)["reference"]))["printed"]
     study.write_text("edited")
     assert copy_study("workflow/studies/thesis.yaml").read_text() == "edited"

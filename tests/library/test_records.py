@@ -13,7 +13,6 @@ import pytest
 from tests.made_records import same
 from ur5lib.force.force_input import force_input
 from ur5lib.records.accelerations import Accelerations
-from ur5lib.records.closed_loop import ClosedLoop
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
@@ -24,7 +23,7 @@ from ur5lib.records.truth import Truth
 from ur5lib.tables import column_unit, read_table
 
 RECORDS: list[type[Table]] = [
-    *(Signals, Kinematics, Motion, FusedMotion, Torques, ClosedLoop, Currents),
+    *(Signals, Kinematics, Motion, FusedMotion, Torques, Currents),
     *(Forces, PublishedForces, SensorWrenches, Accelerations, Truth),
 ]
 KEYS = ("C", "C+rotors", "identified")  # of families that may have any; one begins as another does

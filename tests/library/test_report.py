@@ -18,8 +18,7 @@ from lxml.html import fromstring
 
 from tests.artefacts.documents import check_digits, stated
 from tests.made_tables import empty, table
-from ur5lib.errors import InputError, remark
-from ur5lib.records.closed_loop import ClosedLoop
+from ur5lib.errors import remark
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.signals import Signals
 from ur5lib.report.figures.house_style import save
@@ -49,11 +48,9 @@ from ur5lib.report.views.contacts import (
 )
 from ur5lib.report.views.currents import loaded, remarks
 from ur5lib.report.views.first_screen import _each, left_out_fits
-from ur5lib.report.views.models import contradictions
 from ur5lib.report.views.recordings import configuration, configuration_heading
 from ur5lib.steps.write_report import archived
 from ur5lib.tables import write_bytes, write_text
-from ur5lib.thesis.reference import Lookup, Printed, PrintedTable, Published, read_reference
 from ur5lib.tidy import forces, friction, models
 
 HOSTILE = '<script>alert("x")</script> & #set page(width: 1mm) $x$ *y* \\ `z` {{ 7 * 7 }}'
@@ -186,7 +183,7 @@ def test_columns_of_numbers_stand_right() -> None:
 # Tables of results
 
 
-def torque_tables() -> tuple[Signals, Torques, ClosedLoop]:
+def torque_tables() -> tuple[Signals, Torques]:
     """Target moments of 1 Nm; Model A is right, Model B 0.5 Nm too high; one invented frame."""
     ones = np.ones((10, 6))
     off = {"A": ones, "B": ones + 0.5}
@@ -197,45 +194,18 @@ def torque_tables() -> tuple[Signals, Torques, ClosedLoop]:
     return (
         Signals(**flags, actual_q=ones, target_moment=moment),
         Torques(**flags, target=off, measured=off, payload_torque=0 * ones),
-        ClosedLoop(**grid),
     )
 
 
-def torque_errors(recording: str, printed: Printed | None) -> pd.DataFrame:
-    published = Published(printed or {}, recording)
-    return table(models.torque_mae, {recording: (*torque_tables(), published)})
+def torque_errors() -> pd.DataFrame:
+    return table(models.torque_mae, {"run": torque_tables()})
 
 
 def test_torque_errors_leave_out_invented_frames() -> None:
-    rows = torque_errors("run", None)
+    rows = torque_errors()
     mae = rows.groupby("model")["mae"]
     assert mae.max().to_dict() == {"A": 0.0, "B": 0.5}
     assert rows["zero_mae"].eq(1.0).all()
-    assert rows["printed"].isna().all()
-
-
-def test_published_values_stand_at_their_recording_only() -> None:
-    printed = PrintedTable(
-        source="Table",
-        recording="run",
-        rebuilt=Lookup(table="torque_mae", value="mae"),
-        values={"A": tuple(range(6)), "old": (9,) * 6},
-    )
-    rows = torque_errors("run", {"torque_mae": printed})
-    at_target = rows[(rows["model"] == "A") & (rows["motion"] == "target")]
-    assert at_target["printed"].tolist() == [*range(6)]
-    assert rows[rows["motion"] == "measured"]["printed"].isna().all()
-    assert rows[rows["model"] == "old"]["mae"].isna().all()
-    elsewhere = torque_errors("other", {"torque_mae": printed})
-    assert elsewhere["printed"].isna().all()
-
-
-def test_a_wrong_file_of_published_values_is_told(tmp_path: Path) -> None:
-    path = tmp_path / "reference.yaml"
-    path.write_text("printed: {torque_mae: {source: x}}")
-    with pytest.raises(InputError, match=re.escape(str(path))):
-        read_reference(path)
-    assert read_reference(None).errata == ()
 
 
 def shown(name: str, results: Results, of: str = "") -> list[dict[str, str]]:
@@ -329,11 +299,7 @@ def force_summary() -> dict:
 
 
 def force_results() -> Results:
-    rebuilt = Lookup(table="force_mae", value="mae")
-    values = {"Fu": (1.0,) * 6}
-    printed = PrintedTable(source="6.1", recording="run", rebuilt=rebuilt, values=values)
-    published = Published({"force_mae": printed}, "run")
-    rows = table(forces.force_mae, {"run": (force_summary(), published)})
+    rows = table(forces.force_mae, {"run": force_summary()})
     study = {"recordings": [{"name": "run", "robot": "ur5"}]}
     return Results(study, {"force_mae": rows}, Path())
 
@@ -349,11 +315,6 @@ def test_what_is_not_certainly_better_than_none_is_undetermined() -> None:
     assert told["Fx [N]"] == told["nx [Nm]"] == "4.00"
     (undetermined,) = undetermined_moments(results)
     assert "ny, nz" in undetermined
-
-
-def test_printed_errors_stand_beside_those_of_the_whole_run() -> None:
-    printed = force_results().tables["force_mae"].dropna(subset="printed_mae")
-    assert {*zip(printed["kind"], printed["during"], strict=True)} == {("printed", "all")}
 
 
 def test_contacts_are_counted_by_their_force() -> None:
@@ -431,27 +392,6 @@ def test_a_load_that_the_model_lacks_is_told() -> None:
     (told,) = _each("findings.load", loaded(results))
     assert "heavy" in told
     assert stated(told) == [2.75, 0.03]
-
-
-def test_gains_stand_with_their_range_and_contradictions_are_told() -> None:
-    nan = float("nan")
-    ranges = [  # of joint 1, then of joint 2
-        [("first", 9.0, 8.0, 12.0, "yes"), ("second", nan, 20.0, nan, "no")],
-        [("first", nan, nan, 30.0, "no"), ("second", nan, 2.0, 29.0, "no")],
-    ]
-    columns = ["recording", "value", "low", "high", "determined"]
-    rows = [
-        pd.DataFrame(part, columns=columns).assign(joint=i + 1) for i, part in enumerate(ranges)
-    ]
-    tables = {"gains": pd.concat(rows).assign(gain="position")}
-    study = {"recordings": [{"name": name, "robot": "ur5"} for name in ("first", "second")]}
-    results = Results(study, tables, Path())
-    lines = [[*line.values()][2:] for line in shown("gains", results)]
-    assert lines == [["9.0 (8.0–12.0)", "< 30"], ["> 20", "2–29"]]
-    assert [*contradictions(results)] == [
-        "No single position gain fits all recordings of ur5 on joint 1: there, the controller "
-        "is not this closed loop."
-    ]
 
 
 def test_remarks_of_fits_are_told_and_why_one_made_nothing() -> None:

@@ -13,7 +13,6 @@ from ur5lib.study.selection import (
     OF_THE_STUDY,
     Selection,
 )
-from ur5lib.thesis.reference import OLDER_MODEL, Erratum, Lookup, PrintedTable, PublishedValues
 
 ROLES = ("fit", "validate", "contact", "validate", "contact")  # in turn
 MANY = 3 * MAX_EXAMINED_WHOLE
@@ -33,18 +32,12 @@ def entries(folder: Path, count: int) -> list[dict[str, Any]]:
     ]
 
 
-def of(recordings: list[dict[str, Any]], published: PublishedValues | None = None) -> Selection:
+def of(recordings: list[dict[str, Any]]) -> Selection:
     for one in recordings:
         if "simulate" not in one:
             Path(one["folder"]).mkdir(exist_ok=True)
     study = {"study": "made", "title": "Made", "recordings": recordings}
-    return Selection(parse_study(study, "made.yaml"), published or PublishedValues())
-
-
-def printed(recording: str, rows: tuple[str, ...] = ("A",)) -> PrintedTable:
-    values = dict.fromkeys(rows, (1.0,) * 6)
-    rebuilt = Lookup(table="torque_mae", value="mae")
-    return PrintedTable(source="1", recording=recording, rebuilt=rebuilt, values=values)
+    return Selection(parse_study(study, "made.yaml"))
 
 
 def test_of_few_recordings_all_are_drawn_and_examined(tmp_path: Path) -> None:
@@ -70,15 +63,10 @@ def test_of_many_some_are_drawn_by_their_names(tmp_path: Path) -> None:
         assert len({*more} - {*drawn}) <= 1
 
 
-def test_of_many_those_are_examined_that_are_drawn_shown_fitted_or_published(
-    tmp_path: Path,
-) -> None:
+def test_of_many_those_are_examined_that_are_drawn_shown_or_fitted(tmp_path: Path) -> None:
     given = entries(tmp_path, MANY)
-    plain = of(given)
-    (other, older, *_) = sorted(plain.recordings.keys() - plain.examined)
-    tables = {"closed_loop_q": printed(other), "torque_mae": printed(older, (OLDER_MODEL,))}
-    many = of(given, PublishedValues(printed=tables))
-    expected = {*many.drawn("ur5"), *many.drawn("ur10e"), *many.illustrated, other, older}
+    many = of(given)
+    expected = {*many.drawn("ur5"), *many.drawn("ur10e"), *many.illustrated}
     expected |= {entry["name"] for entry in given if entry["role"] == "fit"}
     assert many.examined == expected
     assert many.examined < many.recordings.keys()
@@ -100,20 +88,6 @@ def test_a_few_of_each_role_are_illustrated(tmp_path: Path, count: int) -> None:
         among = [one["name"] for one in given if one["role"] == role]
         assert roles.count(role) == min(MAX_ILLUSTRATED, len(among))
     assert {one["name"] for one in touched[-2:]} <= {*shown}
-
-
-def test_what_is_published_is_shown(tmp_path: Path) -> None:
-    """Of recordings of the study alone."""
-    tables = {"torque_mae": printed("run_20", ("A", OLDER_MODEL)), "force_mae": printed("gone")}
-    few = of(entries(tmp_path, 30), PublishedValues(printed=tables))
-    assert few.printed() == few.printed("torque_mae") == few.of_older_model() == ["run_20"]
-    assert few.printed("force_mae") == few.explained() == few.filtered_first() == []
-    assert "run_20" in few.illustrated
-    assert "run_20" not in of(entries(tmp_path, 30)).illustrated
-    way = {"printed": "torque_mae", "row": "A", "acceleration": {"model_delay_s": 0.1}}
-    erratum = Erratum.model_validate({"place": "", "error": "", "choice": "", "explains": [way]})
-    explained = of(entries(tmp_path, 30), PublishedValues(printed=tables, errata=(erratum,)))
-    assert explained.explained() == explained.filtered_first() == ["run_20"]
 
 
 def test_postures_at_rest_are_no_recordings_in_motion(tmp_path: Path) -> None:

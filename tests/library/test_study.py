@@ -250,25 +250,6 @@ def test_a_real_recording_still_needs_its_file(raw: dict[str, Any]) -> None:
     assert words("`recordings[0].file` missing") <= words(complaint)
 
 
-@pytest.mark.parametrize(
-    ("content", "fault"),
-    [
-        ("root:x:0:0\nbin: x: 1:\n", "mapping values are not allowed"),
-        ("", "it is no mapping"),
-        ("text\n", "it is no mapping"),
-        ("printed: {force_me: 1}\nerrata: [{place: a}]\n", "`errata[0].error` is missing; give"),
-    ],
-)
-def test_a_reference_that_holds_no_published_values_is_named_by_its_key(
-    raw: dict[str, Any], tmp_path: Path, content: str, fault: str
-) -> None:
-    path = tmp_path / "reference.yaml"
-    path.write_text(content)
-    (complaint,) = complaints(raw | {"reference": str(path)})
-    assert complaint.startswith(f"config.yaml: `reference`: {path} does not hold published values")
-    assert fault in complaint
-
-
 def test_the_truth_lies_in_the_recording_s_folder(raw: dict[str, Any], tmp_path: Path) -> None:
     folder = tmp_path / "run"
     folder.mkdir()

@@ -18,13 +18,11 @@ from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
 from ur5lib.report.views.baseline import bars, error_bar, state
 from ur5lib.report.views.contacts import (
-    claim,
     false_alarms,
     felt_while_fitted,
     judge_force,
     noticed,
     noticed_in_words,
-    scores,
     widest_band,
 )
 from ur5lib.report.views.currents import (
@@ -1086,7 +1084,7 @@ def test_the_recording_farthest_in_time_from_the_fits_is_named() -> None:
 
 def test_a_joint_that_never_moved_has_no_friction() -> None:
     known = {"robot": "ur5", "joint": 6, "value": 0.0, "std_error": 59.792, "prior_share": 1.0}
-    known |= {"low": -100.0, "high": 100.0, "determined": "no", "thesis": np.nan}
+    known |= {"low": -100.0, "high": 100.0, "determined": "no"}
     known |= {"known": 10.0, "known_std": 3.0}
     rows = pd.DataFrame([known | {"parameter": name} for name in ("torque_constant", "coulomb")])
     results = study({"fitted": "1 2 3"})
@@ -1102,7 +1100,7 @@ def test_a_joint_that_never_moved_has_no_friction() -> None:
     ("more", "source"), [({}, "data"), (UNKNOWN, "prior"), ({"determined": "no"}, "undetermined")]
 )
 def test_a_constant_is_mainly_from_what_tells_most(more: dict[str, Any], source: str) -> None:
-    rows = pd.DataFrame([constant(1, 10.0, **more) | {"thesis": np.nan}])
+    rows = pd.DataFrame([constant(1, 10.0, **more)])
     results = study()
     results = Results(results.study, {**results.tables, "friction": rows}, Path())
     (row,) = shown_table("friction.constants", results).rows
@@ -1120,32 +1118,6 @@ def test_excited_is_not_called_determined() -> None:
         "not excited"
         in shown_table("excitation", Results({}, {"excitation": table}, Path())).header
     )
-
-
-@pytest.mark.parametrize(
-    ("found", "above", "holds"), [(4, 0.0, True), (3, 0.0, False), (4, 0.01, False)]
-)
-def test_the_claim_of_the_thesis_is_judged_by_its_numbers(
-    found: int, above: float, holds: bool
-) -> None:
-    """Of its own recording and of what nothing touches; ours stands beside it."""
-    axis = {"component": "Fz", "force_n": 10.0}
-    rows = [
-        axis | {"recording": "pushed", "estimate": "F*", "pushes": 4, "found": found},
-        axis | {"recording": "pushed", "estimate": "Fmap", "pushes": 4, "found": 2},
-        axis | {"recording": "seen", "estimate": "F*", "time_above": above},
-        axis | {"recording": "seen", "estimate": "Fmap", "time_above": 0.5},
-        axis | {"recording": "fitted", "estimate": "F*", "time_above": 0.9},
-    ]
-    printed = [{"recording": "pushed", "printed_mae": 1.0}]
-    results = study(force_mae=printed, fixed_threshold=rows)
-    (finding,), (beside,) = claim(results), scores(results)
-    assert ("fails" not in finding) == holds
-    assert f"{4 - found} of 4" in finding or f"{100 * above:.0f} %" in finding
-    numbers = [f"F̂* finds {found} of these 4", f"{100 * above:.0f} %", "F̂ᵐᵃᵖ finds 2 of", "50 %"]
-    assert [number for number in numbers if number not in beside] == []
-    unprinted = study(fixed_threshold=rows)
-    assert [*claim(unprinted)] == scores(unprinted) == []
 
 
 # What recordings serve

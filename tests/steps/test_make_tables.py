@@ -99,11 +99,11 @@ def test_what_steps_have_written_for_each_arm_is_joined_as_it_is(tmp_path: Path)
 
 def test_rows_are_written_plainly(tmp_path: Path) -> None:
     """As yes and no, Python's own numbers, and nothing that is no column."""
-    row = {"joint": np.int64(2), "value": np.float32(0.5), "determined": np.bool_(True), "grid": []}
-    (plain,) = rows_of("gains", [row])
-    assert plain == {"joint": 2, "value": 0.5, "determined": "yes"}
-    assert [type(value) for value in plain.values()] == [int, float, str]
-    write_csv(table("gains", {"a": [row], "b": []}), tmp_path / "gains.csv")
-    back = read_csv(tmp_path / "gains.csv")
-    assert [*back] == columns()["gains"]
+    row = {"fitted": np.bool_(True), "joint": np.int64(2), "rmse": np.float32(0.5), "grid": []}
+    (plain,) = rows_of("current_rmse", [row])
+    assert plain == {"fitted": "yes", "joint": 2, "rmse": 0.5}
+    assert [type(value) for value in plain.values()] == [str, int, float]
+    write_csv(table("current_rmse", {"a": [row], "b": []}), tmp_path / "current_rmse.csv")
+    back = read_csv(tmp_path / "current_rmse.csv")
+    assert [*back] == columns()["current_rmse"]
     assert back["recording"].tolist() == ["a"]

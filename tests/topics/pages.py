@@ -18,7 +18,7 @@ STUDY = {"study": "s", "title": "t"}
 FIRST = DeclaredSection(title="First", blocks=[])
 
 
-def sections(topic: str, results: Results, of_thesis: bool = False) -> list[Section]:
+def sections(topic: str, results: Results) -> list[Section]:
     """The sections of a topic in report and details, as far as results fill them."""
     page = topic_pages()[topic]
     own = Contents(topics=[page], run=[])
@@ -29,7 +29,7 @@ def sections(topic: str, results: Results, of_thesis: bool = False) -> list[Sect
         study=STUDY | {"recordings": entries} | {**results.study, "recordings": entries},
         tables={"recordings": recordings} | {**results.tables},
     )
-    parts = [*own.report(of_thesis), *own.details(of_thesis)]
+    parts = [*own.report(), *own.details()]
     return [found for part in parts for found in compose([FIRST, part], whole).sections]
 
 

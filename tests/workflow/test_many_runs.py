@@ -17,7 +17,6 @@ from ur5lib.study.selection import (
     Selection,
 )
 from ur5lib.tables import read_csv
-from ur5lib.thesis.reference import read_reference
 
 RUNS = 3
 DAMAGED = {"2026-01-01": "This is a letter, not a recording.\n", "2026-03-13": ""}
@@ -96,4 +95,4 @@ def examined(folder: Path, count: int) -> frozenset[str]:
         (folder / f"{name}.csv").touch()
     entries = [entry | {"name": name, "file": f"{name}.csv"} for name in names]
     study = parse_study({"study": "many", "title": "Many", "recordings": entries}, "")
-    return Selection(study, read_reference(None)).examined
+    return Selection(study).examined

@@ -24,7 +24,6 @@ from ur5lib.robots.friction import PARAMETER_UNITS
 from ur5lib.study.model import Settings, Study
 from ur5lib.study.selection import Selection
 from ur5lib.tables import as_written, write_text
-from ur5lib.thesis.reference import PublishedValues
 
 TABLES = ["friction", "torque_constants", "cross_validation", "rotor_inertia", "parameters"]
 TABLES += ["excitation", "remarks"]
@@ -111,7 +110,7 @@ class Model(Shown):
         alone = Study.model_construct(
             study=self.robot, title="", settings=self.settings, recordings=[]
         )
-        chain = Chain(Selection(alone, PublishedValues()), self.robot, self.arm, {}, self.fitted)
+        chain = Chain(Selection(alone), self.robot, self.arm, {}, self.fitted)
         return chain.result(FIGURES[name])[name].figure
 
     def estimate(

@@ -19,7 +19,6 @@ from ur5lib.study.accept import Accept, joined
 from ur5lib.study.model import Study
 from ur5lib.study.selection import Selection
 from ur5lib.tables import read_footer, read_table, read_units
-from ur5lib.thesis.reference import read_reference
 
 NO_USE = ("stop", "error")  # severities of findings with which nothing is fitted
 
@@ -164,7 +163,7 @@ class Recordings(Shown):
     def chain(self, study: Study) -> Chain:
         """Return their chain of steps, with copies of what was made of them so far."""
         files = {name: dict(own) for name, own in self.files.items()}
-        selection = Selection(study, read_reference(study.reference))
+        selection = Selection(study)
         return Chain(selection, self.robot, dict(self.arm), files, {})
 
     def _frame(self, file: str, prefix: str) -> pd.DataFrame:

@@ -25,7 +25,6 @@ from ur5lib.study.model import Recording, Study
 from ur5lib.study.reading import parse_study, read_plain
 from ur5lib.study.selection import Selection
 from ur5lib.tables import ByKey
-from ur5lib.thesis.reference import read_reference
 from ur5lib.workspace.extensions import take_up_all
 
 Role = Literal["fit", "validate", "contact"]
@@ -104,7 +103,7 @@ def _of_arm(study: Study, name: str | None) -> Study:
 
 def _recordings(study: Study) -> Recordings:
     """Return the recordings of a study, read, with what is found in them."""
-    selection = Selection(study, read_reference(study.reference))
+    selection = Selection(study)
     arm, files = Files(), {name: Files() for name in selection.entries}
     chain = Chain(selection, next(iter(study.arms())), arm, files, {})
     chain.run("describe_arm")

@@ -24,22 +24,19 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import bearing_joints
 from ur5lib.strict import FAST_LOADER
 from ur5lib.tables import read_csv
-from ur5lib.thesis.printed_numbers import PRINTED_COLUMNS as PRINTED
-from ur5lib.thesis.reference import Erratum, read_reference
 from ur5lib.workspace.places import IN_CLONE, WORKFLOW
 
 AT_REST = "at rest"
 PACKAGES = ["snakemake", "numpy", "scipy", "pandas", "pyarrow"]
 PACKAGES += ["torch", "pytorch-kinematics", "mujoco", "matplotlib", "typst"]
 OPTIONAL = {  # tables that not every study has
-    "printed": pd.DataFrame(columns=PRINTED),
-}
-OPTIONAL |= {
     name: pd.DataFrame(columns=["robot", *(one.name for one in fields(row))])
     for name, row in (("repetition", Repeated), ("observability", Observed))
 }
-# A topic's, as far as it is read elsewhere.
-OPTIONAL["next_recordings"] = pd.DataFrame(columns=["robot", "after", "force"])
+OPTIONAL |= {  # a topic's, as far as it is read elsewhere
+    "next_recordings": pd.DataFrame(columns=["robot", "after", "force"]),
+    "printed": pd.DataFrame(columns=["table", "recording"]),
+}
 
 
 def with_zero(rows: pd.DataFrame, method: str, each: list[str]) -> pd.DataFrame:
@@ -67,7 +64,6 @@ class Results:
     tables: Mapping[str, pd.DataFrame]
     figures: Path
     drawn: frozenset[str] = frozenset()
-    errata: Sequence[Erratum] = ()
     commit: str = ""
     versions: Mapping[str, str] = field(default_factory=dict)
     left_out: Sequence[str] = ()
@@ -83,20 +79,17 @@ class Results:
         study: str,
         tables: Sequence[Path],
         figures: Sequence[Path],
-        reference: Path | None,
         arms: Sequence[Robot] = (),
     ) -> "Results":
         """Read a study's results.
 
-        study: the configuration as YAML; tables, figures: paths; reference: path of the published
-        values, if any; arms: of the study.
+        study: the configuration as YAML; tables, figures: paths; arms: of the study.
         """
         return cls(
             study=yaml.load(study, FAST_LOADER),
             tables={path.stem: read_csv(path) for path in tables},
             figures=Path(os.path.commonpath(figures)),
             drawn=frozenset(path.parent.name for path in figures),
-            errata=read_reference(reference).errata,
             commit=commit(),
             versions=versions(),
             other_arms=frozenset(arm.name for arm in arms if not arm.denavit_hartenberg),
@@ -160,9 +153,9 @@ class Results:
         """Return the names in a column of a table, each once."""
         return [*self.tables[table][column].unique()]
 
-    def printed(self, table: str, column: str = "printed") -> list[str]:
-        """Return the names of the recordings with printed values in a table."""
-        return [*self.tables[table].dropna(subset=column)["recording"].unique()]
+    def printed(self, table: str) -> list[str]:
+        """Return the names of the recordings with published values of a table."""
+        return [*self.rows("printed", table=table)["recording"].unique()]
 
     @property
     def of_thesis(self) -> bool:
@@ -230,7 +223,7 @@ class Results:
         most = 1 if self.many else most
         return [name for name in dict.fromkeys(names) if name in self.drawn][:most]
 
-    def rows(self, table: str, **values: Any) -> pd.DataFrame:
+    def rows(self, table: str, /, **values: Any) -> pd.DataFrame:
         """Return the rows of a table with these values, in each column one or a list of them."""
         rows = self.tables.get(table, OPTIONAL.get(table))
         for column, value in values.items():

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 from itertools import product
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +22,7 @@ from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.robots.end_effector import felt_acceleration, point_acceleration
+from ur5lib.signals.euler_angles import as_published
 from ur5lib.signals.imu_calibration import (
     ImuCalibration,
     accelerometer_bias,
@@ -34,8 +34,6 @@ from ur5lib.smoothing.fused_motion import fused_record, imu_model, no_fused_moti
 from ur5lib.smoothing.imu_fusion import smooth_with_imu
 from ur5lib.smoothing.plain_smoother import PlainMotion, smooth_plainly
 from ur5lib.smoothing.smoothed_motion import known_joints, measured, motion_account
-from ur5lib.thesis.accelerations import as_published
-from ur5lib.thesis.reference import Published, read_reference
 from ur5lib.tidy import part
 from ur5lib.tidy.accelerations import acceleration_mae, innovations
 from ur5lib.timeseries.arrays import Array
@@ -79,13 +77,12 @@ def compare_accelerations(
     calibration_without_each: dict[str, ImuCalibration],
     lowpass: Butterworth,
     gravity: list[float] | None = None,
-    reference: Path | None = None,
 ) -> ComparedMotion:
     """Return the motion from encoders and IMU, and the end effector's acceleration from joints,
     through Euler angles and from the IMU; empty without a valid IMU.
 
     imu: its samples, by its own clock; calibrations: from all `fit` recordings, and from contact-
-    free ones without each; lowpass: of the accelerations; reference: of published values.
+    free ones without each; lowpass: of the accelerations.
     """
     robot, fused, account = arm.mounted(gravity), no_fused_motion(), dict[str, MotionAccount]()
     accelerations = Accelerations(time=signals.time, segment=signals.segment)
@@ -98,9 +95,8 @@ def compare_accelerations(
         motions = {"encoders": motion, "encoders+imu": fused}
         own = beside_imu(robot, kinematics, signals, motions, unseen)
         accelerations, comparison = judged(own, lowpass, placed, motion.qd)
-    published = Published(read_reference(reference).printed, recording)
     encoders = {"encoders": alignment.encoders}
-    errors = part("acceleration_mae", acceleration_mae(comparison, published))
+    errors = part("acceleration_mae", acceleration_mae(comparison))
     tests = part("innovations", innovations(encoders, account))
     return ComparedMotion(fused, accelerations, comparison, errors, tests)
 

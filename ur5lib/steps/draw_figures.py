@@ -32,7 +32,6 @@ def draw_figures(
     threshold: of alarms, by estimate; role: of the recording; min_singular_value: below it, no
     force is determined; lowpass: of currents, order and cut-off [Hz]; gravity: see `Robot.mounted`.
     """
-    felt, modelled = accelerations.published_felt, accelerations.published.get("euler")
     hidden = kinematics.smallest_singular_value < min_singular_value
     # each figure reads its signals anew, so that none holds those of another
     return {
@@ -40,7 +39,6 @@ def draw_figures(
         "torques": figures.torque_figure(signals.anew(), torques, arm),
         "currents": figures.effort_figure(signals.anew(), currents, arm.measured, lowpass),
         "accelerations": figures.acceleration_figure(accelerations),
-        "accelerations_published": figures.euler_figure(accelerations, felt, modelled),
         "forces_estimated": figures.estimate_figure(forces, sensor, hidden),
         "moments_estimated": figures.estimate_figure(forces, sensor, hidden, moments=True),
         "scene": arm_scene(

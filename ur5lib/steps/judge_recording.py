@@ -1,29 +1,23 @@
 """Judge a recording by itself: findings, and its rows of the study's tables."""
 
 from dataclasses import replace
-from pathlib import Path
 
 from ur5lib.checks.channels import slower_than_fit
 from ur5lib.force.problem import unusual_friction
 from ur5lib.force.residual_model import Residuals
-from ur5lib.records.closed_loop import ClosedLoop
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import Friction
-from ur5lib.records.gains import GainSummary
 from ur5lib.records.judgement import Judgement, Rows
 from ur5lib.records.motion import Alignment, Motion
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import UNUSUAL_FRICTION, Finding, Quality
 from ur5lib.records.signals import Signals
-from ur5lib.thesis.published_constants import PublishedConstants
-from ur5lib.thesis.reference import Published, read_reference
-from ur5lib.tidy import files, friction, models, motion, written
+from ur5lib.tidy import files, friction, models, written
 
 
 def judge_recording(
-    recording: str,
     quality: Quality,
     signals: Signals,
     motion: Motion,
@@ -35,21 +29,14 @@ def judge_recording(
     friction: Friction,
     residuals: Residuals,
     cutoff_hz: float,
-    closed_loop: ClosedLoop | None = None,
-    gains: GainSummary | None = None,
-    constants: PublishedConstants | None = None,
-    reference: Path | None = None,
 ) -> Judgement:
     """Return a recording's findings, and its rows of tables.
 
-    cutoff_hz: of the currents' low-pass [Hz]. Of the thesis's methods, None where the study has no
-    published values.
+    cutoff_hz: of the currents' low-pass [Hz].
     """
-    published = Published(read_reference(reference).printed, recording)
     rows = {
         **of_files(quality, signals, alignment),
-        **of_models(signals, torques, closed_loop, gains or GainSummary(), published),
-        **of_currents(prediction, constants or PublishedConstants(), published),
+        **of_models(signals, torques, prediction),
     }
     moved = signals.actual_q, signals.segment, signals.period
     slower = slower_than_fit(*moved, cutoff_hz, friction.period)
@@ -71,28 +58,10 @@ def of_files(quality: Quality, signals: Signals, alignment: Alignment) -> dict[s
     )
 
 
-def of_models(
-    signals: Signals,
-    torques: Torques,
-    loop: ClosedLoop | None,
-    gains: GainSummary,
-    published: Published,
-) -> dict[str, Rows]:
-    """Return the rows about link models and the controller."""
+def of_models(signals: Signals, torques: Torques, prediction: Prediction) -> dict[str, Rows]:
+    """Return the rows about link models, and about currents and the load that they show."""
     return written(
-        torque_mae=models.torque_mae(signals, torques, loop, published),
-        closed_loop_mae=motion.closed_loop_mae(loop, signals, published) if loop else (),
-        gains=motion.gains(gains),
-        published_gains=motion.published_gains(gains),
-    )
-
-
-def of_currents(
-    prediction: Prediction, constants: PublishedConstants, published: Published
-) -> dict[str, Rows]:
-    """Return the rows about currents and the load that they show."""
-    return written(
+        torque_mae=models.torque_mae(signals, torques),
         current_rmse=friction.current_rmse(prediction),
         payload=friction.payload(prediction),
-        published_constants=friction.published_constants(constants, published),
     )

@@ -16,7 +16,6 @@ from ur5lib.records.wording import worded
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.tables import read_cells
-from ur5lib.thesis.reference import Printed, Published, read_reference
 from ur5lib.tidy import Row, accelerations, columns, files, forces, friction, models, table
 
 RowsByTable = dict[str, dict[str, Iterable[Row]]]  # by table, then by recording
@@ -36,19 +35,17 @@ def make_tables(
     parts: list[Path],
     unreadable: dict[str, str],
     roles: dict[str, str] | None = None,
-    reference: Path | None = None,
 ) -> dict[str, pd.DataFrame]:
     """Return each table by its name.
 
     judgements: of all recordings; beside_imu to contacts: of those in motion; arm to residuals: of
     all arms; parts: CSV files that steps write for each recording or arm, in the folder of its
     name: together they are the table of their name; unreadable: the recordings without a judgement,
-    each with the reason; roles: of all, by which a copy of another recording is left out;
-    reference: published values.
+    each with the reason; roles: of all, by which a copy of another recording is left out.
     """
     judged, compared = dict(judgements), dict(beside_sensor)
     rows = rows_of_recordings(judged, compared, unreadable)
-    rows |= rows_of_forces(compared, dict(contacts), read_reference(reference).printed)
+    rows |= rows_of_forces(compared, dict(contacts))
     written = joined(parts) | {"acceleration_bands": bands_of_accelerations(dict(beside_imu))}
     tables = {name: table(name, own) for name, own in rows.items()} | written
     tables = without_copies(tables, roles or {})
@@ -73,14 +70,10 @@ def make_tables(
 def rows_of_forces(
     compared: Mapping[str, Compared],
     contacts: Mapping[str, dict[str, Detected]],
-    printed: Printed,
 ) -> RowsByTable:
     """Return the rows about forces and contacts."""
-    errors: dict[str, Iterable[Row]] = {
-        name: forces.force_mae(one, Published(printed, name)) for name, one in compared.items()
-    }
     return {
-        "force_mae": errors,
+        "force_mae": {name: forces.force_mae(one) for name, one in compared.items()},
         "contact_errors": {name: forces.contact_errors(one) for name, one in compared.items()},
         "sensed": {name: forces.sensed(one) for name, one in compared.items()},
         "detection": {name: forces.detection(one) for name, one in contacts.items()},

@@ -32,10 +32,9 @@ def write_report(
     tables: list[Path],
     figures: list[Path],
     described: Mapping[str, Robot],
-    reference: Path | None = None,
 ) -> Report:
     """Return the report of a study; study: its configuration as YAML; described: its arms."""
-    results = Results.read(study, tables, figures, reference, [*described.values()])
+    results = Results.read(study, tables, figures, [*described.values()])
     report, details = compose_study(results)
     data = summary(report, results), summary_schema()
     pages = html_page(report), html_page(details), pdf_document(report)

@@ -14,6 +14,6 @@ def write_run(
     recording: str, study: str, tables: list[Path], figures: list[Path], described: Robot
 ) -> str:
     """Return the page of a recording; study: its configuration as YAML; described: its arm."""
-    whole = Results.read(study, tables, figures, None, [described])
+    whole = Results.read(study, tables, figures, [described])
     own = replace(whole.of_run(recording), figures=whole.figures.parent)
     return html_page(replace(compose(contents().run, own), home="../"))

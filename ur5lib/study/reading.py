@@ -25,7 +25,6 @@ from ur5lib.stand import layout
 from ur5lib.strict import FAST_DUMPER, expect_few_values, explain, quoted, read_yaml
 from ur5lib.study.accept import joined
 from ur5lib.study.model import Study
-from ur5lib.thesis.reference import read_reference
 
 PlainData = Mapping[str, Any]  # a configuration, or a part of it, before it is validated
 WILDCARD = re.compile(r"[*?\[]")
@@ -83,7 +82,6 @@ def parse_study(raw: PlainData, source: str) -> Study:
         *_repeated_files(raw),
         *_devices_on_two_hosts(raw),
         *_missing_results(raw),
-        *_wrong_reference(raw),
     ]
     try:
         study = _with_arms(Study.model_validate(_with_files(raw)))
@@ -235,16 +233,6 @@ def _missing_results(raw: PlainData) -> Iterator[str]:
                 f"`compare_with` names {quoted(name)}, but results/{name} holds no results; run "
                 "snakemake on that study first"
             )
-
-
-def _wrong_reference(raw: PlainData) -> Iterator[str]:
-    """Yield the error of a file that holds no published values."""
-    reference = raw.get("reference")
-    if isinstance(reference, str) and os.path.isfile(reference):
-        try:
-            read_reference(reference)
-        except InputError as error:
-            yield f"`reference`: {error}"
 
 
 def _with_files(raw: PlainData) -> PlainData:

@@ -9,12 +9,10 @@ from typing import Any
 
 from ur5lib.strict import SNAKEMAKE_PLACEHOLDER
 from ur5lib.study.model import Study
-from ur5lib.thesis.reference import PublishedValues
 
 MAX_EXAMINED_WHOLE = 100  # recordings of a study of which all are examined
 MAX_DRAWN = 40  # contact-free recordings of an arm on which contacts are tried, of many
 MAX_ILLUSTRATED = 4  # recordings with figures in a section of the report
-LOOPS = "closed_loop_q", "closed_loop_qd"
 OF_THE_STUDY = ["name", "role", "robot", "date", "gravity", "mounting", "tool", "payload"]
 OF_THE_STUDY += [
     "untouched",
@@ -26,13 +24,9 @@ OF_THE_STUDY += [
 
 @dataclass(frozen=True, eq=False)
 class Selection:
-    """The recordings of a study, by what is done with them.
-
-    published: values that the study is compared with, empty without any.
-    """
+    """The recordings of a study, by what is done with them."""
 
     study: Study
-    published: PublishedValues
 
     @cached_property
     def entries(self) -> dict[str, Any]:
@@ -93,7 +87,7 @@ class Selection:
     def illustrated(self) -> list[str]:
         """The recordings whose figures the report may show.
 
-        Those with printed values, the first few with a contact or to validate, and the first.
+        The first few with a contact or to validate, and the first.
         """
         by_role = {
             role: [name for name, one in self.recordings.items() if one.role == role]
@@ -101,7 +95,7 @@ class Selection:
         }
         touched = sorted(by_role["contact"], key=lambda name: not self.has_force_sensor(name))
         few = touched[:MAX_ILLUSTRATED], by_role["validate"][:MAX_ILLUSTRATED]
-        chosen = {*self.printed(), *few[0], *few[1], *[*self.recordings][:1]}
+        chosen = {*few[0], *few[1], *[*self.recordings][:1]}
         return [name for name in self.recordings if name in chosen]
 
     @cached_property
@@ -113,38 +107,16 @@ class Selection:
             return frozenset(self.recordings)
         drawn = (name for robot in self.study.arms() for name in self.drawn(robot))
         fitted = (name for name, one in self.recordings.items() if one.role == "fit")
-        loops = self.printed(*LOOPS)
-        return frozenset([*drawn, *self.illustrated, *self.of_older_model(), *loops, *fitted])
+        return frozenset([*drawn, *self.illustrated, *fitted])
 
     def of_step(self, step: str) -> list[str]:
         """Return the recordings that a step of each recording runs for by itself."""
         some: dict[str, list[str]] = {
             "read_postures": self.at_rest,
             "draw_figures": self.illustrated,
-            "draw_tracking": self.printed(*LOOPS) or self.illustrated,
-            "draw_filtered_first": self.filtered_first(),
-            "draw_older_model": self.of_older_model(),
-            "draw_current_torque": self.printed("current_torque"),
-            "draw_published_forces": self.printed(),
             "write_run": [],  # on demand alone
         }
         return some.get(step, [*self.recordings])
-
-    def printed(self, *tables: Any) -> list[str]:
-        """Return the recordings with published values, in some tables or in any."""
-        return sorted(self.published.recordings(*tables) & self.recordings.keys())
-
-    def explained(self) -> list[str]:
-        """Return the recordings whose published values an erratum explains."""
-        return sorted(self.published.explained() & self.recordings.keys())
-
-    def of_older_model(self) -> list[str]:
-        """Return the recordings with published values of the thesis's older model."""
-        return sorted(self.published.of_older_model() & self.recordings.keys())
-
-    def filtered_first(self) -> list[str]:
-        """Return the recordings with an erratum about the order of filters."""
-        return sorted(self.published.explained_accelerations().keys() & self.recordings.keys())
 
     def has_force_sensor(self, name: str) -> bool:
         """Return whether a recording names or holds a file of a force sensor."""

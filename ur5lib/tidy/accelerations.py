@@ -7,7 +7,6 @@ import numpy as np
 from ur5lib.records.accelerations import COMPONENTS, Difference, ImuComparison
 from ur5lib.records.motion import MotionAccount
 from ur5lib.signals.imu_calibration import ImuCalibration
-from ur5lib.thesis.reference import Published
 from ur5lib.tidy import Row
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.kalman import InnovationTest
@@ -18,16 +17,14 @@ CHANNELS = [f"q_{joint}" for joint in range(1, 7)] + [f"qd_{joint}" for joint in
 CHANNELS += [f"imu_{sensor}{axis}" for sensor in "ag" for axis in "xyz"]
 
 
-def acceleration_mae(accelerations: ImuComparison, published: Published) -> Iterator[Row]:
+def acceleration_mae(accelerations: ImuComparison) -> Iterator[Row]:
     """Yield the MAE of the end effector's acceleration against the IMU."""
-    printed = published.values("acceleration_mae")
     for estimate, errors in accelerations.errors.items():
-        for index, (component, mae) in enumerate(errors.mae.items()):
+        for component, mae in errors.mae.items():
             yield {
                 "estimate": estimate,
                 "component": component,
                 "mae": mae,
-                "printed": printed[estimate][index] if estimate in printed else None,
                 "zero_mae": errors.zero_mae[component],
             }
 

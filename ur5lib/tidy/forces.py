@@ -6,34 +6,26 @@ import numpy as np
 
 from ur5lib.records.contacts import Detected
 from ur5lib.records.force_errors import Compared
-from ur5lib.thesis.reference import Published
 from ur5lib.tidy import Row
 
 FORCES = ("Fx", "Fy", "Fz")
 STDS = ("Fx_std", "Fy_std", "Fz_std")
 
 
-def force_mae(forces: Compared, published: Published) -> Iterator[Row]:
+def force_mae(forces: Compared) -> Iterator[Row]:
     """Yield the errors of the force estimates against the sensor."""
-    tables = {"mae": published.values("force_mae"), "max": published.values("force_max")}
     for kind, estimates in forces.errors.items():
         for estimate, periods in estimates.items():
             contact = periods.get("contact", {})  # determined: the skill there is above zero
             skills = contact.get("skill_low", contact.get("skill", {}))
             determined = {name: (skill or 0) > 0 for name, skill in skills.items()}
             for during, figures in periods.items():
-                printed = {
-                    f"printed_{figure}": table[estimate]
-                    for figure, table in tables.items()
-                    if (kind, during) == ("printed", "all") and estimate in table
-                }
                 about = {"kind": kind, "estimate": estimate, "during": during}
-                for i, component in enumerate(figures["mae"]):
+                for component in figures["mae"]:
                     yield about | {
                         "component": component,
                         "determined": determined.get(component),
                         **{name: values[component] for name, values in figures.items()},
-                        **{name: values[i] for name, values in printed.items()},
                     }
 
 

@@ -1,23 +1,17 @@
 """Rows of tables about friction, currents and torque constants, and how they changed."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import asdict
-
-import numpy as np
 
 from ur5lib.records.friction import Friction
 from ur5lib.records.prediction import Prediction
 from ur5lib.robots.description import Robot
-from ur5lib.thesis.published_constants import PublishedConstants
-from ur5lib.thesis.reference import Published
 from ur5lib.tidy import Row, by_joint
-
-AS_PRINTED = "torque_on_current"
 
 
 def friction(friction: Friction, arm: Robot) -> Iterator[Row]:
-    """Yield torque constants, offsets and friction, beside the thesis's; of a torque constant, also
-    the prior one, and the fitted one where that contradicts it.
+    """Yield torque constants, offsets and friction; of a torque constant, also the prior one, and
+    the fitted one where that contradicts it.
     """
     yield from _parameters(friction, arm)
 
@@ -30,17 +24,10 @@ def torque_constants(friction: Friction, arm: Robot) -> Iterator[Row]:
 
 
 def _parameters(fitted: Friction, arm: Robot) -> Iterator[Row]:
-    published: dict[str, Sequence[float]] = {}
-    if arm.current_to_torque is not None:
-        published["torque_constant"] = arm.current_to_torque.torque_constant
-        published["offset"] = arm.current_to_torque.offset
-    if arm.friction is not None:
-        published |= {"coulomb": arm.friction.coulomb, "viscous": arm.friction.viscous}
     for row in fitted.parameters:
         (low, high), joint, known = row.interval, row.joint - 1, fitted.known_constants
-        thesis = published[row.name][joint] if row.name in published else None
         name = arm.measured.parameter(row.name)
-        found = asdict(row) | {"parameter": name, "thesis": thesis, "low": low, "high": high}
+        found = asdict(row) | {"parameter": name, "low": low, "high": high}
         if row.name == "torque_constant" and known is not None:
             found |= {"known": known.value[joint], "known_std": known.std_error[joint]}
             joints = fitted.fit.joints
@@ -72,23 +59,3 @@ def payload(currents: Prediction) -> Iterator[Row]:
             values = zip("xyz", getattr(load, name), strict=True)
             row |= {f"{name}_{axis}": value for axis, value in values}
         yield row
-
-
-def published_constants(constants: PublishedConstants, published: Published) -> Iterator[Row]:
-    """Yield torque constants and offsets of moving joints by the thesis's regression and by its
-    reverse, and the printed ones; none without published constants.
-    """
-    compared = "current_torque" in published.printed
-    printed = published.values("current_torque")
-    for regression, line in constants.lines.items() if compared else ():
-        columns = vars(constants) | {
-            "torque_constant": line.torque_constant,
-            "offset": line.offset,
-            "torque_constant_std_error": line.torque_constant_std,
-            "offset_std_error": line.offset_std,
-        }
-        del columns["lines"]
-        if printed and regression == AS_PRINTED:
-            columns |= {"printed_torque_constant": printed["k"], "printed_offset": printed["b"]}
-        rows = by_joint(columns, regression=regression)
-        yield from (row for row in rows if np.isfinite(row["torque_constant"]))

@@ -6,26 +6,21 @@ import numpy as np
 
 from ur5lib.errors import Remark
 from ur5lib.force.residual_model import Residuals
-from ur5lib.records.closed_loop import ClosedLoop
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import Friction
 from ur5lib.records.models import Identification, Rotors
 from ur5lib.records.signals import Signals, slowly
 from ur5lib.records.wording import in_words
-from ur5lib.thesis.reference import Published
 from ur5lib.tidy import Column, Row, by_joint
 from ur5lib.timeseries.metrics import mean_absolute_error
 
 MIN_TARGET_TRAVEL, MIN_LED_TRAVEL = 0.01, 0.1  # rad, of a target that moves, of a joint that is led
-COMPARED = ("closed_loop", "target")  # motions to which a published torque error is compared
 STOP = "stop sign"  # in the place of a step: no forces are stated for the arm
 
 
-def torque_mae(
-    signals: Signals, torques: Torques, closed_loop: ClosedLoop | None, published: Published
-) -> Iterator[Row]:
+def torque_mae(signals: Signals, torques: Torques) -> Iterator[Row]:
     """Yield the MAE of torques by motion and link model against `target_moment`, below 2 Hz, too,
-    the printed MAE and that of zero torque; interpolated frames are left out.
+    and that of zero torque; interpolated frames are left out.
     """
     if signals.target_moment is None or is_led(signals):
         return
@@ -36,9 +31,7 @@ def torque_mae(
         "zero_mae": mean_absolute_error(np.zeros_like(moment), moment),
         "zero_mae_2hz": mean_absolute_error(np.zeros_like(slow), slow),
     }
-    printed = published.values("torque_mae")
     motions = {"target": torques.target, "measured": torques.measured}
-    motions |= {"closed_loop": closed_loop.torque} if closed_loop else {}
     for model in torques.measured:
         for motion, known in motions.items():
             if model in known:
@@ -46,12 +39,7 @@ def torque_mae(
                     "mae": mean_absolute_error(known[model][received], moment),
                     "mae_2hz": mean_absolute_error(slowly(known[model], signals)[received], slow),
                 }
-                if motion in COMPARED and model in printed:
-                    columns |= {"printed": printed[model]}
                 yield from by_joint(columns, motion=motion, model=model)
-    for model in printed.keys() - torques.measured.keys():
-        columns = zero | {"printed": printed[model]}
-        yield from by_joint(columns, motion="closed_loop", model=model)
 
 
 def is_led(signals: Signals) -> bool:

@@ -155,7 +155,7 @@ rule fit_live:
 
 rule set_threshold:
     input:
-        **({"published": results_of(fitted_on, "published_forces.parquet")} if REFERENCE else {}),
+        published=further_forces,
         forces=results_of(fitted_on, "forces.parquet"),
         signals=results_of(fitted_on, "signals.parquet"),
         arm=parameter("described.yaml"),

@@ -17,14 +17,13 @@ from ur5lib.study.given import STEPS, design
 from ur5lib.study.reading import parse_study, study_text
 from ur5lib.study.selection import Selection
 from ur5lib.study.turn import share_turn, take_turn
-from ur5lib.thesis.reference import read_reference
 from ur5lib.workspace.extensions import KINDS, source_files
 from ur5lib.workspace.places import CITATION, PACKAGE, SNAKEFILE
 
 waits = config.pop("wait", False)
 try:
     STUDY = parse_study(config, str((workflow.overwrite_configfiles or workflow.configfiles)[-1]))
-    SELECTION = Selection(STUDY, read_reference(STUDY.reference))
+    SELECTION = Selection(STUDY)
 except InputError as error:
     raise WorkflowError(f"the study has errors\n{error}")
 
@@ -42,7 +41,6 @@ SETTINGS = STUDY.settings
 RESULTS = f"results/{STUDY.study}"
 RECORDINGS = SELECTION.recordings
 TRUTHS = SELECTION.truths(RESULTS)
-REFERENCE = {"reference": STUDY.reference} if STUDY.reference else {}
 ARMS = STUDY.arms()
 ROBOTS = sorted(ARMS)
 CONTENTS = [PACKAGE / "report" / "page" / name for name in ("contents.yaml", "sentences.yaml")]
@@ -163,15 +161,8 @@ def drawn_by(rule, of=""):
     return figures | {f"{name}_data": f"{folder}/{name}.csv" for name in names}
 
 
-RUNS_FOR = {}  # by step of a topic: its recordings, if not all
-BY_THE_THESIS, PUBLISHED_FORCES = {}, {}  # inputs of a study with published values
-if REFERENCE:
-    PUBLISHED_FORCES = {"published": result("published_forces.parquet")}
-    BY_THE_THESIS = REFERENCE | {
-        "closed_loop": result("closed_loop.parquet"),
-        "gains": result("gains.json"),
-        "constants": result("published_constants.json"),
-    }
+RUNS_FOR = {}  # of a topic: the recordings of a step, if not all
+FURTHER_FORCES = []  # of a topic: the file of a recording with its estimates of forces
 
 
 # Recordings and settings
@@ -187,6 +178,13 @@ def fitted_on(robot):
 def contact_free(robot):
     """Return the names of an arm's contact-free recordings."""
     return SELECTION.of_arm(robot, "fit", "validate")
+
+
+def further_forces(wildcards):
+    """Return the files of estimates beside this study's of a recording or an arm's `fit` ones."""
+    of = dict(wildcards)
+    names = [of["recording"]] if "recording" in of else fitted_on(of["robot"])
+    return [path for file in FURTHER_FORCES for path in results(file, names)]
 
 
 def of_recording(method):

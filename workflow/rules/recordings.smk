@@ -164,7 +164,6 @@ rule estimate_live:
 # Beside forces: no step of a force needs the IMU.
 rule compare_accelerations:
     input:
-        **REFERENCE,
         quality=result("quality.json"),
         imu=result("imu.parquet"),
         kinematics=result("kinematics.parquet"),
@@ -193,7 +192,7 @@ rule compare_accelerations:
 
 rule judge_sensor:
     input:
-        **PUBLISHED_FORCES,
+        published=further_forces,
         quality=result("quality.json"),
         force=result("force.parquet"),
         kinematics=result("kinematics.parquet"),
@@ -222,7 +221,7 @@ rule judge_sensor:
 
 rule judge_contacts:
     input:
-        **PUBLISHED_FORCES,
+        published=further_forces,
         kinematics=result("kinematics.parquet"),
         signals=result("signals.parquet"),
         motion=result("motion.parquet"),
@@ -249,7 +248,6 @@ rule judge_contacts:
 
 rule judge_recording:
     input:
-        **BY_THE_THESIS,
         quality=result("quality.json"),
         signals=result("signals.parquet"),
         motion=result("motion.parquet"),
@@ -266,7 +264,6 @@ rule judge_recording:
         **traces("judge_recording", "{recording}"),
     params:
         code=code("judge_recording", COLUMNS),
-        recording="{recording}",
         cutoff_hz=SETTINGS.lowpass.currents.cutoff_hz,
     run:
         run_step(rule, input, output, params, log)

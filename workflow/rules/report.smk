@@ -82,7 +82,7 @@ rule draw_filters:
     params:
         code=code("draw_filters"),
         lowpass={name: design(one) for name, one in SETTINGS.lowpass},
-        is_thesis=bool(REFERENCE),
+        is_thesis=bool(STUDY.reference),
     run:
         run_step(rule, input, output, params, log)
 
@@ -90,7 +90,6 @@ rule draw_filters:
 # Thousands of inputs are given as functions: of a list, Snakemake weighs each path when it parses.
 rule make_tables:
     input:
-        **REFERENCE,
         judgements=lambda wildcards: results("judgement.json")
         + postures("judgement.json", SELECTION.at_rest),
         beside_imu=lambda wildcards: results("imu_comparison.json"),
@@ -145,7 +144,6 @@ rule time_steps:
 
 rule write_report:
     input:
-        **REFERENCE,
         described=parameters("described.yaml"),
         tables=outputs_in("tables"),
         figures=outputs_in("figures"),

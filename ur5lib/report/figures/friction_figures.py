@@ -14,8 +14,6 @@ from ur5lib.identification.samples import CurrentSamples, Smooth, smoothed_movin
 from ur5lib.records.friction import CurrentFit, Parameter
 from ur5lib.report.figures.charts import residual_panels, scatter_panels
 from ur5lib.report.figures.house_style import Drawing, house_style, nothing_to_draw
-from ur5lib.robots.description import CurrentToTorque
-from ur5lib.thesis.published_constants import CurrentTorque
 from ur5lib.timeseries.arrays import Array
 
 DRAWN_STEP = 0.1  # s between the samples that are drawn
@@ -152,22 +150,3 @@ def friction_figures(
         ),
         "residuals": residual_panels(samples.current - samples.predicted, against, unit),
     }
-
-
-def printed_friction(
-    samples: CurrentTorque | None, constants: CurrentToTorque | None
-) -> tuple[Drawing, Drawing]:
-    """Draw Figure 6.1, over the torque of rigid links, and Figure 6.2, over the torque including
-    the printed friction, with the line of Equation 6.5.
-    """
-    if samples is None:
-        return nothing_to_draw(), nothing_to_draw()
-    labels = "τ_{} of rigid links [Nm]", f"{SYMBOLS[CURRENT]} [A]"
-    rigid = scatter_panels(samples.rigid, samples.current, labels)
-    if constants is None:
-        return rigid, nothing_to_draw()
-    torque = samples.total
-    ends = np.stack([torque.min(axis=0), torque.max(axis=0)])
-    lines = [(ends, (ends - constants.offset) / constants.torque_constant)]
-    labels = "τ_{} with friction [Nm]", f"{SYMBOLS[CURRENT]} [A]"
-    return rigid, scatter_panels(torque, samples.current, labels, lines)

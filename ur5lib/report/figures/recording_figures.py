@@ -9,13 +9,12 @@ from matplotlib.axes import Axes
 from ur5lib.channels import CURRENT, Effort
 from ur5lib.force.estimators import NEW
 from ur5lib.records.accelerations import Accelerations
-from ur5lib.records.closed_loop import ClosedLoop
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
-from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.records.forces import Forces, SensorWrenches
 from ur5lib.records.signals import CUTOFF, Signals, slowly
 from ur5lib.report.figures.house_style import JOINT_COLOURS, Drawing, house_style, nothing_to_draw
-from ur5lib.report.figures.panels import Panel, joint_quantity
+from ur5lib.report.figures.panels import Panel
 from ur5lib.report.figures.traces import (
     ACCELERATION_PANELS,
     CURRENT_PANELS,
@@ -23,7 +22,6 @@ from ur5lib.report.figures.traces import (
     MOMENT_PANELS,
     TORQUE_PANELS,
     UNFILTERED,
-    WRENCH_PANELS,
     Traces,
     draw_traces,
 )
@@ -44,37 +42,9 @@ ESTIMATE_STYLES = (
     "fourth",
     "fifth",
 )  # of estimates; the first has the band
-PUBLISHED_STYLES = {
-    "Fu": ("controller's estimate", "first"),
-    "F": ("without friction", "second"),
-    "F*": ("with friction", "third"),
-}
-EULER_LABEL = "Euler angles, Equation 2.33 as printed"
-STATE_AXES = {"q": ("q", "rad"), "qd": (r"\dot{q}", "rad/s")}  # symbol, unit
 LATE_STEP_PERIODS = 1.5  # periods: a longer step lacks frames
 ENLARGED_SPAN = (-0.15, 0.35)  # s, around the first late frame
 RECEIVED_COLOUR, LOST_COLOUR, SPEED_COLOUR = JOINT_COLOURS[0], JOINT_COLOURS[1], "#666666"
-
-
-def chosen_gains(robot: Robot) -> str:
-    """Return the name of the gains that were published for the chosen model, or "estimated"."""
-    return robot.chosen_model if robot.chosen_model in robot.closed_loop_gains else "estimated"
-
-
-def tracking_figure(signals: Signals, closed_loop: ClosedLoop, gains: str, state: str) -> Drawing:
-    """Return Figures 5.1 and 5.9 (state q) or 5.2 and 5.10 (qd): the closed loop under some gains.
-
-    The measured motion, its target and the closed loop, and the errors of the latter two.
-    """
-    simulated = getattr(closed_loop, state).get(gains)
-    if simulated is None:
-        return nothing_to_draw()
-    lines: OptionalLines = {
-        "measured": (getattr(signals, f"actual_{state}"), "measured"),
-        "target": (getattr(signals, f"target_{state}"), "first"),
-        f"closed loop, gains {gains}": (simulated, "second"),
-    }
-    return draw_lines(signals, lines, joint_quantity(*STATE_AXES[state]))
 
 
 def torque_figure(signals: Signals, torques: Torques, robot: Robot) -> Drawing:
@@ -93,24 +63,6 @@ def torque_figure(signals: Signals, torques: Torques, robot: Robot) -> Drawing:
         torque = slowly(getattr(torques, motion)[model], signals)
         lines[f"Model {model} at the {motion} motion"] = torque, style
     return draw_lines(signals, lines, TORQUE_PANELS, unfiltered=signals.target_moment)
-
-
-def older_torque_figure(
-    signals: Signals, modelled: Mapping[str, Array], printed: Sequence[float]
-) -> Drawing:
-    """Return Figures 5.3 and 5.4 without the older model's torque, whose equations are not printed.
-
-    modelled: torques (N, 6) [Nm] by label; printed: the older model's mean absolute error (6,).
-    """
-    if signals.target_moment is None or not modelled:
-        return nothing_to_draw()
-    lines = {"controller's target_moment": (signals.target_moment, "measured")}
-    lines |= {
-        label: (modelled[label], style)
-        for label, style in zip(modelled, ESTIMATE_STYLES, strict=False)
-    }
-    mean = np.ones_like(signals.target_moment) * printed
-    return draw_lines(signals, lines, TORQUE_PANELS, {"[21], printed mean": (mean, "second")})
 
 
 def effort_figure(
@@ -145,30 +97,6 @@ def acceleration_figure(accelerations: Accelerations) -> Drawing:
         "from the joints": (accelerations.acceleration.get("encoders"), "first"),
     }
     return draw_lines(accelerations, lines, ACCELERATION_PANELS)
-
-
-def euler_figure(
-    table: Signals | Accelerations, felt: Array | None, modelled: Array | None
-) -> Drawing:
-    """Return Figures 5.14 and 5.15 as published: acceleration through Euler angles.
-
-    felt, modelled: of the IMU and through the angles, (N, 6) [m/s², rad/s²].
-    """
-    lines: OptionalLines = {"IMU": (felt, "measured"), EULER_LABEL: (modelled, "second")}
-    return draw_lines(table, lines, ACCELERATION_PANELS)
-
-
-def published_force_figure(
-    published: PublishedForces, sensor: SensorWrenches, kind: str, estimates: tuple[str, ...]
-) -> Drawing:
-    """Return Figures 6.4 to 6.9 of some estimates, as printed or corrected: values and errors."""
-    lines: dict[str, tuple[Array | None, str]] = {
-        "force sensor": (sensor.wrench.get(kind), "measured")
-    }
-    for estimate in estimates:
-        label, style = PUBLISHED_STYLES[estimate]
-        lines[label] = getattr(published, kind).get(estimate), style
-    return draw_lines(sensor, lines, WRENCH_PANELS)
 
 
 def estimate_figure(

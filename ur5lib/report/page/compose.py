@@ -39,7 +39,6 @@ from ur5lib.report.page.topics import functions
 from ur5lib.report.results import Results
 from ur5lib.report.views import (
     citing,
-    comparison,
     contacts,
     currents,
     first_screen,
@@ -52,7 +51,7 @@ from ur5lib.report.views import (
 VIEWS: dict[str, ModuleType] = {
     module.__name__.rpartition(".")[2]: module
     for module in (
-        *(citing, comparison, contacts, currents, first_screen, forces),
+        *(citing, contacts, currents, first_screen, forces),
         *(models, motion, recordings),
     )
 }
@@ -79,9 +78,9 @@ class StudyPages(NamedTuple):
 
 def compose_study(results: Results) -> StudyPages:
     """Compose the report of a study and its details, to which each section of the report leads."""
-    report = compose(contents().report(results.of_thesis), results)
+    report = compose(contents().report(), results)
     shown = _labels(report.blocks())
-    details = compose(contents().details(results.of_thesis), results, shown)
+    details = compose(contents().details(), results, shown)
     further = {section.title: section for section in details.sections}
     places = _replayed(report, details)
     linked = [

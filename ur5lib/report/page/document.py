@@ -379,7 +379,7 @@ class DeclaredSection(Strict):
 
 
 class Topic(Strict):
-    """What the report has on a topic, what in the study of the thesis alone, and the details.
+    """What the report has on a topic, and the details.
 
     order, absent, needs: of its section.
     """
@@ -389,7 +389,6 @@ class Topic(Strict):
     absent: str = ""
     needs: list[str] = Field(default_factory=list)
     report: list[DeclaredBlock] = Field(default_factory=list)
-    thesis: list[DeclaredBlock] = Field(default_factory=list)
     details: list[DeclaredBlock] = Field(default_factory=list)
 
 
@@ -411,25 +410,25 @@ class Contents(Strict):
     topics: list[Topic]
     run: list[DeclaredSection]
 
-    def report(self, of_thesis: bool) -> list[DeclaredSection]:
-        """Return the sections of the report; of_thesis: whether it is of the thesis's study."""
+    def report(self) -> list[DeclaredSection]:
+        """Return the sections of the report."""
         return [
-            DeclaredSection(title=one.title, absent=one.absent, needs=one.needs, blocks=blocks)
+            DeclaredSection(title=one.title, absent=one.absent, needs=one.needs, blocks=one.report)
             for one in self.topics
-            if (blocks := one.report + one.thesis * of_thesis)
+            if one.report
         ]
 
-    def details(self, of_thesis: bool) -> list[DeclaredSection]:
+    def details(self) -> list[DeclaredSection]:
         """Return the sections of all else."""
         return [
-            DeclaredSection(title=one.title, needs=one.needs, blocks=blocks)
+            DeclaredSection(title=one.title, needs=one.needs, blocks=one.details)
             for one in self.topics
-            if (blocks := one.thesis * (not of_thesis) + one.details)
+            if one.details
         ]
 
     def blocks(self) -> Iterator[Block | DeclaredTable]:
         """Yield the blocks of all pages, those that are repeated once."""
-        for part in [*self.report(of_thesis=True), *self.details(of_thesis=True), *self.run]:
+        for part in [*self.report(), *self.details(), *self.run]:
             for block in part.blocks:
                 yield from block.blocks if isinstance(block, Repeated) else [block]
 

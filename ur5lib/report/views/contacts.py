@@ -40,7 +40,6 @@ from ur5lib.report.views.forces import (
 )
 from ur5lib.timeseries.metrics import NORMAL95
 
-CLAIMED_ESTIMATE, CLAIMED_COMPONENT = "F*", "Fz"  # by which the thesis detects pushes
 FORCE_TOPIC = "Force in contact"
 FATES = ["found", "merged", "missed"]  # of a contact: by its own alarm, by another one's, by none
 WRENCH_NAME = r"(?i)force|wrench|\bft[_x]|\bf_?[xyz]\b"  # among the columns of a file
@@ -209,48 +208,6 @@ def _numbers_of_alarms(results: Results) -> Iterator[Number]:
         yield Number("missed contacts", missed, f"of {count}", least)
     if (alarms := false_alarms(results)["all"]) is not None:
         yield Number("false alarms without contact", alarms.alarms, f"in {alarms.minutes:.1f} min")
-
-
-class ClaimScore(NamedTuple):
-    """How an estimate detects pushes along z.
-
-    found: of all pushes that reach the threshold at the sensor; above: largest share of a
-    contact-free recording for which the estimate is above it.
-    """
-
-    found: int
-    pushes: int
-    above: float
-
-
-def score(results: Results, estimate: str) -> ClaimScore | None:
-    """Return an estimate's score, None without such recordings.
-
-    Pushes are counted on recordings with printed errors, time above on validate recordings.
-    """
-    printed, validated = results.printed("force_mae", "printed_mae"), results.with_role("validate")
-    rows = {"component": CLAIMED_COMPONENT, "estimate": estimate}
-    pushed = results.rows("fixed_threshold", recording=printed, **rows)
-    free = results.rows("fixed_threshold", recording=validated, **rows)
-    if pushed.empty or free.empty:
-        return None
-    detected, pushes = (int(pushed[name].sum()) for name in ("found", "pushes"))
-    return ClaimScore(detected, pushes, float(free["time_above"].max()))
-
-
-def claim(results: Results) -> Iterator[str]:
-    """Report whether the claim holds, and why not."""
-    if (claimed := score(results, CLAIMED_ESTIMATE)) is not None:
-        yield say("claim.judged", claimed=claimed)
-
-
-def scores(results: Results) -> list[str]:
-    """Return a sentence with the scores of F̂*_z and ours, by which the claim is judged."""
-    claimed, ours = score(results, CLAIMED_ESTIMATE), score(results, LEADING)
-    if claimed is None or ours is None:
-        return []
-    named_scores = [(ESTIMATES[CLAIMED_ESTIMATE], claimed), (ESTIMATES[LEADING], ours)]
-    return [say("claim.compared", pushes=claimed.pushes, scores=named_scores)]
 
 
 def touched(results: Results) -> list[str]:

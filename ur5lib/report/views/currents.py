@@ -19,13 +19,11 @@ from ur5lib.report.views.baseline import (
     Rival,
     bars,
 )
-from ur5lib.tidy.friction import AS_PRINTED
 from ur5lib.tidy.models import STOP
 from ur5lib.timeseries.metrics import NORMAL95
 
 WORTHWHILE_BAND_RATIO = 0.9  # of the band of forces, from which on a recording is worth naming
 CONSTANTS = ["torque_constant", "gain"]  # the parameter, of currents and of measured torques
-PARAMETER_SYMBOLS = {"torque_constant": "k", "offset": "b"}
 CONSTANTS_TOPIC, CURRENTS_TOPIC = "{Constant}s", "Friction and {quantity}s"  # topics
 CONSTANT_ESTIMATE = "a constant {quantity}"
 CONTRADICTION_CODES = ["unlikely constant", "current against constant", "torque against gain"]
@@ -163,73 +161,6 @@ def prediction(results: Results, recording: str) -> pd.DataFrame:
 def loaded(results: Results) -> pd.DataFrame:
     """Return the undeclared loads that are certain by the currents."""
     return results.rows("payload", taken="yes")
-
-
-def rebuilt(results: Results, recording: str) -> pd.DataFrame:
-    """Return Equation 6.5: printed, rebuilt, and by this study's fit with all friction terms."""
-    rows = _by_sign(results.rows("published_constants", recording=recording, regression=AS_PRINTED))
-    fitted = _fitted(results, recording)[["value", "std_error"]].add_prefix("fitted_")
-    return rows.join(fitted, on=["joint", "parameter"])
-
-
-def _by_sign(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return a row for k and for b of each row."""
-    parts = [
-        rows.assign(
-            sign=sign,
-            parameter=name,
-            value=rows[name],
-            std_error=rows[f"{name}_std_error"],
-            printed=rows[f"printed_{name}"],
-        )
-        for name, sign in PARAMETER_SYMBOLS.items()
-    ]
-    return pd.concat(parts)
-
-
-def _fitted(results: Results, recording: str) -> pd.DataFrame:
-    """Return the parameters fitted to the arm of a recording, by joint and parameter."""
-    rows = results.rows("friction", robot=results.arms()[recording])
-    return rows.set_index(["joint", "parameter"])
-
-
-def doubted_joint(results: Results, recording: str) -> int:
-    """Return the joint whose printed offset is furthest from this study's fit."""
-    rows = results.rows("published_constants", recording=recording, regression=AS_PRINTED)
-    fitted = _fitted(results, recording).xs("offset", level="parameter")["value"]
-    distance = (rows.set_index("joint")["printed_offset"] - fitted).abs()
-    return int(distance.idxmax())
-
-
-def on_every_run(results: Results, recording: str) -> pd.DataFrame:
-    """Return b and k of the doubted joint by both regressions on every recording in which it
-    moves, in the order of its mean torque.
-    """
-    rows = results.rows("published_constants", joint=doubted_joint(results, recording))
-    return _by_sign(rows).sort_values(
-        ["mean_torque", "recording", "sign", "regression"], ascending=[True, True, True, False]
-    )
-
-
-def follows_the_mean(results: Results, recording: str) -> Iterator[str]:
-    """Report that offsets follow the mean torque from run to run, beside the printed offset."""
-    rows = results.rows("published_constants", regression=AS_PRINTED)
-    joint = doubted_joint(results, recording)
-    doubted = rows[rows["joint"] == joint]
-    fitted = _fitted(results, recording).loc[(joint, "offset")]
-    (printed,) = doubted.loc[doubted["recording"] == recording, "printed_offset"]
-    correlation = [
-        np.corrcoef(part["offset"], part["mean_torque"])[0, 1] for _, part in rows.groupby("joint")
-    ]
-    words = {"joint": joint, "printed": printed, "offsets": doubted["offset"], "fitted": fitted}
-    yield say("constants.follow the mean", correlation=correlation, **words)
-
-
-def linear(results: Results, recording: str) -> Iterator[str]:
-    """Report how current and torque are correlated, without and with the printed friction."""
-    rows = results.rows("published_constants", recording=recording, regression=AS_PRINTED)
-    without, friction = rows["correlation_without_friction"], rows["correlation"]
-    yield say("constants.linear", recording=recording, without=without, friction=friction)
 
 
 def judge_constants(results: Results) -> Verdict | None:

@@ -15,7 +15,6 @@ from ur5lib.report.page.sentences import say
 from ur5lib.report.results import AT_REST, Results
 from ur5lib.report.views import (
     baseline,
-    comparison,
     contacts,
     currents,
     models,
@@ -196,7 +195,6 @@ def findings(results: Results) -> list[str]:
         *stop_signs(results),
         *currents.contradictions(results),
         *nearest_model(results),
-        *comparison.rebuilt(results),
         *_each("findings.load", currents.loaded(results)),
         *(
             say("findings.felt", name=name)
@@ -207,7 +205,6 @@ def findings(results: Results) -> list[str]:
         *contacts.elsewhere(results),
         *_each("findings.load taken up", taken_up),
         *contacts.readings(results),
-        *contacts.claim(results),
         *contacts.undetermined_moments(results),
         *topics.findings(results),
     ]

@@ -25,7 +25,7 @@ def compared(results: Results) -> list[str]:
     """Return recordings with printed errors, with a force sensor, then others with contact."""
     touched = results.with_role("contact", searched(results)["recording"])
     beside = [*results.listed("force_mae"), *results.listed("sensed")]
-    return results.shown([*results.printed("force_mae", "printed_mae"), *beside, *touched])
+    return results.shown([*results.printed("force_mae"), *beside, *touched])
 
 
 def with_moments(results: Results) -> list[str]:

@@ -1,9 +1,8 @@
-"""Link models, their torques compared with the controller's, the verdict, and the closed loop."""
+"""Link models, their torques compared with the controller's, and the verdict."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
 
-import numpy as np
 import pandas as pd
 
 from ur5lib.records.quality import GIVEN_LOAD, MAX_SHARE_UNMODELLED
@@ -13,7 +12,6 @@ from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
 from ur5lib.report.views.arms import of_each_arm
 from ur5lib.report.views.baseline import AgainstBaseline
-from ur5lib.thesis.reference import OLDER_MODEL
 
 LINKS_TOPIC = "Link model"  # topic
 MIN_LINK_SKILL = 1 - MAX_SHARE_UNMODELLED  # least skill of a good link model
@@ -21,25 +19,16 @@ MIN_LINK_SKILL = 1 - MAX_SHARE_UNMODELLED  # least skill of a good link model
 
 def compared(results: Results) -> list[str]:
     """Return recordings with a table of torques: printed errors, and validate recordings."""
-    rebuilt = results.printed("torque_mae", "mae")
-    others = results.with_role("validate", rebuilt)
-    return results.shown([*results.printed("torque_mae"), *others]) or results.shown(rebuilt, 1)
+    judged = [*results.tables["torque_mae"].dropna(subset="mae")["recording"].unique()]
+    others = results.with_role("validate", judged)
+    return results.shown([*results.printed("torque_mae"), *others]) or results.shown(judged, 1)
 
 
 def mean_errors(results: Results) -> pd.DataFrame:
     """Return the means over recordings by joint, motion and model."""
-    rows = results.tables["torque_mae"].dropna(subset="mae").query("motion != 'closed_loop'")
+    rows = results.tables["torque_mae"].dropna(subset="mae")
     groups = rows.groupby(["joint", "motion", "model"], sort=False, as_index=False)
     return groups[["mae", "zero_mae"]].mean()
-
-
-def printed_errors(results: Results, recording: str) -> pd.DataFrame:
-    """Return the errors with printed ones, those that cannot be rebuilt first."""
-    rows = results.rows("torque_mae", recording=recording, motion="closed_loop")
-    rows = rows.dropna(subset="printed")
-    if rows["mae"].isna().all():
-        return rows[:0]
-    return rows.sort_values("mae", key=pd.Series.notna, kind="stable")
 
 
 def advice(results: Results) -> Iterator[str]:
@@ -58,38 +47,6 @@ def identified(results: Results) -> Iterator[str]:
         if determined < len(parameters):
             yield say("models.undetermined")
         yield say("models.files", robot=robot)
-
-
-def loop_drawn(results: Results) -> list[str]:
-    """Return the recordings whose closed loop is drawn."""
-    simulated = results.listed("closed_loop_mae")
-    printed = results.shown(results.printed("closed_loop_mae"))
-    return printed or results.shown([*results.with_role("validate", simulated), *simulated], 1)
-
-
-def loop_older(results: Results) -> list[str]:
-    """Return the recordings on which the closed loop of the older model is drawn."""
-    return results.shown([*results.rows("torque_mae", model=OLDER_MODEL)["recording"]])
-
-
-def contradictions(results: Results) -> Iterator[str]:
-    """Report the joints on which no gain lies in the ranges of all recordings of an arm."""
-    ranges = results.tables["gains"].fillna({"low": 0.0, "high": np.inf})
-    ranges["robot"] = ranges["recording"].map(results.arms())
-    for (robot, gain), rows in ranges.groupby(["robot", "gain"], sort=False):
-        by_joint = rows.groupby("joint")
-        disjoint = by_joint["low"].max() > by_joint["high"].min()
-        if disjoint.any():
-            joints = disjoint.index[disjoint]
-            yield say("loop.contradiction", gain=gain, robot=robot, numbers=joints)
-
-
-def published_gains(results: Results) -> Iterator[str]:
-    """Report on how many joints and recordings published gains fit as well as the best."""
-    gains = results.tables["published_gains"]
-    fits = gains.assign(fit=gains["fits"] == "yes", of=1).groupby("model", sort=False)
-    if len(gains):
-        yield say("loop.published", found=fits[["fit", "of"]].sum().to_dict("index").items())
 
 
 class ModelComparison(NamedTuple):

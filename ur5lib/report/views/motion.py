@@ -19,13 +19,6 @@ def drawn(results: Results) -> list[str]:
     return printed or results.shown(results.listed("acceleration_mae"), 1)
 
 
-def filtered_first(results: Results) -> list[str]:
-    """Return the recordings whose IMU is drawn filtered before rotation, as printed errors need."""
-    file = "accelerations_filtered_first.svg"
-    names = results.printed("acceleration_mae")
-    return [name for name in names if (results.figures / name / file).is_file()]
-
-
 def errors(results: Results) -> pd.DataFrame:
     """Return the errors with and without IMU, and of zero, for recordings with a valid IMU."""
     rows = results.tables["acceleration_mae"]

@@ -121,11 +121,6 @@ def versions(results: Results) -> pd.DataFrame:
     return pd.DataFrame(results.versions.items(), columns=["package", "version"])
 
 
-def errata(results: Results) -> list[str]:
-    """Return each error found in the published work, with its place and the choice made here."""
-    return [f"{entry.place}: {entry.error} Here: {entry.choice}" for entry in results.errata]
-
-
 def total_time(results: Results) -> Iterator[str]:
     """Report the time of all jobs together."""
     times: pd.DataFrame = results.tables["run_times"]

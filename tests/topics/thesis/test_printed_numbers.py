@@ -12,20 +12,19 @@ from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.quality import StartOffset
 from ur5lib.records.signals import SENSOR_COLUMNS, Signals
-from ur5lib.report.figures.recording_figures import euler_figure
 from ur5lib.report.page.compose import shown_table
 from ur5lib.report.results import Results
-from ur5lib.report.views.comparison import rebuilt as rebuilt_numbers
-from ur5lib.report.views.comparison import sources, unexplained
 from ur5lib.robots.description import load_robot, robot_path
-from ur5lib.thesis.closed_loop import published_gains, simulated, tracking_of
-from ur5lib.thesis.explained_errors import explained_accelerations, loop_error
-from ur5lib.thesis.printed_numbers import (
+from ur5lib.timeseries.metrics import mean_absolute_error
+from ur5lib.topics.thesis.closed_loop import published_gains, simulated, tracking_of
+from ur5lib.topics.thesis.explained_errors import explained_accelerations, loop_error
+from ur5lib.topics.thesis.figure import euler_figure
+from ur5lib.topics.thesis.printed_numbers import (
     PRINTED_COLUMNS,
     ExplainedRow,
     compared,
 )
-from ur5lib.thesis.reference import (
+from ur5lib.topics.thesis.reference import (
     AccelerationError,
     Erratum,
     Lookup,
@@ -34,7 +33,7 @@ from ur5lib.thesis.reference import (
     PublishedValues,
     read_reference,
 )
-from ur5lib.timeseries.metrics import mean_absolute_error
+from ur5lib.topics.thesis.report import findings, sources, unexplained
 
 THESIS = PROJECT / "workflow" / "studies" / "thesis_reference.yaml"
 RUN = "run"
@@ -115,6 +114,12 @@ def test_a_study_without_the_recording_compares_nothing() -> None:
     assert [*compared(reference(recording="elsewhere"), rebuilt([1.0] * 6), [])] == []
 
 
+def test_a_row_that_cannot_be_rebuilt_stands_with_its_print_alone() -> None:
+    rows = [*compared(reference(values={"old": (2.0,) * 6}), rebuilt([2.0] * 6), [])]
+    assert [(row["number"], row["printed"]) for row in rows] == [(k, 2.0) for k in range(1, 7)]
+    assert all(np.isnan(row["rebuilt"]) and row["status"] == "unexplained" for row in rows)
+
+
 def test_what_is_right_stands_beside_and_rows_may_stand_elsewhere() -> None:
     right = {"table": "torque_mae", "value": {"A": "max"}, "where": {"model": "A"}}
     rows = compared(
@@ -151,7 +156,7 @@ def results(rows: list[dict]) -> Results:
 def test_unexplained_numbers_are_findings() -> None:
     rows = [*compared(reference(), rebuilt([2.0, 2.5, 2, 2, 2, 2]), [])]
     shown = results(rows)
-    (counted,) = rebuilt_numbers(shown)
+    (counted,) = findings(shown)
     assert counted.startswith("5 of 6 ")
     (missed,) = unexplained(shown)
     assert missed.startswith("Table 1, torque_mae, A, joint 2: ")
@@ -171,7 +176,7 @@ def test_the_nearest_explanation_tells_the_per_cent() -> None:
 
 def test_nothing_is_said_without_published_numbers() -> None:
     shown = results([])
-    assert [*rebuilt_numbers(shown), *unexplained(shown), *sources(shown)] == []
+    assert [*findings(shown), *unexplained(shown), *sources(shown)] == []
 
 
 def test_what_errata_of_the_thesis_explain_is_printed() -> None:

@@ -10,15 +10,15 @@ from ur5lib.records.quality import StartOffset
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Model, Robot
 from ur5lib.robots.end_effector import felt_acceleration
+from ur5lib.signals.euler_angles import through_angles
 from ur5lib.signals.imu_samples import derivative, lowpassed
 from ur5lib.signals.resampling import by_stamps
-from ur5lib.thesis.accelerations import through_angles
-from ur5lib.thesis.closed_loop import published_gains, simulated_states, tracking_of
-from ur5lib.thesis.reference import AccelerationError, LoopError
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import THESIS_ACCELERATION, causal_lowpass, slow_delay
 from ur5lib.timeseries.metrics import largest_error, mean_absolute_error
 from ur5lib.timeseries.sampling import interpolated
+from ur5lib.topics.thesis.closed_loop import published_gains, simulated_states, tracking_of
+from ur5lib.topics.thesis.reference import AccelerationError, LoopError
 
 
 def loop_error(robot: Robot, signals: Signals, way: LoopError) -> Array:

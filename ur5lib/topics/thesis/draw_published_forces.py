@@ -2,7 +2,7 @@
 
 from ur5lib.records.forces import PublishedForces, SensorWrenches
 from ur5lib.report.figures.house_style import Drawing
-from ur5lib.report.figures.recording_figures import published_force_figure
+from ur5lib.topics.thesis.figure import published_force_figure
 
 WITHOUT_FRICTION, WITH_FRICTION = ("F", "Fu"), ("F*",)
 

@@ -15,9 +15,9 @@ from scipy.ndimage import minimum_filter
 from scipy.optimize import OptimizeResult, least_squares, minimize_scalar
 from scipy.special import fdtri
 
-from ur5lib.records.gains import Gain, JointGains
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import chunks, unbroken
+from ur5lib.topics.thesis.records import Gain, JointGains
 
 GRID_NODES = 31  # of the grid of gains, on each axis
 DESCENT_STARTS = 5  # local minima of the grid from which least squares start

@@ -2,10 +2,10 @@
 
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.signals import Signals
-from ur5lib.report.figures.friction_figures import printed_friction
 from ur5lib.report.figures.house_style import Drawing
 from ur5lib.robots.description import Robot
-from ur5lib.thesis.published_constants import current_torque
+from ur5lib.topics.thesis.figure import printed_friction
+from ur5lib.topics.thesis.torque_lines import current_torque
 
 
 def draw_current_torque(signals: Signals, torques: Torques, arm: Robot) -> dict[str, Drawing]:

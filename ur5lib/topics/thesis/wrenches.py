@@ -9,7 +9,10 @@ from ur5lib.records.forces import PublishedForces
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
-from ur5lib.thesis.current_based import (
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.lowpass import Butterworth, causal_lowpass, zero_phase_lowpass
+from ur5lib.timeseries.segments import by_segment
+from ur5lib.topics.thesis.current_based import (
     PUBLISHED_JACOBIAN_LAG,
     delay,
     friction_torque,
@@ -17,9 +20,6 @@ from ur5lib.thesis.current_based import (
     motor_torque_as_published,
     wrench_from_torque,
 )
-from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.lowpass import Butterworth, causal_lowpass, zero_phase_lowpass
-from ur5lib.timeseries.segments import by_segment
 
 
 def published_forces(

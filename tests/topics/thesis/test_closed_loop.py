@@ -10,19 +10,22 @@ from hypothesis import strategies as st
 from scipy.signal import lfilter, lsim
 from scipy.stats import f as fisher
 
-from tests.made_tables import table
 from tests.real_arms import RealRecording, RealStudy
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.records.closed_loop import ClosedLoop
-from ur5lib.records.gains import JointGains
 from ur5lib.robots.description import Robot
-from ur5lib.thesis import gains as closed_loop
-from ur5lib.thesis.closed_loop import gain_summary, published_gains, simulated, tracking_of
-from ur5lib.thesis.gains import Tracking, estimate_gains, simulate_closed_loop, tracking_cost
-from ur5lib.tidy import motion
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import mean_absolute_error
 from ur5lib.timeseries.sampling import interpolated
+from ur5lib.topics.thesis import gains as closed_loop
+from ur5lib.topics.thesis import rows
+from ur5lib.topics.thesis.closed_loop import gain_summary, published_gains, simulated, tracking_of
+from ur5lib.topics.thesis.gains import (
+    Tracking,
+    estimate_gains,
+    simulate_closed_loop,
+    tracking_cost,
+)
+from ur5lib.topics.thesis.records import ClosedLoop, JointGains
 
 TABLE_5_5 = "Movement_No5_Acc_slow_no_disturbance"
 PERIOD = 0.008
@@ -224,7 +227,7 @@ def test_a_joint_whose_target_rests_determines_nothing_whatever_it_does() -> Non
     recording = replace(moving, **rest, actual_q=wandering)
     found = estimate_gains(recording)
     summary = gain_summary(recording, found, {"some": (K0, K1)})
-    assert [*table(motion.published_gains, {"one": summary})["joint"]] == [1, 2, 4, 5, 6]
+    assert [row.joint for row in rows.published_gains(summary)] == [1, 2, 4, 5, 6]
     for gain in (found[2].position, found[2].velocity):
         assert not gain.determined
         assert (gain.low, gain.high) == (gain.grid[0], gain.grid[-1])

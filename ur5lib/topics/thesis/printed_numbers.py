@@ -7,10 +7,11 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from ur5lib.thesis.reference import Lookup, PrintedTable, PublishedValues
 from ur5lib.timeseries.arrays import Array
+from ur5lib.topics.thesis.reference import Lookup, PrintedTable, PublishedValues
 
 PRINTED_COLUMNS = [
+    "table",
     "source",
     "quantity",
     "recording",
@@ -42,6 +43,7 @@ def compared(
     for name, table in reference.printed.items():
         for row in dict(table.values):
             about = {
+                "table": name,
                 "source": table.sources.get(row, table.source),
                 "quantity": table.quantity or name,
                 "recording": table.recording,
@@ -97,15 +99,19 @@ def judged(
 def _found(
     lookup: Lookup | None, tables: Mapping[str, pd.DataFrame], recording: str, row: str
 ) -> "pd.Series[float]":
-    """Return the numbers of a published row in the study's tables, by joint or component."""
+    """Return the numbers of a published row in the study's tables, by joint or component; NaN where
+    the study cannot rebuild them.
+    """
     if lookup is None:
         return pd.Series(dtype=float)
     table = tables[lookup.table]
     column, cells = lookup.of(row)
-    key = {"recording": recording} if "recording" in table else {}  # a fit is of several
-    for name, value in (key | cells).items():
+    if "recording" in table:  # a fit is of several
+        table = table[table["recording"] == recording]
+    numbers = table[lookup.number].unique()
+    for name, value in cells.items():
         table = table[table[name] == value]
-    return table.set_index(lookup.number)[column]
+    return table.set_index(lookup.number)[column].reindex(numbers)
 
 
 def _decimals(table: PrintedTable) -> int:

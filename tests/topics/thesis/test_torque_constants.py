@@ -6,22 +6,19 @@ import numpy as np
 import pytest
 
 from tests.conftest import PROJECT
-from tests.made_records import motion_of, signals_of, torques_of
-from tests.made_tables import table
-from ur5lib.identification.current_samples import controllers_ratio
+from tests.made_records import signals_of, torques_of
 from ur5lib.records.dynamics import Torques
-from ur5lib.records.quality import ODD_TARGET, Contradictions, Finding
 from ur5lib.records.signals import Signals
-from ur5lib.report.figures.friction_figures import printed_friction
 from ur5lib.robots.description import Robot
-from ur5lib.thesis.current_based import current_on_torque, friction_torque, torque_on_current
-from ur5lib.thesis.published_constants import (
+from ur5lib.topics.thesis import rows
+from ur5lib.topics.thesis.current_based import current_on_torque, friction_torque, torque_on_current
+from ur5lib.topics.thesis.figure import printed_friction
+from ur5lib.topics.thesis.reference import read_reference
+from ur5lib.topics.thesis.torque_lines import (
     PublishedConstants,
     current_torque,
     published_constants,
 )
-from ur5lib.thesis.reference import Published, read_reference
-from ur5lib.tidy import friction
 
 COUNT, PERIOD = 4000, 0.008
 BLOCK = np.arange(COUNT) // 250
@@ -82,6 +79,7 @@ def test_the_printed_constants_come_back(ur5: Robot, recorded: tuple[Signals, To
             np.testing.assert_allclose(getattr(line, name)[:5], expected[:5], rtol=1e-6)
             assert np.isnan(getattr(line, name)[5])
     np.testing.assert_allclose(found.correlation[:5], 1)
+    assert [row.joint for row in rows.torque_constants(found)] == 2 * [1, 2, 3, 4, 5]
     assert (found.correlation_without_friction[:5] < 0.999).all()
 
 
@@ -102,8 +100,7 @@ def test_an_arm_without_printed_friction_has_no_such_constants(
 ) -> None:
     other = ur5.model_copy(update={"friction": None})
     assert published_constants(current_torque(other, *recorded)).lines == {}
-    nothing = Published({}, "a")
-    assert [*friction.published_constants(PublishedConstants(), nothing)] == []
+    assert [*rows.torque_constants(PublishedConstants())] == []
     assert all(drawn.data.empty for drawn in printed_friction(None, ur5.current_to_torque))
 
 
@@ -114,29 +111,3 @@ def test_the_reference_prints_the_constants_of_the_arm(ur5: Robot) -> None:
     assert ur5.current_to_torque
     assert printed.values["k"] == ur5.current_to_torque.torque_constant
     assert printed.values["b"] == ur5.current_to_torque.offset
-
-
-def test_no_constant_is_taken_from_a_target_that_is_none() -> None:
-    time, still = np.arange(9) * 0.008, np.zeros((9, 6))
-    targets = {"target_moment": still + 20.0, "target_current": still + 2.0}
-    signals, motion = signals_of(time, still, **targets), motion_of(time, still, still)
-    contradictions = Contradictions(
-        findings=[Finding("robot", ODD_TARGET, "warning", 1, {"joint": 2})]
-    )
-    ratio = controllers_ratio(signals, motion, contradictions.odd_targets())
-    assert np.isnan(ratio).tolist() == [False, True, False, False, False, False]
-    np.testing.assert_allclose(ratio[0], 10.0)
-
-
-def test_fitted_constants_have_a_table_of_their_own(ur5: Robot) -> None:
-    """Those of the table of friction, a row for each joint."""
-    rows = [("torque_constant", 10.7), ("coulomb", 6.0)]
-    given = {"std_error": 0.1, "interval": [10.5, 10.9]}
-    fitted = {"parameters": [given | {"joint": 2, "name": name, "value": v} for name, v in rows]}
-    own, all_rows = (
-        table(of, {"ur5": (fitted, ur5)}) for of in (friction.torque_constants, friction.friction)
-    )
-    assert own[["robot", "joint", "torque_constant"]].to_numpy().tolist() == [["ur5", 2, 10.7]]
-    among = all_rows[all_rows["parameter"] == "torque_constant"]
-    columns = ["std_error", "low", "high"]
-    assert own[columns].to_numpy().tolist() == among[columns].to_numpy().tolist()

@@ -1,10 +1,10 @@
 """Positions and velocities of one recording in closed loop, after the thesis's 5.9 and 5.10."""
 
-from ur5lib.records.closed_loop import ClosedLoop
 from ur5lib.records.signals import Signals
 from ur5lib.report.figures.house_style import Drawing
-from ur5lib.report.figures.recording_figures import chosen_gains, tracking_figure
 from ur5lib.robots.description import Robot
+from ur5lib.topics.thesis.figure import chosen_gains, tracking_figure
+from ur5lib.topics.thesis.records import ClosedLoop
 
 
 def draw_tracking(signals: Signals, closed_loop: ClosedLoop, arm: Robot) -> dict[str, Drawing]:

@@ -22,9 +22,9 @@ from ur5lib.records.signals import SENSOR_COLUMNS
 from ur5lib.robots.description import Robot
 from ur5lib.signals.clock import STAMPS_METHOD
 from ur5lib.steps.judge_sensor import judge_sensor
-from ur5lib.steps.rebuild_thesis import rebuild_thesis
-from ur5lib.thesis.current_based import friction_torque
 from ur5lib.timeseries.lowpass import Butterworth
+from ur5lib.topics.thesis.current_based import friction_torque
+from ur5lib.topics.thesis.rebuild_thesis import rebuild_thesis
 
 PERIOD, COUNT = 0.008, 2500
 TIME = np.arange(COUNT) * PERIOD

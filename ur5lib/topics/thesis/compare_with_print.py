@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 import pandas as pd
 
@@ -10,11 +11,19 @@ from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.tables import read_csv
-from ur5lib.thesis.explained_errors import explained_accelerations, loop_error
-from ur5lib.thesis.printed_numbers import PRINTED_COLUMNS, ExplainedRow, compared
-from ur5lib.thesis.reference import Explanation, read_reference
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import mean_absolute_error
+from ur5lib.topics.thesis.explained_errors import explained_accelerations, loop_error
+from ur5lib.topics.thesis.printed_numbers import PRINTED_COLUMNS, ExplainedRow, compared
+from ur5lib.topics.thesis.reference import Explanation, read_reference
+from ur5lib.topics.thesis.rows import ListedErratum
+
+
+class BesidePrint(NamedTuple):
+    """The published numbers beside ours, and the errata that explain some of them."""
+
+    printed: pd.DataFrame
+    errata: list[ListedErratum]
 
 
 def compare_with_print(
@@ -27,7 +36,7 @@ def compare_with_print(
     arms: Mapping[str, Robot],
     arm_of: dict[str, str],
     gravities: dict[str, list[float] | None],
-) -> pd.DataFrame:
+) -> BesidePrint:
     """Return the published numbers, ours, and those by the errata's explanations.
 
     signals to quality: of the recordings that an erratum explains; arms: by name; arm_of: the arm
@@ -52,4 +61,6 @@ def compare_with_print(
                     yield ExplainedRow(number, way.printed, way.row, values(recording, way))
 
     own = {path.stem: read_csv(path) for path in tables}
-    return pd.DataFrame(compared(published, own, [*explained()]), columns=PRINTED_COLUMNS)
+    rows = compared(published, own, [*explained()])
+    errata = [ListedErratum(**one.model_dump(exclude={"explains"})) for one in published.errata]
+    return BesidePrint(pd.DataFrame(rows, columns=PRINTED_COLUMNS), errata)

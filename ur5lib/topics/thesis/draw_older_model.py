@@ -4,13 +4,13 @@ from pathlib import Path
 
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.records.carried import configured_payload
-from ur5lib.records.closed_loop import ClosedLoop
 from ur5lib.records.signals import Signals
-from ur5lib.report.figures import recording_figures as figures
 from ur5lib.report.figures.house_style import Drawing
 from ur5lib.robots.description import Robot
-from ur5lib.thesis.reference import OLDER_MODEL, Published, read_reference
 from ur5lib.timeseries.arrays import Array
+from ur5lib.topics.thesis import figure as figures
+from ur5lib.topics.thesis.records import ClosedLoop
+from ur5lib.topics.thesis.reference import OLDER_MODEL, Published, read_reference
 
 
 def draw_older_model(

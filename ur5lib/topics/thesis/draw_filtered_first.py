@@ -8,10 +8,10 @@ from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.report.figures.house_style import Drawing
-from ur5lib.report.figures.recording_figures import euler_figure
 from ur5lib.robots.description import Robot
-from ur5lib.thesis.explained_errors import explained_accelerations
-from ur5lib.thesis.reference import read_reference
+from ur5lib.topics.thesis.explained_errors import explained_accelerations
+from ur5lib.topics.thesis.figure import euler_figure
+from ur5lib.topics.thesis.reference import read_reference
 
 
 def draw_filtered_first(

@@ -8,14 +8,14 @@ import numpy as np
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
-from ur5lib.thesis.current_based import (
+from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.segments import BLOCK_DURATION
+from ur5lib.topics.thesis.current_based import (
     TorqueLine,
     current_on_torque,
     friction_torque,
     torque_on_current,
 )
-from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.segments import BLOCK_DURATION
 
 LINES = {"torque_on_current": torque_on_current, "current_on_torque": current_on_torque}
 

@@ -6,14 +6,13 @@ import numpy as np
 
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.records.carried import configured_payload
-from ur5lib.records.closed_loop import ClosedLoop
-from ur5lib.records.gains import GainSummary, JointGains
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
-from ur5lib.thesis import gains as closed_loop
-from ur5lib.thesis.gains import Tracking
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import by_segment
+from ur5lib.topics.thesis import gains as closed_loop
+from ur5lib.topics.thesis.gains import Tracking
+from ur5lib.topics.thesis.records import ClosedLoop, GainSummary, JointGains
 
 Gains = tuple[Array, Array]
 

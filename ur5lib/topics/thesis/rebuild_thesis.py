@@ -2,36 +2,43 @@
 
 from typing import NamedTuple
 
-from ur5lib.records.closed_loop import ClosedLoop
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import PublishedForces
 from ur5lib.records.friction import Friction
-from ur5lib.records.gains import GainSummary
 from ur5lib.records.motion import Motion
 from ur5lib.records.premises import Premises
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
-from ur5lib.thesis.closed_loop import closed_loops
-from ur5lib.thesis.published_constants import (
-    PublishedConstants,
-    current_torque,
-    published_constants,
-)
-from ur5lib.thesis.published_forces import published_forces
 from ur5lib.timeseries.lowpass import Butterworth
+from ur5lib.topics.thesis.closed_loop import closed_loops
+from ur5lib.topics.thesis.records import ClosedLoop
+from ur5lib.topics.thesis.rows import (
+    EstimatedGain,
+    LoopError,
+    PublishedGain,
+    TorqueConstant,
+    estimated_gains,
+    loop_errors,
+    published_gains,
+    torque_constants,
+)
+from ur5lib.topics.thesis.torque_lines import current_torque, published_constants
+from ur5lib.topics.thesis.wrenches import published_forces
 
 
 class RebuiltThesis(NamedTuple):
     """A recording by the thesis's methods.
 
-    closed_loop, gains: with published gains and with those that fit the recording best; published:
-    F̂ᵘ, F̂ and F̂*, as printed and by its equations put right.
+    closed_loop: with published gains and with those that fit the recording best; published: F̂ᵘ, F̂
+    and F̂*, as printed and by its equations put right; errors to constants: rows of tables.
     """
 
     closed_loop: ClosedLoop
-    gains: GainSummary
     published: PublishedForces
-    constants: PublishedConstants
+    errors: list[LoopError]
+    gains: list[EstimatedGain]
+    published_gains: list[PublishedGain]
+    constants: list[TorqueConstant]
 
 
 def rebuild_thesis(
@@ -56,4 +63,11 @@ def rebuild_thesis(
         known = arm, signals, motion, torques, kinematics.jacobian
         forces = published_forces(*known, lowpass, min_singular_value)
     constants = published_constants(current_torque(arm, signals, torques))
-    return RebuiltThesis(loop, gains, forces, constants)
+    return RebuiltThesis(
+        closed_loop=loop,
+        published=forces,
+        errors=[*loop_errors(loop, signals)],
+        gains=[*estimated_gains(gains)],
+        published_gains=[*published_gains(gains)],
+        constants=[*torque_constants(constants)],
+    )

@@ -1,0 +1,1 @@
+"""The thesis that this project began with: its methods, and its printed numbers beside ours."""

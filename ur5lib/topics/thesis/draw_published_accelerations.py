@@ -1,0 +1,11 @@
+"""Accelerations as published, after Figures 5.14 and 5.15."""
+
+from ur5lib.records.accelerations import Accelerations
+from ur5lib.report.figures.house_style import Drawing
+from ur5lib.topics.thesis.figure import euler_figure
+
+
+def draw_published_accelerations(accelerations: Accelerations) -> dict[str, Drawing]:
+    """Return the acceleration through Euler angles beside the IMU's, with a causal filter."""
+    felt, modelled = accelerations.published_felt, accelerations.published.get("euler")
+    return {"accelerations_published": euler_figure(accelerations, felt, modelled)}

@@ -1,0 +1,262 @@
+"""The report's part on the thesis: its printed numbers beside ours."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.force.estimators import ESTIMATES, LEADING
+from ur5lib.report.page.sentences import say
+from ur5lib.report.results import Results
+from ur5lib.topics.thesis.printed_numbers import EQUAL, UNEXPLAINED
+from ur5lib.topics.thesis.reference import OLDER_MODEL
+
+COMPUTED_DIGITS = 4  # of computed numbers
+PARAMETER_SYMBOLS = {"torque_constant": "k", "offset": "b"}
+CLAIMED_ESTIMATE, CLAIMED_COMPONENT = "F*", "Fz"  # by which the thesis detects pushes
+AS_PRINTED = "torque_on_current"  # the direction of regression of Equation 6.5
+
+
+def findings(results: Results) -> Iterator[str]:
+    """Report the published numbers that are rebuilt, and whether the claim to detect pushes holds."""
+    rows = results.rows("printed")
+    if len(rows):
+        equal, missed = (rows["status"] == EQUAL).sum(), bool(unexplained(results))
+        yield say("thesis.found", equal=equal, count=len(rows), left=missed)
+    yield from claim(results)
+
+
+def sources(results: Results) -> list[str]:
+    """Return the published tables with rebuilt numbers."""
+    return sorted({*results.rows("printed")["source"]})
+
+
+def unexplained(results: Results) -> list[str]:
+    """Return each unexplained number with its table and row, and the difference in per cent: that
+    of the erratum's number, or else of the rebuilt one.
+    """
+    sentences = []
+    for row in results.rows("printed", status=UNEXPLAINED).itertuples():
+        nearest, source = row.rebuilt, "rebuilt"
+        if not np.isnan(row.as_erratum_says):
+            nearest, source = row.as_erratum_says, f"erratum {row.erratum:.0f} gives"
+        gap = 100 * (nearest / row.printed - 1)
+        place = f"joint {row.number}" if str(row.number).isdecimal() else row.number
+        words = {"nearest": nearest, "source": source, "gap": gap, "digits": COMPUTED_DIGITS}
+        sentences.append(say("thesis.missed", row=row, place=place, **words))
+    return sentences
+
+
+def errata(results: Results) -> list[str]:
+    """Return each error found in the published work, with its place and the choice made here."""
+    rows = results.rows("errata").itertuples()
+    return [f"{row.place}: {row.error} Here: {row.choice}" for row in rows]
+
+
+def torques(results: Results, recording: str) -> pd.DataFrame:
+    """Return the torque errors in closed loop, those that cannot be rebuilt first."""
+    own = results.rows("torque_mae", recording=recording).drop_duplicates("joint")
+    rows = _beside_zero(results, "torque_mae", recording, own.set_index("joint")["zero_mae"])
+    if rows["rebuilt"].isna().all():
+        return rows[:0]
+    return rows.sort_values("rebuilt", key=pd.Series.notna, kind="stable")
+
+
+def forces(results: Results, recording: str) -> pd.DataFrame:
+    """Return the mean errors of the estimates as printed."""
+    return _beside_zero(results, "force_mae", recording, _no_force(results, recording)["zero_mae"])
+
+
+def largest_forces(results: Results, recording: str) -> pd.DataFrame:
+    """Return the largest errors of the estimates as printed."""
+    return _beside_zero(results, "force_max", recording, _no_force(results, recording)["zero_max"])
+
+
+def _no_force(results: Results, recording: str) -> pd.DataFrame:
+    """Return the errors of a force of zero, by component."""
+    rows = results.rows("force_mae", recording=recording, kind="printed", during="all")
+    return rows.drop_duplicates("component").set_index("component")
+
+
+def _beside_zero(
+    results: Results, table: str, recording: str, zero: "pd.Series[float]"
+) -> pd.DataFrame:
+    """Return the printed and rebuilt numbers of a table with the error of zero, by number."""
+    rows = results.rows("printed", table=table, recording=recording)
+    return rows.assign(zero_rebuilt=rows["number"].astype(str).map(zero.rename(index=str)))
+
+
+def positions(results: Results, recording: str) -> pd.DataFrame:
+    """Return the errors of the joints' positions in closed loop, with printed ones."""
+    return _in_loop(results, "q", recording)
+
+
+def velocities(results: Results, recording: str) -> pd.DataFrame:
+    """Return the errors of the joints' velocities in closed loop, with printed ones."""
+    return _in_loop(results, "qd", recording)
+
+
+def _in_loop(results: Results, quantity: str, recording: str) -> pd.DataFrame:
+    printed = results.rows("printed", table=f"closed_loop_{quantity}", recording=recording)
+    known = printed.assign(joint=printed["number"].astype(int), model=printed["row"])
+    rows = results.rows("closed_loop_mae", recording=recording, quantity=quantity)
+    return rows.merge(known[["model", "joint", "printed"]], "left", ["model", "joint"])
+
+
+def loop_drawn(results: Results) -> list[str]:
+    """Return the recordings whose closed loop is drawn."""
+    simulated = results.listed("closed_loop_mae")
+    printed = results.shown(results.printed("closed_loop_q"))
+    return printed or results.shown([*results.with_role("validate", simulated), *simulated], 1)
+
+
+def loop_older(results: Results) -> list[str]:
+    """Return the recordings on which the closed loop of the older model is drawn."""
+    rows = results.rows("printed", table="torque_mae", row=OLDER_MODEL)
+    return results.shown([*rows["recording"]])
+
+
+def contradictions(results: Results) -> Iterator[str]:
+    """Report the joints on which no gain lies in the ranges of all recordings of an arm."""
+    ranges = results.rows("gains").fillna({"low": 0.0, "high": np.inf})
+    ranges["robot"] = ranges["recording"].map(results.arms())
+    for (robot, gain), rows in ranges.groupby(["robot", "gain"], sort=False):
+        by_joint = rows.groupby("joint")
+        disjoint = by_joint["low"].max() > by_joint["high"].min()
+        if disjoint.any():
+            joints = disjoint.index[disjoint]
+            yield say("thesis.contradiction", gain=gain, robot=robot, numbers=joints)
+
+
+def published_gains(results: Results) -> Iterator[str]:
+    """Report on how many joints and recordings published gains fit as well as the best."""
+    gains = results.rows("published_gains")
+    fits = gains.assign(fit=gains["fits"] == "yes", of=1).groupby("model", sort=False)
+    if len(gains):
+        yield say("thesis.gains", found=fits[["fit", "of"]].sum().to_dict("index").items())
+
+
+def filtered_first(results: Results) -> list[str]:
+    """Return the recordings whose IMU is drawn filtered before rotation, as printed errors need."""
+    file = "accelerations_filtered_first.svg"
+    names = results.printed("acceleration_mae")
+    return [name for name in names if (results.figures / name / file).is_file()]
+
+
+def beside_fit(results: Results) -> pd.DataFrame:
+    """Return the printed motor constants and friction, beside the fitted ones."""
+    keys = ["robot", "joint", "parameter"]
+    return results.rows("friction").merge(results.rows("printed_friction"), on=keys)
+
+
+def rebuilt(results: Results, recording: str) -> pd.DataFrame:
+    """Return Equation 6.5: printed, rebuilt, and by this study's fit with all friction terms."""
+    rows = _by_sign(results.rows("published_constants", recording=recording, regression=AS_PRINTED))
+    printed = results.rows("printed", table="current_torque", recording=recording)
+    known = {(row.row, int(row.number)): row.printed for row in printed.itertuples()}
+    rows["printed"] = [known.get(key) for key in zip(rows["sign"], rows["joint"], strict=True)]
+    fitted = _fitted(results, recording)[["value", "std_error"]].add_prefix("fitted_")
+    return rows.join(fitted, on=["joint", "parameter"])
+
+
+def _by_sign(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return a row for k and for b of each row."""
+    parts = [
+        rows.assign(
+            sign=sign, parameter=name, value=rows[name], std_error=rows[f"{name}_std_error"]
+        )
+        for name, sign in PARAMETER_SYMBOLS.items()
+    ]
+    return pd.concat(parts)
+
+
+def _fitted(results: Results, recording: str) -> pd.DataFrame:
+    """Return the parameters fitted to the arm of a recording, by joint and parameter."""
+    rows = results.rows("friction", robot=results.arms()[recording])
+    return rows.set_index(["joint", "parameter"])
+
+
+def _printed_offsets(results: Results, recording: str) -> "pd.Series[float]":
+    """Return the printed offsets [Nm], by joint."""
+    rows = results.rows("printed", table="current_torque", row="b", recording=recording)
+    return rows.set_index(rows["number"].astype(int))["printed"]
+
+
+def doubted_joint(results: Results, recording: str) -> int:
+    """Return the joint whose printed offset is furthest from this study's fit."""
+    fitted = _fitted(results, recording).xs("offset", level="parameter")["value"]
+    return int((_printed_offsets(results, recording) - fitted).abs().idxmax())
+
+
+def on_every_run(results: Results, recording: str) -> pd.DataFrame:
+    """Return b and k of the doubted joint by both regressions on every recording in which it
+    moves, in the order of its mean torque.
+    """
+    rows = results.rows("published_constants", joint=doubted_joint(results, recording))
+    return _by_sign(rows).sort_values(
+        ["mean_torque", "recording", "sign", "regression"], ascending=[True, True, True, False]
+    )
+
+
+def follows_the_mean(results: Results, recording: str) -> Iterator[str]:
+    """Report that offsets follow the mean torque from run to run, beside the printed offset."""
+    rows = results.rows("published_constants", regression=AS_PRINTED)
+    joint = doubted_joint(results, recording)
+    fitted = _fitted(results, recording).loc[(joint, "offset")]
+    printed = _printed_offsets(results, recording).loc[joint]
+    correlation = [
+        np.corrcoef(part["offset"], part["mean_torque"])[0, 1] for _, part in rows.groupby("joint")
+    ]
+    offsets = rows.loc[rows["joint"] == joint, "offset"]
+    words = {"joint": joint, "printed": printed, "offsets": offsets, "fitted": fitted}
+    yield say("thesis.follow the mean", correlation=correlation, **words)
+
+
+def linear(results: Results, recording: str) -> Iterator[str]:
+    """Report how current and torque are correlated, without and with the printed friction."""
+    rows = results.rows("published_constants", recording=recording, regression=AS_PRINTED)
+    without, friction = rows["correlation_without_friction"], rows["correlation"]
+    yield say("thesis.linear", recording=recording, without=without, friction=friction)
+
+
+class ClaimScore(NamedTuple):
+    """How an estimate detects pushes along z.
+
+    found: of all pushes that reach the threshold at the sensor; above: largest share of a
+    contact-free recording for which the estimate is above it.
+    """
+
+    found: int
+    pushes: int
+    above: float
+
+
+def score(results: Results, estimate: str) -> ClaimScore | None:
+    """Return an estimate's score, None without such recordings.
+
+    Pushes are counted on recordings with printed errors, time above on validate recordings.
+    """
+    printed, validated = results.printed("force_mae"), results.with_role("validate")
+    rows = {"component": CLAIMED_COMPONENT, "estimate": estimate}
+    pushed = results.rows("fixed_threshold", recording=printed, **rows)
+    free = results.rows("fixed_threshold", recording=validated, **rows)
+    if pushed.empty or free.empty:
+        return None
+    detected, pushes = (int(pushed[name].sum()) for name in ("found", "pushes"))
+    return ClaimScore(detected, pushes, float(free["time_above"].max()))
+
+
+def claim(results: Results) -> Iterator[str]:
+    """Report whether the claim holds, and why not."""
+    if (claimed := score(results, CLAIMED_ESTIMATE)) is not None:
+        yield say("thesis.judged", claimed=claimed)
+
+
+def scores(results: Results) -> list[str]:
+    """Return a sentence with the scores of F̂*_z and ours, by which the claim is judged."""
+    claimed, ours = score(results, CLAIMED_ESTIMATE), score(results, LEADING)
+    if claimed is None or ours is None:
+        return []
+    named_scores = [(ESTIMATES[CLAIMED_ESTIMATE], claimed), (ESTIMATES[LEADING], ours)]
+    return [say("thesis.compared", pushes=claimed.pushes, scores=named_scores)]

@@ -1,0 +1,172 @@
+# What only a study with published values has: the thesis's methods, its figures, its numbers.
+from ur5lib.topics.thesis.reference import read_reference
+
+if STUDY.reference:
+    try:
+        PRINTED = read_reference(STUDY.reference)
+    except InputError as error:
+        raise WorkflowError(f"the study has errors\n`reference`: {error}")
+
+    def printed(*names):
+        """Return the recordings with published values, in some tables or in any."""
+        return sorted(PRINTED.recordings(*names) & RECORDINGS.keys())
+
+    EXPLAINED = sorted(PRINTED.explained() & RECORDINGS.keys())
+    FURTHER_FORCES.append("published_forces.parquet")
+    shown = {*SELECTION.illustrated, *printed()}
+    RUNS_FOR |= {
+        "draw_figures": [name for name in RECORDINGS if name in shown],
+        "draw_tracking": printed("closed_loop_q", "closed_loop_qd") or SELECTION.illustrated,
+        "draw_filtered_first": sorted(PRINTED.explained_accelerations().keys() & RECORDINGS.keys()),
+        "draw_older_model": sorted(PRINTED.of_older_model() & RECORDINGS.keys()),
+        "draw_current_torque": printed("current_torque"),
+        "draw_published_accelerations": printed("acceleration_mae"),
+        "draw_published_forces": printed(),
+    }
+
+    rule rebuild_thesis:
+        input:
+            signals=result("signals.parquet"),
+            motion=result("motion.parquet"),
+            torques=result("torques.parquet"),
+            kinematics=result("kinematics.parquet"),
+            premises=result("premises.json"),
+            friction=parameter_of("friction.json"),
+            arm=parameter_of("described.yaml"),
+        output:
+            closed_loop=result("closed_loop.parquet"),
+            published=result("published_forces.parquet"),
+            errors=result("closed_loop_mae.csv"),
+            gains=result("gains.csv"),
+            published_gains=result("published_gains.csv"),
+            constants=result("published_constants.csv"),
+        log:
+            **traces("rebuild_thesis", "{recording}"),
+        params:
+            code=code("rebuild_thesis"),
+            gravity=of_recording(SELECTION.gravity),
+            lowpass=design(SETTINGS.lowpass.published_forces),
+            min_singular_value=SETTINGS.singularities.min_singular_value,
+        run:
+            run_step(rule, input, output, params, log)
+
+    rule draw_tracking:
+        input:
+            signals=result("signals.parquet"),
+            closed_loop=result("closed_loop.parquet"),
+            arm=parameter_of("arm.yaml"),
+        output:
+            **drawn_by("draw_tracking", "{recording}"),
+        log:
+            **traces("draw_tracking", "{recording}"),
+        params:
+            code=code("draw_tracking"),
+        run:
+            run_step(rule, input, output, params, log)
+
+    rule draw_filtered_first:
+        input:
+            reference=STUDY.reference,
+            signals=result("signals.parquet"),
+            kinematics=result("kinematics.parquet"),
+            imu=result("imu.parquet"),
+            quality=result("quality.json"),
+            arm=parameter_of("described.yaml"),
+        output:
+            **drawn_by("draw_filtered_first", "{recording}"),
+        log:
+            **traces("draw_filtered_first", "{recording}"),
+        params:
+            code=code("draw_filtered_first"),
+            recording="{recording}",
+            gravity=of_recording(SELECTION.gravity),
+        run:
+            run_step(rule, input, output, params, log)
+
+    rule draw_older_model:
+        input:
+            reference=STUDY.reference,
+            signals=result("signals.parquet"),
+            closed_loop=result("closed_loop.parquet"),
+            arm=parameter_of("arm.yaml"),
+        output:
+            **drawn_by("draw_older_model", "{recording}"),
+        log:
+            **traces("draw_older_model", "{recording}"),
+        params:
+            code=code("draw_older_model"),
+            recording="{recording}",
+        run:
+            run_step(rule, input, output, params, log)
+
+    rule draw_published_accelerations:
+        input:
+            accelerations=result("accelerations.parquet"),
+        output:
+            **drawn_by("draw_published_accelerations", "{recording}"),
+        log:
+            **traces("draw_published_accelerations", "{recording}"),
+        params:
+            code=code("draw_published_accelerations"),
+        run:
+            run_step(rule, input, output, params, log)
+
+    rule draw_published_forces:
+        input:
+            published=result("published_forces.parquet"),
+            sensor=result("sensor.parquet"),
+        output:
+            **drawn_by("draw_published_forces", "{recording}"),
+        log:
+            **traces("draw_published_forces", "{recording}"),
+        params:
+            code=code("draw_published_forces"),
+        run:
+            run_step(rule, input, output, params, log)
+
+    rule draw_current_torque:
+        input:
+            signals=result("signals.parquet"),
+            torques=result("torques.parquet"),
+            arm=parameter_of("described.yaml"),
+        output:
+            **drawn_by("draw_current_torque", "{recording}"),
+        log:
+            **traces("draw_current_torque", "{recording}"),
+        params:
+            code=code("draw_current_torque"),
+        run:
+            run_step(rule, input, output, params, log)
+
+    rule compare_with_print:
+        input:
+            reference=STUDY.reference,
+            tables=tables_of([STUDY.study], PRINTED.tables()),
+            signals=results("signals.parquet", EXPLAINED),
+            kinematics=results("kinematics.parquet", EXPLAINED),
+            imu=results("imu.parquet", EXPLAINED),
+            quality=results("quality.json", EXPLAINED),
+            arms=parameters("described.yaml"),
+        output:
+            **tables(["printed", "errata"]),
+        log:
+            **traces("compare_with_print"),
+        params:
+            code=code("compare_with_print"),
+            arm_of={name: SELECTION.arm(name) for name in EXPLAINED},
+            gravities=SELECTION.gravities(EXPLAINED),
+        run:
+            run_step(rule, input, output, params, log)
+
+    rule list_printed_friction:
+        input:
+            friction=parameter("friction.json"),
+            arm=parameter("described.yaml"),
+        output:
+            rows=parameter("printed_friction.csv"),
+        log:
+            **traces("list_printed_friction", "{robot}"),
+        params:
+            code=code("list_printed_friction"),
+        run:
+            run_step(rule, input, output, params, log)
