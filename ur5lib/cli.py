@@ -485,21 +485,6 @@ def figure(
     typer.echo(paper_figure(results, figure, width, font_size, format))
 
 
-@app.command(rich_help_panel="Results")
-def replay(
-    file: Annotated[Path, typer.Argument(help="model of the arm: MJCF or URDF")],
-    results: Results,
-    recording: Annotated[str, typer.Argument(help="one of its recordings")],
-) -> None:
-    """Replay a model along a recording in MuJoCo.
-
-    Prints errors of torque, and of angles in a loop. Example: ur5 replay ur5e.xml mine pushed
-    """
-    from ur5lib.commands.replay import replayed
-
-    print_lines(replayed(file, results, recording))
-
-
 @app.command(rich_help_panel="Project")
 def schema() -> None:
     """Print the JSON schema of a study.

@@ -1,11 +1,11 @@
-"""`ur5 leaderboard`."""
+"""`ur5 leaderboard` and `ur5 replay`."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from ur5lib.commands.arguments import ADDRESS_HELP, results_folder
+from ur5lib.commands.arguments import ADDRESS_HELP, Results, print_lines, results_folder
 
 PANEL = "Results"
 
@@ -34,3 +34,17 @@ def leaderboard(
 
     typer.echo(compared(results, estimator))
     typer.echo(f"all figures: {TABLE_FILE}")
+
+
+def replay(
+    file: Annotated[Path, typer.Argument(help="model of the arm: MJCF or URDF")],
+    results: Results,
+    recording: Annotated[str, typer.Argument(help="one of its recordings")],
+) -> None:
+    """Replay a model along a recording in MuJoCo.
+
+    Prints errors of torque, and of angles in a loop. Example: ur5 replay ur5e.xml mine pushed
+    """
+    from ur5rivals.replay import replayed
+
+    print_lines(replayed(file, results, recording))

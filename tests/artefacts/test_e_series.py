@@ -147,23 +147,6 @@ def test_the_report_has_a_section_on_it(results: Path) -> None:
     assert "cell-2" in report
 
 
-def test_the_identified_arm_is_replayed_in_mujoco(
-    results: Path, run_ur5: Command, tmp_path: Path
-) -> None:
-    """Closer to the currents than the maker's model, on a recording that it was fitted to."""
-    options = ["--robot", "cell-2", "--format", "mjcf", "--results", results]
-    (tmp_path / "arm.xml").write_text(run_ur5("export", *options, "--as-in", "fit_1").out)
-    told = run_ur5("replay", tmp_path / "arm.xml", results, "fit_1").out
-    rows = [(line[:40].strip(), line[40:].split()) for line in told.splitlines()]
-    assert rows[0] == ("torque error [Nm], joint", [*"123456"])
-    assert rows[5] == ("error in closed loop [deg], joint", [*"123456"])
-    for (_, ours), (label, maker) in (rows[1:3], rows[6:8]):
-        assert label == "maker's model (maker)"
-        assert all(float(x) < 0.5 * float(y) for x, y in zip(ours, maker, strict=True))
-    torque, predicted = ([float(value) for value in rows[k][1]] for k in (1, 3))
-    assert sum(torque) < 1.5 * sum(predicted)
-
-
 def test_the_study_that_was_run_can_be_run_again(results: Path) -> None:
     again = read_study(results / "configuration.yaml")
     assert study_text(again) == (results / "configuration.yaml").read_text()

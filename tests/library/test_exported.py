@@ -1,4 +1,4 @@
-"""An arm as MuJoCo reads it, replayed along motions."""
+"""An arm as other programs read it."""
 
 import json
 from pathlib import Path
@@ -16,7 +16,6 @@ from tests.rigid import check_rigid
 from ur5lib.commands.compensation import offset_of
 from ur5lib.commands.described import describe_urdf
 from ur5lib.commands.exported import WRITERS, exported, simulator_friction
-from ur5lib.commands.replay import SERVO_RANGE, deviation, inverse_dynamics, read_model
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.records.currents import Currents
@@ -49,8 +48,20 @@ def motion(joints: int = 6) -> Motion:
 def replayed(robot: Robot, friction: JointFriction | None, folder: Path) -> Array:
     file = folder / "arm.xml"
     file.write_text(mjcf(robot, f"{robot.chosen_model}+rotors", friction))
-    joints = len(robot.joints)
-    return inverse_dynamics(read_model(file, GRAVITY, joints), motion(joints))
+    return torques_by_mujoco(file, motion(len(robot.joints)))
+
+
+def torques_by_mujoco(file: Path, states: Motion) -> Array:
+    """The inverse dynamics (N, n) [Nm] of a model file, without contacts and limits."""
+    model = mujoco.MjModel.from_xml_path(str(file))
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_LIMIT
+    model.opt.gravity = GRAVITY  # a URDF has none
+    data, torques = mujoco.MjData(model), []
+    for data.qpos, data.qvel, data.qacc in zip(states.q, states.qd, states.qdd, strict=True):
+        mujoco.mj_inverse(model, data)
+        torques.append(data.qfrc_inverse.copy())
+    return np.array(torques)
 
 
 @pytest.mark.parametrize("name", ["ur5e", "ur10e", "ur20"])
@@ -67,27 +78,9 @@ def test_an_arm_of_seven_joints_is_exported(tmp_path: Path) -> None:
     expected = LinkModel(robot, "maker").inverse_dynamics(states.q, states.qd, states.qdd)
     for text in (mjcf(robot, "maker", None), urdf(robot, bodies)):
         (tmp_path / "arm.xml").write_text(text)
-        found = inverse_dynamics(read_model(tmp_path / "arm.xml", GRAVITY, 7), states)
+        found = torques_by_mujoco(tmp_path / "arm.xml", states)
         np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-3)
     assert from_sdf(sdf(robot, bodies), 7).nv == 7
-    with pytest.raises(InputError, match="7 degrees of freedom instead of 6"):
-        read_model(tmp_path / "arm.xml", GRAVITY, 6)
-
-
-def test_shapes_of_a_urdf_may_lie_elsewhere(tmp_path: Path) -> None:
-    """Files of meshes belong to another package: they change no torque."""
-    robot = robot_from_urdf(saved(made_up(3), tmp_path))[0].mounted(GRAVITY)
-    text, states = urdf(robot, rigid_bodies(robot, "maker")), motion(3)
-    shapes = "".join(
-        f'<{tag}><geometry><mesh filename="package://nowhere/link.stl"/></geometry></{tag}>'
-        for tag in ("visual", "collision")
-    )
-    (tmp_path / "shaped.urdf").write_text(text.replace("</inertial>", f"</inertial>{shapes}"))
-    expected = LinkModel(robot, "maker").inverse_dynamics(states.q, states.qd, states.qdd)
-    found = inverse_dynamics(read_model(tmp_path / "shaped.urdf", GRAVITY, 3), states)
-    np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-3)
-    with pytest.raises(InputError, match="cannot be read by MuJoCo"):
-        read_model(tmp_path / "nothing.urdf", GRAVITY, 3)
 
 
 def test_placeholders_are_not_exported_unless_named(
@@ -110,34 +103,6 @@ def test_its_friction_is_coulomb_and_viscous(tmp_path: Path) -> None:
     expected = FRICTION.coulomb * np.sign(qd) + FRICTION.viscous * qd
     moving = np.abs(qd) > 0.1  # at lower speeds, MuJoCo's dry friction gives way
     np.testing.assert_allclose(added[moving], expected[moving], atol=1e-3)
-
-
-def test_a_right_model_stays_on_the_motion_and_a_wrong_torque_pulls_it_off(tmp_path: Path) -> None:
-    """By that torque over the servo's stiffness. After a gap, it starts on the motion again."""
-    robot, wrong = load_robot(robot_path("ur5e")), np.array([5.0, -5, 2, 1, -1, 0.5])
-    (tmp_path / "arm.xml").write_text(mjcf(robot, "maker+rotors", None))
-    model = read_model(tmp_path / "arm.xml", GRAVITY, 6)
-    swung, torque_max = swing(seconds=4, period=0.008), np.array(robot.torque_limits())
-    torque = inverse_dynamics(model, swung)
-    followed = deviation(model, swung, torque, torque_max, 0.008)
-    assert np.abs(followed).max() < np.radians(0.005)
-    pulled = deviation(model, swung, torque + wrong, torque_max, 0.008)
-    np.testing.assert_allclose(pulled[-1], wrong * SERVO_RANGE / torque_max, rtol=0.05)
-    torque[200] = np.nan
-    pulled = deviation(model, swung, torque + wrong, torque_max, 0.008)
-    assert np.isnan(pulled[200]).all()
-    assert (pulled[[0, 201]] == 0).all()
-
-
-def swing(seconds: float, period: float) -> Motion:
-    """All joints, by a radian at most, at 0.3 Hz."""
-    time = np.arange(0, seconds, period)
-    w, phase = 0.6 * np.pi, np.arange(6)
-    angle = w * time[:, None] + phase
-    known = {"q": np.sin(angle), "qd": w * np.cos(angle), "qdd": -(w**2) * np.sin(angle)}
-    std = dict.fromkeys(["q_std", "qd_std", "qdd_std"], 0 * angle)
-    segment = np.zeros(len(time), dtype=np.int64)
-    return Motion(time=time, segment=segment, motor_qd=known["qd"], **known, **std)
 
 
 def test_friction_is_that_of_all_joints() -> None:
@@ -390,9 +355,3 @@ def test_what_is_not_there_is_reported(changed: dict[str, object], message: str)
     asked = {"robot": "ur5", "model": None, "to": "mjcf", "results": None, "as_in": ""}
     with pytest.raises(InputError, match=message):
         exported(**asked | changed)  # type: ignore[arg-type]
-
-
-def test_what_is_no_model_is_reported(tmp_path: Path) -> None:
-    (tmp_path / "arm.xml").write_text("<robot")
-    with pytest.raises(InputError, match="cannot be read by MuJoCo"):
-        read_model(tmp_path / "arm.xml", GRAVITY, 6)
