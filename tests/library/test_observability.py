@@ -12,7 +12,7 @@ from ur5lib.force.detection import PAUSE_DURATION, PUSH_DURATION, smallest_force
 from ur5lib.force.external_torque import JointState
 from ur5lib.force.force_input import Gears
 from ur5lib.force.trial_contacts import (
-    MAX_TRIAL_FORCE,
+    MIN_LARGEST_PUSH,
     MIN_TRIAL_FORCE,
     Trials,
     felt_push,
@@ -24,7 +24,7 @@ from ur5lib.identification.validation import (
     ShareBySpeed,
     share_by_speed,
 )
-from ur5lib.records.arm_state import Observed
+from ur5lib.records.arm_state import LARGEST_PUSH, Observed
 from ur5lib.records.friction import CurrentFit
 from ur5lib.report.figures.arm_state_figures import observability_figure
 from ur5lib.steps.measure_observability import Judged, at_rest, observability
@@ -35,15 +35,17 @@ NOWHERE = (np.nan, np.nan)
 EYE = np.broadcast_to(np.eye(6), (COUNT, 6, 6))
 
 
-def detected_above(limit: Array) -> Trials:
-    """Return trials of a detector whose odds turn where a torque exceeds a limit (N,) [Nm]."""
+def detected_above(limit: Array, most: float = MIN_LARGEST_PUSH) -> Trials:
+    """Return trials, of up to a push [N], of a detector whose odds turn where a torque exceeds a
+    limit (N,) [Nm].
+    """
 
     def log_odds_of(torque: Array) -> Array:
         return 10 * (np.abs(torque).max(axis=1) - limit)
 
     speed = np.where(np.arange(COUNT) < COUNT / 2, 0.0, 0.6)
     known = EYE, speed, PERIOD, 0.0, [(0, 3000)], np.random.default_rng(0)
-    return try_each_place(log_odds_of, *known)
+    return try_each_place(log_odds_of, *known, most)
 
 
 def test_a_push_is_found_from_the_limit_of_its_place_on() -> None:
@@ -52,7 +54,7 @@ def test_a_push_is_found_from_the_limit_of_its_place_on() -> None:
     assert (len(trials.force), trials.force.min(), trials.force.max()) == (
         89,
         pytest.approx(MIN_TRIAL_FORCE),
-        pytest.approx(MAX_TRIAL_FORCE),
+        pytest.approx(MIN_LARGEST_PUSH),
     )
     for low, high, limit in ((0.0, 0.1, 40.0), (0.5, 1.0, 10.0)):
         part = trials.within(low, high)
@@ -80,17 +82,41 @@ def test_dry_friction_and_gears_bear_their_part_of_a_push(state: int) -> None:
         np.testing.assert_array_equal(twice[::2], twice[1::2])
 
 
-@pytest.mark.parametrize("limits", [150.0, 95.0])
-def test_a_push_beyond_the_trials_is_the_largest_one_and_said_to_be_beyond(limits: float) -> None:
+@pytest.mark.parametrize(("limits", "most"), [(150.0, 100.0), (95.0, 100.0), (4000.0, 2943.0)])
+def test_a_push_beyond_the_trials_is_the_largest_one_and_said_to_be_beyond(
+    limits: float, most: float
+) -> None:
     """Before, the files had 10,355 N, or nothing where none was found; the report, above 100 N."""
-    trials = detected_above(np.full(COUNT, limits))
+    trials = detected_above(np.full(COUNT, limits), most)
     pushes = [
         row for row in observability([trials], []) if row.quantity.startswith("smallest_push_95_")
     ]
     assert len(pushes) > 1
     for row in pushes:
-        assert (row.bound, row.value) == (">", MAX_TRIAL_FORCE)
+        assert (row.bound, row.value) == (">", pytest.approx(most))
         assert np.isnan(row.std_error)
+
+
+def test_a_strong_arm_is_pushed_harder() -> None:
+    """Before, each push of a KR300, which carries 300 kg, was beyond 100 N."""
+    found = [*observability([detected_above(np.full(COUNT, 400.0), 2943.0)], [])]
+    pushes = [row for row in found if row.quantity.startswith("smallest_push_95_")]
+    assert {row.bound for row in pushes} == {""}
+    assert all(200.0 < row.value < 1500.0 for row in pushes)
+    assert [row.value for row in found if row.quantity == LARGEST_PUSH] == [pytest.approx(2943.0)]
+
+
+def test_the_worth_of_the_band_at_rest() -> None:
+    """Of a joint, 95 % of the errors at rest lie within half of its band, and all in it."""
+    speed = np.tile([0.0, 0.3], 1000)[:, None]
+    of_band = np.where(speed == 0.0, np.linspace(0.0, 0.5 / 0.95, 2000)[:, None], 3.0)
+    found = observability([], [Judged(speed, np.ones_like(speed), of_band)])
+    told = {row.quantity: row for row in found if row.quantity.startswith("rest_")}
+    assert told["rest_in_band"].value == 1.0
+    assert told["rest_band_factor"].value == pytest.approx(0.5, abs=0.001)
+    assert told["rest_band_factor"].samples == 1000
+    moving = Judged(speed[1::2], np.ones((1000, 1)), of_band[1::2])
+    assert not any(row.quantity.startswith("rest_") for row in observability([], [moving]))
 
 
 def test_without_a_place_nothing_is_tried() -> None:
@@ -131,7 +157,7 @@ def test_the_table_has_each_joint_and_push(tmp_path: Path) -> None:
     speed = np.tile(np.repeat(SPEED_BINS[:-1] + 1e-4, 50)[:, None], 6)
     inside = np.ones_like(speed)
     inside[speed[:, 2] < 0.2, 2] = 0.0
-    found = observability([trials], [Judged(speed, inside)])
+    found = observability([trials], [Judged(speed, inside, 1 - inside)])
     table = gathered(Observed, [*found], tmp_path)
     assert {*table["robot"]} == {"ur5"}
     least = table[table["quantity"] == "least_velocity"].set_index("joint")["value"]
@@ -143,12 +169,12 @@ def test_the_table_has_each_joint_and_push(tmp_path: Path) -> None:
     assert along["value"].to_numpy() == pytest.approx(10.0, rel=0.5)
     assert (along["std_error"] > 0).all()
     assert along["samples"].sum() == len(trials.force)
-    assert len(observability_figure(table, 0.9, MAX_TRIAL_FORCE).data) == 6 + 6 * 9
-    left, _ = observability_figure(table, 0.9, MAX_TRIAL_FORCE).figure.axes
+    assert len(observability_figure(table, 0.9, MIN_LARGEST_PUSH).data) == 6 + 6 * 9
+    left, _ = observability_figure(table, 0.9, MIN_LARGEST_PUSH).figure.axes
     assert len(left.containers) == 6  # with intervals; none is beyond
     shares = table[table["quantity"] == "friction_in_band"]
     for pushed in (pushes[:0], pushes[:1].assign(speed_high=np.nan)):
-        drawing = observability_figure(pd.concat([pushed, shares]), 0.9, MAX_TRIAL_FORCE)
+        drawing = observability_figure(pd.concat([pushed, shares]), 0.9, MIN_LARGEST_PUSH)
         assert len(drawing.data) == len(pushed) + 6 * 9
 
 
@@ -160,4 +186,4 @@ def test_the_band_at_rest_is_told_beside_that_of_motion() -> None:
 
 def test_nothing_is_drawn_of_recordings_that_tell_nothing(tmp_path: Path) -> None:
     table = gathered(Observed, [*observability([], [])], tmp_path)
-    assert observability_figure(table, 0.9, MAX_TRIAL_FORCE).data.empty
+    assert observability_figure(table, 0.9, MIN_LARGEST_PUSH).data.empty

@@ -19,7 +19,7 @@ from ur5lib.force.force_input import Gears
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 MIN_TRIAL_FORCE = 5.0  # N, of trial pushes
-MAX_TRIAL_FORCE = 100.0  # N
+MIN_LARGEST_PUSH = 100.0  # N
 
 
 @dataclass(frozen=True)
@@ -89,12 +89,13 @@ def try_each_place(
     threshold: float,
     raised: list[Span],
     random: np.random.Generator,
+    most: float = MIN_LARGEST_PUSH,
 ) -> Trials:
     """Push once at each place of a contact-free recording, along the base's x, y or z.
 
     log_odds_of: log-odds (N,) of contact with an additional external torque (N, 6) [Nm]; jacobian:
     (N, 6, 6); speed: of the flange (N,) [m/s]; period: [s]; raised: alarms of the recording itself,
-    during which no push is tried; random: deals out peaks and axes.
+    during which no push is tried; random: deals out peaks, up to `most` [N], and axes.
     """
     profile, places = trial_pushes(len(jacobian), period)
     means = [float(speed[slice(*place)].mean()) for place in places]
@@ -104,7 +105,7 @@ def try_each_place(
         if np.isfinite(mean) and not any(overlap(alarm, place) for alarm in raised)
     ]
     # sizes evenly in their logarithm; axes as evenly as possible
-    peaks = random.permutation(np.geomspace(MIN_TRIAL_FORCE, MAX_TRIAL_FORCE, len(free_places)))
+    peaks = random.permutation(np.geomspace(MIN_TRIAL_FORCE, most, len(free_places)))
     axes = random.permutation((random.integers(3) + np.arange(len(free_places))) % 3)
     force = np.zeros((len(profile), 3))
     for (place, _), peak, axis in zip(free_places, peaks, axes, strict=True):

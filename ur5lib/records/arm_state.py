@@ -2,16 +2,20 @@
 
 from dataclasses import dataclass
 
+LARGEST_PUSH = "largest_push"  # quantity of the largest push that was tried
+
 
 @dataclass(frozen=True, kw_only=True)
 class Observed:
     """A row of observability.csv: a quantity in a range of speed; speed_high: None without an end.
 
-    quantity: smallest_push_95_x, _y, _z [N], along an axis, by speed of the flange;
-    friction_in_band, the share of a joint's samples within the band of motion, by its speed;
-    least_velocity [rad/s], the lower end of the speeds at which this share suffices, NaN where
-    there is none; band_at_rest, the stated band at rest over that of motion; bound: ">" of a push
-    beyond `value`, the largest that was tried.
+    quantity: smallest_push_95_x, _y, _z [N], along an axis, by speed of the flange, and
+    largest_push, that was tried; friction_in_band, the share of a joint's samples within the band
+    of motion, by its speed; least_velocity [rad/s], the lower end of the speeds at which this share
+    suffices, NaN where there is none; band_at_rest, the stated band at rest over that of motion;
+    rest_in_band, the share of a resting joint's samples within the stated band, and
+    rest_band_factor, the multiple of that within which 95 % are; bound: ">" of a push beyond
+    `value`, the largest that was tried.
     """
 
     quantity: str

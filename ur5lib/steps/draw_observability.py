@@ -2,14 +2,14 @@
 
 import pandas as pd
 
-from ur5lib.force.trial_contacts import MAX_TRIAL_FORCE
 from ur5lib.identification.validation import MIN_SHARE_IN_BAND
+from ur5lib.records.arm_state import LARGEST_PUSH
 from ur5lib.report.figures.arm_state_figures import observability_figure
 from ur5lib.report.figures.house_style import Drawing
 
 
 def draw_observability(observability: pd.DataFrame) -> dict[str, Drawing]:
     """Return the figure of what an arm's contact-free recordings let one observe."""
-    return {
-        "observability": observability_figure(observability, MIN_SHARE_IN_BAND, MAX_TRIAL_FORCE)
-    }
+    tried = observability.loc[observability["quantity"] == LARGEST_PUSH, "value"]
+    most = float(tried.max()) if len(tried) else 0.0
+    return {"observability": observability_figure(observability, MIN_SHARE_IN_BAND, most)}

@@ -17,7 +17,7 @@ from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.problem import Problem, fmap_problem
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.trial_contacts import (
-    MAX_TRIAL_FORCE,
+    MIN_LARGEST_PUSH,
     Trials,
     felt_push,
     flange_speed,
@@ -25,8 +25,13 @@ from ur5lib.force.trial_contacts import (
 )
 from ur5lib.identification.currents import torque_constants
 from ur5lib.identification.samples import INDEPENDENT_STEP
-from ur5lib.identification.validation import ShareBySpeed, share_by_speed
-from ur5lib.records.arm_state import Observed
+from ur5lib.identification.validation import (
+    MIN_SAMPLES,
+    SPEED_BINS,
+    ShareBySpeed,
+    share_by_speed,
+)
+from ur5lib.records.arm_state import LARGEST_PUSH, Observed
 from ur5lib.records.contacts import SPEEDS
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
@@ -34,7 +39,10 @@ from ur5lib.records.forces import Forces
 from ur5lib.records.friction import CurrentFit, Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
+from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import STANDARD_GRAVITY
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import BAND_COVERAGE
 
 FLANGE_SPEEDS = (*SPEEDS, np.inf)  # m/s
 TRIAL_ROUNDS = 2  # of trial pushes
@@ -51,13 +59,15 @@ def measure_observability(
     friction: Friction,
     residuals: Residuals,
     threshold: dict[str, float],
+    described: Robot,
     contact_force_n: float,
 ) -> list[Observed]:
     """Return what contact-free recordings of an arm let one observe; contact_force_n: [N], of a
-    typical contact.
+    typical contact. Trial pushes end at the weight of the arm's rated payload, or at 100 N.
     """
     prior, trials, errors = ContactPrior(force=contact_force_n), list[Trials](), list[Judged]()
     least = MIN_TRIALS // max(1, len(motion))
+    most = max(MIN_LARGEST_PUSH, STANDARD_GRAVITY * (described.rated_payload or 0.0))
     for name, moved in motion.items():
         predicted = currents[name]
         if predicted.external_torque is None or predictions[name].is_loaded:
@@ -66,16 +76,19 @@ def measure_observability(
         problem = fmap_problem(moved, predicted, residuals)
         odds = forces[name].log_odds.get(LEADING)
         if LEADING in threshold and problem is not None and odds is not None:
-            jacobian = kinematics[name].jacobian
-            trials.append(pushed(problem, jacobian, prior, threshold[LEADING], odds, least))
+            known = kinematics[name].jacobian, prior, threshold[LEADING], odds, least, most
+            trials.append(pushed(problem, *known))
     return [*observability(trials, errors), *at_rest(friction.fit)]
 
 
 class Judged(NamedTuple):
-    """Speeds of the joints (n, 6) [rad/s], and which errors are within their band (n, 6)."""
+    """Speeds of the joints (n, 6) [rad/s], which errors are within the band of motion (n, 6), and
+    errors as shares of the band that is stated there (n, 6).
+    """
 
     speed: Array
     inside: Array
+    of_band: Array
 
 
 def pushed(
@@ -84,9 +97,10 @@ def pushed(
     prior: ContactPrior,
     threshold: float,
     odds: Array,
-    least: int = 0,
+    least: int,
+    most: float,
 ) -> Trials:
-    """Return trial pushes on a contact-free recording.
+    """Return trial pushes of up to `most` [N] on a contact-free recording.
 
     odds: without any (N,); least: number of pushes, if there is a place for any.
     """
@@ -100,7 +114,7 @@ def pushed(
         felt = felt_push(torque, *known, friction)
         return problem.pushed(felt).solve(jacobian[problem.rows], prior).log_odds
 
-    places = speed, one.period, threshold, alarms(odds, threshold), random
+    places = speed, one.period, threshold, alarms(odds, threshold), random, most
     first = try_each_place(log_odds_of, jacobian, *places)
     rounds = max(TRIAL_ROUNDS, -(-least // max(1, len(first.force))))
     more = [try_each_place(log_odds_of, jacobian, *places) for _ in range(rounds - 1)]
@@ -108,33 +122,40 @@ def pushed(
 
 
 def judged(motion: Motion, currents: Currents, fit: CurrentFit) -> Judged:
-    """Return where the current of a contact-free recording is within the band of motion.
+    """Return where the current of a contact-free recording is within its bands.
 
     fit: has not seen the recording's path. The external torque is k times the error of the current.
     """
     every = max(1, round(INDEPENDENT_STEP / motion.period))
-    torque = currents.external_torque
+    torque, stated = currents.external_torque, currents.band
     assert torque is not None
-    torque, qd = torque[::every], motion.motor_qd[::every]
+    assert stated is not None
+    torque, qd, stated = torque[::every], motion.motor_qd[::every], stated[::every]
     known = finite_rows(torque) & finite_rows(qd)
     half = np.array([joint.band_moving for joint in fit.joints])
     error = np.abs(torque[known] / torque_constants(fit))
-    return Judged(np.abs(qd[known]), np.where(np.isnan(half), np.nan, error <= half))
+    inside = np.where(np.isnan(half), np.nan, error <= half)
+    return Judged(np.abs(qd[known]), inside, error / stated[known])
 
 
 def observability(trials: Sequence[Trials], errors: Sequence[Judged]) -> Iterator[Observed]:
-    """Yield smallest pushes by speed, and by joint the shares by speed and where they suffice."""
+    """Yield smallest pushes by speed, and by joint the shares by speed, where they suffice, and
+    what the band at rest is worth.
+    """
     if trials:
         together = Trials.joined([*trials])
         yield from by_axis(together)
     if errors:
-        speed, inside = (np.concatenate(part) for part in zip(*errors, strict=True))
+        speed, inside, of_band = (np.concatenate(part) for part in zip(*errors, strict=True))
         known = np.isfinite(inside).T
         shares = [share_by_speed(speed[k, j], inside[k, j] > 0) for j, k in enumerate(known)]
         for joint, share in enumerate(shares, start=1):
             yield from _shares(joint, share)
         for joint, share in enumerate(shares, start=1):
             yield _predicted(joint, *share.suffices())
+        for joint in range(speed.shape[1]):
+            resting = speed[:, joint] < SPEED_BINS[1]
+            yield from _held_at_rest(joint + 1, of_band[resting, joint])
 
 
 def at_rest(fit: CurrentFit) -> Iterator[Observed]:
@@ -165,6 +186,29 @@ def _shares(joint: int, shares: ShareBySpeed) -> Iterator[Observed]:
         )
 
 
+def _held_at_rest(joint: int, of_band: Array) -> Iterator[Observed]:
+    """Yield the share of a resting joint's errors within their band, and by how much of this 95 %
+    are; of_band: errors as shares of their band.
+    """
+    if (known := of_band[np.isfinite(of_band)]).size < MIN_SAMPLES:
+        return
+    values = {
+        "rest_in_band": np.mean(known <= 1),
+        "rest_band_factor": np.quantile(known, BAND_COVERAGE),
+    }
+    for quantity, value in values.items():
+        yield Observed(
+            quantity=quantity,
+            joint=joint,
+            speed_low=0.0,
+            speed_high=SPEED_BINS[1],
+            speed_unit="rad/s",
+            value=float(value),
+            unit="1",
+            samples=known.size,
+        )
+
+
 def _predicted(joint: int, low: float, high: float) -> Observed:
     """Return the range of speeds in which a joint's friction is predicted within its band."""
     return Observed(
@@ -179,25 +223,36 @@ def _predicted(joint: int, low: float, high: float) -> Observed:
 
 
 def by_axis(trials: Trials) -> Iterator[Observed]:
-    """Yield the smallest pushes along x, y and z by the flange's speed, where trials suffice.
+    """Yield the smallest pushes along x, y and z by the flange's speed, where trials suffice, and
+    the largest one that was tried.
 
-    Beyond the largest trial, a logistic curve tells nothing: the push is that one, and `bound` ">".
+    Beyond this, a logistic curve tells nothing: the push is the largest, and `bound` ">".
     """
+    most = float(trials.force.max(initial=0.0))
     for low, high in pairwise(FLANGE_SPEEDS):
         for axis, name in enumerate("xyz"):
             own = trials.within(low, high).along(axis)
             if len(own.found) < MIN_TRIALS_OF_A_LIMIT:
                 continue
             force, std = smallest_force(own.force, own.found)
-            beyond = force > MAX_TRIAL_FORCE
+            beyond = force > most
             yield Observed(
                 quantity=f"smallest_push_95_{name}",
                 speed_low=low,
                 speed_high=high,
                 speed_unit="m/s",
                 bound=">" if beyond else "",
-                value=MAX_TRIAL_FORCE if beyond else force,
+                value=most if beyond else force,
                 std_error=np.nan if beyond else std,
                 unit="N",
                 samples=len(own.found),
             )
+    yield Observed(
+        quantity=LARGEST_PUSH,
+        speed_low=0.0,
+        speed_high=None,
+        speed_unit="m/s",
+        value=most,
+        unit="N",
+        samples=len(trials.found),
+    )

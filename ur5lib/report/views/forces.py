@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.force.estimators import GATED, LEADING, NEW, PUBLISHED
-from ur5lib.force.trial_contacts import MAX_TRIAL_FORCE
+from ur5lib.records.arm_state import LARGEST_PUSH
 from ur5lib.records.contacts import SPEEDS
 from ur5lib.report.results import Results
 from ur5lib.timeseries.metrics import NORMAL95
@@ -67,15 +67,16 @@ def smallest_pushes(results: Results) -> pd.DataFrame:
     (`state`), with its 95 % interval; contacts: found at that speed on recordings with contact.
     """
     rows = results.rows("observability", quantity=SMALLEST_PUSHES)
-    margin = NORMAL95 * rows["std_error"]
+    tried = results.rows("observability", quantity=LARGEST_PUSH).set_index("robot")["value"]
+    margin, most = NORMAL95 * rows["std_error"], rows["robot"].map(tried).astype(float)
     low, high = (rows["value"] - margin).clip(lower=0), rows["value"] + margin
-    told = (rows["bound"] == ">") | (low > 0) | (high < MAX_TRIAL_FORCE)
+    told = (rows["bound"] == ">") | (low > 0) | (high < most)
     axis, state = rows["quantity"].str[-1], rows["speed_low"].map(SPEEDS)
     value = rows["value"].where(told)
     rows = rows.assign(axis=axis, state=state, value=value, low=low, high=high)
     places = pd.DataFrame(product(rows["robot"].unique(), SPEEDS.values(), "xyz"), columns=PLACE)
     whole = places.merge(rows, "left", PLACE).merge(_touched_by_speed(results), "left")
-    whole = whole.fillna({"contacts": 0}).assign(most=MAX_TRIAL_FORCE)
+    whole = whole.fillna({"contacts": 0}).assign(most=whole["robot"].map(tried).astype(float))
     return whole[whole["value"].notna() | (whole["contacts"] > 0)]
 
 
