@@ -18,6 +18,7 @@ from ur5lib.importing.blocks import ColumnBlock
 from ur5lib.importing.contents import NO_STATEMENT, UserStatement
 from ur5lib.importing.files import ImportedRecording, import_files
 from ur5lib.importing.motion import agreement
+from ur5lib.recordings.entries import SKIPPED_COLUMN, expand
 from ur5lib.records.account import NOTHING, AccountRow
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.robots.statics import gravity_torque, link_frames
@@ -82,6 +83,31 @@ def test_columns_of_our_sensor_are_taken_beside_other_names(tmp_path: Path) -> N
     assert [*axes] == one.entry["columns"][-6:]
     assert one.entry["role"] == "contact"
     assert row_of(one, "ft_fx").taken_for == "ft_f"
+
+
+def test_what_the_entry_reads_is_told_as_read(tmp_path: Path) -> None:
+    given = {"ft_raw_wrench": 0.1 * QD, "payload_cog": 0 * QD[:, :3] + 0.01}
+    rest = {"target_TCP_speed": QD, "safety_mode": 0 * QD[:, :1] + 1, "payload_inertia": 0 * QD}
+    table = columns(actual_q=Q, current=CURRENT, **given, **rest) | {"payload": 0 * TIME + 2}
+    (one,) = imported({"time": TIME} | table, tmp_path, UserStatement("ur5e"))
+    names = zip(["time", *table], expand(one.entry["columns"]), strict=True)
+    kept = {name for name, read_as in names if not read_as.startswith(SKIPPED_COLUMN)}
+    assert {"ft_raw_wrench_0", "payload", "payload_cog_0", "payload_inertia_0"} <= kept
+    told = [(part.split(" … ")[0], row) for row in one.account for part in row.subject.split(", ")]
+    firsts = {name: row.taken_for for name, row in told if name in table}
+    assert {name for name, taken_for in firsts.items() if taken_for != NOTHING} == kept & {*firsts}
+    assert firsts["payload_cog_0"] == "payload_cog"
+    left_out = next(row.reason for name, row in told if name == "target_TCP_speed_0")
+    assert "no channel" not in left_out  # there is one
+
+
+def test_the_order_of_joints_is_told_once(tmp_path: Path) -> None:
+    flange = link_frames(ARM, Q)[1][:, -1]
+    poses = columns(actual_TCP_pose=np.hstack([flange, np.zeros_like(flange)]))
+    for positions, sure in ((Q, "proven"), (Q[:, [2, 1, 0, 3, 4, 5]], "check")):
+        table = {"time": TIME} | columns(actual_q=positions) | poses
+        (one,) = imported(table, tmp_path, UserStatement("ur5e"))
+        assert row_of(one, "the joints' order").confidence == sure
 
 
 WRENCH = np.hstack([FORCE[:, :3], 0.02 * FORCE[:, 2::-1]])

@@ -26,11 +26,6 @@ StudyEntry = dict[str, Any]  # of a study, as YAML has it
 # Channels that are proven, assumed, or left out.
 PROVABLE_CHANNELS = (*UNITS_BY_CHANNEL, *TARGET_UNITS, "actual_TCP_pose")
 PROVABLE_COLUMNS = {c for name in PROVABLE_CHANNELS for c in columns_of(name)}
-CONTROLLER_CHANNELS = (
-    *("ft_raw_wrench", "wrench_calc_from_currents", "payload", "payload_cog"),
-    *("payload_inertia", "target_gravity", "tcp_offset"),
-)
-CONTROLLER_COLUMNS = {c for name in CONTROLLER_CHANNELS for c in columns_of(name)}
 
 
 def entry_of(proposal: Proposal) -> StudyEntry:
@@ -95,7 +90,7 @@ def _of_table(proposal: Proposal) -> StudyEntry:
     plain = unchanged and whole and not (header.repeated or units or header.entry)
     if proposal.clock == "timestamp" and plain:
         return {"format": "rtde-csv"}
-    named = {column: column for column in CONTROLLER_COLUMNS} | named
+    named |= {name: name for block in proposal.read_as_named for name in block.names}
     columns = [named.get(column, SKIPPED_COLUMN) for column in header.columns]
     columns = _shortened(columns) if joints == JOINTS_OF_UR else columns
     if sensor and proposal.opposite:

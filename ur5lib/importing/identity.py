@@ -73,7 +73,7 @@ def identified(moving: ImportedMotion, means: BlockMeans | None) -> ArmIdentity:
     arms = [described(name) for name in fitting_arms]
     likely = readings(means, arms, orders, SLOPE_BOUNDS_OR_NONE) if means else []
     of_names = [reading for reading in likely if reading.arm in names]
-    order = _order(moving, of_names, [*dict.fromkeys(reading.order for reading in placed.good)])
+    order = _order(moving, of_names, placed)
     likely = [reading for reading in likely if reading.order == order]
     if stated:
         _assume(stated, likely, file)
@@ -97,12 +97,17 @@ class PosedReadings(NamedTuple):
     """The readings about as good as the best, the best first; none where the pose is no flange's.
 
     bare: whether the pose is that of the flange, else of a tool with a constant offset from it;
-    beaten: the best of the others, None without others.
+    beaten: the best of the others, None without others; proof: of the joints' order, if it is one.
     """
 
     good: list[PosedReading]
     bare: bool = True
     beaten: PosedReading | None = None
+    proof: str = ""
+
+    def orders(self) -> list[Order]:
+        """Return the orders of the joints, the best first."""
+        return [*dict.fromkeys(reading.order for reading in self.good)]
 
 
 def fitting(
@@ -161,15 +166,14 @@ def _by_pose(moving: ImportedMotion, stated: str, orders: Sequence[Order]) -> Po
     if stated and stated not in {reading.arm for reading in placed.good}:
         reason = f"the recorded pose is the flange of {best.arm}, or a tool on it: {within}"
         file.account.tell("check", "robot", stated, "numbers", reason + next_best)
-    elif len({reading.order for reading in placed.good}) == 1 and beaten:
-        in_order = f"{within}{next_best}, {in_words(beaten.order)}"
-        file.account.tell("proven", ORDER, in_words(best.order), "numbers", in_order)
+    elif len(placed.orders()) == 1 and beaten:
+        return placed._replace(proof=f"{within}{next_best}, {in_words(beaten.order)}")
     return placed
 
 
-def _order(moving: ImportedMotion, likely: Sequence[Reading], posed: Sequence[Order]) -> Order:
+def _order(moving: ImportedMotion, likely: Sequence[Reading], placed: PosedReadings) -> Order:
     """Return the columns of the joints: by names, which numbers may doubt; else by numbers."""
-    file, title = moving.file, moving.position.title
+    file, title, posed = moving.file, moving.position.title, placed.orders()
     as_read = tuple(range(moving.file.joints))
     scores = {reading.order: reading.score for reading in reversed(likely)}
     best = max(scores, key=lambda order: scores[order], default=as_read)
@@ -179,7 +183,10 @@ def _order(moving: ImportedMotion, likely: Sequence[Reading], posed: Sequence[Or
     so = f"gravity explains the efforts so, by {lead:.3g} of log-likelihood before base to wrist"
     as_named, tell = f"as named in {title}", file.account.tell
     if named and posed and as_read not in posed:
-        tell("check", ORDER, as_named, "name", "the pose fits another")
+        tell("check", ORDER, as_named, "name", f"the pose fits another: {in_words(posed[0])}")
+    elif placed.proof:
+        tell("proven", ORDER, in_words(posed[0]), "numbers", placed.proof)
+        return posed[0]
     elif named and by_gravity and not posed:
         tell("check", ORDER, as_named, "name", f"or {in_words(best)}: {so}")
     elif named:

@@ -7,13 +7,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pandas as pd
 
+from ur5lib.channels import columns
 from ur5lib.checks.block_means import BlockMeans, block_means
 from ur5lib.checks.checked import described
 from ur5lib.checks.readings import Order
 from ur5lib.errors import InputError
 from ur5lib.importing.blocks import ColumnBlock
 from ur5lib.importing.clocks import ROW_CLOCK
-from ur5lib.importing.contents import FileContents
+from ur5lib.importing.contents import TABLE_FORMAT, FileContents
 from ur5lib.importing.efforts import (
     EFFORT_MEANINGS,
     UNITS_BY_CHANNEL,
@@ -57,6 +58,11 @@ FURTHER_CHANNELS = (
     *("joint_control_output", "actual_TCP_pose", "actual_TCP_force", "actual_TCP_speed"),
     "joint_temperatures",
 )
+CONTROLLER_CHANNELS = (  # of a table, read where its columns have these names
+    *("ft_raw_wrench", "wrench_calc_from_currents", "payload", "payload_cog"),
+    *("payload_inertia", "target_gravity", "tcp_offset"),
+)
+CONTROLLER_COLUMNS = {c: name for name in CONTROLLER_CHANNELS for c in columns(name)}
 
 
 @dataclass(frozen=True)
@@ -86,6 +92,13 @@ class Proposal:
     def force_channels(self) -> dict[str, list[ColumnBlock]]:
         """Return the blocks of the force sensor by channel."""
         return {n: [block] for n, block in zip(("ft_f", "ft_t"), self.sensor, strict=False)}
+
+    @property
+    def read_as_named(self) -> list[ColumnBlock]:
+        """Return a table's blocks that have the names of CONTROLLER_CHANNELS; zero is a value."""
+        file = self.contents
+        blocks = file.blocks + file.silent if file.format == TABLE_FORMAT else []
+        return [block for block in blocks if {*block.names} <= {*CONTROLLER_COLUMNS}]
 
     @property
     def clock(self) -> str:
@@ -242,15 +255,18 @@ def _account_for_the_rest(proposal: Proposal) -> None:
     file, account = proposal.contents, proposal.contents.account
     if file.header.layout:
         account.tell("assumed", "columns", f"those of {file.header.layout}", "position", "as many")
+    as_named = {block.names for block in proposal.read_as_named}
     for block in file.silent:
-        account.exclude(block, _why_silent(block.rows))
+        if block.names not in as_named:
+            account.exclude(block, _why_silent(block.rows))
     taken = {b.names for blocks in (*proposal.channels.values(), proposal.sensor) for b in blocks}
+    taken |= as_named
     for name in file.clocks.stamps:
         by: Evidence = "name" if CLOCK_NAME.search(name) else "position"
         if name != ROW_CLOCK:
             told: Confidence = "assumed" if name == proposal.clock else "left out"
             account.state(told, (name,), name, by, "" if name == proposal.clock else OTHER_CLOCK)
-    for block in file.blocks:
+    for block in file.blocks + file.silent:
         if block.names in taken and block.names not in account.of_columns:
             account.hold("assumed", block, block.evidence, "")
         elif block.names not in taken and block.names not in account.excluded:
@@ -278,5 +294,6 @@ def meanings(proposal: Proposal) -> dict[tuple[str, ...], str]:
         for channel, blocks in (proposal.channels | proposal.force_channels).items()
         for block in blocks
     }
+    told |= {b.names: CONTROLLER_COLUMNS[b.names[0]] for b in proposal.read_as_named}
     unit = proposal.contents.clocks.units.get(proposal.clock, "s")
     return told | {(proposal.clock,): f"time [{unit}]"}

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Mapping
 
-from ur5lib.channels import SUFFIXES
+from ur5lib.channels import RECORDED_CHANNELS, SUFFIXES, is_unused
 from ur5lib.recordings.rosbag import JOINT_NAMES
 
 
@@ -168,7 +168,8 @@ def is_of_motors(stem: str) -> bool:
 
 def unused(stem: str) -> str:
     """Return why a quantity of no channel is left out, by its name."""
-    its = words(last_part(stem))
+    name = last_part(stem)
+    its = words(name)
     reasons = {
         frozenset(EXTERNAL_WORDS): "a torque that the controller ascribes to contact",
         frozenset(MODEL_WORDS): "computed by the controller, not measured",
@@ -181,7 +182,8 @@ def unused(stem: str) -> str:
     }
     named = (reason for spellings, reason in reasons.items() if its & spellings)
     unknown = "no channel is named so; if it is one, write its name in the entry"
-    return next(named, unknown)
+    known = name in RECORDED_CHANNELS or is_unused(name)
+    return next(named, "a known channel that no step reads" if known else unknown)
 
 
 def last_part(path: str) -> str:
