@@ -254,7 +254,7 @@ def check(
         list[str] | None, typer.Argument(help="some of its recordings, to see them in detail")
     ] = None,
     everything: Annotated[
-        bool, typer.Option("--all", help="list what could not be checked, too")
+        bool, typer.Option("--all", help="list what could not be checked or is not used, too")
     ] = False,
     as_json: AsJson = False,
 ) -> None:

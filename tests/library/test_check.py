@@ -31,6 +31,7 @@ from ur5lib.commands.check import (
 )
 from ur5lib.commands.console import announced, text_console
 from ur5lib.errors import InputError, printable, remark
+from ur5lib.records.account import NOTHING, UNKNOWN_NAME, AccountRow
 from ur5lib.records.clocks import SettledClock
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.quality import Finding, Quality
@@ -181,6 +182,24 @@ def test_what_could_not_be_checked_is_one_line_with_the_riskiest_named() -> None
     whole = printed(Form(everything=True))
     assert "0.50 s late" in whole
     assert "arm not checked (note) in all 4 recordings" in whole
+
+
+def test_columns_that_are_not_used_are_one_line_with_the_riskiest_named() -> None:
+    """That is the one whose name may mean a channel."""
+    zero = [AccountRow(f"out_{k}", NOTHING, "numbers", "left out", "zero") for k in range(40)]
+    unknown = AccountRow("motor_amps, i_shunt", NOTHING, "name", "left out", UNKNOWN_NAME)
+    qualities = {name: Quality(account=[*zero, unknown]) for name in "ab"}
+
+    def shown(named: list[str], form: Form) -> str:
+        console = text_console(file=StringIO(), width=200)
+        print_tables(console, qualities, {}, named, form=form)
+        return console.file.getvalue()
+
+    folded = shown([], FOLDED)
+    assert len(folded.splitlines()) < 5
+    assert f"motor_amps; i_shunt: {UNKNOWN_NAME}" in folded
+    for whole in (shown([], Form(everything=True)), shown(["a"], FOLDED)):
+        assert {"motor_amps", *(f"out_{k}" for k in range(40))} <= words(whole)
 
 
 def test_the_riskiest_is_known_of_all_that_may_not_be_checked() -> None:

@@ -58,4 +58,4 @@ def test_sizes_prove_no_opposite_sign(
     run_ur5("import", "run.csv", "--robot", "ur5", "--output", "mine.yaml")
     assert "opposite" not in Path("mine.yaml").read_text()
     assert "without its sign" in Path("mine.yaml").read_text()
-    assert "columns not used" in run_ur5("check", "mine.yaml").line
+    assert "columns not used" in run_ur5("check", "mine.yaml", "run").line

@@ -25,12 +25,13 @@ from ur5lib.errors import InputError
 from ur5lib.force.tare import tare_doubts, touched_by_own_clock
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.records.accepted import accepting
+from ur5lib.records.account import UNKNOWN_NAME
 from ur5lib.records.carried import carried, disagreements
 from ur5lib.records.clocks import OwnClock, SettledClock
 from ur5lib.records.quality import Contradictions, Finding, Quality
 from ur5lib.records.signals import Signals
 from ur5lib.records.wording import worded
-from ur5lib.report.page.findings import by_finding, group_findings
+from ur5lib.report.page.findings import MAX_NAMED_PLACES, by_finding, group_findings
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import geometric_jacobian, link_frames
 from ur5lib.signals.clock import pool_drifts, settle_clocks
@@ -66,7 +67,7 @@ UNCHECKED = (  # findings of what could not be checked, the riskiest first
 
 
 class Form(NamedTuple):
-    """How findings are printed: with each that could not be checked, or as JSON."""
+    """How findings are printed: with all that could not be checked or is not used, or as JSON."""
 
     everything: bool = False
     as_json: bool = False
@@ -151,7 +152,7 @@ def print_tables(
     if form.as_json:
         print(json_text(quality.to_dict("records")), end="")
         return severe_ones
-    if named or len(names) == 1:
+    if named:
         console.print(_findings(quality, names))
     else:
         _print_by_finding(console, quality, names, form.everything)
@@ -296,9 +297,10 @@ def _print_by_finding(
 ) -> None:
     """Print each finding once: the recordings that it concerns, and what it means.
 
-    everything: what could not be checked, too; otherwise in one line.
+    everything: what could not be checked or is not used, too; otherwise in one line each.
     """
-    found = by_finding(quality)
+    is_unused = (quality["finding"] == files.UNUSED) & ~everything
+    found = by_finding(quality[~is_unused], None if everything else MAX_NAMED_PLACES)
     is_open = found["finding"].isin(UNCHECKED) & ~everything
     kinds = found[~is_open].groupby(["severity", "device", "finding"], sort=False)
     for (severity, device, finding), rows in kinds:
@@ -309,6 +311,8 @@ def _print_by_finding(
             console.print(Padding(where + row.detail, (0, 0, 0, 4)))
     if is_open.any():
         console.print(_not_checked(found[is_open], names))
+    if is_unused.any():
+        console.print(_not_used(quality[is_unused], names))
     unsound = {*quality["recording"]}
     if sound := [name for name in names if name not in unsound]:
         console.print(f"nothing found in {concerned(sound, names)}")
@@ -324,6 +328,21 @@ def _not_checked(found: pd.DataFrame, names: list[str]) -> str:
     return (
         f"could not be checked: {', '.join(kinds)}; the riskiest, in {where}: {riskiest['detail']} "
         "(`ur5 check <study> --all` lists them)"
+    )
+
+
+def _not_used(unused: pd.DataFrame, names: list[str]) -> str:
+    """Return which columns are not used as one sentence, with the riskiest: of an unknown name."""
+    places = zip(unused["place"], unused["detail"], strict=True)
+    reasons = pd.Series([d.removeprefix(f"{place}: ") for place, d in places], unused.index)
+    alike = unused[
+        reasons == (UNKNOWN_NAME if (reasons == UNKNOWN_NAME).any() else reasons.iloc[0])
+    ]
+    riskiest = group_findings(alike, MAX_NAMED_PLACES).iloc[0]
+    where = concerned([*unused["recording"].unique()], names)
+    return (
+        f"columns are not used in {where}; the riskiest, in {riskiest['recording']}: "
+        f"{riskiest['detail']} (`ur5 check <study> --all` lists them)"
     )
 
 
@@ -353,7 +372,7 @@ def concerned(some: Sequence[str], names: Sequence[str]) -> str:
     if len(some) == 1:
         return some[0]
     if len(some) == len(names):
-        return f"all {len(names)} recordings"
+        return "both recordings" if len(names) == 2 else f"all {len(names)} recordings"
     count = f"{len(some)} of {len(names)} recordings"
     if len(some) > MAX_NAMED >= len(names) - len(some):
         those = {*some}

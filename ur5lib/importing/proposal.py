@@ -273,7 +273,7 @@ def _account_for_the_rest(proposal: Proposal) -> None:
             meaning = block.meaning() or ""
             first = next(iter(proposal.channels.get(meaning, [])), None)
             alike = f"named like {meaning}, as {first.title} before" if first else ""
-            account.exclude(block, alike or unused(block.stem()), "name")
+            account.exclude(block, alike or unused(block.stem(), block.names[0]), "name")
 
 
 def _why_silent(rows: Array) -> str:

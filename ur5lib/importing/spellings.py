@@ -5,6 +5,7 @@ from collections.abc import Mapping
 
 from ur5lib.channels import RECORDED_CHANNELS, SUFFIXES, is_unused
 from ur5lib.recordings.rosbag import JOINT_NAMES
+from ur5lib.records.account import UNKNOWN_NAME
 
 
 def _words_in(text: str) -> set[str]:
@@ -166,8 +167,8 @@ def is_of_motors(stem: str) -> bool:
     return bool(words(stem) & {"motor", "motors", "raw"})
 
 
-def unused(stem: str) -> str:
-    """Return why a quantity of no channel is left out, by its name."""
+def unused(stem: str, column: str) -> str:
+    """Return why a quantity of no channel is left out, by its name and that of a column of it."""
     name = last_part(stem)
     its = words(name)
     reasons = {
@@ -181,9 +182,8 @@ def unused(stem: str) -> str:
         frozenset(TEMPERATURE_WORDS): "temperatures of other things than this arm's joints",
     }
     named = (reason for spellings, reason in reasons.items() if its & spellings)
-    unknown = "no channel is named so; if it is one, write its name in the entry"
-    known = name in RECORDED_CHANNELS or is_unused(name)
-    return next(named, "a known channel that no step reads" if known else unknown)
+    known = name in RECORDED_CHANNELS or is_unused(column)
+    return next(named, "a known channel that no step reads" if known else UNKNOWN_NAME)
 
 
 def last_part(path: str) -> str:

@@ -6,6 +6,7 @@ from typing import Literal
 Evidence = Literal["option", "name", "numbers", "position"]
 Confidence = Literal["check", "proven", "assumed", "left out"]
 NOTHING = "nothing"  # what a column that is left out was taken for
+UNKNOWN_NAME = "no channel is named so; if it is one, write its name in the entry"
 
 
 @dataclass(frozen=True)

@@ -92,7 +92,7 @@ def worded(finding: Finding) -> dict[str, str | int]:
     row = asdict(finding)
     code, values = row.pop("code") or finding.finding, row.pop("values")
     place, _, meaning = templates()[code].partition(": ")
-    located = meaning and place.startswith("{file}")
+    located = meaning and place.startswith(("{file}", "{columns}"))
     return row | {
         "place": _filled(place, values) if located else "",
         "detail": _with_remedy(code, sentence(code, values)),

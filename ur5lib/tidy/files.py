@@ -16,12 +16,12 @@ from ur5lib.records.quality import (
     Device,
     Finding,
     Quality,
-    add_finding,
 )
 from ur5lib.records.signals import Signals
 from ur5lib.records.wording import sentence
 from ur5lib.tidy import Row
 
+UNUSED = "columns not used"  # the finding that import left them out
 SAME_RUN = "same run"  # the finding that a recording's contents are those of another one
 SAME = "same file"  # the finding that a device's file is a copy of another recording's
 TRAVEL = 0.02  # rad, between the ends of the path of a joint that moves
@@ -84,9 +84,10 @@ def findings(
     """
     contradictions = contradictions or Contradictions()
     found = [*contradictions.stop_signs, *quality.findings, *contradictions.findings]
-    unused = [row for row in quality.account if row.taken_for == NOTHING]
-    named = {"columns": "; ".join(f"{row.subject}: {row.reason}" for row in unused)}
-    add_finding(found, "robot", "columns not used", "note", len(unused), "", **named)
+    for row in quality.account:
+        for columns in row.subject.split(", ") if row.taken_for == NOTHING else ():
+            values = {"columns": columns, "reason": row.reason}
+            found.append(Finding("robot", UNUSED, "note", 1, values))
     for device, checksum in quality.files.items():
         used = int(device in quality.devices)
         found.append(Finding(device, SAME, "note", used, {"checksum": checksum}, "checksum"))

@@ -28,16 +28,15 @@ def group_findings(quality: pd.DataFrame, most: int | None = None) -> pd.DataFra
     return pd.DataFrame(rows, columns=[*kind, "count", "detail"])
 
 
-def by_finding(quality: pd.DataFrame) -> pd.DataFrame:
+def by_finding(quality: pd.DataFrame, most: int | None = MAX_NAMED_PLACES) -> pd.DataFrame:
     """Group findings of all recordings, one row a finding, most serious first.
 
     Stop signs and errors keep each meaning, whatever its numbers and paths, and each run that
     several recordings hold; of others, `detail` is that of the recording with the largest count,
-    and `alike` whether all recordings have the same. `recordings` is a list.
+    and `alike` whether all recordings have the same. `recordings` is a list; most: as in
+    `group_findings`.
     """
-    grouped = group_findings(quality, MAX_NAMED_PLACES).sort_values(
-        "count", ascending=False, kind="stable"
-    )
+    grouped = group_findings(quality, most).sort_values("count", ascending=False, kind="stable")
     general = grouped["detail"].str.replace(PARTICULAR_WORD, "…", regex=True)
     meaning = general.where(grouped["severity"].isin(("stop", "error")), "")
     meaning = meaning.where(grouped["finding"] != SAME_RUN, grouped["detail"])
