@@ -68,7 +68,7 @@ class FinishedStudy(Shown):
         self.folder = Path(folder)
         if not any(isdir(self.folder / part) for part in ("recordings", "tables")):
             raise InputError(
-                f"{folder} holds no results of a study; run snakemake first, and name the folder "
+                f"{folder} holds no results of a study; build it by `ur5 run`, and name the folder "
                 "results/<study>"
             )
 
@@ -243,7 +243,7 @@ class FinishedStudy(Shown):
         path = self.folder.joinpath(*parts)
         if not isfile(path):
             raise InputError(
-                f"{path} does not exist; check the folder and the names, and run snakemake"
+                f"{path} does not exist; check the folder and the names, or `ur5 run` the study"
             )
         if why := reason(str(path)):
             raise InputError(f"the recording of {path} cannot be read: {why}")
@@ -256,5 +256,5 @@ class FinishedStudy(Shown):
         near = get_close_matches(name, names, n=1) or sorted(names) or ["none"]
         raise InputError(
             f"{self.folder} has no {kind} {name!r}, but {', '.join(near)}; correct the name, or "
-            "run snakemake again"
+            "`ur5 run` the study again"
         )

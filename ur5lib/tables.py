@@ -74,8 +74,8 @@ def intact(path: Source) -> Iterator[None]:
             raise
         reason = str(error).splitlines()[0].removeprefix(f"{path} ").rstrip(".")
         raise InputError(
-            f"{path} is damaged ({reason}); delete it (rm {quote(str(path))}), and run snakemake "
-            "again"
+            f"{path} is damaged ({reason}); delete it (rm {quote(str(path))}), and `ur5 run` "
+            "the study again"
         ) from error
 
 
@@ -297,7 +297,7 @@ def read_record(kind: type[Record], path: str | Path) -> Record:
     except ValidationError as error:
         place = " → ".join(map(str, error.errors()[0]["loc"]))
         raise InputError(
-            f"{path}: {place} is not as this version writes it; run snakemake again"
+            f"{path}: {place} is not as this version writes it; `ur5 run` the study again"
         ) from None
 
 

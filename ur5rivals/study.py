@@ -59,7 +59,7 @@ def read_arms(folder: Path) -> list[StudyArm]:
     Raises InputError where it is not built, or has no such arm.
     """
     if not (folder / "configuration.yaml").is_file():
-        raise InputError(f"{folder} is not built; run snakemake on its study, or name another")
+        raise InputError(f"{folder} is not built; `ur5 run` its study, or name another")
     study = FinishedStudy(folder)
     entries = study.configuration().recordings
     names = dict.fromkeys(entry.arm.known_as for entry in entries)

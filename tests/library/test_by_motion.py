@@ -114,7 +114,7 @@ def test_a_turned_torque_is_told_by_links(sensed: Robot, known: bool) -> None:
     (sign,) = signs(
         spoilt(replace(log(sensed), arm=arm), [*range(6)], "actual_torque", sign=turned)
     )
-    assert "is reversed on these joints: 3;" in sign
+    assert "is reversed on joint 3;" in sign
     assert "`units: {actual_torque: [1, 1, -1, 1, 1, 1]}`" in sign
 
 
@@ -189,12 +189,12 @@ def test_what_a_description_lacks_is_named(ur5e: Robot, sensed: Robot) -> None:
     model = sensed.models["maker"].model_copy(update=rotors)
     driven = sensed.model_copy(update={"models": {"maker": model}})
     (lacks_rotors,) = doubts(replace(log(driven), arm=sensed))
-    assert "lacked the rotors" in lacks_rotors
+    assert "`rotor_inertia`" in lacks_rotors
     load = Payload(mass=3.0, center_of_mass=(0.02, 0.0, 0.1))
     lacks_load = doubts(replace(log(sensed.carrying(load)), arm=sensed))
     assert any("declare it as `payload`" in one for one in lacks_load)
     (lacks_spring,) = doubts(log(sensed, spring=40.0))
-    assert "joints 2 of" in lacks_spring
+    assert "joint 2 of" in lacks_spring
     assert "`balanced_joints`" in lacks_spring
 
 

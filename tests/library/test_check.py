@@ -246,7 +246,7 @@ SIMULATED = (
             1,
             "force unusable sensor error",
         ),
-        ("study.yaml", lambda text: text + SIMULATED, 0, "simulated yet made `snakemake`"),
+        ("study.yaml", lambda text: text + SIMULATED, 0, "simulated yet made `ur5"),
         ("study.yaml", lambda text: text.replace("role: fit", "role: contact"), 0, "ur5 `fit`"),
     ],
 )

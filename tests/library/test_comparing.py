@@ -135,7 +135,7 @@ def test_a_row_of_the_report_says_what_the_command_says(tmp_path: Path) -> None:
 def test_results_that_are_not_whole_are_refused(tmp_path: Path) -> None:
     whole, other = results(tmp_path / "a"), results(tmp_path / "b")
     (other / "tables" / "payload.csv").unlink()
-    with pytest.raises(InputError, match=r"no table 'payload'.*run snakemake"):
+    with pytest.raises(InputError, match=r"no table 'payload'.*ur5 run"):
         compare(whole, other)
 
 

@@ -348,7 +348,7 @@ def test_limits_are_those_of_the_joints() -> None:
         ({"as_in": "pushed"}, "--results"),
         ({"to": "sensor"}, "--results"),
         ({"to": "live"}, "--results"),
-        ({"results": Path("nowhere")}, "run snakemake"),
+        ({"results": Path("nowhere")}, "ur5 run"),
     ],
 )
 def test_what_is_not_there_is_reported(changed: dict[str, object], message: str) -> None:

@@ -61,7 +61,7 @@ def test_the_payload_is_that_of_the_premises(results: Path) -> None:
 
 
 def test_a_folder_without_results_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="run snakemake"):
+    with pytest.raises(InputError, match="ur5 run"):
         ur5lib.load(tmp_path)
 
 
@@ -87,5 +87,5 @@ def test_a_recording_that_cannot_be_read_says_why(results: Path) -> None:
 
 
 def test_a_missing_file_is_named(results: Path) -> None:
-    with pytest.raises(InputError, match=r"parameters/ur5/friction\.json.*run snakemake"):
+    with pytest.raises(InputError, match=r"parameters/ur5/friction\.json.*ur5 run"):
         ur5lib.load(results).parameters(Friction, "ur5", "friction")

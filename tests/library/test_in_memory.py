@@ -225,6 +225,8 @@ def test_a_recording_that_is_not_there_is_answered_with_its_neighbour(
         free["free11"]
     with pytest.raises(ur5lib.InputError, match="no actual_torque was recorded"):
         _ = free.torque
+    with pytest.raises(ur5lib.InputError, match=r"did you mean `actual_current`.*actual_q, "):
+        free.channel("actual_curent")
 
 
 def test_the_library_is_imported_in_an_instant() -> None:

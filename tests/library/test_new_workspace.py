@@ -19,7 +19,9 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_a_new_workspace_has_all_that_snakemake_needs(here: Path, run_ur5: Command) -> None:
-    assert run_ur5("new", "my arm").out.endswith("next: cd 'my arm' && snakemake\n")
+    assert run_ur5("new", "my arm").out.endswith(
+        "next: cd 'my arm' && ur5 run config.yaml --open\n"
+    )
     assert (here / "my arm" / "raw").is_dir()
     assert (here / "my arm" / "profiles" / "default" / "config.yaml").is_file()
     assert read_study(here / "my arm" / "config.yaml").study == "demo"
@@ -37,7 +39,7 @@ def test_published_studies_and_their_schema_are_at_hand(here: Path) -> None:
 
 def test_files_that_are_there_stay(here: Path) -> None:
     (here / "config.yaml").write_text("study: mine\n")
-    assert new_workspace(Path()).endswith("next: snakemake")
+    assert new_workspace(Path()).endswith("next: ur5 run config.yaml --open")
     assert (here / "config.yaml").read_text() == "study: mine\n"
 
 

@@ -142,6 +142,12 @@ def test_a_list_of_numbers_is_as_a_study_writes_it() -> None:
     )
 
 
+def test_one_joint_is_no_joints() -> None:
+    told = [in_words(remark("missing load", arm="ur5", joints=some)) for some in ([4], [2, 3])]
+    assert "joint 4 of ur5" in told[0]
+    assert "joints 2, 3 of ur5" in told[1]
+
+
 def test_a_number_that_json_does_not_know_is_unknown() -> None:
     known = remark("other constant", joint=3, fitted=None, known=9.5, unit="Nm/A")
     assert in_words(known) == "joint 3 with unknown instead of 9.5 Nm/A"

@@ -151,7 +151,7 @@ IMU = {"file": "b.csv", "columns": ["time"], "tim": 1}
         ({"hosts": {"pc": ["imu"], "laptop": ["force_sensor", "imu"]}}, "hosts: imu twice;"),
         ({"hosts": {"pc": "imu"}}, "`hosts.pc` 'imu'; list"),
         ({f"{RUN}date": "next-week"}, f"`{RUN}date` 'next-week'; 2026-03-09"),
-        ({"compare_with": ["monday"]}, "`compare_with` 'monday', results/monday snakemake"),
+        ({"compare_with": ["monday"]}, "`compare_with` 'monday', results/monday `ur5"),
         ({"compare_with": ["mine"]}, "`compare_with` 'mine', itself;"),
     ],
 )  # fmt: skip

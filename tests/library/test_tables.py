@@ -184,7 +184,7 @@ def test_a_damaged_result_is_named_with_the_command_that_makes_it_anew(
             read(path)
         sentence = str(stop.value)
         assert sentence.startswith(f"{path} is damaged (")
-        assert sentence.endswith(f"(rm '{path}'), and run snakemake again")
+        assert sentence.endswith(f"(rm '{path}'), and `ur5 run` the study again")
         assert "\n" not in sentence
 
 
@@ -249,5 +249,5 @@ def test_an_unknown_number_of_a_record_is_read_as_nan_or_as_none_where_that_is_d
 def test_a_summary_of_another_version_is_refused_with_its_place(tmp_path: Path) -> None:
     write_json({"a": [1.0, "b"]}, tmp_path / "old.json")
     assert read_record(dict[str, list[object]], tmp_path / "old.json") == {"a": [1.0, "b"]}
-    with pytest.raises(InputError, match=r"old\.json: a → 1 .* run snakemake again"):
+    with pytest.raises(InputError, match=r"old\.json: a → 1 .* `ur5 run` the study again"):
         read_record(dict[str, list[float]], tmp_path / "old.json")

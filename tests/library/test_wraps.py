@@ -147,7 +147,7 @@ def robot_rows(low: float, targets: bool | None) -> pd.DataFrame:
 def test_positions_and_targets_are_in_one_turn(low: float) -> None:
     for targets, turn in ((None, 0.0), (True, 0.0), (False, TURN)):
         table, (note,) = without_wraps(robot_rows(low, targets))
-        assert note == Finding("robot", "wrapped angles", "note", note.count, {"joints": "1"})
+        assert note == Finding("robot", "wrapped angles", "note", note.count, {"joints": [1]})
         q = channel(table, "actual_q")
         assert q[0, 0] == pytest.approx(START[0] + turn)
         assert np.abs(np.diff(q, axis=0)).max() < 0.05

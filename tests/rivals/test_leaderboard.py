@@ -47,9 +47,7 @@ def study(tmp_path: Path, ur5: Robot) -> Path:
 def test_a_study_that_is_not_built_is_told(tmp_path: Path, run_ur5: Command) -> None:
     answer = run_ur5("leaderboard", tmp_path)
     assert answer.status == 1
-    assert (
-        answer.err == f"ur5: {tmp_path} is not built; run snakemake on its study, or name another\n"
-    )
+    assert answer.err == f"ur5: {tmp_path} is not built; `ur5 run` its study, or name another\n"
 
 
 def test_a_name_that_no_file_can_have_is_told_in_a_sentence(

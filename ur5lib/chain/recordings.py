@@ -9,7 +9,8 @@ from pydantic import ValidationError
 
 from ur5lib.chain.shown import Shown, counted, frames
 from ur5lib.chain.steps import Chain, Files
-from ur5lib.errors import InputError, unknown
+from ur5lib.channels import MOST_JOINTS, RECORDED_CHANNELS, columns
+from ur5lib.errors import InputError, perhaps, unknown
 from ur5lib.jobs.memory import Content
 from ur5lib.records.quality import Finding, Quality
 from ur5lib.records.wording import worded
@@ -122,15 +123,15 @@ class Recordings(Shown):
     def channel(self, name: str) -> pd.DataFrame:
         """Return a channel on the robot's grid, e.g. `target_moment`.
 
-        Raises InputError where no recording has it.
+        Raises InputError, with the channels there are, where no recording has it.
         """
-        return self._frame("robot", name + "_")
+        return self._frame("robot", name)
 
     def device(self, name: str) -> pd.DataFrame:
         """Return the samples of a device on its own clock: `robot`, `force` or `imu`."""
         if name not in ("robot", "force", "imu"):
             raise unknown("device", name, ["robot", "force", "imu"])
-        return self._frame(name, "")
+        return self._frame(name)
 
     def findings(self) -> pd.DataFrame:
         """Return what was found in the files: recording, severity, and the sentence."""
@@ -166,17 +167,23 @@ class Recordings(Shown):
         selection = Selection(study)
         return Chain(selection, self.robot, dict(self.arm), files, {})
 
-    def _frame(self, file: str, prefix: str) -> pd.DataFrame:
-        parts = {name: own[file] for name, own in self.files.items() if file in own}
-        columns = {
-            name: [c for c in read_footer(one).schema.names if c.startswith(prefix)]
-            for name, one in parts.items()
-            if not isinstance(one, str)
+    def _frame(self, file: str, channel: str = "") -> pd.DataFrame:
+        parts = {
+            name: own[file]
+            for name, own in self.files.items()
+            if file in own and not isinstance(own[file], str)
         }
-        have = {name: own for name, own in columns.items() if {*own} - {"time"}}
+        every = {name: read_footer(one).schema.names for name, one in parts.items()}
+        asked = {*columns(channel, MOST_JOINTS)}
+        chosen = {n: [c for c in own if c in asked or not channel] for n, own in every.items()}
+        have = {name: own for name, own in chosen.items() if {*own} - {"time"}}
         if not have:
-            what = prefix.rstrip("_") or file
-            raise InputError(f"{', '.join(self.names)}: no {what} was recorded")
+            present = {column for own in every.values() for column in own} - {"time"}
+            there = [n for n in RECORDED_CHANNELS if present & {*columns(n, MOST_JOINTS)}]
+            recorded = f"{perhaps(channel, there)}; recorded: {', '.join(there)}" if channel else ""
+            raise InputError(
+                f"{', '.join(self.names)}: no {channel or file} was recorded{recorded}"
+            )
         return frames({name: frame_of(parts[name], own) for name, own in have.items()})
 
     def _title(self) -> str:

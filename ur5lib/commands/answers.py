@@ -70,7 +70,5 @@ def finished_study(study: Path) -> FinishedStudy:
     """Return the results of the last run of a study."""
     folder = RESULTS_FOLDER / read_study(study).study
     if not (folder / "tables").is_dir():
-        raise InputError(
-            f"{folder} has no tables; first run snakemake --configfile {study} to make them"
-        )
+        raise InputError(f"{folder} has no tables; make them: ur5 run {study}")
     return FinishedStudy(folder)

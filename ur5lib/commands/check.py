@@ -110,7 +110,7 @@ def print_findings_of(study: Study, named: Sequence[str] = (), form: Form = FOLD
             {recording_there.name for recording_there in there},
         )
         unmade = concerned([name for name in names if name not in present], names)
-        console.print(f"not simulated yet: {unmade}; `snakemake` will simulate it first")
+        console.print(f"not simulated yet: {unmade}; `ur5 run` will simulate it first")
     if not there:
         return 0
     names = [recording.name for recording in there]

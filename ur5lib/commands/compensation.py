@@ -75,7 +75,7 @@ def compensation(study: FinishedStudy | None, robot: str, only: str) -> str:
     if not sensed:
         raise InputError(
             f"{study.folder} has no reading of a force sensor on {only or robot}; record one, and "
-            "run snakemake"
+            "`ur5 run` the study again"
         )
     content = {"arm": robot, "recordings": sensed, "spread": spread(sensed)}
     text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, allow_unicode=True)

@@ -37,7 +37,7 @@ def without_wraps(table: pd.DataFrame) -> tuple[pd.DataFrame, list[Finding]]:
             angle = _in_the_turn_of(table[other].to_numpy(float), angle)
         table = table.assign(**{name: angle})
     joints = sorted({int(name.rpartition("_")[2]) + 1 for name in wraps})
-    values = {"joints": ", ".join(map(str, joints))}
+    values = {"joints": joints}
     add_finding(findings, "robot", "wrapped angles", "note", sum(wraps.values()), "", **values)
     return table, findings
 

@@ -23,7 +23,7 @@ MAX_STATED_NUMBER = 9999
 
 class Words(Formatter):
     """Values in a sentence: lists are joined by commas, as a study writes them, remarks by their
-    format.
+    format; `{numbers:joints}` is "joint 4", or "joints 2, 3".
     """
 
     def format_field(self, value: Any, format_spec: str) -> str:
@@ -32,6 +32,8 @@ class Words(Formatter):
             return "unknown"
         if isinstance(value, Mapping):
             return sentence(value["code"], value["values"])
+        if format_spec == "joints":
+            return f"joint{'s' * (len(value) > 1)} {', '.join(map(str, value))}"
         if not isinstance(value, list | tuple):
             text = self._bounded(value, format_spec)
             return text if isinstance(value, str) else text.replace("-", "−")

@@ -55,15 +55,15 @@ def expect_figure(results: Path, figure: str) -> None:
     configuration = results / "configuration.yaml"
     if not drawn or not configuration.is_file():
         raise InputError(
-            f"{results} holds no figures of a finished study; run snakemake first, to its end, and "
+            f"{results} holds no figures of a finished study; `ur5 run` it to its end, and "
             "name the folder results/<study>"
         )
     if figure not in drawn:
         of_recordings = [name for name in drawn if Path(name).name == figure]
         near = f" (it has {some(of_recordings)})" if of_recordings else perhaps(figure, drawn)
         raise InputError(
-            f"{results} has no figure {figure!r}{near}; run snakemake, or `snakemake figures`, "
-            f"which draws those of all recordings; see {results}/figures"
+            f"{results} has no figure {figure!r}{near}; `ur5 run <study> -- figures` draws those "
+            f"of all recordings; see {results}/figures"
         )
     with intact(configuration):
         name = read_plain(configuration)["study"]

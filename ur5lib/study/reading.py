@@ -230,8 +230,8 @@ def _missing_results(raw: PlainData) -> Iterator[str]:
             yield f"`compare_with` names {quoted(name)}, this study itself; name another"
         elif isinstance(name, str) and not os.path.isdir(Path("results", name, "tables")):
             yield (
-                f"`compare_with` names {quoted(name)}, but results/{name} holds no results; run "
-                "snakemake on that study first"
+                f"`compare_with` names {quoted(name)}, but results/{name} holds no results; "
+                "build that study first by `ur5 run`"
             )
 
 

@@ -31,7 +31,7 @@ def take_turn(results: Path, wait: bool = False) -> TextIO:
         if not wait:
             raise InputError(
                 f"{other}; run again when that has ended, or wait for it: "
-                "snakemake --config wait=true"
+                "ur5 run <study> -- --config wait=true"
             ) from None
         print(f"{other}; waiting until that has ended", file=sys.stderr, flush=True)
         fcntl.flock(lock, fcntl.LOCK_EX)

@@ -1,4 +1,4 @@
-"""`ur5 new`: a workspace, in which `snakemake` runs the workflow of the package."""
+"""`ur5 new`: a workspace, a folder for recordings, in which `ur5 run` builds their report."""
 
 from pathlib import Path
 from shlex import quote
@@ -19,13 +19,13 @@ def new_workspace(folder: Path) -> str:
     Snakefile, or cannot be written.
     """
     if (folder / "Snakefile").exists():
-        raise InputError(f"{folder} has a Snakefile: run snakemake there, or name another folder")
+        raise InputError(f"{folder} has a Snakefile: `ur5 run` in it, or name another folder")
     made(made(folder) / "raw")
     for name, text in _contents().items():  # the Snakefile last: with it, the folder is complete
         if not (folder / name).exists():
             write_text(text, folder / name)
     enter = "" if folder.resolve() == Path.cwd() else f"cd {quote(str(folder))} && "
-    return f"{folder} is ready; next: {enter}snakemake"
+    return f"{folder} is ready; next: {enter}ur5 run config.yaml --open"
 
 
 def copy_study(name: str) -> Path:
