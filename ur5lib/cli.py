@@ -18,8 +18,10 @@ from ur5lib import __version__
 from ur5lib.commands.arguments import (
     ADDRESS_HELP,
     STUDY_HELP,
+    AsJson,
     Results,
     StudyFile,
+    as_text,
     print_lines,
     results_folder,
 )
@@ -28,7 +30,6 @@ from ur5lib.workspace.beside import commands_beside
 from ur5lib.workspace.places import PACKAGE
 
 PANELS = "Start", "Lab", "Results", "Arm", "Project"
-AsJson = Annotated[bool, typer.Option("--json", help="print the answer as JSON")]
 ArmName = Annotated[str, typer.Option(help="name of an arm in ur5lib/robots, e.g. ur5")]
 
 
@@ -154,6 +155,7 @@ def fetch(
         Path | None,
         typer.Option("--output", "-o", help="folder to write to; default: raw/<dataset>"),
     ] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Download a published data set into raw/, or list them all.
 
@@ -165,7 +167,11 @@ def fetch(
 
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # removes temporary files
     if dataset is None:
-        print_lines(listing())
+        print_lines(
+            [as_text({n: one.model_dump() for n, one in catalogue().items()})]
+            if as_json
+            else listing()
+        )
         return
     typer.echo(fetch_dataset(dataset, output, source))
     study = catalogue()[dataset].study
@@ -244,7 +250,7 @@ def status(study: StudyFile, as_json: AsJson = False) -> None:
     from ur5lib.commands.run import state
 
     found = state(study, results_folder(str(study)))
-    print_lines([_json(found)] if as_json else found.lines())
+    print_lines([as_text(found)] if as_json else found.lines())
 
 
 @app.command(rich_help_panel="Start")
@@ -320,12 +326,6 @@ def import_(
         print_imported(imported, f"ur5 import {shlex.join(given)} --output mine.yaml")
 
 
-def _json(answer: object) -> str:
-    from ur5lib.tables import json_text
-
-    return json_text(answer).rstrip()
-
-
 def _use_one_thread() -> None:
     """Let NumPy, which is loaded next, use one core: threads take longer for small matrices."""
     os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -355,7 +355,7 @@ def compare(
         if topic not in TOPICS:
             raise unknown("topic", topic, TOPICS)
     comparisons = compare_results(before, after)
-    print_lines([_json(comparisons)] if as_json else lines(comparisons))
+    print_lines([as_text(comparisons)] if as_json else lines(comparisons))
     if output:
         write_junit(comparisons, output)
     if any(each.changed and each.topic in topics for each in comparisons):
@@ -363,14 +363,14 @@ def compare(
 
 
 @app.command(rich_help_panel="Results")
-def payload(study: StudyFile) -> None:
+def payload(study: StudyFile, as_json: AsJson = False) -> None:
     """Print each recording's payload by currents and by wrist sensor.
 
     Example: ur5 payload mine
     """
-    from ur5lib.commands.answers import payload_answers
+    from ur5lib.commands.answers import payload_answers, payload_numbers
 
-    print_lines(payload_answers(study))
+    print_lines([as_text(payload_numbers(study))] if as_json else payload_answers(study))
 
 
 @app.command(rich_help_panel="Arm")

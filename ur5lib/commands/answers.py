@@ -20,14 +20,43 @@ def payload_answers(study: Path) -> Iterator[str]:
 
     Raises InputError where the study was not run.
     """
+    for name, loads, sensed in _payloads(study):
+        yield f"{name}: {'; '.join(_carried(loads, sensed))}"
+
+
+def payload_numbers(study: Path) -> list[dict[str, Any]]:
+    """Return the mass on each recording's flange [kg] by `currents` and by `sensor`, with its
+    interval from low to high and the configured mass; None where nothing determines it.
+
+    Raises InputError where the study was not run.
+    """
+    return [
+        {
+            "recording": name,
+            "currents": next((_whole(row) for row in loads.itertuples()), None),
+            "sensor": next(iter(sensed[["value", "low", "high"]].to_dict("records")), None),
+        }
+        for name, loads, sensed in _payloads(study)
+    ]
+
+
+def _payloads(study: Path) -> Iterator[tuple[str, pd.DataFrame, pd.DataFrame]]:
+    """Yield each recording with its rows of the tables of payloads, and of masses on a sensor."""
     results = finished_study(study)
     loads = results.table("payload")
-    sensed = pd.DataFrame(columns=["recording", "quantity"])
+    sensed = pd.DataFrame(columns=["recording", "quantity", "value", "low", "high"])
     if "audit" in results.tables:  # which its topic makes
         sensed = results.table("audit")
+    sensed = sensed[sensed["quantity"] == "mass"]
     for recording in read_study(study).recordings:
-        rows = [table[table["recording"] == recording.name] for table in (loads, sensed)]
-        yield f"{recording.name}: {'; '.join(_carried(*rows))}"
+        its = [table[table["recording"] == recording.name] for table in (loads, sensed)]
+        yield recording.name, *its
+
+
+def _whole(row: Any) -> dict[str, float]:
+    """Return the mass on the flange, the undeclared part of which is a row of a table."""
+    whole = {name: row.configured + getattr(row, name) for name in ("mass", "low", "high")}
+    return whole | {"configured": row.configured}
 
 
 def _carried(loads: pd.DataFrame, sensed: pd.DataFrame) -> Iterator[str]:
@@ -35,9 +64,10 @@ def _carried(loads: pd.DataFrame, sensed: pd.DataFrame) -> Iterator[str]:
     if loads.empty:
         yield "undetermined by currents (no motion, or no contact-free recording of this arm)"
     for row in loads.itertuples():
-        mass, low, high = (row.configured + part for part in (row.mass, row.low, row.high))
-        yield f"{_mass(mass, low, high)}, configured {row.configured:.2f} kg{_place(row)}"
-    for row in sensed[sensed["quantity"] == "mass"].itertuples():
+        whole = _whole(row)
+        configured = f"configured {whole.pop('configured'):.2f} kg{_place(row)}"
+        yield f"{_mass(**whole)}, {configured}"
+    for row in sensed.itertuples():
         yield f"by the wrist sensor {row.value:.3f} kg ({row.low:.3f} to {row.high:.3f})"
 
 

@@ -24,6 +24,14 @@ ADDRESS_HELP = "its name, its YAML file, or its folder of results"
 STUDY_HELP = f"a study: {ADDRESS_HELP}"
 StudyFile = Annotated[Path, typer.Argument(parser=_study_file, help=STUDY_HELP, metavar="STUDY")]
 Results = Annotated[Path, typer.Argument(parser=results_folder, help=STUDY_HELP, metavar="STUDY")]
+AsJson = Annotated[bool, typer.Option("--json", help="print the answer as JSON")]
+
+
+def as_text(answer: object) -> str:
+    """Return an answer as JSON."""
+    from ur5lib.tables import json_text
+
+    return json_text(answer).rstrip()
 
 
 def print_lines(lines: Iterable[object]) -> None:
