@@ -23,10 +23,11 @@ from ur5lib.commands.arguments import (
     StudyFile,
     as_text,
     print_lines,
-    results_folder,
 )
 from ur5lib.errors import InputError, printable, unknown
+from ur5lib.study.address import results_folder
 from ur5lib.workspace.beside import commands_beside
+from ur5lib.workspace.extensions import LEFT_OUT, NAMED, USE_VARIABLE
 from ur5lib.workspace.places import PACKAGE
 
 PANELS = "Start", "Lab", "Results", "Arm", "Project"
@@ -124,8 +125,6 @@ def _options(
         typer.Option("--no-extensions", help="run no file of the folder extensions"),
     ] = False,
 ) -> None:
-    from ur5lib.workspace.extensions import LEFT_OUT, NAMED, USE_VARIABLE
-
     os.environ[USE_VARIABLE] = LEFT_OUT if no_extensions else NAMED
     context.call_on_close(lambda: os.environ.pop(USE_VARIABLE, None))
 

@@ -17,20 +17,20 @@ from functools import cache, partial
 from io import BytesIO, StringIO
 from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar, cast
+from typing import Any, BinaryIO, TypeVar, cast
 
 import numpy as np
 import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
+from pydantic import TypeAdapter, ValidationError
+from pydantic_core import SchemaValidator
+from pydantic_core.core_schema import no_info_before_validator_function as before
 
 from ur5lib.channels import CHANNELS, channels_of
 from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array, Labels
-
-if TYPE_CHECKING:
-    from pydantic_core import SchemaValidator
 
 ROWS = 1 << 16  # that are read or written at once
 FIRST_HALF = re.compile(r"_[0-2]$|_F[xyz]$")  # of a pose, a twist or a wrench
@@ -290,8 +290,6 @@ def read_record(kind: type[Record], path: str | Path) -> Record:
 
     Raises InputError where its fields differ, as those of another version.
     """
-    from pydantic import ValidationError  # slow to import
-
     try:
         return as_record(kind, read_json(path))
     except ValidationError as error:
@@ -311,11 +309,8 @@ def as_record(kind: type[Record], data: object) -> Record:
 
 
 @cache
-def _validator(kind: Any) -> "SchemaValidator":
+def _validator(kind: Any) -> SchemaValidator:
     """Return what checks the fields of a record; it takes longer to build than to use."""
-    from pydantic import TypeAdapter  # slow to import
-    from pydantic_core import SchemaValidator
-
     return SchemaValidator(_null_is_nan(TypeAdapter(kind).core_schema))
 
 
@@ -328,8 +323,6 @@ def _null_is_nan(schema: Any) -> Any:
     if schema.get("type") == "nullable" and schema["schema"].get("type") == "float":
         return schema
     if schema.get("type") == "float":
-        from pydantic_core.core_schema import no_info_before_validator_function as before
-
         return before(lambda value: math.nan if value is None else value, schema)
     return {name: _null_is_nan(part) for name, part in schema.items()}
 

@@ -5,7 +5,8 @@ from typing import Annotated
 
 import typer
 
-from ur5lib.commands.arguments import ADDRESS_HELP, Results, print_lines, results_folder
+from ur5lib.commands.arguments import ADDRESS_HELP, Results, print_lines
+from ur5lib.study.address import results_folder
 
 PANEL = "Results"
 

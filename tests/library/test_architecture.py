@@ -56,29 +56,6 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     # a topic knows the steps' records, and the report's blocks and figures; nothing knows it
     "topics": BASE | ROOMS | {"commands", "records", "report", "steps", "tidy"},
 }
-SCIPY = {"scipy.stats", "scipy.signal", "scipy.optimize"}
-LOADED = [  # steps, loaded one after the other, and the packages that none has loaded by then
-    (
-        ("fit_residuals", "measure_observability", "pool_drifts", "time_steps"),
-        {"torch", "matplotlib", "pydantic", *SCIPY},
-    ),
-    (("set_threshold", "describe_arm", "describe_run"), {"torch", "matplotlib", *SCIPY}),
-    (
-        ("draw_figures", "draw_calibration", "draw_observability"),
-        {"torch", *SCIPY},
-    ),
-    (
-        ("make_tables", "measure_repetition", "read_postures"),
-        {"torch", "scipy.stats", "scipy.signal"},
-    ),
-    (("compute_torques",), {"pytorch_kinematics", "scipy.stats", "scipy.signal"}),
-    (("align_recording", "calibrate_imu", "fit_friction"), {"torch"}),
-    (("write_report", "write_run"), {"torch"}),
-    (
-        ("estimate_load", "predict_currents", "estimate_forces", "identify_model"),
-        {"pytorch_kinematics"},
-    ),
-]
 MODULES = sorted((PROJECT / "ur5lib").rglob("*.py"))
 BESIDE = sorted(path.name for path in PROJECT.glob("ur5*") if path.name != "ur5lib")
 EVERY = MODULES + sorted(path for package in BESIDE for path in (PROJECT / package).rglob("*.py"))
@@ -141,29 +118,14 @@ def test_only_dynamics_imports_torch() -> None:
     assert rooms == {"dynamics"}
 
 
-def loaded_in_vain(steps: tuple[str, ...], packages: set[str]) -> str:
-    """The first of some steps that loads one of these packages, which takes longer than most steps
-    work, or a step before it does."""
-    program = f"import sys\nfrom ur5lib.jobs.job import load_step\nfor step in {steps}:"
-    program += f"\n load_step(step)\n if found := sys.modules.keys() & {packages}:"
-    program += "\n  sys.exit(f'{step}: {found}')"
-    done = subprocess.run([sys.executable, "-c", program], cwd=PROJECT, capture_output=True)
-    return done.stderr.decode().strip()
-
-
-def test_no_step_waits_for_a_package_in_vain() -> None:
-    for steps, packages in LOADED:
-        assert loaded_in_vain(steps, packages) == ""
-
-
-@pytest.mark.skipif(not STEPS_OF_TOPICS, reason="all topics are deleted")
-def test_no_step_of_a_topic_waits_for_a_package_in_vain() -> None:
-    """None that does not compute dynamics loads torch, and none that draws loads SciPy's parts."""
+def test_no_step_waits_for_torch_in_vain() -> None:
+    """None that computes no dynamics loads it, which takes longer than most steps work."""
     moved = PROJECT / "ur5lib" / "dynamics" / "__init__.py"
-    still = tuple(step for step in STEPS_OF_TOPICS if moved not in modules_of_step(step))
-    drawn = tuple(step for step in still if step.startswith("draw_"))
-    assert loaded_in_vain(drawn, {"torch", *SCIPY}) == ""
-    assert loaded_in_vain(still, {"torch"}) == ""
+    still = [step for step in all_steps() if moved not in modules_of_step(step)]
+    assert {"fit_friction", "estimate_forces", "make_tables", "draw_figures"} <= {*still}
+    program = f"import sys\nfrom ur5lib.jobs.job import load_step\n[*map(load_step, {still})]"
+    program += "\nsys.exit('torch' in sys.modules)"
+    subprocess.run([sys.executable, "-c", program], cwd=PROJECT, check=True)
 
 
 def part_of(module: str) -> str:

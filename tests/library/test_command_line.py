@@ -1,6 +1,8 @@
 """`ur5` itself: its help, its version, completion, and names that are nearly right."""
 
+import os
 import re
+import sys
 from pathlib import Path
 from typing import Literal, get_args, get_origin, get_type_hints
 
@@ -8,7 +10,8 @@ import pytest
 from typer.testing import CliRunner
 
 import ur5lib
-from tests.commands import Command
+from tests.commands import Command, printed
+from tests.conftest import PROJECT
 from tests.examples import check_command
 from ur5lib.cli import app
 from ur5lib.commands import convert, exported
@@ -32,6 +35,13 @@ def test_help_shows_every_unit_and_placeholder(command: str) -> None:
     helps = [own.help or "" for hint in hints for own in getattr(hint, "__metadata__", ())]
     shown = told(command, "-h")
     assert [text for text in helps if " ".join(text.split()) not in shown] == []
+
+
+def test_help_is_there_in_an_instant() -> None:
+    command = "import resource, ur5lib.cli as c\ntry: c.main()\nfinally: "
+    command += "print(sum(resource.getrusage(resource.RUSAGE_SELF)[:2]))"
+    spent = printed([sys.executable, "-c", command, "--help"], PROJECT, os.environ)
+    assert float(spent.splitlines()[-1]) < 0.5  # s of processor time
 
 
 def test_each_command_is_told_in_a_whole_sentence() -> None:

@@ -8,7 +8,7 @@ import pytest
 
 import ur5lib
 from ur5lib.errors import InputError
-from ur5lib.jobs.unreadable import mark
+from ur5lib.jobs.unreadable import marked
 from ur5lib.records.carried import Carried
 from ur5lib.records.friction import Friction
 from ur5lib.records.premises import Premises
@@ -79,7 +79,8 @@ def test_a_damaged_file_of_settings_is_a_result_to_be_made_anew(
 
 def test_a_recording_that_cannot_be_read_says_why(results: Path) -> None:
     folder = results / "recordings" / "pushed"
-    mark([str(folder / "forces.parquet"), str(folder / "quality.json")], "line 3: no number")
+    for file in ("forces.parquet", "quality.json"):
+        (folder / file).write_text(marked("line 3: no number"))
     study = ur5lib.load(results)
     for read in (study.forces, study.quality, study.start):
         with pytest.raises(InputError, match=r"recordings/pushed/.* cannot be read: line 3"):

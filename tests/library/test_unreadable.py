@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from ur5lib.errors import UnreadableError
-from ur5lib.jobs.unreadable import MAX_BYTES, mark, readable, reason, unreadable
+from ur5lib.jobs.unreadable import MAX_BYTES, marked, readable, reason, unreadable
 
 WHY = 'line 3 of "a.csv" – nothing'
 
@@ -19,17 +19,17 @@ def files(folder: Path, name: str, *names: str) -> list[str]:
 def study(tmp_path: Path) -> Path:
     """Recordings a to d, of which b and d cannot be read."""
     for name in ("quality.json", "motion.parquet"):
-        mark(files(tmp_path, name, "b", "d"), WHY)
-        for path in map(Path, files(tmp_path, name, "a", "c")):
+        for recording in "abcd":
+            (path,) = map(Path, files(tmp_path, name, recording))
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text("{}")
+            path.write_text(marked(WHY) if recording in "bd" else "{}")
     return tmp_path
 
 
 def test_a_mark_says_why_whatever_the_file_is(study: Path) -> None:
     for name in ("quality.json", "motion.parquet"):
-        whole, marked = files(study, name, "a", "b")
-        assert (reason(whole), reason(marked)) == ("", WHY)
+        whole, torn = files(study, name, "a", "b")
+        assert (reason(whole), reason(torn)) == ("", WHY)
     assert unreadable(study) == {"b": WHY, "d": WHY}
     assert reason(str(study / "nowhere.json")) == ""
 

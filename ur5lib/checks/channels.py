@@ -6,6 +6,7 @@ from itertools import combinations
 
 import numpy as np
 import pandas as pd
+from scipy.interpolate import make_interp_spline
 
 from ur5lib.channels import joint_count
 from ur5lib.errors import remark
@@ -158,8 +159,6 @@ def slower_than_fit(
 
 def _missed_and_bent(q: Array) -> tuple[Array, Array]:
     """Return how far a spline through q_0, q_2 ... (N, n) and straight lines miss q_1, q_3 ..."""
-    from scipy.interpolate import make_interp_spline  # slow to import; most logs are fast
-
     whole = q[: len(q) - 1 + len(q) % 2]
     place = np.arange(len(whole))
     spline = make_interp_spline(place[::2], whole[::2], k=5)

@@ -6,23 +6,11 @@ from typing import Annotated
 
 import typer
 
-
-def _study_file(address: str) -> Path:
-    from ur5lib.study.address import study_file
-
-    return study_file(address)
-
-
-def results_folder(address: str) -> Path:
-    """Return the folder of results of a study, as `study.address` finds it."""
-    from ur5lib.study.address import results_folder
-
-    return results_folder(address)
-
+from ur5lib.study.address import results_folder, study_file
 
 ADDRESS_HELP = "its name, its YAML file, or its folder of results"
 STUDY_HELP = f"a study: {ADDRESS_HELP}"
-StudyFile = Annotated[Path, typer.Argument(parser=_study_file, help=STUDY_HELP, metavar="STUDY")]
+StudyFile = Annotated[Path, typer.Argument(parser=study_file, help=STUDY_HELP, metavar="STUDY")]
 Results = Annotated[Path, typer.Argument(parser=results_folder, help=STUDY_HELP, metavar="STUDY")]
 AsJson = Annotated[bool, typer.Option("--json", help="print the answer as JSON")]
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any, TypeVar
 
 from rich.console import Console
+from rich.progress import Progress
 
 from ur5lib.errors import printable
 
@@ -30,8 +31,6 @@ def announced(items: Sequence[Item]) -> Iterator[Item]:
 
 
 def _beside_a_bar(items: Sequence[Item]) -> Iterator[Item]:
-    from rich.progress import Progress  # takes a while to load
-
     with Progress(console=text_console(stderr=True), transient=True) as progress:
         bar = progress.add_task("reading", total=len(items))
         for item in items:

@@ -11,6 +11,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from mcap.writer import Writer
+from scipy.io import savemat
+from scipy.io.matlab import MatWriteError
 
 from ur5lib.commands.foxglove import Stream, drawn
 from ur5lib.errors import InputError, unknown
@@ -85,9 +87,6 @@ def write_mat(contents: RecordingTables, path: Path) -> None:
     `start_epoch_s` is time zero in seconds since 1970, NaN where unknown. Raises InputError where
     the file cannot be written or a table is too large for the format.
     """
-    from scipy.io import savemat
-    from scipy.io.matlab import MatWriteError
-
     start = np.nan if contents.start is None else contents.start
     variables = {"recording": contents.name, "start_epoch_s": start}
     for name, table in contents.tables.items():

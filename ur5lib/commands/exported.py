@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.optimize import nnls
 
 from ur5lib.commands.compensation import compensation
 from ur5lib.commands.live_arm import live_arm
@@ -155,8 +156,6 @@ def _coulomb_and_viscous(qd: Array, torque: Array) -> Array:
 
     NaN for a joint with too few samples in motion.
     """
-    from scipy.optimize import nnls
-
     moving = (np.abs(qd) > DEAD_ZONE) & np.isfinite(torque)
     if np.count_nonzero(moving) < MIN_MOVING_SAMPLES:
         return np.full(3, np.nan)

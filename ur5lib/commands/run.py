@@ -9,6 +9,8 @@ from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
+from rich.progress import Progress
+
 from ur5lib.commands.console import text_console
 from ur5lib.errors import InputError, printable
 from ur5lib.jobs.unreadable import unreadable
@@ -132,7 +134,6 @@ def _progress() -> Iterator[Report]:
     if not sys.stderr.isatty():
         yield _a_line_a_minute()
         return
-    from rich.progress import Progress  # takes a while to load
 
     with Progress(console=text_console(stderr=True), transient=True) as progress:
         bar = progress.add_task("steps", total=None)

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
+from scipy.optimize import linear_sum_assignment, minimize
 
 from ur5lib.records.force_errors import Felt
 from ur5lib.timeseries.arrays import Array, Mask
@@ -104,7 +105,6 @@ def match(alarm: list[Span], contact: list[Span]) -> list[tuple[int, int]]:
     """
     if not alarm or not contact:
         return []
-    from scipy.optimize import linear_sum_assignment  # slow to import; most recordings need none
 
     shared = np.array([[overlap(a, c) for c in contact] for a in alarm])
     value = np.where(shared > 0, shared + shared.sum(), 0)  # one more pair is worth any overlap
@@ -145,7 +145,6 @@ def smallest_force(force: Array, detected: Mask, probability: float = 0.95) -> t
     """
     if not detected.any():
         return np.inf, np.nan
-    from scipy.optimize import minimize  # as slow to import as pandas; most recordings need none
 
     x = np.log(force)
     best = minimize(_cost, np.array([np.median(x[detected]), LOG_STEEPNESS]), args=(x, detected))

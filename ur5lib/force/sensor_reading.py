@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from ur5lib.force.sensor import SensorOffset, fit_offset, initial_bias
 from ur5lib.records.dynamics import Kinematics
@@ -110,7 +111,6 @@ def in_frame_6(reading: Array, robot: Robot) -> Array:
     turn = robot.mounting.force_sensor_turn_deg
     if not any(turn):
         return reading
-    from scipy.spatial.transform import Rotation  # slow to import, and few are turned
 
     axes = Rotation.from_rotvec(turn, degrees=True).as_matrix()
     return (reading.reshape(-1, 2, 3) @ axes.T).reshape(-1, 6)

@@ -12,8 +12,9 @@ from types import UnionType
 from typing import Any, get_args, get_origin, get_type_hints
 
 import pandas as pd
+from pydantic import TypeAdapter
 
-from ur5lib.jobs.unreadable import Files, mark
+from ur5lib.jobs.unreadable import Files, marked
 from ur5lib.records.table import Table
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.tables import (
@@ -65,7 +66,7 @@ def leave(step: Callable[..., Any], reason: str, output: Files) -> None:
             if get_origin(kind) is list and path.endswith(".csv"):
                 write_rows(get_args(kind)[0], [], path)
             else:
-                mark([path], reason)
+                write_text(marked(reason), path)
 
 
 def _parts(kind: Any, result: Any, output: Files) -> dict[str, tuple[Any, Any]]:
@@ -134,8 +135,6 @@ def setting(kind: Any, value: Any) -> Any:
 
 @cache
 def _validated(kind: Any) -> Callable[[Any], Any]:
-    from pydantic import TypeAdapter  # slow to import
-
     validate: Callable[[Any], Any] = TypeAdapter(kind).validate_python
     return validate
 

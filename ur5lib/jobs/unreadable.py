@@ -6,7 +6,7 @@ without it.
 """
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 from ur5lib.errors import UnreadableError
@@ -16,12 +16,9 @@ MARK = '{"unreadable": '
 MAX_BYTES = 10_000  # of a file that holds a reason
 
 
-def mark(paths: Iterable[str], reason: str) -> None:
-    """Write the reason in place of files."""
-    from ur5lib.tables import write_text  # slow to import
-
-    for path in paths:
-        write_text(f"{MARK}{json.dumps(reason)}}}\n", path)
+def marked(reason: str) -> str:
+    """Return the text that a file has in place of its contents."""
+    return f"{MARK}{json.dumps(reason)}}}\n"
 
 
 def reason(path: str) -> str:
@@ -31,9 +28,7 @@ def reason(path: str) -> str:
         return ""
     if not file.read_bytes().startswith(MARK.encode()):
         return ""
-    from ur5lib.tables import read_json  # slow to import
-
-    return str(read_json(path)["unreadable"])
+    return str(json.loads(file.read_text(encoding="utf-8"))["unreadable"])
 
 
 def readable(files: Files) -> tuple[Files, dict[str, str]]:

@@ -7,11 +7,13 @@ from functools import wraps
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.feather as feather
 import pyarrow.parquet as pq
+import scipy.io
 
 from ur5lib.errors import InputError
 from ur5lib.recordings.hdf5_links import expect_inside, expect_own_numbers
@@ -178,8 +180,6 @@ def rows_of(values: np.ndarray, widths: np.ndarray, width: int) -> Array:
 @array_format("hdf5", "an HDF5 file", ".h5", ".hdf5")
 def hdf5_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
     """Return the arrays of numbers by their path in the file."""
-    import h5py  # slow to import
-
     with h5py.File(path) as file:
         names: list[str] = []
         file.visit(names.append)  # follows no link
@@ -212,8 +212,6 @@ def mat_arrays(path: Path, wanted: Collection[str] | None, findings: list[Findin
 
     Version 7.3 of MAT is HDF5.
     """
-    import scipy.io
-
     with path.open("rb") as stream:
         head = stream.read(520)
     if head[512:] == HDF5_SIGNATURE or head.startswith(HDF5_SIGNATURE):

@@ -6,6 +6,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from lz4.frame import LZ4FrameDecompressor
+from rosbags.rosbag1 import reader as ros1
+from rosbags.rosbag2 import storage_mcap as ros2
+
 from ur5lib.recordings.limits import most_bytes, too_large
 
 Unpack = Callable[[bytes], bytes]
@@ -19,14 +23,11 @@ def with_bounded_chunks(path: Path) -> Iterator[Unpack]:
 
     Yields how a message that is compressed by itself is unpacked, within the same limit.
     """
-    from rosbags.rosbag1 import reader as ros1
-    from rosbags.rosbag2 import storage_mcap as ros2
-
     inflate, before = _inflate_within(path), (dict(ros1.decompressors), dict(ros2.DECOMPRESSORS))
-    lz4_object, zstd_object = _lz4_object(), ros2.zstd.ZstdDecompressor
+    zstd_object = ros2.zstd.ZstdDecompressor
     ros1.decompressors["bz2"] = lambda data: inflate(data, bz2.BZ2Decompressor)
-    ros1.decompressors["lz4"] = lambda data: inflate(data, lz4_object)
-    ros2.DECOMPRESSORS["lz4"] = lambda data, _: inflate(data, lz4_object)
+    ros1.decompressors["lz4"] = lambda data: inflate(data, LZ4FrameDecompressor)
+    ros2.DECOMPRESSORS["lz4"] = lambda data, _: inflate(data, LZ4FrameDecompressor)
     ros2.DECOMPRESSORS["zstd"] = lambda data, _: inflate(data, zstd_object)
     try:
         yield lambda data: inflate(data, zstd_object)
@@ -38,12 +39,6 @@ def with_bounded_chunks(path: Path) -> Iterator[Unpack]:
 def most_unpacked(path: Path) -> float:
     """Return how many bytes a bag may unpack to."""
     return most_bytes() + USUAL_COMPRESSION * path.stat().st_size
-
-
-def _lz4_object() -> Callable[[], Any]:
-    from lz4.frame import LZ4FrameDecompressor
-
-    return LZ4FrameDecompressor
 
 
 def _inflate_within(path: Path) -> Callable[[bytes, Callable[[], Any]], bytes]:

@@ -7,6 +7,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import yaml
+from rosbags.rosbag2.storage_mcap import zstd
 
 from ur5lib.errors import InputError, some
 from ur5lib.recordings.bag_chunks import USUAL_COMPRESSION, most_unpacked
@@ -51,7 +52,6 @@ def unpacked(path: Path) -> Iterator[Path]:
     if path.suffix != PACKED_ENDING:
         yield path
         return
-    from rosbags.rosbag2.storage_mcap import zstd  # slow to import
 
     left = most_unpacked(path)
     with TemporaryDirectory() as folder:

@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import Any
 
+import h5py
+
 from ur5lib.errors import InputError
 
 MAX_LINKS = 16  # that HDF5 follows one after the other
@@ -13,8 +15,6 @@ def expect_inside(file: Any, name: str, path: Path, links: int = 0) -> None:
 
     links: how many links inside the file have led there.
     """
-    import h5py
-
     parts = name.strip("/").split("/")
     for k in range(len(parts) if links <= MAX_LINKS else 0):
         above, rest = "/".join(parts[:k]), "/".join(parts[k + 1 :])

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
+from scipy.spatial import ConvexHull
 
 from ur5lib.recordings.plausibility import before_reset
 from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
@@ -69,8 +70,6 @@ def least_delayed(device: Array, host: Array, nominal: float | None = None) -> L
 
 def _edge_below(elapsed: Array, delay: Array) -> tuple[int, int]:
     """Return the samples at both ends of the lower convex hull's edge under the mean time."""
-    from scipy.spatial import ConvexHull  # slow to import; few recordings need it
-
     height = max(float(np.ptp(delay)), STAMP_RESOLUTION)
     stamps = np.column_stack([elapsed / elapsed[-1], (delay - delay.min()) / height])
     above = [[0.0, 2.0], [1.0, 2.0]]  # above all stamps, so that no hull is flat

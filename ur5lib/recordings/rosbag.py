@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from rosbags.highlevel import AnyReader
+from rosbags.typesys import Stores, get_typestore
 
 from ur5lib.channels import MOST_JOINTS
 from ur5lib.errors import InputError
@@ -140,9 +142,6 @@ def _read_part(
     findings: list[Finding],
 ) -> Exception | None:
     """Add the messages of a file to those of its bag; return what stopped its reading, if any."""
-    from rosbags.highlevel import AnyReader  # slow to import, and few recordings are bags
-    from rosbags.typesys import Stores, get_typestore
-
     store, lost, failure = get_typestore(Stores.ROS2_HUMBLE), Counter[str](), None
     try:
         with (

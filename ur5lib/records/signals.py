@@ -8,6 +8,7 @@ import numpy as np
 from ur5lib.channels import CHANNELS, columns
 from ur5lib.records.table import JOINTS, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.segments import by_segment
 
 ORDER, CUTOFF = 4, 2.0  # Hz, above which measured accelerations are noise, the controller's are not
@@ -81,6 +82,4 @@ class Signals(SegmentedTable):
 
 def slowly(values: Array, signals: Signals, lowpass: tuple[int, float] = (ORDER, CUTOFF)) -> Array:
     """Return torques or currents (N, n), low-passed; lowpass: order and cut-off [Hz]."""
-    from ur5lib.timeseries.lowpass import zero_phase_lowpass  # slow to import
-
     return by_segment(zero_phase_lowpass, values, signals.segment, 1 / signals.period, *lowpass)

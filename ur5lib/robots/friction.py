@@ -8,6 +8,8 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import solve_banded
+from scipy.ndimage import uniform_filter1d
 
 from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array, Labels
@@ -151,8 +153,6 @@ def friction_direction(q: Array, segment: Labels, distance: float = PRESLIDING_D
     step = np.where(fresh, 0.0, np.diff(q, prepend=q[0]))
     memory = np.where(fresh, 0.0, np.exp(-np.abs(step) / distance))
     # as a bidiagonal system: z_k - e_k z_k-1 = (1 - e_k) sign(dq_k)
-    from scipy.linalg import solve_banded  # slow to import; a study's settings do without it
-
     bands = np.stack([np.ones(len(q)), np.append(-memory[1:], 0.0)])
     direction: Array = solve_banded((1, 0), bands, (1 - memory) * np.sign(step), check_finite=False)
     return direction
@@ -185,8 +185,6 @@ def direction_between(
     labels[:, -1] = segment[1:]
     labels = np.append(segment[0], labels)
     direction = friction_direction(np.append(q[0], fine), labels, distance)
-    from scipy.ndimage import uniform_filter1d  # slow to import, as above
-
     return by_segment(uniform_filter1d, direction[:, None], labels, parts // 2 * 2 + 1, 0)[
         ::parts, 0
     ]

@@ -5,6 +5,7 @@ principal moment of inertia exceeds the sum of the others (Wensing).
 """
 
 import numpy as np
+from scipy.optimize import nnls
 
 from ur5lib.robots.inertia import WRITTEN_SHARE
 from ur5lib.timeseries.arrays import Array
@@ -35,8 +36,6 @@ def nearest_possible(mass: float, inertia: Array) -> Array:
     It has the same principal axes. Its principal moments are sums of two second moments of mass,
     each at least that of the thinnest body.
     """
-    from scipy.optimize import nnls  # slow to import
-
     moments, axes = np.linalg.eigh(inertia)
     sums = 1 - np.eye(3)
     least = np.full(3, max(mass * THINNEST**2, WRITTEN_SHARE * np.abs(moments).sum()))

@@ -1,13 +1,12 @@
 """The types of the arrays that all modules exchange."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-if TYPE_CHECKING:
-    from pydantic_core import CoreSchema
+from pydantic_core import CoreSchema
+from pydantic_core.core_schema import no_info_plain_validator_function as by
 
 
 @dataclass(frozen=True)
@@ -16,9 +15,7 @@ class FromLists:
 
     dtype: type
 
-    def __get_pydantic_core_schema__(self, _: Any, __: Any) -> "CoreSchema":
-        from pydantic_core.core_schema import no_info_plain_validator_function as by
-
+    def __get_pydantic_core_schema__(self, _: Any, __: Any) -> CoreSchema:
         return by(lambda rows: np.array(rows, self.dtype))
 
 

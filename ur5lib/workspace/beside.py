@@ -5,6 +5,7 @@ In a clone, installed or not, pyproject.toml itself is read. A package that was 
 
 import tomllib
 from collections.abc import Callable, Iterator
+from importlib.metadata import distribution
 from pkgutil import resolve_name
 from typing import Any, NamedTuple
 
@@ -38,7 +39,5 @@ def entry_points() -> dict[str, str]:
     if IN_CLONE:
         project = tomllib.loads((WORKFLOW / "pyproject.toml").read_text(encoding="utf-8"))
         return dict(project["project"]["entry-points"][GROUP])
-    from importlib.metadata import distribution
-
     points = distribution("ur5lib").entry_points.select(group=GROUP)
     return {point.name: point.value for point in points}

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ur5lib.commands.arguments import AsJson, StudyFile, as_text, print_lines
+from ur5lib.errors import InputError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -25,7 +26,6 @@ def audit_rows(study: Path) -> "pd.DataFrame":
     Raises InputError where the study was not run, or has no wrist sensor.
     """
     from ur5lib.commands.answers import finished_study  # slow to import
-    from ur5lib.errors import InputError
 
     rows = finished_study(study).table("audit")
     if rows.empty:

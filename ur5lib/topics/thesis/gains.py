@@ -13,6 +13,7 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.ndimage import minimum_filter
 from scipy.optimize import OptimizeResult, least_squares, minimize_scalar
+from scipy.signal import lfilter
 from scipy.special import fdtri
 
 from ur5lib.timeseries.arrays import Array, Labels
@@ -141,7 +142,6 @@ def _run(step: _LoopStep, drive: Array, start: Array) -> Array:
     inputs = pushes.copy()
     inputs[:, 1:] += (A - np.diag([trace, trace])) @ pushes[:, :-1]
     # x[k+2] - tr(A) x[k+1] + det(A) x[k] = inputs
-    from scipy.signal import lfilter  # slow to import, and tables read the gains alone
 
     return np.asarray(lfilter([1.0], [1.0, -trace, determinant], inputs))
 
