@@ -19,7 +19,7 @@ AS_PRINTED = "torque_on_current"  # the direction of regression of Equation 6.5
 
 
 def findings(results: Results) -> Iterator[str]:
-    """Report the published numbers that are rebuilt, and whether its claim to detect pushes holds."""
+    """Report the printed numbers that are rebuilt, and whether the claim to detect pushes holds."""
     rows = results.rows("printed")
     if len(rows):
         equal, missed = (rows["status"] == EQUAL).sum(), bool(unexplained(results))
