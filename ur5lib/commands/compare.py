@@ -131,8 +131,9 @@ def currents(studies: StudyPair) -> Iterator[Comparison]:
 
 def force(studies: StudyPair) -> Iterator[Comparison]:
     """Compare the errors of the leading estimate in contact by their intervals over contacts."""
-    keys = ("recording", "kind", "estimate", "during", "component")
-    rows = _both(studies, "force_mae", *keys, value="mae")
+    rows = _both(
+        studies, "force_mae", "recording", "kind", "estimate", "during", "component", value="mae"
+    )
     compared = (rows["kind"] == "compensated") & (rows["estimate"] == LEADING)
     rows = rows[compared & (rows["during"] == "contact") & rows["component"].str.startswith("F")]
     names = [f"{r.recording}, {r.component}" for r in rows.itertuples()]

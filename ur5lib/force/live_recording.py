@@ -34,8 +34,9 @@ class Measured(NamedTuple):
         """Return a recording, None without positions or efforts."""
         if signals.actual_q is None or signals.effort is None:
             return None
-        sampled = signals.actual_q, signals.actual_qd, signals.effort
-        return cls(signals.time, signals.period, *sampled)
+        return cls(
+            signals.time, signals.period, signals.actual_q, signals.actual_qd, signals.effort
+        )
 
     def at(self, rows: Any) -> Self:
         """Return some samples."""

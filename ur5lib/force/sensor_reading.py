@@ -123,5 +123,6 @@ def within_reach(center: Array) -> Array:
 
 def moved_tool(robot: Robot, kinematics: Kinematics, motion: Motion) -> ToolMotion:
     """Return the motion of what is fixed to frame 6; robot: under the recording's gravity."""
-    frames = kinematics.rotation, kinematics.jacobian
-    return tool_motion(*frames, motion.qd, motion.qdd, np.array(robot.gravity))
+    return tool_motion(
+        kinematics.rotation, kinematics.jacobian, motion.qd, motion.qdd, np.array(robot.gravity)
+    )

@@ -274,8 +274,10 @@ def _bands(samples: JointSamples, prior: Prior, coulomb: float) -> Iterator[floa
     residual = left_out_residuals(samples, prior)
     for state, (usual, least) in enumerate(zip(UNSEEN_ERRORS, LEAST_ERRORS, strict=True)):
         rows = samples.state == state
-        known = residual[rows], samples.path[rows], samples.day[rows]
-        yield NORMAL95 * max(unseen_error(*known, usual * coulomb), least * coulomb)
+        yield NORMAL95 * max(
+            unseen_error(residual[rows], samples.path[rows], samples.day[rows], usual * coulomb),
+            least * coulomb,
+        )
 
 
 def unseen_error(residual: Array, path: Labels, day: Labels, usual: float) -> float:

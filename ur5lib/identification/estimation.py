@@ -62,10 +62,12 @@ def estimate_together(
     # each joint's part, with standard errors in physical units
     estimates, ends = [], np.cumsum([joint.shape[1] for joint in sums])
     for columns, equations in zip(map(slice, [0, *ends[:-1]], ends), sums, strict=True):
-        replicates = physical_values(by_unit[:, columns]), physical_values(by_block[:, columns])
-        error = standard_error(*replicates, units)
-        evidence = prior_share[columns], covariance[columns, columns], equations, record, day
-        shares = shares_of_knowledge(*evidence)
+        error = standard_error(
+            physical_values(by_unit[:, columns]), physical_values(by_block[:, columns]), units
+        )
+        shares = shares_of_knowledge(
+            prior_share[columns], covariance[columns, columns], equations, record, day
+        )
         estimates.append(
             CoefficientEstimate(solution[0, columns], shares, by_unit[:, columns], error)
         )

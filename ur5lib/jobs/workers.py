@@ -76,9 +76,8 @@ def run_step(
 
     Raises StepError with one sentence if it fails. Threads may call it at the same time.
     """
-    files = names(input), names(output), names(params)
     try:
-        run_job(Job(step, *files, log["log"], log["benchmark"]))
+        run_job(Job(step, names(input), names(output), names(params), log["log"], log["benchmark"]))
     except StepError as error:
         FAILED.append(str(error))
         raise

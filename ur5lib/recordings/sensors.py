@@ -130,8 +130,9 @@ def repair_samples(table: pd.DataFrame, log: Log) -> SensorSamples | None:
     table = drop_implausible(table, str(log.path), log.device, log.findings)
     # a sensor samples fast enough to do without rows with empty cells
     complete = np.isfinite(table.to_numpy()).all(axis=1)
-    lacking = (~complete).sum(), "missing samples"
-    add_finding(log.findings, log.device, "missing cells", "warning", *lacking)
+    add_finding(
+        log.findings, log.device, "missing cells", "warning", (~complete).sum(), "missing samples"
+    )
     whole = _in_order(table[complete].reset_index(drop=True), log.device, log.findings)
     whole = _without_held(_until_frozen(whole, log), log)
     if len(whole) < 2:

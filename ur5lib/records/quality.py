@@ -136,8 +136,7 @@ class Log:
         try:
             return read()
         except InputError as error:
-            failed = self.findings, self.device, "unusable sensor"
-            add_finding(*failed, "error", error=str(error))
+            add_finding(self.findings, self.device, "unusable sensor", "error", error=str(error))
             return None
 
 

@@ -142,8 +142,9 @@ def inverse_kinematics(robot: Robot, rotation: Array, position: Array) -> Array:
             ],
             axis=1,
         )
-    goals = np.repeat(rotation, 8, axis=0), np.repeat(position, 8, axis=0)
-    return _refined_angles(robot, q.reshape(-1, 6), *goals).reshape(q.shape)
+    return _refined_angles(
+        robot, q.reshape(-1, 6), np.repeat(rotation, 8, axis=0), np.repeat(position, 8, axis=0)
+    ).reshape(q.shape)
 
 
 def _closed_form(

@@ -26,8 +26,9 @@ def imu_model(
     up = calibration.up(np.array(robot.gravity))
 
     def at(rows: slice) -> LinearImu:
-        motion = kinematics.rotation[rows], kinematics.jacobian[rows], qd[rows]
-        return linearise_imu(*motion, point, axes, up)
+        return linearise_imu(
+            kinematics.rotation[rows], kinematics.jacobian[rows], qd[rows], point, axes, up
+        )
 
     return at
 

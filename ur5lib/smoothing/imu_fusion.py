@@ -103,8 +103,9 @@ def smooth_with_imu(
     # local noise of the IMU from its residuals under the encoders' motion
     residual, explained = np.empty_like(readings), np.empty_like(readings)
     for rows in chunks(len(time)):
-        encoder_motion = encoders.state[rows], encoders.std[rows], encoders.shared[rows]
-        predicted, explained[rows] = model(rows).predict(*encoder_motion)
+        predicted, explained[rows] = model(rows).predict(
+            encoders.state[rows], encoders.std[rows], encoders.shared[rows]
+        )
         residual[rows] = readings[rows] - predicted
     noise = imu_noise(time, segment, residual, explained)
     # smoother of q, q̇, q̈ and both biases

@@ -55,10 +55,12 @@ def compute_torques(
     doubts += too_short(known.segment, known.period, cutoff_hz)
     if untouched is not None:
         doubts += tare_doubts(untouched, known, robot, cutoff_hz, motion.motor_qd)
-    moved = known.actual_q, known.segment, known.period
-    doubts += fast_between_samples(*moved, robot.velocity_limits())
-    declared = robot, load, role == "fit", cutoff_hz
-    contradictions = contradicting(signals, *declared, doubts, accepted or {})
+    doubts += fast_between_samples(
+        known.actual_q, known.segment, known.period, robot.velocity_limits()
+    )
+    contradictions = contradicting(
+        signals, robot, load, role == "fit", cutoff_hz, doubts, accepted or {}
+    )
     torques = joint_torques(robot, load, known, motion)
     return RecordingTorques(torques, Premises(load, contradictions))
 

@@ -93,9 +93,10 @@ def judge_contacts(
     withheld = bool(premises.contradictions.stop_signs or friction.stopped)
     others = published_or_controller(published, arm, signals, withheld)
     found = all_alarms(all_stated(forces, others.corrected), threshold)
-    moved = motion.q, flange_speed(kinematics.jacobian, motion.qd)
     loads = load_finder(arm.mounted(gravity), motion, currents, forces, friction, residuals)
-    contacts = detected(found, sensor, *moved, threshold, loads)
+    contacts = detected(
+        found, sensor, motion.q, flange_speed(kinematics.jacobian, motion.qd), threshold, loads
+    )
     problem = fmap_problem(motion, currents, residuals)
     if problem is None or LEADING not in contacts:
         return contacts
@@ -206,8 +207,9 @@ def load_finder(
 
     def named(span: Span, alarm: Alarm) -> Alarm:
         part = slice(*span)
-        states = motion.q[part], motion.qd[part], motion.qdd[part]
-        per_load = load_regressor(robot, robot.fullest_model(), *states)
+        per_load = load_regressor(
+            robot, robot.fullest_model(), motion.q[part], motion.qd[part], motion.qdd[part]
+        )
         load = grasped_load(torque[part], per_load, spread, forces.period)
         if load is None:
             return alarm

@@ -38,8 +38,9 @@ def judge_recording(
         **of_files(quality, signals, alignment),
         **of_models(signals, torques, prediction),
     }
-    moved = signals.actual_q, signals.segment, signals.period
-    slower = slower_than_fit(*moved, cutoff_hz, friction.period)
+    slower = slower_than_fit(
+        signals.actual_q, signals.segment, signals.period, cutoff_hz, friction.period
+    )
     share = unusual_friction(motion, currents, residuals)
     unusual = Finding("robot", UNUSUAL_FRICTION, "warning", 1, {"share": share})
     doubts = slower if share is None else [*slower, unusual]

@@ -71,15 +71,17 @@ def predict_currents(
     summary = Prediction(recording in friction.from_)
     record = current_record(recording, signals, motion, torques, arm)
     fit, smooth = friction.fit_for(recording), Smoother(*lowpass)
-    moved = signals.actual_q, signals.segment, signals.period
-    slower = slower_than_fit(*moved, smooth.cutoff, friction.period)
+    slower = slower_than_fit(
+        signals.actual_q, signals.segment, signals.period, smooth.cutoff, friction.period
+    )
     if record is None or not fit.joints or premises.contradictions.stop_signs or slower:
         return PredictedCurrents(Currents(time=signals.time, segment=signals.segment), summary)
     load, load_torque = None, 0 * record.q
     if payload.is_known:
         may_be_taken = premises.load.source != "study" and role != "fit"
-        known = friction.paths, premises.load.mass
-        load = judged_load(payload, [*unloaded.values()], *known, may_be_taken)
+        load = judged_load(
+            payload, [*unloaded.values()], friction.paths, premises.load.mass, may_be_taken
+        )
         if load.taken:
             states = arm.mounted(gravity), arm.fullest_model(), motion.q, motion.qd, motion.qdd
             load_torque = load_regressor(*states) @ payload.parameters

@@ -36,9 +36,8 @@ def write_report(
     """Return the report of a study; study: its configuration as YAML; described: its arms."""
     results = Results.read(study, tables, figures, [*described.values()])
     report, details = compose_study(results)
-    data = summary(report, results), summary_schema()
     pages = html_page(report), html_page(details), pdf_document(report)
-    return Report(*pages, study, *data, archived(tables))
+    return Report(*pages, study, summary(report, results), summary_schema(), archived(tables))
 
 
 def archived(files: list[Path]) -> bytes:

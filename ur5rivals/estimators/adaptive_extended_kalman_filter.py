@@ -43,8 +43,9 @@ class AdaptiveExtendedKalman:
         result = np.full_like(run.torque, np.nan)
         motor = run.model + run.friction - run.torque
         for rows in run.stretches(motor):
-            torques = motor[rows], run.model[rows], run.friction[rows]
-            result[rows] = self.follow(*torques, run.period)[..., 0]
+            result[rows] = self.follow(
+                motor[rows], run.model[rows], run.friction[rows], run.period
+            )[..., 0]
         return result
 
     def follow(self, motor: Array, model: Array, friction: Array, period: float) -> Array:
