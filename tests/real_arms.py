@@ -22,7 +22,7 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.problem import Problem, fmap_problem
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.sensor import SensorOffset
-from ur5lib.force.sensor_reading import by_own_clock, moved_tool
+from ur5lib.force.sensor_reading import OwnClock, moved_tool, sensor_reading
 from ur5lib.force.wrench_estimate import WrenchEstimate
 from ur5lib.identification.current_samples import (
     Smoother,
@@ -137,11 +137,9 @@ class RealRecording:
         clock_std = self.sensor_clock.std_after(signals.time[-1] - signals.time[0])
         window = self.settings.sensor.bias_window_s
         device = self.intake.sensors["force"]
-        placed, step = (
-            by_stamps(device, start, signals.time, "force"),
-            device["time"].diff().mean(),
-        )
-        reading = by_own_clock(self.robot, signals, moved, window, clock_std, placed, float(step))
+        placed, step = by_stamps(device, start, signals.time, "force"), device["time"].diff().mean()
+        own = OwnClock(placed, clock_std, float(step))
+        reading = sensor_reading(self.robot, signals, moved, window, own=own)
         wrenches = sensor_wrenches(self.robot, signals, reading, self.kinematics.rotation)
         return wrenches.wrench["compensated"], reading.offset
 

@@ -12,7 +12,7 @@ from tests.library.test_smoothing import kinematics, random_states
 from tests.library.test_stand_devices import FOURIER, PUSH, Recorded
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.force.sensor_reading import moved_tool, sensor_reading
+from ur5lib.force.sensor_reading import OwnClock, moved_tool, sensor_reading
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot
@@ -81,6 +81,8 @@ def errors(recorded: Recorded, clock_std: float) -> tuple[float, float]:
     time = intake.robot["time"].to_numpy()
     reading = resample(intake.sensors["force"], clock, time)
     signals = Signals.from_table(pd.concat([intake.robot, reading], axis=1))
+    assert signals.force_sensor is not None
+    own = OwnClock(signals.force_sensor, clock_std, signals.period)
     frames = Kinematics.of(time, *flange_kinematics(arm, signals.actual_q))
     joints = smooth_encoders(signals.time, signals.segment, *measured(signals))
     moved = moved_tool(arm, frames, motion_record(signals, joints))
@@ -89,7 +91,7 @@ def errors(recorded: Recorded, clock_std: float) -> tuple[float, float]:
     )
 
     def error(moved: ToolMotion) -> float:
-        found = sensor_reading(arm, signals, moved, 1.0, clock_std)
+        found = sensor_reading(arm, signals, moved, 1.0, own=own)
         wrench = sensor_wrenches(arm, signals, found, frames.rotation).wrench["compensated"]
         return float(np.sqrt(np.nanmean((wrench - true)[:, :3] ** 2)))
 

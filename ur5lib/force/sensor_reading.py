@@ -1,6 +1,7 @@
 """A force sensor's reading, and what its bias, its tool's weight and inertia are of it."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -37,7 +38,7 @@ class SensorReading:
     placed: Array
     start_bias: Array
     own_clock: bool
-    each: float = 1.0
+    each: float
 
     def account(self) -> OffsetAccount:
         """Return what is subtracted from the reading."""
@@ -48,23 +49,34 @@ class SensorReading:
         )
 
 
+class OwnClock(NamedTuple):
+    """The clock of a sensor that has one of its own.
+
+    placed: the reading by start stamps alone (N, 6), axes of the sensor; std: error of the clock
+    [s]; step: between the sensor's own samples [s].
+    """
+
+    placed: Array
+    std: float
+    step: float
+
+
 def sensor_reading(
     robot: Robot,
     signals: Signals,
     moved: ToolMotion,
     bias_window: float,
-    clock_std: float = 0.0,
-    by_stamps: Array | None = None,
     tool: Payload | None = None,
+    own: OwnClock | None = None,
 ) -> SensorReading:
     """Return the reading of a force sensor, whose tool is placed by a first fit.
 
-    moved: motion of the tool; bias_window: [s], at the start, free of contact; clock_std: [s],
-    error of the sensor's clock; by_stamps: (N, 6), axes of the sensor, the reading placed by start
-    stamps, None for a sensor without a clock of its own; tool: what is known to be behind the
-    sensor, for its moments of inertia; without it they are neglected.
+    moved: motion of the tool; bias_window: [s], at the start, free of contact; tool: what is known
+    to be behind the sensor, for its moments of inertia; without it they are neglected; own: None
+    for a sensor on the robot's clock.
     """
     assert signals.force_sensor is not None
+    clock_std = own.std if own else 0.0
     values, known = in_frame_6(signals.force_sensor, robot), (signals.segment, signals.period)
     moment = np.zeros_like(values)
     if tool is not None:  # n = ... - I α - ω × I ω
@@ -75,7 +87,7 @@ def sensor_reading(
         offset = fit_offset(values - moment, pull, signals.period)
         place = origin + within_reach(offset.center())
         pull = expected_values(moved.pull_at(place), *known, clock_std)
-    placed = values if by_stamps is None else in_frame_6(by_stamps, robot)
+    placed = in_frame_6(own.placed, robot) if own else values
     return SensorReading(
         values,
         offset.reading(pull) + moment,
@@ -85,25 +97,9 @@ def sensor_reading(
         None if tool is None else tool.inertia,
         placed,
         start_bias=initial_bias(placed, signals.time, bias_window),
-        own_clock=by_stamps is not None,
+        own_clock=own is not None,
+        each=max(1.0, own.step / signals.period) if own else 1.0,
     )
-
-
-def by_own_clock(
-    robot: Robot,
-    signals: Signals,
-    moved: ToolMotion,
-    bias_window: float,
-    clock_std: float,
-    placed: Array,
-    step: float,
-) -> SensorReading:
-    """Return the reading of a sensor with a clock of its own; arguments as of `sensor_reading`.
-
-    placed: its samples by start stamps alone (N, 6); step: between them [s].
-    """
-    reading = sensor_reading(robot, signals, moved, bias_window, clock_std, placed)
-    return replace(reading, each=max(1.0, step / signals.period))
 
 
 def in_frame_6(reading: Array, robot: Robot) -> Array:

@@ -52,7 +52,7 @@ def estimate_forces(
         fmap = most_probable(motion, currents, residuals, kinematics, prior)
         run = replace(run, fmap=fmap)
     else:
-        static = static_forces(arm, signals, motion, torques, kinematics.jacobian, *lowpass)
+        static = static_forces(arm, signals, motion, torques, kinematics.jacobian, lowpass)
         run = replace(run, static=static)
     estimates = {name: one.estimate(run) for name, one in ESTIMATORS.items()}
     background, time = run.background, motion.anew()
@@ -78,12 +78,11 @@ def static_forces(
     motion: Motion,
     torques: Torques,
     jacobian: Array,
-    order: int,
-    cutoff: float,
+    lowpass: Butterworth,
 ) -> Stated | None:
     """Return the wrench of a resting arm, NaN in motion; None without currents or known constants.
 
-    jacobian: (N, 6, 6); order, cutoff: of the low-pass of currents, [Hz].
+    jacobian: (N, 6, 6); lowpass: of currents.
     """
     record = current_record("", signals, motion, torques, robot)
     if record is None:
@@ -92,11 +91,11 @@ def static_forces(
         prior = prior_of(robot, [controllers_ratio(signals, motion)])
     except ValueError:  # neither the maker nor the controller tells the constants
         return None
-    smooth, inverse = Smoother(order, cutoff), prior.inverse_constant.mean
+    smooth, inverse = Smoother(*lowpass), prior.inverse_constant.mean
     error = np.sqrt(np.diag(np.linalg.inv(prior.inverse_constant.precision))) / inverse
     motor = smooth(record.current, record) / inverse
     left = smooth(record.torque, record) - motor
-    torque = inner(left, record.segment, record.period, cutoff)
+    torque = inner(left, record.segment, record.period, lowpass.cutoff)
     torque[~at_rest(record.qd)] = np.nan
     std = torque_std(motor, np.maximum(error, MIN_CONSTANT_ERROR), prior.torque_max)
     return Stated(*static_wrench(torque, std, jacobian))

@@ -18,7 +18,7 @@ from ur5lib.force.sensor import (
     opposite_axes,
     wrench_of_environment,
 )
-from ur5lib.force.sensor_reading import SensorReading, by_own_clock, moved_tool, sensor_reading
+from ur5lib.force.sensor_reading import OwnClock, SensorReading, moved_tool, sensor_reading
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.force_errors import ByPeriod, Compared
@@ -72,11 +72,11 @@ def judge_sensor(
     if (start := quality.starts.get("force")) is None:
         whole = signals.ft_raw_wrench is not None  # else, the controller takes its tool off
         tool = premises.load.payload if whole else None
-        reading = sensor_reading(robot, signals, moved, bias_window_s, tool=tool)
+        reading = sensor_reading(robot, signals, moved, bias_window_s, tool)
     else:
         clock_std, step = alignment.clocks["force"].end_std, float(np.diff(force["time"]).mean())
-        placed = by_stamps(force, start, signals.time, "force")
-        reading = by_own_clock(robot, signals, moved, bias_window_s, clock_std, placed, step)
+        own = OwnClock(by_stamps(force, start, signals.time, "force"), clock_std, step)
+        reading = sensor_reading(robot, signals, moved, bias_window_s, own=own)
     sensor = sensor_wrenches(robot, signals, reading, kinematics.rotation)
     withheld = bool(premises.contradictions.stop_signs or friction.stopped)
     others = published_or_controller(published, arm, signals, withheld)

@@ -6,13 +6,6 @@ import numpy as np
 from scipy import stats
 from scipy.spatial.transform import Rotation
 
-from ur5lib.force.sensor_audit import (
-    FreeReading,
-    SensorErrors,
-    fit_free_reading,
-    fit_sensor_errors,
-    shifts_after_contacts,
-)
 from ur5lib.force.sensor_reading import in_frame_6, moved_tool, within_reach
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
@@ -25,6 +18,13 @@ from ur5lib.robots.description import Payload, Robot
 from ur5lib.robots.end_effector import ToolMotion
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
+from ur5lib.topics.audit.free_reading import (
+    FreeReading,
+    SensorErrors,
+    fit_free_reading,
+    fit_sensor_errors,
+    shifts_after_contacts,
+)
 from ur5lib.topics.audit.rows import AuditRow
 
 CENTER_ROUNDS = 3  # of the tool's centre of mass, where its acceleration counts

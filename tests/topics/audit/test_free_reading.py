@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from ur5lib.force.sensor_audit import (
+from ur5lib.robots.description import Payload
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.changes import coloured
+from ur5lib.topics.audit.free_reading import (
     FreeReading,
     fit_free_reading,
     fit_sensor_errors,
     response_of,
     slow_covariance,
 )
-from ur5lib.force.sensor_audit import shifts_after_contacts as shifts
-from ur5lib.robots.description import Payload
-from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.changes import coloured
+from ur5lib.topics.audit.free_reading import shifts_after_contacts as shifts
 
 PERIOD, SECONDS = 0.01, 60.0
 TIME = np.arange(0, SECONDS, PERIOD)

@@ -77,7 +77,9 @@ def _block_covariance(X: Array, block_residual: Array, block: Array) -> Array:
     """Return the covariance (M, M) of block means: the mean over ρ and g, weighted by likelihood.
 
     The likelihood is that of what the regression leaves (restricted, Harville 1974). A variance S/ν
-    of ν degrees of freedom is expected as S/(ν-2).
+    of ν degrees of freedom is expected as S/(ν-2). Resampled blocks know no error slower than they
+    are long: where errors last for 20 s, their intervals of bias and drift held in 71 and 78 % of
+    96 cases at best, these in 96 and 90 %.
     """
     vectors, values, _ = np.linalg.svd(X)
     rank = int((values > RANK_TOLERANCE * values[0]).sum())
