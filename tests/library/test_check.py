@@ -20,10 +20,8 @@ from ur5lib import tidy
 from ur5lib.commands.check import (
     FOLDED,
     MAX_NAMED,
-    SEVERITY_ORDER,
     UNCHECKED,
     Form,
-    by_month,
     concerned,
     print_tables,
     unfiltered,
@@ -90,18 +88,6 @@ def test_a_command_says_at_once_how_many_files_it_reads(tmp_path: Path) -> None:
         text=True,
     )
     assert done.stderr.startswith("files to read: 2\n")
-
-
-def test_each_month_counts_its_recordings_by_the_worst_finding() -> None:
-    def found(*severities: str) -> Quality:
-        return Quality(findings=[Finding("robot", "lost", one, 1, {}) for one in severities])
-
-    months = {"a": "2026-02", "b": "2026-01", "c": "2026-02"}
-    qualities = {"a": found("note", "error"), "b": found(), "c": found("note"), "d": found("stop")}
-    table = by_month(months, qualities)
-    rows = [*zip(*(column.cells for column in table.columns), strict=True)]
-    assert [column.header for column in table.columns][2:] == SEVERITY_ORDER
-    assert rows == [("2026-01", "1", *"00001"), ("2026-02", "2", *"01010")]
 
 
 def test_a_recording_is_shown_in_detail(study: Path, run_ur5: Command) -> None:

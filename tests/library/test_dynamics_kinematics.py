@@ -13,7 +13,6 @@ from ur5lib.dynamics.arm import ArmTensors, build_arm
 from ur5lib.dynamics.kinematics import (
     acceleration,
     analytical_jacobian,
-    axis_angle,
     jacobian,
     link_frames,
     velocity,
@@ -163,25 +162,3 @@ def test_analytical_jacobian_is_no_error_at_the_singularity(arm: ArmTensors) -> 
     matrix = analytical_jacobian(arm, q)
     assert matrix.shape == (2, 6, 6)
     assert matrix[1].isfinite().all()
-
-
-@pytest.mark.parametrize("distance", [0.0, 1e-15, 1e-12, 1e-8, 1e-4, 1.0])
-@pytest.mark.parametrize("angle", [0.0, np.pi])
-def test_axis_and_angle_give_the_rotation_back(angle: float, distance: float) -> None:
-    """Also at λ = 0 and λ = π, where Equation 2.10 divides by zero."""
-    random = np.random.default_rng(0)
-    direction = random.normal(size=(1000, 3))
-    direction[:3] = np.eye(3)
-    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-    rotation = Rotation.from_rotvec(abs(angle - distance) * direction).as_matrix()
-    axis, found = axis_angle(torch.tensor(rotation))
-    assert ((found >= 0) & (found <= np.pi)).all()
-    torch.testing.assert_close(axis.norm(dim=1), torch.ones(1000, dtype=torch.float64))
-    back = Rotation.from_rotvec(axis.numpy() * found.numpy()[:, None]).as_matrix()
-    np.testing.assert_allclose(back, rotation, rtol=0, atol=4e-15)
-
-
-def test_axis_of_no_rotation_is_z() -> None:
-    axis, angle = axis_angle(torch.eye(3, dtype=torch.float64)[None])
-    assert axis.tolist() == [[0, 0, 1]]
-    assert angle.tolist() == [0]

@@ -11,7 +11,6 @@ from ur5lib.robots.inertia import (
     rigid_bodies,
     rigid_inertia,
     shift_inertia,
-    split_heights,
     tensor,
 )
 
@@ -85,37 +84,20 @@ def test_a_cylinder_cut_in_two_keeps_its_inertia(
     np.testing.assert_allclose(sum_of_parts, whole, rtol=1e-9)
 
 
-@given(mass=sizes, height=sizes, share=st.floats(0.05, 0.95), border=st.floats(0.05, 0.95))
-def test_split_puts_the_center_of_mass_where_it_is(
-    mass: float, height: float, share: float, border: float
-) -> None:
-    """Equations 2.49 to 2.55: the two parts' common centre of mass is the given one."""
-    mass_1, mass_2 = (1 - share) * mass, share * mass
-    cut = border * height
-    center = (mass_1 * cut / 2 + mass_2 * (cut + height) / 2) / mass
-    np.testing.assert_allclose(
-        split_heights(mass, mass_2, height, center), [cut, height - cut], rtol=1e-6, atol=1e-9
-    )
-
-
 @pytest.mark.parametrize(
     ("link", "axis", "height"),  # heights of the whole links: Table C.1
     [(0, 1, 0.130), (3, 2, 0.105), (4, 2, 0.105)],
 )
-def test_split_gives_the_heights_of_table_c3(
+def test_heights_of_table_c3_have_the_given_center(
     ur5: Robot, link: int, axis: int, height: float
 ) -> None:
+    """h1 = 2 x_M - h m2 / M and h2 = h - h1 (2.54, 2.55), x_M measured from the heavy end."""
     first, second = ur5.models["C"].cylinders[link]
     shift = ur5.models["C"].centers_of_mass[link][axis]
     centroid = ur5.models["A"].centers_of_mass[link][axis]
-    center = height / 2 - abs(shift - centroid)  # measured from the heavy end
-    heights = split_heights(first.mass + second.mass, second.mass, height, center)
-    np.testing.assert_allclose(heights, [first.height, second.height], atol=5e-6)
-
-
-def test_split_refuses_an_impossible_center() -> None:
-    with pytest.raises(ValueError, match="cannot put the centre of mass"):
-        split_heights(mass=1.0, mass_2=0.9, height=1.0, center_of_mass=0.1)
+    center = height / 2 - abs(shift - centroid)
+    cut = 2 * center - height * second.mass / (first.mass + second.mass)
+    np.testing.assert_allclose([cut, height - cut], [first.height, second.height], atol=5e-6)
 
 
 def test_cylinders_of_model_c_leave_link_2_off_center(ur5: Robot) -> None:

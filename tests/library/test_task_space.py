@@ -4,11 +4,10 @@ import math
 
 import pytest
 import torch
-from scipy.spatial.transform import Rotation
 from torch import Tensor
 
 from tests.library.test_dynamics import states
-from tests.library.test_dynamics_kinematics import POINT, slope
+from tests.library.test_dynamics_kinematics import slope
 from tests.task_space import (
     pose,
     pose_acceleration,
@@ -16,7 +15,6 @@ from tests.task_space import (
     wanted_acceleration,
 )
 from ur5lib.dynamics.arm import ArmTensors, build_arm
-from ur5lib.dynamics.kinematics import link_frames, velocity, velocity_transformation
 from ur5lib.dynamics.rigid_body import forward_dynamics
 from ur5lib.robots.description import Robot
 
@@ -85,24 +83,3 @@ def test_the_control_law_leads_to_the_target(arm: ArmTensors) -> None:
     off[0, 5] -= 2 * math.pi  # the nearer way round
     left = (1 + omega * 0.5) * math.exp(-omega * 0.5)
     torch.testing.assert_close(pose(arm, q) - start, (left - 1) * off, rtol=0, atol=5e-4)
-
-
-def test_velocities_of_one_body_are_transformed_between_its_frames(
-    arm: ArmTensors, regular: tuple[Tensor, Tensor, Tensor]
-) -> None:
-    """(2.41), on frame 6 and a turned frame at a point of link 6; and it composes."""
-    q, qd, _ = regular
-    count = len(q)
-    axes = link_frames(arm, q)[0][:, 6]
-    turn = torch.from_numpy(Rotation.random(count, random_state=1).as_matrix())  # of j in i
-
-    def in_axes(values: Tensor, axes: Tensor) -> Tensor:
-        return torch.einsum("nji,nkj->nki", axes, values.reshape(-1, 2, 3)).reshape(-1, 6)
-
-    here = in_axes(velocity(arm, q, qd), axes)
-    there = in_axes(velocity(arm, q, qd, point=POINT), axes @ turn)
-    transformation = velocity_transformation(turn.mT, POINT.expand(count, 3))
-    torch.testing.assert_close((transformation @ here[..., None])[..., 0], there)
-    back = velocity_transformation(turn, -(turn.mT @ POINT))
-    eye = torch.eye(6, dtype=torch.float64).expand(count, 6, 6)
-    torch.testing.assert_close(back @ transformation, eye, rtol=0, atol=1e-12)

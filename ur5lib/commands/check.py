@@ -45,7 +45,6 @@ from ur5lib.timeseries.segments import in_chunks
 from ur5lib.workspace.extensions import take_up_all
 
 ERROR_SEVERITIES = ("stop", "error")
-SEVERITY_ORDER = [*ERROR_SEVERITIES, "warning", "note", "nothing"]
 MAX_NAMED = 3  # recordings of a finding that are named
 MAX_PROPOSED_NAMES = 20  # names of recordings that are proposed
 SEVERITY_STYLES = {"stop": "bold red", "error": "bold red", "warning": "yellow", "note": ""}
@@ -123,11 +122,7 @@ def print_findings_of(study: Study, named: Sequence[str] = (), form: Form = FOLD
         study, qualities, {name: own_clocks_of for name, (_, own_clocks_of) in results.items()}
     )
     roles = {recording.name: recording.role for recording in there}
-    severe_ones = print_tables(console, qualities, clocks, named, roles, form)
-    months = {recording.name: f"{recording.date:%Y-%m}" for recording in there if recording.date}
-    if not named and not form.as_json and len({*months.values()}) > 1:
-        console.print(by_month(months, qualities))
-    return severe_ones
+    return print_tables(console, qualities, clocks, named, roles, form)
 
 
 def print_tables(
@@ -344,27 +339,6 @@ def _not_used(unused: pd.DataFrame, names: list[str]) -> str:
         f"columns are not used in {where}; the riskiest, in {riskiest['recording']}: "
         f"{riskiest['detail']} (`ur5 check <study> --all` lists them)"
     )
-
-
-def by_month(months: Mapping[str, str], qualities: Mapping[str, Quality]) -> Table:
-    """Return a table of the recordings of each month, by the worst that was found in them.
-
-    months: of recordings, as 2026-03.
-    """
-    table = Table("month", "recordings", *SEVERITY_ORDER, title="The worst finding, by month")
-    worst = {
-        name: min(
-            (finding.severity for finding in quality.findings),
-            key=SEVERITY_ORDER.index,
-            default="nothing",
-        )
-        for name, quality in qualities.items()
-    }
-    counts = pd.crosstab(pd.Series(months), pd.Series(worst))
-    counts = counts.reindex(columns=SEVERITY_ORDER, fill_value=0)
-    for month, row in counts.iterrows():
-        table.add_row(str(month), *map(str, (row.sum(), *row)))
-    return table
 
 
 def concerned(some: Sequence[str], names: Sequence[str]) -> str:

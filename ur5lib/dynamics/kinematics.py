@@ -81,20 +81,6 @@ def zyz_rates_to_angular_velocity(angles: Tensor) -> Tensor:
     return torch.stack([torch.stack(row, dim=1) for row in rows], dim=1)
 
 
-def axis_angle(rotation: Tensor) -> tuple[Tensor, Tensor]:
-    """Return unit axis l (N, 3) and angle λ (N,) [rad], 0 ≤ λ ≤ π, of R (N, 3, 3) (2.9, 2.10).
-
-    By quaternions, which lose nothing near λ = 0 and λ = π. There, Equation 2.10 divides by zero:
-    at λ = π, l and -l are the same rotation; at λ = 0 any axis would do, and l = z.
-    """
-    quaternion = pk.matrix_to_quaternion(rotation)  # cos(λ/2), l sin(λ/2)
-    quaternion = torch.where(quaternion[:, :1] < 0, -quaternion, quaternion)
-    sine = quaternion[:, 1:].norm(dim=1, keepdim=True)
-    z = rotation.new_tensor([0.0, 0.0, 1.0])
-    axis = torch.where(sine > 0, quaternion[:, 1:] / sine, z)
-    return axis, 2 * torch.atan2(sine[:, 0], quaternion[:, 0])
-
-
 def link_frames(arm: ArmTensors, q: Tensor) -> tuple[Tensor, Tensor]:
     """Return frames 0 (base) to n relative to the base (Equation 2.18).
 
@@ -145,17 +131,6 @@ def velocity(
 ) -> Tensor:
     """Return J_g q̇ of a point, (N, 6) [m/s, rad/s] (2.26). q, qd: (N, n) [rad, rad/s]."""
     return apply(jacobian(arm, q, link, point), qd)
-
-
-def velocity_transformation(rotation: Tensor, lever: Tensor) -> Tensor:
-    """Return what takes a body's velocity at frame i to frame j, each in its own axes (2.41).
-
-    rotation: R_i^j (N, 3, 3), from the axes of i to those of j; lever: r_ij (N, 3) [m], from i to
-    j, axes of i. Returns [R, -R S(r); 0, R], (N, 6, 6), of linear and angular velocities.
-    """
-    lever_cross = cross(lever[:, :, None], torch.eye(3).to(lever).expand_as(rotation), dim=1)
-    upper = torch.cat([rotation, -rotation @ lever_cross], dim=2)
-    return torch.cat([upper, torch.cat([torch.zeros_like(rotation), rotation], dim=2)], dim=1)
 
 
 def acceleration(

@@ -69,25 +69,6 @@ def combine_cylinders(cylinders: list[Cylinder]) -> Array:
     return total
 
 
-def split_heights(
-    mass: float, mass_2: float, height: float, center_of_mass: float
-) -> tuple[float, float]:
-    """Return heights h1, h2 of two cylinders with the given common centre of mass.
-
-    Section 2.2.4: a cylinder of `mass` and `height` is cut across its axis; the second part
-    weighs `mass_2`, the first the rest. `center_of_mass` (x_M) is measured along the axis from
-    the first part's end. x_B = 2 x_M - h m2 / M (2.54); h1 = x_B, h2 = h - x_B (2.55).
-    Raises ValueError when no such cut lies inside the cylinder.
-    """
-    border = 2 * center_of_mass - height * mass_2 / mass
-    if not 0 < border < height:
-        raise ValueError(
-            f"a part of {mass_2} kg of {mass} kg cannot put the centre of mass "
-            f"at {center_of_mass} of {height} m"
-        )
-    return border, height - border
-
-
 def tensor(entries: Sequence[float]) -> Array:
     """Return the inertia tensor (3, 3) of the entries xx yy zz xy xz yz."""
     xx, yy, zz, xy, xz, yz = entries
