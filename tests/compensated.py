@@ -1,10 +1,10 @@
 """A force sensor's reading, compensated by the formula that `ur5 export --format sensor` writes."""
 
+import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
@@ -18,7 +18,7 @@ from ur5lib.timeseries.arrays import Array
 
 def check_formula(text: str, results: Path, name: str) -> dict[str, Any]:
     """It gives the columns `compensated_*` of a recording, whose part of the file is returned."""
-    (known,) = [one for one in yaml.safe_load(text)["recordings"] if one["recording"] == name]
+    (known,) = [one for one in json.loads(text)["recordings"] if one["recording"] == name]
     study = FinishedStudy(results)
     expected = study.sensor(name).filter(like="compensated_")
     np.testing.assert_allclose(by_formula(known, study, name), expected, rtol=1e-9, atol=1e-9)
@@ -26,7 +26,7 @@ def check_formula(text: str, results: Path, name: str) -> dict[str, Any]:
 
 
 def by_formula(known: dict[str, Any], study: FinishedStudy, name: str) -> Array:
-    """The wrench of a contact (N, 6), symbols as in the file's comment."""
+    """The wrench of a contact (N, 6), symbols as in docs/exports.md."""
     signals, motion = study.record(Signals, name), study.record(Motion, name)
     kinematics = study.record(Kinematics, name)
     R, J = kinematics.rotation, kinematics.jacobian

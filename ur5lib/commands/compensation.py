@@ -6,7 +6,6 @@ from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
-import yaml
 
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
@@ -17,49 +16,23 @@ from ur5lib.records.table import WRENCH
 from ur5lib.records.wording import worded
 from ur5lib.robots.description import Robot
 from ur5lib.study.model import Recording
+from ur5lib.tables import json_text
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
 Interval = dict[str, float]  # value, low, high
 AXES = ("x", "y", "z")
 DOUBTS = ("mounting", "offset", "zeroed")  # findings about a sensor
-HEAD = """\
-# Bias and tool of the force sensor of {robot}, by the samples in which nothing touches it.
-#
-# From a raw reading f [N], n [Nm] to the wrench of a contact, F [N], M [Nm]:
-#
-#   f' = T f - bias_F - mass p
-#   n' = T n - bias_n - first_moment x p + I alpha + omega x (I omega)
-#   F  = R f'
-#   M  = R (n' + position x f')
-#
-# F, M   what the environment does to the arm, axes of the base, moment about the origin of
-#        frame {last}: the flange, without the tool centre point. f and n have this sign, too: the
-#        reading of the tool's weight points down.
-# f, n   the channel `reading`, in the sensor's axes; actual_TCP_force has the base's, so take R^T
-#        times its force and R^T times its torque instead
-# T      rotation matrix of the rotation vector turn_deg, from the sensor's axes to frame {last}'s
-# R      rotation matrix of frame {last} in the base; position: the sensor's origin there [m]
-# p      R^T (gravity - a) [m/s2], what pulls on each kilogram of the tool; a: acceleration of its
-#        centre of mass, pull_at in frame {last}, in axes of the base, 0 at rest
-# I      inertia of the tool about its centre of mass, xx yy zz xy xz yz [kg m2], axes of
-#        frame {last}; omega [rad/s], alpha [rad/s2]: its rate in its own axes, and the derivative
-#
-# bias [N, Nm], first_moment [kg m] and center_of_mass [m], from the sensor's origin, are in axes of
-# frame {last}; first_moment = mass center_of_mass. low and high: 95 % interval in that recording.
-# null is unknown, and counts as 0 in the formula: without a mass [kg], the bias contains the weight
-# in the pose of that recording. The sensor's clock is known to clock_std [s]; p and the terms of I
-# are averaged over a Gaussian of that standard deviation.
-# So `compensated_Fx` to `compensated_nz` of the recording's sensor.parquet are computed.
-#
-# spread is how far the recordings with a known mass lie apart. A later bias may lie as far off, or
-# farther if the sensor was zeroed: use a recording that is near in time and in temperature [°C],
-# which is that of the last joint's motor.
-"""
+FORMULA = (  # docs/exports.md has its symbols
+    "f' = T f - bias_F - mass p",
+    "n' = T n - bias_n - first_moment x p + I alpha + omega x (I omega)",
+    "F = R f'",
+    "M = R (n' + position x f')",
+)
 
 
 def compensation(study: FinishedStudy | None, robot: str, only: str) -> str:
-    """Return bias and tool of an arm's force sensor by recording, as YAML with the formula.
+    """Return bias and tool of an arm's force sensor by recording, as JSON with the formula.
 
     only: a recording, empty for all of the arm. Raises InputError without a study, and where no
     recording has a force sensor.
@@ -77,9 +50,9 @@ def compensation(study: FinishedStudy | None, robot: str, only: str) -> str:
             f"{study.folder} has no reading of a force sensor on {only or robot}; record one, and "
             "`ur5 run` the study again"
         )
-    content = {"arm": robot, "recordings": sensed, "spread": spread(sensed)}
-    text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, allow_unicode=True)
-    return HEAD.format(robot=robot, last=len(arm.joints)) + text
+    return json_text(
+        {"arm": robot, "formula": FORMULA, "recordings": sensed, "spread": spread(sensed)}
+    )
 
 
 def _recording(study: FinishedStudy, arm: Robot, entry: Recording) -> dict[str, Any] | None:
