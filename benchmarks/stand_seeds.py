@@ -44,7 +44,7 @@ from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.records.truth import TrueParameters, Truth
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.signals.imu_calibration import ImuRecord, calibrate
+from ur5lib.signals.imu_calibration import ImuRecord, calibrate_without_each
 from ur5lib.signals.imu_samples import imu_samples
 from ur5lib.signals.own_clocks import own_clocks
 from ur5lib.signals.resampling import resample
@@ -206,7 +206,7 @@ def device_rows(fitted: list[Taken]) -> Iterator[Row]:
         yield from clock_rows({"imu": own.clock}, own.summary)
     true = robot.models[summary.model].rotor_inertias
     yield from rotor_rows(rotors(fitted), true)
-    calibration = calibrate([own.imu for own in fitted])
+    calibration = calibrate_without_each({own.record.name: own.imu for own in fitted})["all"]
     yield from imu_rows(calibration, summary.plan.imu)
 
 

@@ -13,9 +13,9 @@ from tests.library.test_force_sensor import MOUNTINGS
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import (
     NOMINAL_CALIBRATION,
+    ImuCalibration,
     ImuRecord,
     accelerometer_bias,
-    calibrate,
     calibrate_without_each,
     calibration_for,
     level_axes,
@@ -29,6 +29,11 @@ TILT = np.radians([-0.14, 0.2])
 GYROSCOPE_BIAS = np.array([-0.031, 0.024, 0.025])
 DESCRIBED = np.array([0.017, 0.006, 0.0095])
 SHIFT = np.array([-0.003, 0.004, 0.02])  # from there to where it is
+
+
+def calibrate(records: list[ImuRecord]) -> ImuCalibration:
+    """From all of some recordings."""
+    return calibrate_without_each({str(k): record for k, record in enumerate(records)})["all"]
 
 
 def record(

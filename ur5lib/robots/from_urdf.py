@@ -91,7 +91,7 @@ def robot_from_urdf(
         raise InputError(
             f"the arm of {path} {INVALID_DESCRIPTION}: {mistakes_in(error)}"
         ) from error
-    remarks = [*_remarks(tree, base, tip, joints, bodies, start)]
+    remarks = [*_remarks(tree, base, tip, bodies, start)]
     return robot, [*remarks, *_missing(joints, unknown), *_bodies(tree, impossible, physical)]
 
 
@@ -455,7 +455,6 @@ def _remarks(
     tree: Any,
     base: str,
     tip: str,
-    joints: list[Any],
     bodies: list[dict[str, Array]],
     start: Array,
 ) -> Iterator[str]:

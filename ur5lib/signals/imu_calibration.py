@@ -127,8 +127,8 @@ def calibration_for(recording: str, calibrations: Mapping[str, ImuCalibration]) 
     )
 
 
-def calibrate(records: Sequence[ImuRecord]) -> ImuCalibration:
-    """Fit the calibration to recordings of one arm and IMU.
+def _calibration(sums: "Sequence[_Sums]", held_out: float) -> ImuCalibration:
+    """Fit the calibration with the place estimated, and with it as described if that is better.
 
     Least squares of  accelerometer = f + f × θ + g R_6^T E β + ∂f/∂r Δr + b_a + f' δ  and
     gyroscope = ω + ω × θ + b_g + ω' δ  over the mounting θ, the base's tilt β along the level axes
@@ -138,12 +138,6 @@ def calibrate(records: Sequence[ImuRecord]) -> ImuCalibration:
     much as all noise does. Standard errors are a jackknife over blocks of 2 s, within which
     residuals are correlated.
     """
-    sums = [_Sums.of(record) for record in records]
-    return _calibration(sums, _place_error_ratio(sums))
-
-
-def _calibration(sums: "Sequence[_Sums]", held_out: float) -> ImuCalibration:
-    """Fit the calibration with the place estimated, and with it as described if that is better."""
     value, std = _jackknife(sums)
     described = sums[0].place
     place = [value[PLACE_COLUMNS] + described, std[PLACE_COLUMNS], described]
