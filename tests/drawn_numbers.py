@@ -18,7 +18,7 @@ from ur5lib.steps.draw_figures import draw_figures
 from ur5lib.tables import read_csv
 
 TABLES = ("signals", "torques", "accelerations", "currents", "kinematics", "sensor", "forces")
-JUDGED = ("current_rmse", "torque_mae", "force_mae", "acceleration_mae")
+JUDGED = ("current_rmse", "torque_mae", "force_mae", "acceleration_mae", "friction")
 ERROR, BAND = "error of ", "95 % band, "
 
 
@@ -77,6 +77,12 @@ def check_drawn_numbers(results: Path, monkeypatch: pytest.MonkeyPatch) -> list[
         compared += check_torques(figures["torques"], own["torque_mae"], received)
         compared += check_forces(figures["forces_estimated"], own["force_mae"])
         compared += check_accelerations(figures["accelerations"], own["acceleration_mae"])
+    for robot, rows in told["friction"].groupby("robot"):
+        numbers = results / "figures" / str(robot) / "friction.csv"
+        of_arm = {entry["name"] for entry in study["recordings"] if entry["robot"] == robot}
+        rmse = told["current_rmse"]
+        rmse = rmse[rmse["recording"].isin(of_arm) & (rmse["fitted"] == "yes")]
+        compared += check_friction(read_csv(numbers), rows, rmse[rmse["model"] == "fitted"])
     return compared
 
 
@@ -133,3 +139,20 @@ def check_accelerations(drawing: Drawing, rows: pd.DataFrame) -> list[str]:
     mae = np.nanmean(np.abs(Drawn(drawing).error("from the joints")), axis=0)
     np.testing.assert_allclose(mae, by_place(rows, "mae", [*COMPONENTS]), rtol=1e-4)
     return ["accelerations"]
+
+
+def check_friction(numbers: pd.DataFrame, rows: pd.DataFrame, scores: pd.DataFrame) -> list[str]:
+    """The curve has the table's parameters, and the band holds what it holds of the recordings."""
+    for joint, own in rows.groupby("joint"):
+        table = own.set_index("parameter")["value"]
+        drawn = numbers.filter(regex=f"joint {joint} ").to_numpy()[:, :4]
+        qd, measured, fitted, half = drawn[np.isfinite(drawn).all(axis=1)].T
+        root = np.sqrt(np.abs(qd)) * np.sign(qd) - 4 / 15 * np.sign(qd) - 4 / 5 * qd
+        dry = fitted - table["viscous"] * qd - table.get("velocity_root", 0.0) * root
+        dry = np.sign(qd) * (dry - table.get("velocity_square", 0.0) * np.abs(qd) * qd)
+        least = table["coulomb"] + min(0.0, table["load"]) * 100
+        assert np.ptp(dry) <= 1e-4 * np.abs(fitted).max()
+        assert (dry >= least - 1e-4).all()
+        held = scores.loc[scores["joint"] == joint, "coverage95"].mean()
+        assert np.mean(np.abs(measured - fitted) <= half) == pytest.approx(held, abs=0.05)
+    return ["friction"] if len(rows) else []

@@ -64,7 +64,7 @@ def test_figures_draw_what_their_tables_state(
     results: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     compared = check_drawn_numbers(results, monkeypatch)
-    assert {*compared} == {"currents", "torques", "forces", "accelerations"}
+    assert {*compared} == {"currents", "torques", "forces", "accelerations", "friction"}
 
 
 def test_the_picture_of_the_readme_shows_what_the_study_draws(results: Path) -> None:

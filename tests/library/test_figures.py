@@ -14,8 +14,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
+from tests.library.current_study import noisy, prior, smooth
 from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.dynamics.flange import link_frames
+from ur5lib.identification.current_regression import fit_currents
+from ur5lib.identification.currents import band, parameters, predict
+from ur5lib.records.currents import Currents
+from ur5lib.records.friction import Friction
 from ur5lib.records.signals import Signals
 from ur5lib.report.figures import house_style
 from ur5lib.report.figures.arm_figures import (
@@ -27,7 +32,13 @@ from ur5lib.report.figures.arm_figures import (
     mass_panels,
     placed,
 )
-from ur5lib.report.figures.friction_figures import MovingSamples, friction_figures
+from ur5lib.report.figures.friction_figures import (
+    MovingSamples,
+    band_over,
+    current_figures,
+    friction_curve,
+    friction_figure,
+)
 from ur5lib.report.figures.house_style import EMBEDDED_IMAGE, JOINT_COLOURS, Drawing, save
 from ur5lib.report.figures.recording_figures import packet_figure
 from ur5lib.report.figures.traces import TORQUE_PANELS, WRENCH_PANELS, Traces, decimate, draw_traces
@@ -121,8 +132,8 @@ def test_known_torque_constants_are_drawn_beside_the_fitted_ones() -> None:
     fitted, known = np.arange(5.0, 11.0), np.full(6, 10.0)
     torque = np.outer(np.linspace(-1, 1, 50), np.arange(1.0, 7.0))
     efforts = torque / known, torque / fitted, 0 * torque
-    samples = MovingSamples(torque, torque, torque, torque, *efforts)
-    figures = friction_figures(samples, fitted, known)
+    samples = MovingSamples(torque, torque, torque, torque, *efforts, *3 * [torque])
+    figures = current_figures(samples, fitted, known)
     for name in ("current_torque", "current_torque_friction"):
         for joint, axis in enumerate(figures[name].figure.axes):
             _, *lines = axis.lines
@@ -130,30 +141,101 @@ def test_known_torque_constants_are_drawn_beside_the_fitted_ones() -> None:
             np.testing.assert_allclose(slopes, [1 / fitted[joint], 1 / known[joint]])
 
 
-def test_a_spring_is_no_friction() -> None:
-    """A counterbalance of 100 Nm beside Coulomb friction of 2 Nm; drawn and fitted alike."""
-    qd = np.linspace(-1, 1, 50)[:, None] * np.ones(6)
-    spring, torque, constant = 100.0 * np.cos(3 * qd), 5.0 * qd, np.full(6, 10.0)
-    current = (torque + spring + 2.0 * np.sign(qd)) / constant
-    samples = MovingSamples(qd, qd, qd, torque, current, current, spring / constant)
-    drawing = friction_figures(samples, constant, constant)["friction"]
-    for axis in drawing.figure.axes:
-        for line in axis.lines:
-            np.testing.assert_allclose(np.abs(line.get_ydata()), 2.0)
+@pytest.fixture(scope="module")
+def noisy_friction() -> tuple[Friction, MovingSamples, float]:
+    """The fit to made-up recordings, their samples, and the share of these within the band that is
+    stated for each.
+    """
+    records = noisy(range(6))
+    fit = fit_currents(records, smooth, prior())
+    friction, parts, inside = Friction(fit=fit, parameters=parameters(fit)), [], []
+    for record in records:
+        stated = predict(fit, record), band(fit, record, smooth)
+        own = Currents(
+            time=record.period * np.arange(len(record.q)),
+            segment=record.segment,
+            predicted_current=stated[0],
+            current_band=stated[1],
+        )
+        parts.append(MovingSamples.from_record(record, friction, own, smooth))
+        moves = np.isfinite(parts[-1].qd)
+        every = round(0.1 / record.period)
+        error = smooth(record.current - stated[0], record)
+        inside.append((np.abs(error) <= stated[1])[::every][moves])
+    share = float(np.concatenate(inside).mean())
+    return friction, MovingSamples.joined(parts, 6), share
+
+
+def drawn_friction(numbers: pd.DataFrame, joint: int) -> np.ndarray:
+    """Velocity, friction, fitted friction and half of the band of a joint's dots."""
+    rows = numbers.filter(regex=f"joint {joint} ").to_numpy()[:, :4]
+    return rows[np.isfinite(rows).all(axis=1)].T
+
+
+def test_the_curve_of_friction_is_that_of_the_table(
+    noisy_friction: tuple[Friction, MovingSamples, float],
+) -> None:
+    friction, samples, _ = noisy_friction
+    numbers = friction_figure(samples, friction.fit.joints).data
+    for joint in range(1, 7):
+        table = {row.name: row.value for row in friction.parameters if row.joint == joint}
+        qd, _, fitted, _ = drawn_friction(numbers, joint)
+        load = np.nanmean(np.abs(samples.torque[:, joint - 1]))
+        dry = table["coulomb"] + table["load"] * load
+        expected = np.sign(qd) * dry + table["viscous"] * qd
+        if "velocity_root" in table:
+            column = np.sqrt(np.abs(qd)) * np.sign(qd) - 4 / 15 * np.sign(qd) - 4 / 5 * qd
+            expected += table["velocity_root"] * column
+        np.testing.assert_allclose(fitted, expected)
+
+
+def test_as_much_friction_is_drawn_within_the_band_as_the_band_holds(
+    noisy_friction: tuple[Friction, MovingSamples, float],
+) -> None:
+    friction, samples, share = noisy_friction
+    numbers = friction_figure(samples, friction.fit.joints).data
+    dots = [drawn_friction(numbers, joint) for joint in range(1, 7)]
+    inside = [np.abs(own - fitted) <= half for _, own, fitted, half in dots]
+    assert 0.5 < share < 1
+    assert np.concatenate(inside).mean() == pytest.approx(share, abs=0.01)
+    assert (samples.resting[1:] > 0).all()
+    at_rest = numbers.filter(like="at rest").iloc[0].to_numpy()
+    np.testing.assert_allclose(at_rest, np.nanmean(samples.resting, axis=0))
+
+
+def test_a_band_over_velocity_is_the_mean_of_its_neighbours_in_the_same_direction() -> None:
+    qd = np.array([np.nan, *np.linspace(-1, -0.1, 300), *np.linspace(0.1, 1, 300)])
+    half = np.where(qd < 0, 2.0, 1 + np.abs(qd))
+    found = band_over(qd, half, np.array([-0.5, 0.3, 0.7, np.nan]))
+    np.testing.assert_allclose(found, [2.0, 1.3, 1.7, np.nan], rtol=0.01)
+
+
+def test_a_spring_is_no_friction(noisy_friction: tuple[Friction, MovingSamples, float]) -> None:
+    """A counterbalance leaves the curve as it is."""
+    model, qd = noisy_friction[0].fit.joints[0], np.array([-0.5, 0.5])
+    sprung = np.append(model.estimate.coefficients, [9.0, 9.0])
+    estimate = replace(model.estimate, coefficients=sprung)
+    other = replace(model, terms=(*model.terms, "balance"), estimate=estimate)
+    np.testing.assert_allclose(friction_curve(other, qd, 5.0), friction_curve(model, qd, 5.0))
 
 
 @pytest.mark.filterwarnings("error")
-def test_a_joint_that_rests_has_an_empty_panel() -> None:
-    values = np.random.default_rng(0).normal(size=(7, 50, 6))
+def test_a_joint_that_rests_has_an_empty_panel(
+    noisy_friction: tuple[Friction, MovingSamples, float],
+) -> None:
+    values = np.abs(np.random.default_rng(0).normal(size=(10, 50, 6)))
     values[..., 4] = np.nan
-    for drawing in friction_figures(MovingSamples(*values), np.ones(6), np.ones(6)).values():
+    samples = MovingSamples(*values)
+    drawings = current_figures(samples, np.ones(6), np.ones(6))
+    drawings["friction"] = friction_figure(samples, noisy_friction[0].fit.joints)
+    for drawing in drawings.values():
         assert drawing.data.filter(regex="(τ|i)_5 |joint 5").isna().all(axis=None)
 
 
 @pytest.mark.parametrize(("effort", "unit"), [(CURRENT, "[A]"), (TORQUE, "[Nm]")])
 def test_what_a_joint_measures_has_its_unit(effort: Effort, unit: str) -> None:
-    samples = MovingSamples(*np.random.default_rng(0).normal(size=(7, 50, 6)))
-    figures = friction_figures(samples, np.ones(6), np.ones(6), effort)
+    samples = MovingSamples(*np.random.default_rng(0).normal(size=(10, 50, 6)))
+    figures = current_figures(samples, np.ones(6), np.ones(6), effort)
     assert figures["current_torque"].figure.axes[0].get_ylabel().endswith(unit)
     assert figures["residuals"].figure.axes[0].get_ylabel().endswith(unit)
 

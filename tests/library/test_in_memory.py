@@ -123,6 +123,13 @@ def test_figures_are_those_of_the_report(model: ur5lib.Model, name: str) -> None
     assert figure.axes
 
 
+def test_a_joint_s_panel_is_that_of_the_whole_figure(model: ur5lib.Model) -> None:
+    (alone,), panels = model.plot("friction", joint=3).axes, model.plot("friction").axes
+    assert alone.get_xlabel() == panels[2].get_xlabel()
+    for own, one in zip(alone.lines, panels[2].lines, strict=True):
+        np.testing.assert_array_equal(own.get_xydata(), one.get_xydata())
+
+
 class Tags(HTMLParser):
     """The rows of a table."""
 
@@ -201,6 +208,8 @@ def test_without_free_recordings_friction_is_that_of_other_arms(
         ),
         (lambda _, model: model.table("frictoin"), "did you mean `friction`"),
         (lambda _, model: model.plot("frictoin"), "did you mean `friction`"),
+        (lambda _, model: model.plot("friction", joint=7), "joints 1 to 6"),
+        (lambda _, model: model.plot("knowledge", joint=1), "no panel of joint 1 in knowledge"),
         (lambda folder, _: ur5lib.load_model(folder / "no.json"), r"no\.json cannot be read"),
         (lambda folder, _: ur5lib.load_model(folder / "wrong.json"), "holds no model"),
         (lambda folder, _: ur5lib.load_model(folder / FREE[0]), "holds no model"),

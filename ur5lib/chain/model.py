@@ -34,7 +34,8 @@ FILES_OF_TABLES = {
     "fitted": "friction",
     "residuals": "residuals",
 }
-OF_FRICTION = ("friction", "current_torque", "current_torque_friction", "residuals", "knowledge")
+OF_JOINTS = ("friction", "current_torque", "current_torque_friction")  # a panel each
+OF_FRICTION = (*OF_JOINTS, "residuals", "knowledge")
 OF_MODELS = ("models", "frames")
 FIGURES = dict.fromkeys(OF_FRICTION, "draw_friction") | dict.fromkeys(OF_MODELS, "draw_models")
 YAML_FILES = ("described", "arm", "urdf")  # of an arm; the others are JSON
@@ -94,14 +95,21 @@ class Model(Shown):
         tables = call("make_tables", inputs, {"parts": [], "unreadable": {}})
         return as_written(tables[name])
 
-    def plot(self, name: str) -> Any:
+    def plot(self, name: str, joint: int | None = None) -> Any:
         """Return a figure of the report, matplotlib's: "friction", "current_torque",
         "current_torque_friction", "residuals", "knowledge", "models" or "frames".
 
-        Raises InputError for another name, and of the first five where the model came from a file.
+        joint: from 1, whose panel is wanted alone, of the first three. Raises InputError for
+        another name or joint, and of the first five where the model came from a file.
         """
         if name not in FIGURES:
             raise unknown("figure", name, FIGURES)
+        joints = len(self.identified.joints)
+        if joint is not None and (name not in OF_JOINTS or not 1 <= joint <= joints):
+            raise InputError(
+                f"no panel of joint {joint} in {name}; {', '.join(OF_JOINTS)} have one for each of "
+                f"joints 1 to {joints}"
+            )
         if name in OF_FRICTION and not all("signals" in own for own in self._moving()):
             raise InputError(
                 f"{name} shows recordings, which the file of a model lacks; fit it again, or take "
@@ -111,7 +119,8 @@ class Model(Shown):
             study=self.robot, title="", settings=self.settings, recordings=[]
         )
         chain = Chain(Selection(alone), self.robot, self.arm, {}, self.fitted)
-        return chain.result(FIGURES[name])[name].figure
+        figure = chain.result(FIGURES[name])[name].figure
+        return figure if joint is None else figure.with_panel(joint)
 
     def estimate(
         self, recordings: Recordings, accept: Mapping[str, str] | None = None

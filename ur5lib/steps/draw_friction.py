@@ -1,4 +1,4 @@
-"""Currents and friction of an arm, after Figures 6.1 and 6.2, and residuals of their fit."""
+"""Currents and friction of an arm, after Figures 6.1 and 6.2, its band, and residuals."""
 
 from collections.abc import Mapping
 
@@ -6,11 +6,17 @@ import numpy as np
 
 from ur5lib.identification.current_samples import Smoother, current_record
 from ur5lib.identification.currents import torque_constants
+from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
-from ur5lib.report.figures.friction_figures import MovingSamples, friction_figures, knowledge_bars
+from ur5lib.report.figures.friction_figures import (
+    MovingSamples,
+    current_figures,
+    friction_figure,
+    knowledge_bars,
+)
 from ur5lib.report.figures.house_style import Drawing
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.lowpass import Butterworth
@@ -22,18 +28,22 @@ def draw_friction(
     signals: Mapping[str, Signals],
     motion: Mapping[str, Motion],
     torques: Mapping[str, Torques],
+    currents: Mapping[str, Currents],
     lowpass: Butterworth,
 ) -> dict[str, Drawing]:
-    """Return the figures of a fit; signals, motion, torques: of the recordings to fit."""
-    parts, constant, known = list[MovingSamples](), np.ones(6), np.ones(6)
-    if friction.fit.joints and friction.known_constants is not None:
-        fit, smooth = friction.fit, Smoother(*lowpass)
-        constant, known = torque_constants(fit), friction.known_constants.value
+    """Return the figures of a fit; signals to currents: of the recordings to fit."""
+    fit, parts, known = friction.fit, list[MovingSamples](), friction.known_constants
+    constant = torque_constants(fit) if fit.joints else np.ones(len(arm.joints))
+    if fit.joints and known is not None:
         for name in signals:
-            tables = signals[name], motion[name], torques[name]
-            record = current_record(name, *tables, arm)
+            record = current_record(name, signals[name], motion[name], torques[name], arm)
             if record is not None:
-                parts.append(MovingSamples.from_record(record, fit, smooth))
+                made = record, friction, currents[name], Smoother(*lowpass)
+                parts.append(MovingSamples.from_record(*made))
     samples = MovingSamples.joined(parts, len(constant))
-    drawn = friction_figures(samples, constant, known, arm.measured)
-    return {"knowledge": knowledge_bars(friction.parameters), **drawn}
+    before = constant if known is None else known.value
+    return {
+        "knowledge": knowledge_bars(friction.parameters),
+        "friction": friction_figure(samples, fit.joints),
+        **current_figures(samples, constant, before, arm.measured),
+    }

@@ -35,6 +35,7 @@ rule draw_friction:
         signals=results_of(fitted_on, "signals.parquet"),
         motion=results_of(fitted_on, "motion.parquet"),
         torques=results_of(fitted_on, "torques.parquet"),
+        currents=results_of(fitted_on, "currents.parquet"),
         friction=parameter("friction.json"),
         arm=parameter("arm.yaml"),
     output:

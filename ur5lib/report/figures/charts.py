@@ -1,15 +1,17 @@
 """Figures that are not over time: scatter plots, filters, coverage of bands."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from itertools import cycle
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from ur5lib.report.figures.house_style import (
     DOT_STYLE,
-    FITTED_DOT_STYLE,
     JOINT_COLOURS,
     Drawing,
     house_style,
@@ -20,43 +22,46 @@ from ur5lib.timeseries.arrays import Array
 LINE_DASHES = ("-", "--")
 
 
+@contextmanager
+def joint_panels(joints: int, axes: tuple[str, str]) -> Iterator[tuple[Figure, list[Axes]]]:
+    """Provide a figure and a panel for each joint; axes: labels of x and y with units, in which {}
+    stands for the joint.
+    """
+    rows = -(-joints // 3)
+    with house_style(2.2 * rows, rows, 3) as (figure, panels):
+        for empty in panels.flat[joints:]:
+            empty.set_visible(False)
+        for joint, axis in enumerate(panels.flat[:joints], start=1):
+            xlabel, ylabel = (re.sub(r"(\w)_(\d)", r"$\1_\2$", text.format(joint)) for text in axes)
+            axis.set(ylabel=ylabel)
+            axis.set_xlabel(xlabel, loc="left")  # on the right is the power of the numbers
+        yield figure, [*panels.flat[:joints]]
+
+
 def scatter_panels(
-    x: Array,
-    y: Array,
-    axes: tuple[str, str],
-    lines: Sequence[tuple[Array, Array]] = (),
-    fitted: Array | None = None,
+    x: Array, y: Array, axes: tuple[str, str], lines: Sequence[tuple[Array, Array]] = ()
 ) -> Drawing:
     """Draw a panel for each joint of samples (N, n) over (N, n).
 
-    axes: labels of x and y with units; {} stands for the joint.
-    lines: (M, 6) over (M, 6), the first solid, the second dashed; fitted: (N, 6) over the same x,
-    in black.
+    axes: labels of `joint_panels`; lines: (M, 6) over (M, 6), the first solid, the second dashed.
     """
     if np.isnan(x).all():
         return nothing_to_draw()
-    rows = -(-x.shape[1] // 3)
-    with house_style(2.2 * rows, rows, 3) as (figure, panels):
-        axes_of = panels.flat
-        for empty in axes_of[x.shape[1] :]:
-            empty.set_visible(False)
-        for joint, axis in enumerate(axes_of[: x.shape[1]]):
+    with joint_panels(x.shape[1], axes) as (figure, panels):
+        for joint, axis in enumerate(panels):
             axis.plot(x[:, joint], y[:, joint], ".", color=JOINT_COLOURS[joint], **DOT_STYLE)
             for (along, values), dashes in zip(lines, LINE_DASHES, strict=False):
                 axis.plot(along[:, joint], values[:, joint], dashes, color="black", linewidth=0.9)
-            if fitted is not None:
-                axis.plot(x[:, joint], fitted[:, joint], ".", color="black", **FITTED_DOT_STYLE)
-            labels = (label.format(joint + 1) for label in axes)
-            xlabel, ylabel = (re.sub(r"(\w)_(\d)", r"$\1_\2$", label) for label in labels)
-            axis.set(ylabel=ylabel)
-            axis.set_xlabel(xlabel, loc="left")  # on the right is the power of the numbers
-    columns = {axes[0]: x, axes[1]: y} | ({} if fitted is None else {f"fitted {axes[1]}": fitted})
-    data = {
-        name.format(j + 1): column[:, j]
-        for j in range(x.shape[1])
-        for name, column in columns.items()
-    }
-    return Drawing(figure, pd.DataFrame(data))
+    return Drawing(figure, by_joint(dict(zip(axes, (x, y), strict=True))))
+
+
+def by_joint(columns: Mapping[str, Array]) -> pd.DataFrame:
+    """Return the numbers of panels, joint after joint; columns: (N, n), or fewer rows, by name, in
+    which {} stands for the joint.
+    """
+    joints = range(next(iter(columns.values())).shape[1])
+    named = {name.format(j + 1): own[:, j] for j in joints for name, own in columns.items()}
+    return pd.DataFrame({name: pd.Series(own) for name, own in named.items()})
 
 
 def residual_panels(residual: Array, against: Mapping[str, Array], unit: str) -> Drawing:

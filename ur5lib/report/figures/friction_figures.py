@@ -1,24 +1,47 @@
-"""Currents over torques as in Figures 6.1 and 6.2, friction of an arm, residuals of its fit."""
+"""Currents over torques as in Figures 6.1 and 6.2, friction of an arm with its band, residuals."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, fields
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from ur5lib.channels import CURRENT, TORQUE, Effort
-from ur5lib.identification.currents import predict, spring_current
-from ur5lib.identification.samples import CurrentSamples, Smooth, smoothed_moving
-from ur5lib.records.friction import CurrentFit, Parameter
-from ur5lib.report.figures.charts import residual_panels, scatter_panels
-from ur5lib.report.figures.house_style import Drawing, house_style, nothing_to_draw
+from ur5lib.identification.currents import predict, spring_current, torque_constants
+from ur5lib.identification.estimation import physical_values
+from ur5lib.identification.samples import CurrentSamples, MotionState, Smooth, motion_states
+from ur5lib.records.currents import Currents
+from ur5lib.records.friction import Friction, JointFit, Parameter
+from ur5lib.report.figures.charts import by_joint, joint_panels, residual_panels, scatter_panels
+from ur5lib.report.figures.house_style import (
+    BAND_STYLE,
+    DOT_STYLE,
+    JOINT_COLOURS,
+    Drawing,
+    house_style,
+    nothing_to_draw,
+)
+from ur5lib.robots.friction import JointMotion, friction_columns
 from ur5lib.timeseries.arrays import Array
 
 DRAWN_STEP = 0.1  # s between the samples that are drawn
 BAR_HEIGHT = 0.16  # inches, with the space to the next
 SYMBOLS = {CURRENT: "i_{0}", TORQUE: "measured τ_{0}"}
+CURVE_POINTS = 30  # of a curve in one direction of motion
+BAND_PARTS = 15  # of the samples of one direction, over each of which a band is a mean
+FRICTION_BAND_STYLE = {**BAND_STYLE, "label": "95 % band"}
+REST_STYLE: Any = {"color": "#444444", "capsize": 3, "linewidth": 1, "label": "95 % band at rest"}
+FRICTION_COLUMNS = (  # of the numbers
+    "velocity, joint {} [rad/s]",
+    "measured, joint {} [Nm]",
+    "fitted, joint {} [Nm]",
+    "half of the 95 % band, joint {} [Nm]",
+    "half of the band at rest, joint {} [Nm]",
+)
 KNOWLEDGE_SOURCES = {  # the shares of a parameter's knowledge, and their colours, darker in turn
     "prior_share": ("other arms and the maker", "#E0E0E0"),
     "arm_share": ("other days", "#E69F00"),
@@ -42,8 +65,11 @@ PARAMETER_SYMBOLS = {
 
 @dataclass(frozen=True)
 class MovingSamples:
-    """Low-passed samples of recordings, (N, 6) each; NaN where a joint rests; spring: the part of
-    the predicted current that springs take.
+    """Low-passed samples of recordings, (N, 6) each; NaN where a joint rests.
+
+    predicted: current, and `spring`, the part of it that springs take, by the fit to all; error: of
+    the torque that a fit predicts which has not seen the path, and half of its 95 % band [Nm], NaN
+    without that prediction; resting: (R, 6), mean half of the band [Nm] at rest, a row a recording.
     """
 
     time: Array
@@ -53,16 +79,25 @@ class MovingSamples:
     current: Array
     predicted: Array
     spring: Array
+    error: Array
+    half: Array
+    resting: Array
 
     @classmethod
-    def from_record(cls, record: CurrentSamples, fit: CurrentFit, smooth: Smooth) -> Self:
-        """Return a recording's samples where each joint moves."""
+    def from_record(
+        cls, record: CurrentSamples, friction: Friction, currents: Currents, smooth: Smooth
+    ) -> Self:
+        """Return a recording's samples where each joint moves; currents: predicted for it."""
         every = max(1, round(DRAWN_STEP / record.period))
-        moving = smoothed_moving(record, smooth)[::every]
+        state = motion_states(record, smooth)[::every]
+        moving = state == MotionState.MOVING
 
         def thinned(values: Array) -> Array:
             return np.where(moving, smooth(values, record)[::every], np.nan)
 
+        constant, unknown = torque_constants(friction.fit_for(record.name)), 0 * record.q + np.nan
+        unseen = unknown if currents.predicted is None else currents.predicted
+        half = constant * (unknown if currents.band is None else currents.band)[::every]
         time = np.arange(len(record.q))[::every, None] * record.period * np.ones(record.q.shape[1])
         return cls(
             time=np.where(moving, time, np.nan),
@@ -70,8 +105,11 @@ class MovingSamples:
             qd=thinned(record.qd),
             torque=thinned(record.torque),
             current=thinned(record.current),
-            predicted=thinned(predict(fit, record)),
-            spring=thinned(spring_current(fit, record)),
+            predicted=thinned(predict(friction.fit, record)),
+            spring=thinned(spring_current(friction.fit, record)),
+            error=constant * thinned(record.current - unseen),
+            half=np.where(moving, half, np.nan),
+            resting=_mean(np.where(state == MotionState.STANDING, half, np.nan))[None],
         )
 
     @classmethod
@@ -118,20 +156,19 @@ def _draw_shares(axis: Axes, parameters: pd.DataFrame) -> None:
     axis.grid(visible=False)
 
 
-def friction_figures(
+def current_figures(
     samples: MovingSamples, constant: Array, known: Array, effort: Effort = CURRENT
 ) -> dict[str, Drawing]:
-    """Return the four figures by name.
+    """Return the figures of currents over torque and of residuals by name.
 
     constant, known: torque constants (6,) [Nm/A] of the fit, and those known before it; effort:
     that is measured.
     """
     symbol, unit = SYMBOLS[effort], effort.unit
     axis = f"{symbol} [{unit}]"
-    needed, rigid = constant * samples.predicted, samples.torque + constant * samples.spring
+    needed = constant * samples.predicted
     ends = np.stack([np.fmin.reduce(needed), np.fmax.reduce(needed)])
     lines = [(ends, ends / constant), (ends, ends / known)]
-    labels = ("velocity of joint {} [rad/s]", "friction of joint {} [Nm]")
     against = {
         "position [rad]": samples.q,
         "velocity [rad/s]": samples.qd,
@@ -145,8 +182,84 @@ def friction_figures(
         "current_torque_friction": scatter_panels(
             needed, samples.current, ("τ_{} with friction [Nm]", axis), lines
         ),
-        "friction": scatter_panels(
-            samples.qd, constant * samples.current - rigid, labels, fitted=needed - rigid
-        ),
         "residuals": residual_panels(samples.current - samples.predicted, against, unit),
     }
+
+
+def friction_figure(samples: MovingSamples, models: Sequence[JointFit]) -> Drawing:
+    """Draw friction over velocity, a panel for each joint: the fitted curve at the mean load, the
+    95 % band of predictions, and what was measured, as far from the curve as from its prediction.
+
+    models: of the joints.
+    """
+    known = np.isfinite(samples.qd + samples.error + samples.half)
+    if not known.any():
+        return nothing_to_draw()
+    qd, load = np.where(known, samples.qd, np.nan), _mean(np.abs(samples.torque))
+    labels = "velocity of joint {} [rad/s]", "friction of joint {} [Nm]"
+    resting, fitted, half = _mean(samples.resting), np.empty_like(qd), np.empty_like(qd)
+    with joint_panels(len(models), labels) as (figure, panels):
+        for j, (axis, model) in enumerate(zip(panels, models, strict=True)):
+            fitted[:, j] = friction_curve(model, qd[:, j], load[j])
+            half[:, j] = band_over(qd[:, j], samples.half[:, j], qd[:, j])
+            measured: dict[str, Any] = {"color": JOINT_COLOURS[j], "label": "measured"}
+            axis.plot(qd[:, j], fitted[:, j] + samples.error[:, j], ".", **measured, **DOT_STYLE)
+            for at in _branches(qd[:, j]):
+                curve = friction_curve(model, at, load[j])
+                around = band_over(qd[:, j], samples.half[:, j], at)
+                axis.fill_between(at, curve - around, curve + around, **FRICTION_BAND_STYLE)
+                axis.plot(at, curve, color="black", linewidth=1.1, label="fitted")
+            if np.isfinite(resting[j]):
+                axis.errorbar(0, 0, resting[j], **REST_STYLE)
+        _name_marks(figure, panels)
+    numbers = (qd, fitted + samples.error, fitted, half)
+    at_rest = {FRICTION_COLUMNS[-1]: resting[None]} if np.isfinite(resting).any() else {}
+    return Drawing(figure, by_joint(dict(zip(FRICTION_COLUMNS, numbers, strict=False)) | at_rest))
+
+
+def friction_curve(model: JointFit, qd: Array, load: float) -> Array:
+    """Return a joint's friction (N,) [Nm] at steady velocities (N,) [rad/s], by its parameters.
+
+    load: size of the torque that its gear transmits [Nm].
+    """
+    steady = JointMotion(np.zeros_like(qd), qd, np.full_like(qd, load), np.sign(qd))
+    values = physical_values(model.estimate.coefficients)
+    curve: Array = friction_columns(steady, model.terms) @ values[2:]
+    return curve
+
+
+def _branches(qd: Array) -> Iterator[Array]:
+    """Yield velocities from the lowest to the highest of (N,) [rad/s] in each direction."""
+    for own in (qd[qd < 0], qd[qd > 0]):
+        if len(own):
+            yield np.linspace(own.min(), own.max(), CURVE_POINTS)
+
+
+def band_over(qd: Array, half: Array, at: Array) -> Array:
+    """Return half of the 95 % band at velocities `at` (M,) [rad/s] in motion: the mean of a part of
+    the samples, of neighbours in velocity.
+
+    qd, half: of the samples (N,) [rad/s], [Nm]; NaN in qd is left out.
+    """
+    found = np.full(len(at), np.nan)
+    for direction in (-1, 1):
+        own, here = np.flatnonzero(direction * qd > 0), direction * at > 0
+        if len(own):
+            parts = np.array_split(own[np.argsort(qd[own])], min(BAND_PARTS, len(own)))
+            centres, means = ([values[part].mean() for part in parts] for values in (qd, half))
+            found[here] = np.interp(at[here], centres, means)
+    return found
+
+
+def _name_marks(figure: Figure, panels: Sequence[Axes]) -> None:
+    """Draw one legend for all panels."""
+    named = (zip(*axis.get_legend_handles_labels(), strict=True) for axis in panels)
+    marks: dict[str, Any] = {label: mark for pairs in named for mark, label in pairs}
+    marks["measured"] = Line2D([], [], color="#777777", marker=".", linestyle="")  # of any joint
+    style: Any = {"loc": "outside upper center", "frameon": False, "ncols": len(marks)}
+    figure.legend([*marks.values()], [*marks], **style)
+
+
+def _mean(values: Array) -> Array:
+    """Return the mean (n,) of the finite values of each column (N, n); NaN if there are none."""
+    return pd.DataFrame(values).mean().to_numpy(float)

@@ -11,13 +11,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import matplotlib
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
 from matplotlib.lines import Line2D
 from matplotlib.spines import Spine
 from matplotlib.text import Text
@@ -78,11 +79,11 @@ HOUSE_STYLE: Any = {
     "svg.hashsalt": "ur5lib",  # the same figure gives the same file
 }
 DOT_STYLE: Any = {"markersize": 1.5, "alpha": 0.4, "rasterized": True}
-FITTED_DOT_STYLE: Any = {"markersize": 0.8, "rasterized": True}
 BAND_STYLE: Any = {"color": "#009E73", "alpha": 0.25, "linewidth": 0}
 GAP_STYLE: Any = {"facecolor": "none", "edgecolor": "#999999", "hatch": "////", "linewidth": 0}
 SHADE_STYLE: Any = {"color": "#000000", "alpha": 0.12, "linewidth": 0}
 PAGE_WIDTH = 7.2  # inches, of A4 between margins
+ALONE_HEIGHT = 3.6  # inches, of a panel shown alone
 LABEL_DISTANCE = 0.6  # inches from a y-axis to its label, beside tick labels such as −0.0025
 IMAGE_DPI = 130  # of images inside a figure
 SCREEN_DPI = 100  # of a figure in a notebook
@@ -113,6 +114,16 @@ class Ticks(ScalarFormatter):
 
 class NotebookFigure(Figure):
     """A figure that a notebook shows, whatever its backend."""
+
+    def with_panel(self, number: int) -> Self:
+        """Return the figure with one of its panels alone, counted from 1, at full width."""
+        for place, axes in enumerate([*self.axes], start=1):
+            if place != number:
+                axes.remove()
+            else:
+                axes.set_subplotspec(GridSpec(1, 1, self)[0])
+                self.set_size_inches(PAGE_WIDTH, ALONE_HEIGHT)
+        return self
 
     def _repr_png_(self) -> bytes:
         buffer = BytesIO()

@@ -266,12 +266,13 @@ def _single(
         case Picture():
             path = results.figures / name / f"{declared.figure}.svg"
             if _has_numbers(path):
-                shown = drawn_in_words(path.with_suffix(".csv"))
+                header = _header(path.with_suffix(".csv"))
+                lines, shown = labels(header), drawn_in_words(header)
                 yield replace(
                     declared,
-                    caption=_filled(declared.caption, results, name, drawn=shown),
+                    caption=_filled(declared.caption, results, name, lines, shown),
                     path=path,
-                    alternative=_filled(declared.alternative, results, name, drawn=shown),
+                    alternative=_filled(declared.alternative, results, name, lines, shown),
                     label=_label(declared.figure, name),
                     source=str(path.with_suffix(".csv").relative_to(results.figures.parent)),
                     of=name,
@@ -294,7 +295,8 @@ def _filled(
     text: str, results: Results, name: str, columns: Sequence[str] = (), drawn: str = ""
 ) -> str:
     """Return a text with the names of its recording or arm and of the leading estimate, and with
-    the remarks that concern it; columns: of its table; drawn: what its figure shows.
+    the remarks that concern it; columns: of its table, or the labels of what its figure draws;
+    drawn: the same in words.
     """
     kinds = {"thesis": results.of_thesis, "other": name in results.other_arms}
     kinds["ur"] = not kinds["other"]
@@ -350,17 +352,27 @@ def _has_numbers(path: Path) -> bool:
         return sum(1 for _ in zip(range(2), lines, strict=False)) == 2
 
 
-def drawn_in_words(numbers: Path) -> str:
-    """Return what a figure over time shows, by the names of its numbers; empty of other figures."""
+def _header(numbers: Path) -> list[str]:
+    """Return the names of the columns of a figure's numbers."""
     with numbers.open(encoding="utf-8", newline="") as lines:
-        header = next(csv.reader(lines))
-    labels = dict.fromkeys(match[1] for match in map(LINE_COLUMN.fullmatch, header) if match)
-    errors = [label.removeprefix(ERROR) for label in labels if label.startswith(ERROR)]
+        return next(csv.reader(lines))
+
+
+def labels(header: Sequence[str]) -> list[str]:
+    """Return the labels of what a figure draws in panels, by the names of its numbers."""
+    named = map(LINE_COLUMN.fullmatch, header)
+    return [*dict.fromkeys(match[1] for match in named if match)]
+
+
+def drawn_in_words(header: Sequence[str]) -> str:
+    """Return what a figure over time shows, by the names of its numbers; empty of other figures."""
+    drawn = labels(header)
+    errors = [label.removeprefix(ERROR) for label in drawn if label.startswith(ERROR)]
     shown = [
-        label for label in labels if label not in (*BAND_EDGES, UNFILTERED) and ERROR not in label
+        label for label in drawn if label not in (*BAND_EDGES, UNFILTERED) and ERROR not in label
     ]
-    banded = [*errors, *shown][0] if BAND_EDGES[0] in labels else None
-    words = {"banded": banded, "pale": UNFILTERED in labels, "hidden": HIDDEN in header}
+    banded = [*errors, *shown][0] if BAND_EDGES[0] in drawn else None
+    words = {"banded": banded, "pale": UNFILTERED in drawn, "hidden": HIDDEN in header}
     return say("figure.drawn", lines=shown, errors=errors, **words) if shown else ""
 
 
