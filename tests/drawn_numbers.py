@@ -8,12 +8,14 @@ import pytest
 import yaml
 
 from ur5lib.force.detection import in_contact
-from ur5lib.force.estimators import NEW
+from ur5lib.force.estimators import ESTIMATES, LEADING, UNGATED
 from ur5lib.jobs.files import arguments
 from ur5lib.records.accelerations import COMPONENTS
 from ur5lib.records.table import WRENCH
 from ur5lib.report.figures import traces
 from ur5lib.report.figures.house_style import Drawing
+from ur5lib.report.results import Results
+from ur5lib.report.views import models
 from ur5lib.steps.draw_figures import draw_figures
 from ur5lib.tables import read_csv
 
@@ -53,6 +55,9 @@ def check_drawn_numbers(results: Path, monkeypatch: pytest.MonkeyPatch) -> list[
     study = yaml.safe_load((results / "configuration.yaml").read_text())
     told = {name: read_csv(results / "tables" / f"{name}.csv") for name in JUDGED}
     compared, known = list[str](), study["settings"]
+    text, every = yaml.safe_dump(study), [*(results / "tables").glob("*.csv")]
+    decided = models.decided(Results.read(text, every, every, None)).groupby("robot")
+    closest = {arm: {*rows["model"], *rows["second"].dropna()} for arm, rows in decided}
     lowpass = known["lowpass"]["currents"]
     settings = {"lowpass": (lowpass["order"], lowpass["cutoff_hz"]), **known["singularities"]}
     for entry in study["recordings"]:
@@ -74,7 +79,7 @@ def check_drawn_numbers(results: Path, monkeypatch: pytest.MonkeyPatch) -> list[
             if "recording" in rows
         }
         compared += check_currents(figures["currents"], own["current_rmse"])
-        compared += check_torques(figures["torques"], own["torque_mae"], received)
+        compared += check_torques(figures["torques"], own["torque_mae"], received, closest[arm])
         compared += check_forces(figures["forces_estimated"], own["force_mae"])
         compared += check_accelerations(figures["accelerations"], own["acceleration_mae"])
     for robot, rows in told["friction"].groupby("robot"):
@@ -104,13 +109,18 @@ def check_currents(drawing: Drawing, rows: pd.DataFrame) -> list[str]:
     return ["currents"]
 
 
-def check_torques(drawing: Drawing, rows: pd.DataFrame, received: np.ndarray) -> list[str]:
+def check_torques(
+    drawing: Drawing, rows: pd.DataFrame, received: np.ndarray, compared: set[str]
+) -> list[str]:
+    """compared: the models of the report's table, which are drawn."""
     if rows.dropna(subset="mae_2hz").empty:
         return []
     drawn = Drawn(drawing, received)
-    for label in (label for label in drawn.lines if label.startswith(ERROR)):
-        name = label.removeprefix(ERROR).removeprefix("Model ").removesuffix(" motion")
-        model, motion = name.split(" at the ")
+    labels = [label for label in drawn.lines if label.startswith(ERROR)]
+    names = [label.removeprefix(ERROR).removeprefix("Model ") for label in labels]
+    assert compared <= {name.split(" at the ")[0] for name in names}
+    for label, name in zip(labels, names, strict=True):
+        model, motion = name.removesuffix(" motion").split(" at the ")
         known = rows[(rows["model"] == model) & (rows["motion"] == motion)]
         mae = np.nanmean(np.abs(drawn.lines[label]), axis=0)
         np.testing.assert_allclose(
@@ -122,9 +132,9 @@ def check_torques(drawing: Drawing, rows: pd.DataFrame, received: np.ndarray) ->
 def check_forces(drawing: Drawing, rows: pd.DataFrame) -> list[str]:
     rows = rows[(rows["kind"] == "compensated") & (rows["during"] == "contact")]
     drawn = Drawn(drawing)
-    for name in {*rows["estimate"]} & {*NEW}:
+    for name in {*rows["estimate"]} & {LEADING, UNGATED}:  # whose errors the report states
         touched = in_contact(np.linalg.norm(drawn.lines["force sensor"][:, :3], axis=1))
-        error = drawn.error(NEW[name])[:, :3]  # beside the size of the force
+        error = drawn.error(ESTIMATES[name])[:, :3]  # beside the size of the force
         known = touched & np.isfinite(error).all(axis=1)
         mae = np.abs(error[known]).mean(axis=0)
         own = by_place(rows[rows["estimate"] == name], "mae", [*WRENCH[:3]])

@@ -3,7 +3,10 @@
 import numpy as np
 import pytest
 
+from ur5lib.dynamics.flange import flange_kinematics
+from ur5lib.force.plain_least_squares import plain_least_squares
 from ur5lib.force.sensor import move_to_frame_6, wrench_of_environment
+from ur5lib.robots.description import Robot
 from ur5lib.timeseries.metrics import (
     correlation,
     coverage,
@@ -20,6 +23,16 @@ RANDOM = np.random.default_rng(0)
 
 def rotations(count: int) -> np.ndarray:
     return np.linalg.qr(RANDOM.normal(size=(count, 3, 3)))[0]
+
+
+def test_plain_least_squares_gives_the_wrench_back(ur5: Robot) -> None:
+    """But for what a singular posture hides, which is zero there."""
+    J = flange_kinematics(ur5, RANDOM.uniform(-3, 3, (200, 6)))[2]
+    wrench = RANDOM.normal(size=(200, 6))
+    estimate = plain_least_squares(np.matvec(J.mT, wrench), J, 0.05)
+    seen = np.linalg.svd(J, compute_uv=False)[:, -1] > 0.05
+    np.testing.assert_allclose(estimate[seen], wrench[seen], rtol=1e-7, atol=1e-9)
+    assert (np.linalg.norm(estimate, axis=1) <= np.linalg.norm(wrench, axis=1) + 1e-9).all()
 
 
 def test_a_reading_is_turned_into_base_axes() -> None:

@@ -1,5 +1,6 @@
 """Figures of one recording, after the thesis's 4.4, 5.11, 5.12, 5.14, 5.15 and 6.4."""
 
+from ur5lib.force.plain_least_squares import plain_least_squares
 from ur5lib.records.accelerations import Accelerations
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
@@ -33,14 +34,18 @@ def draw_figures(
     force is determined; lowpass: of currents, order and cut-off [Hz]; gravity: see `Robot.mounted`.
     """
     hidden = kinematics.smallest_singular_value < min_singular_value
+    torque, plain = currents.external_torque, None
+    if torque is not None and sensor.wrench:  # what the estimates are judged beside
+        plain = plain_least_squares(torque, kinematics.jacobian, min_singular_value)
+    beside = forces, sensor, hidden, plain
     # each figure reads its signals anew, so that none holds those of another
     return {
         "packets": figures.packet_figure(signals.anew()),
         "torques": figures.torque_figure(signals.anew(), torques, arm),
         "currents": figures.effort_figure(signals.anew(), currents, arm.measured, lowpass),
         "accelerations": figures.acceleration_figure(accelerations),
-        "forces_estimated": figures.estimate_figure(forces, sensor, hidden),
-        "moments_estimated": figures.estimate_figure(forces, sensor, hidden, moments=True),
+        "forces_estimated": figures.estimate_figure(*beside),
+        "moments_estimated": figures.estimate_figure(*beside, moments=True),
         "scene": arm_scene(
             arm.mounted(gravity), signals.anew(), currents, forces, sensor, threshold, role
         ),

@@ -9,6 +9,7 @@ import pandas as pd
 from ur5lib.force.contact_figures import contact_errors, figures_by_contact
 from ur5lib.force.detection import sensed_contact
 from ur5lib.force.estimators import LEADING, UNGATED, Stated, all_stated
+from ur5lib.force.plain_least_squares import plain_least_squares
 from ur5lib.force.published import published_or_controller
 from ur5lib.force.sensor import (
     measured_columns,
@@ -82,7 +83,7 @@ def judge_sensor(
     others = published_or_controller(published, arm, signals, withheld)
     estimates = compared_estimates(robot, signals, reading, others, forces)
     if (torque := currents.external_torque) is not None and forces.wrench:
-        plain = ungated(torque, kinematics.jacobian, min_singular_value)
+        plain = plain_least_squares(torque, kinematics.jacobian, min_singular_value)
         estimates["compensated"] |= {UNGATED: Stated(plain)}
     return JudgedSensor(sensor, beside_sensor(reading, sensor, estimates, kinematics.rotation))
 
@@ -104,18 +105,6 @@ def sensor_wrenches(
     if not reading.own_clock:
         del wrenches["printed"]
     return SensorWrenches(time=signals.time, segment=signals.segment, wrench=wrenches)
-
-
-def ungated(torque: Array, jacobian: Array, min_singular_value: float) -> Array:
-    """Return the wrench (N, 6) [N, Nm] by least squares of the external torques (N, n) [Nm], in and
-    out of contact: the simplest rival of an estimate that knows when nothing touches the arm.
-
-    jacobian: (N, 6, n), of which directions with smaller singular values are left out.
-    """
-    left, size, right = np.linalg.svd(jacobian.mT, full_matrices=False)
-    inverse = np.where(size > min_singular_value, 1 / size, 0.0)
-    wrench: Array = np.matvec(right.mT, inverse * np.matvec(left.mT, torque))
-    return wrench
 
 
 def compared_estimates(

@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from ur5lib.channels import CURRENT, Effort
-from ur5lib.force.estimators import NEW
+from ur5lib.force.estimators import ESTIMATES, UNGATED
 from ur5lib.records.accelerations import Accelerations
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
@@ -48,8 +48,8 @@ RECEIVED_COLOUR, LOST_COLOUR, SPEED_COLOUR = JOINT_COLOURS[0], JOINT_COLOURS[1],
 
 
 def torque_figure(signals: Signals, torques: Torques, robot: Robot) -> Drawing:
-    """Return Figures 5.11 and 5.12: the chosen model, and the fullest, with rotors, against the
-    controller's torque, low-passed as for the table of their errors.
+    """Return Figures 5.11 and 5.12: the chosen model, it with rotors, and the fullest, of which the
+    table of their errors names the closest, against the controller's torque, low-passed as there.
     """
     if signals.target_moment is None:
         return nothing_to_draw()
@@ -57,8 +57,10 @@ def torque_figure(signals: Signals, torques: Torques, robot: Robot) -> Drawing:
     lines: dict[str, tuple[Array | None, str]] = {
         f"target_moment below {CUTOFF:g} Hz": (moment, "measured")
     }
-    models = dict.fromkeys((robot.chosen_model, robot.fullest_model()))
-    for model, style in zip(models, ("first", "second"), strict=False):
+    chosen = robot.chosen_model
+    models = dict.fromkeys((chosen, f"{chosen}+rotors", robot.fullest_model()))
+    known = [model for model in models if model in torques.measured]
+    for model, style in zip(known, ("first", "second", "third"), strict=False):
         motion = "target" if model in torques.target else "measured"
         torque = slowly(getattr(torques, motion)[model], signals)
         lines[f"Model {model} at the {motion} motion"] = torque, style
@@ -100,19 +102,27 @@ def acceleration_figure(accelerations: Accelerations) -> Drawing:
 
 
 def estimate_figure(
-    forces: Forces, sensor: SensorWrenches, hidden: Mask, moments: bool = False
+    forces: Forces,
+    sensor: SensorWrenches,
+    hidden: Mask,
+    plain: Array | None = None,
+    moments: bool = False,
 ) -> Drawing:
     """Return the new estimates, the band of the first, and the sensor; hidden: see Traces.
 
-    Drawn are forces and their size, or moments.
+    plain: the wrench (N, 6) by plain least squares, which judges the others beside a sensor, and
+    is drawn in place of the gated one. Drawn are forces and their size, or moments.
     """
     part, panels = (_moments, MOMENT_PANELS) if moments else (_forces, FORCE_PANELS)
-    labels = {name: label for name, label in NEW.items() if name in forces.wrench}
+    wrenches = dict(forces.wrench)
+    if plain is not None and wrenches.pop("least_squares", None) is not None:
+        wrenches[UNGATED] = plain
+    labels = {name: label for name, label in ESTIMATES.items() if name in wrenches}
     lines: dict[str, tuple[Array | None, str]] = {
         "force sensor": (sensor.wrench.get("compensated"), "measured")
     }
     for (name, label), style in zip(labels.items(), ESTIMATE_STYLES, strict=False):
-        lines[label] = forces.wrench[name], style
+        lines[label] = wrenches[name], style
     band = None
     if (lead := next(iter(labels), None)) in forces.std:
         whole, half = forces.wrench[lead], NORMAL95 * forces.std[lead]
