@@ -27,6 +27,7 @@ from ur5lib.report.figures.house_style import JOINT_COLOURS, save
 from ur5lib.report.figures.scene import MOST_POSTURES, arm_scene, shown_rows, upright
 from ur5lib.report.figures.traces import (
     CURRENT_PANELS,
+    FORCE_PANELS,
     WRENCH_PANELS,
     Panel,
     Traces,
@@ -436,6 +437,38 @@ def test_an_alarm_while_nothing_touches_the_arm_is_called_false(
     page.evaluate("stretches.get('free').point(25)")
     page.wait_for_selector("text=At 25.00 s: false alarm by F̂ᵐᵃᵖ.")
     assert page.locator("[aria-label*='False alarm by F̂ᵐᵃᵖ (gate): 20.0']").count() == 1
+    page.close()
+
+
+def test_the_plots_read_the_forces_that_stand_beside_the_arm(chromium: Any, tmp_path: Path) -> None:
+    """Though a peak of 500 N leaves the lines levels that are 2 N apart."""
+    scene = pushed()
+    peak = np.where(scene.time == scene.time[0], 500.0, 0.0)[:, None] * np.ones(3)
+    lines = {"force sensor": scene.sensed, scene.estimate: scene.force}
+    series = {
+        label: (np.column_stack([own + peak, np.linalg.norm(own, axis=1)]), "measured")
+        for label, own in lines.items()
+        if own is not None
+    }
+    figure = tmp_path / "pushed" / "forces.svg"
+    save(draw_traces(Traces(scene.time, series), FORCE_PANELS), figure)
+    write_json(scene, tmp_path / "pushed" / "scene.json")
+    picture = Picture("Forces.", figure, "Forces.", "forces", "a.csv", "draw", "pushed")
+    document = Document("Report", "Of a test.", [Section("First", [picture])]).numbered()
+    write_text(html_page(document), tmp_path / "report.html")
+    page = chromium.new_page()
+    page.goto((tmp_path / "report.html").as_uri())
+    opened(page, "forces")
+    page.evaluate("stretches.get('pushed').point(25.03)")
+    page.wait_for_selector("text=At 25.03 s")
+    readings = page.locator("#forces .panel").all_text_contents()
+    told = [re.findall(r"−?\d+\.\d", reading) for reading in readings]
+    beside = page.text_content("#forces .readout")
+    expected = [np.array([10.0, 30.0, 25.0]), np.array([30.0, -20.0, 25.0])]
+    for axis, numbers in enumerate(told[:3]):
+        assert [float(one.replace("−", "-")) for one in numbers] == [own[axis] for own in expected]
+        assert all(one in beside for one in numbers)
+    assert told[3] == [f"{np.linalg.norm(own):.1f}" for own in expected]
     page.close()
 
 

@@ -247,7 +247,7 @@ class Arm {
   // Write what is drawn.
   tell(now) {
     const { estimate, contacts, alarms, free } = this.scene, { time } = this.stretch;
-    const list = (numbers, factor = 1) => numbers.map((one) => withMinus(factor * one, 1)).join(", ");
+    const list = (numbers, factor = 1) => numbers.map((one) => withMinus(factor * one, READ_DIGITS)).join(", ");
     const finders = [contacts && inside(contacts, time) && "the force sensor", alarms && inside(alarms, time) && estimate];
     const found = finders.filter(Boolean).join(" and by "), isSearched = contacts || alarms;
     const band = now?.std ? `, 95 % bands ± ${list(now.std, BAND95)}` : "";

@@ -26,7 +26,7 @@ class Look {
     this.times = data.times;
     this.arm = scene && new Arm(scene, this.stretch);
     this.stretch.time ??= this.arm ? this.arm.scene.busiest() : (data.times[0] + data.times.at(-1)) / 2;
-    this.panels = data.panels.map((_, i) => new Panel(data, i, this.stretch));
+    this.panels = data.panels.map((_, i) => new Panel(data, i, this.stretch, this.arm?.scene));
     this.panels.forEach(({ plot }) => listen(plot, this.stretch, (command) => this.carryOut(command)));
     this.element = this.build(figure, data);
     new ResizeObserver(() => this.resize()).observe(this.plots);

@@ -17,6 +17,8 @@ function digitsOf(level) {
   return Math.min(Math.max(Math.ceil(-Math.log10(level)), 0), 6);
 }
 
+const READ_DIGITS = 1; // after the point, of forces and torques at a time
+
 function withMinus(value, digits) {
   if (value === null || Number.isNaN(value)) return "–";
   return value.toFixed(digits).replace(/^-(?=.*[1-9])/, "−").replace("-", ""); // none before zero

@@ -7,7 +7,8 @@ const UNFILTERED = "unfiltered"; // in the label of the line behind all others
 const FONT = "12px 'Source Sans 3', 'Segoe UI', Helvetica, Arial, sans-serif";
 
 class Panel {
-  constructor(data, i, stretch) {
+  constructor(data, i, stretch, scene) {
+    this.forces = data.lines.map(({ label }) => scene?.forceOf(label, data.panels[i][0]));
     this.name = data.panels[i].join(" [") + "]";
     this.stretch = stretch;
     this.columns = data.columns.filter((_, column) => column % data.panels.length === i);
@@ -55,9 +56,11 @@ class Panel {
     this.readings.forEach((reading, k) => write(reading, this.text(k)));
   }
 
-  // The value of a line at the time pointed at.
+  // The value of a line at the time pointed at, as the readings beside the arm state it.
   text(line) {
-    return withMinus(this.plot.data[line + 1][this.plot.valToIdx(this.stretch.time)], this.digits);
+    const { time } = this.stretch, force = this.forces[line];
+    if (force) return withMinus(force(time), READ_DIGITS);
+    return withMinus(this.plot.data[line + 1][this.plot.valToIdx(time)], this.digits);
   }
 
   // The values of the lines that are shown.

@@ -26,6 +26,22 @@ class Scene {
 
   // What is known at a time, between two rows; null in a gap.
   at(time) {
+    if (this.latest?.time !== time) this.latest = { time, known: this.knownAt(time) };
+    return this.latest.known;
+  }
+
+  // By the label of a line and the name of its panel, a function of the time: the force that the readings beside
+  // the arm state, too; undefined of all else.
+  forceOf(label, panel) {
+    const name = { [this.estimate]: "force", "force sensor": "sensed" }[label], axis = ["Fx", "Fy", "Fz", "size"].indexOf(panel);
+    if (!name || !this[name] || axis < 0) return undefined;
+    return (time) => {
+      const force = this.at(time)?.[name];
+      return force ? [...force, Math.hypot(...force)][axis] : null;
+    };
+  }
+
+  knownAt(time) {
     const { times, segment } = this, last = times.length - 1;
     const found = times.findIndex((one) => one >= time), next = found < 0 ? last : found, before = Math.max(next - 1, 0);
     const share = Math.min(Math.max((time - times[before]) / (times[next] - times[before]), 0), 1) || 0;
