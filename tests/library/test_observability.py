@@ -7,6 +7,8 @@ import pandas as pd
 import pytest
 
 from tests.library.made_up_torques import MODEL
+from tests.live_arm import friction, robot
+from tests.made_records import motion_of, stretch
 from tests.made_tables import gathered, record
 from ur5lib.force.detection import PAUSE_DURATION, PUSH_DURATION, smallest_force
 from ur5lib.force.external_torque import JointState
@@ -18,6 +20,7 @@ from ur5lib.force.trial_contacts import (
     felt_push,
     try_each_place,
 )
+from ur5lib.identification.currents import torque_constants
 from ur5lib.identification.validation import (
     MIN_SAMPLES,
     SPEED_BINS,
@@ -25,9 +28,10 @@ from ur5lib.identification.validation import (
     share_by_speed,
 )
 from ur5lib.records.arm_state import LARGEST_PUSH, Observed
+from ur5lib.records.currents import Currents
 from ur5lib.records.friction import CurrentFit
 from ur5lib.report.figures.arm_state_figures import observability_figure
-from ur5lib.steps.measure_observability import Judged, at_rest, observability
+from ur5lib.steps.measure_observability import Judged, at_rest, judged, observability
 from ur5lib.timeseries.arrays import Array
 
 PERIOD, COUNT = 0.01, 30_000  # s, samples: five minutes
@@ -176,6 +180,21 @@ def test_the_table_has_each_joint_and_push(tmp_path: Path) -> None:
     for pushed in (pushes[:0], pushes[:1].assign(speed_high=np.nan)):
         drawing = observability_figure(pd.concat([pushed, shares]), 0.9, MIN_LARGEST_PUSH)
         assert len(drawing.data) == len(pushed) + 6 * 9
+
+
+def test_errors_are_within_the_band_that_is_stated_at_their_speed() -> None:
+    """Not within that of motion, 0.1 A, at rest, where a wider one is stated."""
+    fit = friction(robot()).fit
+    time = 0.1 * np.arange(100)
+    resting = (time < 5)[:, None] * np.ones(6)
+    own = Currents(
+        **stretch(time),
+        current_band=0.1 + 0.4 * resting,
+        external_torque=0.3 * torque_constants(fit) * np.ones((100, 6)),
+    )
+    found = judged(motion_of(time, 0 * resting, 1 - resting), own, fit)
+    np.testing.assert_array_equal(found.inside, resting)
+    np.testing.assert_array_equal(found.speed, 1 - resting)
 
 
 def test_the_band_at_rest_is_told_beside_that_of_motion() -> None:

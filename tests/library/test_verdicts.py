@@ -376,19 +376,32 @@ def test_currents_say_by_which_factor_a_band_is_too_narrow_or_too_wide(
     assert f"0.20\u00a0to\u00a0{factor:.2f} times the band" in verdict.evidence
 
 
-def test_currents_say_how_much_wider_the_band_is_at_rest() -> None:
-    """The band of motion would hold few readings there, but it is not the one that is stated."""
-    known = {"robot": "ur5", "speed_low": 0.0, "speed_high": 0.005}
+@pytest.mark.parametrize(
+    ("share", "high", "said"),
+    [
+        (0.95, 0.05, "bands hold; at rest"),
+        (
+            0.62,
+            0.05,
+            "bands hold, though on joint 2 between 0.02 and 0.05 rad/s only 62 %; at rest",
+        ),
+        (0.62, None, "bands hold, though on joint 2 above 0.02 rad/s only 62 %; at rest"),
+    ],
+)
+def test_currents_say_at_which_speed_the_band_holds_least(
+    share: float, high: float | None, said: str
+) -> None:
+    """And how much wider it is at rest; a recording as a whole hides a few seconds."""
+    known = {"robot": "ur5", "speed_low": 0.02, "speed_high": high}
     rows = [
         known | {"quantity": name, "joint": joint, "value": value}
-        for name, values in (("band_at_rest", (3.8, 7.25)), ("friction_in_band", (0.67, 0.07)))
+        for name, values in (("band_at_rest", (3.8, 7.25)), ("friction_in_band", (0.97, share)))
         for joint, value in enumerate(values, start=1)
     ]
     verdict = judge_currents(study(current_rmse=predicted(0.2), observability=rows))
-    assert "bands hold; at rest" in verdict.sentence
+    assert said.replace(" %", "\u00a0%") in verdict.sentence.replace(" %", "\u00a0%")
     assert "up to 7.2 times as wide as in motion" in verdict.sentence
-    told = "Below 0.005 rad/s, the band of motion would hold 7\u00a0to\u00a067 %"
-    assert told in verdict.evidence
+    assert f"rad/s: {share:.0%}"[:-1] in verdict.evidence
 
 
 def test_currents_name_the_largest_error_and_the_least_band_by_themselves() -> None:

@@ -11,9 +11,9 @@ class Observed:
 
     quantity: smallest_push_95_x, _y, _z [N], along an axis, by speed of the flange, and
     largest_push, that was tried; friction_in_band, the share of a joint's samples within the band
-    of motion, by its speed; least_velocity [rad/s], the lower end of the speeds at which this share
-    suffices, NaN where there is none; band_at_rest, the stated band at rest over that of motion;
-    rest_in_band, the share of a resting joint's samples within the stated band, and
+    stated there, by its speed; least_velocity [rad/s], the lower end of the speeds at which this
+    share suffices, NaN where there is none; band_at_rest, the stated band at rest over that of
+    motion; rest_in_band, the share of a resting joint's samples within the stated band, and
     rest_band_factor, the multiple of that within which 95 % are; bound: ">" of a push beyond
     `value`, the largest that was tried.
     """

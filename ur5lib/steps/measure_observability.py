@@ -1,7 +1,7 @@
 """What an arm's contact-free recordings let one observe.
 
-The smallest push that F̂ᵐᵃᵖ detects along each axis, by the flange's speed; and the velocities of
-each joint at which its friction is predicted within its band.
+The smallest push that F̂ᵐᵃᵖ detects along each axis, by the flange's speed; and the share of each
+joint's efforts within their stated band, by its velocity.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -122,7 +122,7 @@ def pushed(
 
 
 def judged(motion: Motion, currents: Currents, fit: CurrentFit) -> Judged:
-    """Return where the current of a contact-free recording is within its bands.
+    """Return where the current of a contact-free recording is within the band that is stated there.
 
     fit: has not seen the recording's path. The external torque is k times the error of the current.
     """
@@ -132,10 +132,8 @@ def judged(motion: Motion, currents: Currents, fit: CurrentFit) -> Judged:
     assert stated is not None
     torque, qd, stated = torque[::every], motion.motor_qd[::every], stated[::every]
     known = finite_rows(torque) & finite_rows(qd)
-    half = np.array([joint.band_moving for joint in fit.joints])
-    error = np.abs(torque[known] / torque_constants(fit))
-    inside = np.where(np.isnan(half), np.nan, error <= half)
-    return Judged(np.abs(qd[known]), inside, error / stated[known])
+    of_band = np.abs(torque[known] / torque_constants(fit)) / stated[known]
+    return Judged(np.abs(qd[known]), np.where(np.isnan(of_band), np.nan, of_band <= 1), of_band)
 
 
 def observability(trials: Sequence[Trials], errors: Sequence[Judged]) -> Iterator[Observed]:
@@ -210,7 +208,7 @@ def _held_at_rest(joint: int, of_band: Array) -> Iterator[Observed]:
 
 
 def _predicted(joint: int, low: float, high: float) -> Observed:
-    """Return the range of speeds in which a joint's friction is predicted within its band."""
+    """Return the range of speeds in which the stated band of a joint holds."""
     return Observed(
         quantity="least_velocity",
         joint=joint,

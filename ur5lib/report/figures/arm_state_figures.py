@@ -66,6 +66,6 @@ def _shares(axis: Axes, rows: pd.DataFrame, wanted: float) -> None:
         style: Any = {"color": colour, "marker": mark, "markersize": 3, "linewidth": 0.9}
         axis.plot(middle, 100 * estimated["value"], label=f"joint {joint:.0f}", **style)
     axis.set(xscale="log", xlabel="speed of the joint [rad/s]", ylim=(0, 102))
-    axis.set_ylabel("within the band of motion [%]")
+    axis.set_ylabel("within the 95 % band [%]")
     axis.xaxis.set_major_formatter(FuncFormatter(lambda speed, _: f"{speed:g}"))
     axis.figure.legend(loc="outside upper center", frameon=False, ncols=8)

@@ -259,14 +259,17 @@ def judge_currents(results: Results) -> Verdict:
     place = f"joint {least['joint']} on {least['recording']}"
     share = Number("least share in the 95 % band", 100 * coverage, "%", place)
     cutoff = results.study["settings"]["lowpass"]["currents"]["cutoff_hz"]
-    rest, slow = (
-        results.rows("observability", quantity=name, speed_low=0.0).dropna(subset="value")
+    rest, speeds = (
+        results.rows("observability", quantity=name).dropna(subset="value")
         for name in ("band_at_rest", "friction_in_band")
     )
     too_wide = (rows.groupby("joint")["band_factor95"].max() < MIN_GOOD_BAND_FACTOR).any()
     words = {"against": against, "factor": factors.max(), "narrowest": factors.min()}
     words |= {"hold": coverage >= MIN_GOOD_COVERAGE, "wide": coverage >= WIDE_BAND_COVERAGE}
-    words |= {"least": least, "rest": rest, "slow": slow}
+    words |= {"least": least, "rest": rest}
+    weakest = next(speeds.sort_values("value", kind="stable").itertuples(), None)
+    words |= {"weakest": weakest, "enough": MIN_GOOD_COVERAGE}
+    words |= {"place": say("currents.speeds", row=weakest) if weakest else ""}
     return Verdict(
         topic=spoken(CURRENTS_TOPIC),
         state=against.state(coverage, tested=not too_wide),
