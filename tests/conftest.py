@@ -181,10 +181,7 @@ class Workflow:
 
     def ur5(self, *arguments: str) -> str:
         """What a command of `ur5` prints."""
-        command = [sys.executable, "-c", "from ur5lib.cli import main; main()", *arguments]
-        told = subprocess.run(
-            command, cwd=self.folder, env=self.environment, text=True, capture_output=True
-        )
+        told = warm_snakemake.run_ur5(self.folder, self.environment, arguments)
         assert told.returncode == 0, told.stderr
         return told.stdout
 

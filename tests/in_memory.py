@@ -33,13 +33,14 @@ def put_recordings(folder: Path) -> None:
         (place / "robot.csv").rename(folder / f"{name}.csv")
 
 
-def assert_as_in_study(study_file: str, results: Path, *names: str) -> None:
+def assert_as_in_study(
+    runs: ur5lib.Recordings, model: ur5lib.Model, results: Path, *names: str
+) -> None:
     """A study read and fitted in memory states what its report does, to the last bit.
 
     names: recordings whose forces are estimated.
     """
-    study, runs = ur5lib.load(results), ur5lib.read(study_file)
-    model = ur5lib.fit(runs)
+    study = ur5lib.load(results)
     built = study.model(runs.robot)
     for name, text in model.arm.items():
         if name != "threshold":  # the published estimates have theirs, too

@@ -1,4 +1,5 @@
-"""Snakemake in a process that has loaded it already, which takes longer than most plans do.
+"""Snakemake, and `ur5`, in processes that have loaded their packages already, which takes longer
+than most plans and answers do.
 
 So have the packages of the steps been loaded, for the first worker of a run.
 """
@@ -10,6 +11,7 @@ import pkgutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from multiprocessing.context import ForkServerProcess
 from pathlib import Path
 from typing import Any
@@ -27,15 +29,29 @@ def run(
 ) -> subprocess.CompletedProcess[str]:
     """What `python -m snakemake` with arguments prints in a folder, and how it ends."""
     with tempfile.NamedTemporaryFile("r") as printed:
-        given = folder, environment, arguments, printed.name
-        process = WARM.Process(target=snakemake, args=given)
-        process.start()
-        try:
-            process.join()
-        finally:
-            process.kill()
-        assert process.exitcode is not None
-        return subprocess.CompletedProcess(arguments, process.exitcode, printed.read())
+        status = ended(snakemake, folder, environment, arguments, printed.name)
+        return subprocess.CompletedProcess(arguments, status, printed.read())
+
+
+def run_ur5(
+    folder: Path, environment: dict[str, str], arguments: tuple[str, ...]
+) -> subprocess.CompletedProcess[str]:
+    """What `ur5` with arguments prints in a folder, and how it ends."""
+    with tempfile.NamedTemporaryFile("r") as out, tempfile.NamedTemporaryFile("r") as err:
+        status = ended(ur5, folder, environment, arguments, out.name, err.name)
+        return subprocess.CompletedProcess(arguments, status, out.read(), err.read())
+
+
+def ended(target: Callable[..., None], *given: Any) -> int:
+    """How a function ends in a process of its own."""
+    process = WARM.Process(target=target, args=given)
+    process.start()
+    try:
+        process.join()
+    finally:
+        process.kill()
+    assert process.exitcode is not None
+    return process.exitcode
 
 
 def start(folder: Path, environment: dict[str, str]) -> ForkServerProcess:
@@ -54,18 +70,34 @@ def snakemake(
     folder: Path, environment: dict[str, str], arguments: tuple[str, ...], printed: str
 ) -> None:
     """Be Snakemake: in a folder, with its modules and an environment, printing to a file."""
-    gc.freeze()  # what was loaded stays: to look for garbage in it takes a quarter of a plan
-    os.chdir(folder)
-    os.environ.update(environment)
-    sys.path.insert(0, str(folder))
-    with open(printed, "w") as file:
-        os.dup2(file.fileno(), sys.stdout.fileno())
-        os.dup2(file.fileno(), sys.stderr.fileno())
+    settle(folder, environment, printed, printed)
     from snakemake.cli import main
 
     if "--dry-run" not in arguments:
         fork_worker()
     main([*arguments])
+
+
+def ur5(
+    folder: Path, environment: dict[str, str], arguments: tuple[str, ...], out: str, err: str
+) -> None:
+    """Be `ur5`: in a folder, with the modules of an environment, printing to two files."""
+    settle(folder, environment, out, err)
+    sys.argv = ["ur5", *arguments]
+    from ur5lib.cli import main
+
+    main()
+
+
+def settle(folder: Path, environment: dict[str, str], out: str, err: str) -> None:
+    """Go to a folder, with its modules and those of an environment, and print to files."""
+    gc.freeze()  # what was loaded stays: to look for garbage in it takes a quarter of a plan
+    os.chdir(folder)
+    os.environ.update(environment)
+    sys.path[:0] = [str(folder), *environment["PYTHONPATH"].split(os.pathsep)]
+    for path, stream in ((out, sys.stdout), (err, sys.stderr)):
+        with open(path, "a") as file:
+            os.dup2(file.fileno(), stream.fileno())
 
 
 def fork_worker() -> None:

@@ -3,7 +3,9 @@
 import json
 import re
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import jsonschema
 import numpy as np
@@ -11,7 +13,6 @@ import pandas as pd
 import pytest
 import yaml
 
-import ur5lib
 from tests import notebook
 from tests.artefacts.documents import (
     check_digits,
@@ -220,24 +221,40 @@ def test_the_arm_is_drawn_as_its_tables_say(results: Path) -> None:
     check_arm(results, "way_points_pushed")
 
 
-def test_in_memory_all_is_as_in_the_report(demo: Workflow, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(demo.folder)
-    assert_as_in_study("config.yaml", Path("results/demo"), "way_points_pushed")
-    shown = repr(ur5lib.load("results/demo"))
-    assert "way_points_pushed" in shown
-    assert len(shown.splitlines()) < 24
+Shown = list[tuple[notebook.Cell, list[str]]]
 
 
-def test_the_notebook_shows_what_it_says(demo: Workflow, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Cell by cell, in the folder in which the study was built; `python -m tests.notebook` keeps
-    the outputs anew.
+@pytest.fixture(scope="module")
+def played(demo: Workflow) -> Iterator[tuple[Shown, dict[str, Any]]]:
+    """What the cells of the notebook show, and what they know at the end, in the folder in which
+    the study was built.
     """
-    monkeypatch.chdir(demo.folder)
-    known: dict[str, object] = {}
-    for cell in notebook.code_cells(read_json(notebook.NOTEBOOK)):
-        shown = [notebook.as_text(output) for output in notebook.run(cell, known)]
+    known = dict[str, Any]()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(demo.folder)
+        cells = notebook.code_cells(read_json(notebook.NOTEBOOK))
+        yield [(cell, [*map(notebook.as_text, notebook.run(cell, known))]) for cell in cells], known
+
+
+def test_the_notebook_shows_what_it_says(played: tuple[Shown, dict[str, Any]]) -> None:
+    """Cell by cell; `python -m tests.notebook` keeps the outputs anew."""
+    for cell, shown in played[0]:
         assert shown == [notebook.as_text(output) for output in cell["outputs"]], cell["source"]
         assert shown or cell["source"][-1].startswith(("import", "model.save"))
+
+
+def test_in_memory_all_is_as_in_the_report(
+    played: tuple[Shown, dict[str, Any]], results: Path
+) -> None:
+    """By the recordings and the model of the notebook, which estimates forces, too."""
+    _, known = played
+    assert_as_in_study(known["runs"], known["model"], results)
+    pd.testing.assert_frame_equal(
+        known["forces"], FinishedStudy(results).forces("way_points_pushed"), check_exact=True
+    )
+    shown = repr(known["study"])
+    assert "way_points_pushed" in shown
+    assert len(shown.splitlines()) < 24
 
 
 def test_identified_links_can_exist(results: Path) -> None:

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+import ur5lib
 from tests.conftest import build_once
 from tests.in_memory import assert_as_in_study
 
@@ -13,7 +14,8 @@ pytestmark = pytest.mark.thorough
 def test_the_thesis(thesis_results: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(thesis_results.parents[1])
     touched = "Movement_No9_Singularity_Free_ForceSensor"
-    assert_as_in_study("workflow/studies/thesis.yaml", thesis_results, touched)
+    runs = ur5lib.read("workflow/studies/thesis.yaml")
+    assert_as_in_study(runs, ur5lib.fit(runs), thesis_results, touched)
 
 
 def test_a_ur10e(ur10e_data: Path, common_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -24,4 +26,5 @@ def test_a_ur10e(ur10e_data: Path, common_folder: Path, monkeypatch: pytest.Monk
     study = "workflow/studies/ur10e.yaml"
     built = build_once(common_folder / "ur10e_built", prepare, "--configfile", study)
     monkeypatch.chdir(built.folder)
-    assert_as_in_study(study, Path("results/ur10e"), "ur-20_01_22-push_pose_1")
+    runs = ur5lib.read(study)
+    assert_as_in_study(runs, ur5lib.fit(runs), Path("results/ur10e"), "ur-20_01_22-push_pose_1")

@@ -135,8 +135,10 @@ def test_words_in_brackets_are_no_lists(tmp_path: Path) -> None:
     assert first_cells(path) == (["note", "q"], WORDS.strip().split(","))
 
 
-@pytest.mark.parametrize(("numbered", "labelled"), [(False, False), (False, True), (True, True)])
-@pytest.mark.parametrize(("ending", "mark"), [(".csv", ","), (".csv.gz", ";"), (".txt", "\t")])
+@pytest.mark.parametrize(
+    ("numbered", "labelled", "ending", "mark"),
+    [(False, False, ".csv", ","), (False, True, ".csv.gz", ";"), (True, True, ".txt", "\t")],
+)
 def test_a_table_with_a_row_a_joint_is_to_be_transposed(
     tmp_path: Path, numbered: bool, labelled: bool, ending: str, mark: str
 ) -> None:

@@ -5,7 +5,6 @@ The files are those of docs/extensions.md.
 
 import os
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,7 @@ import pytest
 from tests.conftest import PROJECT, Workflow, copy_project
 from tests.examples import examples
 from tests.stored_files import made_up_channels
+from tests.warm_snakemake import run_ur5
 from ur5lib.tables import read_table
 from ur5lib.workspace.extensions import KINDS
 
@@ -91,11 +91,8 @@ def test_a_change_repeats_what_uses_it(
 
 def ur5(folder: Path, *arguments: str, packages: str = "") -> subprocess.CompletedProcess[str]:
     """A command of `ur5` in a folder, beside packages in another."""
-    command = [sys.executable, "-c", "from ur5lib.cli import main; main()", *arguments]
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(PROJECT), packages])}
-    return subprocess.run(
-        command, cwd=folder, env=environment, text=True, capture_output=True, check=False
-    )
+    environment = {"PYTHONPATH": os.pathsep.join([str(PROJECT), packages])}
+    return run_ur5(folder, environment, arguments)
 
 
 def test_a_package_adds_them_too(lab: Workflow, tmp_path: Path) -> None:
