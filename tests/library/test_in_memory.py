@@ -289,11 +289,3 @@ def test_a_users_script_passes_the_strictest_check(tmp_path: Path) -> None:
         cwd=tmp_path, env=environment, text=True, capture_output=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout
-
-
-def test_a_users_script_runs(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Up to the results of a study, which are not there."""
-    monkeypatch.chdir(folder)
-    known: dict[str, object] = {}
-    exec(dedent(SCRIPT).partition("study: ")[0], known)
-    assert np.isfinite(len(known["constants"]))  # type: ignore[arg-type]

@@ -108,17 +108,16 @@ def test_a_step_gets_its_settings_and_its_result_is_written(folder: Path) -> Non
     assert 0 <= job["start_up_time"] <= job["cpu_time"]
 
 
-@pytest.mark.parametrize("name", ["numpy", "secrets", "queue", "pandas"])
 def test_a_file_of_the_user_s_hides_no_package(
     folder: Path,
-    name: str,
     monkeypatch: pytest.MonkeyPatch,
     tmp_path_factory: pytest.TempPathFactory,
 ) -> None:
     """Nor does it in the folder of a clone, where the library lies beside it."""
     workspace = tmp_path_factory.mktemp("workspace")
     for place in (folder, workspace):
-        (place / f"{name}.py").write_text("raise SystemExit('the wrong one')\n")
+        for name in ("numpy", "secrets", "queue", "pandas"):
+            (place / f"{name}.py").write_text("raise SystemExit('the wrong one')\n")
         (place / "mine.py").write_text(f"PLACE = {str(place)!r}\n")
         monkeypatch.chdir(place)
         run("uses", sum="sum.txt")

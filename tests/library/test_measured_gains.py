@@ -53,6 +53,12 @@ def fitted(arm: Robot, gains: Array | float = 1.0, rotors: Array | float = 0.0) 
     return fit_friction(arm, signals, motion, torques, *of_each, {}, dates, Butterworth(4, 2.0))
 
 
+@pytest.fixture(scope="module")
+def right(arm: Robot) -> Friction:
+    """From torques in Nm of the sides of the joints, without rotors."""
+    return fitted(arm)
+
+
 def rows(friction: Friction, name: str) -> list[Parameter]:
     return [row for row in friction.parameters if row.name == name]
 
@@ -75,11 +81,10 @@ def test_rotors_that_are_not_described_are_fitted(arm: Robot) -> None:
         assert row.interval[0] < 8 < row.interval[1]
 
 
-def test_rotors_that_sensors_do_not_feel_are_not_fitted(arm: Robot) -> None:
+def test_rotors_that_sensors_do_not_feel_are_not_fitted(right: Friction) -> None:
     """They would cost accuracy: paths that are left out are predicted no better with them."""
-    friction = fitted(arm)
-    assert not rows(friction, "rotor")
-    for row in rows(friction, "torque_constant"):
+    assert not rows(right, "rotor")
+    for row in rows(right, "torque_constant"):
         assert abs(row.value - 1) < 0.05 or not row.determined
 
 
@@ -95,9 +100,9 @@ def test_rotors_that_are_described_are_not_fitted_again(arm: Robot) -> None:
     assert not rows(friction, "rotor")
 
 
-def test_a_gain_that_is_known_as_well_before_is_not_determined(arm: Robot) -> None:
+def test_a_gain_that_is_known_as_well_before_is_not_determined(right: Friction) -> None:
     """As that of joint 6, which bears nothing, while joint 2 bears all."""
-    _, second, *_, last = rows(fitted(arm), "torque_constant")
+    _, second, *_, last = rows(right, "torque_constant")
     assert (second.determined, last.determined) == (True, False)
 
 
@@ -107,11 +112,10 @@ def test_inertia_tells_no_gain(arm: Robot) -> None:
     assert (first.value, first.determined) == (pytest.approx(1, abs=1e-3), False)
 
 
-def test_friction_without_a_sure_sign_is_not_determined(arm: Robot) -> None:
+def test_friction_without_a_sure_sign_is_not_determined(right: Friction) -> None:
     """There is no load-dependent friction in these torques."""
-    friction = fitted(arm)
-    assert not any(row.determined for row in rows(friction, "load") if row.interval[0] < 0)
-    assert all(row.determined for row in rows(friction, "viscous"))
+    assert not any(row.determined for row in rows(right, "load") if row.interval[0] < 0)
+    assert all(row.determined for row in rows(right, "viscous"))
 
 
 @pytest.mark.parametrize("gear", [GEAR, 2.0, 0.5])
