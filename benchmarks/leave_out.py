@@ -56,7 +56,7 @@ from ur5lib.steps.estimate_forces import estimate_forces
 from ur5lib.steps.estimate_load import estimate_load
 from ur5lib.steps.fit_friction import fit_friction
 from ur5lib.steps.fit_residuals import fit_residuals
-from ur5lib.steps.judge_contacts import alarms_of, strongest
+from ur5lib.steps.judge_contacts import alarms_of, peak_of
 from ur5lib.steps.predict_currents import predict_currents
 from ur5lib.steps.set_threshold import set_threshold
 from ur5lib.study.model import Settings
@@ -317,20 +317,20 @@ class Fold:
         rows = []
         for own in tested:
             forces = Forces.read(self.own(own, "forces.parquet"))
-            q = Motion.read(own.file("motion.parquet")).q
             minute = forces.period / 60
             estimates = all_stated(forces, {})
             for name in forces.log_odds:
                 # Where no fitted recording has this estimate, contact is what is the likelier.
                 found = alarms_of(estimates[name], thresholds.get(name, 0.0))
                 lasted = sum(last - first for first, last in found.raised) * minute
-                stated = [strongest(span, forces.time, q, found) for span in found.raised]
-                most = max((np.abs(s.force / s.force_std).max() for s in stated), default=0.0)
+                peaks = [peak_of(span, found) for span in found.raised]
+                force, std = found.wrench[peaks, :3], found.std[peaks, :3]
+                most = np.abs(force / std).max(initial=0.0)
                 rows.append(
                     [
                         own.name,
                         name,
-                        len(stated),
+                        len(peaks),
                         len(found.evidence) * minute,
                         lasted,
                         most,

@@ -220,11 +220,16 @@ def load_finder(
 
 def strongest(span: Span, time: Array, q: Array, own: Alarms) -> Alarm:
     """Return an alarm with the largest force in it; time: (N,) [s], q: (N, n) [rad]."""
-    part = slice(*span)
-    force, std, seconds = own.wrench[part, :3], own.std[part, :3], time[part]
-    peak = int(np.argmax(np.nan_to_num(np.linalg.norm(force, axis=1))))
-    times = float(seconds[0]), float(seconds[-1]), float(seconds[peak])
-    return Alarm(*times, force[peak], std[peak], q[part][peak])
+    first, last = span
+    peak = peak_of(span, own)
+    times = float(time[first]), float(time[last - 1]), float(time[peak])
+    return Alarm(*times, own.wrench[peak, :3], own.std[peak, :3], q[peak])
+
+
+def peak_of(span: Span, own: Alarms) -> int:
+    """Return the sample of the largest force in an alarm."""
+    force = own.wrench[slice(*span), :3]
+    return span[0] + int(np.argmax(np.nan_to_num(np.linalg.norm(force, axis=1))))
 
 
 def free_time_in_alarm(own: Alarms, sensor: SensorWrenches) -> float | None:
