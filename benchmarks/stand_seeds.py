@@ -23,13 +23,14 @@ from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.problem import fmap_problem
 from ur5lib.force.residual_model import Residuals
+from ur5lib.identification.controllers_torques import rotor_samples
 from ur5lib.identification.current_samples import (
     Smoother,
     controllers_ratio,
     current_record,
     prior_of,
 )
-from ur5lib.identification.rotor_inertia import fit_rotor_inertia
+from ur5lib.identification.rotor_inertia import fitted_rotors
 from ur5lib.identification.samples import CurrentSamples
 from ur5lib.recordings.entries import RtdeFiles, ThesisFiles
 from ur5lib.recordings.intake import Intake, read_and_repair
@@ -55,7 +56,7 @@ from ur5lib.stand.simulate import simulate
 from ur5lib.steps.compute_torques import joint_torques
 from ur5lib.steps.fit_friction import fitted_friction
 from ur5lib.steps.fit_residuals import residual_models
-from ur5lib.steps.identify_model import rotor_samples
+from ur5lib.steps.identify_model import commanded
 from ur5lib.steps.predict_currents import predicted_currents
 from ur5lib.study.model import Settings
 from ur5lib.tables import read_record
@@ -217,9 +218,8 @@ def map_rows(friction: Friction, truth: TrueParameters) -> Iterator[Row]:
 
 def rotors(recordings: list[Taken]) -> Rotors:
     """Rotor inertias from what rigid links leave of the controller's torque at the targets."""
-    samples = [rotor_samples(own.robot, own.signals, own.motion, MOTIONS) for own in recordings]
-    fit = fit_rotor_inertia(*zip(*(one for one in samples if one is not None), strict=True))
-    return Rotors([own.record.name for own in recordings], fit.value, fit.std_error)
+    runs = {own.record.name: commanded(own.robot, own.signals, own.motion) for own in recordings}
+    return fitted_rotors({name: rotor_samples(run, MOTIONS) for name, run in runs.items()})
 
 
 def fitted_map(recordings: list[Taken], others: list[Taken] | None = None) -> Friction:

@@ -5,8 +5,9 @@ from dataclasses import astuple
 import numpy as np
 
 from tests.real_arms import RealStudy
+from ur5lib.identification.controllers_torques import rotor_samples
 from ur5lib.identification.rotor_inertia import RotorFit, fit_rotor_inertia
-from ur5lib.steps.identify_model import rotor_samples
+from ur5lib.steps.identify_model import commanded
 from ur5lib.timeseries.arrays import Array
 
 Sample = tuple[Array, Array, Array]  # residual, qd, qdd
@@ -84,7 +85,8 @@ def test_a_joint_that_kept_still_tells_nothing() -> None:
 
 def sample(study: RealStudy, name: str) -> Sample:
     one = study.recording(name)
-    found = rotor_samples(one.robot, one.signals, one.motion, study.motion_lowpass)
+    run = commanded(one.robot, one.signals, one.motion)
+    found = rotor_samples(run, study.motion_lowpass)
     assert found is not None
     return found
 

@@ -6,12 +6,13 @@ fitted together with the inertia, though a model's torque contains none: values 
 indicate errors in the model of the links.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import least_squares
 
+from ur5lib.identification.controllers_torques import RotorSamples
 from ur5lib.identification.regression import HUBER_LIMIT
 from ur5lib.records.models import Rotors, Terms
 from ur5lib.robots.description import Robot
@@ -65,6 +66,18 @@ def _fit_joint(samples: Array) -> Array:
     deviation = np.abs(residual - terms @ start).mean()  # a median would be that of rest
     scale = HUBER_LIMIT * np.sqrt(np.pi / 2) * deviation
     return least_squares(lambda x: (terms @ x - residual) / scale, start, loss="huber").x
+
+
+def fitted_rotors(samples: Mapping[str, RotorSamples | None]) -> Rotors:
+    """Return each joint's rotor inertia, from the samples of recordings, None where not recorded.
+
+    Nothing is fitted without any.
+    """
+    known = {name: own for name, own in samples.items() if own is not None}
+    if not known:
+        return Rotors()
+    fit = fit_rotor_inertia(*zip(*known.values(), strict=True))
+    return Rotors([*known], fit.value, fit.std_error)
 
 
 def with_rotors(robot: Robot, rotors: Rotors) -> Robot:

@@ -6,46 +6,37 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-import numpy as np
-
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import reason
-from ur5lib.identification import rotor_inertia
 from ur5lib.identification.base_parameters import (
-    PARAMETERS_PER_JOINT,
-    InertialEstimate,
-    Stack,
-    base_parameters,
     identified_model,
     identify,
     prior_width,
     stack,
-    torque_error,
 )
-from ur5lib.identification.consistency import consistent_parameters, smallest_eigenvalues
+from ur5lib.identification.consistency import consistent_parameters
+from ur5lib.identification.controllers_torques import (
+    Block,
+    CommandedRun,
+    rotor_samples,
+    torque_blocks,
+)
 from ur5lib.identification.current_samples import Smoother, measured_samples
-from ur5lib.identification.excitation import candidate_motions, check_excitation
+from ur5lib.identification.identified import identification, known_bodies
 from ur5lib.identification.measured_torques import FittedArm, fit_arm
+from ur5lib.identification.rotor_inertia import fitted_rotors, with_rotors
 from ur5lib.identification.torque_rows import MeasuredRun
 from ur5lib.records.carried import configured_payload
-from ur5lib.records.models import BaseParameter, Identification, Rotors
+from ur5lib.records.models import Identification, Rotors
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, robot_yaml
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import written_bodies
-from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.lowpass import Butterworth, zero_phase_lowpass
-from ur5lib.timeseries.sampling import differentiate
-from ur5lib.timeseries.segments import BLOCK_DURATION, by_segment, unbroken
+from ur5lib.timeseries.lowpass import Butterworth
 
-ROW_STEP = 0.032  # s, between rows of the controller's torques, which have no noise to average
-TORQUE_RESOLUTION = 1e-3  # Nm: noise of a torque in the excitation check
-SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²: of the motions that it may suggest
 DESCRIPTION = "identified from the controller's torques, physically consistent"
 MEASURED_DESCRIPTION = "identified from measured torques, physically consistent"
-
-Block = tuple[Array, Array]  # regressors (N, n, P) and torques (N, n) [Nm]
 
 
 class IdentifiedModel(NamedTuple):
@@ -73,12 +64,13 @@ def identify_model(
     """
     if arm.links == "unknown":
         return with_unknown_links(arm, signals, motion, gravities, Smoother(*currents))
-    rotors = fitted_rotors(arm, signals, motion, gravities, lowpass)
-    robot = rotor_inertia.with_rotors(arm, rotors)
-    blocks = {
-        name: [*torque_blocks(robot.mounted(gravities[name]), signals[name], motion[name], lowpass)]
-        for name in signals
-    }
+
+    def run(name: str) -> CommandedRun:
+        return commanded(arm.mounted(gravities[name]), signals[name], motion[name])
+
+    rotors = fitted_rotors({name: rotor_samples(run(name), lowpass) for name in signals})
+    robot = with_rotors(arm, rotors)
+    blocks = {name: [*torque_blocks(run(name), lowpass)] for name in signals}
     each = [block for part in blocks.values() for block in part]
     try:
         robot, found = with_identified(robot, [gravities[name] for name in blocks], each)
@@ -150,23 +142,12 @@ def with_fitted(arm: Robot, fitted: FittedArm) -> Robot:
     )
 
 
-def fitted_rotors(
-    arm: Robot,
-    signals: Mapping[str, Signals],
-    motion: Mapping[str, Motion],
-    gravities: Mapping[str, list[float] | None],
-    lowpass: Butterworth,
-) -> Rotors:
-    """Return each joint's rotor inertia, from the controller's torque less that of rigid links."""
-    each = {
-        name: rotor_samples(arm.mounted(gravities[name]), signals[name], motion[name], lowpass)
-        for name in signals
-    }
-    samples = {name: sample for name, sample in each.items() if sample is not None}
-    if not samples:
-        return Rotors()
-    fit = rotor_inertia.fit_rotor_inertia(*zip(*samples.values(), strict=True))
-    return Rotors([*samples], fit.value, fit.std_error)
+def commanded(robot: Robot, signals: Signals, motion: Motion) -> CommandedRun:
+    """Return a recording with the dynamics of the arm's rigid links; robot: under its gravity."""
+    bare = LinkModel(robot, robot.chosen_model)
+    loaded = LinkModel(robot.carrying(configured_payload(signals)), robot.chosen_model)
+    known = bare.inverse_dynamics, loaded.inverse_dynamics, bare.regressor
+    return CommandedRun(signals, motion, *known)
 
 
 def with_identified(
@@ -190,117 +171,3 @@ def models_under(robot: Robot, gravities: Sequence[list[float] | None]) -> list[
     """Return an arm under each of several gravities, once each."""
     unique = [gravity for k, gravity in enumerate(gravities) if gravity not in gravities[:k]]
     return [LinkModel(robot.mounted(gravity), robot.chosen_model) for gravity in unique]
-
-
-def identification(
-    models: Sequence[LinkModel],
-    data: Stack,
-    estimate: InertialEstimate,
-    parameters: Array,
-    blocks: list[Block],
-) -> Identification:
-    """Return base parameters, errors with and without consistency, and undetermined parameters."""
-    values = {"without constraint": estimate.parameters, "consistent": parameters}
-    mae = {name: torque_error(blocks, value) for name, value in values.items()}
-    candidates = candidate_regressors(models)
-    base = base_parameters([*candidates.values()][-1])
-    excitation = check_excitation(
-        data, base, estimate.width, np.full_like(estimate.noise, TORQUE_RESOLUTION), candidates
-    )
-    return replace(known_bodies(models, estimate, parameters, mae), excitation=excitation)
-
-
-def candidate_regressors(models: Sequence[LinkModel]) -> dict[str, Array]:
-    """Return the regressors (N, n, P) of motions that may be suggested, under all gravities."""
-    joints = len(models[0].parameters) // PARAMETERS_PER_JOINT
-    return {
-        name: np.concatenate([model.regressor(*motion) for model in models])
-        for name, motion in candidate_motions(joints, SPEED, ACCELERATION).items()
-    }
-
-
-def known_bodies(
-    models: Sequence[LinkModel],
-    estimate: InertialEstimate,
-    parameters: Array,
-    mae: dict[str, Array],
-) -> Identification:
-    """Return base parameters, errors and definiteness of an estimate, and of bodies near it."""
-    base = base_parameters([*candidate_regressors(models).values()][-1])
-    values = base.groups @ parameters, estimate.standard_errors(base.groups)
-    known = map(bool, estimate.determined(base.groups))
-    return Identification(
-        noise=estimate.noise,
-        parameters=[*map(BaseParameter, base.names(), *values, known, base.groups)],
-        mae=mae,
-        smallest_eigenvalues={
-            "without constraint": smallest_eigenvalues(estimate.parameters),
-            "consistent": smallest_eigenvalues(parameters),
-        },
-    )
-
-
-def torque_states(signals: Signals, motion: Motion) -> tuple[tuple[Array, Array, Array], bool]:
-    """Return q, q̇, q̈ (N, 6) that go with `target_moment`, and whether they are its exact targets.
-
-    Where targets were not recorded, the measured motion of the motors: the controller knows rotors
-    and rigid links, but no vibration between them.
-    """
-    q, qd, qdd = signals.target_q, signals.target_qd, signals.target_qdd
-    if q is None or qd is None or qdd is None:
-        motor_qdd = by_segment(differentiate, motion.motor_qd, motion.segment, signals.period)
-        return (motion.q, motion.motor_qd, motor_qdd), False
-    return (q, qd, qdd), True
-
-
-def comparable(rows: Array, signals: Signals, exact: bool, design: Butterworth) -> Array:
-    """Return rows (N, M) of torques and regressors, NaN where a frame was interpolated.
-
-    Unless the states are exact, all are low-passed alike: measured accelerations already are.
-    """
-    if not exact:
-        rate = 1 / signals.period
-        rows = by_segment(zero_phase_lowpass, rows, signals.segment, rate, *design)
-    return np.where(signals.interpolated[:, None], np.nan, rows)
-
-
-def rotor_samples(
-    robot: Robot, signals: Signals, motion: Motion, design: Butterworth
-) -> tuple[Array, Array, Array] | None:
-    """Return the torque that rigid links leave, q̇ and q̈, (N, 6) each, NaN where interpolated.
-
-    robot: under the recording's gravity; its links carry the payload that the controller was given:
-    `target_moment` contains it. None where that was not recorded.
-    """
-    if signals.target_moment is None:
-        return None
-    states, exact = torque_states(signals, motion)
-    model = LinkModel(robot.carrying(configured_payload(signals)), robot.chosen_model)
-    residual = signals.target_moment - model.inverse_dynamics(*states)
-    samples = comparable(np.hstack([residual, *states[1:]]), signals, exact, design)
-    residual, qd, qdd = np.hsplit(samples, 3)
-    return residual, qd, qdd
-
-
-def torque_blocks(
-    robot: Robot, signals: Signals, motion: Motion, design: Butterworth
-) -> Iterator[Block]:
-    """Yield regressors and the controller's torques [Nm], a block each two seconds.
-
-    The torques are those of the bare arm: a payload that the controller was given is taken off.
-    Nothing where `target_moment` was not recorded.
-    """
-    if signals.target_moment is None:
-        return
-    states, exact = torque_states(signals, motion)
-    bare = LinkModel(robot, robot.chosen_model)
-    loaded = LinkModel(robot.carrying(configured_payload(signals)), robot.chosen_model)
-    load = loaded.inverse_dynamics(*states) - bare.inverse_dynamics(*states)
-    regressor = bare.regressor(*states)
-    joints, parameters = regressor.shape[1:]
-    rows = np.hstack([regressor.reshape(len(regressor), -1), signals.target_moment - load])
-    rows = comparable(rows, signals, exact, design)
-    every = max(1, round(ROW_STEP / signals.period))
-    for part in unbroken(signals.segment, (signals.time // BLOCK_DURATION).astype(np.int64)):
-        chosen = rows[part][::every]
-        yield chosen[:, :-joints].reshape(-1, joints, parameters), chosen[:, -joints:]
