@@ -27,6 +27,7 @@ import yaml
 
 from benchmarks.harness.options import arm_options, built
 from ur5lib.errors import InputError
+from ur5lib.force.alarms import alarms_of, peak_of
 from ur5lib.force.estimators import all_stated
 from ur5lib.force.external_torque import REST_SPEED
 from ur5lib.force.residual_model import Residuals
@@ -56,7 +57,6 @@ from ur5lib.steps.estimate_forces import estimate_forces
 from ur5lib.steps.estimate_load import estimate_load
 from ur5lib.steps.fit_friction import fit_friction
 from ur5lib.steps.fit_residuals import fit_residuals
-from ur5lib.steps.judge_contacts import alarms_of, peak_of
 from ur5lib.steps.predict_currents import predict_currents
 from ur5lib.steps.set_threshold import set_threshold
 from ur5lib.study.model import Settings

@@ -8,8 +8,8 @@ import pytest
 
 from benchmarks.motion import judged, simulated, with_imu
 from ur5lib.records.accelerations import ImuComparison
+from ur5lib.smoothing.beside_imu import by_range
 from ur5lib.smoothing.encoders import widening
-from ur5lib.steps.compare_accelerations import by_range
 from ur5lib.tidy import table
 from ur5lib.tidy.accelerations import acceleration_bands
 from ur5lib.timeseries.arrays import Array

@@ -10,13 +10,13 @@ from ur5lib.force.flange_contact import (
     MIN_PROBABILITY_ELSEWHERE,
     PLACE_SPACING,
     flange_probability,
+    middle_half,
     place_jacobian,
     places,
 )
 from ur5lib.force.force_input import ForceInput
 from ur5lib.robots.description import Robot
 from ur5lib.stand.plan import POSTURE
-from ur5lib.steps.judge_contacts import middle_half
 from ur5lib.timeseries.arrays import Array
 
 SIZES, COUNT = (5.0, 15.0, 45.0, 135.0), 3  # N, samples

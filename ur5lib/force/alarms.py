@@ -1,0 +1,184 @@
+"""The alarms of an estimate, and their comparison with the contacts at a force sensor."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ur5lib.force.detection import (
+    CONTACT_FORCE,
+    TOUCH_FORCE,
+    Span,
+    alarms,
+    compare,
+    contacts,
+    force_alarms,
+    is_free,
+    pushes_above,
+    receiver_curve,
+)
+from ur5lib.force.estimators import Stated
+from ur5lib.records.contacts import Alarm, Causal, Detected, ForceClass, Matched, OnAxis
+from ur5lib.records.forces import LiveForces, SensorWrenches
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.segments import inside_spans, runs
+
+FORCE_CLASSES = [TOUCH_FORCE, CONTACT_FORCE, 10.0, 15.0]  # N, that a contact reaches by the sensor
+RELIABLE_FORCE_OF_THESIS = 10.0  # N; along z, detection is reliable from there on (Section 6)
+
+Named = Callable[[Span, Alarm], Alarm]
+
+
+class Alarms(NamedTuple):
+    """What one estimate raises.
+
+    evidence: (N,), log-odds of contact, or the size of a force [N]; raised: its alarms; wrench,
+    std: (N, 6) [N, Nm], NaN where no deviation is stated.
+    """
+
+    evidence: Array
+    raised: list[Span]
+    wrench: Array
+    std: Array
+
+
+def alarms_of(estimate: Stated, threshold: float) -> Alarms:
+    """Return the alarms of an estimate: by its odds of contact, where it states a force alone by
+    the size of this, of which the threshold then is [N].
+    """
+    wrench, std, odds = estimate
+    std = np.full_like(wrench, np.nan) if std is None else std
+    if odds is not None:
+        return Alarms(odds, alarms(odds, threshold), wrench, std)
+    size = np.nan_to_num(np.linalg.norm(wrench[:, :3], axis=1))
+    return Alarms(size, force_alarms(size, threshold), wrench, std)
+
+
+def all_alarms(
+    estimates: Mapping[str, Stated], thresholds: Mapping[str, float]
+) -> dict[str, Alarms]:
+    """Return the alarms of every estimate that the recording has and a threshold is known of."""
+    return {
+        name: alarms_of(estimates[name], threshold)
+        for name, threshold in thresholds.items()
+        if name in estimates
+    }
+
+
+def detected(
+    found: Mapping[str, Alarms],
+    sensor: SensorWrenches,
+    q: Array,
+    speed: Array,
+    thresholds: Mapping[str, float],
+    named: Named,
+) -> dict[str, Detected]:
+    """Return the alarms of each estimate, and their comparison with the sensor.
+
+    q: (N, n) [rad]; speed: of the flange (N,) [m/s]; named: returns an alarm with its kind, a
+    contact or a load.
+    """
+    return {
+        name: Detected(
+            **vars(matched(own.raised, sensor)),
+            threshold=thresholds[name],
+            raised=[
+                replace(
+                    named(span, strongest(span, sensor.time, q, own)),
+                    flange_speed=float(speed[slice(*span)].mean()),
+                )
+                for span in own.raised
+            ],
+            time_in_alarm=float(inside_spans(own.raised, len(sensor.time)).mean()),
+            axes={axis: by_axis(own, sensor, i) for i, axis in enumerate("xyz")},
+            free_time_in_alarm=free_time_in_alarm(own, sensor),
+            roc_area=roc_area(own, sensor),
+        )
+        for name, own in found.items()
+    }
+
+
+def causally(live: LiveForces, sensor: SensorWrenches) -> Causal | None:
+    """Return the contacts that the live estimator states, and their comparison with the sensor."""
+    if live.contact is None or live.known is None:
+        return None
+    found = matched([(first, last) for first, last in runs(live.contact).tolist()], sensor)
+    return Causal(**vars(found), unknown=float(1 - live.known.mean()))
+
+
+def by_axis(own: Alarms, sensor: SensorWrenches, axis: int) -> OnAxis:
+    """Return how an estimate does with the fixed threshold that the thesis claims, on one axis."""
+    force = own.wrench[:, axis]
+    above = float(np.mean(np.nan_to_num(np.abs(force)) >= RELIABLE_FORCE_OF_THESIS))
+    if "compensated" not in sensor.wrench:
+        return OnAxis(RELIABLE_FORCE_OF_THESIS, above)
+    sensed = sensor.wrench["compensated"][:, axis]
+    return OnAxis(
+        RELIABLE_FORCE_OF_THESIS,
+        above,
+        *pushes_above(force, sensed, RELIABLE_FORCE_OF_THESIS, sensor.period),
+    )
+
+
+def strongest(span: Span, time: Array, q: Array, own: Alarms) -> Alarm:
+    """Return an alarm with the largest force in it; time: (N,) [s], q: (N, n) [rad]."""
+    first, last = span
+    peak = peak_of(span, own)
+    times = float(time[first]), float(time[last - 1]), float(time[peak])
+    return Alarm(*times, own.wrench[peak, :3], own.std[peak, :3], q[peak])
+
+
+def peak_of(span: Span, own: Alarms) -> int:
+    """Return the sample of the largest force in an alarm."""
+    force = own.wrench[slice(*span), :3]
+    return span[0] + int(np.argmax(np.nan_to_num(np.linalg.norm(force, axis=1))))
+
+
+def free_time_in_alarm(own: Alarms, sensor: SensorWrenches) -> float | None:
+    """Return the share of the samples without contact that are in alarm, None without a sensor."""
+    if (force := sensed_force(sensor)) is None:
+        return None
+    free = is_free(force, sensor.period)
+    return float(inside_spans(own.raised, len(force))[free].mean()) if free.any() else None
+
+
+def roc_area(own: Alarms, sensor: SensorWrenches) -> float | None:
+    """Return the area under the receiver's curve by sample, None without a sensor."""
+    if (force := sensed_force(sensor)) is None:
+        return None
+    wrong, right = receiver_curve(own.evidence, force >= TOUCH_FORCE)
+    return float(np.trapezoid(right, wrong))
+
+
+def sensed_force(sensor: SensorWrenches) -> Array | None:
+    """Return the magnitude (N,) [N] of the force at the sensor, None without one."""
+    if "compensated" not in sensor.wrench:
+        return None
+    return np.linalg.norm(sensor.wrench["compensated"][:, :3], axis=1)
+
+
+def matched(raised: list[Span], sensor: SensorWrenches) -> Matched:
+    """Return how many alarms are raised, and how they match the contacts at a sensor."""
+    step = sensor.period
+    minutes = len(sensor.time) * step / 60
+    if (force := sensed_force(sensor)) is None:
+        return Matched(alarms_per_min=len(raised) / minutes)
+    any_contact = compare(raised, contacts(force), step)
+    return Matched(
+        alarms_per_min=len(raised) / minutes,
+        classes=[by_class(least, force, raised, step) for least in FORCE_CLASSES],
+        precision=any_contact.precision(),
+        false_per_min=any_contact.false / minutes,
+        extra=any_contact.extra,
+    )
+
+
+def by_class(least: float, force: Array, raised: list[Span], step: float) -> ForceClass:
+    """Return how many contacts that reach a force are found, each by its own alarm, and when.
+
+    force: (N,) [N], of the sensor; step: [s].
+    """
+    found = compare(raised, contacts(force, least), step)
+    late = float(np.median(found.delays)) if len(found.delays) else None
+    return ForceClass(least, found.contacts, found.found, found.recall(), late, found.merged)
