@@ -15,7 +15,7 @@ import numpy as np
 import pypdfium2
 import pypdfium2.raw as raw
 import pytest
-from lxml.html import fromstring
+from lxml.html import HtmlElement, fromstring
 from pypdf import PdfReader
 
 WIDE, NARROW, HEIGHT = 1200, 390, 900  # pixels
@@ -225,3 +225,9 @@ def check_overlaps(document: Path) -> None:
         over = (common[..., 0] > TOUCH) & (common[..., 1] > np.minimum.outer(height, height) / 2)
         words = [text.get_text_bounded(*boxes[i]) for i in np.argwhere(np.triu(over, 1))[:, 0]]
         assert words == [], f"page {number}"
+
+
+def cells_of(page: HtmlElement, words: str) -> list[list[str]]:
+    """The rows of the table with these words in its caption."""
+    [table] = [own for own in page.iter("table") if words in own.find("caption").text_content()]
+    return [[cell.text_content() for cell in row.iter("td", "th")] for row in table.iter("tr")]
