@@ -18,14 +18,16 @@ def groups_of_topics() -> dict[str, str]:
 def _groups(rules: Path) -> Iterator[tuple[str, str]]:
     """Yield each step of a file of rules with its group.
 
-    A step of a recording is one of its judgement; one of an arm is one of the document, unless
-    recordings wait for it as they do for fits.
+    A step of a recording is one of its judgement, but for estimates of forces, for which thresholds
+    wait; one of an arm is one of the document, unless recordings wait for it as they do for fits.
     """
     text = rules.read_text(encoding="utf-8")
     for step, body in RULE.findall(text):
         made = re.findall(r'parameter\("([^"]+)"\)', body.partition("output:")[2])
         if '"{recording}")' in body:
-            yield step, "judgement"
+            further = re.findall(r'FURTHER_FORCES\.append\("([^"]+)"\)', text)
+            stated = any(f'result("{file}")' in body.partition("output:")[2] for file in further)
+            yield step, "forces" if stated else "judgement"
         else:
             awaited = any(f'parameter_of("{file}")' in text for file in made)
             yield step, "fits" if awaited else "document"
