@@ -106,9 +106,9 @@ def figures(seed: int, motions: int, unseen: int) -> Iterator[dict[str, Any]]:
         )
         for log, day in days.items():
             scores = predicted(fit, taken(arm, folder, log, log, {})).summary.scores["fitted"]
-            size = np.sqrt(scores.rmse_2hz**2 / (1 - scores.r2))
+            size = np.sqrt(scores.rmse_lowpassed**2 / (1 - scores.r2))
             yield from by_joint(f"in band, {day}", scores.coverage)
-            yield from by_joint(f"NRMSE, {day}", scores.rmse_2hz / size)
+            yield from by_joint(f"NRMSE, {day}", scores.rmse_lowpassed / size)
             yield from by_joint(f"of least squares, {day}", least_squares(made, folder, "fit", log))
 
 

@@ -99,7 +99,7 @@ def check_currents(drawing: Drawing, rows: pd.DataFrame) -> list[str]:
     error = drawn.error("prediction")
     measured = next(line for label, line in drawn.lines.items() if " below " in label)
     rmse = np.sqrt(np.nanmean(error**2, axis=0))
-    np.testing.assert_allclose(rmse, by_place(rows, "rmse_2hz", joints), rtol=1e-4)
+    np.testing.assert_allclose(rmse, by_place(rows, "rmse_lowpassed", joints), rtol=1e-4)
     low, high = (drawn.lines[BAND + edge] for edge in ("lower", "upper"))
     known = np.isfinite(error + low)
     inside = np.where(known, (measured >= low) & (measured <= high), np.nan)

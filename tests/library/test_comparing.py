@@ -40,7 +40,12 @@ def results(folder: Path, seed: int = 0, coulomb_3: float = 0.0, error: float = 
     write("rotor_inertia", joints)
     load = {"recording": ["run"], "mass": [2.7], "std_error": [0.1]}
     write("payload", pd.DataFrame(load))
-    current = {"model": "fitted", "recording": "run", "joint": range(1, 7), "rmse_2hz": 0.1 * error}
+    current = {
+        "model": "fitted",
+        "recording": "run",
+        "joint": range(1, 7),
+        "rmse_lowpassed": 0.1 * error,
+    }
     write("current_rmse", pd.DataFrame(current))
     force = {"recording": "run", "kind": "compensated", "estimate": "Fmap", "during": "contact"}
     axes = {"component": ["Fx", "Fy", "Fz"], "mae": 3.0, "mae_low": 2.5, "mae_high": 3.5}

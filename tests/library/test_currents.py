@@ -494,7 +494,7 @@ def test_scores_are_means_over_what_is_known() -> None:
     scores = score(record, record.current - error, halved, half_band)
     known = np.arange(1.0, 6.0)
     np.testing.assert_allclose(scores.rmse[:5], known * np.sqrt(0.1))
-    np.testing.assert_allclose(scores.rmse_2hz[:5], known * np.sqrt(0.1) / 2)
+    np.testing.assert_allclose(scores.rmse_lowpassed[:5], known * np.sqrt(0.1) / 2)
     np.testing.assert_allclose(scores.mae[:5], known * 0.15)
     variance = (record.current[:, :5] / 2).var(axis=0)
     np.testing.assert_allclose(scores.r2[:5], 1 - 0.025 * known**2 / variance)
@@ -559,11 +559,11 @@ def test_a_band_covers_a_recording_left_out(
     half = band(fitted, other, smooth)
     scores = score(other, predict(fitted, other), smooth, half)
     assert (scores.coverage > 0.9).all()
-    assert (scores.rmse_2hz < scores.rmse).all()
+    assert (scores.rmse_lowpassed < scores.rmse).all()
     assert (scores.r2 > 0.9).all()
     baseline = baseline_current(other, least_squares_coefficients(study))
     none = np.zeros_like(baseline)
-    assert scores.rmse_2hz[2] < score(other, baseline, smooth, none).rmse_2hz[2]
+    assert scores.rmse_lowpassed[2] < score(other, baseline, smooth, none).rmse_lowpassed[2]
 
 
 def test_a_band_covers_another_day(fitted: CurrentFit) -> None:

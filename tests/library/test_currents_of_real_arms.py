@@ -35,7 +35,7 @@ def scores(fit: CurrentFit, record: CurrentSamples, smooth: Smooth) -> Scores:
 def by_least_squares(fitted: Fitted, record: CurrentSamples, smooth: Smooth) -> Array:
     """RMSE (6,) [A] of plain least squares on the recordings of a fit."""
     plain = baseline_current(record, fitted.friction.least_squares)
-    return score(record, plain, smooth, np.zeros_like(plain)).rmse_2hz
+    return score(record, plain, smooth, np.zeros_like(plain)).rmse_lowpassed
 
 
 @pytest.fixture(scope="module")
@@ -136,8 +136,8 @@ def test_the_ur10e_is_predicted_better_than_by_least_squares(
     record, smooth = real_ur10e.recording(UR10E_LEFT_OUT).record, real_ur10e.smooth
     ours = scores(ur10e_fitted.whole, record, smooth)
     its = by_least_squares(ur10e_fitted, record, smooth)
-    assert ours.rmse_2hz[:3].mean() <= 0.85 * its[:3].mean()
-    assert (ours.rmse_2hz[:3] <= its[:3]).all()
+    assert ours.rmse_lowpassed[:3].mean() <= 0.85 * its[:3].mean()
+    assert (ours.rmse_lowpassed[:3] <= its[:3]).all()
     assert (ours.r2[:3] >= 0.99).all()
 
 
@@ -149,7 +149,8 @@ def test_one_recording_suffices_for_the_currents_of_the_ur10e(
     for name in (UR10E_LEFT_OUT, UR10E_FITTED[1]):
         record, other = real_ur10e.recording(name).record, ur10e_fitted.friction.fit_for(name)
         ours, its = (
-            np.linalg.norm(scores(fit, record, smooth).rmse_2hz) for fit in (alone.whole, other)
+            np.linalg.norm(scores(fit, record, smooth).rmse_lowpassed)
+            for fit in (alone.whole, other)
         )
         assert ours <= 1.4 * its
 

@@ -38,7 +38,7 @@ def made(count: int = MANY) -> Results:
     filled = {
         "recordings": {"frames": 1000, "duration_s": 10.0, "moving_joints": "1 2", "devices": ""},
         "payload": {"mass": 0.5, "taken": "no"},
-        "current_rmse": {"model": "fitted", "joint": 1, "rmse_2hz": 0.1, "r2": 0.0},
+        "current_rmse": {"model": "fitted", "joint": 1, "rmse_lowpassed": 0.1, "r2": 0.0},
         "detection": {"estimate": "Fmap", "alarms_per_min": 2.0},
     }
     tables = {name: empty(name).astype(object) for name in columns()} | {

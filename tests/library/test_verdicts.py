@@ -344,7 +344,7 @@ def predicted(
     error: float, held: float = 0.95, recording: str = "seen", factor: float = 1.0
 ) -> list[dict]:
     """Errors beside a constant current's of 1 A, on every joint."""
-    row = {"model": "fitted", "recording": recording, "rmse_2hz": error, "coverage95": held}
+    row = {"model": "fitted", "recording": recording, "rmse_lowpassed": error, "coverage95": held}
     row |= {"band_factor95": factor}
     return [row | {"joint": joint, "r2": 1 - error**2} for joint in range(1, 7)]
 
@@ -407,9 +407,9 @@ def test_currents_say_at_which_speed_the_band_holds_least(
 def test_currents_name_the_largest_error_and_the_least_band_by_themselves() -> None:
     """No mean over recordings hides the one on which a band holds least."""
     rows = predicted(0.2) + predicted(0.2, recording="fitted")
-    rows += [row | {"model": "linear", "rmse_2hz": 3.0, "coverage95": 0.1} for row in rows]
+    rows += [row | {"model": "linear", "rmse_lowpassed": 3.0, "coverage95": 0.1} for row in rows]
     rows[8] |= {"coverage95": 0.86}
-    rows[3] |= {"rmse_2hz": 2.0, "r2": 1 - 0.1**2}
+    rows[3] |= {"rmse_lowpassed": 2.0, "r2": 1 - 0.1**2}
     results = study(current_rmse=rows)
     roles = [entry | {"role": "validate"} for entry in results.study["recordings"]]
     verdict = judge_currents(replace(results, study=results.study | {"recordings": roles}))
@@ -441,7 +441,7 @@ def test_currents_that_plain_least_squares_predicts_better_are_not_good(
     rival: float, expected: str
 ) -> None:
     rows = predicted(0.2) + [row | {"model": "least_squares"} for row in predicted(0.5)]
-    rows[8] |= {"rmse_2hz": rival}
+    rows[8] |= {"rmse_lowpassed": rival}
     verdict = judge_currents(study(current_rmse=rows))
     assert verdict.state == expected
     told = "On joint 3, plain least squares errs less: 0.170 for 0.200 A."
@@ -874,7 +874,9 @@ def of_two_arms(**tables: list[dict[str, Any]]) -> Results:
 def test_no_arm_hides_another() -> None:
     """A mean over arms of 0.8 would be usable."""
     rows = predicted(0.1) + predicted(1.5, recording="fitted")
-    results = of_two_arms(current_rmse=[row | {"r2": 1 - row["rmse_2hz"] ** 2} for row in rows])
+    results = of_two_arms(
+        current_rmse=[row | {"r2": 1 - row["rmse_lowpassed"] ** 2} for row in rows]
+    )
     (card,) = [one for one in verdicts(results) if one.topic == "Friction and currents"]
     assert card.state == "do not use"
     assert percents(card.sentence) == [150, 10]

@@ -120,7 +120,7 @@ def payload(studies: StudyPair) -> Iterator[Comparison]:
 
 def currents(studies: StudyPair) -> Iterator[Comparison]:
     """Compare the errors of predicted currents, low-passed, which have no interval."""
-    rows = _both(studies, "current_rmse", "model", "recording", "joint", value="rmse_2hz")
+    rows = _both(studies, "current_rmse", "model", "recording", "joint", value="rmse_lowpassed")
     for row in rows[rows["model"] == "fitted"].itertuples():
         low, high = sorted((row.value_a, row.value_b))
         changed = bool(high > CHANGED_RATIO * low)

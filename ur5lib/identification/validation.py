@@ -66,7 +66,7 @@ def score(record: CurrentSamples, predicted: Array, smooth: Smooth, half_band: A
     known = np.isfinite(of_band)
     return Scores(
         rmse=np.sqrt(_mean(error**2)),
-        rmse_2hz=np.sqrt(_mean(slow**2)),
+        rmse_lowpassed=np.sqrt(_mean(slow**2)),
         mae=_mean(np.abs(slow)),
         # the share of the low-passed variance that is explained
         r2=1 - _mean(slow**2) / np.nanvar(measured, axis=0),

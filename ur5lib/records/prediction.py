@@ -9,13 +9,13 @@ from ur5lib.timeseries.arrays import Array
 class Scores:
     """Scores of one recording, (6,) each.
 
-    rmse: of the raw current [A]; of the low-passed current: rmse_2hz [A], whatever the cut-off, mae
-    [A], r2, and coverage, the share of samples inside the 95 % band, and band_factor95, by which
-    this would have to be multiplied to hold 95 % of them.
+    rmse: of the raw current [A]; of the low-passed current: rmse_lowpassed [A], mae [A], r2, and
+    coverage, the share of samples inside the 95 % band, and band_factor95, by which this would have
+    to be multiplied to hold 95 % of them.
     """
 
     rmse: Array
-    rmse_2hz: Array
+    rmse_lowpassed: Array
     mae: Array
     r2: Array
     coverage: Array

@@ -40,7 +40,7 @@ def cross_validation(friction: Friction) -> Iterator[Row]:
     names, tested = friction.from_, friction.cross_validation
     for fitted_on, errors in zip(names, tested, strict=True):
         for tested_on, rmse in zip(names, errors, strict=True):
-            yield from by_joint({"rmse_2hz": rmse}, fitted_on=fitted_on, tested_on=tested_on)
+            yield from by_joint({"rmse_lowpassed": rmse}, fitted_on=fitted_on, tested_on=tested_on)
 
 
 def current_rmse(currents: Prediction) -> Iterator[Row]:

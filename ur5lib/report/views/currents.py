@@ -149,13 +149,13 @@ def in_motion(results: Results, names: Set[str]) -> pd.DataFrame:
     joints = zip(rows["recording"], rows["joint"], strict=True)
     moves = [joint in results.moving(recording) for recording, joint in joints]
     rows = rows[np.array(moves, dtype=bool)]
-    return rows.assign(zero=rows["rmse_2hz"] / np.sqrt(1 - rows["r2"]))
+    return rows.assign(zero=rows["rmse_lowpassed"] / np.sqrt(1 - rows["r2"]))
 
 
 def prediction(results: Results, recording: str) -> pd.DataFrame:
     """Return the errors on a recording of the models that the report compares."""
     rows = results.rows("current_rmse", recording=recording, model=[*names("model")])
-    return rows.assign(zero_rmse_2hz=rows["rmse_2hz"] / np.sqrt(1 - rows["r2"]))
+    return rows.assign(zero_rmse_lowpassed=rows["rmse_lowpassed"] / np.sqrt(1 - rows["r2"]))
 
 
 def loaded(results: Results) -> pd.DataFrame:
@@ -213,9 +213,10 @@ def beside_constant(results: Results) -> AgainstBaseline:
     plain least squares'.
     """
     models, unit = unseen(results), spoken("{unit}")
-    rows, rival = models.query("model == 'fitted'"), ("plain least squares", models, "rmse_2hz")
+    rows = models.query("model == 'fitted'")
+    rival = "plain least squares", models, "rmse_lowpassed"
     return AgainstBaseline(
-        *(rows, "rmse_2hz", "zero", unit),
+        *(rows, "rmse_lowpassed", "zero", unit),
         zero=spoken(CONSTANT_ESTIMATE),
         floors=results.floors("current"),
         rival=Rival.beside(*rival, "joint", COMPARED_MODELS),
@@ -230,7 +231,7 @@ def decided(results: Results) -> pd.DataFrame:
 
     def of_arm(own: Results) -> pd.DataFrame:
         against, others = beside_constant(own), ["least_squares", "i_target"]
-        means = unseen(own).pivot_table("rmse_2hz", "joint", "model").reindex(columns=others)
+        means = unseen(own).pivot_table("rmse_lowpassed", "joint", "model").reindex(columns=others)
         held = against.rows.groupby("joint")["coverage95"].min().rename("held")
         return against.by_place().join(means).join(held)
 
