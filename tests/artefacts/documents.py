@@ -28,6 +28,14 @@ LEAST_FIGURE = 700  # pixels of a figure on a phone, whose letters then are 10 p
 # Replays that are open from the start are there, so that nothing moves while Axe looks.
 OPENED = """[...document.querySelectorAll("button.look[aria-expanded=true]")].every(
     one => one.closest("figure").querySelector(".closer"))"""
+LABEL = re.compile(r"<!-- (.*?) -->")  # of a letter, a number or a line in an SVG
+DASHES = re.compile(r"stroke-dasharray: [\d.]")
+SAID_OF_LABELS = {  # of captions: what stands in a legend by other words
+    "Pale:": "unfiltered",
+    "Grey: near a singularity": "near a singularity",
+    "Hatched: gap": "gap",
+    "95 % band": "95 % band",
+}
 TOUCH = 2  # points by which letters of neighbours may reach into each other
 
 
@@ -102,6 +110,23 @@ def check_structure(report: Path) -> None:
         assert "<caption>" in table
         assert '<th scope="col"' in table
         assert '<th scope="row"' in table
+
+
+def check_captions(report: Path) -> None:
+    """Captions and alternative texts name what is drawn, and nothing else."""
+    for figure in fromstring(report.read_text()).iter("figure"):
+        if not (sources := figure.xpath(".//figcaption//a[starts-with(@href, 'figures/')]/@href")):
+            continue
+        text = f"{figure.find('.//figcaption').text_content()} {figure.find('.//img').get('alt')}"
+        text = text.replace("\u00a0", " ")
+        svg = (report.parent / sources[0]).with_suffix(".svg").read_text()
+        drawn = LABEL.findall(svg[svg.index('id="legend') :]) if 'id="legend' in svg else []
+        if figure.get("data-recording"):  # over time
+            assert [label for label in drawn if html.unescape(label) not in text] == [], sources
+            for word, label in SAID_OF_LABELS.items():
+                assert (word in text) == (label in drawn), (sources, word)
+        dashes = {"dashed", "dotted"} & {*re.findall(r"\w+", text)}
+        assert not dashes or DASHES.search(svg), sources
 
 
 def check_results(folder: Path) -> None:

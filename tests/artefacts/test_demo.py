@@ -15,6 +15,7 @@ import yaml
 
 from tests import notebook
 from tests.artefacts.documents import (
+    check_captions,
     check_digits,
     check_in_browser,
     check_links,
@@ -66,6 +67,11 @@ def test_figures_draw_what_their_tables_state(
 ) -> None:
     compared = check_drawn_numbers(results, monkeypatch)
     assert {*compared} == {"currents", "torques", "forces", "accelerations", "friction"}
+
+
+@pytest.mark.parametrize("page", ["report.html", "details.html"])
+def test_captions_name_what_is_drawn(results: Path, page: str) -> None:
+    check_captions(results / page)
 
 
 def test_the_picture_of_the_readme_shows_what_the_study_draws(results: Path) -> None:

@@ -365,6 +365,7 @@ def test_every_cylinder_lies_inside_the_frame(ur5: Robot, models: dict[str, Mass
     origin = link_frames(ur5, np.array([UPRIGHT_POSTURE]))[1][0]
     counts = {name: sum(map(len, model.outlines)) for name, model in models.items()}
     assert counts == {"A": 6, "B": 6, "C": 17}
+    assert "ellipses" not in mass_panels(origin, models).data
     for axis, model in zip(mass_panels(origin, models).figure.axes, models.values(), strict=True):
         (left, right), (low, high) = axis.get_xlim(), axis.get_ylim()
         outline = all_outlines(model)

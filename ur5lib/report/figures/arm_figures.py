@@ -36,12 +36,14 @@ PLACE_COLUMNS, PARAMETER_COLUMNS = ["x [m]", "y [m]", "z [m]"], ["a [m]", "d [m]
 
 class MassModel(NamedTuple):
     """A link model in base axes: masses (6,) [kg] and centres of mass (6, 3) [m] of the links;
-    outlines: by link, the outline of each body seen along x, (K, 2) [m] in y and z.
+    outlines: by link, the outline of each body seen along x, (K, 2) [m] in y and z; bodies: what
+    they are, "cylinders" or "ellipses".
     """
 
     masses: Array
     centers: Array
     outlines: Sequence[Sequence[Array]]
+    bodies: str
 
 
 def placed(robot: Robot, name: str, rotation: Array, origin: Array) -> MassModel:
@@ -59,7 +61,8 @@ def placed(robot: Robot, name: str, rotation: Array, origin: Array) -> MassModel
         inertias = turns @ bodies.inertia @ turns.transpose(0, 2, 1)
         tensors = zip(bodies.mass, inertias, centers, strict=True)
         outlines = [[ellipsoid_outline(*link)] for link in tensors]
-    return MassModel(bodies.mass, centers, outlines)
+    drawn = "ellipses" if cylinders is None else "cylinders"
+    return MassModel(bodies.mass, centers, outlines, drawn)
 
 
 def cylinder_outline(part: Cylinder, center: Array, rotation: Array) -> Array:
@@ -141,7 +144,8 @@ def _draw_masses(axis: Axes, model: MassModel) -> None:
 def _masses(name: str, model: MassModel) -> pd.DataFrame:
     numbers = np.column_stack([model.masses, model.centers.round(9)])
     values = pd.DataFrame(numbers, columns=["mass [kg]", *PLACE_COLUMNS])
-    return values.assign(model=name, link=range(1, len(model.masses) + 1))
+    counts = {model.bodies: [*map(len, model.outlines)]}
+    return values.assign(model=name, link=range(1, len(model.masses) + 1), **counts)
 
 
 def frame_panels(

@@ -32,7 +32,8 @@ def observability_figure(rows: pd.DataFrame, wanted: float, most: float) -> Draw
     with house_style(2.9, 1, 2) as (figure, ((left, right),)):
         _pushes(left, pushes, most)
         _shares(right, shares, wanted)
-    return Drawing(figure, pd.concat([pushes, shares], ignore_index=True))
+    numbers, beyond = pd.concat([pushes, shares], ignore_index=True), pushes["bound"] == ">"
+    return Drawing(figure, numbers if beyond.any() else numbers.drop(columns="bound"))
 
 
 def _pushes(axis: Axes, rows: pd.DataFrame, most: float) -> None:

@@ -266,8 +266,9 @@ def _single(
         case Picture():
             path = results.figures / name / f"{declared.figure}.svg"
             if _has_numbers(path):
-                header = _header(path.with_suffix(".csv"))
-                lines, shown = labels(header), drawn_in_words(header)
+                numbers = path.with_suffix(".csv")
+                header, shown = _header(numbers), drawn_in_words(numbers)
+                lines = [*header, *labels(header)]
                 yield replace(
                     declared,
                     caption=_filled(declared.caption, results, name, lines, shown),
@@ -364,8 +365,9 @@ def labels(header: Sequence[str]) -> list[str]:
     return [*dict.fromkeys(match[1] for match in named if match)]
 
 
-def drawn_in_words(header: Sequence[str]) -> str:
+def drawn_in_words(numbers: Path) -> str:
     """Return what a figure over time shows, by the names of its numbers; empty of other figures."""
+    header = _header(numbers)
     drawn = labels(header)
     errors = [label.removeprefix(ERROR) for label in drawn if label.startswith(ERROR)]
     shown = [
@@ -373,7 +375,14 @@ def drawn_in_words(header: Sequence[str]) -> str:
     ]
     banded = [*errors, *shown][0] if BAND_EDGES[0] in drawn else None
     words = {"banded": banded, "pale": UNFILTERED in drawn, "hidden": HIDDEN in header}
+    words["gaps"] = _has_gaps(numbers)
     return say("figure.drawn", lines=shown, errors=errors, **words) if shown else ""
+
+
+def _has_gaps(numbers: Path) -> bool:
+    """Whether the time, the first column of a figure's numbers, is empty between others."""
+    with numbers.open(encoding="utf-8") as lines:
+        return any(line.startswith(",") for line in lines)
 
 
 def _is_evidence(block: DeclaredBlock | DraftedText) -> bool:

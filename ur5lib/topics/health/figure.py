@@ -54,7 +54,11 @@ def health_figure(dates: pd.DataFrame, changes: pd.DataFrame, effort: Effort = C
                     _mark(axis, change)
             row[0].set_ylabel(labels[quantity].replace(" [", "\n["))
         _label(panels[0], panels[-1])
-    return Drawing(figure, rows)
+    drawn = changes[changes["quantity"].isin(quantities)]
+    marked = drawn[["last", "joint", "quantity", "size"]].set_axis(
+        ["date", "joint", "quantity", "change"], axis="columns"
+    )
+    return Drawing(figure, pd.concat([rows, marked], ignore_index=True) if len(drawn) else rows)
 
 
 def _with_temperatures(rows: pd.DataFrame) -> pd.DataFrame:
