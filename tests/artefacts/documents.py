@@ -126,7 +126,8 @@ def check_captions(report: Path) -> None:
             for word, label in SAID_OF_LABELS.items():
                 assert (word in text) == (label in drawn), (sources, word)
         dashes = {"dashed", "dotted"} & {*re.findall(r"\w+", text)}
-        assert not dashes or DASHES.search(svg), sources
+        is_image = "<image" in svg  # of so many points that lines are part of it
+        assert not dashes or is_image or DASHES.search(svg), sources
 
 
 def check_results(folder: Path) -> None:
