@@ -181,7 +181,7 @@ def test_the_table_has_each_joint_and_push(tmp_path: Path) -> None:
         drawing = observability_figure(pd.concat([pushed, shares]), 0.9, MIN_LARGEST_PUSH)
         assert len(drawing.data) == len(pushed) + 6 * 9
     assert "bound" not in drawing.data
-    beyond = observability_figure(pushes.assign(bound=">"), 0.9, MAX_TRIAL_FORCE)
+    beyond = observability_figure(pushes.assign(bound=">"), 0.9, 100.0)
     assert "bound" in beyond.data  # so that the caption names the arrows
 
 
