@@ -57,7 +57,7 @@ def check_drawn_numbers(results: Path, monkeypatch: pytest.MonkeyPatch) -> list[
     told = {name: read_csv(results / "tables" / f"{name}.csv") for name in JUDGED}
     compared, known = list[str](), study["settings"]
     text, every = yaml.safe_dump(study), [*(results / "tables").glob("*.csv")]
-    decided = models.decided(Results.read(text, every, every, None)).groupby("robot")
+    decided = models.decided(Results.read(text, every, every)).groupby("robot")
     closest = {arm: {*rows["model"], *rows["second"].dropna()} for arm, rows in decided}
     lowpass = known["lowpass"]["currents"]
     settings = {"lowpass": (lowpass["order"], lowpass["cutoff_hz"]), **known["singularities"]}
