@@ -17,6 +17,7 @@ from ur5lib.force.trial_contacts import (
     MIN_LARGEST_PUSH,
     MIN_TRIAL_FORCE,
     Trials,
+    Untouched,
     felt_push,
     try_each_place,
 )
@@ -48,8 +49,8 @@ def detected_above(limit: Array, most: float = MIN_LARGEST_PUSH) -> Trials:
         return 10 * (np.abs(torque).max(axis=1) - limit)
 
     speed = np.where(np.arange(COUNT) < COUNT / 2, 0.0, 0.6)
-    known = EYE, speed, PERIOD, 0.0, [(0, 3000)], np.random.default_rng(0)
-    return try_each_place(log_odds_of, *known, most)
+    run = Untouched(EYE, speed, PERIOD, [(0, 3000)])
+    return try_each_place(log_odds_of, run, 0.0, np.random.default_rng(0), most)
 
 
 def test_a_push_is_found_from_the_limit_of_its_place_on() -> None:
@@ -124,8 +125,9 @@ def test_the_worth_of_the_band_at_rest() -> None:
 
 
 def test_without_a_place_nothing_is_tried() -> None:
-    known = EYE[:50], np.zeros(50), PERIOD, 0.0, [], np.random.default_rng(0)
-    trials = try_each_place(lambda torque: -np.ones(len(torque)), *known)
+    run = Untouched(EYE[:50], np.zeros(50), PERIOD, [])
+    random = np.random.default_rng(0)
+    trials = try_each_place(lambda torque: -np.ones(len(torque)), run, 0.0, random)
     assert len(trials.force) == len(trials.found) == 0
 
 

@@ -134,7 +134,6 @@ def _progress() -> Iterator[Report]:
     if not sys.stderr.isatty():
         yield _a_line_a_minute()
         return
-
     with Progress(console=text_console(stderr=True), transient=True) as progress:
         bar = progress.add_task("steps", total=None)
         yield lambda done, total: progress.update(bar, completed=done, total=total)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -81,28 +81,37 @@ def felt_push(
     return np.where(states == JointState.STILL, resting, moving)
 
 
+class Untouched(NamedTuple):
+    """A contact-free recording.
+
+    jacobian: (N, 6, 6); speed: of the flange (N,) [m/s]; period: [s]; raised: its own alarms,
+    during which no push is tried.
+    """
+
+    jacobian: Array
+    speed: Array
+    period: float
+    raised: list[Span]
+
+
 def try_each_place(
     log_odds_of: Callable[[Array], Array],
-    jacobian: Array,
-    speed: Array,
-    period: float,
+    run: Untouched,
     threshold: float,
-    raised: list[Span],
     random: np.random.Generator,
     most: float = MIN_LARGEST_PUSH,
 ) -> Trials:
-    """Push once at each place of a contact-free recording, along the base's x, y or z.
+    """Push once at each place of a recording, along the base's x, y or z.
 
-    log_odds_of: log-odds (N,) of contact with an additional external torque (N, 6) [Nm]; jacobian:
-    (N, 6, 6); speed: of the flange (N,) [m/s]; period: [s]; raised: alarms of the recording itself,
-    during which no push is tried; random: deals out peaks, up to `most` [N], and axes.
+    log_odds_of: log-odds (N,) of contact with an additional external torque (N, 6) [Nm]; random:
+    deals out peaks, up to `most` [N], and axes.
     """
-    profile, places = trial_pushes(len(jacobian), period)
-    means = [float(speed[slice(*place)].mean()) for place in places]
+    profile, places = trial_pushes(len(run.jacobian), run.period)
+    means = [float(run.speed[slice(*place)].mean()) for place in places]
     free_places = [
         (place, mean)
         for place, mean in zip(places, means, strict=True)
-        if np.isfinite(mean) and not any(overlap(alarm, place) for alarm in raised)
+        if np.isfinite(mean) and not any(overlap(alarm, place) for alarm in run.raised)
     ]
     # sizes evenly in their logarithm; axes as evenly as possible
     peaks = random.permutation(np.geomspace(MIN_TRIAL_FORCE, most, len(free_places)))
@@ -110,7 +119,7 @@ def try_each_place(
     force = np.zeros((len(profile), 3))
     for (place, _), peak, axis in zip(free_places, peaks, axes, strict=True):
         force[slice(*place), axis] = peak * profile[slice(*place)]
-    torque = np.matvec(jacobian[:, :3].mT, force)
+    torque = np.matvec(run.jacobian[:, :3].mT, force)
     answers = alarms(log_odds_of(torque), threshold) if free_places else []
     detected = [any(overlap(alarm, place) for alarm in answers) for place, _ in free_places]
     return Trials(

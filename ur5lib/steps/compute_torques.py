@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from ur5lib.checks.channels import fast_between_samples, too_short
 from ur5lib.checks.checked import Checked
@@ -59,29 +60,31 @@ def compute_torques(
         known.actual_q, known.segment, known.period, robot.velocity_limits()
     )
     contradictions = contradicting(
-        signals, robot, load, role == "fit", cutoff_hz, doubts, accepted or {}
+        Checked(
+            robot=checked_columns(signals),
+            arm=robot,
+            configured=load.configured,
+            declared=load.payload,
+            fitted=role == "fit",
+            cutoff=cutoff_hz,
+        ),
+        doubts,
+        accepted or {},
     )
     torques = joint_torques(robot, load, known, motion)
     return RecordingTorques(torques, Premises(load, contradictions))
 
 
-def contradicting(
-    signals: Path,
-    robot: Robot,
-    load: Carried,
-    fitted: bool,
-    cutoff: float,
-    doubts: list[Finding],
-    accepted: Mapping[str, str],
-) -> Contradictions:
-    """Return the stop signs of a recording, and further doubts.
-
-    signals: file of `Signals`, of which the checks read what they need; robot, load, fitted,
-    cutoff: as in `Checked`.
-    """
+def checked_columns(signals: Path) -> pd.DataFrame:
+    """Return what the checks need of a file of `Signals`."""
     names = CHECKED_COLUMNS.intersection(read_footer(signals).schema.names)
-    table = read_table(signals, [*names])
-    checked = Checked(table, robot, load.configured, load.payload, fitted, cutoff)
+    return read_table(signals, [*names])
+
+
+def contradicting(
+    checked: Checked, doubts: list[Finding], accepted: Mapping[str, str]
+) -> Contradictions:
+    """Return the stop signs of a recording, and further doubts."""
     doubts = [*doubts, *checked.odd_targets.values()]
     stops = stop_signs(checked, accepted)
     if not stops:  # from which others would follow

@@ -19,6 +19,7 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.force.trial_contacts import (
     MIN_LARGEST_PUSH,
     Trials,
+    Untouched,
     felt_push,
     flange_speed,
     try_each_place,
@@ -107,17 +108,17 @@ def pushed(
     one, random = problem.input, np.random.default_rng(0)
     speed = flange_speed(jacobian, one.qd)
     time = np.arange(len(speed), dtype=np.float64) * one.period
-    known = time, one.states, one.gears, prior.stiction * problem.model.breakaway
+    stiction = prior.stiction * problem.model.breakaway
     friction = np.random.default_rng(1)
 
     def log_odds_of(torque: Array) -> Array:
-        felt = felt_push(torque, *known, friction)
+        felt = felt_push(torque, time, one.states, one.gears, stiction, friction)
         return problem.pushed(felt).solve(jacobian[problem.rows], prior).log_odds
 
-    places = speed, one.period, threshold, alarms(odds, threshold), random, most
-    first = try_each_place(log_odds_of, jacobian, *places)
+    run = Untouched(jacobian, speed, one.period, alarms(odds, threshold))
+    first = try_each_place(log_odds_of, run, threshold, random, most)
     rounds = max(TRIAL_ROUNDS, -(-least // max(1, len(first.force))))
-    more = [try_each_place(log_odds_of, jacobian, *places) for _ in range(rounds - 1)]
+    more = [try_each_place(log_odds_of, run, threshold, random, most) for _ in range(rounds - 1)]
     return Trials.joined([first, *more])
 
 
