@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from ur5lab.inverse_kinematics import inverse_kinematics
 from ur5lab.recorder.commanded_motion import CommandedMotion, refusals
 from ur5lab.recorder.move_program import is_program, planned_motion, read_program
 from ur5lib.errors import InputError
 from ur5lib.recordings.entries import ThesisFiles
 from ur5lib.recordings.thesis_csv import read_thesis_csv
 from ur5lib.robots.description import Robot, load_robot, robot_names, robot_path
-from ur5lib.robots.statics import geometric_jacobian, inverse_kinematics, link_frames
+from ur5lib.robots.statics import geometric_jacobian, link_frames
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 

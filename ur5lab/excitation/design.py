@@ -9,10 +9,9 @@ import numpy as np
 from scipy.optimize import minimize
 
 from ur5lab.excitation.objective import Objective, Task, Worth
-from ur5lab.excitation.trajectory import Margins, Path, WorkCell
+from ur5lab.excitation.trajectory import Margins, Path, WorkCell, resting_series
 from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array, Mask
-from ur5lib.timeseries.profiles import resting_series
 
 CHECK_RATE = 1000.0  # Hz, at which results are checked
 COARSE_CHECK_RATE = 25.0  # Hz, for attempts

@@ -9,7 +9,7 @@ from typing import Self
 
 import numpy as np
 
-from ur5lab.excitation.trajectory import DISTANCE_REACH, Path, States, WorkCell
+from ur5lab.excitation.trajectory import DISTANCE_REACH, Path, States, WorkCell, resting_series
 from ur5lib.excitation.problem import (
     PREDICTED_ACCELERATION,
     PREDICTED_SPEED,
@@ -19,7 +19,7 @@ from ur5lib.excitation.problem import (
 )
 from ur5lib.identification.samples import INDEPENDENT_STEP
 from ur5lib.timeseries.arrays import Array, Labels, Mask
-from ur5lib.timeseries.profiles import fourier_terms, resting_series
+from ur5lib.timeseries.profiles import fourier_terms
 
 Criterion = Callable[[Array], tuple[float, Array]]
 """From the information M (P, P) to a value, the larger the better, and its gradient (P, P)."""

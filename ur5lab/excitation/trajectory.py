@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple, Self
 
 import numpy as np
+from scipy.linalg import null_space
 
 from ur5lab.collisions import Capsules, Surroundings
 from ur5lib.dynamics.arm import PullBack
@@ -12,7 +13,7 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import MIN_SINGULAR_VALUE
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.profiles import fourier_terms
+from ur5lib.timeseries.profiles import fourier_terms, rest_conditions
 
 # Shares of the arm's limits that a trajectory may use.
 POSITION_SHARE = 0.95
@@ -204,3 +205,13 @@ class WorkCell:
             "" if nearest is None else " and ".join(clearances.pairs[nearest]),
             float(self.singular_value(states.q).min()),
         )
+
+
+def resting_series(period: float, harmonics: int) -> Array:
+    """Return a basis (2 H, 2 H - 3) of the coefficients of all series that begin and end at rest.
+
+    Higher harmonics are smaller, in proportion to 1/k, so that all columns have similar velocities.
+    """
+    falling = 1 / np.tile(np.arange(1, harmonics + 1), 2)
+    basis: Array = null_space(rest_conditions(period, harmonics) * falling)
+    return falling[:, None] * basis

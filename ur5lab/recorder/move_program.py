@@ -12,13 +12,13 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from ur5lab.inverse_kinematics import inverse_kinematics
 from ur5lab.recorder.commanded_motion import MIN_POINTS, CommandedMotion, position_limits
 from ur5lib.errors import InputError
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import (
     MIN_SINGULAR_VALUE,
     geometric_jacobian,
-    inverse_kinematics,
     link_frames,
 )
 from ur5lib.robots.urscript import (

@@ -29,18 +29,6 @@ def rest_conditions(period: float, harmonics: int) -> Array:
     return np.asarray(start / np.linalg.norm(start, axis=1, keepdims=True))
 
 
-def resting_series(period: float, harmonics: int) -> Array:
-    """Return a basis (2 H, 2 H - 3) of the coefficients of all series that begin and end at rest.
-
-    Higher harmonics are smaller, in proportion to 1/k, so that all columns have similar velocities.
-    """
-    from scipy.linalg import null_space  # not needed where a plan is only checked
-
-    falling = 1 / np.tile(np.arange(1, harmonics + 1), 2)
-    basis: Array = null_space(rest_conditions(period, harmonics) * falling)
-    return falling[:, None] * basis
-
-
 def duration(way: Array, speed: float, acceleration: float) -> tuple[float, float, float]:
     """Return the duration of the acceleration, the start of the braking, and the end [s].
 
