@@ -76,17 +76,20 @@ def sensor_reading(
     for a sensor on the robot's clock.
     """
     assert signals.force_sensor is not None
-    clock_std = own.std if own else 0.0
-    values, known = in_frame_6(signals.force_sensor, robot), (signals.segment, signals.period)
+    clock_std, values = own.std if own else 0.0, in_frame_6(signals.force_sensor, robot)
+
+    def expected(motion: Array) -> Array:
+        return expected_values(motion, signals.segment, signals.period, clock_std)
+
     moment = np.zeros_like(values)
     if tool is not None:  # n = ... - I α - ω × I ω
-        moment[:, 3:] = -expected_values(moved.gyration(tool.inertia), *known, clock_std)
+        moment[:, 3:] = -expected(moved.gyration(tool.inertia))
     origin = place = np.array(robot.mounting.force_sensor)
-    pull = expected_values(moved.pull_at(place), *known, clock_std)
+    pull = expected(moved.pull_at(place))
     for _ in range(CENTER_ROUNDS):
         offset = fit_offset(values - moment, pull, signals.period)
         place = origin + within_reach(offset.center())
-        pull = expected_values(moved.pull_at(place), *known, clock_std)
+        pull = expected(moved.pull_at(place))
     placed = in_frame_6(own.placed, robot) if own else values
     return SensorReading(
         values,

@@ -77,8 +77,8 @@ def measure_observability(
         problem = fmap_problem(moved, predicted, residuals)
         odds = forces[name].log_odds.get(LEADING)
         if LEADING in threshold and problem is not None and odds is not None:
-            known = kinematics[name].jacobian, prior, threshold[LEADING], odds, least, most
-            trials.append(pushed(problem, *known))
+            jacobian, alarm_odds = kinematics[name].jacobian, threshold[LEADING]
+            trials.append(pushed(problem, jacobian, prior, alarm_odds, odds, least, most))
     return [*observability(trials, errors), *at_rest(friction.fit)]
 
 

@@ -91,8 +91,8 @@ def audit(
             rows += _wrench_rows("zero", stated.bias, stated.std()[0], MIN_ZERO_ERROR)
             rows.append(row("left_mass", "", left.mass, left.mass_std, "kg", 0.0, MIN_MASS_ERROR))
     if currents:
-        known = currents.carried, currents.std_error, "kg", currents.configured
-        rows.append(row("mass_by_currents", "", *known, 0.0))
+        mass, std = currents.carried, currents.std_error
+        rows.append(row("mass_by_currents", "", mass, std, "kg", currents.configured, 0.0))
     time = AuditRow("free_time", "", free, None, None, None, "s", None, "")
     return [time, *(rows if free >= MIN_FREE_DURATION else [])]
 
@@ -102,10 +102,11 @@ def _explained(
 ) -> tuple[FreeReading, SensorErrors]:
     """Explain the raw reading, with the tool where it turns out to be."""
     assert signals.ft_raw_wrench is not None
+    raw = in_frame_6(signals.ft_raw_wrench, robot)
     center = np.array(tool.center_of_mass) if tool else np.zeros(3)
     for _ in range(CENTER_ROUNDS):
-        known = moved.pull_at(center), moved.spin, signals.time, signals.period
-        reading = fit_free_reading(in_frame_6(signals.ft_raw_wrench, robot), *known, tool)
+        pull = moved.pull_at(center)
+        reading = fit_free_reading(raw, pull, moved.spin, signals.time, signals.period, tool)
         sensed = fit_sensor_errors(reading, tool.mass if tool else None)
         if tool and abs(sensed.scale.mean() - 1) > MAX_SCALE_ERROR_OF_SENSOR:
             sensed = fit_sensor_errors(reading, None)
