@@ -86,16 +86,32 @@ class Panels(typer.core.TyperGroup):
         return name, command, rest
 
     def invoke(self, context: Any) -> Any:
-        """Run a command. Raises InputError for a choice that an option does not have."""
+        """Run a command; a wrong call is answered with an example, and exit status 2.
+
+        Raises InputError for a choice that an option does not have.
+        """
         try:
             return super().invoke(context)
         except Exception as error:
-            said = str(getattr(error, "message", ""))
-            if "is not one of" not in said:
+            if not hasattr(error, "format_message"):
                 raise
-            wrong, *choices = re.findall(r"'([^']*)'", said)
+            if "is not one of" not in error.message:
+                said = error.format_message().rstrip(".")
+                command = self.commands.get(context.invoked_subcommand or "")
+                typer.echo(f"ur5: {said}; {_right_call(command, said)}", err=True)
+                raise SystemExit(2) from error
+            wrong, *choices = re.findall(r"'([^']*)'", error.message)
             option = getattr(getattr(error, "param", None), "name", "choice")
             raise unknown(str(option), wrong, choices) from error
+
+
+def _right_call(command: Any, said: str) -> str:
+    """Return what to write instead of a wrong call: the example of its command, if it has one."""
+    if command is None:
+        return "`ur5 -h` lists the commands"
+    if command.name == "run" and said.startswith("No such option"):
+        return "Snakemake's options follow after --, as in: ur5 run mine -- --cores 4"
+    return f"as in: {command.help.partition('Example: ')[2].strip()}"
 
 
 app = typer.Typer(

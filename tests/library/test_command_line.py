@@ -97,6 +97,24 @@ WRONG_CALLS = [
     ("run", 2, "Missing argument 'STUDY | RECORDINGS'"),
     ("status nothing", 1, "this folder has no study; make one by `ur5 new .`"),
     ("run a.csv", 1, "a.csv"),
+    ("run mine --cores 2", 2, "ur5 run mine -- --cores 4"),
+    ("run recordings", 1, "ur5 import recordings/* --output recordings.yaml"),
+    ("check recordings", 1, "recordings is a folder of recordings"),
+    ("status mine.yml", 1, "did you mean `mine.yaml`"),
+    ("run mine.yaml other.yaml", 1, "build it: ur5 run mine.yaml"),
+    ("import mine.yaml", 1, "mine.yaml is a study, no recording"),
+    ("report results/built/report.html", 1, "report.html does not exist; build it: ur5 run built"),
+    ("check results/no/report.html", 1, "unknown study 'no'; available: mine, other"),
+    ("compare results/a", 2, "as in: ur5 compare monday tuesday"),
+    ("export ur5e", 2, "Missing option '--robot'; as in: ur5 export --robot ur5e"),
+    ("import", 2, "as in: ur5 import raw/mine/*.csv"),
+    ("import a.csv --rate fast", 2, "valid number"),
+    ("import a.csv --robot", 2, "requires an argument; as in: ur5 import"),
+    ("import a.csv --unit mA", 1, "as actual_current=mA"),
+    ("check mine.yaml --al", 2, "--all"),
+    ("fetch ur10bag", 1, "did you mean `ur10-bag`"),
+    ("fetch --list", 2, "as in: ur5 fetch ur10-bag"),
+    ("open mine", 2, "`ur5 -h` lists the commands"),
 ]
 
 
@@ -112,9 +130,13 @@ def test_a_wrong_call_is_answered_with_the_right_one(
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "200")
     (tmp_path / "recordings").mkdir()  # so that . is a folder of results
+    if "has no study" not in answer:
+        for name in ("mine", "other"):
+            (tmp_path / f"{name}.yaml").write_text(f"study: {name}\n")
     told = run_ur5(*words.split())
     assert told.status == status
     assert answer in told.err
+    assert len(told.err.replace("files to read: 1\n", "").splitlines()) == 1
 
 
 def test_the_version_is_told() -> None:

@@ -39,7 +39,9 @@ def snakemake_prints(monkeypatch: pytest.MonkeyPatch, lines: list[str], status: 
     monkeypatch.setattr(run, "_command", lambda *_: [sys.executable, "-c", program])
 
 
-@pytest.mark.parametrize("address", ["mine", "arm.yaml", "results/mine", "results/mine/"])
+@pytest.mark.parametrize(
+    "address", ["mine", "arm.yaml", "results/mine", "results/mine/report.html"]
+)
 def test_a_study_has_one_address_by_name_file_and_results(here: Path, address: str) -> None:
     assert study_file(address) == Path("arm.yaml")
     assert results_folder(address) == Path("results/mine")

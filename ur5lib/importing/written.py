@@ -38,7 +38,12 @@ def user_statement(
 
 
 def imported_files(files: Sequence[Path], stated: UserStatement) -> ImportedFiles:
-    """Return the entries of recordings; the file that is being read is printed on stderr."""
+    """Return the entries of recordings; the file that is being read is printed on stderr.
+
+    Raises InputError for a study among them.
+    """
+    if study := next((file for file in files if is_study(str(file)) and file.is_file()), None):
+        raise InputError(f"{study} is a study, no recording; build it: ur5 run {study}")
     return import_files(announced(runs_of(files)), stated)
 
 

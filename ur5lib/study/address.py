@@ -3,23 +3,31 @@
 from collections.abc import Iterator
 from os.path import isdir, isfile  # unlike pathlib's, of names that are too long, too
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
-from ur5lib.errors import InputError, unknown
+from ur5lib.errors import InputError, perhaps, unknown
 
 RESULTS_FOLDER = Path("results")
 YAML_SUFFIXES = (".yaml", ".yml")
+REPORTS = ("report.html", "report.pdf", "details.html", "results.json")  # in a folder of results
 STUDIES = ("*.yaml", "config/*.yaml", "workflow/studies/*.yaml")  # in the working folder
 
 
 def study_file(address: str) -> Path:
     """Return the YAML file of a study.
 
-    Raises InputError where the working folder has none of this name, or several.
+    Raises InputError where the working folder has none of this name, or several, and for a folder
+    of recordings.
     """
-    path = Path(address)
+    path = _without_report(address)
+    if path.suffix in YAML_SUFFIXES and not isfile(path):
+        _expect_no_neighbour(path)
     if isfile(path) or path.suffix in YAML_SUFFIXES:
         return path
+    if isdir(path) and path.parent.name != RESULTS_FOLDER.name and not isdir(path / "tables"):
+        entries = f"ur5 import {quote(str(path))}/* --output {path.resolve().name}.yaml"
+        raise InputError(f"{path} is a folder of recordings, no study; write one: {entries}")
     names = dict(_studies())
     found = [file for file, name in names.items() if name == path.name]
     if not names:
@@ -38,17 +46,32 @@ def results_folder(address: str) -> Path:
 
     Raises InputError where the working folder has no such study.
     """
-    path = Path(address)
+    path = _without_report(address)
     if path.suffix not in YAML_SUFFIXES and (isdir(path) or len(path.parts) > 1):
         return path
-    if isdir(RESULTS_FOLDER / address):
-        return RESULTS_FOLDER / address
+    if isdir(RESULTS_FOLDER / path):
+        return RESULTS_FOLDER / path
     return RESULTS_FOLDER / _name(study_file(address))
 
 
 def is_study(address: str) -> bool:
     """Return whether an address is that of a study, and not of a recording."""
-    return not isfile(address) or Path(address).suffix in YAML_SUFFIXES
+    path = Path(address)
+    return not isfile(path) or path.suffix in YAML_SUFFIXES or path.name in REPORTS
+
+
+def _without_report(address: str) -> Path:
+    """Return an address, of a study's report its folder."""
+    path = Path(address)
+    return path.parent if path.name in REPORTS else path
+
+
+def _expect_no_neighbour(path: Path) -> None:
+    """Raise InputError where a YAML file beside one that is missing has nearly its name."""
+    if isdir(path.parent):
+        files = [one.name for one in path.parent.iterdir() if one.suffix in YAML_SUFFIXES]
+        if near := perhaps(path.name, files):
+            raise InputError(f"{path} does not exist{near}")
 
 
 def _studies() -> Iterator[tuple[Path, str]]:
