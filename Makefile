@@ -28,15 +28,15 @@ studies: .venv/ready ## build the default study and every other whose recordings
 		else snakemake --configfile "$$study" || failed="$$failed $$study"; fi; \
 	done; [ -z "$$failed" ] || { echo "failed:$$failed"; exit 1; }
 
-test: lint ## check style and types, and show every result, command and format, as .ci/run does: some ten minutes
+test: .venv/dev ## check style and types, and show every result, command and format, as .ci/run does: some ten minutes
 	$(MAKE) tests
 
-test-all: lint ## the same with the tests marked thorough: installed packages, Slurm, benchmarks, devices in all their faults
+test-all: .venv/dev ## the same with the tests marked thorough: installed packages, Slurm, benchmarks, devices in all their faults
 	$(MAKE) tests EXCEPT=
 
 tests:
 	rm -f .pytest_cache/late
-	$(MAKE) --jobs 2 test-others test-real-time
+	$(MAKE) --jobs 3 lint test-others test-real-time
 	# what did not keep up beside the others is tried again, alone
 	test ! -e .pytest_cache/late || $(REAL_TIME) --last-failed --reruns 2 --reruns-delay 5
 
@@ -50,7 +50,7 @@ test-fast: lint ## check style and types, and run the tests that are not marked 
 	OMP_NUM_THREADS=1 pytest -m "not slow"
 
 lint: .venv/dev ## check style and types
-	pre-commit run --all-files
+	MAKEFLAGS= nice -n 19 pre-commit run --all-files
 
 bench: .venv/dev ## measure speed side by side: some ten minutes, the default study included
 	for name in $(SPEED); do echo "benchmarks/$$name.py"; python -m benchmarks.$$name || exit 1; done

@@ -1,6 +1,6 @@
 """A simulated e-Series arm on a ceiling with a tool, at 125 and at 500 Hz, by all steps.
 
-Beside it, a small and a large arm.
+Beside it, a large arm.
 """
 
 import re
@@ -45,7 +45,6 @@ STUDY = {
         recording("fit_2", "realtime-stream", "fit", 2),
         recording("fit_3", "realtime-stream", "fit", 4),
         recording("pushed", "rtde-csv", "contact", 3, contacts=[PUSH], wrist_sensor=WRIST),
-        recording("small", "realtime-stream", "fit", 5, 8) | {"robot": "ur3"},
         recording("large", "realtime-stream", "fit", 5, 8) | {"robot": "ur30"},
     ],
     "settings": {"lowpass": {"motion": {"cutoff_hz": 80}}},  # beyond Nyquist of two of them
@@ -85,7 +84,7 @@ def test_the_tool_is_carried_and_the_controller_given_it(results: Path) -> None:
     assert [own.contradictions.findings for own in known] == [[], []]
 
 
-@pytest.mark.parametrize(("arm", "most"), [("cell-2", 0.25), ("ur3", 0.35), ("ur30", 0.35)])
+@pytest.mark.parametrize(("arm", "most"), [("cell-2", 0.25), ("ur30", 0.35)])
 def test_an_arm_s_parameters_come_back(truth: pd.DataFrame, arm: str, most: float) -> None:
     """Its identified model has its torques; most: error of its torque constants, relative."""
     rows = truth[truth["robot"] == arm]

@@ -109,7 +109,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.fixture(scope="module", params=ARMS)
+@pytest.fixture(
+    scope="module", params=[pytest.param("ur3e", marks=pytest.mark.thorough), "ur5", "ur16e"]
+)
 def arm(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 

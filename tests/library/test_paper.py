@@ -36,8 +36,10 @@ def drawing(name: str) -> Drawing:
     return draw_traces(Traces(time, {"a": (waves, "joint")}), CURRENT_PANELS)
 
 
-@pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize(("width", "size"), [(88, 6.5), (88, 8), (180, 9)])
+@pytest.mark.parametrize(
+    ("name", "width", "size"),
+    [*((name, 88, 6.5) for name in NAMES), (NAMES[0], 88, 8), (NAMES[1], 180, 9)],
+)
 def test_figures_have_the_width_and_the_letters_of_their_name(
     name: str, width: float, size: float, tmp_path: Path
 ) -> None:

@@ -35,18 +35,13 @@ recordings:
 """
 STANDSTILL = """\
 study: standstill
-title: An arm at rest
+title: An arm at rest, and one pressed beside a force sensor, of which there is nothing to fit
 recordings:
   - name: rest
     robot: ur5
     format: thesis-csv
     role: fit
     simulate: {seconds: 10, trajectory: {kind: standstill}, seed: 1}
-"""
-PRESSED = """\
-study: pressed
-title: Pressed at rest beside a force sensor, and nothing to fit
-recordings:
   - name: pressed
     robot: rebuilt
     format: thesis-csv
@@ -114,21 +109,28 @@ def test_one_recording_without_sensors_is_a_report(alone: Workflow) -> None:
     assert "thesis" not in text
 
 
-def test_a_standstill_tells_no_models_apart_and_no_friction(tmp_path: Path) -> None:
-    _, text = checked(built(tmp_path, STANDSTILL))
+@pytest.fixture(scope="module")
+def at_rest(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    """The results and the report of a study of two arms at rest; one has motors of its own."""
+    described = yaml.safe_load(robot_path("ur5").read_text()) | {"name": "rebuilt"}
+    own = {f"own {size}": joint_sizes()[size] for size in ("big", "small")}
+    described |= {"joints": [f"own {size}" for size in described["joints"]], "motors": own}
+    folder = tmp_path_factory.mktemp("at_rest")
+    return checked(built(folder, STANDSTILL, rebuilt=yaml.safe_dump(described)))
+
+
+def test_a_standstill_tells_no_models_apart_and_no_friction(at_rest: tuple[Path, str]) -> None:
+    _, text = at_rest
     assert "closest to the controller" not in text
     assert '<td class="left">did not move</td>' in text
 
 
-def test_contacts_beside_a_sensor_are_shown_without_a_fit(tmp_path: Path) -> None:
+def test_contacts_beside_a_sensor_are_shown_without_a_fit(at_rest: tuple[Path, str]) -> None:
     """The sensor's numbers, and the force from known torque constants, inside its wide band.
 
     There is no recording to fit, and the friction of its motors is not known from others.
     """
-    described = yaml.safe_load(robot_path("ur5").read_text()) | {"name": "rebuilt"}
-    own = {f"own {size}": joint_sizes()[size] for size in ("big", "small")}
-    described |= {"joints": [f"own {size}" for size in described["joints"]], "motors": own}
-    folder, _ = checked(built(tmp_path, PRESSED, rebuilt=yaml.safe_dump(described)))
+    folder, _ = at_rest
     (sensed,) = read_csv(folder / "tables" / "sensed.csv").itertuples()
     assert sensed.contacts == 3
     assert sensed.largest_force_n == pytest.approx(90, rel=0.1)
@@ -137,7 +139,7 @@ def test_contacts_beside_a_sensor_are_shown_without_a_fit(tmp_path: Path) -> Non
     contact = rows[(rows["during"] == "contact") & rows["component"].isin(["Fx", "Fy", "Fz"])]
     assert (contact["coverage95"] >= 0.95).all()
     assert (contact["mae"] < contact["mean_force"]).all()
-    assert read_csv(folder / "tables" / "friction.csv").empty
+    assert read_csv(folder / "tables" / "friction.csv").query("robot == 'rebuilt'").empty
     figure = folder / "figures" / "pressed" / "forces_estimated.csv"
     drawn = {*read_csv(figure)}
     assert {"force sensor, Fy [N]", "uncalibrated static estimate, Fy [N]"} <= drawn
