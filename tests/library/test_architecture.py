@@ -60,7 +60,7 @@ MODULES = sorted((PROJECT / "ur5lib").rglob("*.py"))
 BESIDE = sorted(path.name for path in PROJECT.glob("ur5*") if path.name != "ur5lib")
 EVERY = MODULES + sorted(path for package in BESIDE for path in (PROJECT / package).rglob("*.py"))
 AROUND = sorted(path for part in ("tests", "benchmarks") for path in (PROJECT / part).rglob("*.py"))
-TOPICS = sorted(path.parent for path in (PROJECT / "ur5lib").glob("topics/*/__init__.py"))
+TOPICS = sorted(path.parent for path in (PROJECT / "ur5lib").glob("topics/*/rules.smk"))
 STEPS_OF_TOPICS = [step for step in all_steps() if "topics" in module_of(step).parts]
 
 

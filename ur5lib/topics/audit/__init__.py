@@ -1,1 +1,0 @@
-"""What is wrong with the force sensor in an arm's wrist."""

@@ -1,1 +1,0 @@
-"""What another recording of an arm is worth."""

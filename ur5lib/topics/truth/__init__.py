@@ -1,1 +1,0 @@
-"""Estimates from simulated recordings beside the truth."""
