@@ -133,8 +133,7 @@ use rule * from ur5
 """
 
 
-@pytest.mark.parametrize("text", ["", MODULE])
-@pytest.mark.parametrize("name", ["Snakefile", "workflow/Snakefile"])
+@pytest.mark.parametrize(("name", "text"), [("Snakefile", MODULE), ("workflow/Snakefile", "")])
 def test_the_installed_workflow_runs_where_one_stands(
     installed: Installed, tmp_path: Path, name: str, text: str
 ) -> None:
