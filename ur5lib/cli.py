@@ -95,12 +95,13 @@ class Panels(typer.core.TyperGroup):
         except Exception as error:
             if not hasattr(error, "format_message"):
                 raise
-            if "is not one of" not in error.message:
+            message = str(getattr(error, "message", ""))
+            if "is not one of" not in message:
                 said = error.format_message().rstrip(".")
                 command = self.commands.get(context.invoked_subcommand or "")
                 typer.echo(f"ur5: {said}; {_right_call(command, said)}", err=True)
                 raise SystemExit(2) from error
-            wrong, *choices = re.findall(r"'([^']*)'", error.message)
+            wrong, *choices = re.findall(r"'([^']*)'", message)
             option = getattr(getattr(error, "param", None), "name", "choice")
             raise unknown(str(option), wrong, choices) from error
 

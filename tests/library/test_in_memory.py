@@ -10,6 +10,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 from textwrap import dedent
 
+import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.figure import Figure
