@@ -97,6 +97,13 @@ def test_larger_errors_and_new_findings_are_named(tmp_path: Path) -> None:
     assert "  run, joint 1: 0.1 A before, 0.2 A now" in texts
 
 
+def test_results_before_an_update_are_compared_with_those_after(tmp_path: Path) -> None:
+    before, after = results(tmp_path / "a"), results(tmp_path / "b", error=2)
+    table = before / "tables" / "current_rmse.csv"
+    table.write_text(table.read_text().replace("rmse_lowpassed", "rmse_2hz"))
+    assert len([name for name in changed(before, after) if "joint" in name]) == 6
+
+
 @pytest.mark.parametrize(("topics", "status"), [("currents,force", 1), ("force", 0), ("", 0)])
 def test_the_exit_status_is_that_of_the_topics_asked_for(
     tmp_path: Path, topics: str, status: int

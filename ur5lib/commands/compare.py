@@ -141,6 +141,8 @@ def force(studies: StudyPair) -> Iterator[Comparison]:
     return compare_estimates("force", rows, names, ["N"] * len(rows))
 
 
+# Of columns: what results built before 0.2.0 call them, so that an update can be compared.
+OLDER_NAMES = {"rmse_lowpassed": "rmse_2hz"}
 TOPICS: dict[str, Callable[[StudyPair], Iterator[Comparison]]] = {
     "data": data,
     "model": model,
@@ -156,7 +158,8 @@ def _both(studies: StudyPair, table: str, *keys: str, value: str = "value") -> p
 
     value: the column of what is compared, which becomes `value_a` and `value_b`.
     """
-    before, after = (study.table(table).rename(columns={value: "value"}) for study in studies)
+    named = {value: "value"} | ({OLDER_NAMES[value]: "value"} if value in OLDER_NAMES else {})
+    before, after = (study.table(table).rename(columns=named) for study in studies)
     return before.merge(after, on=[*keys], suffixes=("_a", "_b"))
 
 
