@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 import ur5lib
@@ -10,7 +11,9 @@ from ur5lib.chain.model import TABLES
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.simulate import simulate
+from ur5lib.tables import read_csv
 
+DOTS = (("velocity", "rad/s"), ("measured", "Nm"))  # of the figure of friction
 PUSH = {"kind": "push", "start_s": 3, "seconds": 2, "force": [40, 0, 0]}
 
 
@@ -52,6 +55,10 @@ def assert_as_in_study(
         table = study.table(name)
         reported = table[table["robot"] == runs.robot].reset_index(drop=True)
         pd.testing.assert_frame_equal(model.table(name), reported, check_exact=True)
+    drawn = read_csv(results / "figures" / runs.robot / "friction.csv")
+    for joint, axis in enumerate(model.plot("friction").axes, start=1):
+        dots = drawn[[f"{name}, joint {joint} [{unit}]" for name, unit in DOTS]]
+        np.testing.assert_allclose(axis.lines[0].get_xydata(), dots, rtol=1e-5)
     for name in names:
         pd.testing.assert_frame_equal(
             model.estimate(runs[name]), study.forces(name), check_exact=True

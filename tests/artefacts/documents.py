@@ -122,7 +122,10 @@ def check_captions(report: Path) -> None:
         svg = (report.parent / sources[0]).with_suffix(".svg").read_text()
         drawn = LABEL.findall(svg[svg.index('id="legend') :]) if 'id="legend' in svg else []
         if figure.get("data-recording"):  # over time
-            assert [label for label in drawn if html.unescape(label) not in text] == [], sources
+            said = text.casefold()
+            assert [one for one in drawn if html.unescape(one).casefold() not in said] == [], (
+                sources
+            )
             for word, label in SAID_OF_LABELS.items():
                 assert (word in text) == (label in drawn), (sources, word)
         dashes = {"dashed", "dotted"} & {*re.findall(r"\w+", text)}

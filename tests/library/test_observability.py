@@ -183,8 +183,9 @@ def test_the_table_has_each_joint_and_push(tmp_path: Path) -> None:
         drawing = observability_figure(pd.concat([pushed, shares]), 0.9, MIN_LARGEST_PUSH)
         assert len(drawing.data) == len(pushed) + 6 * 9
     assert "bound" not in drawing.data
-    beyond = observability_figure(pushes.assign(bound=">"), 0.9, 100.0)
-    assert "bound" in beyond.data  # so that the caption names the arrows
+    beyond = pd.concat([pushes.assign(bound=">"), shares])
+    drawing = observability_figure(beyond, 0.9, MIN_LARGEST_PUSH)
+    assert "bound" in drawing.data  # so that the caption names the arrows
 
 
 def test_errors_are_within_the_band_that_is_stated_at_their_speed() -> None:
