@@ -14,6 +14,7 @@ import ur5lib
 from tests.artefacts.documents import (
     VIEWS,
     cells_of,
+    check_captions,
     check_in_browser,
     check_pdf,
     check_results,
@@ -459,6 +460,7 @@ def test_the_report_needs_no_network_and_links_to_files_that_exist(
 
 def test_the_report_is_well_formed_for_readers(thesis_results: Path, page: HtmlElement) -> None:
     check_structure(thesis_results / "report.html")
+    check_captions(thesis_results / "report.html")
     check_results(thesis_results)
     assert page.get("lang") == "en"
 
