@@ -145,6 +145,7 @@ def check_results(folder: Path) -> None:
     cards = re.findall(r"<h3>(.*?) <span class=\"state\">(.*?)</span>", text)
     assert [(one["topic"], one["state"]) for one in told["verdicts"]] == cards
     shown = [one[part] for one in told["verdicts"] for part in ("sentence", "evidence")]
+    shown += [answer for one in told["verdicts"] for answer in one["answers"]]
     listed = [sentence for one in told["lists"] for sentence in one["sentences"]]
     assert [one["heading"] for one in told["lists"]][:2] == ["What to do next", "Findings"]
     for sentence in [*shown, *listed]:

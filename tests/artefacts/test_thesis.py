@@ -516,7 +516,7 @@ def test_the_arm_is_drawn_as_its_tables_say(
 
 
 def test_the_pdf_says_the_same(thesis_results: Path) -> None:
-    sections = ["What was found", "Link model", "Force", "Methods", "Provenance"]
+    sections = ["What was found", "Link model", "Force", "Methods and citation", "Provenance"]
     check_pdf(thesis_results / "report.pdf", sections)
 
 

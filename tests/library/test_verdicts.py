@@ -1,5 +1,6 @@
 """Verdicts and next steps: each rule at its borders, on tables with a known answer."""
 
+import math
 import re
 from dataclasses import fields, replace
 from pathlib import Path
@@ -10,14 +11,16 @@ import pandas as pd
 import pytest
 
 from tests.artefacts.documents import stated
+from ur5lib.channels import CURRENT
 from ur5lib.force.estimators import UNGATED
 from ur5lib.records.arm_state import Observed
 from ur5lib.report.page.compose import shown_table
 from ur5lib.report.page.document import Document, Section, Verdict, Verdicts
-from ur5lib.report.page.sentences import say
+from ur5lib.report.page.sentences import say, speaking_of
 from ur5lib.report.results import Results
 from ur5lib.report.views.baseline import bars, error_bar, state
 from ur5lib.report.views.contacts import (
+    explained,
     false_alarms,
     felt_while_fitted,
     judge_force,
@@ -27,6 +30,7 @@ from ur5lib.report.views.contacts import (
 )
 from ur5lib.report.views.currents import (
     farthest_in_time,
+    friction_known,
     judge_constants,
     judge_currents,
 )
@@ -39,7 +43,7 @@ from ur5lib.report.views.first_screen import (
     rules,
     verdicts,
 )
-from ur5lib.report.views.models import identified, judge_links
+from ur5lib.report.views.models import arm_itself, identified, judge_links
 from ur5lib.report.views.motion import judge_motion
 from ur5lib.report.views.recordings import judge_files
 from ur5lib.report.views.uses import uses
@@ -80,7 +84,8 @@ def percents(sentence: str) -> list[int]:
 
 
 def said(verdict: Verdict) -> str:
-    return f"{verdict.state}: {verdict.sentence} {verdict.evidence}".strip()
+    words = (verdict.sentence, *verdict.answers, verdict.evidence)
+    return f"{verdict.state}: {' '.join(filter(None, words))}"
 
 
 # States
@@ -379,13 +384,13 @@ def test_currents_say_by_which_factor_a_band_is_too_narrow_or_too_wide(
 @pytest.mark.parametrize(
     ("share", "high", "said"),
     [
-        (0.95, 0.05, "bands hold; at rest"),
+        (0.95, 0.05, "bands hold."),
         (
             0.62,
             0.05,
-            "bands hold, though on joint 2 between 0.02 and 0.05 rad/s only 62 %; at rest",
+            "bands hold, though on joint 2 between 0.02 and 0.05 rad/s only 62 %.",
         ),
-        (0.62, None, "bands hold, though on joint 2 above 0.02 rad/s only 62 %; at rest"),
+        (0.62, None, "bands hold, though on joint 2 above 0.02 rad/s only 62 %."),
     ],
 )
 def test_currents_say_at_which_speed_the_band_holds_least(
@@ -400,8 +405,38 @@ def test_currents_say_at_which_speed_the_band_holds_least(
     ]
     verdict = judge_currents(study(current_rmse=predicted(0.2), observability=rows))
     assert said.replace(" %", "\u00a0%") in verdict.sentence.replace(" %", "\u00a0%")
-    assert "up to 7.2 times as wide as in motion" in verdict.sentence
+    (answer,) = verdict.answers
+    assert "up to 7.2 times as wide as in motion" in answer
+    assert "nothing tests them" in answer
     assert ("By speed, it holds least on joint 2" in verdict.evidence) == (share < 0.9)
+
+
+def test_currents_say_what_the_bands_of_resting_joints_hold() -> None:
+    """Of the readings, and of which width they would hold 95 %: the user's “can I trust it?”."""
+    known = {"robot": "ur5", "speed_low": 0.0, "speed_high": 0.005}
+    values = {"band_at_rest": (4.0, 5.0), "rest_in_band": (0.94, 1.0)}
+    values["rest_band_factor"] = (1.04, 0.5)
+    rows = [
+        known | {"quantity": name, "joint": joint, "value": value}
+        for name, pair in values.items()
+        for joint, value in enumerate(pair, start=1)
+    ]
+    told = said(judge_currents(study(current_rmse=predicted(0.2), observability=rows)))
+    for number in ("94\u00a0to\u00a0100 %", "0.5\u00a0to\u00a01.0 of that width", "up to 5 times"):
+        assert number in told
+
+
+def test_currents_say_how_well_friction_is_known() -> None:
+    """Within 20 % on joint 1; not even the sign of joint 2's, nor that of joint 3, by the prior."""
+    known = {"robot": "ur5", "parameter": "coulomb", "value": 5.0, "prior_share": 0.1}
+    ends = {1: (4.0, 6.0, "yes"), 2: (-1.0, 11.0, "yes"), 3: (4.0, 6.0, "no")}
+    rows = [
+        known | {"joint": joint, "low": low, "high": high, "determined": told}
+        for joint, (low, high, told) in ends.items()
+    ]
+    (told,) = friction_known(study(friction=rows))
+    assert "of joint 1 is known within 20 %" in told
+    assert "joints 2, 3 is not determined" in told
 
 
 def test_currents_name_the_largest_error_and_the_least_band_by_themselves() -> None:
@@ -456,7 +491,7 @@ def test_joints_at_rest_and_loaded_recordings_judge_no_currents() -> None:
         study({"seen": None}, current_rmse=predicted(0.2), friction=friction),
         study(current_rmse=predicted(0.2), payload=[load], friction=friction),
     ):
-        assert said(judge_currents(results)) == f"not determined: {told}"
+        assert said(judge_currents(results)).startswith(f"not determined: {told}")
 
 
 # Force
@@ -583,7 +618,7 @@ def test_a_wrench_that_is_not_used_is_named() -> None:
             "seen",
             "False alarms in 1.0 minutes of validate recordings without an undeclared load: 2, "
             "that is at most 6.3 a minute (95 %); no day without a fit recording tests them; the "
-            "live estimate, which knows in 75 % of the time, raises 3.",
+            "live estimate, which can tell in 75 % of the time, raises 3.",
         ),
         ("fitted", "No validate recording without an undeclared load shows how many alarms"),
     ],
@@ -613,7 +648,7 @@ def test_false_alarms_are_counted_by_the_minute_not_by_the_recording() -> None:
     evidence = judge_force(judged).evidence
     assert "in 2.0 minutes" in evidence
     assert "load: 6, that is at most" in evidence
-    assert "which knows in 100 % of the time, raises 3." in evidence
+    assert "which can tell in 100 % of the time, raises 3." in evidence
 
 
 def test_causal_alarms_are_stated_on_dates_that_no_fit_has_seen() -> None:
@@ -791,7 +826,7 @@ def test_the_card_of_the_force_counts_missed_contacts_and_false_alarms() -> None
     assert numbers["false alarms without contact"] == (0, "in 1.0 min")
     told = said(card)
     assert "Of 8 contacts from 5 N on, 2 are missed (up to 21 N)." in told
-    assert "False alarms: 0 in 1.0 min without contact, at most 3 a minute" in card.sentence
+    assert "False alarms: 0 in 1.0 min without contact, at most 3 a minute" in card.answers[-1]
     assert "in 1.0 minutes" in told
     assert ": 0, that is at most 3 a minute (95 %); no day without a fit recording" in told
     assert "in 100 % of the time, raises 1." in told
@@ -815,16 +850,22 @@ def push(force: float, axis: str, speed: float, std: float = 5.0) -> dict[str, A
     return known | (beyond if force > 100 else found)
 
 
+TRIED = {"robot": "ur5", "quantity": "largest_push", "value": 100.0}
+
+
 def test_the_card_quotes_pushes_where_the_contacts_are_and_the_table_all() -> None:
     """The trials end at 100 N; at rest larger ones are needed, but no contact was found there."""
     rest = [push(force, axis, 0.0) for force, axis in ((40.0, "x"), (672.0, "y"), (80.0, "z"))]
     slow = [push(force, axis, 0.01) for force, axis in ((14.0, "x"), (28.0, "y"), (12.0, "z"))]
     unknown = [push(1.0, "x", 0.25, std=260.0)]
     contact = {"recording": "pushed", "estimate": "Fmap", "kind": "contact"}
-    tables = {"observability": rest + slow + unknown, "force_mae": touched(2.0)}
+    tables = {"observability": [*rest, *slow, *unknown, TRIED], "force_mae": touched(2.0)}
     told = said(judge_force(study(**tables, contacts=[contact | {"flange_speed": 0.1}])))
-    assert "in slow motion from 14, 28, 12 N on" in told
-    assert "at rest from 40, > 100, 80 N on" in said(judge_force(study(**tables)))
+    assert "in slow motion (95 %) from 14, 28, 12 N on along x, y, z" in told
+    assert "; at rest, from 40 N on along x, z only" in told
+    told = said(judge_force(study(**tables)))
+    assert "from 40, 80 N on along x, z, but along y not reliably up to 100 N" in told
+    assert "; in slow motion, from 12 to 28 N on by axis" in told
     body = shown_table("observability.pushes", study(**tables))
     assert [[cell.text for cell in row] for row in body.rows] == [
         ["at rest", "40 (30 to 50)", "> 100", "80 (70 to 90)", "0"],
@@ -1000,8 +1041,75 @@ def test_false_alarms_are_pooled_by_role_where_recordings_are_many() -> None:
     assert [cell.text for cell in body.rows[1]] == [
         *("validate", "1", "1.0", "2", "6.3", "0", "4", "25")
     ]
-    (told,) = findings(results)
-    assert "False alarms: 2 in 1.0 min without contact, at most 6.3 a minute" in told
+    numbers = {number.name: number for number in judge_force(results).numbers}
+    assert numbers["false alarms without contact"].value == 2
+    assert numbers["false alarms, upper limit"].value == pytest.approx(6.3, abs=0.01)
+
+
+def test_the_order_of_axes_is_that_of_their_names() -> None:
+    """Where the first speed lacks x, it stood last."""
+    rows = [push(30.0, axis, 0.0) for axis in "yz"] + [push(20.0, axis, 0.25) for axis in "xyz"]
+    body = shown_table("observability.pushes", study(observability=[*rows, TRIED]))
+    assert [title[0] for title in body.header[1:4]] == [*"xyz"]
+
+
+@pytest.mark.parametrize(("peak", "why"), [(7.0, "small"), (50.0, "missed")])
+def test_each_contact_has_the_likely_cause_of_its_error(peak: float, why: str) -> None:
+    """At rest: one is found, with an error by stiction; one is merged, one missed."""
+    about = {"recording": "pushed", "estimate": "Fmap"}
+    spans = [(1.0, 2.0, 30.0), (3.0, 5.0, 20.0), (8.0, 9.0, peak)]
+    sensed = [
+        about
+        | {"component": "norm", "start_s": start, "end_s": end, "peak": size, "peak_error": -2.0}
+        for start, end, size in spans
+    ]
+    force = {"Fx": 3.0, "Fy": 0.0, "Fz": 4.0, "Fx_std": 1.0, "Fy_std": 5.0, "Fz_std": 2.0}
+    results = study(
+        moving={"pushed": None},
+        contact_errors=sensed,
+        contacts=[about | force | {"start_s": 1.0, "end_s": 5.0, "peak_s": 4.0}],
+        observability=[*(push(force, "x", 0.0) for force in (40.0,)), TRIED],
+    )
+    rows = explained(results, "pushed")
+    assert [*rows["why"]] == ["merged", "stiction", why]
+    width = 1.96 * math.hypot(3.0 * 1.0, 4.0 * 2.0) / 5.0
+    np.testing.assert_allclose(rows["band"], [math.nan, width, math.nan])
+
+
+def test_the_arm_itself_is_judged_by_the_joints_that_bear_gravity() -> None:
+    """Joint 2 agrees, joint 3 is far from the known constant, joint 4 contradicts, joint 1 bears
+    nothing.
+    """
+    known = {"robot": "ur5", "parameter": "torque_constant", "known": 10.0, "known_std": 1.0}
+    values = {1: (10.0, "no", None), 2: (10.5, "yes", None), 3: (13.0, "yes", None)}
+    values[4] = (10.0, "no", 25.0)
+    rows = [
+        known | {"joint": joint, "value": value, "determined": told, "contradicted": other}
+        for joint, (value, told, other) in values.items()
+    ]
+    loads = [
+        {"recording": name, "low": -0.2, "high": high, "taken": "no"}
+        for name, high in (("seen", 0.1), ("pushed", 0.05), ("fitted", 0.6))
+    ]
+    results = replace(
+        study(friction=rows, payload=loads), bearing={"ur5": [2, 3, 4]}, loads={"ur5": 2.0}
+    )
+    with speaking_of(CURRENT):
+        (told,) = arm_itself(results)
+        assert (
+            "agree with gravity in the currents of joint 2 (torque constants at most 5 % off"
+            in told
+        )
+        assert "On joint 3, the torque constant is 30 % off" in told
+        assert "joint 4 contradict" in told
+        assert "Joint 1 does not tell" in told
+        assert "kg" not in told  # an arm that contradicts its description weighs nothing
+        resting = replace(results, bearing={})
+        (told,) = arm_itself(resting)
+        assert "no joint tells by gravity" in told
+        assert "within 0.2 kg" in told
+        (told,) = arm_itself(replace(resting, loads={"ur5": 0.1}))
+    assert "kg" not in told
 
 
 def test_a_force_that_could_not_be_noticed_is_marked() -> None:

@@ -60,7 +60,7 @@ def measure_observability(
     friction: Friction,
     residuals: Residuals,
     threshold: dict[str, float],
-    described: Robot,
+    arm: Robot,
     contact_force_n: float,
 ) -> list[Observed]:
     """Return what contact-free recordings of an arm let one observe; contact_force_n: [N], of a
@@ -68,7 +68,7 @@ def measure_observability(
     """
     prior, trials, errors = ContactPrior(force=contact_force_n), list[Trials](), list[Judged]()
     least = MIN_TRIALS // max(1, len(motion))
-    most = max(MIN_LARGEST_PUSH, STANDARD_GRAVITY * (described.rated_payload or 0.0))
+    most = max(MIN_LARGEST_PUSH, STANDARD_GRAVITY * (arm.rated_payload or 0.0))
     for name, moved in motion.items():
         predicted = currents[name]
         if predicted.external_torque is None or predictions[name].is_loaded:

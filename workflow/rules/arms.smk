@@ -180,7 +180,7 @@ rule measure_observability:
         friction=parameter("friction.json"),
         residuals=parameter("residuals.json"),
         threshold=parameter("threshold.json"),
-        described=parameter("described.yaml"),
+        arm=parameter("described.yaml"),
     output:
         observability=parameter("observability.csv"),
     log:

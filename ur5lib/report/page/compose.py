@@ -57,6 +57,7 @@ VIEWS: dict[str, ModuleType] = {
 }
 REPLAYED = ("currents", "forces_estimated")  # figures of a recording, of which the last one counts
 USES = "quality.trust"  # the table of what recordings serve
+NOTICED, EACH_CONTACT = "detection.noticed", "contact_errors"  # by recording; by contact
 REPORT_FILE, DETAILS_FILE = "report.html", "details.html"
 MENTION = re.compile(r"@([a-z_]+(?:\.[a-z_]+)?)")
 CONDITIONAL_TEXT = re.compile(
@@ -82,12 +83,12 @@ def compose_study(results: Results) -> StudyPages:
     shown = _labels(report.blocks())
     details = compose(contents().details(), results, shown)
     further = {section.title: section for section in details.sections}
-    places = _replayed(report, details)
+    places = {USES: _replayed(report, details), NOTICED: _by_contact(details)}
     linked = [
         replace(
             section,
             blocks=[
-                *(_with_replays(block, places) for block in section.blocks),
+                *(_with_links(block, places) for block in section.blocks),
                 *_link(further.get(section.title)),
             ],
         )
@@ -112,11 +113,21 @@ def _replayed(report: Document, details: Document) -> dict[str, str]:
     }
 
 
-def _with_replays(block: Block, places: Mapping[str, str]) -> Block:
-    """Return the table of what each recording serves with links from its names."""
-    if not isinstance(block, TableBlock) or block.label != USES:
+def _by_contact(details: Document) -> dict[str, str]:
+    """Return by recording the link to the table of its contacts."""
+    labels = (block.label for block in details.blocks() if isinstance(block, TableBlock))
+    tables = (label.partition("-") for label in labels)
+    return {
+        name: f"{DETAILS_FILE}#{table}-{name}" for table, _, name in tables if table == EACH_CONTACT
+    }
+
+
+def _with_links(block: Block, places: Mapping[str, Mapping[str, str]]) -> Block:
+    """Return a table with links from the names of its recordings, if it has any."""
+    if not isinstance(block, TableBlock) or block.label not in places:
         return block
-    rows = [[replace(row[0], link=places.get(row[0].text, "")), *row[1:]] for row in block.rows]
+    links = places[block.label]
+    rows = [[replace(row[0], link=links.get(row[0].text, "")), *row[1:]] for row in block.rows]
     return replace(block, rows=rows)
 
 

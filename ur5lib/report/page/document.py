@@ -212,13 +212,15 @@ class Number:
 class Verdict:
     """The verdict on one topic: a state, and a sentence that gives the reason.
 
-    evidence: the number behind the sentence, with its interval and its baseline; drawing: an SVG,
-    empty if there is nothing to draw; caption: of the drawing; numbers: of sentence and evidence.
+    answers: to further questions of a user, a sentence each; evidence: the number behind the
+    sentence, with its interval and its baseline; drawing: an SVG, empty if there is nothing to
+    draw; caption: of the drawing; numbers: of sentence and evidence.
     """
 
     topic: str
     state: State
     sentence: str
+    answers: tuple[str, ...] = ()
     evidence: str = ""
     drawing: str = ""
     caption: str = ""

@@ -103,8 +103,11 @@ def _decimals(value: float, digits: int) -> int:
 
 
 def to(low: float, high: float, digits: int, unit: str = "") -> str:
-    """Format an interval and its unit without a line break within the interval."""
-    return _with_unit(f"{fixed(low, digits)}\u00a0to\u00a0{fixed(high, digits)}", unit)
+    """Format an interval and its unit without a line break within the interval, or the one value
+    that both ends read as.
+    """
+    ends = dict.fromkeys((fixed(low, digits), fixed(high, digits)))
+    return _with_unit("\u00a0to\u00a0".join(ends), unit)
 
 
 def between(low: float, high: float, value: float = math.nan) -> str:

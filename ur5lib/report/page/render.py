@@ -21,6 +21,7 @@ DOCUMENTS = Path("docs")  # of a clone, two folders above the results of a study
 BREAK = re.compile(r"(?<=\d) (?=±)|(?<=±) (?=\d)|(?<=\d) (?=%|(?:[mk]?[msgN]|A|Nm|Hz|min|rad)\b)")
 REFERENCE = re.compile(r"(?<=[\"(])#([\w-]+)(?=[\")])")  # from one part of an SVG to another
 STYLE = re.compile(r'style="([^"]*)"')
+TYPED = re.compile(r"`(\w[^`]+)`")  # keys, names and commands in a sentence
 UNESCAPED_CHARACTERS = " '!$()*+,-./:;<=?@[]_~"  # characters that a data URI need not escape
 
 
@@ -81,13 +82,18 @@ def _with_links(text: str, home: str) -> Markup:
         known = not up or Path(name).is_file()
         return f'<a href="{home}{up}{name}">{name}</a>' if known else name
 
-    return Markup(NAMED_FILES.sub(link, str(escape(_unbroken(text)))))
+    return Markup(NAMED_FILES.sub(link, _coded(text)))
 
 
 def _breakable(text: str) -> Markup:
     """Return the text of a cell, in which a line may break within long names, not after < or >."""
-    whole = re.sub(r"(?<=&[lg]t;) (?=\d)", "\u00a0", str(escape(_unbroken(text))))
+    whole = re.sub(r"(?<=&[lg]t;) (?=\d)", "\u00a0", _coded(text))
     return Markup(re.sub(r"(?<=\w{9}[_/.-])(?=\w{9})", "<wbr>", whole))
+
+
+def _coded(text: str) -> str:
+    """Return a text as HTML, with what is typed as code."""
+    return TYPED.sub(r"<code>\1</code>", str(escape(_unbroken(text))))
 
 
 def _data_uri(path: str) -> Markup:

@@ -17,6 +17,7 @@ class VerdictSummary(Strict, from_attributes=True):
     topic: str
     state: State
     sentence: str
+    answers: list[str]
     evidence: str
     numbers: list[Number]
 

@@ -41,6 +41,7 @@ def together(verdicts: Mapping[str, Verdict]) -> Verdict:
         sentence=" ".join(
             f"{', '.join(of)}: {sentence}" for sentence, of in arms_by_sentence.items()
         ),
+        answers=tuple(f"{arm}: {text}" for arm in arms for text in verdicts[arm].answers),
         evidence=" ".join(f"{arm}: {text}" for arm in arms if (text := verdicts[arm].evidence)),
         caption=f"{arms[0]}: {severest.caption}" if severest.caption else "",
         numbers=tuple(_of(arm, number) for arm in arms for number in verdicts[arm].numbers),

@@ -19,7 +19,7 @@ from ur5lib.records.account import NOTHING
 from ur5lib.records.quality import UNUSUAL_FRICTION
 from ur5lib.report.page.document import MOST_SHOWN, Number, Verdict
 from ur5lib.report.page.sentences import say
-from ur5lib.report.results import Results
+from ur5lib.report.results import AT_REST, Results
 from ur5lib.report.views.baseline import (
     BETTER_RIVAL_RATIO,
     MAX_GOOD_FLOORS,
@@ -33,10 +33,12 @@ from ur5lib.report.views.currents import days_away, loaded
 from ur5lib.report.views.forces import (
     FORCE_COMPONENTS,
     FORCE_STDS,
+    contact_errors,
     contacts,
     hardest_pushes,
     leading,
     searched,
+    smallest_pushes,
 )
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -148,12 +150,6 @@ def false_alarms(results: Results) -> dict[str, FalseAlarms | None]:
     return {name: one if one.minutes else None for name, one in found.items()}
 
 
-def raised_falsely(results: Results) -> Iterator[str]:
-    """Report false alarms, if there are any."""
-    if (alarms := false_alarms(results)["all"]) is not None and alarms.alarms:
-        yield say("force.most alarms", alarms=alarms)
-
-
 def false_by_role(results: Results) -> pd.DataFrame:
     """Return the false alarms of contact-free recordings by role, all and by the live estimate,
     with the upper limits of their rates, and the share of time in which the latter does not know.
@@ -185,12 +181,19 @@ def noticed_pushes(results: Results) -> Iterator[str]:
     are, and how many alarms may be false.
     """
     if len(pushes := hardest_pushes(results)):
-        yield say("force.noticed", rows=pushes)
+        yield say("force.noticed", rows=pushes, others=_elsewhere_noticed(results, pushes))
     if len(listed := _listed(results)):
         peaks = at_sensors(results).query("fate == @FATES[-1]")["peak"]
         yield say("force.missed", rows=listed, strongest=peaks.max())
     if (alarms := false_alarms(results)["all"]) is not None:
         yield say("force.most alarms", alarms=alarms)
+
+
+def _elsewhere_noticed(results: Results, pushes: pd.DataFrame) -> list[pd.DataFrame]:
+    """Return the smallest pushes of the same arm at its other speeds, a table each."""
+    rows = smallest_pushes(results).dropna(subset="value")
+    rows = rows[rows["robot"].isin(pushes["robot"]) & ~rows["state"].isin(pushes["state"])]
+    return [part for _, part in rows.groupby("state", sort=False)]
 
 
 def _listed(results: Results) -> pd.DataFrame:
@@ -208,6 +211,7 @@ def _numbers_of_alarms(results: Results) -> Iterator[Number]:
         yield Number("missed contacts", missed, f"of {count}", least)
     if (alarms := false_alarms(results)["all"]) is not None:
         yield Number("false alarms without contact", alarms.alarms, f"in {alarms.minutes:.1f} min")
+        yield Number("false alarms, upper limit", alarms.most, "a minute", "95 %")
 
 
 def touched(results: Results) -> list[str]:
@@ -334,6 +338,44 @@ def at_sensors(results: Results, recordings: list[str] | None = None) -> pd.Data
     return pd.concat([sensed[:0].assign(fate=""), *parts])
 
 
+def explained(results: Results, recording: str) -> pd.DataFrame:
+    """Return peak, impulse and onset of each contact, with the leading estimate's errors, half the
+    95 % `band` of the peak where an alarm finds it, and `why` it is off or missed; doubted: whether
+    the sensor's bias is.
+    """
+    rows, sensed = contact_errors(results, recording), at_sensors(results, [recording])
+    alarms = contacts(results, recording)
+    bands = NORMAL95 * _size_std(alarms).to_numpy()
+    found = {contact: bands[alarm] for alarm, contact in match(_spans(alarms), _spans(sensed))}
+    band = pd.Series([found.get(k, math.nan) for k in range(len(sensed))], sensed.index, float)
+    doubted = bool(doubted_biases(results, [recording]))
+    rows = rows.join(sensed["fate"]).assign(band=band, doubted=doubted)
+    small = rows["peak"] < _least_noticed(results, recording)
+    why = rows["fate"].mask(small & (rows["fate"] == FATES[2]), "small")
+    return rows.assign(why=why.mask(why == FATES[0], _cause(results, recording)))
+
+
+def _least_noticed(results: Results, recording: str) -> float:
+    """Return the least minimum detectable force [N] at speeds of a recording, NaN if unknown."""
+    rows = smallest_pushes(results.of_arm(results.arms()[recording]))
+    rests = rows["state"] == AT_REST
+    return float(rows.loc[~rests if results.moving(recording) else rests, "value"].min())
+
+
+def _size_std(alarms: pd.DataFrame) -> pd.Series:
+    """Return the standard deviation of the size of each alarm's force."""
+    parts = alarms[FORCE_COMPONENTS].to_numpy(float) * alarms[FORCE_STDS].to_numpy(float)
+    return np.sqrt(pd.Series((parts**2).sum(axis=1), alarms.index)) / alarms["size"]
+
+
+def _cause(results: Results, recording: str) -> str:
+    """Return what makes most of the error of found contacts on a recording."""
+    parts = split(results).set_index("recording")
+    if recording in parts.index and parts["mae_gain"][recording] > parts["friction"][recording]:
+        return "gain"
+    return "friction" if results.moving(recording) else "stiction"
+
+
 def widest_band(results: Results) -> Iterator[str]:
     """Say in which posture the band of a contact's largest force is widest."""
     found = noticed(results).query("role == 'contact'").dropna(subset="band")
@@ -378,12 +420,23 @@ def judge_force(results: Results) -> Verdict:
     return Verdict(
         topic=FORCE_TOPIC,
         state="do not use" if beaten["blind"] else found,
-        sentence=" ".join([rival.after(sentence, "N", 1), *noticed_pushes(results)]),
+        sentence=rival.after(sentence, "N", 1),
+        answers=(*noticed_pushes(results), *band_at_rest(results)),
         evidence=" ".join([say("force.evidence", **words), *noticed_in_words(results)]),
         drawing=error_bar(*row[["mae", "mae_low", "mae_high", "mean_force", "floor"]]),
         caption=say("force.caption", known=words["known"], floor=row["floor"]),
         numbers=tuple(_numbers(results, row, share, band)),
     )
+
+
+def band_at_rest(results: Results) -> Iterator[str]:
+    """Say what the band of the force is worth in contact where the arm rests."""
+    rows = errors_in_contact(results).dropna(subset=["coverage95", "band_factor95"])
+    rows = rows[[not results.moving(name) for name in rows["recording"]]]
+    if len(rows):
+        sure = with_sure_bias(results, rows)
+        doubted = doubted_biases(results, [*sure["recording"]])
+        yield say("force.at rest", rows=sure, doubted=doubted)
 
 
 def _beaten(judged: pd.DataFrame, worst: pd.Series) -> dict[str, Any]:
@@ -481,17 +534,19 @@ def _unjudged(results: Results) -> Verdict:
     """Return the verdict without a sensor that could judge the force."""
     if searched(results).empty:
         evidence = " ".join([*withheld(results), *readings(results)])
-        return Verdict(FORCE_TOPIC, "not determined", say("force.none"), evidence)
+        why = results.rows("remarks", step="contact forces")["remark"].unique()
+        words = say("force.none", why=why)
+        return Verdict(FORCE_TOPIC, "not determined", words, evidence=evidence)
     if len(results.tables["force_mae"]):
         return Verdict(FORCE_TOPIC, "not determined", say("force.untouched"))
     counts = [*map(len, found_without_sensor(results).values())]
     plausible = [say("force.plausible", counts=counts)] if counts else []
     evidence = " ".join([*plausible, *noticed_in_words(results)])
-    unused = say("force.no sensor", unused=unused_wrenches(results))
     return Verdict(
         FORCE_TOPIC,
         "not determined",
-        sentence=" ".join([unused, *noticed_pushes(results)]),
+        sentence=say("force.no sensor", unused=unused_wrenches(results)),
+        answers=tuple(noticed_pushes(results)),
         evidence=evidence,
         numbers=tuple(_numbers_of_alarms(results)),
     )

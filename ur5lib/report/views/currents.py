@@ -72,12 +72,12 @@ def by_joint(results: Results) -> pd.DataFrame:
         "unlikely": pd.MultiIndex.from_frame(rows[["robot", "joint"]]).isin(pairs),
         "refused": rows["contradicted"].notna(),
         "prior": rows["determined"] != "yes",
-        "far": _far(rows),
+        "far": is_far(rows),
     }
     return rows.assign(use=np.select([*cases.values()], [*cases], "yes"))
 
 
-def _far(rows: pd.DataFrame) -> pd.Series:
+def is_far(rows: pd.DataFrame) -> pd.Series:
     """Whether constants are farther from the known ones than on 95 % of arms."""
     return (rows["value"] - rows["known"]).abs() > NORMAL95 * rows["known_std"]
 
@@ -178,7 +178,7 @@ def judge_constants(results: Results) -> Verdict | None:
     determined, refused = rows["determined"] == "yes", rows["contradicted"].notna()
     constants = [*rows.loc[determined, "joint"].unique()]
     unlikely = [*results.rows("remarks", code="unlikely constant")["joint"].astype(int)]
-    apart = [*rows.loc[_far(rows) & determined & ~rows["joint"].isin(unlikely), "joint"]]
+    apart = [*rows.loc[is_far(rows) & determined & ~rows["joint"].isin(unlikely), "joint"]]
     state: State = "good" if determined.all() and not (refused.any() or apart) else "usable"
     if unlikely or not constants:
         state = "do not use" if unlikely else "not determined"
@@ -254,29 +254,50 @@ def judge_currents(results: Results) -> Verdict:
     if against.errors.empty:
         reason = "no motion" if results.with_role("validate") else "no validate"
         reason = "no friction" if results.tables["friction"].empty else reason
-        return Verdict(spoken(CURRENTS_TOPIC), "not determined", say(f"currents.{reason}"))
+        sentence, answers = say(f"currents.{reason}"), tuple(friction_known(results))
+        return Verdict(spoken(CURRENTS_TOPIC), "not determined", sentence, answers)
     least = rows.loc[rows["coverage95"].idxmin()]
     coverage, factors = float(least["coverage95"]), rows["band_factor95"]
     place = f"joint {least['joint']} on {least['recording']}"
     share = Number("least share in the 95 % band", 100 * coverage, "%", place)
     cutoff = results.study["settings"]["lowpass"]["currents"]["cutoff_hz"]
-    rest, speeds = (
-        results.rows("observability", quantity=name).dropna(subset="value")
-        for name in ("band_at_rest", "friction_in_band")
-    )
+    speeds = results.rows("observability", quantity="friction_in_band").dropna(subset="value")
     too_wide = (rows.groupby("joint")["band_factor95"].max() < MIN_GOOD_BAND_FACTOR).any()
     words = {"against": against, "factor": factors.max(), "narrowest": factors.min()}
     words |= {"hold": coverage >= MIN_GOOD_COVERAGE, "wide": coverage >= WIDE_BAND_COVERAGE}
-    words |= {"least": least, "rest": rest}
     weakest = next(speeds.sort_values("value", kind="stable").itertuples(), None)
-    words |= {"weakest": weakest, "enough": MIN_GOOD_COVERAGE}
+    words |= {"least": least, "weakest": weakest, "enough": MIN_GOOD_COVERAGE}
     words |= {"place": say("currents.speeds", row=weakest) if weakest else ""}
     return Verdict(
         topic=spoken(CURRENTS_TOPIC),
         state=against.state(coverage, tested=not too_wide),
         sentence=against.after(say("currents.verdict", **words)),
+        answers=(*bands_at_rest(results), *friction_known(results)),
         evidence=say("currents.evidence", **words),
         drawing=against.drawing(),
         caption=say("error.bars", zero=against.zero, floor=against.floors),
         numbers=(*against.numbers(f"RMSE below {cutoff:g} Hz"), share),
     )
+
+
+def bands_at_rest(results: Results) -> Iterator[str]:
+    """Say how many readings of resting joints the bands hold, and by how much they are too wide."""
+    wider, held, factors = (
+        results.rows("observability", quantity=name)["value"].dropna().astype(float)
+        for name in ("band_at_rest", "rest_in_band", "rest_band_factor")
+    )
+    if len(wider):
+        ends = {"least": factors.min(), "most": factors.max(), "wider": wider.max()}
+        yield say("currents.at rest", held=held, **ends)
+
+
+def friction_known(results: Results) -> Iterator[str]:
+    """Say how well Coulomb friction is known, and of which joints not even its sign."""
+    rows = constants(results).query("parameter == 'coulomb' and moved")
+    margins = rows[["low", "high"]].sub(rows["value"], axis="index").abs().max(axis="columns")
+    shares = margins / rows["value"].abs()
+    told = (rows["source"] == "data") & (shares < 1)
+    if len(rows):
+        known, open_joints = rows.loc[told, "joint"], rows.loc[~told, "joint"]
+        words = {"shares": shares[told], "known": known, "open_joints": open_joints}
+        yield say("currents.friction", **words)

@@ -22,7 +22,7 @@ from ur5lib.report.views import (
     recordings,
 )
 from ur5lib.report.views.arms import Judge, by_arm
-from ur5lib.report.views.forces import hardest_pushes, searched
+from ur5lib.report.views.forces import easiest_pushes, hardest_pushes, searched
 from ur5lib.tidy.models import STOP
 
 VERDICTS: list[Judge] = [
@@ -65,7 +65,8 @@ def result(results: Results) -> Iterator[str]:
     errors = (off / fitted["value"]).groupby(fitted["joint"]).max().sort_values()
     if not results.stopped() and (len(forces) or len(fitted)):
         pushes = hardest_pushes(results).dropna(subset="value")
-        found = {"pushes": pushes, "force": forces[-1:], "errors": errors}
+        moving = easiest_pushes(results, pushes)
+        found = {"pushes": pushes, "moving": moving, "force": forces[-1:], "errors": errors}
         found["left_out"] = len(forces) < len(every)
         yield capital(say("result.sentence", **found))
 
@@ -200,7 +201,6 @@ def findings(results: Results) -> list[str]:
             say("findings.felt", name=name)
             for name in contacts.felt_while_fitted(results)[:MOST_SHOWN]
         ),
-        *contacts.raised_falsely(results),
         *contacts.counted(results),
         *contacts.elsewhere(results),
         *_each("findings.load taken up", taken_up),

@@ -105,3 +105,11 @@ def hardest_pushes(results: Results) -> pd.DataFrame:
         return rows
     robot, state = needed.idxmax()
     return rows[(rows["robot"] == robot) & (rows["state"] == state)]
+
+
+def easiest_pushes(results: Results, hardest: pd.DataFrame) -> pd.DataFrame:
+    """Return the smallest pushes at the highest speed of the same arm, if that is another one."""
+    rows = smallest_pushes(results).dropna(subset="value")
+    rows = rows[rows["robot"].isin(hardest["robot"])]
+    rows = rows[rows["state"] == rows["state"].iloc[-1]] if len(rows) else rows
+    return rows[~rows["state"].isin(hardest["state"])]

@@ -1,5 +1,6 @@
 """Link models, their torques compared with the controller's, and the verdict."""
 
+import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -12,6 +13,7 @@ from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
 from ur5lib.report.views.arms import of_each_arm
 from ur5lib.report.views.baseline import AgainstBaseline
+from ur5lib.report.views.currents import CONSTANTS, is_far
 
 LINKS_TOPIC = "Link model"  # topic
 MIN_LINK_SKILL = 1 - MAX_SHARE_UNMODELLED  # least skill of a good link model
@@ -119,7 +121,8 @@ def without_targets(results: Results) -> Verdict:
     """
     found = results.rows("parameters", robot=[*results.placeholders])
     if found.empty:
-        return Verdict(LINKS_TOPIC, "not determined", say("models.no torques"))
+        words, answers = say("models.no torques"), tuple(arm_itself(results))
+        return Verdict(LINKS_TOPIC, "not determined", words, answers)
     determined = int((found["determined"] == "yes").sum())
     words = say("models.from measured torques", determined=determined, count=len(found))
     return Verdict(
@@ -145,8 +148,38 @@ def judge_links(results: Results) -> Verdict:
         topic=LINKS_TOPIC,
         state=against.state(tested=compared.unseen and loads.empty, better=MIN_LINK_SKILL),
         sentence=against.after(say("models.verdict", against=against, **words)),
+        answers=tuple(arm_itself(results)),
         evidence=say("models.evidence", against=against),
         drawing=against.drawing(),
         caption=say("error.bars", zero="zero torque", floor=against.floors),
         numbers=against.numbers("mean absolute error below 2 Hz"),
     )
+
+
+def arm_itself(results: Results) -> Iterator[str]:
+    """Say whether gravity agrees with arm, mounting and payload: by the constants of the joints
+    that bear it, beside the known ones, and by the load on the flange.
+    """
+    rows = results.rows("friction", parameter=CONSTANTS)
+    if rows.empty or results.stopped():
+        return
+    bearing = {joint for own in results.robots() for joint in results.bearing.get(own, ())}
+    rows = rows.assign(off=(rows["value"] / rows["known"] - 1).abs())
+    told = rows["joint"].isin(bearing) & (rows["determined"] == "yes")
+    against = rows["joint"].isin(bearing) & rows["contradicted"].notna()
+    far = told & is_far(rows) & ~against
+    groups = {"near": told & ~far & ~against, "far": far, "against": against}
+    untold = sorted({*rows["joint"]} - {*rows.loc[told | against, "joint"]})
+    shown = {name: rows[which] for name, which in groups.items()}
+    yield say("models.arm", **shown, untold=untold, load=_least_load(results))
+
+
+def _least_load(results: Results) -> float:
+    """Return within which the load on the flange is the declared one [kg], by the recording without
+    contact that tells it best; NaN where that is more than the arm carries well.
+    """
+    names = [*results.with_role("fit"), *results.with_role("validate")]
+    rows = results.rows("payload", taken="no", recording=names)
+    limits = rows[["low", "high"]].abs().max(axis="columns").astype(float)
+    least = float(limits.min()) if len(limits) else math.nan
+    return least if least < max(results.loads.values(), default=0.0) else math.nan
