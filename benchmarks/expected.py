@@ -176,7 +176,7 @@ def pushes(rows: pd.DataFrame) -> str:
     best = whole.groupby("speed")["value"].mean().idxmin()
     values = whole[whole["speed"] == best].sort_values("quantity")
     texts = [
-        "> 100" if bound == ">" else f"{max(value, 1):.0f}"
+        f"{'> ' if bound == '>' else ''}{max(value, 1):.0f}"
         for value, bound in values[["value", "bound"]].to_numpy()
     ]
     return f"{', '.join(texts)} ({best})"
