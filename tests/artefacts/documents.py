@@ -141,7 +141,7 @@ def check_results(folder: Path) -> None:
     jsonschema.validate(told, schema)
     assert told["$schema"] == "results.schema.json"
     page = html.unescape((folder / "report.html").read_text())
-    text = page.replace("\u00a0", " ").replace("<wbr>", "")
+    text = re.sub("</?code>", "`", page.replace("\u00a0", " ").replace("<wbr>", ""))
     cards = re.findall(r"<h3>(.*?) <span class=\"state\">(.*?)</span>", text)
     assert [(one["topic"], one["state"]) for one in told["verdicts"]] == cards
     shown = [one[part] for one in told["verdicts"] for part in ("sentence", "evidence")]
