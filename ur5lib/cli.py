@@ -252,9 +252,10 @@ def report(
 
 
 def _show(report: Path, open_report: bool) -> None:
-    typer.echo(f"report: {report}")
-    if open_report:
-        typer.launch(str(report))
+    import webbrowser
+
+    shown = not open_report or webbrowser.open(report.resolve().as_uri())
+    typer.echo(f"report: {report}" if shown else f"no browser is found; report: {report}")
 
 
 @app.command(rich_help_panel="Start")

@@ -2,6 +2,7 @@
 
 import json
 import sys
+import webbrowser
 from pathlib import Path
 
 import pytest
@@ -118,6 +119,21 @@ def test_a_report_that_is_not_built_is_answered_with_the_command(
     here: Path, run_ur5: Command
 ) -> None:
     assert "ur5 run mine" in run_ur5("report", "mine").err
+
+
+@pytest.mark.parametrize("found", [True, False])
+def test_a_report_is_named_whether_or_not_there_is_a_browser(
+    found: bool, here: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command
+) -> None:
+    report = here / "results" / "mine" / "report.html"
+    report.parent.mkdir(parents=True, exist_ok=True)
+    report.touch()
+    opened = []
+    monkeypatch.setattr(webbrowser, "open", lambda address: opened.append(address) or found)
+    told = run_ur5("report", "mine", "--open")
+    assert opened == [report.as_uri()]
+    assert told.out.endswith("report: results/mine/report.html\n")
+    assert ("no browser" in told.out) != found
 
 
 def test_a_quiet_run_says_only_what_went_wrong(
