@@ -1,1 +1,0 @@
-"""The thesis that this project began with: its methods, and its printed numbers beside ours."""
