@@ -115,12 +115,12 @@ def test_the_worth_of_the_band_at_rest() -> None:
     """Of a joint, 95 % of the errors at rest lie within half of its band, and all in it."""
     speed = np.tile([0.0, 0.3], 1000)[:, None]
     of_band = np.where(speed == 0.0, np.linspace(0.0, 0.5 / 0.95, 2000)[:, None], 3.0)
-    found = observability([], [Judged(speed, np.ones_like(speed), of_band)])
-    told = {row.quantity: row for row in found if row.quantity.startswith("rest_")}
-    assert told["rest_in_band"].value == 1.0
-    assert told["rest_band_factor"].value == pytest.approx(0.5, abs=0.001)
-    assert told["rest_band_factor"].samples == 1000
-    moving = Judged(speed[1::2], np.ones((1000, 1)), of_band[1::2])
+    found = [*observability([], [Judged(speed, of_band)])]
+    assert [r.value for r in found if r.quantity == "friction_in_band" and r.speed_low == 0] == [1]
+    (factor,) = (row for row in found if row.quantity == "rest_band_factor")
+    assert factor.value == pytest.approx(0.5, abs=0.001)
+    assert factor.samples == 1000
+    moving = Judged(speed[1::2], of_band[1::2])
     assert not any(row.quantity.startswith("rest_") for row in observability([], [moving]))
 
 
@@ -163,7 +163,7 @@ def test_the_table_has_each_joint_and_push(tmp_path: Path) -> None:
     speed = np.tile(np.repeat(SPEED_BINS[:-1] + 1e-4, 50)[:, None], 6)
     inside = np.ones_like(speed)
     inside[speed[:, 2] < 0.2, 2] = 0.0
-    found = observability([trials], [Judged(speed, inside, 1 - inside)])
+    found = observability([trials], [Judged(speed, 2 - inside)])
     table = gathered(Observed, [*found], tmp_path)
     assert {*table["robot"]} == {"ur5"}
     least = table[table["quantity"] == "least_velocity"].set_index("joint")["value"]
@@ -199,7 +199,7 @@ def test_errors_are_within_the_band_that_is_stated_at_their_speed() -> None:
         external_torque=0.3 * torque_constants(fit) * np.ones((100, 6)),
     )
     found = judged(motion_of(time, 0 * resting, 1 - resting), own, fit)
-    np.testing.assert_array_equal(found.inside, resting)
+    np.testing.assert_array_equal(found.of_band <= 1, resting)
     np.testing.assert_array_equal(found.speed, 1 - resting)
 
 

@@ -397,10 +397,13 @@ def test_currents_say_at_which_speed_the_band_holds_least(
     share: float, high: float | None, said: str
 ) -> None:
     """And how much wider it is at rest; a recording as a whole hides a few seconds."""
-    known = {"robot": "ur5", "speed_low": 0.02, "speed_high": high}
+    at_rest, slow = ({"speed_low": low, "speed_high": end} for low, end in ((0, 0), (0.02, high)))
     rows = [
-        known | {"quantity": name, "joint": joint, "value": value}
-        for name, values in (("band_at_rest", (3.8, 7.25)), ("friction_in_band", (0.97, share)))
+        {"robot": "ur5", "quantity": name, "joint": joint, "value": value} | speeds
+        for name, speeds, values in (
+            ("band_at_rest", at_rest, (3.8, 7.25)),
+            ("friction_in_band", slow, (0.97, share)),
+        )
         for joint, value in enumerate(values, start=1)
     ]
     verdict = judge_currents(study(current_rmse=predicted(0.2), observability=rows))
@@ -414,7 +417,7 @@ def test_currents_say_at_which_speed_the_band_holds_least(
 def test_currents_say_what_the_bands_of_resting_joints_hold() -> None:
     """Of the readings, and of which width they would hold 95 %: the user's “can I trust it?”."""
     known = {"robot": "ur5", "speed_low": 0.0, "speed_high": 0.005}
-    values = {"band_at_rest": (4.0, 5.0), "rest_in_band": (0.94, 1.0)}
+    values = {"band_at_rest": (4.0, 5.0), "friction_in_band": (0.94, 1.0)}
     values["rest_band_factor"] = (1.04, 0.5)
     rows = [
         known | {"quantity": name, "joint": joint, "value": value}

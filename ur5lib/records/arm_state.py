@@ -13,9 +13,8 @@ class Observed:
     largest_push, that was tried; friction_in_band, the share of a joint's samples within the band
     stated there, by its speed; least_velocity [rad/s], the lower end of the speeds at which this
     share suffices, NaN where there is none; band_at_rest, the stated band at rest over that of
-    motion; rest_in_band, the share of a resting joint's samples within the stated band, and
-    rest_band_factor, the multiple of that within which 95 % are; bound: ">" of a push beyond
-    `value`, the largest that was tried.
+    motion; rest_band_factor, the multiple of the band within which 95 % of a resting joint's
+    samples are; bound: ">" of a push beyond `value`, the largest that was tried.
     """
 
     quantity: str

@@ -83,12 +83,9 @@ def measure_observability(
 
 
 class Judged(NamedTuple):
-    """Speeds of the joints (n, 6) [rad/s], which errors are within the band of motion (n, 6), and
-    errors as shares of the band that is stated there (n, 6).
-    """
+    """Speeds of joints (n, 6) [rad/s], errors as shares of the 95 % band stated there (n, 6)."""
 
     speed: Array
-    inside: Array
     of_band: Array
 
 
@@ -123,7 +120,7 @@ def pushed(
 
 
 def judged(motion: Motion, currents: Currents, fit: CurrentFit) -> Judged:
-    """Return where the current of a contact-free recording is within the band that is stated there.
+    """Return the errors of a contact-free recording's current as shares of the band stated there.
 
     fit: has not seen the recording's path. The external torque is k times the error of the current.
     """
@@ -134,7 +131,7 @@ def judged(motion: Motion, currents: Currents, fit: CurrentFit) -> Judged:
     torque, qd, stated = torque[::every], motion.motor_qd[::every], stated[::every]
     known = finite_rows(torque) & finite_rows(qd)
     of_band = np.abs(torque[known] / torque_constants(fit)) / stated[known]
-    return Judged(np.abs(qd[known]), np.where(np.isnan(of_band), np.nan, of_band <= 1), of_band)
+    return Judged(np.abs(qd[known]), of_band)
 
 
 def observability(trials: Sequence[Trials], errors: Sequence[Judged]) -> Iterator[Observed]:
@@ -145,16 +142,16 @@ def observability(trials: Sequence[Trials], errors: Sequence[Judged]) -> Iterato
         together = Trials.joined([*trials])
         yield from by_axis(together)
     if errors:
-        speed, inside, of_band = (np.concatenate(part) for part in zip(*errors, strict=True))
-        known = np.isfinite(inside).T
-        shares = [share_by_speed(speed[k, j], inside[k, j] > 0) for j, k in enumerate(known)]
+        speed, of_band = (np.concatenate(part) for part in zip(*errors, strict=True))
+        known = np.isfinite(of_band).T
+        shares = [share_by_speed(speed[k, j], of_band[k, j] <= 1) for j, k in enumerate(known)]
         for joint, share in enumerate(shares, start=1):
             yield from _shares(joint, share)
         for joint, share in enumerate(shares, start=1):
             yield _predicted(joint, *share.suffices())
         for joint in range(speed.shape[1]):
             resting = speed[:, joint] < SPEED_BINS[1]
-            yield from _held_at_rest(joint + 1, of_band[resting, joint])
+            yield from _factor_at_rest(joint + 1, of_band[resting, joint])
 
 
 def at_rest(fit: CurrentFit) -> Iterator[Observed]:
@@ -185,24 +182,19 @@ def _shares(joint: int, shares: ShareBySpeed) -> Iterator[Observed]:
         )
 
 
-def _held_at_rest(joint: int, of_band: Array) -> Iterator[Observed]:
-    """Yield the share of a resting joint's errors within their band, and by how much of this 95 %
-    are; of_band: errors as shares of their band.
+def _factor_at_rest(joint: int, of_band: Array) -> Iterator[Observed]:
+    """Yield within how much of their band 95 % of a resting joint's errors are, where they suffice;
+    of_band: errors as shares of their band.
     """
-    if (known := of_band[np.isfinite(of_band)]).size < MIN_SAMPLES:
-        return
-    values = {
-        "rest_in_band": np.mean(known <= 1),
-        "rest_band_factor": np.quantile(known, BAND_COVERAGE),
-    }
-    for quantity, value in values.items():
+    known = of_band[np.isfinite(of_band)]
+    if known.size >= MIN_SAMPLES:
         yield Observed(
-            quantity=quantity,
+            quantity="rest_band_factor",
             joint=joint,
             speed_low=0.0,
             speed_high=SPEED_BINS[1],
             speed_unit="rad/s",
-            value=float(value),
+            value=float(np.quantile(known, BAND_COVERAGE)),
             unit="1",
             samples=known.size,
         )

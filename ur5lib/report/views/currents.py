@@ -283,8 +283,8 @@ def judge_currents(results: Results) -> Verdict:
 def bands_at_rest(results: Results) -> Iterator[str]:
     """Say how many readings of resting joints the bands hold, and by how much they are too wide."""
     wider, held, factors = (
-        results.rows("observability", quantity=name)["value"].dropna().astype(float)
-        for name in ("band_at_rest", "rest_in_band", "rest_band_factor")
+        results.rows("observability", quantity=name, speed_low=0.0)["value"].dropna().astype(float)
+        for name in ("band_at_rest", "friction_in_band", "rest_band_factor")
     )
     if len(wider):
         ends = {"least": factors.min(), "most": factors.max(), "wider": wider.max()}
