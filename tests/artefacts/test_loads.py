@@ -69,7 +69,7 @@ def table(results: Path, name: str, recording: str) -> pd.DataFrame:
     judged = read_record(Judgement, folder / "judgement.json").rows
     contacts = {recording: read_record(dict[str, Detected], folder / "contacts.json")}
     rows = {name: {recording: own} for name, own in judged.items()}
-    return tidy.table(name, (rows | rows_of_forces({}, contacts, {}))[name])
+    return tidy.table(name, (rows | rows_of_forces({}, contacts))[name])
 
 
 def gated(results: Path, name: str, recording: str) -> pd.DataFrame:

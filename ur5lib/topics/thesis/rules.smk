@@ -7,21 +7,20 @@ if STUDY.reference:
     except InputError as error:
         raise WorkflowError(f"the study has errors\n`reference`: {error}")
 
-    def printed(*names):
-        """Return the recordings with published values, in some tables or in any."""
-        return sorted(PRINTED.recordings(*names) & RECORDINGS.keys())
-
-    EXPLAINED = sorted(PRINTED.explained() & RECORDINGS.keys())
+    recorded = RECORDINGS.keys()
+    ALL_PRINTED = sorted(PRINTED.recordings() & recorded)
+    EXPLAINED = sorted(PRINTED.explained() & recorded)
     FURTHER_FORCES.append("published_forces.parquet")
-    shown = {*SELECTION.illustrated, *printed()}
+    shown = {*SELECTION.illustrated, *ALL_PRINTED}
     RUNS_FOR |= {
         "draw_figures": [name for name in RECORDINGS if name in shown],
-        "draw_tracking": printed("closed_loop_q", "closed_loop_qd") or SELECTION.illustrated,
-        "draw_filtered_first": sorted(PRINTED.explained_accelerations().keys() & RECORDINGS.keys()),
-        "draw_older_model": sorted(PRINTED.of_older_model() & RECORDINGS.keys()),
-        "draw_current_torque": printed("current_torque"),
-        "draw_published_accelerations": printed("acceleration_mae"),
-        "draw_published_forces": printed(),
+        "draw_tracking": sorted(PRINTED.recordings("closed_loop_q", "closed_loop_qd") & recorded)
+        or SELECTION.illustrated,
+        "draw_filtered_first": sorted(PRINTED.explained_accelerations().keys() & recorded),
+        "draw_older_model": sorted(PRINTED.of_older_model() & recorded),
+        "draw_current_torque": sorted(PRINTED.recordings("current_torque") & recorded),
+        "draw_published_accelerations": sorted(PRINTED.recordings("acceleration_mae") & recorded),
+        "draw_published_forces": ALL_PRINTED,
     }
 
     rule rebuild_thesis:
