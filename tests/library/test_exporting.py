@@ -307,7 +307,7 @@ def test_an_interrupted_export_leaves_nothing(
         path.write_bytes(b"MATLAB")
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("scipy.io.savemat", interrupted)
+    monkeypatch.setattr("ur5lib.commands.convert.savemat", interrupted)
     with pytest.raises(KeyboardInterrupt):
         exported(results, "mat")
     assert [*(results / "exported").iterdir()] == []

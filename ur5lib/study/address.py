@@ -1,7 +1,7 @@
 """One address of a study for every command: its name, its YAML file, or its folder of results."""
 
 from collections.abc import Iterator
-from os.path import isdir, isfile  # unlike pathlib's, of names that are too long, too
+from os.path import exists, isdir, isfile  # unlike pathlib's, of names that are too long, too
 from pathlib import Path
 from shlex import quote
 from typing import Any
@@ -21,7 +21,7 @@ def study_file(address: str) -> Path:
     of recordings.
     """
     path = _without_report(address)
-    if path.suffix in YAML_SUFFIXES and not isfile(path):
+    if path.suffix in YAML_SUFFIXES and not exists(path):
         _expect_no_neighbour(path)
     if isfile(path) or path.suffix in YAML_SUFFIXES:
         return path
