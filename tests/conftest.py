@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import hypothesis
 import pandas as pd
 import pytest
 
@@ -25,6 +26,9 @@ if TYPE_CHECKING:
     from tests.real_arms import RealStudy
 
 pytest.register_assert_rewrite("tests.artefacts.documents")  # which says what Axe found
+# An example takes as long as the machine's other work lets it.
+hypothesis.settings.register_profile("untimed", deadline=None)
+hypothesis.settings.load_profile("untimed")
 
 PROJECT = Path(__file__).parents[1]
 COPIED = [

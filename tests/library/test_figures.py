@@ -276,7 +276,7 @@ def test_gaps_and_singular_stretches_are_shaded() -> None:
     assert {"gap", "near a singularity"} <= {t.get_text() for t in figure.legends[0].get_texts()}
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(0, 10_000), st.integers(3, 4000), st.lists(st.integers(1, 3999), max_size=3))
 def test_decimation_keeps_every_peak_and_gap(seed: int, count: int, cuts: list[int]) -> None:
     chance = np.random.default_rng(seed)

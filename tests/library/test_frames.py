@@ -65,7 +65,7 @@ def test_the_cycle_is_found_where_it_is_not_reported(cycle: float) -> None:
 lost_slots = st.sets(st.integers(1, COUNT - 2), max_size=70)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(lost_slots)
 def test_short_gaps_are_filled_and_flagged(lost: set[int]) -> None:
     kept = [slot for slot in range(COUNT) if slot not in lost]
@@ -80,7 +80,7 @@ def test_short_gaps_are_filled_and_flagged(lost: set[int]) -> None:
     assert (repaired["actual_q_0"].diff()[1:] > 0).all()  # and a rise is
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(lost_slots)
 def test_long_gaps_split_and_hold_no_data(lost: set[int]) -> None:
     kept = [slot for slot in range(COUNT) if slot not in lost]
@@ -91,7 +91,7 @@ def test_long_gaps_split_and_hold_no_data(lost: set[int]) -> None:
     np.testing.assert_array_equal(np.flatnonzero(repaired["segment"].diff().fillna(0)), breaks)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(st.permutations(range(40)), st.lists(st.integers(0, 39), max_size=10))
 def test_order_and_repeats_do_not_matter(order: list[int], repeated: list[int]) -> None:
     clean, _ = repair(frames(range(40)))

@@ -266,7 +266,7 @@ def test_a_stamp_that_was_lost_is_told_by_the_count() -> None:
     np.testing.assert_allclose(without_delays(stamps)["time"], [0.0, 0.2, 0.4], atol=1e-9)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @example([1, 1, 1], [1, 0, 1], 0.0)  # an edge of the hull ends at the mean
 @example([1] * 10, [8, 8, 8, 8, 0, 2, 4, 6, 8, 10], 0.0)  # the last edge lies under it
 @example([1, 1, 1, 18, 1, 1, 45], [4, 5, 4, 9, 8, 5, 8], 0.0)  # one above the stamps does, too

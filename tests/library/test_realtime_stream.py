@@ -96,7 +96,7 @@ def named(findings: list[Finding]) -> dict[str, Finding]:
     return {finding.finding: finding for finding in findings}
 
 
-@settings(derandomize=True, deadline=None, max_examples=60)
+@settings(derandomize=True, max_examples=60)
 @given(cuts=st.lists(st.integers(0, FRAMES * SIZE), max_size=40), seed=st.integers(0, 99))
 def test_any_chunking_gives_every_frame(capture: Path, cuts: list[int], seed: int) -> None:
     sent = messages(seed=seed)
@@ -107,7 +107,7 @@ def test_any_chunking_gives_every_frame(capture: Path, cuts: list[int], seed: in
     assert frame["received"].tolist() == ends
 
 
-@settings(derandomize=True, deadline=None, max_examples=300)
+@settings(derandomize=True, max_examples=300)
 @given(
     size=st.one_of(st.just(SIZE), st.sampled_from(SIZES)),
     at=st.integers(0, FRAMES * SIZES[-1]),
@@ -149,7 +149,7 @@ foreign = st.one_of(
 )
 
 
-@settings(derandomize=True, deadline=None, max_examples=400)
+@settings(derandomize=True, max_examples=400)
 @given(
     at=st.one_of(
         st.integers(0, FRAMES * SIZE), st.integers(0, FRAMES).map(lambda frame: frame * SIZE)

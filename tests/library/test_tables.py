@@ -209,7 +209,7 @@ def full_disk() -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(st.lists(st.from_regex(r"\A[A-Za-z0-9_-][A-Za-z0-9_.-]*\Z"), min_size=1))
 @example(["nan", "null", "NA", "None"])
 @example(["1e5", "1", "007"])

@@ -36,7 +36,7 @@ def wrapped(angle: Array, low: float) -> Array:
     return low + np.mod(angle - low, TURN)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     st.sampled_from([10.0, 50.0, 125.0, 500.0]),
     st.floats(0.05, 2.0),
@@ -56,7 +56,7 @@ def test_a_wrapped_angle_returns_but_for_whole_turns(
     assert not count or abs(whole[0]) <= unit * (np.pi + 1e-9)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.sampled_from([10.0, 125.0, 500.0]), st.floats(0.01, 4.0), st.integers(0, 10_000))
 def test_an_angle_that_does_not_wrap_stays(rate: float, speed: float, seed: int) -> None:
     time, angle = moving(rate, speed, seed)

@@ -92,7 +92,7 @@ def test_of_a_long_recording_the_part_that_moves_is_enough(
 # Simulation
 
 
-@settings(deadline=None, max_examples=25)
+@settings(max_examples=25)
 @given(
     st.lists(st.floats(-3, 5), min_size=6, max_size=6),
     st.lists(st.floats(-2, 2.9), min_size=6, max_size=6),

@@ -8,6 +8,7 @@ import pytest
 
 from tests.conftest import PROJECT
 from tests.real_arms import RealRecording, RealStudy
+from ur5lib import tidy
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.quality import StartOffset
@@ -150,7 +151,8 @@ def test_a_row_has_six_numbers_or_one() -> None:
 def results(rows: list[dict]) -> Results:
     table = pd.DataFrame(rows, columns=PRINTED_COLUMNS)
     table = table.astype({"as_erratum_says": float, "erratum": float, "right": float})
-    return Results({}, {"printed": table}, Path())
+    empty = {name: tidy.table(name, {}) for name in ("fixed_threshold", "force_mae")}
+    return Results({"recordings": []}, empty | {"printed": table}, Path())
 
 
 def test_unexplained_numbers_are_findings() -> None:
