@@ -52,7 +52,7 @@ HEADS = Row(
     force="force error in contact, of the mean force [N]: best to worst recording",
     found=f"contacts of {CONTACT_N} N found",
     band="in 95 % band",
-    push="push found with 95 % along x, y, z [N]",
+    push="push found with 95 % along x, y, z [N]: best to worst motion",
     constants="constants determined, ± error",
     currents="error of currents",
 )
@@ -167,19 +167,21 @@ def band(rows: pd.DataFrame) -> str:
 
 
 def pushes(rows: pd.DataFrame) -> str:
-    """Return the push along x, y, z that is found with 95 %, in the motion where it is least."""
+    """Return the push along x, y, z that is found with 95 %, where it is least and where most."""
     own = rows[rows["quantity"].str.startswith("smallest_push_95", na=False)]
-    own = own.assign(speed=own["speed_low"].map(SPEEDS))
-    whole = own.groupby("speed").filter(lambda part: len(part) == len("xyz"))
-    if whole.empty:
-        return ""
-    best = whole.groupby("speed")["value"].mean().idxmin()
-    values = whole[whole["speed"] == best].sort_values("quantity")
-    texts = [
+    own = own.assign(speed=own["speed_low"].map(SPEEDS)).sort_values("quantity")
+    whole = {speed: part for speed, part in own.groupby("speed") if len(part) == len("xyz")}
+    ordered = sorted(whole, key=lambda speed: float(whole[speed]["value"].max()))
+    ends = dict.fromkeys([*ordered[:1], *ordered[-1:]])
+    return " to ".join(f"{along_axes(whole[speed])} ({speed})" for speed in ends)
+
+
+def along_axes(rows: pd.DataFrame) -> str:
+    """Return the pushes along x, y, z; beyond the trials, their end."""
+    return ", ".join(
         f"{'> ' if bound == '>' else ''}{max(value, 1):.0f}"
-        for value, bound in values[["value", "bound"]].to_numpy()
-    ]
-    return f"{', '.join(texts)} ({best})"
+        for value, bound in rows[["value", "bound"]].to_numpy()
+    )
 
 
 def constants(rows: pd.DataFrame) -> str:
