@@ -422,18 +422,27 @@ def test_contacts_are_marked_on_the_line_of_time(page: Any) -> None:
     page.wait_for_function(f"{drawn} > {1.5 * mark['width']}")  # lanes follow in the next frame
 
 
+def page_of(figure: Path, scene: Scene, chromium: Any) -> Any:
+    """The page of a report with one figure and its recording's arm, both opened."""
+    write_json(scene, figure.with_name("scene.json"))
+    words = ("Forces.", "forces", "a.csv", "draw", figure.parent.name)
+    document = Document(
+        "Report", "Of a test.", [Section("First", [Picture("Forces.", figure, *words)])]
+    )
+    report = figure.with_name("report.html")
+    write_text(html_page(document.numbered()), report)
+    page = chromium.new_page()
+    page.goto(report.as_uri())
+    opened(page, "forces")
+    return page
+
+
 def test_an_alarm_while_nothing_touches_the_arm_is_called_false(
     chromium: Any, tmp_path: Path
 ) -> None:
     figure = drawn(tmp_path / "free" / "forces.svg", WRENCH_PANELS)
     scene = replace(pushed("validate"), contacts=None, sensed=None)
-    write_json(scene, tmp_path / "free" / "scene.json")
-    picture = Picture("Forces.", figure, "Forces.", "forces", "a.csv", "draw", "free")
-    document = Document("Report", "Of a test.", [Section("First", [picture])]).numbered()
-    write_text(html_page(document), tmp_path / "report.html")
-    page = chromium.new_page()
-    page.goto((tmp_path / "report.html").as_uri())
-    opened(page, "forces")
+    page = page_of(figure, scene, chromium)
     page.evaluate("stretches.get('free').point(25)")
     page.wait_for_selector("text=At 25.00 s: false alarm by F̂ᵐᵃᵖ.")
     assert page.locator("[aria-label*='False alarm by F̂ᵐᵃᵖ (gate): 20.0']").count() == 1
@@ -452,13 +461,7 @@ def test_the_plots_read_the_forces_that_stand_beside_the_arm(chromium: Any, tmp_
     }
     figure = tmp_path / "pushed" / "forces.svg"
     save(draw_traces(Traces(scene.time, series), FORCE_PANELS), figure)
-    write_json(scene, tmp_path / "pushed" / "scene.json")
-    picture = Picture("Forces.", figure, "Forces.", "forces", "a.csv", "draw", "pushed")
-    document = Document("Report", "Of a test.", [Section("First", [picture])]).numbered()
-    write_text(html_page(document), tmp_path / "report.html")
-    page = chromium.new_page()
-    page.goto((tmp_path / "report.html").as_uri())
-    opened(page, "forces")
+    page = page_of(figure, scene, chromium)
     page.evaluate("stretches.get('pushed').point(25.03)")
     page.wait_for_selector("text=At 25.03 s")
     readings = page.locator("#forces .panel").all_text_contents()
