@@ -330,10 +330,8 @@ def _not_used(unused: pd.DataFrame, names: list[str]) -> str:
     """Return which columns are not used as one sentence, with the riskiest: of an unknown name."""
     places = zip(unused["place"], unused["detail"], strict=True)
     reasons = pd.Series([d.removeprefix(f"{place}: ") for place, d in places], unused.index)
-    alike = unused[
-        reasons == (UNKNOWN_NAME if (reasons == UNKNOWN_NAME).any() else reasons.iloc[0])
-    ]
-    riskiest = group_findings(alike, MAX_NAMED_PLACES).iloc[0]
+    reason = UNKNOWN_NAME if (reasons == UNKNOWN_NAME).any() else reasons.iloc[0]
+    riskiest = group_findings(unused[reasons == reason], MAX_NAMED_PLACES).iloc[0]
     where = concerned([*unused["recording"].unique()], names)
     return (
         f"columns are not used in {where}; the riskiest, in {riskiest['recording']}: "

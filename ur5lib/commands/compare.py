@@ -158,7 +158,7 @@ def _both(studies: StudyPair, table: str, *keys: str, value: str = "value") -> p
 
     value: the column of what is compared, which becomes `value_a` and `value_b`.
     """
-    named = {value: "value"} | ({OLDER_NAMES[value]: "value"} if value in OLDER_NAMES else {})
+    named = dict.fromkeys((value, OLDER_NAMES.get(value, value)), "value")
     before, after = (study.table(table).rename(columns=named) for study in studies)
     return before.merge(after, on=[*keys], suffixes=("_a", "_b"))
 
