@@ -23,8 +23,9 @@ import torch
 from benchmarks.harness.options import options_of
 from benchmarks.stand_seeds import CURRENTS, SETTINGS, Taken, currents, fitted_map, simulated
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.detection import alarm_threshold, alarms, match, spans
+from ur5lib.force.matching import match
 from ur5lib.force.problem import fmap_problem
+from ur5lib.force.thresholds import alarm_threshold, alarms
 from ur5lib.force.wrench_estimate import WrenchEstimate
 from ur5lib.identification.currents import (
     DAY_TO_DAY_STD,
@@ -35,6 +36,7 @@ from ur5lib.robots.description import Motor, Robot
 from ur5lib.robots.from_urdf import robot_from_urdf
 from ur5lib.stand.layout import ROBOT_FILES
 from ur5lib.steps.fit_residuals import residual_models
+from ur5lib.timeseries.segments import spans
 
 FIRST, SEEDS, SECONDS, QUICK = 2, 20, 20.0, 10.0  # on seeds 0 and 1, `BLUR` was chosen
 MOTION = {"kind": "fourier", "period_s": 20, "harmonics": 10, "amplitude_rad": 0.5}

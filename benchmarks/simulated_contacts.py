@@ -33,7 +33,7 @@ from benchmarks.harness.timing import timed
 from benchmarks.leaderboard import QUICK
 from benchmarks.study import snakemake
 from ur5lib.finished import FinishedStudy
-from ur5lib.force.detection import CONTACT_FORCE, is_free
+from ur5lib.force.sensed_contact import CONTACT_FORCE, is_free
 from ur5lib.records.friction import Friction
 from ur5lib.records.signals import Signals
 from ur5lib.tables import read_csv, write_csv

@@ -21,8 +21,8 @@ from benchmarks.harness.drawn_studies import FRICTION, posture
 from benchmarks.harness.options import asked
 from benchmarks.stand_seeds import CURRENTS, Taken, currents, fitted_map, simulated
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.detection import TOUCH_FORCE
 from ur5lib.force.problem import fmap_problem
+from ur5lib.force.sensed_contact import TOUCH_FORCE
 from ur5lib.force.tare import tared
 from ur5lib.force.wrench_estimate import OPENING_PROBABILITY, WrenchEstimate
 from ur5lib.identification.current_samples import Smoother

@@ -34,11 +34,13 @@ from benchmarks.harness.plain_currents import currents_table
 from benchmarks.leave_out import Fold, Recording, Study, read_study, refusal, unseen, without_each
 from ur5lib.force import force_input, residual_model
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.detection import alarm_threshold, alarms, compare, contacts, in_contact
 from ur5lib.force.force_input import Gears
 from ur5lib.force.gate import diagonal
+from ur5lib.force.matching import compare
 from ur5lib.force.problem import fmap_problem
 from ur5lib.force.residual_model import Residuals
+from ur5lib.force.sensed_contact import contacts, in_contact
+from ur5lib.force.thresholds import alarm_threshold, alarms
 from ur5lib.force.wrench_estimate import OPENING_PROBABILITY, WrenchEstimate
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics

@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 import yaml
 
-from ur5lib.force.detection import in_contact
 from ur5lib.force.estimators import ESTIMATES, LEADING, UNGATED
+from ur5lib.force.sensed_contact import in_contact
 from ur5lib.jobs.files import arguments
 from ur5lib.records.accelerations import COMPONENTS
 from ur5lib.records.table import WRENCH

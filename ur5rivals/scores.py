@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ur5lib.force.contact_figures import INTERVAL_ENDS, figures_by_contact, resampled_means
-from ur5lib.force.detection import CONTACT_FORCE, contacts, in_contact
+from ur5lib.force.sensed_contact import CONTACT_FORCE, contacts, in_contact
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import coverage, interval_score
 from ur5rivals.run import Estimate, Run

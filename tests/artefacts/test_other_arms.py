@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from tests.conftest import build_once
-from ur5lib.force.detection import in_contact
+from ur5lib.force.sensed_contact import in_contact
 from ur5lib.identification.currents import parameters
 from ur5lib.records.forces import Forces, SensorWrenches
 from ur5lib.records.friction import Friction

@@ -13,7 +13,7 @@ from ur5lib.force.contact_figures import (
     resampled_figures,
     split,
 )
-from ur5lib.force.detection import contacts, is_free
+from ur5lib.force.sensed_contact import contacts, is_free
 from ur5lib.records.force_errors import ContactErrors
 from ur5lib.timeseries.metrics import NORMAL95
 

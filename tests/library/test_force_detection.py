@@ -5,22 +5,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ur5lib.force.detection import (
+from ur5lib.force.alarms import pushes_above
+from ur5lib.force.matching import compare, match, receiver_curve
+from ur5lib.force.sensed_contact import TOUCH_FORCE
+from ur5lib.force.thresholds import (
     THRESHOLD_STEP,
-    TOUCH_FORCE,
     alarm_threshold,
     alarms,
-    compare,
     force_alarms,
     force_threshold,
-    match,
-    overlap,
-    pushes_above,
-    receiver_curve,
-    smallest_force,
-    spans,
-    trial_pushes,
 )
+from ur5lib.force.trial_contacts import smallest_force, trial_pushes
+from ur5lib.timeseries.segments import overlap, spans
 
 RANDOM = np.random.default_rng(0)
 

@@ -18,7 +18,6 @@ from tests.library.made_up_torques import (
     unnoticed,
 )
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.detection import spans
 from ur5lib.force.external_torque import JointState
 from ur5lib.force.force_input import Gears, mean_stiction_torque
 from ur5lib.force.gate import Observations, TorqueVariances, find_contacts
@@ -31,6 +30,7 @@ from ur5lib.force.wrench_estimate import (
 )
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.metrics import coverage, slope
+from ur5lib.timeseries.segments import spans
 
 AXES = np.eye(3)
 SIZES = [5.0, 30.0, 80.0]  # N

@@ -12,7 +12,7 @@ import pytest
 
 from tests.library.made_up_torques import unnoticed
 from tests.real_arms import PRIOR, Fitted, RealRecording, RealStudy
-from ur5lib.force.detection import alarms
+from ur5lib.force.thresholds import alarms
 from ur5lib.force.wrench_estimate import WrenchEstimate
 from ur5lib.timeseries.metrics import correlation
 

@@ -10,7 +10,6 @@ from scipy.signal import lfilter
 from scipy.spatial.transform import Rotation
 
 from ur5lib.errors import Remark, remark
-from ur5lib.force.detection import trial_pushes
 from ur5lib.force.sensor import (
     SensorOffset,
     fit_offset,
@@ -20,6 +19,7 @@ from ur5lib.force.sensor import (
     opposite_axes,
     wrench_of_environment,
 )
+from ur5lib.force.trial_contacts import trial_pushes
 
 PERIOD = 0.01
 GRAVITY = np.array([0, 0, -9.81])

@@ -10,15 +10,17 @@ from tests.library.made_up_torques import MODEL
 from tests.live_arm import friction, robot
 from tests.made_records import motion_of, stretch
 from tests.made_tables import gathered, record
-from ur5lib.force.detection import PAUSE_DURATION, PUSH_DURATION, smallest_force
 from ur5lib.force.external_torque import JointState
 from ur5lib.force.force_input import Gears
 from ur5lib.force.trial_contacts import (
     MIN_LARGEST_PUSH,
     MIN_TRIAL_FORCE,
+    PAUSE_DURATION,
+    PUSH_DURATION,
     Trials,
     Untouched,
     felt_push,
+    smallest_force,
     try_each_place,
 )
 from ur5lib.identification.currents import torque_constants

@@ -8,8 +8,8 @@ import numpy as np
 from ur5lib import __version__
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
-from ur5lib.force.detection import in_contact
 from ur5lib.force.live_file import LiveFit, numbers
+from ur5lib.force.sensed_contact import in_contact
 from ur5lib.jobs.unreadable import reason
 from ur5lib.records.forces import LiveForces, SensorWrenches
 from ur5lib.records.friction import Friction

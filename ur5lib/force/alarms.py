@@ -6,23 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.force.detection import (
-    CONTACT_FORCE,
-    TOUCH_FORCE,
-    Span,
-    alarms,
-    compare,
-    contacts,
-    force_alarms,
-    is_free,
-    pushes_above,
-    receiver_curve,
-)
 from ur5lib.force.estimators import Stated
+from ur5lib.force.matching import compare, receiver_curve
+from ur5lib.force.sensed_contact import CONTACT_FORCE, RELEASE_FORCE, TOUCH_FORCE, contacts, is_free
+from ur5lib.force.thresholds import alarms, force_alarms
 from ur5lib.records.contacts import Alarm, Causal, Detected, ForceClass, Matched, OnAxis
 from ur5lib.records.forces import LiveForces, SensorWrenches
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.segments import inside_spans, runs
+from ur5lib.timeseries.segments import Span, inside_spans, runs, spans
 
 FORCE_CLASSES = [TOUCH_FORCE, CONTACT_FORCE, 10.0, 15.0]  # N, that a contact reaches by the sensor
 RELIABLE_FORCE_OF_THESIS = 10.0  # N; along z, detection is reliable from there on (Section 6)
@@ -182,3 +173,15 @@ def by_class(least: float, force: Array, raised: list[Span], step: float) -> For
     found = compare(raised, contacts(force, least), step)
     late = float(np.median(found.delays)) if len(found.delays) else None
     return ForceClass(least, found.contacts, found.found, found.recall(), late, found.merged)
+
+
+def pushes_above(force: Array, sensed: Array, least_force: float, period: float) -> tuple[int, int]:
+    """Return how many pushes reach a force at the sensor, and how many of them have an alarm of
+    their own at this threshold.
+
+    force, sensed: estimate and reading along one axis (N,) [N], NaN where unknown; least_force:
+    [N]; period: [s].
+    """
+    pushes = spans(np.nan_to_num(np.abs(sensed)), least_force, RELEASE_FORCE)
+    detection = compare(force_alarms(np.abs(force), least_force), pushes, period)
+    return detection.contacts, detection.found

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ur5lib.force.detection import CONTACT_FORCE, contacts, in_contact, is_free, overlap
+from ur5lib.force.sensed_contact import CONTACT_FORCE, contacts, in_contact, is_free
 from ur5lib.records.force_errors import ContactErrors
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import (
@@ -19,7 +19,7 @@ from ur5lib.timeseries.metrics import (
     slope,
     zero_interval_score,
 )
-from ur5lib.timeseries.segments import inside_spans
+from ur5lib.timeseries.segments import inside_spans, overlap
 
 NOMINAL_COVERAGES = (0.5, 0.8, 0.95)  # of bands
 CONTACT_RESAMPLES = 1000  # of a recording's contacts

@@ -7,8 +7,8 @@ import numpy as np
 import pandas as pd
 from scipy.ndimage import uniform_filter1d
 
-from ur5lib.force.detection import CONTACT_FORCE
 from ur5lib.force.external_torque import finite_rows, is_still, joint_states, without_edges
+from ur5lib.force.sensed_contact import CONTACT_FORCE
 from ur5lib.records.currents import Currents
 from ur5lib.records.motion import Motion
 from ur5lib.records.quality import CONTACT_TORQUE_SHARE, Finding, StartOffset

@@ -5,21 +5,19 @@ from dataclasses import dataclass
 from typing import NamedTuple, Self
 
 import numpy as np
+from scipy.optimize import minimize
 
-from ur5lib.force.detection import (
-    PAUSE_DURATION,
-    PUSH_DURATION,
-    Span,
-    alarms,
-    overlap,
-    trial_pushes,
-)
 from ur5lib.force.external_torque import JointState, States
 from ur5lib.force.force_input import Gears
+from ur5lib.force.thresholds import alarms
 from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.segments import Span, overlap
 
+PUSH_DURATION = 1.0  # s, of trial pushes
+PAUSE_DURATION = 2.0  # s, between them
 MIN_TRIAL_FORCE = 5.0  # N, of trial pushes
 MIN_LARGEST_PUSH = 100.0  # N
+LOG_STEEPNESS = 1.5  # of the logistic curve: from 25 to 75 % found within a factor of 1.6
 
 
 @dataclass(frozen=True)
@@ -125,3 +123,43 @@ def try_each_place(
     return Trials(
         peaks, axes, np.array([mean for _, mean in free_places]), np.array(detected, bool)
     )
+
+
+def trial_pushes(count: int, period: float) -> tuple[Array, list[Span]]:
+    """Return raised-cosine pushes of height 1, one after each pause: profile (N,) and spans."""
+    length = round(PUSH_DURATION / period)
+    interval = round((PUSH_DURATION + PAUSE_DURATION) / period)
+    profile = np.zeros(count)
+    shape = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(length) / length)
+    starts = range(interval - length, count - length, interval)
+    for start in starts:
+        profile[start : start + length] = shape
+    return profile, [(start, start + length) for start in starts]
+
+
+def smallest_force(force: Array, detected: Mask, probability: float = 0.95) -> tuple[float, float]:
+    """Return the force [N] at which a logistic curve over log force reaches the wanted probability,
+    and its standard error, by the likelihood's curvature (delta method).
+
+    force: (M,) [N], of trial pushes; detected: (M,). Infinite if none was found.
+    """
+    if not detected.any():
+        return np.inf, np.nan
+
+    x = np.log(force)
+    best = minimize(_cost, np.array([np.median(x[detected]), LOG_STEEPNESS]), args=(x, detected))
+    middle, steepness = best.x
+    # p = 1 / (1 + exp(-e^s (x - m))), solved for x = m + log(p / (1 - p)) e^-s
+    reach = np.log(probability / (1 - probability)) * np.exp(-steepness)
+    # dx/dm = 1, dx/ds = -log(p / (1 - p)) e^-s, and the force is e^x
+    slope = np.array([1.0, -reach])
+    place = np.exp(middle + reach)
+    return float(place), float(place * np.sqrt(slope @ best.hess_inv @ slope))
+
+
+def _cost(parameters: Array, x: Array, detected: Mask) -> float:
+    """Return the negative log-likelihood, with a weak prior against perfect separation."""
+    middle, steepness = parameters
+    logit = np.exp(steepness) * (x - middle)
+    likelihood = np.logaddexp(0, np.where(detected, -logit, logit)).sum()
+    return float(likelihood + 0.5 * (steepness - LOG_STEEPNESS) ** 2)

@@ -18,7 +18,6 @@ from ur5lib.force.contact_wrench import (
     least_squares_wrench,
     static_wrench,
 )
-from ur5lib.force.detection import Span, spans
 from ur5lib.force.external_torque import finite_rows, is_still
 from ur5lib.force.force_input import MEAN_STICTION, ForceInput, mean_stiction_torque
 from ur5lib.force.gate import Observations, diagonal, find_contacts, log_odds
@@ -31,7 +30,7 @@ from ur5lib.force.missed_contacts import (
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.sampling import interpolated, thinning
-from ur5lib.timeseries.segments import inside_spans, unbroken
+from ur5lib.timeseries.segments import Span, inside_spans, spans, unbroken
 
 OPENING_PROBABILITY = 0.5  # that a contact reaches
 CLOSING_PROBABILITY = 0.1  # above which it lasts

@@ -5,7 +5,6 @@ from dataclasses import replace
 from ur5lib.dynamics.link_model import load_regressor
 from ur5lib.force.alarms import Named, all_alarms, causally, detected
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.detection import Span
 from ur5lib.force.estimators import LEADING, all_stated
 from ur5lib.force.external_torque import JointState
 from ur5lib.force.flange_contact import judged_by_torques
@@ -24,6 +23,7 @@ from ur5lib.records.motion import Motion
 from ur5lib.records.premises import Premises
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
+from ur5lib.timeseries.segments import Span
 
 
 def judge_contacts(

@@ -7,10 +7,10 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.force.contact_figures import contact_errors, figures_by_contact
-from ur5lib.force.detection import sensed_contact
 from ur5lib.force.estimators import LEADING, UNGATED, Stated, all_stated
 from ur5lib.force.plain_least_squares import plain_least_squares
 from ur5lib.force.published import published_or_controller
+from ur5lib.force.sensed_contact import sensed_contact
 from ur5lib.force.sensor import (
     measured_columns,
     mounting_doubt,

@@ -11,17 +11,18 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.detection import alarms, smallest_force
 from ur5lib.force.estimators import LEADING
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.problem import Problem, fmap_problem
 from ur5lib.force.residual_model import Residuals
+from ur5lib.force.thresholds import alarms
 from ur5lib.force.trial_contacts import (
     MIN_LARGEST_PUSH,
     Trials,
     Untouched,
     felt_push,
     flange_speed,
+    smallest_force,
     try_each_place,
 )
 from ur5lib.identification.currents import torque_constants

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
-from ur5lib.force.detection import alarm_threshold, force_threshold
 from ur5lib.force.estimators import GATED, PUBLISHED
 from ur5lib.force.published import published_or_controller
+from ur5lib.force.thresholds import alarm_threshold, force_threshold
 from ur5lib.records.forces import Forces, PublishedForces
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot

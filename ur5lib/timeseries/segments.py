@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 T = TypeVar("T", bound=np.generic)
+Span = tuple[int, int]  # first sample, and the one after the last
 
 BLOCK_DURATION = 2.0  # s, several correlation times of residuals (0.3 to 1 s on both arms)
 DEAD_ZONE = 0.02  # rad/s (Equation 6.4): below it, a joint rests and friction is stiction
@@ -46,11 +47,22 @@ def runs(flags: Mask) -> Labels:
     return edges.reshape(-1, 2)
 
 
-def inside_spans(spans: Iterable[tuple[int, int]], count: int) -> Mask:
-    """Return which of `count` samples lie inside any of the spans, (first, end) each."""
+def spans(signal: Array, on: float, off: float) -> list[Span]:
+    """Return the stretches above `off` that reach `on`. signal: (N,)."""
+    stretches = runs(signal > off).tolist()
+    return [(first, last) for first, last in stretches if signal[first:last].max() >= on]
+
+
+def overlap(first: Span, second: Span) -> int:
+    """Return the number of samples that two stretches share."""
+    return max(0, min(first[1], second[1]) - max(first[0], second[0]))
+
+
+def inside_spans(parts: Iterable[Span], count: int) -> Mask:
+    """Return which of `count` samples lie inside any of the parts."""
     inside = np.zeros(count, bool)
-    for span in spans:
-        inside[slice(*span)] = True
+    for part in parts:
+        inside[slice(*part)] = True
     return inside
 
 

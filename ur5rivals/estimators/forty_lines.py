@@ -14,13 +14,12 @@ import pandas as pd
 
 from ur5lib.force.contact_prior import ContactPrior, wrench_covariance
 from ur5lib.force.contact_wrench import regularised_wrench
-from ur5lib.force.detection import spans
 from ur5lib.force.external_torque import JointState
 from ur5lib.force.force_input import MEAN_STICTION, mean_stiction_torque
 from ur5lib.force.gate import diagonal
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.segments import by_segment, inside_spans
+from ur5lib.timeseries.segments import by_segment, inside_spans, spans
 from ur5rivals.estimator import Contender, Learned
 from ur5rivals.estimators.ours import OURS
 from ur5rivals.force import breakaway_of, learned_noise

@@ -5,8 +5,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ur5lib.force.detection import Span, alarms, contacts
 from ur5lib.force.estimators import NEW
+from ur5lib.force.sensed_contact import contacts
+from ur5lib.force.thresholds import alarms
 from ur5lib.records.currents import Currents
 from ur5lib.records.forces import Forces, SensorWrenches
 from ur5lib.records.scene import LinkPose, Scene, Spans
@@ -14,7 +15,7 @@ from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.robots.inertia import link_tail
 from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.segments import starts
+from ur5lib.timeseries.segments import Span, starts
 
 SHORTEST_STEP = 0.1  # s between postures, which is shorter than what the low-pass leaves
 MOST_POSTURES = 1200  # of a recording, beside the last of each segment

@@ -13,8 +13,9 @@ from ur5lib.force.contact_wrench import (
     MIN_CONSTANT_ERROR,
     STATIC_SPEED,
 )
-from ur5lib.force.detection import CONTACT_FORCE, Span, match, overlap
 from ur5lib.force.estimators import ESTIMATES, LEADING, SPOKEN, UNGATED
+from ur5lib.force.matching import match
+from ur5lib.force.sensed_contact import CONTACT_FORCE
 from ur5lib.records.account import NOTHING
 from ur5lib.records.quality import UNUSUAL_FRICTION
 from ur5lib.report.page.document import MOST_SHOWN, Number, Verdict
@@ -41,6 +42,7 @@ from ur5lib.report.views.forces import (
     smallest_pushes,
 )
 from ur5lib.timeseries.metrics import NORMAL95
+from ur5lib.timeseries.segments import Span, overlap
 
 FORCE_TOPIC = "Force in contact"
 FATES = ["found", "merged", "missed"]  # of a contact: by its own alarm, by another one's, by none

@@ -16,9 +16,9 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
-from ur5lib.force.detection import contacts
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.free_fit import REPEATABILITY, SensorReadings, least_deviations, settle
+from ur5lib.force.sensed_contact import contacts
 from ur5lib.robots.description import Payload
 from ur5lib.timeseries.arrays import Array
 
