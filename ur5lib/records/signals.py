@@ -11,7 +11,8 @@ from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.segments import by_segment
 
-ORDER, CUTOFF = 4, 2.0  # Hz, above which measured accelerations are noise, the controller's are not
+# Above it, measured accelerations are noise, the controller's are not; no setting changes it.
+ACCELERATION_ORDER, ACCELERATION_CUTOFF = 4, 2.0  # Hz
 
 SENSOR_COLUMNS = {  # of force [N] and torque [Nm], of acceleration [m/s²] and rate [rad/s]
     "force": columns("ft"),
@@ -80,6 +81,10 @@ class Signals(SegmentedTable):
         return np.concatenate([self.accelerometer, self.gyroscope], axis=1)
 
 
-def slowly(values: Array, signals: Signals, lowpass: tuple[int, float] = (ORDER, CUTOFF)) -> Array:
+def slowly(
+    values: Array,
+    signals: Signals,
+    lowpass: tuple[int, float] = (ACCELERATION_ORDER, ACCELERATION_CUTOFF),
+) -> Array:
     """Return torques or currents (N, n), low-passed; lowpass: order and cut-off [Hz]."""
     return by_segment(zero_phase_lowpass, values, signals.segment, 1 / signals.period, *lowpass)

@@ -12,7 +12,7 @@ from ur5lib.records.accelerations import Accelerations
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.forces import Forces, SensorWrenches
-from ur5lib.records.signals import CUTOFF, Signals, slowly
+from ur5lib.records.signals import ACCELERATION_CUTOFF, Signals, slowly
 from ur5lib.report.figures.house_style import JOINT_COLOURS, Drawing, house_style, nothing_to_draw
 from ur5lib.report.figures.panels import Panel
 from ur5lib.report.figures.traces import (
@@ -55,7 +55,7 @@ def torque_figure(signals: Signals, torques: Torques, robot: Robot) -> Drawing:
         return nothing_to_draw()
     moment = slowly(signals.target_moment, signals)
     lines: dict[str, tuple[Array | None, str]] = {
-        f"target_moment below {CUTOFF:g} Hz": (moment, "measured")
+        f"target_moment below {ACCELERATION_CUTOFF:g} Hz": (moment, "measured")
     }
     chosen = robot.chosen_model
     models = dict.fromkeys((chosen, f"{chosen}+rotors", robot.fullest_model()))
