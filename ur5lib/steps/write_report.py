@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ur5lib.report.page.compose import compose_study
+from ur5lib.report.page.last_build import beside_last, last_summary
 from ur5lib.report.page.render import html_page, pdf_document
 from ur5lib.report.page.summary import summary, summary_schema
 from ur5lib.report.results import Results
@@ -32,10 +33,16 @@ def write_report(
     tables: list[Path],
     figures: list[Path],
     described: Mapping[str, Robot],
+    last: Path,
 ) -> Report:
-    """Return the report of a study; study: its configuration as YAML; described: its arms."""
+    """Return the report of a study.
+
+    study: its configuration as YAML; described: its arms; last: the summary of the last build, if
+    there was one.
+    """
     results = Results.read(study, tables, figures, [*described.values()])
     report, details = compose_study(results)
+    report = beside_last(report, last_summary(last))
     pages = html_page(report), html_page(details), pdf_document(report)
     return Report(*pages, study, summary(report, results), summary_schema(), archived(tables))
 

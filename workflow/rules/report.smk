@@ -153,13 +153,14 @@ rule write_report:
         details=f"{RESULTS}/details.html",
         pdf=f"{RESULTS}/report.pdf",
         study=f"{RESULTS}/configuration.yaml",
-        results=f"{RESULTS}/results.json",
+        results=update(f"{RESULTS}/results.json"),  # the last one is read before
         schema=f"{RESULTS}/results.schema.json",
         archive=f"{RESULTS}/tables.zip",
     log:
         **traces("write_report"),
     params:
         code=code("write_report", *PAGE, TEMPLATES / "report.typ"),
+        last=f"{RESULTS}/results.json",
         study=lambda wildcards: STUDY_TEXT,
     run:
         run_step(rule, input, output, params, log)

@@ -179,11 +179,11 @@ class Number:
 
     place: recording, joint or component; low, high: ends of the interval that `interval` names;
     baseline: the same quantity for the estimate that `baseline_of` names; floor: what repetition
-    alone leaves of it.
+    alone leaves of it; before: its text and date in the last build, if it was another.
     """
 
     name: str
-    value: float
+    value: int | float
     unit: str
     place: str = ""
     low: float | None = None
@@ -192,6 +192,13 @@ class Number:
     baseline: float | None = None
     baseline_of: str = ""
     floor: float | None = None
+    before: str = ""
+
+    def text(self) -> str:
+        """Return the number as a card shows it."""
+        from ur5lib.report.page.formats import within  # with pandas, which the rules do not load
+
+        return within(self.value, self.low, self.high, self.unit)
 
     def within(self, low: float, high: float, interval: str) -> "Number":
         """Return the number with its interval, without any where that is unknown (NaN)."""
@@ -336,19 +343,16 @@ class Document:
             if isinstance(block, Picture):
                 fields["path"] = str(block.path)
             if isinstance(block, Verdicts):
-                for verdict in fields["verdicts"]:
-                    verdict["numbers"] = [*map(_on_card, verdict["numbers"][:ON_CARD])]
+                for verdict, own in zip(fields["verdicts"], block.verdicts, strict=True):
+                    verdict["numbers"] = [*map(_on_card, own.numbers[:ON_CARD])]
         return data
 
 
-def _on_card(number: dict[str, Any]) -> dict[str, str]:
+def _on_card(number: Number) -> dict[str, str]:
     """Return the name and the text of a number; of a count of one, the name in the singular."""
-    value, low, high, unit = (number[key] for key in ("value", "low", "high", "unit"))
-    name = number["name"].removesuffix("s" if value == 1 and not unit else "")
-    name = ", ".join(filter(None, (name, number["place"])))
-    from ur5lib.report.page.formats import within  # with pandas, which the rules do not load
-
-    return {"name": name, "text": within(value, low, high, unit)}
+    name = number.name.removesuffix("s" if number.value == 1 and not number.unit else "")
+    name = ", ".join(filter(None, (name, number.place)))
+    return {"name": name, "text": number.text(), "before": number.before}
 
 
 class Repeated(Strict):

@@ -6,6 +6,7 @@ from pydantic import Field
 
 from ur5lib.report.page.document import Document, Heading, Items, Number, State, Verdicts
 from ur5lib.report.results import Results
+from ur5lib.report.views.citing import analysed_on
 from ur5lib.strict import Strict
 
 SCHEMA_FILE = "results.schema.json"
@@ -37,6 +38,7 @@ class Summary(Strict):
     title: str
     simulated: list[str] = Field(description="recordings of the virtual test stand")
     commit: str = Field(description="of the code")
+    analysed: str = Field(default="", description="date on which the last step ended")
     verdicts: list[VerdictSummary]
     lists: list[ListSummary] = Field(
         description="what to do next, findings, and what may follow them"
@@ -52,6 +54,7 @@ def summary(document: Document, results: Results) -> dict[str, object]:
         "title": results.study["title"],
         "simulated": [entry["name"] for entry in recordings if entry.get("simulate")],
         "commit": results.commit,
+        "analysed": analysed_on(results),
         "verdicts": [
             verdict for block in blocks if isinstance(block, Verdicts) for verdict in block.verdicts
         ],
