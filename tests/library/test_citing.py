@@ -31,5 +31,5 @@ def test_what_is_read_names_authors_and_what_analysed_the_study() -> None:
     for reference in names("reference").values():
         assert reference.partition(":")[0].split(", ")[0].split()[-1] in read
         assert f"{reference}." in listed
-    assert "“a_b”" in listed[-1]
-    assert listed[-1].endswith("commit abc, 2027.")
+    assert "“a_b”, analysed on 2027-01-03" in listed[0]
+    assert listed[0].endswith("commit abc, 2027.")

@@ -18,7 +18,7 @@ def methods(results: Results) -> Iterator[str]:
 
 
 def references(results: Results) -> list[str]:
-    """Return the references, the last of which is that of this analysis."""
+    """Return the references, the first of which is that of this analysis."""
     return [f"{reference}." for reference in _references(results).values()]
 
 
@@ -39,8 +39,8 @@ def analysed_on(results: Results) -> str:
 
 def _references(results: Results) -> dict[str, str]:
     known = {"study": results.study["study"], "commit": results.commit, "version": __version__}
-    itself = say("methods.itself", year=analysed_on(results)[:4], **known)
-    return {**names("reference"), ITSELF: itself}
+    itself = say("methods.itself", day=analysed_on(results), **known)
+    return {ITSELF: itself, **names("reference")}
 
 
 def _paragraphs(cite: Callable[[str], str]) -> list[str]:
