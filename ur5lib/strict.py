@@ -86,17 +86,29 @@ def _special_kind(path: Path) -> str | None:
 def read_yaml(path: Path) -> Any:
     """Return the content of a YAML file as plain data.
 
-    Raises OSError or UnicodeDecodeError when it cannot be read, yaml.YAMLError when it is not YAML,
-    InputError when it is not a file, has a key twice, holds a number that is none, or is too large.
+    Raises as `read_text` and `plain_yaml`.
+    """
+    return plain_yaml(read_text(path), str(path))
+
+
+def read_text(path: Path) -> str:
+    """Return the text of a file that people write by hand.
+
+    Raises OSError or UnicodeDecodeError when it cannot be read, InputError when it is not a file,
+    or is too large.
     """
     expect_file(path)
     if path.stat().st_size > MOST_BYTES:
         raise InputError(f"{path} has more than {MOST_BYTES:,} bytes; divide it")
-    return plain_yaml(path.read_text(encoding="utf-8"), str(path))
+    return path.read_text(encoding="utf-8")
 
 
 def plain_yaml(text: str, source: str) -> Any:
-    """Return the content of YAML as plain data; raises as `read_yaml`."""
+    """Return the content of YAML as plain data.
+
+    Raises yaml.YAMLError when it is not YAML, InputError when it has a key twice, holds a number
+    that is none, or is too large.
+    """
     try:
         _expect_few_levels(text, source)  # before libyaml, which crashes on a deep nest
         return _plain_data(FAST_LOADER(text), source)

@@ -10,6 +10,7 @@ from ur5lib.force.residual_model import ResidualModel, Residuals
 from ur5lib.force.shown_friction import MIN_SHARE, shown_friction
 from ur5lib.force.wrench_estimate import (
     WrenchEstimate,
+    contact_log_odds,
     estimate_wrench,
     used_rows,
 )
@@ -34,6 +35,10 @@ class Problem(NamedTuple):
     def solve(self, jacobian: Array, prior: ContactPrior) -> WrenchEstimate:
         """Return the contact wrench; jacobian: (M, 6, 6), at `rows`."""
         return estimate_wrench(self.input, jacobian, self.model, prior)
+
+    def contact_log_odds(self, jacobian: Array, prior: ContactPrior) -> Array:
+        """Return the log-odds (N,) of contact alone; jacobian: as of `solve`."""
+        return contact_log_odds(self.input, jacobian, self.model, prior)
 
     def held(self, tared: Mask) -> "Problem":
         """Return the problem in which joints at rest keep their background since a tare.

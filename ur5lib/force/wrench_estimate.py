@@ -5,6 +5,7 @@ gears and dry friction take of J^T F. The gate estimates the times of contact an
 of each contact follows from its own samples.
 """
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -57,14 +58,24 @@ class AtAllSamples:
         self._name = name
 
     def __get__(self, estimates: "WrenchEstimate", owner: type) -> Array:
-        parts = []
-        for rows, estimate in estimates.stretches:
-            thinned: Array = getattr(estimate, self._name)
-            at = np.arange(rows.stop - rows.start)
-            thinned_at = estimates.every * np.arange(len(thinned))
-            columns = interpolated(at, thinned_at, thinned.reshape(len(thinned), -1))
-            parts.append(columns.reshape(len(at), *thinned.shape[1:]))
-        return np.concatenate(parts)
+        return at_all_samples(
+            [(rows, getattr(estimate, self._name)) for rows, estimate in estimates.stretches],
+            estimates.every,
+        )
+
+
+def at_all_samples(stretches: Iterable[tuple[slice, Array]], every: int) -> Array:
+    """Return a quantity (N, ...) of stretches, interpolated between their thinned samples.
+
+    stretches: each with its rows, of which every so many-th has a value.
+    """
+    parts = []
+    for rows, thinned in stretches:
+        at = np.arange(rows.stop - rows.start)
+        thinned_at = every * np.arange(len(thinned))
+        columns = interpolated(at, thinned_at, thinned.reshape(len(thinned), -1))
+        parts.append(columns.reshape(len(at), *thinned.shape[1:]))
+    return np.concatenate(parts)
 
 
 @dataclass(frozen=True)
@@ -109,19 +120,36 @@ def estimate_wrench(
     run: with a low-passed torque, and states of `model`; unknown friction of its gears counts as
     none; jacobian: (M, 6, n), at `used_rows`, NaN where the arm's pose is unknown.
     """
-    # every stretch on its own, thinned
-    stride, estimates, start = thinning(run.period, model.cutoff), [], 0
-    for rows in unbroken(run.segment):
-        thin = slice(rows.start, rows.stop, stride)
-        part = run.thinned(stride, thin)
-        end = start + len(part.states)
-        observations = Observations.of(part, jacobian[start:end], model, prior)
-        start = end
+    estimates = []
+    for rows, observations in _thinned(run, jacobian, model, prior):
         estimate = _estimate(observations)
         for quantity in estimate:
             quantity[~observations.posed] = np.nan
         estimates.append((rows, estimate))
-    return WrenchEstimate(estimates, stride)
+    return WrenchEstimate(estimates, thinning(run.period, model.cutoff))
+
+
+def contact_log_odds(
+    run: ForceInput, jacobian: Array, model: ResidualModel, prior: ContactPrior
+) -> Array:
+    """Return the log-odds (N,) of contact alone; arguments as of `estimate_wrench`."""
+    odds = []
+    for rows, observations in _thinned(run, jacobian, model, prior):
+        probability, _ = find_contacts(observations)
+        odds.append((rows, np.where(observations.posed, log_odds(probability), np.nan)))
+    return at_all_samples(odds, thinning(run.period, model.cutoff))
+
+
+def _thinned(
+    run: ForceInput, jacobian: Array, model: ResidualModel, prior: ContactPrior
+) -> Iterator[tuple[slice, Observations]]:
+    """Yield the rows of each unbroken stretch, and its samples that are used."""
+    stride, start = thinning(run.period, model.cutoff), 0
+    for rows in unbroken(run.segment):
+        part = run.thinned(stride, slice(rows.start, rows.stop, stride))
+        end = start + len(part.states)
+        yield rows, Observations.of(part, jacobian[start:end], model, prior)
+        start = end
 
 
 def _estimate(observations: Observations) -> StretchEstimate:

@@ -20,7 +20,7 @@ from pydantic import (
 
 from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.errors import InputError
-from ur5lib.strict import Strict, explain, read_yaml
+from ur5lib.strict import Strict, explain, plain_yaml, read_text, read_yaml
 from ur5lib.timeseries.arrays import Array, Six
 
 DESCRIPTION_FOLDER = Path(__file__).parent
@@ -563,9 +563,18 @@ def load_robot(path: str | Path) -> Robot:
     Raises InputError when the file is invalid.
     """
     try:
-        return robot_of(read_description(path))
+        return _described(read_text(Path(path)), str(path))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise InputError(f"{path} {INVALID_DESCRIPTION}: {error}") from error
+
+
+@cache
+def _described(text: str, source: str) -> Robot:
+    """Return the arm of a description's text, which each job of a process reads anew."""
+    try:
+        return robot_of(plain_yaml(text, source))
     except ValidationError as error:
-        raise InputError(f"{path} {INVALID_DESCRIPTION}: {mistakes_in(error)}") from error
+        raise InputError(f"{source} {INVALID_DESCRIPTION}: {mistakes_in(error)}") from error
 
 
 def mistakes_in(error: ValidationError) -> str:

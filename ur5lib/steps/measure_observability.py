@@ -106,12 +106,12 @@ def pushed(
     one, random = problem.input, np.random.default_rng(0)
     speed = flange_speed(jacobian, one.qd)
     time = np.arange(len(speed), dtype=np.float64) * one.period
-    stiction = prior.stiction * problem.model.breakaway
+    stiction, used = prior.stiction * problem.model.breakaway, jacobian[problem.rows]
     friction = np.random.default_rng(1)
 
     def log_odds_of(torque: Array) -> Array:
         felt = felt_push(torque, time, one.states, one.gears, stiction, friction)
-        return problem.pushed(felt).solve(jacobian[problem.rows], prior).log_odds
+        return problem.pushed(felt).contact_log_odds(used, prior)
 
     run = Untouched(jacobian, speed, one.period, alarms(odds, threshold))
     first = try_each_place(log_odds_of, run, threshold, random, most)
