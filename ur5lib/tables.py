@@ -381,6 +381,8 @@ def made(folder: Path) -> Path:
 
 
 def _plain(data: object) -> object:
+    if isinstance(data, float):  # first: most are
+        return data if math.isfinite(data) else None
     if hasattr(data, "model_dump"):
         return _plain(data.model_dump())
     if is_dataclass(data):
@@ -391,4 +393,4 @@ def _plain(data: object) -> object:
         return [_plain(value) for value in data]
     if isinstance(data, np.generic | np.ndarray):
         return _plain(data.tolist())
-    return None if isinstance(data, float) and not math.isfinite(data) else data
+    return data

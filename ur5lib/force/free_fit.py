@@ -32,8 +32,11 @@ def agreement(parameters: Array, terms: Array, reading: Array, tolerance: Array)
 
     parameters: (K, P); terms: (N, 6, P); reading: (N, 6); tolerance: (6,) in the reading's units.
     """
-    explained = np.tensordot(parameters, terms, axes=(1, 2))
-    agrees: Mask = np.all(np.abs(reading - explained) <= tolerance, axis=2)
+    agrees: Mask = np.ones((len(parameters), len(reading)), bool)
+    for component, limit in enumerate(tolerance):
+        error = parameters @ terms[:, component].T
+        error -= reading[:, component]
+        agrees &= np.abs(error) <= limit
     return agrees
 
 

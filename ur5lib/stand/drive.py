@@ -53,7 +53,7 @@ class Drive:
         correction = np.empty(model.nv)
         mujoco.mj_mulM(model, data, correction, feedback)
         motors = link_torques(model, data, qdd) + correction + self.viscous * qd
-        return np.clip(motors, -self.torque_max, self.torque_max)
+        return np.minimum(np.maximum(motors, -self.torque_max), self.torque_max)
 
     def known_friction(self, qd: Array) -> Array:
         """Return the friction torques (..., n) [Nm] known to the controller; qd: [rad/s]."""

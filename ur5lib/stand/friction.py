@@ -107,7 +107,7 @@ class BristleFriction:
 
     def __init__(self, parameters: FrictionParameters, start: Array) -> None:
         """start (n,): initial dry friction, as a share of the breakaway torque."""
-        self._parameters = parameters
+        self._parameters, self._rubs = parameters, bool(parameters.coulomb.any())
         self._stiffness = parameters.coulomb / parameters.presliding
         self._deflection = start * parameters.presliding
 
@@ -118,7 +118,7 @@ class BristleFriction:
         """
         parameters = self._parameters
         dry = parameters.dry(qd, load, warmth)
-        if not dry.any():
+        if not self._rubs:
             return dry
         limit = dry / self._stiffness * np.sign(qd)
         decay = np.exp(-np.abs(qd) * step * self._stiffness / dry)
