@@ -8,10 +8,11 @@ from hypothesis import strategies as st
 from ur5lib.force.contact_figures import (
     contact_errors,
     error_figures,
+    error_parts,
     figures_by_contact,
+    mean_parts,
     periods,
     resampled_figures,
-    split,
 )
 from ur5lib.force.sensed_contact import contacts, is_free
 from ur5lib.records.force_errors import ContactErrors
@@ -249,11 +250,15 @@ def test_the_error_in_contact_is_split_into_its_parts() -> None:
     force[50:150, 0] = force[250:350, 0] = 20.0
     estimate = np.zeros_like(force)
     estimate[270:350] = [10.0, 0.0, 1.0]  # 1 N of friction along z
-    parts = split(estimate, force, np.linalg.norm(force, axis=1))
+    parts = mean_parts(error_parts(estimate, force, np.linalg.norm(force, axis=1)))
+    whole = parts.pop("mae")
     assert parts["mae_missed"][0] == pytest.approx(10.0)
     assert parts["mae_shut"][0] == pytest.approx(2.0)
     assert parts["mae_gain"][0] == pytest.approx(4.0)
-    assert sum(parts.values())[0] == pytest.approx(
-        np.abs(force - estimate)[50:350:1][np.linalg.norm(force[50:350], axis=1) > 5][:, 0].mean()
-    )
+    assert sum(parts.values())[0] == pytest.approx(whole[0])
+    assert whole[0] == pytest.approx(np.abs(force - estimate)[force[:, 0] > 5][:, 0].mean())
     assert parts["mae_gain"][2] == 0.0
+    _, second = (row for row in rows_of(estimate, force) if row.component == "norm")
+    assert second.mae == pytest.approx((4.0 + 8.0 + 0.8) / 3)  # shut, gain along x, friction
+    assert second.mae_shut == pytest.approx(4.0 / 3)
+    assert second.mae_gain == pytest.approx(8.0 / 3)

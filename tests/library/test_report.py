@@ -161,6 +161,7 @@ def test_extremes_are_marked_where_values_differ() -> None:
         ("value | with_error(value)", math.nan, "–"),
         ("value | signed(1, ' %')", -0.5, "−0.5 %"),
         ("value | signed(2)", 0.5, "+0.50"),
+        ("value | signed(1)", -0.04, "0.0"),
         ("{{ value }} of 2", 1, "1 of 2"),
         ("value if value is known else none", math.nan, None),
         ("value | significant(2)", 46771.7, "47000"),

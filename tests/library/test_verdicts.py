@@ -1056,25 +1056,38 @@ def test_the_order_of_axes_is_that_of_their_names() -> None:
     assert [title[0] for title in body.header[1:4]] == [*"xyz"]
 
 
+@pytest.mark.parametrize(
+    ("speed", "shut", "gain", "cause"),
+    [
+        (0.0, 0.5, 0.4, "stiction"),
+        (0.1, 0.5, 0.4, "friction"),
+        (0.0, 0.5, 1.0, "mae_gain"),
+        (0.1, 1.5, 0.4, "mae_shut"),
+    ],
+)
 @pytest.mark.parametrize(("peak", "why"), [(7.0, "small"), (50.0, "missed")])
-def test_each_contact_has_the_likely_cause_of_its_error(peak: float, why: str) -> None:
-    """At rest: one is found, with an error by stiction; one is merged, one missed."""
+def test_each_contact_has_the_likely_cause_of_its_error(
+    peak: float, why: str, speed: float, shut: float, gain: float, cause: str
+) -> None:
+    """One is found, with an error of 2 N in the mean; one is merged, one missed."""
     about = {"recording": "pushed", "estimate": "Fmap"}
     spans = [(1.0, 2.0, 30.0), (3.0, 5.0, 20.0), (8.0, 9.0, peak)]
     sensed = [
         about
         | {"component": "norm", "start_s": start, "end_s": end, "peak": size, "peak_error": -2.0}
+        | {"mae": 2.0, "mae_shut": shut, "mae_gain": gain}
         for start, end, size in spans
     ]
     force = {"Fx": 3.0, "Fy": 0.0, "Fz": 4.0, "Fx_std": 1.0, "Fy_std": 5.0, "Fz_std": 2.0}
+    speeds = {"flange_speed": speed}
     results = study(
         moving={"pushed": None},
         contact_errors=sensed,
-        contacts=[about | force | {"start_s": 1.0, "end_s": 5.0, "peak_s": 4.0}],
+        contacts=[about | force | {"start_s": 1.0, "end_s": 5.0, "peak_s": 4.0} | speeds],
         observability=[*(push(force, "x", 0.0) for force in (40.0,)), TRIED],
     )
     rows = explained(results, "pushed")
-    assert [*rows["why"]] == ["merged", "stiction", why]
+    assert [*rows["why"]] == ["merged", cause, why]
     width = 1.96 * math.hypot(3.0 * 1.0, 4.0 * 2.0) / 5.0
     np.testing.assert_allclose(rows["band"], [math.nan, width, math.nan])
 

@@ -26,6 +26,7 @@ CONTACT_RESAMPLES = 1000  # of a recording's contacts
 MIN_CONTACTS = 3  # for an interval by resampling
 INTERVAL_ENDS = [0.025, 0.975]  # quantiles at the ends of a 95 % interval
 MIN_GAIN = 0.2  # of an estimate that shows the force
+SPLIT = ("mae_missed", "mae_shut", "mae_gain")  # parts of an error in contact
 MIN_DIVISOR = 1e-12  # N, N s: replaces a zero divisor
 
 
@@ -65,30 +66,38 @@ def figures_by_contact(
     if "contact" in figures:
         figures["contact"] |= resampled_figures(estimate, reference, force)
         if std is not None:
-            figures["contact"] |= split(estimate, reference, force)
+            own = mean_parts(error_parts(estimate, reference, force))
+            figures["contact"] |= {name: own[name] for name in SPLIT}
     return figures
 
 
-def split(estimate: Array, reference: Array, force: Array) -> dict[str, Array]:
-    """Return the parts of the MAE in contact (6,): what missed contacts add, what found ones add
-    while the gate is shut, and what another gain would take off; friction leaves the rest.
+def error_parts(estimate: Array, reference: Array, force: Array) -> dict[str, Array]:
+    """Return the absolute error (N, K) of each sample in contact and its parts, NaN of others.
 
-    estimate: (N, 6), zero while its gate is shut.
+    Missed contacts add theirs (mae_missed), found ones what they have while the gate is shut
+    (mae_shut), and what another gain of the whole recording would take off (mae_gain); friction
+    leaves the rest. estimate: (N, K), zero while its gate is shut; reference: (N, K), the sensor's.
     """
     known = np.isfinite(estimate).all(axis=1) & np.isfinite(reference).all(axis=1)
     within, felt = known & in_contact(force), estimate.any(axis=1)
-    lost, open_rows = within & missed(estimate, force), within & felt
-    count = max(int(within.sum()), 1)
-
-    def share(rows: Mask, scaled: Array = estimate) -> Array:
-        return np.abs(reference[rows] - scaled[rows]).sum(axis=0) / count
-
-    gain = slope(estimate[open_rows], reference[open_rows])
-    scaled = estimate / np.where(gain > MIN_GAIN, gain, 1.0)
+    lost = missed(estimate, force)
+    error = np.where(within[:, None], np.abs(reference - estimate), np.nan)
+    gain = slope(estimate[within & felt], reference[within & felt])
+    scaled = np.abs(reference - estimate / np.where(gain > MIN_GAIN, gain, 1.0))
     return {
-        "mae_missed": share(lost),
-        "mae_shut": share(within & ~lost & ~felt),
-        "mae_gain": np.maximum(share(open_rows) - share(open_rows, scaled), 0.0),
+        "mae": error,
+        "mae_missed": error * lost[:, None],
+        "mae_shut": error * (~lost & ~felt)[:, None],
+        "mae_gain": (error - scaled) * felt[:, None],
+    }
+
+
+def mean_parts(parts: dict[str, Array], rows: slice = slice(None)) -> dict[str, Array]:
+    """Return the means (K,) of parts of an error over the samples that are known, at least zero."""
+    known = np.isfinite(parts["mae"][rows]).all(axis=1)
+    count = max(int(known.sum()), 1)
+    return {
+        name: np.maximum(part[rows][known].sum(axis=0) / count, 0.0) for name, part in parts.items()
     }
 
 
@@ -166,9 +175,9 @@ def contact_errors(estimate: Array, reference: Array, time: Array) -> Iterator[C
     estimate, reference: forces (N, 3) [N]; time: (N,) [s].
     """
     estimated_contacts = contacts(np.linalg.norm(estimate, axis=1), CONTACT_FORCE)
-    for number, span in enumerate(
-        contacts(np.linalg.norm(reference, axis=1), CONTACT_FORCE), start=1
-    ):
+    size = np.linalg.norm(reference, axis=1)
+    parts = error_parts(estimate, reference, size)
+    for number, span in enumerate(contacts(size, CONTACT_FORCE), start=1):
         first, last = span
         e, f = estimate[first:last], reference[first:last]
         place = number, time[first], time[last - 1]
@@ -179,7 +188,9 @@ def contact_errors(estimate: Array, reference: Array, time: Array) -> Iterator[C
             (start for start, end in estimated_contacts if overlap((start, end), span)), None
         )
         late = None if onset is None else time[onset] - time[first]
-        yield ContactErrors(*place, "norm", *_peak_and_impulse(e, f, step), late)
+        own = {name: float(mean.mean()) for name, mean in mean_parts(parts, slice(*span)).items()}
+        del own["mae_missed"]  # all of it, or nothing
+        yield ContactErrors(*place, "norm", *_peak_and_impulse(e, f, step), late, **own)
 
 
 def _peak_and_impulse(

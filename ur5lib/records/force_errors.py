@@ -37,7 +37,8 @@ class ContactErrors:
     of the force's integral [N s]; errors: the estimate's component along the sensor's direction
     minus the sensor's value, negative if the estimate is too small, NaN if it is unknown in part of
     the contact; onset_error_s: of all three, delay with which the estimate passes the sensor's
-    levels.
+    levels; mae: of all three, mean over the axes [N], of which mae_shut while no alarm is raised,
+    and mae_gain that another gain of the whole recording would take off.
     """
 
     contact: int
@@ -49,6 +50,9 @@ class ContactErrors:
     impulse: float
     impulse_error: float
     onset_error_s: float | None = None
+    mae: float | None = None
+    mae_shut: float | None = None
+    mae_gain: float | None = None
 
 
 @dataclass(frozen=True)

@@ -99,6 +99,8 @@ class SensorWrenches(SegmentedTable):
 
     printed: the raw reading; corrected: less its mean at the start, both placed by start stamps;
     compensated: by the best clock, less bias and tool weight; the last two at frame 6's origin.
+    plain: what plain least squares states beside it, the simplest rival of the estimates.
     """
 
     wrench: dict[str, Array] = channel("{}", "N, Nm", WRENCH, keys=REFERENCES)
+    plain: Array | None = channel("plain_least_squares", "N, Nm", WRENCH, optional=True)

@@ -1,6 +1,5 @@
 """Figures of one recording, after the thesis's 4.4, 5.11, 5.12, 5.14, 5.15 and 6.4."""
 
-from ur5lib.force.plain_least_squares import plain_least_squares
 from ur5lib.records.accelerations import Accelerations
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
@@ -34,10 +33,7 @@ def draw_figures(
     force is determined; lowpass: of currents, order and cut-off [Hz]; gravity: see `Robot.mounted`.
     """
     hidden = kinematics.smallest_singular_value < min_singular_value
-    torque, plain = currents.external_torque, None
-    if torque is not None and sensor.wrench:  # what the estimates are judged beside
-        plain = plain_least_squares(torque, kinematics.jacobian, min_singular_value)
-    beside = forces, sensor, hidden, plain
+    beside = forces, sensor, hidden
     # each figure reads its signals anew, so that none holds those of another
     return {
         "packets": figures.packet_figure(signals.anew()),

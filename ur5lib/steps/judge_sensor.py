@@ -1,6 +1,7 @@
 """The force sensor's wrench, and every estimate of the contact wrench beside it."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -85,6 +86,7 @@ def judge_sensor(
     if (torque := currents.external_torque) is not None and forces.wrench:
         plain = plain_least_squares(torque, kinematics.jacobian, min_singular_value)
         estimates["compensated"] |= {UNGATED: Stated(plain)}
+        sensor = replace(sensor, plain=plain)
     return JudgedSensor(sensor, beside_sensor(reading, sensor, estimates, kinematics.rotation))
 
 

@@ -29,11 +29,13 @@ def observability_figure(rows: pd.DataFrame, wanted: float, most: float) -> Draw
     shares = rows[rows["quantity"] == "friction_in_band"]
     if pushes.empty and shares.empty:
         return nothing_to_draw()
-    with house_style(2.9, 1, 2) as (figure, ((left, right),)):
-        _pushes(left, pushes, most)
+    with house_style(2.9, 1, 1 + (len(pushes) > 0)) as (figure, ((*left, right),)):
+        for axis in left:
+            _pushes(axis, pushes, most)
         _shares(right, shares, wanted)
-    numbers, beyond = pd.concat([pushes, shares], ignore_index=True), pushes["bound"] == ">"
-    return Drawing(figure, numbers if beyond.any() else numbers.drop(columns="bound"))
+    drawn = {"std_error": len(pushes) > 0, "bound": (pushes["bound"] == ">").any()}
+    numbers = pd.concat([pushes, shares], ignore_index=True)
+    return Drawing(figure, numbers.drop(columns=[name for name in drawn if not drawn[name]]))
 
 
 def _pushes(axis: Axes, rows: pd.DataFrame, most: float) -> None:

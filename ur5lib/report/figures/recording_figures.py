@@ -105,18 +105,17 @@ def estimate_figure(
     forces: Forces,
     sensor: SensorWrenches,
     hidden: Mask,
-    plain: Array | None = None,
     moments: bool = False,
 ) -> Drawing:
     """Return the new estimates, the band of the first, and the sensor; hidden: see Traces.
 
-    plain: the wrench (N, 6) by plain least squares, which judges the others beside a sensor, and
-    is drawn in place of the gated one. Drawn are forces and their size, or moments.
+    Drawn are forces and their size, or moments; beside a sensor, plain least squares in place of
+    the gated one, since it judges the others.
     """
     part, panels = (_moments, MOMENT_PANELS) if moments else (_forces, FORCE_PANELS)
     wrenches = dict(forces.wrench)
-    if plain is not None and wrenches.pop("least_squares", None) is not None:
-        wrenches[UNGATED] = plain
+    if sensor.plain is not None and wrenches.pop("least_squares", None) is not None:
+        wrenches[UNGATED] = sensor.plain
     labels = {name: label for name, label in ESTIMATES.items() if name in wrenches}
     lines: dict[str, tuple[Array | None, str]] = {
         "force sensor": (sensor.wrench.get("compensated"), "measured")

@@ -62,7 +62,10 @@ def percent(share: float, digits: int = 0) -> str:
 
 def signed(value: float, digits: int, unit: str = "") -> str:
     """Format a difference with its sign; a dash for NaN."""
-    return "–" if np.isnan(value) else f"{value:+.{digits}f}{unit}".replace("-", "−")
+    if np.isnan(value):
+        return "–"
+    text = f"{rounded:+.{digits}f}" if (rounded := round(value, digits)) else f"{0:.{digits}f}"
+    return text.replace("-", "−") + unit
 
 
 def power(value: float, digits: int = 3) -> str:

@@ -36,6 +36,7 @@ from ur5lib.report.views.forces import (
     FORCE_STDS,
     contact_errors,
     contacts,
+    flange_speeds,
     hardest_pushes,
     leading,
     searched,
@@ -348,13 +349,16 @@ def explained(results: Results, recording: str) -> pd.DataFrame:
     rows, sensed = contact_errors(results, recording), at_sensors(results, [recording])
     alarms = contacts(results, recording)
     bands = NORMAL95 * _size_std(alarms).to_numpy()
-    found = {contact: bands[alarm] for alarm, contact in match(_spans(alarms), _spans(sensed))}
-    band = pd.Series([found.get(k, math.nan) for k in range(len(sensed))], sensed.index, float)
+    pairs, states = match(_spans(alarms), _spans(sensed)), flange_speeds(alarms)
+    found = {sensed.index[contact]: bands[alarm] for alarm, contact in pairs}
+    speeds = {sensed.index[contact]: states.iloc[alarm] for alarm, contact in pairs}
+    band = pd.Series(found, sensed.index, float)
     doubted = bool(doubted_biases(results, [recording]))
     rows = rows.join(sensed["fate"]).assign(band=band, doubted=doubted)
     small = rows["peak"] < _least_noticed(results, recording)
     why = rows["fate"].mask(small & (rows["fate"] == FATES[2]), "small")
-    return rows.assign(why=why.mask(why == FATES[0], _cause(results, recording)))
+    causes = _causes(rows, pd.Series(speeds, sensed.index, object))
+    return rows.assign(why=why.mask(why == FATES[0], causes))
 
 
 def _least_noticed(results: Results, recording: str) -> float:
@@ -370,12 +374,13 @@ def _size_std(alarms: pd.DataFrame) -> pd.Series:
     return np.sqrt(pd.Series((parts**2).sum(axis=1), alarms.index)) / alarms["size"]
 
 
-def _cause(results: Results, recording: str) -> str:
-    """Return what makes most of the error of found contacts on a recording."""
-    parts = split(results).set_index("recording")
-    if recording in parts.index and parts["mae_gain"][recording] > parts["friction"][recording]:
-        return "gain"
-    return "friction" if results.moving(recording) else "stiction"
+def _causes(rows: pd.DataFrame, states: pd.Series) -> pd.Series:
+    """Return what makes most of the error of each contact; states: speed of the flange in words."""
+    parts = rows[["mae_shut", "mae_gain"]].astype(float).fillna(0.0)
+    friction = rows["mae"].astype(float) - parts.sum(axis="columns")
+    parts.insert(0, "friction", friction.fillna(0.0))
+    largest = parts.idxmax(axis="columns")
+    return largest.mask((largest == "friction") & (states == AT_REST), "stiction")
 
 
 def widest_band(results: Results) -> Iterator[str]:

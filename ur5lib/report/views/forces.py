@@ -59,7 +59,7 @@ def contacts(results: Results, recording: str) -> pd.DataFrame:
     pushes = pushes[pushes["robot"] == (results.arms()[recording] if len(pushes) else "")]
     least = pushes.groupby(pushes["speed_low"].map(SPEEDS))["value"].min()
     size = np.sqrt((rows[FORCE_COMPONENTS].astype(float) ** 2).sum(axis="columns"))
-    return rows.assign(size=size, least=_states(rows).map(least).astype(float))
+    return rows.assign(size=size, least=flange_speeds(rows).map(least).astype(float))
 
 
 def smallest_pushes(results: Results) -> pd.DataFrame:
@@ -84,11 +84,11 @@ def _touched_by_speed(results: Results) -> pd.DataFrame:
     """Return the number of contacts found on recordings with contact, by arm and speed."""
     names = results.with_role("contact")
     rows = results.rows("contacts", estimate=LEADING, kind="contact", recording=names)
-    rows = rows.assign(robot=rows["recording"].map(results.arms()), state=_states(rows))
+    rows = rows.assign(robot=rows["recording"].map(results.arms()), state=flange_speeds(rows))
     return rows.value_counts(PLACE[:2]).rename("contacts").reset_index()
 
 
-def _states(rows: pd.DataFrame) -> pd.Series:
+def flange_speeds(rows: pd.DataFrame) -> pd.Series:
     """Return the range of the flange's speed during each contact, in words."""
     steps, labels = [*SPEEDS, math.inf], [*SPEEDS.values()]
     return pd.cut(rows["flange_speed"], steps, right=False, labels=labels).astype(object)
