@@ -327,6 +327,14 @@ def test_shares_are_those_of_least_squares() -> None:
     assert share[3] == 0.0  # nothing new
 
 
+@pytest.mark.parametrize("unit", [1e-9, 1e-3, 1e3, 1e9])
+def test_shares_do_not_depend_on_the_units_of_the_columns(unit: float) -> None:
+    random = np.random.default_rng(0)
+    fixed, tried, value = (random.standard_normal((12, k)) for k in (2, 3, 1))
+    expected = explained_shares(fixed, tried, value.T)
+    np.testing.assert_allclose(explained_shares(fixed, unit * tried, value.T), expected)
+
+
 # Of hundreds of dates
 
 

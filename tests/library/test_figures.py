@@ -292,6 +292,13 @@ def test_decimation_keeps_every_peak_and_gap(seed: int, count: int, cuts: list[i
     assert (np.diff(known) >= 0).all()
 
 
+def test_decimation_keeps_the_order_of_lowest_and_highest_values() -> None:
+    time = np.arange(1000.0)
+    _, thin = decimate(time, np.stack([time, -time], axis=1), points=100)
+    assert (np.diff(thin[:, 0]) >= 0).all()
+    assert (np.diff(thin[:, 1]) <= 0).all()
+
+
 def test_decimation_of_few_samples_changes_nothing() -> None:
     time, values = np.arange(10.0), np.arange(20.0).reshape(10, 2)
     assert decimate(time, values)[1] is values

@@ -101,6 +101,19 @@ def test_a_sensor_is_known_to_measure_torque() -> None:
     assert not prior.typical
 
 
+@pytest.mark.parametrize("joint", range(6))
+def test_a_recording_tells_no_ratio_of_a_joint_that_it_does_not_know(
+    joint: int, ur5: Robot
+) -> None:
+    """Beside another that knows it; its ratios of the other joints count."""
+    ratio = np.linspace(8.0, 13.0, 6)
+    partly = ratio.copy()
+    partly[joint] = np.nan
+    whole, found = (prior_of(ur5, some).inverse_constant for some in ([ratio], [ratio, partly]))
+    np.testing.assert_array_equal(found.mean, whole.mean)
+    np.testing.assert_array_equal(found.precision, whole.precision)
+
+
 @pytest.mark.parametrize("count", [2, 8])
 def test_figures_have_a_panel_for_each_joint(count: int) -> None:
     time, values = np.arange(20.0), np.random.default_rng(0).normal(size=(20, count))

@@ -86,7 +86,9 @@ def test_a_sensor_that_reads_nothing_was_not_connected(
     path = write(tmp_path / "force.csv", 0.01 * np.arange(100.0), size)
     times, findings = read(path)
     assert (times is not None) == connected
-    assert list(findings) == ["no sensor"] * (not connected)
+    assert [(name, found.count) for name, found in findings.items()] == [("no sensor", 1)] * (
+        not connected
+    )
     names = ["time", *columns("imu_a"), *columns("imu_m")]
     assert read_device(Log(path, "imu", []), names) is not None
 

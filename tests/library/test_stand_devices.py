@@ -26,9 +26,10 @@ from ur5lib.signals.own_clocks import own_clocks
 from ur5lib.stand.faults import (
     FIRST_PART_BYTES,
     LATE_PACKET_INTERVAL,
+    draw_faulty_frames,
     receipts_with_late_packets,
 )
-from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.plan import Faults, SimulatedRecording
 from ur5lib.stand.simulate import Format, simulate
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import channel, read_json, read_table
@@ -300,6 +301,16 @@ def test_saturation_is_seen(record: Recorder) -> None:
 
 
 # Faults
+
+
+@pytest.mark.parametrize("fault", ["lost_frames", "cut_frames", "stale_stamps", "stale_frames"])
+def test_the_first_two_frames_and_the_last_have_no_fault(fault: str) -> None:
+    """However many have: a reader accepts the first only if the second is complete."""
+    random, faults = np.random.default_rng(0), Faults.model_validate({fault: 0.5})
+    frames = (vars(draw_faulty_frames(faults, 100, random)) for _ in range(20))
+    drawn = np.array([[*faulty.values()] for faulty in frames])
+    assert not drawn[:, :, [0, 1, -1]].any()
+    assert drawn.any(axis=(0, 1))[2:-1].all()
 
 
 def unequal(own: pd.DataFrame, other: pd.DataFrame) -> Array:

@@ -231,6 +231,8 @@ def test_a_joint_whose_target_rests_determines_nothing_whatever_it_does() -> Non
     for gain in (found[2].position, found[2].velocity):
         assert not gain.determined
         assert (gain.low, gain.high) == (gain.grid[0], gain.grid[-1])
+    assert np.array_equal(found[2].position.grid, expected[0].position.grid)
+    assert np.array_equal(found[2].velocity.grid, expected[0].velocity.grid)
     stiff = np.stack([wandering[:, 2], moving.actual_qd[:, 2]], axis=1) / found[2].noise
     assert found[2].cost == pytest.approx((stiff**2).sum())
     for joint in (0, 1, 3, 4, 5):
