@@ -20,8 +20,7 @@ from ur5lib.steps.draw_figures import draw_figures
 from ur5lib.tables import read_csv
 
 TABLES = ("signals", "torques", "accelerations", "currents", "kinematics", "sensor", "forces")
-JUDGED = ("current_rmse", "torque_mae", "force_mae", "acceleration_mae")
-JUDGED += ("friction", "observability")
+JUDGED = ("current_rmse", "torque_mae", "force_mae", "acceleration_mae", "friction")
 ERROR, BAND = "error of ", "95 % band, "
 
 
@@ -89,10 +88,6 @@ def check_drawn_numbers(results: Path, monkeypatch: pytest.MonkeyPatch) -> list[
         rmse = told["current_rmse"]
         rmse = rmse[rmse["recording"].isin(of_arm) & (rmse["fitted"] == "yes")]
         compared += check_friction(read_csv(numbers), rows, rmse[rmse["model"] == "fitted"])
-    for robot, rows in told["observability"].groupby("robot"):
-        compared += check_pushes(
-            read_csv(results / "figures" / str(robot) / "observability.csv"), rows
-        )
     return compared
 
 
@@ -171,14 +166,3 @@ def check_friction(numbers: pd.DataFrame, rows: pd.DataFrame, scores: pd.DataFra
         held = scores.loc[scores["joint"] == joint, "coverage95"].mean()
         assert np.mean(np.abs(measured - fitted) <= half) == pytest.approx(held, abs=0.05)
     return ["friction"] if len(rows) else []
-
-
-def check_pushes(numbers: pd.DataFrame, rows: pd.DataFrame) -> list[str]:
-    """Pushes and shares are the table's."""
-    place = ["quantity", "joint", "speed_low"]
-    drawn, known = (own.set_index(place)[["value", "samples"]].dropna() for own in (numbers, rows))
-    shown = known[known.index.get_level_values("quantity").isin({*numbers["quantity"]})]
-    pd.testing.assert_frame_equal(
-        drawn.sort_index(), shown.sort_index(), rtol=1e-4, check_dtype=False
-    )
-    return ["pushes"] if len(drawn) else []

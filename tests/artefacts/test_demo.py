@@ -66,7 +66,7 @@ def test_figures_draw_what_their_tables_state(
     results: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     compared = check_drawn_numbers(results, monkeypatch)
-    assert {*compared} == {"currents", "torques", "forces", "accelerations", "friction", "pushes"}
+    assert {*compared} == {"currents", "torques", "forces", "accelerations", "friction"}
 
 
 @pytest.mark.parametrize("page", ["report.html", "details.html"])

@@ -166,7 +166,7 @@ def test_csv_has_the_study_s_numbers(results: Path) -> None:
 
 
 def test_forces_have_the_push_that_would_have_been_found(results: Path) -> None:
-    """At rest 68 N, slow more than 100 N, fast 12 N; unknown where the pose is."""
+    """Along y at rest 68 N, slow more than 100 N, fast 12 N; unknown where the pose is."""
     recording, q = results / "recordings" / "pushed", np.zeros((5, 6))
     speed = np.array([0.0, 0.1, 0.3, 9.0, np.nan])
     kinematics = flange_kinematics_of(q)
@@ -183,13 +183,14 @@ def test_forces_have_the_push_that_would_have_been_found(results: Path) -> None:
         recording / "forces.parquet",
         UNITS | {"if_untouched": "1"},
     )
-    pushes = pd.DataFrame({"robot": "ur5", "quantity": "smallest_push_95"}, index=range(3))
+    pushes = pd.DataFrame({"robot": "ur5", "quantity": "smallest_push_95_y"}, index=range(3))
     pushes = pushes.assign(speed_low=[0.0, 0.01, 0.25], speed_high=[0.01, 0.25, np.nan])
     pushes = pushes.assign(value=[68.0, 100.0, 12.0], std_error=[10.0, np.nan, 2.0])
     write_text(pushes.to_csv(index=False), results / "tables" / "observability.csv")
     table = from_csv(exported(results, "csv"))["forces"]
-    np.testing.assert_array_equal(table["smallest_push_95"], [68.0, 100.0, 12.0, 12.0, np.nan])
-    np.testing.assert_array_equal(table["smallest_push_95_std"], [10, np.nan, 2, 2, np.nan])
+    np.testing.assert_array_equal(table["smallest_push_95_y"], [68.0, 100.0, 12.0, 12.0, np.nan])
+    np.testing.assert_array_equal(table["smallest_push_95_y_std"], [10, np.nan, 2, 2, np.nan])
+    assert table["smallest_push_95_x"].isna().all()
     assert (table["if_untouched"] == 1).all()
 
 

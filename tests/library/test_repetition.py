@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from ur5lib.identification.repetition import PathRun, path_run, repetition
-from ur5lib.records.arm_state import Repeated
 from ur5lib.records.motion import Motion
+from ur5lib.records.repetition import Repeated
 from ur5lib.timeseries.arrays import Array
 
 PERIOD = 0.01  # s

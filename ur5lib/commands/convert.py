@@ -22,7 +22,7 @@ from ur5lib.records.motion import Motion
 from ur5lib.tables import write_aside, write_csv
 
 CSV_DIGITS = 12
-PUSH_COLUMNS = ("smallest_push_95", "smallest_push_95_std")
+PUSH_COLUMNS = [f"smallest_push_95_{axis}{of}" for axis in "xyz" for of in ("", "_std")]
 EXPORTED_TABLES = ("signals", "motion", "currents", "forces", "sensor")
 COLUMN_INDEX = re.compile(r"_[0-9]+$|_[Fnft][xyz]$|(?<=imu_[agm])[xyz]$")
 
@@ -49,18 +49,20 @@ def channels(columns: list[str]) -> dict[str, list[str]]:
 
 
 def with_smallest_push(study: FinishedStudy, name: str, forces: pd.DataFrame) -> pd.DataFrame:
-    """Return a recording's forces with the push [N] that would have been found at each sample by
-    the speed of the flange, and its standard error, which is NaN beyond the largest trial.
+    """Return a recording's forces with the push [N] along x, y and z that would have been found at
+    each sample by the speed of the flange, and its standard error, which is NaN beyond the largest
+    trial.
     """
     table, robot = study.table("observability"), study.recording(name).arm.known_as
     linear = study.record(Kinematics, name).jacobian[:, :3]
     speed = np.linalg.norm(np.matvec(linear, study.record(Motion, name).qd), axis=1)
-    push = np.full((len(speed), len(PUSH_COLUMNS)), np.nan)
-    of_arm = (table["robot"] == robot) & (table["quantity"] == PUSH_COLUMNS[0])
+    pushes = {column: np.full(len(speed), np.nan) for column in PUSH_COLUMNS}
+    of_arm = (table["robot"] == robot) & table["quantity"].isin(PUSH_COLUMNS)
     for row in table[of_arm].itertuples():
-        # the fastest state has no upper end
-        push[(speed >= row.speed_low) & ~(speed >= row.speed_high)] = row.value, row.std_error
-    found = forces.assign(**dict(zip(PUSH_COLUMNS, push.T, strict=True)))
+        at_speed = (speed >= row.speed_low) & ~(speed >= row.speed_high)  # the fastest: no end
+        pushes[row.quantity][at_speed] = row.value
+        pushes[f"{row.quantity}_std"][at_speed] = row.std_error
+    found = forces.assign(**pushes)
     found.attrs["units"] = forces.attrs["units"] | dict.fromkeys(PUSH_COLUMNS, "N")
     return found
 

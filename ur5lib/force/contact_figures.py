@@ -79,7 +79,7 @@ def error_parts(estimate: Array, reference: Array, force: Array) -> dict[str, Ar
     leaves the rest. estimate: (N, K), zero while its gate is shut; reference: (N, K), the sensor's.
     """
     known = np.isfinite(estimate).all(axis=1) & np.isfinite(reference).all(axis=1)
-    within, felt = known & in_contact(force), estimate.any(axis=1)
+    within, felt = known & in_contact(force), np.asarray(estimate.any(axis=1))
     lost = missed(estimate, force)
     error = np.where(within[:, None], np.abs(reference - estimate), np.nan)
     gain = slope(estimate[within & felt], reference[within & felt])
@@ -188,9 +188,9 @@ def contact_errors(estimate: Array, reference: Array, time: Array) -> Iterator[C
             (start for start, end in estimated_contacts if overlap((start, end), span)), None
         )
         late = None if onset is None else time[onset] - time[first]
-        own = {name: float(mean.mean()) for name, mean in mean_parts(parts, slice(*span)).items()}
-        del own["mae_missed"]  # all of it, or nothing
-        yield ContactErrors(*place, "norm", *_peak_and_impulse(e, f, step), late, **own)
+        means = mean_parts(parts, slice(*span))
+        own = [float(means[name].mean()) for name in ("mae", "mae_shut", "mae_gain")]
+        yield ContactErrors(*place, "norm", *_peak_and_impulse(e, f, step), late, *own)
 
 
 def _peak_and_impulse(

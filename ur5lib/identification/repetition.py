@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.identification.samples import path_of
-from ur5lib.records.arm_state import Repeated
 from ur5lib.records.motion import Motion
+from ur5lib.records.repetition import Repeated
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.trajectories import (
     REST_SPEED,

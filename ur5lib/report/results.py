@@ -17,8 +17,8 @@ import yaml
 
 from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.errors import InputError
-from ur5lib.records.arm_state import Observed, Repeated
 from ur5lib.records.quality import UNREADABLE
+from ur5lib.records.repetition import Repeated
 from ur5lib.report.page.document import MOST_ROWS, MOST_SHOWN
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import bearing_joints
@@ -30,10 +30,8 @@ AT_REST = "at rest"
 PACKAGES = ["snakemake", "numpy", "scipy", "pandas", "pyarrow"]
 PACKAGES += ["torch", "pytorch-kinematics", "mujoco", "matplotlib", "typst"]
 OPTIONAL = {  # tables that not every study has
-    name: pd.DataFrame(columns=["robot", *(one.name for one in fields(row))])
-    for name, row in (("repetition", Repeated), ("observability", Observed))
-}
-OPTIONAL |= {  # a topic's, as far as it is read elsewhere
+    "repetition": pd.DataFrame(columns=["robot", *(one.name for one in fields(Repeated))]),
+    # of topics, as far as they are read elsewhere
     "next_recordings": pd.DataFrame(columns=["robot", "after", "force"]),
     "printed": pd.DataFrame(columns=["table", "recording"]),
 }

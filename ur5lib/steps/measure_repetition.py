@@ -13,13 +13,13 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.currents import torque_constants
 from ur5lib.identification.repetition import path_run, repetition
 from ur5lib.recordings.copies import same_runs
-from ur5lib.records.arm_state import Repeated
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.friction import CurrentFit, Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.quality import Quality
+from ur5lib.records.repetition import Repeated
 from ur5lib.records.signals import Signals, slowly
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array

@@ -170,28 +170,6 @@ rule set_threshold:
         run_step(rule, input, output, params, log)
 
 
-rule measure_observability:
-    input:
-        motion=results_of(SELECTION.drawn, "motion.parquet"),
-        currents=results_of(SELECTION.drawn, "currents.parquet"),
-        predictions=results_of(SELECTION.drawn, "currents.json"),
-        kinematics=results_of(SELECTION.drawn, "kinematics.parquet"),
-        forces=results_of(SELECTION.drawn, "forces.parquet"),
-        friction=parameter("friction.json"),
-        residuals=parameter("residuals.json"),
-        threshold=parameter("threshold.json"),
-        arm=parameter("described.yaml"),
-    output:
-        observability=parameter("observability.csv"),
-    log:
-        **traces("measure_observability", "{robot}"),
-    params:
-        code=code("measure_observability"),
-        contact_force_n=SETTINGS.contact.force_n,
-    run:
-        run_step(rule, input, output, params, log)
-
-
 rule measure_repetition:
     input:
         signals=results_of(SELECTION.drawn, "signals.parquet"),

@@ -62,19 +62,6 @@ rule draw_models:
         run_step(rule, input, output, params, log)
 
 
-rule draw_observability:
-    input:
-        observability=parameter("observability.csv"),
-    output:
-        **drawn_by("draw_observability", "{robot}"),
-    log:
-        **traces("draw_observability", "{robot}"),
-    params:
-        code=code("draw_observability"),
-    run:
-        run_step(rule, input, output, params, log)
-
-
 rule draw_filters:
     output:
         **drawn_by("draw_filters"),

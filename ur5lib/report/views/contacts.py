@@ -37,10 +37,8 @@ from ur5lib.report.views.forces import (
     contact_errors,
     contacts,
     flange_speeds,
-    hardest_pushes,
     leading,
     searched,
-    smallest_pushes,
 )
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import Span, overlap
@@ -172,31 +170,19 @@ def false_by_role(results: Results) -> pd.DataFrame:
 def noticed_in_words(results: Results) -> Iterator[str]:
     """Say what the band holds for while contacts are missed, and how many alarms are false."""
     missed = errors_in_contact(results, "missed")
-    if len(hardest_pushes(results)):
+    if len(results.rows("detection", estimate=LEADING)):
         least = missed.loc[missed["coverage95"].idxmin()] if len(missed) else None
         yield say("force.while shut", least=least)
-    if len(results.rows("detection", estimate=LEADING)):
         yield say("force.false alarms", alarms=false_alarms(results))
 
 
-def noticed_pushes(results: Results) -> Iterator[str]:
-    """Say from which size on pushes are noticed, how many contacts are missed and how large these
-    are, and how many alarms may be false.
-    """
-    if len(pushes := hardest_pushes(results)):
-        yield say("force.noticed", rows=pushes, others=_elsewhere_noticed(results, pushes))
+def missed_contacts(results: Results) -> Iterator[str]:
+    """Say how many contacts are missed, how large they are, and how many alarms may be false."""
     if len(listed := _listed(results)):
         peaks = at_sensors(results).query("fate == @FATES[-1]")["peak"]
         yield say("force.missed", rows=listed, strongest=peaks.max())
     if (alarms := false_alarms(results)["all"]) is not None:
         yield say("force.most alarms", alarms=alarms)
-
-
-def _elsewhere_noticed(results: Results, pushes: pd.DataFrame) -> list[pd.DataFrame]:
-    """Return the smallest pushes of the same arm at its other speeds, a table each."""
-    rows = smallest_pushes(results).dropna(subset="value")
-    rows = rows[rows["robot"].isin(pushes["robot"]) & ~rows["state"].isin(pushes["state"])]
-    return [part for _, part in rows.groupby("state", sort=False)]
 
 
 def _listed(results: Results) -> pd.DataFrame:
@@ -355,17 +341,8 @@ def explained(results: Results, recording: str) -> pd.DataFrame:
     band = pd.Series(found, sensed.index, float)
     doubted = bool(doubted_biases(results, [recording]))
     rows = rows.join(sensed["fate"]).assign(band=band, doubted=doubted)
-    small = rows["peak"] < _least_noticed(results, recording)
-    why = rows["fate"].mask(small & (rows["fate"] == FATES[2]), "small")
     causes = _causes(rows, pd.Series(speeds, sensed.index, object))
-    return rows.assign(why=why.mask(why == FATES[0], causes))
-
-
-def _least_noticed(results: Results, recording: str) -> float:
-    """Return the least minimum detectable force [N] at speeds of a recording, NaN if unknown."""
-    rows = smallest_pushes(results.of_arm(results.arms()[recording]))
-    rests = rows["state"] == AT_REST
-    return float(rows.loc[~rests if results.moving(recording) else rests, "value"].min())
+    return rows.assign(why=rows["fate"].mask(rows["fate"] == FATES[0], causes))
 
 
 def _size_std(alarms: pd.DataFrame) -> pd.Series:
@@ -428,7 +405,7 @@ def judge_force(results: Results) -> Verdict:
         topic=FORCE_TOPIC,
         state="do not use" if beaten["blind"] else found,
         sentence=rival.after(sentence, "N", 1),
-        answers=(*noticed_pushes(results), *band_at_rest(results)),
+        answers=(*missed_contacts(results), *band_at_rest(results)),
         evidence=" ".join([say("force.evidence", **words), *noticed_in_words(results)]),
         drawing=error_bar(*row[["mae", "mae_low", "mae_high", "mean_force", "floor"]]),
         caption=say("force.caption", known=words["known"], floor=row["floor"]),
@@ -553,7 +530,7 @@ def _unjudged(results: Results) -> Verdict:
         FORCE_TOPIC,
         "not determined",
         sentence=say("force.no sensor", unused=unused_wrenches(results)),
-        answers=tuple(noticed_pushes(results)),
+        answers=tuple(missed_contacts(results)),
         evidence=evidence,
         numbers=tuple(_numbers_of_alarms(results)),
     )

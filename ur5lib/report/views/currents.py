@@ -261,34 +261,20 @@ def judge_currents(results: Results) -> Verdict:
     place = f"joint {least['joint']} on {least['recording']}"
     share = Number("least share in the 95 % band", 100 * coverage, "%", place)
     cutoff = results.study["settings"]["lowpass"]["currents"]["cutoff_hz"]
-    speeds = results.rows("observability", quantity="friction_in_band").dropna(subset="value")
     too_wide = (rows.groupby("joint")["band_factor95"].max() < MIN_GOOD_BAND_FACTOR).any()
     words = {"against": against, "factor": factors.max(), "narrowest": factors.min()}
     words |= {"hold": coverage >= MIN_GOOD_COVERAGE, "wide": coverage >= WIDE_BAND_COVERAGE}
-    weakest = next(speeds.sort_values("value", kind="stable").itertuples(), None)
-    words |= {"least": least, "weakest": weakest, "enough": MIN_GOOD_COVERAGE}
-    words |= {"place": say("currents.speeds", row=weakest) if weakest else ""}
+    words |= {"least": least}
     return Verdict(
         topic=spoken(CURRENTS_TOPIC),
         state=against.state(coverage, tested=not too_wide),
         sentence=against.after(say("currents.verdict", **words)),
-        answers=(*bands_at_rest(results), *friction_known(results)),
+        answers=tuple(friction_known(results)),
         evidence=say("currents.evidence", **words),
         drawing=against.drawing(),
         caption=say("error.bars", zero=against.zero, floor=against.floors),
         numbers=(*against.numbers(f"RMSE below {cutoff:g} Hz"), share),
     )
-
-
-def bands_at_rest(results: Results) -> Iterator[str]:
-    """Say how many readings of resting joints the bands hold, and by how much they are too wide."""
-    wider, held, factors = (
-        results.rows("observability", quantity=name, speed_low=0.0)["value"].dropna().astype(float)
-        for name in ("band_at_rest", "friction_in_band", "rest_band_factor")
-    )
-    if len(wider):
-        ends = {"least": factors.min(), "most": factors.max(), "wider": wider.max()}
-        yield say("currents.at rest", held=held, **ends)
 
 
 def friction_known(results: Results) -> Iterator[str]:

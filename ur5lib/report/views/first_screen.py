@@ -22,14 +22,14 @@ from ur5lib.report.views import (
     recordings,
 )
 from ur5lib.report.views.arms import Judge, by_arm
-from ur5lib.report.views.forces import easiest_pushes, hardest_pushes, searched
+from ur5lib.report.views.forces import searched
 from ur5lib.tidy.models import STOP
 
 VERDICTS: list[Judge] = [
-    contacts.judge_force,
+    topics.with_answers(contacts.judge_force),
     recordings.judge_files,
     by_arm(currents.judge_constants),
-    by_arm(currents.judge_currents),
+    by_arm(topics.with_answers(currents.judge_currents)),
     by_arm(models.judge_links),
     by_arm(motion.judge_motion),
 ]
@@ -64,9 +64,7 @@ def result(results: Results) -> Iterator[str]:
     off = fitted[["low", "high"]].sub(fitted["value"], axis="index").abs().max(axis="columns")
     errors = (off / fitted["value"]).groupby(fitted["joint"]).max().sort_values()
     if not results.stopped() and (len(forces) or len(fitted)):
-        pushes = hardest_pushes(results).dropna(subset="value")
-        moving = easiest_pushes(results, pushes)
-        found = {"pushes": pushes, "moving": moving, "force": forces[-1:], "errors": errors}
+        found = {"clauses": [*topics.headline(results)], "force": forces[-1:], "errors": errors}
         found["left_out"] = len(forces) < len(every)
         yield capital(say("result.sentence", **found))
 

@@ -3,9 +3,9 @@
 import pandas as pd
 
 from ur5lib.identification.validation import MIN_SHARE_IN_BAND
-from ur5lib.records.arm_state import LARGEST_PUSH
-from ur5lib.report.figures.arm_state_figures import observability_figure
 from ur5lib.report.figures.house_style import Drawing
+from ur5lib.topics.observability.figure import observability_figure
+from ur5lib.topics.observability.rows import LARGEST_PUSH
 
 
 def draw_observability(observability: pd.DataFrame) -> dict[str, Drawing]:

@@ -1,4 +1,4 @@
-"""What can be observed on an arm, and what repetition leaves of its errors."""
+"""What can be observed on an arm: smallest pushes, and how well bands hold by speed."""
 
 from dataclasses import dataclass
 
@@ -27,22 +27,3 @@ class Observed:
     std_error: float | None = None
     unit: str
     samples: float | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class Repeated:
-    """A row of repetition.csv: what runs of one path differ by over √2, which no function of the
-    motion can avoid, beside the error on the same samples.
-
-    quantity: current [A] (root mean squares), torque [Nm] of the fullest link model, force [N], for
-    which that of the currents would pass in a contact (mean absolute values).
-    """
-
-    quantity: str
-    joint: int | None = None
-    component: str | None = None
-    unit: str
-    floor: float
-    error: float
-    paths: int
-    samples: int

@@ -33,7 +33,6 @@ from ur5lib.identification.validation import (
     ShareBySpeed,
     share_by_speed,
 )
-from ur5lib.records.arm_state import LARGEST_PUSH, Observed
 from ur5lib.records.contacts import SPEEDS
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
@@ -45,6 +44,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import STANDARD_GRAVITY
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import BAND_COVERAGE
+from ur5lib.topics.observability.rows import LARGEST_PUSH, Observed
 
 FLANGE_SPEEDS = (*SPEEDS, np.inf)  # m/s
 TRIAL_ROUNDS = 2  # of trial pushes

@@ -30,12 +30,12 @@ from ur5lib.identification.validation import (
     ShareBySpeed,
     share_by_speed,
 )
-from ur5lib.records.arm_state import LARGEST_PUSH, Observed
 from ur5lib.records.currents import Currents
 from ur5lib.records.friction import CurrentFit
-from ur5lib.report.figures.arm_state_figures import observability_figure
-from ur5lib.steps.measure_observability import Judged, at_rest, judged, observability
 from ur5lib.timeseries.arrays import Array
+from ur5lib.topics.observability.figure import observability_figure
+from ur5lib.topics.observability.measure_observability import Judged, at_rest, judged, observability
+from ur5lib.topics.observability.rows import LARGEST_PUSH, Observed
 
 PERIOD, COUNT = 0.01, 30_000  # s, samples: five minutes
 NOWHERE = (np.nan, np.nan)
