@@ -69,7 +69,7 @@ def test_the_first_sentence_begins_with_the_pushes() -> None:
     (told,) = result(observed([*SLOW, TRIED], force_mae=touched(2.0)))
     assert told.startswith("Pushes from 28 N on are noticed in slow motion with 95 % probability")
     (told,) = result(observed([*REST, *SLOW, TRIED], force_mae=touched(2.0)))
-    assert "100\u00a0N may stay unnoticed at rest, along y; in slow motion, they are" in told
+    assert told.startswith("Pushes of up to 100 N may stay unnoticed at rest, along y; in slow")
 
 
 def test_without_its_table_cards_and_the_first_sentence_say_less() -> None:
