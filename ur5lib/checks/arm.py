@@ -94,7 +94,7 @@ def foreign_mountings(means: BlockMeans, arm: Robot, driven: bool) -> Iterator[C
         by_sign = turned and not any(one > MIN_ERRORS_OF_FRICTION for one in friction)
         code = "other mounting or sign" if by_sign else "other mounting"
         fitting = [remark("mounting as cause", value=[*one]) for one in likely]
-        finding = contradiction(code, causes=fitting, **means.measured._asdict())
+        finding = contradiction(code, "mounting", causes=fitting, **means.measured._asdict())
         yield Cause(finding, gains[likely[0]], means, arm.mounted(likely[0]))
 
 
@@ -172,7 +172,7 @@ def foreign_constants(
         ]
         code = "foreign constant of known cause" if fitting else "foreign constant"
         values = {"joint": joint + 1, "constant": off[joint] * makers, "known": makers}
-        yield contradiction(code, arm=arm.name, causes=fitting, **values)
+        yield contradiction(code, "constants", arm=arm.name, causes=fitting, **values)
 
 
 def fitting_arms(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> list[str]:

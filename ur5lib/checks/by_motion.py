@@ -184,7 +184,9 @@ class MotionChecks:
                 known = shown.known[joint]
                 values = {"joint": joint + 1, "constant": shown.ratio[joint] * known}
                 arm = self.arm.name
-                yield contradiction("foreign constant", arm=arm, causes=[], known=known, **values)
+                yield contradiction(
+                    "foreign constant", "constants", arm=arm, causes=[], known=known, **values
+                )
 
     def other_arms(self, others: Sequence[Robot]) -> Iterator[Cause]:
         """Yield the arm that explains the efforts best, also if each carried any load, with those
@@ -196,7 +198,9 @@ class MotionChecks:
             first, *names = sorted(ahead, key=lambda name: -ahead[name])
             alike = [name for name in names if ahead[first] - ahead[name] < MAX_LEAD_AGAINST]
             causes = [remark("robot as cause", value=name) for name in (first, *alike)]
-            finding = contradiction("other arm's currents", arm=self.arm.name, causes=causes)
+            finding = contradiction(
+                "other arm's currents", "robot", arm=self.arm.name, causes=causes
+            )
             (best,) = (arm for arm in others if arm.name == first)
             yield Cause(finding, ahead[first], self.means, best)
 
@@ -239,9 +243,9 @@ class MotionChecks:
 
     def _as_turned(self, joints: list[int], of_torques: str, of_current: str) -> Finding:
         if self.arm.measured == CURRENT:
-            return contradiction(of_current, joint=joints[0] + 1)
+            return contradiction(of_current, "sign", joint=joints[0] + 1)
         numbers, signs = [joint + 1 for joint in joints], self._signs(joints).astype(int).tolist()
-        return contradiction(of_torques, joints=numbers, signs=str(signs))
+        return contradiction(of_torques, "sign", joints=numbers, signs=str(signs))
 
     def _signs(self, joints: list[int]) -> Array:
         """Return -1 for some joints, 1 for others (n,)."""
@@ -252,7 +256,7 @@ class MotionChecks:
 
     def _change(self, code: str, other: Explained, means: BlockMeans, pair: Pair) -> Cause:
         joints = {"joint": pair[0] + 1, "other": pair[1] + 1}
-        finding = contradiction(code, **joints, **means.measured._asdict())
+        finding = contradiction(code, "order", **joints, **means.measured._asdict())
         return Cause(finding, self.gain(other), means, self.arm)
 
     def _order(self, pair: Pair) -> list[int]:

@@ -106,7 +106,7 @@ def untold_motion(
 ) -> Iterator[Finding]:
     """Find joints whose accelerations the samples of a slow log do not tell; arguments as above."""
     if joints := _untold_joints(q, segment, period, velocity_max, MAX_UNTOLD_SHARE):
-        yield contradiction("untold motion", joints=joints, period_s=period)
+        yield contradiction("untold motion", "sampling", joints=joints, period_s=period)
 
 
 def _untold_joints(
@@ -189,7 +189,7 @@ def misread_velocities(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
             wrong = [slope for slope in slopes if slope <= low or slope >= high]
             if len(wrong) > len(slopes) / 2:
                 values = {"name": above, "position": below, "ratio": float(np.median(wrong))}
-                yield contradiction("no velocity", **values)
+                yield contradiction("no velocity", "velocity", **values)
 
 
 def _slopes(robot: pd.DataFrame, below: str, above: str, period: float) -> dict[int, float]:

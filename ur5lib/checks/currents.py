@@ -104,7 +104,7 @@ def exchanged_currents(answers: Answers) -> Iterator[Finding]:
     j, k = np.argwhere(gains == gains.max())[0].tolist()
     if gains[j, k] > MIN_LEAD_OF_EXCHANGE:
         joints = {"joint": j + 1, "other": k + 1}
-        yield contradiction("exchanged currents", **joints, **CURRENT._asdict())
+        yield contradiction("exchanged currents", "order", **joints, **CURRENT._asdict())
 
 
 def rubbing_joints(arm: Robot) -> Mask:
@@ -192,7 +192,7 @@ def foreign_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
             shown = CONSTANTS_OF_UNITS if abs(held.slope) > away else {}
             codes = (c for c, (low, high) in shown.items() if low <= constant <= high)
             code = next(codes, OTHER_UNIT_CODE)
-            yield contradiction(code, name=name, joint=joint + 1, constant=constant)
+            yield contradiction(code, "unit", name=name, joint=joint + 1, constant=constant)
 
 
 def undeclared_load(
@@ -212,7 +212,7 @@ def undeclared_load(
         _, error = combination(columns, torque, [1.0])  # large where only a wrist moves
         explained = left**2 < (1 - MIN_SHARE_EXPLAINED_BY_LOAD) * size(torque) ** 2
         if mass > max(MIN_UNDECLARED_LOAD, MIN_STANDARD_ERRORS * error) and explained:
-            yield contradiction("undeclared load", mass=mass)
+            yield contradiction("undeclared load", "payload", mass=mass)
 
 
 def held_gravity(means: BlockMeans, gravity: Array, current: Array, joint: int) -> Held:

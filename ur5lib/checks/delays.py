@@ -62,7 +62,7 @@ def delayed_currents(delays: Delays, driven: bool, name: str) -> Iterator[Findin
     if most < -MIN_LEAD_OF_DELAY and shorter - most > least:
         delay = float(delays.seconds[late][np.argmin(behind[late])])
         code = "late current" if delay > 0 else "early current"
-        yield contradiction(code, name=name, seconds=abs(delay))
+        yield contradiction(code, "delay", name=name, seconds=abs(delay))
 
 
 def delays_by_motion(robot: pd.DataFrame, arm: Robot, step: float, cutoff: float) -> Delays:

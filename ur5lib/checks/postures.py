@@ -73,14 +73,18 @@ def _contradictions(
     # of a smaller correlation, friction may be the cause
     turned = _correlation(means, loaded) < -np.sqrt(MAX_VARIANCE_UNEXPLAINED)
     for joint in np.flatnonzero(turned).tolist():
-        yield contradiction("turned current at rest", joint=joint + 1, **means.measured._asdict())
+        yield contradiction(
+            "turned current at rest", "sign", joint=joint + 1, **means.measured._asdict()
+        )
     yield from foreign_currents(means, loaded)
     yield from _exchanged_joints(means, loaded)
     yield from _unexplained(means, loaded)
     yield from _foreign_arm(means, loaded, arms_alike(arm, declared))
     small = [one for smaller, one in _unlike_constants(means, loaded) if smaller]
     if small:
-        yield contradiction("contradicting constants", each=small, **means.measured._asdict())
+        yield contradiction(
+            "contradicting constants", "constants", each=small, **means.measured._asdict()
+        )
 
 
 def _exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
@@ -93,7 +97,9 @@ def _exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
     gain = scores[exchanged_order(in_place, *best)] - scores[in_place]
     if gain > MIN_LEAD_OF_EXCHANGED_JOINTS:
         joints = {"joint": best[0] + 1, "other": best[1] + 1}
-        yield contradiction("exchanged joints at rest", **joints, **means.measured._asdict())
+        yield contradiction(
+            "exchanged joints at rest", "order", **joints, **means.measured._asdict()
+        )
 
 
 def _foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iterator[Finding]:
@@ -102,7 +108,9 @@ def _foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iter
     best = max(gains, key=lambda name: gains[name], default=arm.name)
     if best in gains and gains[best] > MIN_LEAD_OF_ARM:
         names = {"arm": arm.name, "other": best}
-        yield contradiction("other arm's currents at rest", **names, **means.measured._asdict())
+        yield contradiction(
+            "other arm's currents at rest", "robot", **names, **means.measured._asdict()
+        )
 
 
 def what_gravity_shows(means: BlockMeans, arm: Robot, payload: Payload | None) -> list[Finding]:
@@ -165,7 +173,7 @@ def _unexplained(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
     share = np.nan_to_num(_correlation(means, arm)[joint]) ** 2
     if heavy[joint] > MIN_GRAVITY_SHARE and share < 1 - MAX_VARIANCE_UNEXPLAINED:
         values = {"joint": joint + 1, "share": float(share)}
-        yield contradiction("gravity unexplained", **values, **means.measured._asdict())
+        yield contradiction("gravity unexplained", "robot", **values, **means.measured._asdict())
 
 
 def _unlike_constants(means: BlockMeans, arm: Robot) -> Iterator[tuple[bool, Remark]]:

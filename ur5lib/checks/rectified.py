@@ -23,7 +23,7 @@ def rectified_efforts(means: BlockMeans, arm: Robot, name: str) -> Iterator[Find
     """Find efforts without sign. arm: with what it carries; name: of their channel."""
     if joints := unsigned_joints(means, means.effort, arm):
         numbers = [joint + 1 for joint in joints]
-        yield contradiction("rectified efforts", name=name, joints=numbers)
+        yield contradiction("rectified efforts", "rectified", name=name, joints=numbers)
 
 
 def unsigned_joints(means: BlockMeans, effort: Array, arm: Robot) -> list[int]:

@@ -29,7 +29,7 @@ def foreign_size(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
         code, weight = "foreign size", arm.weight
         if known:
             code, weight = "foreign size of links", sum(arm.masses)
-        yield contradiction(code, arm=arm.name, weight=weight, ratio=ratio)
+        yield contradiction(code, "unit", arm=arm.name, weight=weight, ratio=ratio)
 
 
 def size_ratio(means: BlockMeans, arm: Robot) -> float | None:
@@ -55,4 +55,4 @@ def constant_torques(means: BlockMeans) -> Iterator[Finding]:
     """Find torques that stay the same while their joints move."""
     changes = np.ptp(means.effort, axis=0) > SMALLEST_CHANGE
     if still := (1 + np.flatnonzero(moving_joints(means) & ~changes)).tolist():
-        yield contradiction("constant torques", joints=still)
+        yield contradiction("constant torques", "torques", joints=still)

@@ -32,8 +32,8 @@ from ur5lib.checks.sensed_torques import constant_torques, foreign_size
 from ur5lib.checks.targets import scaled_currents
 from ur5lib.checks.tool import tool_off_flange
 from ur5lib.checks.torques import foreign_torque
-from ur5lib.records.accepted import KINDS, up_to_first_standing
-from ur5lib.records.quality import Finding, contradiction
+from ur5lib.records.accepted import up_to_first_standing
+from ur5lib.records.quality import Finding, contradiction, kind_of
 from ur5lib.tables import channel
 
 CHECKED_COLUMNS = {"time", "segment", "interpolated"}.union(  # columns, as far as recorded
@@ -50,15 +50,15 @@ def stop_signs(checked: Checked, accepted: Container[str] = ()) -> list[Finding]
     accepted: kinds of stop signs that the study accepts, behind which others are looked for.
     """
     copied = [*names_equal_to_targets(checked.robot, checked.step)]
-    simulated = [contradiction("simulated", names=copied)] if copied else []
-    if simulated and KINDS["simulated"] not in accepted:
+    simulated = [contradiction("simulated", "targets", names=copied)] if copied else []
+    if simulated and kind_of(simulated[0]) not in accepted:
         return simulated  # nothing else follows from it
     smooth = [*exchanged_current(checked.robot)]  # or smoothed by whoever wrote the log
     channels = [
         *exchanged_motion(checked.robot),
         *(smooth if smooth and follows_its_model(checked.means, checked.loaded) else []),
     ]
-    of_channels = [contradiction("exchanged channels", name=name) for name in channels]
+    of_channels = [contradiction("exchanged channels", "targets", name=name) for name in channels]
     of_arm = up_to_first_standing(_contradictions(checked), accepted)
     return [*simulated, *of_channels, *of_arm]
 

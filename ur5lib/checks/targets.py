@@ -26,7 +26,7 @@ def scaled_currents(means: BlockMeans, odd: Container[int]) -> Iterator[Finding]
     """
     for joint, ratio in unlike_targets(means):
         if joint not in odd:
-            yield contradiction("scaled current", joint=joint + 1, ratio=ratio)
+            yield contradiction("scaled current", "unit", joint=joint + 1, ratio=ratio)
 
 
 def odd_targets(means: BlockMeans, arm: Robot) -> dict[int, Finding]:

@@ -22,7 +22,7 @@ def tool_off_flange(robot: pd.DataFrame, arm: Robot) -> Iterator[Finding]:
         return
     distance = tool_distance(*tool_and_angles(robot), arm)
     if distance > MAX_TOOL_DISTANCE:
-        yield contradiction("tool off flange", arm=arm.name, distance_mm=1000 * distance)
+        yield contradiction("tool off flange", "robot", arm=arm.name, distance_mm=1000 * distance)
 
 
 def tool_and_angles(robot: pd.DataFrame) -> tuple[Array, Array]:

@@ -41,7 +41,7 @@ def foreign_torque(
     if foreign or arms:
         fitting = [*arms, *_other_causes(means, torque, residual, arm)]
         code = "other torque of known cause" if fitting else "other torque"
-        yield contradiction(code, arm=arm.name, share=share, causes=fitting)
+        yield contradiction(code, "robot", arm=arm.name, share=share, causes=fitting)
 
 
 def is_foreign(

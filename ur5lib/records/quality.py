@@ -140,6 +140,14 @@ class Log:
             return None
 
 
-def contradiction(code: str, **values: object) -> Finding:
-    """Return a stop sign: what contradicts the study so much that no forces may be stated."""
-    return Finding("robot", "contradiction", "stop", 1, values, code)
+def contradiction(code: str, kind: str = "", /, **values: object) -> Finding:
+    """Return a stop sign: what contradicts the study so much that no forces may be stated.
+
+    kind: under which a study accepts it (`Accept`), empty if it cannot.
+    """
+    return Finding("robot", "contradiction", "stop", 1, {**values, "kind": kind}, code)
+
+
+def kind_of(sign: Finding) -> str:
+    """Return the kind under which a study accepts a stop sign, empty if it cannot."""
+    return str(sign.values.get("kind", ""))

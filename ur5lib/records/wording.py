@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from ur5lib.errors import Remark, printable
-from ur5lib.records.accepted import KINDS
 from ur5lib.records.quality import Finding
 from ur5lib.strict import read_yaml
 
@@ -76,14 +75,14 @@ def _filled(template: str, values: Mapping[str, Any]) -> str:
 
 def in_words(remark: Remark) -> str:
     """Return the sentence of a remark."""
-    return _with_remedy(remark.code, sentence(**asdict(remark)))
+    return _with_remedy(remark.values, sentence(**asdict(remark)))
 
 
-def _with_remedy(code: str, stated: str) -> str:
+def _with_remedy(values: Mapping[str, Any], stated: str) -> str:
     """Return the sentence of a stop sign with how a study overrules it; others as they are."""
-    if code not in KINDS:
+    if not (kind := values.get("kind")):
         return stated
-    return sentence("overruled by", {"sign": stated, "kind": KINDS[code]})
+    return sentence("overruled by", {"sign": stated, "kind": kind})
 
 
 def worded(finding: Finding) -> dict[str, str | int]:
@@ -97,5 +96,5 @@ def worded(finding: Finding) -> dict[str, str | int]:
     located = meaning and place.startswith(("{file}", "{columns}"))
     return row | {
         "place": _filled(place, values) if located else "",
-        "detail": _with_remedy(code, sentence(code, values)),
+        "detail": _with_remedy(values, sentence(code, values)),
     }

@@ -30,7 +30,7 @@ from ur5lib.identification.validation import (
     with_rotors_that_show,
 )
 from ur5lib.recordings.copies import same_runs
-from ur5lib.records.accepted import ACCEPTED, KINDS
+from ur5lib.records.accepted import ACCEPTED
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import CurrentFit, Friction, KnownConstants, LeftOut
 from ur5lib.records.motion import Motion
@@ -212,7 +212,7 @@ def accepted_doubts(fit: CurrentFit, prior: Prior, accepted: Mapping[str, str]) 
         else:
             require_known_constants(fit, prior)
     except ContradictionError as sign:
-        if (kind := KINDS[sign.remark.code]) not in accepted:
+        if (kind := str(sign.remark.values["kind"])) not in accepted:
             raise
         return [remark(ACCEPTED, reason=accepted[kind], found=asdict(sign.remark))]
     return []
@@ -224,7 +224,7 @@ def require_known_side(arm: Robot) -> None:
     """
     is_scaled = arm.links == "known" or arm.weight is not None
     if arm.effort == "torque" and not is_scaled:
-        raise ContradictionError("unknown side", arm=arm.name)
+        raise ContradictionError("unknown side", kind="side", arm=arm.name)
 
 
 def require_gains_of_one(fit: CurrentFit) -> None:
@@ -239,7 +239,7 @@ def require_gains_of_one(fit: CurrentFit) -> None:
         if gain is not None
     ]
     if len(each) > MAX_JOINTS_OF_OTHER_GAIN or any(0 < (gain or 0) < MIN_GAIN for gain in gains):
-        raise ContradictionError("contradicting gains", each=each)
+        raise ContradictionError("contradicting gains", kind="constants", each=each)
 
 
 def require_known_constants(fit: CurrentFit, prior: Prior) -> None:
@@ -266,4 +266,6 @@ def require_known_constants(fit: CurrentFit, prior: Prior) -> None:
             for j in np.flatnonzero(wrong).tolist()
         ]
         constant = prior.measured.constant
-        raise ContradictionError("contradicting constants", each=each, constant=constant)
+        raise ContradictionError(
+            "contradicting constants", kind="constants", each=each, constant=constant
+        )
