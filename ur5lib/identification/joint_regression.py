@@ -46,7 +46,7 @@ def fits_to_others(samples: JointSamples, prior: Prior) -> Iterator[LeftOutFit]:
     for left_out in np.unique(fold):
         test = fold == left_out
         fitted = apart_from(test, samples.path, samples.day) | bool(test.all())
-        coefficients = regress_samples(samples.where(fitted & samples.moving), prior).coefficients
+        coefficients = regress_samples(samples, prior, fitted).coefficients
         yield LeftOutFit(test, fitted, coefficients)
 
 
@@ -54,33 +54,44 @@ def unseen_residuals(samples: JointSamples, fits: Sequence[LeftOutFit]) -> Array
     """Return measured minus predicted current (n,) [A] by `fits_to_others`."""
     residual = np.full(len(samples.current), np.nan)
     for test, fitted, coefficients in fits:
-        held, tested = held_current(samples.where(fitted), coefficients), samples.where(test)
-        residual[test] = tested.current - tested.columns @ coefficients - tested.held @ held
+        by_motion = samples.columns[test] @ coefficients
+        held = samples.held[test] @ held_current(samples, coefficients, fitted)
+        residual[test] = samples.current[test] - by_motion - held
     return residual
 
 
-def regress_samples(samples: JointSamples, prior: Prior) -> Regression:
-    """Fit torque, offset and friction to the samples in motion."""
-    moving = samples.where(samples.moving)
+def regress_samples(samples: JointSamples, prior: Prior, fitted: Mask | bool = True) -> Regression:
+    """Fit torque, offset and friction to the samples in motion; fitted: (n,), to which, or all."""
+    rows = samples.moving & fitted
     prior_and_noise = prior.over(samples.terms), float(prior.noise()[0])
-    return regress(moving.columns, moving.current, moving.block, *prior_and_noise)
+    return regress(
+        samples.columns[rows], samples.current[rows], samples.block[rows], *prior_and_noise
+    )
 
 
-def held_current(samples: JointSamples, coefficients: Array) -> Array:
-    """Return the currents s (1 + D,) [A] of friction at rest beyond that in motion, of any sign.
+def held_current(
+    samples: JointSamples, coefficients: Array, fitted: Mask | slice = slice(None)
+) -> Array:
+    """Return the currents s (1 + D,) [A] of friction at rest beyond that in motion, of any sign;
+    fitted: (n,), samples to which they are fitted, by default all.
 
     Huber's estimate of s in residual = held s, over the samples at rest. Friction differs from stop
     to stop, and one hardly shows s: HELD_FRICTION_SHARE of Coulomb friction, and nothing over other
     distances, counts as one more, of mean length.
     """
-    resting, stop = samples.where(~samples.moving), samples.stop[~samples.moving]
-    residual = resting.current - resting.columns @ coefficients
+    rows = np.arange(len(samples.current))[fitted]
+    moving, record = samples.moving[rows], samples.record[rows]
+    # the same from each motion of the joint, or start of a recording, to the next
+    stop = np.cumsum(moving | (np.diff(record, prepend=0) != 0))[~moving]
+    resting = rows[~moving]
+    held = samples.held[resting]
+    residual = samples.current[resting] - samples.columns[resting] @ coefficients
     stop_weight = len(stop) / max(1, len(np.unique(stop)))
-    usual = np.zeros(resting.held.shape[1])
+    usual = np.zeros(held.shape[1])
     usual[0] = HELD_FRICTION_SHARE * max(0.0, float(coefficients[2]))
     known, slopes = Normal(usual, stop_weight * np.eye(len(usual))), usual
-    for _ in range(REWEIGHTING_ROUNDS if resting.held.any() else 0):
+    for _ in range(REWEIGHTING_ROUNDS if held.any() else 0):
         # (Hᵀ W H + n) s = Hᵀ W r + n s₀
-        weighted = resting.held.T * huber_weight(residual - resting.held @ slopes)
-        slopes = posterior_mean(weighted @ resting.held, weighted @ residual, known)
+        weighted = held.T * huber_weight(residual - held @ slopes)
+        slopes = posterior_mean(weighted @ held, weighted @ residual, known)
     return slopes

@@ -7,7 +7,7 @@ comparable; fast changes of the measured current are noise.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
-from functools import cached_property, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -135,12 +135,6 @@ class JointSamples:
     def moving(self) -> Mask:
         """Return which samples (n,) are in motion: not at rest, starting or stopping."""
         return self.state == MotionState.MOVING
-
-    @cached_property
-    def stop(self) -> Labels:
-        """Return labels (n,), the same from each motion of the joint, or start, to the next."""
-        new = self.moving | (np.diff(self.record, prepend=0) != 0)
-        return np.cumsum(new)
 
     def of(self, terms: Sequence[str], distances: Sequence[float]) -> "JointSamples":
         """Return the samples with some of their terms and distances."""
