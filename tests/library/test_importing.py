@@ -79,9 +79,16 @@ def test_what_names_and_numbers_tell_becomes_the_entry(tmp_path: Path, made: Mad
     assert "it puts the flange of ur5 within" in told
 
 
-def test_another_order_of_the_joints_is_found_by_the_pose(tmp_path: Path, made: Made) -> None:
-    write_hdf5(tmp_path / "run.h5", *shuffled(made, ORDER))
+@pytest.mark.parametrize("known", [6, 3])
+def test_another_order_of_the_joints_is_found_by_the_pose(
+    tmp_path: Path, made: Made, known: int
+) -> None:
+    """Also by the position alone."""
+    time, channels = shuffled(made, ORDER)
+    channels |= {"actual_TCP_pose": channels["actual_TCP_pose"][:, :known]}
+    write_hdf5(tmp_path / "run.h5", time, channels)
     entry, told = entry_and_account(tmp_path / "run.h5", robot="ur5")
+    assert "it puts the flange of ur5 within" in told
     assert entry["joints"] == [3, 2, 1, 4, 5, 6]
     assert "elbow, shoulder lift, shoulder pan, wrist 1" in told
     table = read_recording(entry).robot.table

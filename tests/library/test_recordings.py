@@ -335,6 +335,12 @@ def test_the_separator_that_a_spreadsheet_program_names_is_skipped(tmp_path: Pat
     assert len(raw.robot.table) == 500
 
 
+def test_a_robot_s_own_log_begins_at_zero_for_certain(tmp_path: Path) -> None:
+    robot = read_recording(write_rtde(tmp_path)).robot
+    assert (robot.start.seconds, robot.start.std) == (0.0, 0.0)
+    assert robot.table["time"].iloc[0] == 0.0
+
+
 @pytest.mark.parametrize("cell", SPREADSHEETS.values(), ids=SPREADSHEETS)
 def test_what_a_spreadsheet_program_made_is_named(tmp_path: Path, cell: str) -> None:
     entry = write_rtde(tmp_path, row="{t};0.1;" + cell + ";0.1;0.1;0.1;0.1")

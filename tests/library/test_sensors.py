@@ -86,11 +86,19 @@ def test_a_sensor_that_reads_nothing_was_not_connected(
     path = write(tmp_path / "force.csv", 0.01 * np.arange(100.0), size)
     times, findings = read(path)
     assert (times is not None) == connected
-    assert [(name, found.count) for name, found in findings.items()] == [("no sensor", 1)] * (
-        not connected
-    )
+    assert list(findings) == ["no sensor"] * (not connected)
     names = ["time", *columns("imu_a"), *columns("imu_m")]
     assert read_device(Log(path, "imu", []), names) is not None
+
+
+@pytest.mark.parametrize("content", [None, ""])
+def test_a_missing_or_empty_file_is_no_sensor_once(tmp_path: Path, content: str | None) -> None:
+    path = tmp_path / "force.csv"
+    if content is not None:
+        path.write_text(content)
+    times, findings = read(path)
+    assert times is None
+    assert [(found.finding, found.count) for found in findings.values()] == [("no sensor", 1)]
 
 
 @pytest.mark.parametrize(("rows", "usable"), [(1, False), (2, True)])

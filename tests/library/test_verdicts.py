@@ -12,7 +12,7 @@ import pytest
 
 from tests.artefacts.documents import stated
 from ur5lib.channels import CURRENT
-from ur5lib.force.estimators import UNGATED
+from ur5lib.force.estimators import LEADING, UNGATED
 from ur5lib.report.page.compose import shown_table
 from ur5lib.report.page.document import Document, Section, Verdict, Verdicts
 from ur5lib.report.page.sentences import say, speaking_of
@@ -697,6 +697,11 @@ def test_without_a_search_no_contact_is_denied() -> None:
     assert findings(study(RESTING)) == [say("findings.unsearched")]
     quiet = SENSED | {"largest_force_n": 2.0, "contacts": 0, "share_in_contact": 0.0}
     assert [text for text in next_steps(study(sensed=[quiet])) if "force sensor" in text]
+
+
+def test_a_search_of_the_estimates_alone_denies_contacts() -> None:
+    searched = [{"recording": "pushed", "estimate": LEADING, "alarms_per_min": 0.0}]
+    assert findings(study(RESTING, detection=searched)) == [say("findings.none")]
 
 
 @pytest.mark.parametrize(("rival", "expected"), [(1.5, "usable"), (1.9, "usable"), (2.2, "good")])
