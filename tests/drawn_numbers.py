@@ -79,7 +79,9 @@ def check_drawn_numbers(results: Path, monkeypatch: pytest.MonkeyPatch) -> list[
             if "recording" in rows
         }
         compared += check_currents(figures["currents"], own["current_rmse"])
-        compared += check_torques(figures["torques"], own["torque_mae"], received, closest[arm])
+        compared += check_torques(
+            figures["torques"], own["torque_mae"], received, closest.get(arm, set())
+        )
         compared += check_forces(figures["forces_estimated"], own["force_mae"])
         compared += check_accelerations(figures["accelerations"], own["acceleration_mae"])
     for robot, rows in told["friction"].groupby("robot"):

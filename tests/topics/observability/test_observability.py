@@ -184,6 +184,8 @@ def test_the_table_has_each_joint_and_push(tmp_path: Path) -> None:
     for pushed in (pushes[:0], pushes[:1].assign(speed_high=np.nan)):
         drawing = observability_figure(pd.concat([pushed, shares]), 0.9, MIN_LARGEST_PUSH)
         assert len(drawing.data) == len(pushed) + 6 * 9
+        assert len(drawing.figure.axes) == 1 + len(pushed)
+        assert ("std_error" in drawing.data) == (len(pushed) == 1)  # so that the caption names them
     assert "bound" not in drawing.data
     beyond = pd.concat([pushes.assign(bound=">"), shares])
     drawing = observability_figure(beyond, 0.9, MIN_LARGEST_PUSH)
