@@ -8,6 +8,7 @@ import pytest
 
 from benchmarks.pictures import FIGURES, LESSON, with_verdicts
 from tests.conftest import PROJECT, build_once, shared_folder
+from tests.drawn_numbers import check_drawn_numbers
 from ur5lib.tables import read_json
 
 DOCUMENTS = PROJECT / "docs"
@@ -32,6 +33,14 @@ def results(common_folder: Path) -> Path:
 def test_its_cards_are_those_of_the_report(results: Path) -> None:
     page = (DOCUMENTS / "lesson.md").read_text()
     assert with_verdicts(page, read_json(results / LESSON / "results.json")) == page
+
+
+@pytest.mark.thorough
+def test_its_figures_draw_what_their_tables_state(
+    results: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    compared = check_drawn_numbers(results / LESSON, monkeypatch)
+    assert {*compared} == {"currents", "friction", "pushes"}
 
 
 @pytest.mark.parametrize("name", PICTURES)

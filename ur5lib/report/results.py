@@ -106,19 +106,17 @@ class Results:
             raise InputError(f"{name} cannot be read, see tables/quality.csv: it has no page")
         (entry,) = (one for one in self.study["recordings"] if one["name"] == name)
         title = f"{name}, {self.study['title']}"
-        known = {"recording": name, "robot": self.arms()[name]}
-        tables = {
-            table: self.rows(table, **{key: known[key] for key in known if key in rows})
-            for table, rows in self.tables.items()
-        }
-        return replace(
-            self, study={**self.study, "title": title, "recordings": [entry]}, tables=tables
-        )
+        own = self._only([entry], self.arms()[name])
+        return replace(own, study={**own.study, "title": title})
 
     def of_arm(self, robot: str) -> "Results":
         """Return the results of one arm's recordings."""
         arms = self.arms()
         entries = [one for one in self.study["recordings"] if arms[one["name"]] == robot]
+        return self._only(entries, robot)
+
+    def _only(self, entries: Sequence[Mapping[str, Any]], robot: str) -> "Results":
+        """Return the results of some recordings, all of one arm, and of this arm."""
         known = {"recording": [one["name"] for one in entries], "robot": robot}
         tables = {
             table: self.rows(table, **{key: known[key] for key in known if key in rows})

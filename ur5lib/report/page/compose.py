@@ -48,13 +48,8 @@ from ur5lib.report.views import (
     recordings,
 )
 
-VIEWS: dict[str, ModuleType] = {
-    module.__name__.rpartition(".")[2]: module
-    for module in (
-        *(citing, contacts, currents, first_screen, forces),
-        *(models, motion, recordings),
-    )
-}
+MODULES = citing, contacts, currents, first_screen, forces, models, motion, recordings
+VIEWS: dict[str, ModuleType] = {module.__name__.rpartition(".")[2]: module for module in MODULES}
 REPLAYED = ("currents", "forces_estimated")  # figures of a recording, of which the last one counts
 USES = "quality.trust"  # the table of what recordings serve
 NOTICED, EACH_CONTACT = "detection.noticed", "contact_errors"  # by recording; by contact

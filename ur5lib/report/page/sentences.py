@@ -23,20 +23,9 @@ from ur5lib.report.page.document import topic_pages
 from ur5lib.strict import read_yaml
 
 _SPOKEN = ContextVar("_SPOKEN", default=CURRENT)
-FORMAT_NAMES = (
-    *("between", "capital", "counted", "days", "each", "fixed", "joints"),
-    *(
-        "measured",
-        "percent",
-        "power",
-        "rounded",
-        "signed",
-        "significant",
-        "to",
-        "with_error",
-        "within",
-    ),
-)
+FORMAT_NAMES = ["between", "capital", "counted", "days", "each", "fixed", "joints", "measured"]
+FORMAT_NAMES += ["percent", "power", "rounded", "signed", "significant", "to", "with_error"]
+FORMAT_NAMES += ["within"]
 
 
 @contextmanager
