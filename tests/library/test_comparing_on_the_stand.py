@@ -11,7 +11,7 @@ from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.tidy.friction import friction
 from ur5lib.tidy.models import rotor_inertia
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.thorough]  # ten simulated recordings
 
 PATHS, SECONDS = 5, 12.0
 

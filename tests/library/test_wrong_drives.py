@@ -25,7 +25,8 @@ from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.robots.description import Robot, load_robot, robot_of, robot_path
 from ur5lib.robots.from_urdf import robot_from_urdf
 
-SEEDS, MOTIONS = range(3), 3
+SEEDS = [0, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in (1, 2))]
+MOTIONS = 3
 COLUMNS = ["time", "actual_q", "actual_torque"]
 ANGLES = [f"motor_angle_{joint}" for joint in range(1, 7)]
 TORQUES = [f"motor_torque_{joint}" for joint in range(1, 7)]
