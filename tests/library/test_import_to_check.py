@@ -121,7 +121,7 @@ def test_logs_of_urs(
     arm: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    log = poor_log(load_robot(robot_path(arm)), 60, seed=3)
+    log = poor_log(load_robot(robot_path(arm)), 30, seed=3)
     table, written = imported(FORMS[arm](log.copy()), arm, run_ur5)
     assert "confidence: check" not in written
     read, sent = (np.hstack([channel(own, name) for name in SHORT]) for own in (table, log))
