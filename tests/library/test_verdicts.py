@@ -128,7 +128,7 @@ UNKNOWN = {"determined": "no", "prior_share": 0.8}
 
 
 @pytest.mark.parametrize(
-    ("second", "expected"), [({}, "good"), (UNKNOWN, "usable"), (REFUSED, "usable")]
+    ("second", "expected"), [({}, "good"), (UNKNOWN, "usable"), (REFUSED, "do not use")]
 )
 def test_torque_constants_are_good_where_the_data_determine_them(
     second: dict[str, Any], expected: str
@@ -136,8 +136,35 @@ def test_torque_constants_are_good_where_the_data_determine_them(
     rows = [constant(1, 5.0), constant(2, 11.0, **second)]
     verdict = judge_constants(study(friction=rows))
     assert verdict.state == expected
+    farthest = ("joint 2", 142.0) if second is REFUSED else ("joint 1", 5.0)
     (number,) = verdict.numbers
-    assert (number.place, number.value, number.baseline) == ("joint 1", 5.0, 10.0)
+    assert (number.place, number.value, number.baseline) == (*farthest, 10.0)
+
+
+@pytest.mark.parametrize("given", [142.0, -36.6])
+def test_a_contradicting_constant_is_the_farthest_and_stops_the_headline(given: float) -> None:
+    """Neither it nor the known one, which is used instead, can be relied on: card, number and
+    headline say so alike.
+    """
+    rows = [constant(1, 10.0, **REFUSED | {"contradicted": given}), constant(2, 11.0)]
+    results = study(friction=[*rows, constant(3, 10.0, **UNKNOWN)])
+    verdict = judge_constants(results)
+    assert verdict.state == "do not use"
+    assert "Use those of joint 2 (1 of 3) only." in verdict.sentence
+    (number,) = verdict.numbers
+    assert (number.place, number.value, number.low) == ("joint 1", given, None)
+    (headline,) = result(results)
+    assert "joint 1 contradicts" in headline
+    assert "within" not in headline
+
+
+def test_the_headline_states_how_sure_its_constants_are() -> None:
+    rows = [constant(1, 10.0), constant(2, 20.0), constant(3, 5.0, **UNKNOWN)]
+    (headline,) = result(study(friction=rows))
+    assert "of 2 joints are known within 5 % (joint 2) to 10 % (joint 1) at 95 %." in headline
+    path = {"robot": "ur5", "step": "friction", "joint": 1, "remark": "", "code": "one path"}
+    (headline,) = result(study(friction=rows, remarks=[path]))
+    assert "tests no error bar" in headline
 
 
 def test_torque_constants_that_no_recording_determines_are_not_usable() -> None:
@@ -899,7 +926,7 @@ def test_whether_a_constant_may_be_used_is_said_by_joint() -> None:
     results = study(friction=rows, remarks=[unlikely])
     used = [row[1].text for row in shown_table("friction.by_joint", results).rows]
     assert [text.split(":")[0].split(",")[0] for text in used] == [
-        *("yes", "yes", "the known one", "the known one", "no"),
+        *("yes", "yes", "not determined", "the known one", "no"),
     ]
     assert "far from" in used[1]
 

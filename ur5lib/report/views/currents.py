@@ -179,24 +179,52 @@ def judge_constants(results: Results) -> Verdict | None:
     constants = [*rows.loc[determined, "joint"].unique()]
     unlikely = [*results.rows("remarks", code="unlikely constant")["joint"].astype(int)]
     apart = [*rows.loc[is_far(rows) & determined & ~rows["joint"].isin(unlikely), "joint"]]
-    state: State = "good" if determined.all() and not (refused.any() or apart) else "usable"
-    if unlikely or not constants:
-        state = "do not use" if unlikely else "not determined"
+    against = contradicting(results)
+    state: State = "good" if determined.all() and not apart else "usable"
+    if against or not constants:
+        state = "do not use" if against else "not determined"
     words = {"known": constants, "unlikely": unlikely, "apart": apart, "refused": rows[refused]}
+    words["usable"] = rows.loc[determined & ~rows["joint"].isin(against), "joint"]
     return Verdict(
         topic=spoken(CONSTANTS_TOPIC),
         state=state,
-        sentence=say("constants.verdict", **words),
+        sentence=say("constants.verdict", **words, joints=len(shares)),
         drawing=bars({str(joint): float(share) for joint, share in shares.items()}),
         caption=say("constants.caption"),
-        **_farthest(rows[determined]) if constants else {},
+        **_farthest(rows[determined | refused]) if constants or against else {},
     )
 
 
+def contradicting(results: Results) -> list[int]:
+    """Return the joints whose currents contradict the known constant, whichever of the two is then
+    used: neither can be relied on.
+    """
+    rows = results.rows("friction", parameter=CONSTANTS)
+    refused = rows.loc[rows["contradicted"].notna(), "joint"]
+    unlikely = results.rows("remarks", code="unlikely constant")["joint"]
+    return sorted({*refused.astype(int), *unlikely.astype(int)})
+
+
+def margins(results: Results) -> pd.Series:
+    """Return by joint within which share of itself a constant is known at 95 %, the least first:
+    of those that the recordings determine and that may be used.
+    """
+    rows = by_joint(results)
+    rows = rows[rows["parameter"].isin(CONSTANTS) & rows["use"].isin(["yes", "far"])]
+    off = rows[["low", "high"]].sub(rows["value"], axis="index").abs().max(axis="columns")
+    return (off / rows["value"]).groupby(rows["joint"]).max().sort_values()
+
+
 def _farthest(rows: pd.DataFrame) -> dict[str, Any]:
-    """Return evidence and numbers of a verdict: the determined constant farthest from the known."""
+    """Return evidence and numbers of a verdict: the constant farthest from the known one, of those
+    that the currents give, also where they are refused.
+    """
+    refused = rows["contradicted"].notna()
+    ends = ["std_error", "low", "high"]
+    rows = rows.assign(value=rows["contradicted"].where(refused, rows["value"]).astype(float))
+    rows[ends] = rows[ends].mask(refused).astype(float)
     ratio = rows["value"] / rows["known"]
-    row = rows.loc[ratio.where(ratio > 1, 1 / ratio).idxmax()]
+    row = rows.loc[ratio.where(ratio > 1, 1 / ratio).mask(ratio <= 0, np.inf).idxmax()]
     number = Number(
         spoken("{constant} farthest from the known one"),
         float(row["value"]),

@@ -60,11 +60,10 @@ def result(results: Results) -> Iterator[str]:
     """Say in one sentence which pushes are noticed, and how far off forces and constants are."""
     every = contacts.errors_in_contact(results)
     forces = contacts.with_sure_bias(results, every).sort_values("mae")
-    fitted = results.rows("friction", parameter=currents.CONSTANTS, determined="yes")
-    off = fitted[["low", "high"]].sub(fitted["value"], axis="index").abs().max(axis="columns")
-    errors = (off / fitted["value"]).groupby(fitted["joint"]).max().sort_values()
-    if not results.stopped() and (len(forces) or len(fitted)):
+    against, errors = currents.contradicting(results), currents.margins(results)
+    if not results.stopped() and (len(forces) or len(errors) or against):
         found = {"clauses": [*topics.headline(results)], "force": forces[-1:], "errors": errors}
+        found |= {"against": against, "paths": results.rows("remarks", code="one path")}
         found["left_out"] = len(forces) < len(every)
         yield capital(say("result.sentence", **found))
 
