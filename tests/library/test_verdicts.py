@@ -568,6 +568,28 @@ def test_a_number_is_alike_on_card_sentence_evidence_and_headline() -> None:
     assert of_current in current.evidence
 
 
+def test_card_and_headline_state_the_worst_mean_error_with_its_interval_and_rivals() -> None:
+    """Also what is left out for the sensor's bias, and plain least squares where that errs less."""
+    doubt = finding("warning", "offset", device="force", recording="pushed")
+    rows = [*touched(6.0), *touched(4.0, recording="seen")]
+    plain = [row | {"estimate": UNGATED, "mae": 3.0} for row in touched(4.0, recording="seen")]
+    results = study(force_mae=[*rows, *plain], quality=[doubt])
+    for told in (judge_force(results).sentence, *result(results)):
+        told = told.replace("\u00a0", " ")
+        for part in ("mean error", "4.00 N", "(95 %: 3.2 to 4.8)", "6.0 N", "3.0 N"):
+            assert part in told
+    (headline,) = result(study(force_mae=touched(4.0)))
+    assert "least squares" not in headline
+    assert "uncertain" not in headline
+
+
+def test_an_alarm_at_an_undeclared_load_is_not_called_false() -> None:
+    about = {"recording": "seen", "estimate": "Fmap", "alarms_per_min": 1.0}
+    load = {"recording": "seen", "mass": 2.0, "taken": "yes"}
+    assert len(noticed(study(detection=[about]))) == 1
+    assert noticed(study(detection=[about], payload=[load])).empty
+
+
 def test_without_a_sensor_contacts_are_plausible_only() -> None:
     searched = [{"recording": name, "estimate": "Fmap", "alarms_per_min": 0.0} for name in ROLES]
     contact = {"recording": "pushed", "estimate": "Fmap", "kind": "contact"}
@@ -619,7 +641,7 @@ def test_false_alarms_are_counted_by_the_minute_not_by_the_recording() -> None:
     table = results.tables["recordings"]
     table["duration_s"] = table["recording"].map(lengths).fillna(60.0)
     rates = {"estimate": "Fmap", "alarms_per_min": 4.0, "causal_alarms_per_min": 2.0}
-    rates |= {"contacts": 1, "found": 1, "merged": 0, "causal_found": 1}
+    rates |= {"contacts": 1, "found": 1, "merged": 0, "causal_found": 1, "causal_merged": 0}
     rates |= {"causal_unknown": 0.0}
     still = rates | {"alarms_per_min": 0.0, "causal_alarms_per_min": 0.0, "recording": "fitted"}
     rows = [rates | {"recording": "seen", "force_class_n": force} for force in (3.0, 5.0)]
@@ -727,7 +749,7 @@ def test_without_a_search_no_contact_is_denied() -> None:
 
 
 def test_a_search_of_the_estimates_alone_denies_contacts() -> None:
-    searched = [{"recording": "pushed", "estimate": LEADING, "alarms_per_min": 0.0}]
+    searched = [{"recording": "seen", "estimate": LEADING, "alarms_per_min": 0.0}]
     assert findings(study(RESTING, detection=searched)) == [say("findings.none")]
 
 
@@ -783,7 +805,7 @@ def test_the_estimate_without_a_fit_is_never_called_good() -> None:
     assert judge_force(study(force_mae=touched(1.0))).state == "good"
     rows = [row | {"estimate": "controller_currents"} for row in rows]
     card = judge_force(study(force_mae=rows, sensed=[SENSED]))
-    assert "the force by the controller, from currents is off" in card.sentence
+    assert "error of the force by the controller, from currents is" in card.sentence
 
 
 def test_the_card_of_the_force_counts_missed_contacts_and_false_alarms() -> None:
@@ -811,8 +833,9 @@ def test_the_card_of_the_force_counts_missed_contacts_and_false_alarms() -> None
     assert numbers["missed contacts"] == (2, "of 8")
     assert numbers["false alarms without contact"] == (0, "in 1.0 min")
     told = said(card)
-    assert "Of 8 contacts from 5 N on, 2 are missed (up to 21 N)." in told
+    assert "Of 8 contacts from 5 N on, 2 are missed (up to 21 N), live 6" in told
     assert "False alarms: 0 in 1.0 min without contact, at most 3 a minute" in card.answers[-1]
+    assert "live 1, at most 4.7, not knowing for 0" in card.answers[-1]
     assert "in 1.0 minutes" in told
     assert ": 0, that is at most 3 a minute (95 %); no day without a fit recording" in told
     assert "in 100 % of the time, raises 1." in told

@@ -179,17 +179,23 @@ def noticed_in_words(results: Results) -> Iterator[str]:
 def missed_contacts(results: Results) -> Iterator[str]:
     """Say how many contacts are missed, how large they are, and how many alarms may be false."""
     if len(listed := _listed(results)):
-        peaks = at_sensors(results).query("fate == @FATES[-1]")["peak"]
-        yield say("force.missed", rows=listed, strongest=peaks.max())
-    if (alarms := false_alarms(results)["all"]) is not None:
-        yield say("force.most alarms", alarms=alarms)
+        sensed = at_sensors(results).set_index("fate")
+        off = sensed.loc[sensed.index == FATES[0], "peak_error"].abs().max()
+        missed = sensed.loc[sensed.index == FATES[-1], "peak"]
+        yield say("force.missed", rows=listed, strongest=missed.max(), off=off)
+    if (alarms := false_alarms(results))["all"] is not None:
+        yield say("force.most alarms", **alarms)
 
 
 def _listed(results: Results) -> pd.DataFrame:
-    """Return how many contacts are found, merged and missed of those that the table lists."""
+    """Return how many contacts are found, merged and missed, also live, of those that the table
+    lists.
+    """
     rows = results.rows("detection", estimate=LEADING, force_class_n=CONTACT_FORCE)
     merged = rows["merged"].astype(float).fillna(0.0)
-    return rows.assign(merged=merged, missed=rows["contacts"] - rows["found"] - merged)
+    live = rows["contacts"] - rows["causal_found"] - rows["causal_merged"].astype(float).fillna(0.0)
+    missed = rows["contacts"] - rows["found"] - merged
+    return rows.assign(merged=merged, missed=missed, missed_live=live)
 
 
 def _numbers_of_alarms(results: Results) -> Iterator[Number]:
@@ -247,6 +253,20 @@ def decided(results: Results) -> pd.DataFrame:
     return rows.join(plain.rename("plain"), on=key)
 
 
+def worst_in_contact(results: Results) -> pd.DataFrame:
+    """Return the one row of `decided` with the largest error, of recordings whose sensor's bias is
+    sure, if there are any; empty without errors. uncertain: the largest error on the others.
+    """
+    known = decided(results)
+    judged = with_sure_bias(results, known)
+    others = known.drop(judged.index)["mae"]
+    return (
+        judged[judged.index == judged["mae"].idxmax()].assign(uncertain=others.max())
+        if len(judged)
+        else judged
+    )
+
+
 def with_sure_bias(results: Results, rows: pd.DataFrame) -> pd.DataFrame:
     """Return the errors of recordings whose sensor's bias is sure, or all if none is."""
     doubted = doubted_biases(results, [*rows["recording"]])
@@ -277,11 +297,13 @@ def with_floors(results: Results, rows: pd.DataFrame) -> pd.DataFrame:
 def noticed(results: Results) -> pd.DataFrame:
     """Return by recording which contacts are found, alarms, and the widest band.
 
-    Recordings to fit or to validate are left out without alarms, each of which is false.
+    Recordings to fit or to validate are left out without alarms, each of which is false, and with
+    an undeclared load, which is felt.
     """
     rows = results.rows("detection", estimate=LEADING).drop_duplicates("recording")
     of_contacts = rows["recording"].isin(results.with_role("contact"))
-    rows = rows[of_contacts | (rows["alarms_per_min"] > 0)]
+    carrying = rows["recording"].isin(loaded(results)["recording"])
+    rows = rows[of_contacts | ((rows["alarms_per_min"] > 0) & ~carrying)]
     if rows.empty:
         return rows.assign(role="", band=math.nan)
     parts = [{**row, **_noticed_on(results, row["recording"])} for row in rows.to_dict("records")]
@@ -384,7 +406,7 @@ def judge_force(results: Results) -> Verdict:
     if known.empty:
         return _unjudged(results)
     judged = with_sure_bias(results, known)
-    row = judged.loc[judged["mae"].idxmax()]  # the axis with the largest error
+    row = worst_in_contact(results).iloc[0]  # the axis with the largest error
     means = judged.groupby("recording", sort=False)[["mae", "mean_force"]].mean()
     share = means.loc[(means["mae"] / means["mean_force"]).idxmax()]  # the worst recording
     rival, band = _plain(results, judged), _band(judged)
@@ -420,7 +442,7 @@ def band_at_rest(results: Results) -> Iterator[str]:
     if len(rows):
         sure = with_sure_bias(results, rows)
         doubted = doubted_biases(results, [*sure["recording"]])
-        yield say("force.at rest", rows=sure, doubted=doubted)
+        yield say("force.at rest", rows=sure, doubted=doubted, blind=MAX_BLIND_SHARE)
 
 
 def _beaten(judged: pd.DataFrame, worst: pd.Series) -> dict[str, Any]:

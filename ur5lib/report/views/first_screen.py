@@ -58,13 +58,11 @@ def rules(_: Results) -> Iterator[str]:
 
 def result(results: Results) -> Iterator[str]:
     """Say in one sentence which pushes are noticed, and how far off forces and constants are."""
-    every = contacts.errors_in_contact(results)
-    forces = contacts.with_sure_bias(results, every).sort_values("mae")
+    forces = contacts.worst_in_contact(results)
     against, errors = currents.contradicting(results), currents.margins(results)
     if not results.stopped() and (len(forces) or len(errors) or against):
-        found = {"clauses": [*topics.headline(results)], "force": forces[-1:], "errors": errors}
+        found = {"clauses": [*topics.headline(results)], "force": forces, "errors": errors}
         found |= {"against": against, "paths": results.rows("remarks", code="one path")}
-        found["left_out"] = len(forces) < len(every)
         yield capital(say("result.sentence", **found))
 
 
