@@ -320,6 +320,7 @@ def test_drift_is_determined_where_paths_were_repeated(groups: list[int], expect
     assert verdict is not None
     assert verdict.state == expected
     assert ("Repeat one motion" in verdict.sentence) is (expected != "good")
+    assert [*changes(of_rows(rows, []))] == [verdict.sentence]  # as the section says
     change = {"robot": "ur5", "joint": 1, "quantity": "viscous", "kind": "jump", "size": 0.5}
     change |= {"before": 1.0, "std_error": 0.1, "by_temperature": 0.0}
     change |= {"first": "2020-03-01", "last": "2020-04-01"}

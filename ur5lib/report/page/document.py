@@ -349,9 +349,17 @@ class Document:
 
 
 def _on_card(number: Number) -> dict[str, str]:
-    """Return the name and the text of a number; of a count of one, the name in the singular."""
+    """Return the name and the text of a number, with its share of its baseline, by which errors are
+    ranked; of a count of one, the name in the singular.
+    """
     name = number.name.removesuffix("s" if number.value == 1 and not number.unit else "")
     name = ", ".join(filter(None, (name, number.place)))
+    if number.baseline and number.value >= 0:
+        from ur5lib.report.page.formats import rounded  # with pandas, as above
+
+        name += (
+            f" ({rounded(100 * number.value / number.baseline, 0, '%')} of {number.baseline_of})"
+        )
     return {"name": name, "text": number.text(), "before": number.before}
 
 

@@ -68,7 +68,17 @@ class Rival:
     @property
     def better(self) -> pd.DataFrame:
         """Where it errs clearly less."""
-        return self.means[self.means["rival"] < BETTER_RIVAL_RATIO * self.means["ours"]]
+        means = self.means
+        seen = means["ours"] - means["rival"] > VISIBLE_DIFFERENCE
+        return means[seen & (means["rival"] < BETTER_RIVAL_RATIO * means["ours"])]
+
+    @property
+    def equal(self) -> pd.DataFrame:
+        """Where it errs neither clearly less nor clearly more."""
+        means = self.means[self.means["ours"] > VISIBLE_DIFFERENCE].drop(
+            self.better.index, errors="ignore"
+        )
+        return means[means["ours"] >= BETTER_RIVAL_RATIO * means["rival"]]
 
     @classmethod
     def beside(
@@ -82,13 +92,12 @@ class Rival:
         means = rows.pivot_table(error, place, "who", sort=False)
         return cls(name, means.reindex(columns=["ours", "rival"]))
 
-    def after(self, verdict: str, unit: str, digits: int) -> str:
+    def after(self, verdict: str, unit: str) -> str:
         """Return the sentence of a verdict, and where the rival errs less."""
         if self.better.empty:
             return verdict
         words = {"better": self.better, "joints": self.better.index.name == "joint"}
-        addition = say("error.rival", name=self.name, unit=unit, digits=digits, **words)
-        return f"{verdict} {addition}"
+        return f"{verdict} {say('error.rival', name=self.name, unit=unit, **words)}"
 
 
 @dataclass(frozen=True)
@@ -127,10 +136,11 @@ class AgainstBaseline:
 
     @cached_property
     def largest(self) -> pd.Series:
-        """The largest error of a recording; of a component, as others may have another unit."""
+        """The largest error of a recording, of components among those of the worst one's unit."""
         rows = self.rows
         if self.place == "component":
-            rows = rows[rows["component"] == self.worst.name]
+            turns = rows["component"].str.startswith("r")
+            rows = rows[turns == str(self.worst.name).startswith("r")]
         names = {self.place: "place", self.error: "error", self.baseline: "zero"}
         return rows.loc[rows[self.error].idxmax()].rename(names)
 
@@ -163,15 +173,15 @@ class AgainstBaseline:
         its floor; arguments as of the function `state`.
         """
         close = not (self.in_floors > MAX_GOOD_FLOORS).any()
-        unbeaten = close and (self.rival is None or self.rival.better.empty)
+        rival = self.rival
+        unbeaten = close and (rival is None or (rival.better.empty and rival.equal.empty))
         errors = self.worst["error"], self.worst["zero"]
-        return state(*errors, coverage, tested and unbeaten, better, self.plain())
+        return state(*errors, coverage, tested and unbeaten, better)
 
     def after(self, verdict: str) -> str:
         """Return the sentence of a verdict, with where a rival does no worse."""
-        told = [verdict] if self.rival is None else [self.rival.after(verdict, self.unit, 3)]
-        plain, worst = self.plain(), self.worst
-        if worst["error"] >= BETTER_RIVAL_RATIO * plain >= BETTER_RIVAL_RATIO**2 * worst["error"]:
+        told = [verdict if self.rival is None else self.rival.after(verdict, self.unit)]
+        if self.rival is not None and len(self.rival.equal):
             told.append(say("error.equal", against=self))
         if len(self.in_floors) and self.in_floors.iloc[0] > MAX_GOOD_FLOORS:
             told.append(say("error.far", against=self))

@@ -426,7 +426,7 @@ def judge_force(results: Results) -> Verdict:
     return Verdict(
         topic=FORCE_TOPIC,
         state="do not use" if beaten["blind"] else found,
-        sentence=rival.after(sentence, "N", 1),
+        sentence=rival.after(sentence, "N"),
         answers=(*missed_contacts(results), *band_at_rest(results)),
         evidence=" ".join([say("force.evidence", **words), *noticed_in_words(results)]),
         drawing=error_bar(*row[["mae", "mae_low", "mae_high", "mean_force", "floor"]]),

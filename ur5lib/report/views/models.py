@@ -2,18 +2,19 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 import pandas as pd
 
 from ur5lib.records.quality import GIVEN_LOAD, MAX_SHARE_UNMODELLED
-from ur5lib.report.page.document import Verdict
+from ur5lib.report.page.document import Number, Verdict
 from ur5lib.report.page.formats import VISIBLE_DIFFERENCE
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
 from ur5lib.report.views.arms import of_each_arm
-from ur5lib.report.views.baseline import AgainstBaseline
-from ur5lib.report.views.currents import CONSTANTS, is_far
+from ur5lib.report.views.baseline import AgainstBaseline, Rival
+from ur5lib.report.views.currents import CONSTANTS, is_far, loaded
 
 LINKS_TOPIC = "Link model"  # topic
 MIN_LINK_SKILL = 1 - MAX_SHARE_UNMODELLED  # least skill of a good link model
@@ -98,6 +99,17 @@ def beside_zero(results: Results, compared: ModelComparison) -> AgainstBaseline:
     return AgainstBaseline(rows, "mae_2hz", "zero_mae_2hz", "Nm", floors=floors)
 
 
+def next_model(compared: ModelComparison) -> Rival | None:
+    """Return the errors of the model that comes next, None without one: it is told beside a
+    verdict, which it does not decide, as both may be right.
+    """
+    if len(compared.ranked) < 2:
+        return None
+    first, second = compared.ranked[:2]
+    models = {first: "ours", second: "rival"}
+    return Rival.beside(named(second), compared.rows, "mae_2hz", "joint", models)
+
+
 def decided(results: Results) -> pd.DataFrame:
     """Return the errors by which the link model of each arm is judged, by joint, beside those of
     the model that comes next (`second`).
@@ -124,9 +136,11 @@ def without_targets(results: Results) -> Verdict:
         words, answers = say("models.no torques"), tuple(arm_itself(results))
         return Verdict(LINKS_TOPIC, "not determined", words, answers)
     determined = int((found["determined"] == "yes").sum())
-    words = say("models.from measured torques", determined=determined, count=len(found))
     return Verdict(
-        LINKS_TOPIC, "usable" if 2 * determined > len(found) else "not determined", words
+        LINKS_TOPIC,
+        "usable" if 2 * determined > len(found) else "not determined",
+        say("models.from measured torques", determined=determined, count=len(found)),
+        numbers=(Number("base parameters determined", determined, f"of {len(found)}"),),
     )
 
 
@@ -144,12 +158,13 @@ def judge_links(results: Results) -> Verdict:
     loads = results.rows("quality", finding=GIVEN_LOAD, recording=[*rows["recording"].unique()])
     words = {"model": named(compared.best[0]), "unseen": compared.unseen, "loads": loads}
     words["motion"] = rows["motion"].iloc[0].replace("_", " ")
+    beside = replace(against, rival=next_model(compared))
     return Verdict(
         topic=LINKS_TOPIC,
         state=against.state(tested=compared.unseen and loads.empty, better=MIN_LINK_SKILL),
-        sentence=against.after(say("models.verdict", against=against, **words)),
+        sentence=beside.after(say("models.verdict", against=against, **words)),
         answers=tuple(arm_itself(results)),
-        evidence=say("models.evidence", against=against),
+        evidence=say("models.evidence", against=beside),
         drawing=against.drawing(),
         caption=say("error.bars", zero="zero torque", floor=against.floors),
         numbers=against.numbers("mean absolute error below 2 Hz"),
@@ -171,7 +186,9 @@ def arm_itself(results: Results) -> Iterator[str]:
     groups = {"near": told & ~far & ~against, "far": far, "against": against}
     untold = sorted({*rows["joint"]} - {*rows.loc[told | against, "joint"]})
     shown = {name: rows[which] for name, which in groups.items()}
-    yield say("models.arm", **shown, untold=untold, load=_least_load(results))
+    yield say(
+        "models.arm", **shown, untold=untold, load=_least_load(results), carrying=loaded(results)
+    )
 
 
 def _least_load(results: Results) -> float:

@@ -36,8 +36,8 @@ def changes(results: Results) -> Iterator[str]:
     changes = ranked(results)
     for row in changes.itertuples():
         yield say("health.of arm", robot=row.robot, change=change(row))
-    if changes.empty and len(results.tables["health"]):
-        yield say("health.nothing")
+    if changes.empty and len(dates := results.tables["health"]):
+        yield _unchanged(dates)
 
 
 def ranked(results: Results) -> pd.DataFrame:
@@ -75,6 +75,12 @@ def repeated(dates: pd.DataFrame) -> int:
     return int(days.where(days > 1, 0).groupby("robot").sum().min())
 
 
+def _unchanged(dates: pd.DataFrame) -> str:
+    """Say that nothing changed, or that paths of their own do not tell."""
+    told = "unchanged" if repeated(dates) >= MIN_DATES else "paths apart"
+    return say(f"health.{told}", least=MIN_DATES)
+
+
 def judge_drift(results: Results) -> Verdict | None:
     """Judge by whether anything changed where paths were repeated; None with too few dates."""
     dates = results.tables["health"]
@@ -87,7 +93,7 @@ def judge_drift(results: Results) -> Verdict | None:
     worst = changes.groupby("joint")["share"].max()
     joints = range(1, int(dates["joint"].max()) + 1)
     state: State = "good" if repeated(dates) >= MIN_DATES else "not determined"
-    sentence = say("health.unchanged" if state == "good" else "health.paths apart", least=MIN_DATES)
+    sentence = _unchanged(dates)
     if len(changes):
         state, sentence = "usable", capital(change(next(changes.itertuples())))
     return Verdict(

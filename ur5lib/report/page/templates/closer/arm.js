@@ -253,7 +253,7 @@ class Arm {
     const band = now?.std ? `, 95 % bands ± ${list(now.std, BAND95)}` : "";
     this.readings.time.textContent =
       `At ${time.toFixed(2)} s${now ? (found ? `: ${free ? "false alarm" : "contact"} by ${found}` : isSearched ? ": no contact found" : "") : ": a gap in the recording"}.`;
-    const shut = band && alarms && !inside(alarms, time) ? " if nothing touches" : "";
+    const shut = band && alarms && !inside(alarms, time) ? " if nothing touches (a push may stay unnoticed)" : "";
     if (this.readings.force) this.readings.force.textContent = now ? `${list(now.force)}${band}\u00a0N${shut}` : "–";
     if (this.readings.sensed) this.readings.sensed.textContent = now ? `${list(now.sensed)}\u00a0N` : "–";
     if (this.readings.torque) this.readings.torque.textContent = now ? `${list(now.torque)}\u00a0Nm` : "–";
