@@ -39,7 +39,7 @@ from ur5lib.robots.friction import BASE_TERMS
 from ur5lib.topics.health import report
 from ur5lib.topics.health.examine_joints import checkup, dated
 from ur5lib.topics.health.figure import health_figure
-from ur5lib.topics.health.report import judge_drift
+from ur5lib.topics.health.report import changes, judge_drift
 from ur5lib.topics.health.rows import Checkup, Condition, Health, JointChange
 from ur5lib.topics.health.track_health import health_of, together
 
