@@ -9,14 +9,15 @@ from tests.conftest import PROJECT
 from ur5lib.force import (
     contact_figures,
     contact_wrench,
-    detection,
     external_torque,
     force_input,
     gate,
     grasp,
     missed_contacts,
     residual_model,
+    sensed_contact,
     sensor,
+    thresholds,
     wrench_estimate,
 )
 from ur5lib.force.contact_prior import ContactPrior
@@ -144,13 +145,14 @@ def statements() -> Iterator[str]:
     yield f"within {COUNTED[int(sensor.CONTACT_DEVIATIONS)]} standard deviations"
     yield f"below −{-sensor.OPPOSITE_CORRELATION:g} along an axis"
     yield f"carries {percent(sensor.MIN_AXIS_POWER_SHARE)} of the squared force"
-    yield f"where they fall by {detection.ALARM_HYSTERESIS:g} more"
-    yield f"a contact reaches {detection.TOUCH_FORCE:g}, {detection.CONTACT_FORCE:g}, 10 or 15 N"
-    yield f"while the reading exceeds {detection.RELEASE_FORCE:g} N"
-    yield f"above {detection.CONTACT_FORCE:g} N at the compensated sensor"
+    yield f"where they fall by {thresholds.ALARM_HYSTERESIS:g} more"
+    touched, in_contact = sensed_contact.TOUCH_FORCE, sensed_contact.CONTACT_FORCE
+    yield f"a contact reaches {touched:g}, {in_contact:g}, 10 or 15 N"
+    yield f"while the reading exceeds {sensed_contact.RELEASE_FORCE:g} N"
+    yield f"above {in_contact:g} N at the compensated sensor"
     yield (
-        f"below {detection.FREE_FORCE:g} N and {detection.CONTACT_CLEARANCE:g} s away from any "
-        f"sample of {detection.TOUCH_FORCE:g} N"
+        f"below {sensed_contact.FREE_FORCE:g} N and {sensed_contact.CONTACT_CLEARANCE:g} s away "
+        f"from any sample of {touched:g} N"
     )
     yield f"from {contact_figures.CONTACT_RESAMPLES} resamples of whole contacts"
 
