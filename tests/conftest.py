@@ -15,7 +15,7 @@ import pandas as pd
 import pytest
 
 from tests import warm_snakemake
-from tests.commands import Command
+from tests.command import Command
 from tests.synthetic import write_recording
 from ur5lib.records.quality import Finding
 from ur5lib.records.wording import worded
@@ -51,12 +51,21 @@ recordings:
 
 
 BUILD_FOR_OTHERS = ["test_thesis.py", "test_lab.py", "test_e_series.py", "test_loads.py"]
+LONGEST = ["artefacts", "workflow", "lab", "rivals"]
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with studies that others look at, who would wait, or build them again."""
-    order = {name: place for place, name in enumerate(BUILD_FOR_OTHERS)}
-    items.sort(key=lambda item: order.get(item.path.name, len(order)))
+    """Begin with studies that others look at, who would wait, or build them again.
+
+    Then come the folders with the longest files, so that both processes end at about one time.
+    """
+    order = {name: place for place, name in enumerate([*BUILD_FOR_OTHERS, *LONGEST])}
+
+    def place(item: pytest.Item) -> int:
+        parts = item.path.relative_to(PROJECT).parts
+        return min(order.get(part, len(order)) for part in parts)
+
+    items.sort(key=place)
 
 
 @pytest.fixture(scope="session")

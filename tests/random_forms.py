@@ -14,8 +14,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import scipy.io
 
-from tests.library.test_from_urdf import made_up, saved
-from tests.library.test_import_cases import driven, motion, pushes
+from tests.importing.test_import_cases import driven, motion, pushes
+from tests.robots.test_from_urdf import made_up, saved
 from tests.stored_files import write_bag
 from ur5lib.commands.described import describe_urdf
 from ur5lib.importing.contents import UserStatement

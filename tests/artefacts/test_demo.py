@@ -29,8 +29,8 @@ from tests.artefacts.drawn_arm import check_arm
 from tests.compensated import check_formula
 from tests.conftest import PROJECT, Workflow, table_of_topic
 from tests.drawn_numbers import check_drawn_numbers
+from tests.house.test_benchmarks import run_benchmark
 from tests.in_memory import assert_as_in_study
-from tests.library.test_benchmarks import run_benchmark
 from tests.rigid import check_rigid
 from ur5lib.commands.convert import write_recordings
 from ur5lib.commands.exported import exported

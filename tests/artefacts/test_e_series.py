@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 import yaml
 
-from tests.commands import Command
+from tests.command import Command
 from tests.compensated import check_formula
 from tests.conftest import Workflow, copy_project, table_of_topic
 from ur5lib.commands.exported import exported

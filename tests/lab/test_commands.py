@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.commands import Command
-from tests.library.test_command_line import LONG, literals, told
+from tests.command import Command
+from tests.commands.test_command_line import LONG, literals, told
 from ur5lab.excitation.objective import QUESTIONS
 
 

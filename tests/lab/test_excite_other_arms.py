@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 from benchmarks.serial_arms import with_motors
 from tests.lab.test_excitation_design import check_gradient
-from tests.library.test_from_urdf import made_up, planar, saved
+from tests.robots.test_from_urdf import made_up, planar, saved
 from ur5lab import excite
 from ur5lab.collisions import Capsules, Surroundings
 from ur5lab.excitation import design as search

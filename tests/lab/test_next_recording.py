@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.excitation_loop import QUICK
 from tests.conftest import PROJECT, Workflow, copy_project
-from tests.library.test_benchmarks import run_benchmark
+from tests.house.test_benchmarks import run_benchmark
 from ur5lab.excitation.design import design
 from ur5lab.excite import ExciteOptions, earlier, known_load, task_of
 from ur5lib.tables import read_csv

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import PROJECT, shared_folder
-from tests.library.test_benchmarks import run_benchmark
+from tests.house.test_benchmarks import run_benchmark
 
 
 @pytest.mark.thorough

@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 
 from benchmarks.leaderboard import QUICK
 from tests.conftest import PROJECT, Workflow
-from tests.library.test_benchmarks import run_benchmark
+from tests.house.test_benchmarks import run_benchmark
 from tests.workflow.test_lab import Installed, installed, wheel  # noqa: F401 (fixtures)
 from ur5lib.cli import app
 from ur5lib.tables import read_csv

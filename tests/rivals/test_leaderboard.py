@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.commands import Command
+from tests.command import Command
 from tests.rivals.synthetic_run import synthetic_run
 from ur5lib.force.external_torque import JointState
 from ur5lib.force.residual_model import ResidualModel

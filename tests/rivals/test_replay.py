@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.commands import Command
+from tests.command import Command
+from tests.commands.test_exported import GRAVITY, motion
 from tests.conftest import Workflow
-from tests.library.test_exported import GRAVITY, motion
-from tests.library.test_from_urdf import made_up, saved
+from tests.robots.test_from_urdf import made_up, saved
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.records.motion import Motion

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.library.current_study import make_record, prior, smooth, with_current, with_noise
-from tests.library.made_up_torques import MODEL, Free, between, free_run
+from tests.current_study import make_record, prior, smooth, with_current, with_noise
 from tests.made_records import motion_of, signals_of, stretch, torques_of
+from tests.made_up_torques import MODEL, Free, between, free_run
 from tests.steps.made_recording import CURRENTS_LOWPASS, NO_LOAD, Known, known_of, premises
 from ur5lib.channels import TORQUE
 from ur5lib.dynamics.link_model import LinkModel, load_regressor

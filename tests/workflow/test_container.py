@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.commands import printed
+from tests.command import printed
 from tests.conftest import PROJECT
 from tests.workflow.test_simulated import POINTS, STUDY
 

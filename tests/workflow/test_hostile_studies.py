@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 import yaml
 
-from tests.commands import Command
+from tests.command import Command
 from tests.conftest import Workflow, copy_project
 from tests.corpus import rtde
 from ur5lib.errors import InputError

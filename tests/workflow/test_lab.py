@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.commands import printed
+from tests.command import printed
 from tests.conftest import PROJECT, shared_folder
 from tests.workflow.test_simulated import POINTS, STUDY
 from ur5lib.workspace.beside import commands_beside

@@ -16,8 +16,10 @@ NOT_COPIED = (".git", ".venv", ".snakemake", ".*_cache", ".site", "raw", "result
 OF_A_RUN = {"logs", "benchmarks", ".running", "run_times.csv", "tables.zip"}  # times
 OF_A_RUN |= {"ro-crate-metadata.json"}
 RUN_TIMES = re.compile(r"took\s\d+\ss of processor time, including\s\d+\ss")
-LEFT = [f"tests/library/test_{name}.py" for name in ("architecture", "beside", "command_line")]
-LEFT += [f"tests/library/test_{name}.py" for name in ("docs", "examples", "benchmarks")]
+LEFT = [
+    f"tests/house/test_{name}.py" for name in ("architecture", "docs", "examples", "benchmarks")
+]
+LEFT += ["tests/workspace/test_beside.py", "tests/commands/test_command_line.py"]
 
 
 def results_of(folder: Path) -> dict[str, bytes | str]:

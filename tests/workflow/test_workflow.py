@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 
 from tests import warm_snakemake
-from tests.commands import time_limit
+from tests.command import time_limit
 from tests.conftest import PROJECT, STUDY, Change, Workflow, copy_project
-from tests.library.test_hostile import BOMBS
+from tests.house.test_hostile import BOMBS
 from tests.stored_files import made_up_channels, write_npz
 from ur5lib.errors import InputError
 from ur5lib.jobs.code import (

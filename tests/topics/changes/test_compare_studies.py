@@ -4,7 +4,7 @@ import shutil
 from dataclasses import replace
 
 from tests.conftest import STUDY, Change, Workflow
-from tests.library.test_verdicts import study
+from tests.report.test_verdicts import study
 from tests.topics.pages import shown
 from tests.workflow.test_workflow import DOCUMENT, append
 from ur5lib.tables import read_csv

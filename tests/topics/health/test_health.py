@@ -14,7 +14,7 @@ from matplotlib.text import Text
 
 from tests.artefacts.documents import stated
 from tests.conftest import Change, Workflow
-from tests.library.current_study import (
+from tests.current_study import (
     CONSTANT,
     FRICTION,
     OFFSET,

@@ -6,7 +6,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from tests.library.test_verdicts import study
+from tests.report.test_verdicts import study
 from tests.topics.pages import shown
 from ur5lib.report.page.compose import shown_table
 from ur5lib.report.results import Results

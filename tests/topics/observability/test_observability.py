@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.library.made_up_torques import MODEL
 from tests.live_arm import friction, robot
 from tests.made_records import motion_of, stretch
 from tests.made_tables import gathered, record
+from tests.made_up_torques import MODEL
 from ur5lib.force.external_torque import JointState
 from ur5lib.force.force_input import Gears
 from ur5lib.force.trial_contacts import (

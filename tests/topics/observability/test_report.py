@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from tests.conftest import Workflow
-from tests.library.test_verdicts import predicted, said, study, touched
+from tests.report.test_verdicts import predicted, said, study, touched
 from tests.topics.pages import shown
 from ur5lib.report.page import topics
 from ur5lib.report.page.compose import shown_table

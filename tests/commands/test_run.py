@@ -1,0 +1,157 @@
+"""`ur5 run`, `report` and `status`: what they build, what they print, and how a study is named."""
+
+import json
+import sys
+import webbrowser
+from pathlib import Path
+
+import pytest
+
+from tests.command import Command
+from ur5lib.commands import run
+from ur5lib.errors import InputError
+from ur5lib.study.address import results_folder, study_file
+from ur5lib.study.turn import running, take_turn
+
+LINES = [
+    "Building DAG of jobs...",
+    "Job stats:",
+    "read_recording    1",
+    "total             3",
+    "[Thu Nov 26 18:32:25 2026]",
+    "Finished jobid: 1 (Rule: read_recording)",
+    "1 of 3 steps (33%) done",
+    "pushed cannot be read: it is empty",
+]
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "arm.yaml").write_text("study: mine\ntitle: My arm\nrecordings: []\n")
+    (tmp_path / "other.yaml").write_text("some: other program's\n")
+    (tmp_path / "results" / "mine" / "tables").mkdir(parents=True)
+    return tmp_path
+
+
+def snakemake_prints(monkeypatch: pytest.MonkeyPatch, lines: list[str], status: int) -> None:
+    """Let a program stand for Snakemake that prints lines and ends with a status."""
+    program = f"print({chr(10).join(lines)!r}); raise SystemExit({status})"
+    monkeypatch.setattr(run, "_command", lambda *_: [sys.executable, "-c", program])
+
+
+@pytest.mark.parametrize(
+    "address", ["mine", "arm.yaml", "results/mine", "results/mine/report.html"]
+)
+def test_a_study_has_one_address_by_name_file_and_results(here: Path, address: str) -> None:
+    assert study_file(address) == Path("arm.yaml")
+    assert results_folder(address) == Path("results/mine")
+
+
+def test_a_name_that_is_nearly_a_study_is_answered_with_it(here: Path, run_ur5: Command) -> None:
+    assert "did you mean `mine`?" in run_ur5("status", "mien").line
+
+
+def test_two_studies_of_a_name_are_told_apart_by_their_files(here: Path) -> None:
+    (here / "again.yaml").write_text((here / "arm.yaml").read_text())
+    with pytest.raises(InputError, match=r"again\.yaml and arm\.yaml"):
+        study_file("mine")
+
+
+def test_a_run_shows_progress_and_what_is_not_usual(
+    here: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command
+) -> None:
+    snakemake_prints(monkeypatch, LINES, 0)
+    monkeypatch.setattr(run, "SECONDS_BETWEEN_LINES", 0.0)
+    Path("results/mine/report.html").touch()
+    answer = run_ur5("run", "mine")
+    assert answer.err.splitlines() == ["1 of 3 steps are done", LINES[-1]]
+    assert answer.out == "report: results/mine/report.html\n"
+
+
+def test_a_run_that_fails_says_why(
+    here: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command
+) -> None:
+    snakemake_prints(monkeypatch, LINES, 1)
+    answer = run_ur5("run", "mine")
+    assert answer.status == 1
+    assert LINES[-1] in answer.err
+    assert LINES[0] not in answer.err
+
+
+def test_options_of_snakemake_follow_after_two_dashes(
+    here: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command
+) -> None:
+    given = []
+    monkeypatch.setattr(
+        run, "_command", lambda study, options: given.append((study, options)) or ["true"]
+    )
+    run_ur5("run", "mine", "--", "--cores", "1")
+    assert given == [(Path("arm.yaml"), ["--cores", "1"])]
+
+
+def test_recordings_do_not_overwrite_a_study(here: Path, run_ur5: Command) -> None:
+    Path("raw/arm").mkdir(parents=True)
+    Path("raw/arm/free.csv").write_text("time,actual_q_0\n")
+    answer = run_ur5("run", "raw/arm/free.csv", "--robot", "ur5e")
+    assert "arm.yaml exists" in answer.line
+
+
+def test_a_status_names_the_run_that_builds_the_study(here: Path, run_ur5: Command) -> None:
+    assert running(Path("results/mine")) == ""
+    with take_turn(Path("results/mine")):
+        answer = run_ur5("status", "mine")
+    assert answer.out.startswith("being made by process ")
+
+
+def test_a_status_counts_the_steps_of_a_run(
+    here: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command
+) -> None:
+    snakemake_prints(monkeypatch, LINES, 0)
+    answer = run_ur5("status", "results/mine")
+    assert answer.out.splitlines() == [
+        "no report yet; next: ur5 run arm.yaml",
+        "3 steps to run; next: ur5 run arm.yaml",
+    ]
+
+
+def test_a_report_that_is_not_built_is_answered_with_the_command(
+    here: Path, run_ur5: Command
+) -> None:
+    assert "ur5 run mine" in run_ur5("report", "mine").err
+
+
+@pytest.mark.parametrize("found", [True, False])
+def test_a_report_is_named_whether_or_not_there_is_a_browser(
+    found: bool, here: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command
+) -> None:
+    report = here / "results" / "mine" / "report.html"
+    report.parent.mkdir(parents=True, exist_ok=True)
+    report.touch()
+    opened = []
+    monkeypatch.setattr(webbrowser, "open", lambda address: opened.append(address) or found)
+    told = run_ur5("report", "mine", "--open")
+    assert opened == [report.as_uri()]
+    assert told.out.endswith("report: results/mine/report.html\n")
+    assert ("no browser" in told.out) != found
+
+
+def test_a_quiet_run_says_only_what_went_wrong(
+    here: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command
+) -> None:
+    snakemake_prints(monkeypatch, LINES, 0)
+    monkeypatch.setattr(run, "SECONDS_BETWEEN_LINES", 0.0)
+    Path("results/mine/report.html").touch()
+    answer = run_ur5("run", "mine", "--quiet")
+    assert answer.err.splitlines() == [LINES[-1]]
+    assert answer.out == "report: results/mine/report.html\n"
+
+
+def test_a_state_is_json_for_a_program(
+    here: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command
+) -> None:
+    snakemake_prints(monkeypatch, LINES, 0)
+    state = json.loads(run_ur5("status", "mine", "--json").out)
+    assert state["report"] is None
+    assert state["steps_to_run"] == 3
+    assert "3 steps to run; next: ur5 run arm.yaml" in run_ur5("status", "mine").out

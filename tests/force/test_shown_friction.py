@@ -1,0 +1,66 @@
+"""Which terms of friction recordings show that no fit has seen."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.current_study import CONSTANT, make_record, prior, smooth
+from ur5lib.identification.current_regression import fit_currents
+from ur5lib.identification.samples import CurrentSamples, held_columns
+from ur5lib.identification.selection import is_less
+from ur5lib.robots.friction import FITTED_TERMS, friction_columns
+from ur5lib.timeseries.arrays import Array
+
+
+def with_more(
+    records: int, current: Array, term: str = "", distance: float = 0.0
+) -> list[CurrentSamples]:
+    """Recordings with noise and with more friction (6,) [A]: of a term, or held over a distance."""
+    study = []
+    for seed in range(records):
+        record = make_record(seed)
+        motions = [record.joint(joint) for joint in range(6)]
+        more = [
+            friction_columns(own, [term])[:, 0] if term else held_columns(own, [distance])[:, 1]
+            for own in motions
+        ]
+        noise = 0.02 * np.random.default_rng(seed).normal(size=record.current.shape)
+        added = current * np.stack(more, axis=1) + noise
+        study.append(replace(record, current=record.current + added))
+    return study
+
+
+def test_the_root_of_velocity_comes_back() -> None:
+    true = 3.0 / CONSTANT
+    fit = fit_currents(with_more(6, true, "velocity_root"), smooth, prior())
+    assert fit.joints[0].terms == FITTED_TERMS
+    found = [joint.estimate.coefficients[-1] for joint in fit.joints]
+    np.testing.assert_allclose(found, true, rtol=0.1)
+
+
+def test_the_square_of_velocity_is_added_where_an_arm_has_it() -> None:
+    for size, added in ((0.0, ()), (-3.0, ("velocity_square",))):
+        fit = fit_currents(with_more(6, size / CONSTANT, "velocity_square"), smooth, prior())
+        assert {joint.terms for joint in fit.joints} == {(*FITTED_TERMS, *added)}
+
+
+@pytest.mark.parametrize("distance", [1e-5, 1e-3])
+def test_friction_at_rest_reverses_over_the_distance_that_it_has(distance: float) -> None:
+    """And over the usual one alone where nothing shows another."""
+    true = 6.0 / CONSTANT
+    fit = fit_currents(with_more(6, true, distance=distance), smooth, prior())
+    assert {joint.distances for joint in fit.joints} == {(distance,)}
+    found = np.array([joint.held[1] for joint in fit.joints])
+    assert (np.abs(found - true) < 0.5 * true).all()
+    usual = fit_currents(with_more(6, 0 * true, distance=distance), smooth, prior())
+    assert {joint.distances for joint in usual.joints} == {()}
+
+
+def test_less_is_surely_less() -> None:
+    """By a share, by standard errors over what is left out, and not by two of it alone."""
+    errors, noise = np.ones(6), np.exp(0.2 * np.array([1, -1, 1, -1, 1, -1]))
+    assert is_less(0.9 * errors, errors, 0.02, 2.0)
+    assert not is_less(0.99 * errors, errors, 0.02, 2.0)
+    assert not is_less(0.9 * noise, errors, 0.02, 2.0)
+    assert not is_less(0.5 * errors[:2], errors[:2], 0.02, 2.0)

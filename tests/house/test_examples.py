@@ -1,0 +1,174 @@
+"""Every example in a document holds: commands exist, studies are valid, code runs."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from unittest.mock import MagicMock
+
+import numpy as np
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+from tests.conftest import PROJECT
+from tests.examples import Example, check_command, examples, kind_of, words_of, yaml_faults
+from tests.house.test_docs import PAGES
+from tests.house.test_seven_joints import arm as seven_joints
+from tests.in_memory import put_recordings
+from tests.live_arm import arm_file
+from ur5lib.cli import app
+from ur5lib.robots.description import robot_path, robot_yaml
+from ur5lib.tables import write_table
+from ur5lib.workspace.extensions import ENTRY_POINT_GROUP, KINDS
+
+DOCUMENTS = [*PAGES, *sorted((PROJECT / "benchmarks").glob("*.py"))]
+EXAMPLES = [example for page in DOCUMENTS for example in examples(page)]
+COMMANDS = sorted({line for e in EXAMPLES if e.kind == "shell" for line in e.text.splitlines()})
+NEEDS_NO_FILES = re.compile(r"ur5 (export|settings|schema) (?!.*results/).*--")
+
+
+def of_kind(kind: str) -> pytest.MarkDecorator:
+    return pytest.mark.parametrize("example", [e for e in EXAMPLES if e.kind == kind], ids=str)
+
+
+def test_every_example_is_of_a_known_kind() -> None:
+    assert {e.kind for e in EXAMPLES} >= {"shell", "yaml", "python", "listing", "moves"}
+    assert [str(example) for example in EXAMPLES if example.kind == "unknown"] == []
+    assert kind_of("brew --tea") == kind_of("SELECT * FROM tea") == "unknown"
+
+
+@pytest.mark.parametrize("line", COMMANDS)
+def test_commands_are_known_with_their_options(line: str) -> None:
+    check_command(line)
+
+
+@pytest.mark.parametrize("line", ["make tea", "ur5 brew", "snakemake --tea", "ur5 check --tea a"])
+def test_a_command_that_does_not_exist_is_found(line: str) -> None:
+    with pytest.raises((Exception, SystemExit)):
+        check_command(line)
+
+
+@pytest.mark.parametrize("line", [*filter(NEEDS_NO_FILES.match, COMMANDS)])
+def test_commands_run_that_need_no_files(line: str) -> None:
+    done = CliRunner().invoke(app, words_of(line)[1:])
+    assert done.exit_code == 0, done.output
+
+
+@of_kind("yaml")
+def test_studies_are_valid(
+    example: Example, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With arms of one's own, `my-arm` and one of seven joints."""
+    monkeypatch.chdir(tmp_path)
+    Path("robots").mkdir()
+    Path("robots/my-arm.yaml").write_bytes(robot_path("ur5").read_bytes())
+    Path("robots/seven.yaml").write_text(robot_yaml(seven_joints()))
+    assert yaml_faults(example.text, tmp_path) == []
+
+
+@pytest.mark.parametrize("text", ["tea: 1", "force_sensor:\n  columns: [time, ft]"])
+def test_a_study_that_is_wrong_is_found(text: str, tmp_path: Path) -> None:
+    assert yaml_faults(text, tmp_path) != []
+
+
+@of_kind("toml")
+def test_entry_points_are_of_groups_that_are_taken_up(example: Example) -> None:
+    if example.page == "docs/outside.md":
+        pytest.skip("tests/rivals reads it")
+    [group] = tomllib.loads(example.text)["project"]["entry-points"]
+    assert group.removeprefix(ENTRY_POINT_GROUP) in KINDS
+
+
+@of_kind("listing")
+def test_listed_files_exist(example: Example) -> None:
+    """A line may name two, or go on with a text."""
+    lines = [line for line in example.text.splitlines() if line.strip() and line[0] != " "]
+    paths = [path for line in lines for path in re.split(r" {2,}", line)[0].split(", ")]
+    assert [path for path in paths if not (PROJECT / path).exists()] == []
+
+
+# Code, each as its page says that it is used
+
+
+def record(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With a stand-in for ur_rtde's interface, which is not installed here."""
+    module = MagicMock()
+    monkeypatch.setitem(sys.modules, "rtde_receive", module)
+    exec(code, {"input": module.input})
+    assert [args for _, args, _ in module.mock_calls[1:]] == [
+        ("free.csv",),
+        ("recording; press Enter to stop",),
+        (),
+    ]
+    module.RTDEReceiveInterface.return_value.stopFileRecording.assert_called_once_with()
+
+
+def fit(code: str, _: pytest.MonkeyPatch) -> None:
+    """On recordings of the names that it has."""
+    put_recordings(Path())
+    known: dict[str, Any] = {}
+    exec(code, known)
+    assert known["forces"]["Fmap_Fx"].max() > 20
+    assert Path("model.json").is_file()
+
+
+def read(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a table where the page says that it lies."""
+    path = Path("results/mine/recordings/pushed/forces.parquet")
+    path.parent.mkdir(parents=True)
+    write_table(pd.DataFrame({"time": [0.0]}), str(path))
+    exec("\n".join(line.removeprefix(">>> ") for line in code.splitlines()), {})
+
+
+def extend(code: str, _: pytest.MonkeyPatch) -> None:
+    """As the file that states it; tests/workflow/test_extensions.py runs a study with all."""
+    [kind] = [kind for kind, own in KINDS.items() if f"{own.name} = {{" in code]
+    Path("extensions").mkdir()
+    Path("extensions", f"{kind}.py").write_text(code)
+    program = f"from {KINDS[kind].taken_up_by} import *"
+    environment = os.environ | {"PYTHONPATH": str(PROJECT)}
+    subprocess.run([sys.executable, "-c", program], env=environment, check=True)
+
+
+def use_the_rules(code: str, _: pytest.MonkeyPatch) -> None:
+    """What it imports; tests/workflow/test_lab.py runs the rules as a module."""
+    known: dict[str, Path] = {}
+    exec(code.partition("\n")[0], known)
+    assert known["SNAKEFILE"].is_file()
+
+
+def estimate_live(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the copied file of the estimator, and an arm's file, beside it."""
+    shutil.copy(PROJECT / "ur5lib" / "force" / "live.py", "live.py")
+    Path("arm.json").write_text(json.dumps(arm_file()))
+    monkeypatch.syspath_prepend(".")
+    known: dict[str, Any] = {"time": 0.0, "q": np.zeros(6), "qd": np.zeros(6)}
+    exec(code, known | {"current": np.zeros(6)}, known)
+    assert known["contact"] == "unknown"
+
+
+PYTHON: dict[str, Callable[[str, pytest.MonkeyPatch], None]] = {
+    "import rtde_receive": record,
+    ">>> import ur5lib": read,
+    "import ur5lib": fit,
+    "import numpy as np": extend,
+    "from live import Live": estimate_live,
+    "from ur5lib.workspace.places import": use_the_rules,
+}
+
+
+@of_kind("python")
+def test_code_runs(example: Example, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    if example.page == "docs/outside.md":
+        pytest.skip("tests/rivals runs it")
+    monkeypatch.chdir(tmp_path)
+    runs = [run for start, run in PYTHON.items() if example.text.startswith(start)]
+    assert runs, "nobody has said yet how this example is run"
+    runs[0](example.text, monkeypatch)

@@ -1,0 +1,220 @@
+"""A fit that contradicts the arm is a stop sign, and so is a recording that does."""
+
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.current_study import (
+    CONSTANT,
+    FRICTION,
+    make_record,
+    noisy,
+    prior,
+    smooth,
+    with_current,
+    with_noise,
+)
+from tests.made_tables import empty, table
+from ur5lib.errors import remark
+from ur5lib.force.residual_model import Residuals
+from ur5lib.identification.current_regression import fit_currents, fit_without_each_path
+from ur5lib.identification.currents import constants_doubt, parameters, predict, torque_constants
+from ur5lib.identification.prior import Prior
+from ur5lib.identification.regression import Normal
+from ur5lib.identification.samples import CurrentSamples
+from ur5lib.identification.validation import (
+    baseline_current,
+    explained_share,
+    least_squares_coefficients,
+)
+from ur5lib.records.friction import CurrentFit, Friction
+from ur5lib.records.quality import Contradictions, Quality, contradiction
+from ur5lib.records.wording import worded
+from ur5lib.report.results import Results
+from ur5lib.report.views.first_screen import left_out_fits, stop_signs
+from ur5lib.steps.fit_friction import (
+    ContradictionError,
+    explained_by_others,
+    require_known_constants,
+    require_no_stop_sign,
+    require_single_runs,
+)
+from ur5lib.steps.fit_residuals import residual_models
+from ur5lib.tidy import models
+from ur5lib.timeseries.arrays import Array
+
+WRONG = "another arm"
+
+
+@pytest.fixture(scope="module")
+def records() -> list[CurrentSamples]:
+    return noisy((1, 2, 3), seconds=12.0)
+
+
+@pytest.fixture(scope="module")
+def fit(records: list[CurrentSamples]) -> CurrentFit:
+    return fit_currents(records[:2], smooth, prior())
+
+
+def known(factor: float, width: float) -> Prior:
+    inverse = 1 / (factor * CONSTANT)
+    return Prior(Normal(inverse, np.diag((width * inverse) ** -2.0)), np.full(6, 150.0))
+
+
+def test_known_constants_are_accepted(fit: CurrentFit) -> None:
+    require_known_constants(fit, known(1.0, 0.1))
+    require_known_constants(fit, known(1.4, 0.05))  # many deviations off, as wrists of real arms
+    require_known_constants(fit, known(2.2, 0.3))  # hardly known
+
+
+@pytest.mark.parametrize("factor", [2.2, 0.4])
+def test_constants_of_a_larger_or_smaller_arm_are_a_stop_sign(
+    records: list[CurrentSamples], fit: CurrentFit, factor: float
+) -> None:
+    other = known(factor, 0.1)
+    if factor < 1:
+        fit = fit_currents(records[:2], smooth, other)
+    with pytest.raises(ContradictionError) as sign:
+        require_known_constants(fit, other)
+    said = asdict(sign.value.remark)
+    assert said["code"] == "contradicting constants"
+    assert said["values"]["each"][0]["values"]["joint"] == 1
+
+
+def test_nothing_is_fitted_to_a_recording_with_a_stop_sign() -> None:
+    require_no_stop_sign({"a": Contradictions()})
+    with pytest.raises(ContradictionError) as sign:
+        require_no_stop_sign(
+            {"a": Contradictions(), "b": Contradictions([contradiction("unusable")])}
+        )
+    assert sign.value.remark == remark("contradicting recordings", names=["b"])
+
+
+def test_nothing_is_fitted_to_a_run_that_counts_twice() -> None:
+    run, other = Quality(fingerprint=[*range(9)]), Quality(fingerprint=[*range(9, 18)])
+    require_single_runs({"a": run, "b": other, "without currents": Quality()})
+    with pytest.raises(ContradictionError) as sign:
+        require_single_runs({"a": run, "b": other, "c": run})
+    assert sign.value.remark == remark("copied recordings", names=["a", "c"])
+
+
+def shares_of(records: list[CurrentSamples]) -> Array:
+    """The share of the currents' variance that fits to other paths explain."""
+    fits = fit_without_each_path(records, smooth, prior())
+    shares = explained_by_others(records, fits, smooth)
+    assert shares is not None
+    return shares
+
+
+def test_fits_to_other_paths_explain_the_currents_of_a_free_arm(
+    records: list[CurrentSamples],
+) -> None:
+    assert shares_of(records).min() > 0.5
+    assert explained_by_others(records[:1], [], smooth) is None
+
+
+def test_hand_led_currents_are_explained_by_none(records: list[CurrentSamples]) -> None:
+    """They follow the hand that leads the arm, and not its torque."""
+    others = [make_record(seed, seconds=12.0) for seed in (101, 102)]
+    pairs = zip(records[:2], others, strict=True)
+    shares = shares_of([replace(own, current=-other.current) for own, other in pairs])
+    assert (shares <= 0).sum() > 3
+    found = residual_models([], Friction(explained=shares), 2.0)
+    assert found == Residuals(refused=found.refused)
+    assert found.refused is not None
+    assert found.refused.code == "unknown torques"
+
+
+@pytest.mark.parametrize(
+    ("known", "joints", "refused"), [(2, 6, True), (3, 6, False), (2, 2, False)]
+)
+def test_a_force_needs_three_joints_or_all(
+    fit: CurrentFit, known: int, joints: int, refused: bool
+) -> None:
+    shares = np.where(np.arange(joints) < known, 0.5, -0.5)
+    others = Friction(explained=shares, fit=fit, paths=2)
+    told = residual_models([], others, 2.0).refused
+    assert (told == remark("unknown torques", joints=[3, 4, 5, 6])) == refused
+
+
+def test_explained_shares_are_those_of_a_constant_and_of_the_truth() -> None:
+    record = make_record(1, seconds=12.0)
+    mean = np.broadcast_to(smooth(record.current, record).mean(axis=0), record.current.shape)
+    assert explained_share([record], [mean], smooth) == pytest.approx(np.zeros(6), abs=1e-9)
+    assert explained_share([record], [record.current], smooth) == pytest.approx(np.ones(6))
+
+
+def results(signs: int, stopped: str | None) -> Results:
+    sign = worded(contradiction("unusable", error=WRONG))
+    rows = [{"recording": f"run_{k}"} | sign for k in range(signs)]
+    key, why = ("stopped", stopped) if stopped else ("refused", "too short")
+    friction = {"from": [], key: asdict(remark("other reason", reason=why))}
+    tables = {
+        "quality": pd.concat([empty("quality"), pd.DataFrame(rows)]),
+        "remarks": table(models.remarks, {"ur5": (None, friction, None)}),
+    }
+    return Results({}, tables, Path())
+
+
+def test_stop_signs_are_reported_first() -> None:
+    assert [*stop_signs(results(1, "wrong constants"))] == [
+        "Stop sign on run_0: another arm. No forces are stated for it.",
+        "Stop sign on ur5: wrong constants. No forces are stated for this arm.",
+    ]
+    copied = results(1, None)
+    copied.tables["quality"]["finding"] = "same run"
+    assert [*stop_signs(copied)] == ["Stop sign on run_0: another arm."]
+    assert left_out_fits(results(1, "wrong constants")) == []
+    assert [*stop_signs(results(0, None))] == []
+    assert left_out_fits(results(0, None)) == ["Friction of ur5: too short."]
+
+
+def test_of_many_stop_signs_the_first_are_reported() -> None:
+    assert [*stop_signs(results(9, None))][-1] == (
+        "There are 9 stop signs in all; tables/quality.csv lists them."
+    )
+
+
+def without_torque(record: CurrentSamples, joints: list[int]) -> CurrentSamples:
+    """The record with currents of friction alone, as an arm has whose inertia they hardly show."""
+    still = replace(record, torque=record.torque * ~np.isin(np.arange(6), joints))
+    return replace(record, current=with_current(still).current)
+
+
+def test_a_current_without_torque_keeps_the_known_constant() -> None:
+    """Its friction is then right, too; the other joints are as if nothing had happened."""
+    records = [with_noise(without_torque(make_record(k), [0, 4]), k) for k in (1, 2, 3)]
+    fit = fit_currents(records, smooth, prior(0.3))
+    lost = [joint.contradicted is not None for joint in fit.joints]
+    assert lost == [True, False, False, False, True, False]
+    np.testing.assert_allclose(torque_constants(fit)[[0, 4]], CONSTANT[[0, 4]], rtol=0.01)
+    rows = {(row.joint, row.name): row for row in parameters(fit)}
+    for joint in (1, 5):
+        constant, coulomb = rows[joint, "torque_constant"], rows[joint, "coulomb"]
+        assert not constant.determined
+        assert constant.std_error == pytest.approx(0.3 * CONSTANT[joint - 1], rel=0.4)
+        assert coulomb.interval[0] < FRICTION[joint - 1][0] < coulomb.interval[1]
+    assert (constants_doubt(fit)[[0, 4]] > 0.25).all()
+    assert (constants_doubt(fit)[[1, 2, 3]] < 0.1).all()
+    require_known_constants(fit, prior(0.3))
+
+
+def test_a_current_without_torque_is_predicted_as_well_as_by_least_squares() -> None:
+    """With the known constant in it, the prediction would err by the torque that it lacks."""
+    *records, other = (without_torque(make_record(k), [0, 4]) for k in (1, 2, 3, 9))
+    noise = [with_noise(own, seed) for seed, own in enumerate(records)]
+    fit, plain = fit_currents(noise, smooth, prior(0.3)), least_squares_coefficients(noise)
+    errors = other.current - predict(fit, other), other.current - baseline_current(other, plain)
+    ours, rival = (np.sqrt(np.mean(smooth(own, other) ** 2, axis=0)) for own in errors)
+    assert (ours <= 1.05 * rival)[[0, 4]].all()
+
+
+def test_four_joints_without_torque_are_a_stop_sign() -> None:
+    records = [with_noise(without_torque(make_record(k), [0, 1, 2, 4]), k) for k in (1, 2)]
+    fit = fit_currents(records, smooth, prior(0.3))
+    assert sum(joint.contradicted is not None for joint in fit.joints) == 4
+    with pytest.raises(ContradictionError):
+        require_known_constants(fit, prior(0.3))

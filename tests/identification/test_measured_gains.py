@@ -1,0 +1,154 @@
+"""The gains of measured torques, of made-up arms whose links, rotors and sides are known: a torque
+in Nm has a gain of 1, or the description is wrong.
+"""
+
+import numpy as np
+import pytest
+
+from tests.identification.test_measured_torques import drawn_run
+from tests.made_records import motion_of, signals_of, torques_of
+from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.errors import Remark
+from ur5lib.records.carried import Carried
+from ur5lib.records.friction import Friction, Parameter
+from ur5lib.records.premises import Premises
+from ur5lib.records.quality import Contradictions, Quality
+from ur5lib.records.wording import in_words
+from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.steps.fit_friction import fit_friction
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.lowpass import Butterworth
+
+ROTORS = np.array([6.0, 6.0, 3.0, 0.8, 0.8, 0.8])  # kg m²
+GEAR = 100.0
+NAMES = [f"run {seed}" for seed in range(6)]
+PREMISES = Premises(Carried(None, "none", None), Contradictions())
+
+
+@pytest.fixture(scope="module")
+def arm() -> Robot:
+    """A UR10e whose torques are measured, and whose rotors nobody described."""
+    known = load_robot(robot_path("ur10e"))
+    rigid = known.models[known.chosen_model].model_copy(update={"rotor_inertias": ()})
+    motors = {f"any {name}": own for name, own in known.motors.items()}
+    joints = tuple(f"any {name}" for name in known.joints)  # friction is not known to be a UR's
+    links = {"models": {"maker": rigid}, "chosen_model": "maker", "effort": "torque"}
+    return known.model_copy(update={"joints": joints, "motors": motors} | links)
+
+
+def fitted(arm: Robot, gains: Array | float = 1.0, rotors: Array | float = 0.0) -> Friction:
+    """From torques that are those of the true links and of rotors, over gains (6,)."""
+    runs = [drawn_run(arm, seed) for seed in range(len(NAMES))]
+    signals, motion, torques = {}, {}, {}
+    for name, run in zip(NAMES, runs, strict=True):
+        own, time = run.samples, run.samples.period * np.arange(len(run.qdd))
+        pose = own.q.copy(), own.qd.copy(), run.qdd.copy()
+        measured = (own.current + rotors * run.qdd) / gains
+        signals[name] = signals_of(time, pose[0], actual_torque=measured)
+        motion[name] = motion_of(time, *pose)
+        rigid = run.regressor(*pose) @ LinkModel(arm, arm.chosen_model).parameters
+        torques[name] = torques_of(time, {}, {"maker": rigid})
+    of_each = dict.fromkeys(NAMES, PREMISES), {name: Quality() for name in NAMES}
+    dates = dict.fromkeys(NAMES, "")
+    return fit_friction(arm, signals, motion, torques, *of_each, {}, dates, Butterworth(4, 2.0))
+
+
+@pytest.fixture(scope="module")
+def right(arm: Robot) -> Friction:
+    """From torques in Nm of the sides of the joints, without rotors."""
+    return fitted(arm)
+
+
+def rows(friction: Friction, name: str) -> list[Parameter]:
+    return [row for row in friction.parameters if row.name == name]
+
+
+def stop_sign(friction: Friction) -> Remark:
+    assert friction.stopped is not None
+    assert not friction.fit.joints  # so that no force is stated
+    return friction.stopped
+
+
+def test_rotors_that_are_not_described_are_fitted(arm: Robot) -> None:
+    """What they take is neither the torque's gain nor friction."""
+    friction = fitted(arm, rotors=ROTORS)
+    for row, rotor in zip(rows(friction, "rotor"), ROTORS, strict=True):
+        assert row.interval[0] < rotor < row.interval[1]
+        assert abs(row.value - rotor) < 0.2 * rotor
+    for row in rows(friction, "torque_constant"):
+        assert abs(row.value - 1) < 0.05 or not row.determined
+    for row in rows(friction, "coulomb"):
+        assert row.interval[0] < 8 < row.interval[1]
+
+
+def test_rotors_that_sensors_do_not_feel_are_not_fitted(right: Friction) -> None:
+    """They would cost accuracy: paths that are left out are predicted no better with them."""
+    assert not rows(right, "rotor")
+    for row in rows(right, "torque_constant"):
+        assert abs(row.value - 1) < 0.05 or not row.determined
+
+
+def test_a_rotor_without_inertia_is_not_determined(arm: Robot) -> None:
+    """As where the links of a description have too much of it."""
+    assert not any(row.determined for row in rows(fitted(arm, rotors=-1.0), "rotor"))
+
+
+def test_rotors_that_are_described_are_not_fitted_again(arm: Robot) -> None:
+    model = arm.models["maker"].model_copy(update={"rotor_inertias": (0.0,) * 6})
+    friction = fitted(arm.with_model("maker", model))
+    assert rows(friction, "torque_constant")
+    assert not rows(friction, "rotor")
+
+
+def test_a_gain_that_is_known_as_well_before_is_not_determined(right: Friction) -> None:
+    """As that of joint 6, which bears nothing, while joint 2 bears all."""
+    _, second, *_, last = rows(right, "torque_constant")
+    assert (second.determined, last.determined) == (True, False)
+
+
+def test_inertia_tells_no_gain(arm: Robot) -> None:
+    """Joint 1 bears no gravity: the inertia of a description is known less well than its masses."""
+    first, *_ = rows(fitted(arm, gains=np.array([1.08, 1, 1, 1, 1, 1])), "torque_constant")
+    assert (first.value, first.determined) == (pytest.approx(1, abs=1e-3), False)
+
+
+def test_friction_without_a_sure_sign_is_not_determined(right: Friction) -> None:
+    """There is no load-dependent friction in these torques."""
+    assert not any(row.determined for row in rows(right, "load") if row.interval[0] < 0)
+    assert all(row.determined for row in rows(right, "viscous"))
+
+
+@pytest.mark.parametrize("gear", [GEAR, 2.0, 0.5])
+def test_torques_of_another_side_are_a_stop_sign(arm: Robot, gear: float) -> None:
+    sign = stop_sign(fitted(arm, gains=gear))
+    assert sign.code == "contradicting gains"
+    assert {2, 3} <= {each.values["joint"] for each in sign.values["each"]}
+    assert all(name in in_words(sign) for name in ("gear_ratio", "rotors", "links"))
+
+
+def test_an_opposite_sign_is_named_with_its_remedy(arm: Robot) -> None:
+    """Of one joint, which a column may have, the known gain stands in."""
+    sign = stop_sign(fitted(arm, gains=np.array([1, -1, -1, 1, 1, 1.0])))
+    assert [each.values["joint"] for each in sign.values["each"]] == [2, 3]
+    assert "units" in in_words(sign)
+    (remark,) = fitted(arm, gains=np.array([1, -1, 1, 1, 1, 1.0])).fit.joints[1].remarks
+    assert "rotor" not in in_words(remark)
+    assert "units" in in_words(remark)
+
+
+def test_gains_of_right_torques_are_no_stop_sign(arm: Robot) -> None:
+    assert fitted(arm, gains=np.array([1.03, 0.98, 1.02, 1, 0.97, 1])).stopped is None
+
+
+@pytest.mark.parametrize(
+    ("told", "stops"),
+    [({}, True), ({"effort": "joint_torque"}, False), ({"weight": 40.0}, False)],
+)
+def test_links_found_from_torques_need_the_side_of_these(
+    arm: Robot, told: dict[str, object], stops: bool
+) -> None:
+    """Their scale is that of the torques, whichever it is."""
+    friction = fitted(arm.model_copy(update={"links": "fitted", "weight": None} | told))
+    assert (friction.stopped is not None) == stops
+    if stops:
+        assert "`effort: " in in_words(stop_sign(friction))

@@ -1,0 +1,197 @@
+"""A stop sign that the study accepts is a warning with its reason, and nothing waits for it."""
+
+import ast
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.command import Command
+from tests.conftest import PROJECT, said
+from tests.current_study import CONSTANT, noisy, prior, smooth
+from tests.made_records import motion_of
+from tests.report.test_verdicts import study as results_of
+from tests.synthetic import poor_log
+from ur5lib.channels import columns
+from ur5lib.errors import InputError
+from ur5lib.identification.prior import Prior
+from ur5lib.identification.regression import Normal
+from ur5lib.records.accepted import ACCEPTED, accepting, up_to_first_standing
+from ur5lib.records.quality import Contradictions, contradiction
+from ur5lib.records.wording import worded
+from ur5lib.report.views.first_screen import verdicts
+from ur5lib.report.views.recordings import accepted
+from ur5lib.robots.description import Robot
+from ur5lib.steps.compute_torques import compute_torques
+from ur5lib.steps.fit_friction import ContradictionError, fitted_friction, require_no_stop_sign
+from ur5lib.study.accept import Accept
+from ur5lib.study.reading import parse_study
+from ur5lib.tables import write_table
+from ur5lib.tidy import files, models
+
+REASON = "as in the maker's manual"
+STUDY = """
+study: mine
+title: Mine
+recordings:
+- {name: run, robot: ur5, format: table-csv, folder: ., file: run.csv, role: validate,
+   columns: [time, actual_q, actual_qd, actual_current]%s}
+"""
+
+
+# Kinds
+
+
+def test_each_stop_sign_has_one_kind_that_a_study_may_name() -> None:
+    modules = (ast.parse(path.read_text()) for path in (PROJECT / "ur5lib/checks").glob("*.py"))
+    nodes = (node for module in modules for node in ast.walk(module) if isinstance(node, ast.Call))
+    signs = [node for node in nodes if getattr(node.func, "id", "") == "contradiction"]
+    kinds = [ast.literal_eval(sign.args[1]) for sign in signs]
+    assert len(kinds) > 20
+    assert {*kinds} | {"side"} == Accept.model_fields.keys()  # that of an arm, by its fit
+
+
+def parsed(**accept: object) -> dict[str, str]:
+    entry = {"name": "a", "robot": "ur5", "format": "thesis-csv", "role": "contact"}
+    entry |= {"simulate": {"trajectory": {"kind": "standstill"}}, "accept": accept}
+    raw = {"study": "s", "title": "t", "accept": {"order": "all", "sign": "all"}}
+    return parse_study(raw | {"recordings": [entry]}, "s.yaml").recordings[0].accepted()
+
+
+def test_a_recording_has_the_reasons_of_the_study_and_its_own() -> None:
+    assert parsed(order="own", unit="own") == {"order": "own", "sign": "all", "unit": "own"}
+
+
+@pytest.mark.parametrize(
+    ("accept", "told"), [({"ordr": REASON}, "did you mean `order`"), ({"order": " "}, "reason")]
+)
+def test_other_kinds_and_empty_reasons_are_errors(accept: dict[str, str], told: str) -> None:
+    with pytest.raises(InputError, match=told):
+        parsed(**accept)
+
+
+# Recordings
+
+
+ORDER, LATE = (
+    contradiction("exchanged joints", "order", joint=1, other=3),
+    contradiction("late current", "delay", name="actual_current", seconds=0.3),
+)
+
+
+def test_an_accepted_stop_sign_is_a_warning_and_others_stand() -> None:
+    found = accepting(Contradictions([ORDER, LATE]), {"order": REASON})
+    assert found.stop_signs == [LATE]
+    (warning,) = found.findings
+    assert (warning.finding, warning.severity) == (ACCEPTED, "warning")
+    rows = pd.DataFrame(map(worded, files.findings(files.Quality(), found)))
+    told = rows.loc[rows["finding"] == ACCEPTED, "detail"].item()
+    assert told.startswith(f"accepted by the study: {REASON}")
+    assert "joints 1 and 3" in told
+    assert "`accept: {delay:" in rows.loc[rows["severity"] == "stop", "detail"].item()
+    require_no_stop_sign({"run": accepting(Contradictions([ORDER]), {"order": REASON})})
+
+
+def test_a_reason_that_nothing_needs_is_a_note() -> None:
+    found = accepting(Contradictions([]), {"order": REASON})
+    (note,) = found.findings
+    assert note.severity == "note"
+    assert "order" in said(note)
+
+
+def test_behind_an_accepted_stop_sign_others_are_looked_for() -> None:
+    signs = [ORDER, LATE, contradiction("undeclared load", "payload", mass=2.0)]
+    assert [*up_to_first_standing(signs, [])] == signs[:1]
+    assert [*up_to_first_standing(signs, ["order"])] == signs[:2]
+
+
+@pytest.fixture(scope="module")
+def exchanged(ur5: Robot) -> pd.DataFrame:
+    """A right log whose columns of joints 1 and 3 are exchanged."""
+    log, names = poor_log(ur5, 32.0, seed=1), ("actual_q", "actual_qd", "actual_current")
+    pairs = [[f"{name}_0", f"{name}_2"] for name in names]
+    return log.assign(**{one: log[other] for pair in pairs for one, other in (pair, pair[::-1])})
+
+
+@pytest.mark.parametrize(
+    ("accept", "status", "told"),
+    [
+        ("", 1, "`accept: {order: the reason}` overrules this"),
+        (f", accept: {{order: {REASON}}}", 1, "`accept: {constants: the reason}` overrules this"),
+        (f", accept: {{order: {REASON}, constants: well}}", 0, f"accepted by the study: {REASON}"),
+        (f", accept: {{delay: {REASON}}}", 1, "`accept` names delay"),
+    ],
+)
+def test_a_check_prints_it_and_goes_on(
+    exchanged: pd.DataFrame,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    run_ur5: Command,
+    accept: str,
+    status: int,
+    told: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "500")
+    exchanged.to_csv("run.csv", index=False)
+    Path("study.yaml").write_text(STUDY % accept)
+    answer = run_ur5("check", "study.yaml")
+    assert (answer.status, answer.line.count(told)) == (status, 1)
+
+
+def test_the_torques_of_an_accepted_recording_rest_on_no_stop_sign(
+    exchanged: pd.DataFrame, ur5: Robot, tmp_path: Path
+) -> None:
+    file, time = tmp_path / "signals.parquet", exchanged["time"].to_numpy()
+    write_table(exchanged.assign(segment=0, interpolated=False), file)
+    q, qd = (exchanged[columns(name)].to_numpy() for name in ("actual_q", "actual_qd"))
+    motion = motion_of(time, q, qd)
+    stopped, passed = (
+        compute_torques(file, motion, ur5, "validate", 2.0, accepted=accept).premises
+        for accept in (None, {"order": REASON, "constants": REASON})
+    )
+    assert [sign.code for sign in stopped.contradictions.stop_signs] == ["exchanged joints"]
+    assert passed.contradictions.stop_signs == []
+    assert [one.finding for one in passed.contradictions.findings][:2] == [ACCEPTED] * 2
+
+
+# Arms
+
+
+def test_accepted_torque_constants_are_fitted_and_remarked() -> None:
+    records, inverse = noisy((1, 2), seconds=12.0), 1 / (0.4 * CONSTANT)
+    other = Prior(Normal(inverse, np.diag((0.1 * inverse) ** -2.0)), np.full(6, 150.0))
+    with pytest.raises(ContradictionError):
+        fitted_friction(records, other, smooth)
+    fitted = fitted_friction(records, other, smooth, "", {"constants": REASON})
+    assert len(fitted.fit.joints) == 6
+    assert fitted.stopped is None
+    (row,) = (row for row in models.remarks(None, fitted, None) if row["code"] == ACCEPTED)
+    assert REASON in row["remark"]
+    assert fitted_friction(records, prior(), smooth, "", {"constants": REASON}).remarks == []
+
+
+# The report
+
+
+def test_cards_and_sections_name_the_reason() -> None:
+    warning = asdict(accepting(Contradictions([ORDER]), {"order": REASON}).findings[0])
+    detail = f"accepted by the study: {REASON}; found: joints 1 and 3"
+    row = {key: warning[key] for key in ("device", "finding", "severity", "count")}
+    results = results_of(quality=[row | {"recording": "pushed", "detail": detail}])
+    assert [*accepted(results)] == [f"On pushed, {detail}."]
+    cards = verdicts(results)
+    assert len(cards) > 2
+    assert all(REASON in card.evidence for card in cards)
+    assert [*accepted(results_of())] == []
+
+
+def test_of_many_reasons_the_first_are_told() -> None:
+    quality = [
+        {"recording": f"run_{k}", "finding": ACCEPTED, "severity": "warning", "detail": str(k)}
+        for k in range(9)
+    ]
+    *told, more = accepted(results_of(quality=quality))
+    assert (len(told), more.split()[0]) == (4, "5")
