@@ -68,6 +68,9 @@ def test_the_card_quotes_pushes_where_the_contacts_are_and_the_table_all() -> No
 def test_the_first_sentence_begins_with_the_pushes() -> None:
     (told,) = result(observed([*SLOW, TRIED], force_mae=touched(2.0)))
     assert told.startswith("Pushes from 28 N on (95 %: 18 to 38) are noticed in slow motion")
+    pushes = [push(60.0, "x", 0.01), push(93.0, "y", 0.01, std=20.0), TRIED]
+    (told,) = result(observed(pushes, force_mae=touched(2.0)))
+    assert told.startswith("Pushes from 93 N on (95 %: 54 to > 100) are noticed")
     (told,) = result(observed([*REST, *SLOW, TRIED], force_mae=touched(2.0)))
     assert told.startswith("Pushes of up to 100 N may stay unnoticed at rest, along y; in slow")
 
