@@ -128,7 +128,7 @@ UNKNOWN = {"determined": "no", "prior_share": 0.8}
 
 
 @pytest.mark.parametrize(
-    ("second", "expected"), [({}, "good"), (UNKNOWN, "usable"), (REFUSED, "do not use")]
+    ("second", "expected"), [({}, "good"), (UNKNOWN, "usable"), (REFUSED, "usable")]
 )
 def test_torque_constants_are_good_where_the_data_determine_them(
     second: dict[str, Any], expected: str
@@ -142,20 +142,18 @@ def test_torque_constants_are_good_where_the_data_determine_them(
 
 
 @pytest.mark.parametrize("given", [142.0, -36.6])
-def test_a_contradicting_constant_is_the_farthest_and_stops_the_headline(given: float) -> None:
-    """Neither it nor the known one, which is used instead, can be relied on: card, number and
-    headline say so alike.
-    """
+def test_a_refused_constant_is_the_farthest_and_named_by_the_headline(given: float) -> None:
+    """Card, number and headline say alike which constants may be used."""
     rows = [constant(1, 10.0, **REFUSED | {"contradicted": given}), constant(2, 11.0)]
     results = study(friction=[*rows, constant(3, 10.0, **UNKNOWN)])
     verdict = judge_constants(results)
-    assert verdict.state == "do not use"
+    assert verdict.state == "usable"
     assert "Use those of joint 2 (1 of 3) only." in verdict.sentence
     (number,) = verdict.numbers
     assert (number.place, number.value, number.low) == ("joint 1", given, None)
     (headline,) = result(results)
-    assert "joint 1 contradicts" in headline
-    assert "within" not in headline
+    assert "constant of joint 2 is known within" in headline
+    assert "the currents of joint 1 contradict the known torque constant." in headline
 
 
 def test_the_headline_states_how_sure_its_constants_are() -> None:

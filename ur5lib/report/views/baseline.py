@@ -97,7 +97,7 @@ class Rival:
         if self.better.empty:
             return verdict
         words = {"better": self.better, "joints": self.better.index.name == "joint"}
-        return f"{verdict} {say('error.rival', name=self.name, unit=unit, **words)}"
+        return " ".join([verdict, say("error.rival", name=self.name, unit=unit, **words)])
 
 
 @dataclass(frozen=True)

@@ -180,9 +180,9 @@ def judge_constants(results: Results) -> Verdict | None:
     unlikely = [*results.rows("remarks", code="unlikely constant")["joint"].astype(int)]
     apart = [*rows.loc[is_far(rows) & determined & ~rows["joint"].isin(unlikely), "joint"]]
     against = contradicting(results)
-    state: State = "good" if determined.all() and not apart else "usable"
-    if against or not constants:
-        state = "do not use" if against else "not determined"
+    state: State = "good" if determined.all() and not (against or apart) else "usable"
+    if unlikely or not constants:
+        state = "do not use" if unlikely else "not determined"
     words = {"known": constants, "unlikely": unlikely, "apart": apart, "refused": rows[refused]}
     words["usable"] = rows.loc[determined & ~rows["joint"].isin(against), "joint"]
     return Verdict(
@@ -196,9 +196,7 @@ def judge_constants(results: Results) -> Verdict | None:
 
 
 def contradicting(results: Results) -> list[int]:
-    """Return the joints whose currents contradict the known constant, whichever of the two is then
-    used: neither can be relied on.
-    """
+    """Return the joints whose currents contradict the known constant, whichever is used."""
     rows = results.rows("friction", parameter=CONSTANTS)
     refused = rows.loc[rows["contradicted"].notna(), "joint"]
     unlikely = results.rows("remarks", code="unlikely constant")["joint"]
