@@ -147,7 +147,7 @@ rule write_report:
         **traces("write_report"),
     params:
         code=code("write_report", *PAGE, TEMPLATES / "report.typ"),
-        last=f"{RESULTS}/results.json",
+        last=lambda wildcards, output: output.results,
         study=lambda wildcards: STUDY_TEXT,
     run:
         run_step(rule, input, output, params, log)
