@@ -162,7 +162,7 @@ def test_the_headline_states_how_sure_its_constants_are() -> None:
     assert "of 2 joints are known within 5 % (joint 2) to 10 % (joint 1) at 95 %." in headline
     path = {"robot": "ur5", "step": "friction", "joint": 1, "remark": "", "code": "one path"}
     (headline,) = result(study(friction=rows, remarks=[path]))
-    assert "tests no error bar" in headline
+    assert "no error bar is tested" in headline
 
 
 def test_torque_constants_that_no_recording_determines_are_not_usable() -> None:
@@ -861,7 +861,7 @@ def test_the_card_of_the_force_counts_missed_contacts_and_false_alarms() -> None
     told = said(card)
     assert "Of 8 contacts from 5 N on, 2 are missed (up to 21 N), live 6" in told
     assert "False alarms: 0 in 1.0 min without contact, at most 3 a minute" in card.answers[-1]
-    assert "live 1, at most 4.7, not knowing for 0" in card.answers[-1]
+    assert "live 1, at most 4.7, unable to judge 0" in card.answers[-1]
     assert "in 1.0 minutes" in told
     assert ": 0, that is at most 3 a minute (95 %); no day without a fit recording" in told
     assert "in 100 % of the time, raises 1." in told

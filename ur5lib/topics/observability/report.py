@@ -95,16 +95,17 @@ def _elsewhere(results: Results, pushes: pd.DataFrame) -> list[pd.DataFrame]:
 
 
 def too_small(results: Results) -> Iterator[str]:
-    """Say which alarms are of a smaller force, and how many missed contacts are smaller, than what
-    is noticed at their speed along any axis.
+    """Say which contacts without a sensor, and how many that are missed at a sensor, are of a
+    smaller force than what is noticed at their speed along any axis.
     """
-    for recording in results.rows("contacts", estimate=LEADING)["recording"].unique():
+    sensed = at_sensors(results)
+    touched = results.with_role("contact", results.rows("contacts", estimate=LEADING)["recording"])
+    for recording in sorted({*touched} - {*sensed["recording"]}):
         least = _least_noticed(results, recording)
         alarms = contacts(results, recording)
         small = alarms[alarms["size"] < flange_speeds(alarms).map(least).astype(float)]
         if len(small):
             yield say("observability.hardly", name=recording, times=[*small["peak_s"]])
-    sensed = at_sensors(results)
     for recording, missed in sensed[sensed["fate"] == FATES[-1]].groupby("recording"):
         rests = not results.moving(str(recording))
         least = _least_noticed(results, str(recording))
