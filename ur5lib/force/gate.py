@@ -6,7 +6,7 @@ slow part of a free arm's torque, is smoothed without the contacts. Smoothing th
 computing the probabilities of the states alternate.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -152,12 +152,11 @@ class Observations:
             for share in (0.0, *self.prior.hunting)
         ]
 
-    def contact_covariances(self) -> list[Array]:
-        """Return the covariances Jᵀ P J (N, n, n) of the torque of each kind of contact."""
+    def contact_covariances(self) -> Iterator[Array]:
+        """Yield the covariances Jᵀ P J (N, n, n) of the torque of each kind of contact."""
         by_force, by_moment = (half.mT @ half for half in np.split(self.jacobian, 2, axis=1))
-        return [  # isotropic, both in force and moment
-            contact[0, 0] * by_force + contact[-1, -1] * by_moment for contact in self.prior.bank()
-        ]
+        for contact in self.prior.bank():  # isotropic, both in force and moment
+            yield contact[0, 0] * by_force + contact[-1, -1] * by_moment
 
 
 def find_contacts(observations: Observations) -> tuple[Array, Gaussians]:
@@ -166,8 +165,7 @@ def find_contacts(observations: Observations) -> tuple[Array, Gaussians]:
     measured_rows = finite_rows(observations.torque)
     filled = np.where(measured_rows[:, None], observations.torque, 0.0)
     free_covariances = observations.free_covariances()
-    contact_covariances = observations.contact_covariances()
-    transitions, start = state_chain(len(free_covariances), len(contact_covariances), period, prior)
+    transitions, start = state_chain(len(free_covariances), len(prior.bank()), period, prior)
     slow = rest_background = Gaussians(np.zeros_like(filled), diagonal(noise.spread))
     last_round = len(BACKGROUND_COVARIANCE_FACTORS) - 1
     for number, share in enumerate(BACKGROUND_COVARIANCE_FACTORS):
@@ -180,7 +178,8 @@ def find_contacts(observations: Observations) -> tuple[Array, Gaussians]:
         residual = filled - slow.mean
         contact_noise = diagonal(noise.quick + noise.hidden) + share * slow.covariance
         contact_evidence = [
-            log_density(residual, contact_noise + contact) for contact in contact_covariances
+            log_density(residual, contact_noise + contact)
+            for contact in observations.contact_covariances()
         ]
         evidence = np.stack([*free_evidence, *contact_evidence], axis=1)  # (N, S)
         evidence *= observations.worth * measured_rows[:, None]
