@@ -27,6 +27,7 @@ from ur5lib.report.views.contacts import (
     noticed_in_words,
     widest_band,
 )
+from ur5lib.report.views.currents import decided as decided_currents
 from ur5lib.report.views.currents import (
     farthest_in_time,
     friction_known,
@@ -440,6 +441,15 @@ def test_currents_say_how_well_friction_is_known() -> None:
     assert "joints 2, 3 is not determined" in told
 
 
+def test_errors_of_currents_are_also_told_as_torques() -> None:
+    rows, constant = predicted(0.2), {"robot": "ur5", "parameter": "torque_constant", "value": 10.0}
+    results = study(current_rmse=rows, friction=[constant | {"joint": 1}])
+    assert "at most 2 Nm (joint 1)" in said(judge_currents(results))
+    assert [*decided_currents(results)["torque"].dropna()] == [2.0]
+    unknown = decided_currents(study(current_rmse=rows))["torque"]
+    assert unknown.isna().all()
+
+
 def test_currents_name_the_largest_error_and_the_least_band_by_themselves() -> None:
     """No mean over recordings hides the one on which a band holds least."""
     rows = predicted(0.2) + predicted(0.2, recording="fitted")
@@ -612,8 +622,10 @@ def test_card_and_headline_state_the_worst_mean_error_with_its_interval_and_riva
 def test_an_alarm_at_an_undeclared_load_is_not_called_false() -> None:
     about = {"recording": "seen", "estimate": "Fmap", "alarms_per_min": 1.0}
     load = {"recording": "seen", "mass": 2.0, "taken": "yes"}
-    assert len(noticed(study(detection=[about]))) == 1
-    assert noticed(study(detection=[about], payload=[load])).empty
+    assert noticed(study(detection=[about]))["false_alarms_per_min"].item() == 1.0
+    loaded = noticed(study(detection=[about], payload=[load]))
+    assert loaded["alarms_per_min"].item() == 1.0
+    assert loaded["false_alarms_per_min"].isna().all()
 
 
 def test_without_a_sensor_contacts_are_plausible_only() -> None:
@@ -788,10 +800,10 @@ def test_a_force_is_good_only_if_clearly_better_than_plain_least_squares(
     rows = touched(2.0) + [row | {"estimate": UNGATED} for row in touched(rival)] + gated
     verdict = judge_force(study(force_mae=rows))
     assert verdict.state == expected
-    told = "On pushed, plain least squares errs less: 1.50 for 2.00 N."
+    told = "On pushed, plain least squares errs less (means over x, y, z): 1.50 for 2.00 N."
     assert (told in verdict.sentence) is (rival == 1.5)
     assert f"(zero: 10.0 N; plain least squares: {rival:.1f} N)" in verdict.sentence
-    assert ("no better than plain" in verdict.sentence) is (expected == "usable")
+    assert ("more than that of plain" in verdict.sentence) is (expected == "usable")
 
 
 @pytest.mark.parametrize(("floor", "expected"), [(0.7, "good"), (0.6, "usable")])
@@ -875,6 +887,27 @@ def test_alarms_on_days_without_a_fit_are_counted_by_themselves() -> None:
         entries = [one | {"date": dates.get(one["name"])} for one in results.study["recordings"]]
         dated = replace(results, study={**results.study, "recordings": entries})
         assert false_alarms(dated)["other"] == expected
+
+
+def test_the_limit_of_false_alarms_is_that_of_the_days_that_tell_most_against_them() -> None:
+    """One alarm in a minute of another day; one in two minutes of both days."""
+    rows = [
+        {"recording": name, "estimate": "Fmap", "alarms_per_min": alarms}
+        for name, alarms in (("seen", 1.0), ("again", 0.0))
+    ]
+    results = study(detection=rows)
+    dates = {"fitted": "2026-03-01", "again": "2026-03-01", "seen": "2026-03-02"}
+    (seen,) = (entry for entry in results.study["recordings"] if entry["name"] == "seen")
+    entries = [*results.study["recordings"], seen | {"name": "again"}]
+    entries = [entry | {"date": dates.get(entry["name"])} for entry in entries]
+    listed = results.tables["recordings"]
+    again = listed[listed["recording"] == "seen"].assign(recording="again")
+    tables = {**results.tables, "recordings": pd.concat([listed, again])}
+    results = replace(results, study={**results.study, "recordings": entries}, tables=tables)
+    limit = {number.name: number for number in judge_force(results).numbers}[
+        "false alarms, upper limit"
+    ]
+    assert (round(limit.value, 1), limit.place) == (4.7, "95 %, on days without a fit recording")
 
 
 # Motion
@@ -1167,6 +1200,10 @@ def test_three_steps_are_named_and_the_most_urgent_first() -> None:
     assert next_steps(asked) == [
         "On ur5, joints 1 to 3 move along one path only: record another path."
     ]
+    bands = [{"robot": "ur5", "after": a, "force": f} for a, f in (("now", 8.0), ("more", 7.9))]
+    asked.tables["next_recordings"] = pd.DataFrame(bands)
+    (path, *_) = next_steps(asked)
+    assert path.endswith("though it hardly narrows the band of a force.")
 
 
 # Tables that used to contradict themselves

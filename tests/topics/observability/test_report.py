@@ -72,7 +72,11 @@ def test_the_first_sentence_begins_with_the_pushes() -> None:
     (told,) = result(observed(pushes, force_mae=touched(2.0)))
     assert told.startswith("Pushes from 93 N on (95 %: 54 to > 100) are noticed")
     (told,) = result(observed([*REST, *SLOW, TRIED], force_mae=touched(2.0)))
-    assert told.startswith("Pushes of up to 100 N may stay unnoticed at rest, along y; in slow")
+    assert told.startswith("Pushes of up to 100 N may stay unnoticed at rest (along y); in slow")
+    (told,) = result(
+        observed([*REST, *SLOW[:2], push(101.0, "z", 0.01), TRIED], force_mae=touched(2.0))
+    )
+    assert told.startswith("Pushes of up to 100 N may stay unnoticed at rest (along y) and in slow")
 
 
 def test_without_its_table_cards_and_the_first_sentence_say_less() -> None:

@@ -252,16 +252,24 @@ def beside_constant(results: Results) -> AgainstBaseline:
 def decided(results: Results) -> pd.DataFrame:
     """Return the errors by which the predicted currents of each arm are judged, by joint.
 
-    least_squares, i_target: errors of others; held: smallest share of readings within the band.
+    least_squares, i_target: errors of others; held: smallest share of readings within the band;
+    torque: the error of a current times the torque constant [Nm].
     """
 
     def of_arm(own: Results) -> pd.DataFrame:
         against, others = beside_constant(own), ["least_squares", "i_target"]
         means = unseen(own).pivot_table("rmse_lowpassed", "joint", "model").reindex(columns=others)
         held = against.rows.groupby("joint")["coverage95"].min().rename("held")
-        return against.by_place().join(means).join(held)
+        rows = against.by_place().join(means).join(held)
+        return rows.assign(torque=rows["error"] * torque_constants(own).reindex(rows.index))
 
     return of_each_arm(results, of_arm)
+
+
+def torque_constants(results: Results) -> pd.Series:
+    """Return the torque constants [Nm/A] of an arm by joint; empty where torques are measured."""
+    rows = results.rows("friction", parameter="torque_constant")
+    return rows.set_index("joint")["value"].astype(float)
 
 
 def resting(results: Results) -> list[str]:
@@ -295,12 +303,19 @@ def judge_currents(results: Results) -> Verdict:
         topic=spoken(CURRENTS_TOPIC),
         state=against.state(coverage, tested=not too_wide),
         sentence=against.after(say("currents.verdict", **words)),
-        answers=tuple(friction_known(results)),
+        answers=(*torque_errors(results, against), *friction_known(results)),
         evidence=say("currents.evidence", **words),
         drawing=against.drawing(),
         caption=say("error.bars", zero=against.zero, floor=against.floors),
         numbers=(*against.numbers(f"RMSE below {cutoff:g} Hz"), share),
     )
+
+
+def torque_errors(results: Results, against: AgainstBaseline) -> Iterator[str]:
+    """Say how large the errors of predicted currents are as torques of the joints."""
+    errors = (against.errors["error"] * torque_constants(results)).dropna()
+    if len(errors):
+        yield say("currents.torques", errors=errors)
 
 
 def friction_known(results: Results) -> Iterator[str]:

@@ -167,7 +167,8 @@ def missing_recordings(results: Results) -> Iterator[str]:
     for (robot, code), part in remarks.groupby(["robot", "code"], sort=False):
         if code == "few paths" and robot in hardly:
             continue  # the band would stay
-        yield say(f"steps.{code}", robot=robot, numbers=part["joint"], few=MIN_UNITS)
+        words = {"robot": robot, "numbers": part["joint"], "hardly": robot in hardly}
+        yield say(f"steps.{code}", **words, few=MIN_UNITS)
     for robot, (_, light) in _contradicted(results).items():
         if light:
             yield say("steps.light", robot=robot, numbers=light, load=results.loads.get(robot))

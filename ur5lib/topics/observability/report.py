@@ -26,7 +26,9 @@ def headline(results: Results) -> Iterator[str]:
     pushes = hardest_pushes(results).dropna(subset="value")
     if len(pushes):
         moving = easiest_pushes(results, pushes)
-        yield say("observability.headline", pushes=pushes, moving=moving)
+        unnoticed = [pushes, *_elsewhere(results, pushes)]
+        unnoticed = [part for rows in unnoticed if len(part := rows[rows["bound"] == ">"])]
+        yield say("observability.headline", pushes=pushes, moving=moving, unnoticed=unnoticed)
 
 
 def answers(results: Results, card: str) -> Iterator[str]:

@@ -250,7 +250,7 @@ def score(results: Results, estimate: str) -> ClaimScore | None:
 def claim(results: Results) -> Iterator[str]:
     """Report whether the claim holds, and why not."""
     if (claimed := score(results, CLAIMED_ESTIMATE)) is not None:
-        yield say("thesis.judged", claimed=claimed)
+        yield say("thesis.judged", claimed=claimed, ours=score(results, LEADING))
 
 
 def scores(results: Results) -> list[str]:
