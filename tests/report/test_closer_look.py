@@ -201,11 +201,24 @@ def page(chromium: Any, report: Path) -> Iterator[Any]:
     assert [line for line in told if not line.startswith(("data:", report.as_uri()))] == []
 
 
-EXTENT = """() => {
-  const stretch = stretches.get("pushed"), [{ arm }] = stretch.looks, { time } = stretch;
-  const points = arm.scene.at(time).origins.map((origin) => arm.place(origin));
-  const [across, down] = [0, 1].map((i) => points.map((one) => one[i]));
-  return [across, down].map((ends) => Math.max(...ends) - Math.min(...ends));
+FILLED = """() => {
+  const stretch = stretches.get("pushed"), [{ arm }] = stretch.looks, { scene, wide, high } = arm;
+  const opening = stretch.time;
+  const box = (time) => {
+    stretch.time = time;
+    arm.drawPicture();
+    const { origins, axes } = scene.at(time), radius = scene.radius(0) * arm.scale;
+    const marks = axes.flatMap((axis, k) => scene.mark(origins[k], axis, k));
+    const places = [...origins, ...marks].map((point) => arm.place(point));
+    return [0, 1].map((i) => places.map((place) => place[i]))
+      .map((along) => [Math.min(...along) - radius, Math.max(...along) + radius]);
+  };
+  const share = ([[left, right], [top, bottom]]) => (right - left) * (bottom - top) / (wide * high);
+  const boxes = [...scene.times].map(box);
+  const least = (i) => Math.min(...boxes.map((one) => one[i][0]));
+  const most = (i) => Math.max(...boxes.map((one) => one[i][1]));
+  return { poses: share([0, 1].map((i) => [least(i), most(i)])), opening: share(box(opening)),
+    whole: Math.min(least(0), least(1)) >= 0 && most(0) <= wide && most(1) <= high };
 }"""
 SIZED = "(name) => document.querySelector(`#${name} .u-over`).clientWidth > 150"
 
@@ -227,9 +240,17 @@ def test_the_first_screen_shows_the_arm_beside_its_curves(page: Any) -> None:
     canvas, plots = (page.locator(f"#forces {one}").bounding_box() for one in parts)
     assert canvas["x"] + canvas["width"] < plots["x"]
     assert max(one["y"] + one["height"] for one in (canvas, plots)) < 900
-    wide, high = page.evaluate(EXTENT)
-    assert max(wide / canvas["width"], high / canvas["height"]) > 0.5
+    check_filled(page)
     assert page.is_visible("#others img")
+
+
+def check_filled(page: Any) -> None:
+    """The box around the arm is half of its canvas or more, on opening and over all poses, of which
+    none is cut.
+    """
+    filled = page.evaluate(FILLED)
+    assert min(filled["opening"], filled["poses"]) > 0.5
+    assert filled["whole"]
 
 
 def test_the_arm_is_seen_along_the_normal_of_its_mean_plane(page: Any) -> None:
@@ -490,9 +511,10 @@ def test_a_phone_shows_it_whole_and_two_fingers_zoom(chromium: Any, report: Path
     page.goto(report.as_uri())
     plots = opened(page, "forces")
     assert page.evaluate("document.documentElement.scrollWidth") <= NARROW
-    for part in (".arm canvas", ".timeline", ".plots"):
+    for part in (".player", ".plots"):
         box = page.locator(f"#forces {part}").bounding_box()
         assert 250 < box["x"] + box["width"] <= NARROW
+    check_filled(page)
     over = page.locator("#forces .u-over").first
     over.scroll_into_view_if_needed()
     box = over.bounding_box()

@@ -1,10 +1,8 @@
 // The arm at the time pointed at, drawn in parallel projection, with a line of time below.
 "use strict";
 
-const TALLEST = 380, MARGIN = 28, SCALES = 30; // pixels, of the scales below the arm
-const LEAST_FILL = 0.6; // share of the picture's width or height that the arm takes, if its arrows fit
+const MARGIN = 8, SCALE = 22; // pixels, around the arm and of the scale of forces below it
 const LINK = "#c3c8ce", EDGE = "#6a7078", INK = "#404040", GROUND = "#e6e6e6";
-const THICK = 0.05, THIN = 0.03; // radii of the first and the last link, shares of the reach
 const ARROWS = { force: { colour: ESTIMATE, dashes: [], width: 4 }, sensed: { colour: "#000000", dashes: [3, 2], width: 2 } };
 const BAND95 = 1.96; // standard deviations, of 95 % of a normal distribution
 const TURNS = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] };
@@ -14,6 +12,7 @@ class Arm {
     this.scene = new Scene(packed);
     this.stretch = stretch;
     stretch.view ??= this.scene.bestView();
+    this.opening = this.scene.at(this.scene.busiest());
     this.largestTorque = this.scene.largestTorque();
     this.element = this.build();
     this.listen();
@@ -26,8 +25,9 @@ class Arm {
     const readout = make("div", { className: "readout" }, reading("time"));
     if (force) readout.append(reading("force", swatch(ARROWS.force), ` Force x, y, z by ${estimate}: `));
     if (sensed) readout.append(reading("sensed", swatch(ARROWS.sensed), " Force sensor: "));
-    if (torque) readout.append(reading("torque", `External torque of joints 1 to ${torque.length}: `));
+    if (torque) readout.append(reading("torque", `External torque of joints 1 to ${torque.length} (`, ...this.shades(), "): "));
     this.canvas = make("canvas", { tabIndex: 0, role: "application", ariaRoleDescription: "drawing of the arm" });
+    this.canvas.style.setProperty("--shape", this.scene.shape(this.stretch.view, this.opening));
     this.canvas.setAttribute("aria-label", "The arm at the time pointed at, its force and the torques of its joints");
     this.button = make("button", { type: "button", onclick: () => this.stretch.play() });
     this.slider = make("input", { type: "range", step: "any", ariaLabel: "Time" });
@@ -35,7 +35,14 @@ class Arm {
     if (contacts) this.lanes.push(lane("Contact by the force sensor", "contact", contacts));
     if (alarms) this.lanes.push(lane(`${free ? "False alarm" : "Contact"} by ${estimate} (gate)`, "gate", alarms));
     const line = make("div", { className: "timeline" }, this.slider, ...this.lanes.map((one) => one.element));
-    return make("div", { className: "arm" }, this.canvas, this.button, line, readout);
+    return make("div", { className: "arm" }, this.canvas, readout, make("div", { className: "player" }, this.button, line));
+  }
+
+  // The colours of joints between their ends [Nm].
+  shades() {
+    const colours = make("span", { className: "shades" });
+    colours.style.background = `linear-gradient(to right, ${[0, 0.5, 1].map(shade)})`;
+    return ["0 ", colours, ` ${Number(this.largestTorque.toPrecision(2))}\u00a0Nm`];
   }
 
   listen() {
@@ -72,8 +79,7 @@ class Arm {
 
   resize() {
     const { canvas } = this, sharp = window.devicePixelRatio;
-    [this.wide, this.high] = [canvas.clientWidth, Math.min(TALLEST, 0.9 * canvas.clientWidth)];
-    canvas.style.height = `${this.high}px`;
+    [this.wide, this.high] = [canvas.clientWidth, canvas.clientHeight];
     [canvas.width, canvas.height] = [sharp * this.wide, sharp * this.high];
     this.drawn = null;
     const pen = canvas.getContext("2d");
@@ -99,36 +105,24 @@ class Arm {
     pen.clearRect(0, 0, this.wide, this.high);
     this.aim(now);
     if (now) this.drawArm(pen, now);
-    this.drawScales(pen);
+    this.drawScale(pen);
     this.tell(now);
   }
 
-  // Set the projection: the axes to the right, upwards and out of the picture, its middle, that of the arm now, and
-  // its scale [pixels/m], by which the arm with its arrows at their widest fills it, and the arm now enough of it.
+  // Set the projection: its axes, its middle, that of the arm with its arrows now, and its scale [pixels/m], by which
+  // these fill it, if they need not be larger than on opening.
   aim(now) {
-    const { turn, tilt } = this.stretch.view, [c, s] = [Math.cos(turn), Math.sin(turn)], [ct, st] = [Math.cos(tilt), Math.sin(tilt)];
-    this.axes = [[-s, c, 0], [-st * c, -st * s, ct], [ct * c, ct * s, st]];
-    const { frames, reach } = this.scene, sizes = [this.wide, this.high - SCALES], aimed = [turn, tilt, ...sizes].join();
-    if (aimed !== this.aimed) this.widest = [0, 1].map((i) => Math.max(...frames.map((points) => this.extent(i, points)[1] || 0)));
-    this.aimed = aimed;
-    const seen = now ? this.scene.points(now.origins, [now.force, now.sensed]) : [[0, 0, 0]];
-    const extents = [0, 1].map((i) => this.extent(i, seen)), arm = [0, 1].map((i) => this.extent(i, now?.origins ?? seen)[1] || reach);
-    const fitting = (widths) => Math.min(...sizes.map((size, i) => (size - 2 * MARGIN) / (widths[i] + 2 * THICK * reach)));
-    const filling = LEAST_FILL * Math.min(...sizes.map((size, i) => size / arm[i]));
-    this.middle = extents.map(([middle]) => middle);
-    this.scale = Math.max(fitting(this.widest), Math.min(filling, fitting(extents.map(([, wide]) => wide))));
-  }
-
-  // The middle of points along an axis of the picture, and how far they reach [m].
-  extent(i, points) {
-    const along = points.map((point) => dot(this.axes[i], point)), ends = [Math.min(...along), Math.max(...along)];
-    return [(ends[0] + ends[1]) / 2, ends[1] - ends[0]];
+    const { scene, opening } = this, sizes = [this.wide, this.high - SCALE];
+    this.axes = projection(this.stretch.view);
+    const boxes = [now ?? opening, opening].map((known) => scene.box(this.axes, known));
+    this.middle = boxes[0].map(([middle]) => middle);
+    this.scale = Math.min(...boxes.flatMap((box) => box.map(([, wide], i) => (sizes[i] - 2 * MARGIN) / wide)));
   }
 
   // Where a point [m] is in the picture.
   place(point) {
     const [right, up] = this.axes.slice(0, 2).map((axis, i) => this.scale * (dot(axis, point) - this.middle[i]));
-    return [this.wide / 2 + right, (this.high - SCALES) / 2 - up];
+    return [this.wide / 2 + right, (this.high - SCALE) / 2 - up];
   }
 
   drawArm(pen, { origins, axes, torque, force, std, sensed }) {
@@ -136,15 +130,13 @@ class Arm {
     this.drawGround(pen, origins);
     this.drawAxes(pen);
     const pieces = axes.flatMap((axis, k) => { // the drawing of each link and joint, and how near it is
-      const radius = this.scene.reach * (THICK + ((THIN - THICK) * k) / axes.length), ends = [origins[k], origins[k + 1]];
-      const mark = [-radius, radius].map((part) => added(origins[k], axis, part));
+      const radius = this.scene.radius(k), mark = this.scene.mark(origins[k], axis, k), ends = [origins[k], origins[k + 1]];
       const share = torque ? Math.abs(torque[k]) / this.largestTorque : NaN;
       return [[nearness(ends[0]) + nearness(ends[1]), () => this.drawCapsule(pen, ends, radius, LINK, EDGE)],
         [2 * nearness(origins[k]) + radius, () => this.drawCapsule(pen, mark, 0.8 * radius, shade(share), INK)]];
     });
     pieces.sort(([a], [b]) => a - b).forEach(([, piece]) => piece());
-    const beside = THICK * this.scene.reach * this.scale;
-    this.drawNumbers(pen, axes.map((_, k) => this.place(origins[k])).map(([x, y]) => [x + beside, y]), origins);
+    this.drawNumbers(pen, axes.map((_, k) => this.place(origins[k])), origins);
     const [x, y] = this.place(flange);
     pen.fillRect(x - 4, y - 4, 8, 8);
     if (force) this.drawArrow(pen, flange, force, ARROWS.force, std);
@@ -167,15 +159,18 @@ class Arm {
     stroke(pen, origins.map(([x, y]) => this.place([x, y, 0])), "#d4d4d4", THIN * reach * this.scale);
   }
 
-  // The numbers of joints; those in the same place stand side by side.
+  // The numbers of joints, to the left where there is no room; those in the same place stand side by side.
   drawNumbers(pen, places, origins) {
-    const groups = [];
+    const groups = [], beside = this.scene.radius(0) * this.scale + 8;
     places.forEach(([x, y], k) => {
       const last = groups.at(-1), joined = last && Math.hypot(...added(origins[k], origins[k - 1], -1)) < 1e-6;
       if (joined) Object.assign(last, { text: `${last.text}, ${k + 1}`, x: Math.max(last.x, x) });
       else groups.push({ text: k + 1, x, y });
     });
-    groups.forEach(({ text, x, y }) => label(pen, text, [x, y], 8));
+    groups.forEach(({ text, x, y }) => {
+      const { width } = pen.measureText(text);
+      label(pen, text, [x, y], x + beside + width < this.wide ? beside : -beside - width);
+    });
     pen.fillStyle = INK;
   }
 
@@ -225,23 +220,11 @@ class Arm {
     return { across, along, angle: Math.atan2(2 * xy, xx - yy) / 2 };
   }
 
-  drawScales(pen) {
-    const { wide, high } = this, newtons = roundNumber(this.scene.usualForce);
-    const length = newtons * this.scene.perNewton * this.scale;
-    pen.fillStyle = INK;
-    if (this.scene.force || this.scene.sensed) {
-      stroke(pen, [[12, high - 12], [12 + length, high - 12]], INK, 2);
-      pen.fillText(`${newtons} N`, 12, high - 18);
-    }
-    if (!this.scene.torque) return;
-    for (let i = 0; i < 60; i++) {
-      pen.fillStyle = shade(i / 59);
-      pen.fillRect(wide - 72 + i, high - 16, 1.5, 8);
-    }
-    pen.fillStyle = INK;
-    pen.textAlign = "right";
-    pen.fillText(`joints: external torque, 0 to ${Number(this.largestTorque.toPrecision(2))} Nm`, wide - 12, high - 22);
-    pen.textAlign = "left";
+  drawScale(pen) {
+    const { scene, high } = this, newtons = roundNumber(scene.usualForce);
+    if (!scene.force && !scene.sensed) return;
+    stroke(pen, [[8, high - 6], [8 + newtons * scene.perNewton * this.scale, high - 6]], INK, 2);
+    label(pen, `${newtons} N`, [8, high - 16], 0);
   }
 
   // Write what is drawn.

@@ -68,13 +68,13 @@ class Look {
     this.status.textContent = `${from} s to ${to} s. At ${at} s: ${read.join("; ")}.`;
   }
 
-  // Beside the arm, the plots are as high as it is.
+  // Beside the arm, the plots are as high as its picture.
   resize() {
     this.arm?.resize();
     const shown = this.panels.filter((panel) => panel.element.clientWidth > 0);
     const rows = new Set(shown.map((panel) => panel.element.offsetTop)).size;
     const isBeside = this.arm && this.plots.offsetTop < this.arm.canvas.offsetTop + this.arm.high;
-    const height = isBeside ? Math.max(this.arm.element.clientHeight / rows - TITLE, LOWEST) : HEIGHT;
+    const height = isBeside ? Math.max(this.arm.high / rows - TITLE, LOWEST) : HEIGHT;
     shown.forEach((panel) => panel.plot.setSize({ width: panel.element.clientWidth, height }));
     this.stretch.draw(); // once uPlot has its new size
   }

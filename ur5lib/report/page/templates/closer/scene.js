@@ -2,6 +2,8 @@
 "use strict";
 
 const ELLIPSE = Math.sqrt(-2 * Math.log(0.05)); // standard deviations, of 95 % of a plane's normal distribution
+const THICK = 0.05, THIN = 0.03; // radii of the first and the last link, shares of the reach
+const NARROWEST = 0.45, WIDEST = 1.5; // width over height of the picture
 const LEAST_TILT = 0.2, MOST_TILT = 1.2; // rad: the ground stays in sight, and so does what is upright
 const dot = (a, b) => a.reduce((sum, one, i) => sum + one * b[i], 0);
 const applied = (matrix, vector) => matrix.map((row) => dot(row, vector));
@@ -20,8 +22,6 @@ class Scene {
     this.path = this.rows.flatMap((row) => this.originsIn(row)).filter(([x]) => !Number.isNaN(x));
     this.reach = this.path.reduce((reach, origin) => Math.max(reach, Math.hypot(...origin)), 0);
     this.perNewton = (0.3 * this.reach) / (this.usualForce + this.usualBand()); // m of an arrow, with its ellipse
-    const inRow = (columns, row) => columns && columns.map((column) => column[row]);
-    this.frames = this.rows.map((row) => this.points(this.originsIn(row), [inRow(this.force, row), inRow(this.sensed, row)]));
   }
 
   // What is known at a time, between two rows; null in a gap.
@@ -74,10 +74,31 @@ class Scene {
     return applied(this.upright, force).map((one) => this.perNewton * one);
   }
 
-  // What is seen of an arm: the origins of its frames and the ends of its arrows, but of those longer than most.
-  points(origins, forces) {
-    const usual = forces.filter((force) => force && Math.hypot(...force) <= this.usualForce);
-    return [...origins, ...usual.map((force) => added(origins.at(-1), this.arrow(force)))];
+  // Of link k and its joint [m].
+  radius(k) {
+    return this.reach * (THICK + ((THIN - THICK) * k) / this.links.length);
+  }
+
+  // The ends of what is drawn of joint k.
+  mark(origin, axis, k) {
+    return [-1, 1].map((way) => added(origin, axis, way * this.radius(k)));
+  }
+
+  // Middle and width [m], along axes of the picture, of an arm with its arrows, of those longer than most a part.
+  box(picture, { origins, axes, force, sensed }) {
+    const marks = axes.flatMap((axis, k) => this.mark(origins[k], axis, k)), edge = this.radius(0);
+    const known = [force, sensed].filter((one) => one?.every(Number.isFinite));
+    const tips = known.map((one) => added(origins.at(-1), this.arrow(one), Math.min(this.usualForce / Math.hypot(...one), 1)));
+    return picture.slice(0, 2).map((side) => {
+      const along = [...origins, ...marks, ...tips].map((point) => dot(side, point)), ends = [Math.min(...along), Math.max(...along)];
+      return [(ends[0] + ends[1]) / 2, ends[1] - ends[0] + 2 * edge];
+    });
+  }
+
+  // Width over height of the picture that an arm fills.
+  shape(view, known) {
+    const [wide, high] = this.box(projection(view), known).map(([, width]) => width);
+    return Math.min(Math.max(wide / high, NARROWEST), WIDEST);
   }
 
   // From where the arm is seen best [rad]: along the normal of the mean plane of its path, from above.
@@ -131,3 +152,9 @@ class Scene {
 }
 
 const inside = (spans, time) => spans.some(([from, to]) => from <= time && time <= to);
+
+// The axes to the right, upwards and out of the picture.
+function projection({ turn, tilt }) {
+  const [c, s] = [Math.cos(turn), Math.sin(turn)], [ct, st] = [Math.cos(tilt), Math.sin(tilt)];
+  return [[-s, c, 0], [-st * c, -st * s, ct], [ct * c, ct * s, st]];
+}
