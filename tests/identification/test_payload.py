@@ -11,10 +11,10 @@ from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.currents import predict
 from ur5lib.identification.payload import (
     PayloadEstimate,
+    error_growth,
     estimate_payload,
     joint_gains,
     judge,
-    run_to_run,
 )
 from ur5lib.identification.samples import CurrentSamples
 from ur5lib.records.friction import CurrentFit
@@ -69,8 +69,8 @@ def loaded(fitted: CurrentFit, seed: int, when: np.ndarray | float = 1.0) -> Cur
     return with_noise(replace(record, current=predict(fitted, heavy)), seed)
 
 
-def load_of(fitted: CurrentFit, record: CurrentSamples, spread: float = 0.0) -> LoadEstimate:
-    return judge(estimate_payload(fitted, record, regressor(record), smooth), spread)
+def load_of(fitted: CurrentFit, record: CurrentSamples, growth: float = 1.0) -> LoadEstimate:
+    return judge(estimate_payload(fitted, record, regressor(record), smooth), growth)
 
 
 @pytest.mark.parametrize("seed", [51, 61, 67])
@@ -80,7 +80,7 @@ def test_its_interval_holds_the_mass_and_not_zero(fitted: CurrentFit, seed: int)
     payload = estimate_payload(fitted, record, regressor(record), smooth)
     assert payload.parts.shape == (3,)
     np.testing.assert_allclose(payload.parts, CARRIED[0], rtol=0.25)
-    load = judge(payload, 0.0)
+    load = judge(payload, 1.0)
     low, high = load.interval
     assert 0 < low < CARRIED[0] < high
     assert high - low < 1.0
@@ -92,9 +92,9 @@ def test_an_empty_flange_weighs_nothing(fitted: CurrentFit) -> None:
     records = noisy(range(52, 72))
     empty = [estimate_payload(fitted, own, regressor(own), smooth) for own in records]
     told = np.array([own.parameters for own in empty]), np.array([own.std_error for own in empty])
-    spread = run_to_run(*told, paths=len(empty))[0]
-    assert spread < 0.1
-    loads = [judge(payload, spread) for payload in empty]
+    growth = error_growth(*told, paths=len(empty))[0]
+    assert growth < 3.0
+    loads = [judge(payload, growth) for payload in empty]
     assert np.mean([load.interval[0] < 0 < load.interval[1] for load in loads]) >= 0.9
     assert sum(load.certain for load in loads) <= 1
 
@@ -132,38 +132,65 @@ def test_a_joint_that_was_fitted_exactly_tells_no_load(fitted: CurrentFit) -> No
 
 
 @pytest.mark.parametrize(
-    ("mass", "std", "least", "spread", "certain"),
+    ("mass", "std", "least", "growth", "certain"),
     [
-        (0.29, 0.06, 0.29, 0.08, False),  # a load exceeds three of its errors
-        (0.32, 0.06, 0.32, 0.08, True),
-        (2.0, 0.02, 2.0, 1.0, False),  # runs without any load seem to carry half of it
-        (-2.0, 0.02, -2.0, 0.1, False),  # no load lifts
-        (2.0, 0.02, 0.98, 0.1, False),  # it shows half of it in each part
-        (2.0, 0.02, 1.02, 0.1, True),
+        (0.29, 0.05, 0.29, 2.0, False),  # a load exceeds three of its errors
+        (0.32, 0.05, 0.32, 2.0, True),
+        (2.0, 0.02, 2.0, 50.0, False),  # runs without any load seem to carry half of it
+        (-2.0, 0.02, -2.0, 5.0, False),  # no load lifts
+        (2.0, 0.02, 0.98, 5.0, False),  # it shows half of it in each part
+        (2.0, 0.02, 1.02, 5.0, True),
     ],
 )
 def test_a_load_is_certain_beyond_its_errors_and_in_every_part(
-    mass: float, std: float, least: float, spread: float, certain: bool
+    mass: float, std: float, least: float, growth: float, certain: bool
 ) -> None:
-    """The errors of the run, from run to run, and three per cent of the mass for the gears."""
+    """The errors of the run, as far as those of others grow, and three per cent for the gears."""
     parts = np.array([least, 2.5, 2.5])
-    load = judge(PayloadEstimate(np.array([mass, 0.0]), np.array([std, 0.1]), parts), spread)
-    error = np.sqrt(std**2 + spread**2 + (0.03 * mass) ** 2)
+    load = judge(PayloadEstimate(np.array([mass, 0.0]), np.array([std, 0.1]), parts), growth)
+    error = np.hypot(growth * std, 0.03 * mass)
     assert load.std_error == pytest.approx(error)
     np.testing.assert_allclose(load.interval, [mass - 1.96 * error, mass + 1.96 * error], rtol=1e-4)
     assert load.certain == certain
 
 
 @pytest.mark.parametrize("paths", [1, 2, 5, 30])
-@pytest.mark.parametrize(("error", "beyond"), [(0.0, 0.3), (0.18, 0.24), (0.4, 0.0)])
-def test_runs_without_load_tell_how_well_a_mass_repeats(
-    error: float, beyond: float, paths: int
+@pytest.mark.parametrize(("errors", "ratio"), [([0.1, 0.2], 3.0), ([0.3, 0.6], 1.0)])
+def test_runs_without_load_tell_how_far_their_errors_must_grow(
+    errors: list[float], ratio: float, paths: int
 ) -> None:
-    """What is beyond their errors, inflated by Student's t; one path counts as two."""
-    masses = np.array([[0.3], [-0.3]])
-    spread = run_to_run(masses, np.full((2, 1), error), paths)
+    """Of masses in their errors, at least as far as few paths ask for; one path counts as two."""
+    masses = np.array([[0.3], [-0.6]])
     factor = stats.t.ppf(0.975, max(1, paths - 1)) / stats.norm.ppf(0.975)
-    assert spread[0] == pytest.approx(beyond * factor, rel=1e-4)
+    growth = error_growth(masses, np.array(errors)[:, None], paths)
+    assert growth[0] == pytest.approx(ratio * factor, rel=1e-3)
+
+
+def test_a_run_that_does_not_tell_a_load_says_nothing_of_the_others_errors() -> None:
+    """One joint moves: its mass is as unknown as before, and not a hundred kilograms of error."""
+    masses, errors = np.array([[0.04], [-0.04]]), np.array([[0.01], [0.01]])
+    told = error_growth(masses, errors, paths=30)
+    blind = np.append(masses, [[0.3]], axis=0), np.append(errors, [[99.999]], axis=0)
+    np.testing.assert_allclose(error_growth(*blind, paths=30), told, rtol=1e-3)
+
+
+def test_runs_without_errors_grow_none() -> None:
+    """As of a single block under a fit without replicates."""
+    assert np.isfinite(error_growth(np.ones((2, 1)), np.zeros((2, 1)), paths=5)).all()
+
+
+def test_a_fit_without_a_path_errs_at_least_as_the_one_to_all(fitted: CurrentFit) -> None:
+    """It is kept without its replicates; those of the other fit stand for them."""
+    record = with_noise(make_record(53), 53)
+    joints = [
+        replace(j, estimate=replace(j.estimate, replicates=j.estimate.replicates[:1]))
+        for j in fitted.joints
+    ]
+    kept = replace(fitted, joints=tuple(joints))
+    own, other = (
+        estimate_payload(fit, record, regressor(record), smooth, fitted) for fit in (kept, fitted)
+    )
+    np.testing.assert_allclose(own.std_error, other.std_error)
 
 
 def test_a_few_wild_draws_do_not_set_the_error(fitted: CurrentFit) -> None:
@@ -187,7 +214,7 @@ def test_a_few_wild_draws_do_not_set_the_error(fitted: CurrentFit) -> None:
 def test_a_mass_that_motion_does_not_tell_is_stated_as_unknown(fitted: CurrentFit) -> None:
     record = with_noise(make_record(54), 54)
     blind = regressor(record) * [0, 1, 1]
-    load = judge(estimate_payload(fitted, record, blind, smooth), 0.0)
+    load = judge(estimate_payload(fitted, record, blind, smooth), 1.0)
     assert load.interval[0] < -100 < 100 < load.interval[1]
     assert not load.certain
     still = replace(record, qd=np.zeros_like(record.qd))

@@ -1,7 +1,7 @@
 """The payload's mass from motor currents alone.
 
 A payload adds a torque that is linear in its mass and first moments. Friction grows with the
-torque, too, so both are estimated alternately. The run-to-run error is that of unloaded runs.
+torque, too, so both are estimated alternately. Unloaded runs show by how much its errors must grow.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -21,7 +21,7 @@ from ur5lib.identification.samples import (
     held_columns,
     smoothed_moving,
 )
-from ur5lib.records.friction import CurrentFit
+from ur5lib.records.friction import CurrentFit, JointFit
 from ur5lib.records.prediction import JudgedLoad, LoadEstimate
 from ur5lib.robots.friction import GEAR_EFFICIENCY_STD, JointMotion
 from ur5lib.timeseries.arrays import Array, Labels
@@ -56,23 +56,25 @@ class PayloadEstimate:
         return len(self.parameters) > 0
 
 
-def run_to_run(parameters: Array, std_error: Array, paths: int) -> Array:
-    """Return the standard deviation (P,) of unloaded runs' apparent loads beyond their errors.
+def error_growth(parameters: Array, std_error: Array, paths: int) -> Array:
+    """Return the factor (P,) by which standard errors grow to hold unloaded runs' apparent loads.
 
-    parameters, std_error: (R, P), of unloaded runs, each under a fit without it; paths: number of
-    their trajectories. For few paths it is multiplied by Student's t.
+    parameters x, std_error s: (R, P), of unloaded runs, each under a fit without it; paths: number
+    of their trajectories. Birge's ratio √(Σ (x/s)² / Σ (1 - s²/σ²)), where a prior of 0 ± σ leaves
+    a run that share of its error, is at least one; for few paths, Student's t multiplies it.
     """
-    beyond = np.mean(parameters**2, axis=0) - np.mean(std_error**2, axis=0)
-    factor = stdtrit(max(1, paths - 1), 0.975) / NORMAL95
-    return np.asarray(factor * np.sqrt(np.maximum(beyond, 0.0)))
+    known = std_error > 0
+    deviations = np.divide(parameters, std_error, out=np.zeros_like(parameters), where=known)
+    told = np.where(known, 1 - (std_error / PAYLOAD_PRIOR_STD) ** 2, 0.0).clip(min=0.0)
+    ratio = np.sum(deviations**2, axis=0) / np.maximum(np.sum(told, axis=0), 1.0)
+    few_paths = stdtrit(max(1, paths - 1), 0.975) / NORMAL95
+    return np.asarray(few_paths * np.sqrt(np.maximum(ratio, 1.0)))
 
 
-def judge(payload: PayloadEstimate, spread: float) -> LoadEstimate:
-    """Return the load with its total error; spread: of the mass from run to run [kg]."""
+def judge(payload: PayloadEstimate, growth: float) -> LoadEstimate:
+    """Return the load with its total error; growth: of the mass's, see `error_growth`."""
     mass = float(payload.parameters[0])
-    error = float(
-        np.sqrt(payload.std_error[0] ** 2 + spread**2 + (GEAR_EFFICIENCY_STD * mass) ** 2)
-    )
+    error = float(np.hypot(growth * payload.std_error[0], GEAR_EFFICIENCY_STD * mass))
     half = error * NORMAL95
     lasting = bool((payload.parts > mass / 2).all())
     return LoadEstimate(mass, error, (mass - half, mass + half), mass > 3 * error and lasting)
@@ -91,18 +93,18 @@ def judged_load(
     payload [kg]; may_be_taken: false where the study declares that payload, and in a recording to
     fit on, whose payload is taken as it was given.
     """
-    spread = np.zeros(4)
+    growth = np.ones_like(payload.parameters)
     if estimates := [
         (estimate.parameters, estimate.std_error) for estimate in unloaded if estimate.is_known
     ]:
         values, errors = np.stack(estimates, axis=1)
-        spread = run_to_run(values, errors, paths)
-    load = judge(payload, float(spread[0]))
+        growth = error_growth(values, errors, paths)
+    load = judge(payload, float(growth[0]))
     center = center_std = np.full(3, np.nan)
     if load.certain:
         center = payload.parameters[1:] / load.mass
         # c = h / m: σ_c² = (σ_h² + c² σ_m²) / m²
-        moment_std = np.hypot(payload.std_error[1:], spread[1:])
+        moment_std = (growth * payload.std_error)[1:]
         center_std = np.hypot(moment_std, center * load.std_error) / load.mass
     return JudgedLoad(
         **vars(load),
@@ -132,12 +134,19 @@ def joint_gains(external_torque: Array, load: Array, count: int) -> Array:
 
 
 def estimate_payload(
-    fit: CurrentFit, record: CurrentSamples, regressor: Array, smooth: Smooth, seed: int = 0
+    fit: CurrentFit,
+    record: CurrentSamples,
+    regressor: Array,
+    smooth: Smooth,
+    whole: CurrentFit | None = None,
+    seed: int = 0,
 ) -> PayloadEstimate:
     """Estimate the payload that `record.torque` does not contain.
 
     regressor: (N, 6, P) torque [Nm] per mass [kg], first moment [kg m], ... of the payload; the
-    mass comes first. Only joints in motion count: at rest, friction hides a load.
+    mass comes first; whole: the fit to all paths, whose replicates tell the errors of `fit`, which
+    may lack some; by default that itself. Only joints in motion count: at rest, friction hides a
+    load.
     """
     # regressor in units of each joint's band, low-passed and thinned, samples in motion only
     stride = max(1, round(INDEPENDENT_STEP / record.period))
@@ -169,9 +178,10 @@ def estimate_payload(
     sources = _low_passed_columns(fit, loaded, record, smooth)
     # bootstrap over fits, blocks and priors, so that undetermined parameters are uncertain
     generator, draws = np.random.default_rng(seed), []
+    replicates = [*map(_replicates, fit.joints, (whole or fit).joints)]
     for _ in range(PAYLOAD_DRAWS):
-        draw = generator.integers(len(fit.joints[0].estimate.replicates))  # alike for all joints
-        drawn_maps = [joint.estimate.replicates[draw] for joint in fit.joints]
+        draw = generator.integers(len(replicates[0]))  # alike for all joints
+        drawn_maps = [of_joint[draw] for of_joint in replicates]
         count = generator.multinomial(len(once), once / len(once))
         drawn_mean = generator.normal(no_load, PAYLOAD_PRIOR_STD)
         unexplained = _unexplained_current(fit, drawn_maps, sources)
@@ -180,6 +190,17 @@ def estimate_payload(
     counts = _counts_by_part(block)
     parts = [solve(fitted, unexplained, solution, count, no_load)[0] for count in counts]
     return PayloadEstimate(solution, spread(np.array(draws)), np.array(parts))
+
+
+def _replicates(joint: JointFit, whole: JointFit) -> Array:
+    """Return a joint's coefficients with the errors of another fit, (B, P): a term that this lacks
+    has none.
+    """
+    estimate, names = whole.estimate, whole.names()
+    errors = dict(zip(names, (estimate.replicates - estimate.coefficients).T, strict=True))
+    none = np.zeros(len(estimate.replicates))
+    of_terms = [errors.get(name, none) for name in joint.names()]
+    return np.asarray(joint.estimate.coefficients + np.stack(of_terms, axis=1))
 
 
 def _counts_by_part(block: Labels) -> list[Labels]:

@@ -30,4 +30,6 @@ def estimate_load(
     if not smoothed_moving(record, smooth).any():  # at rest, friction hides a load
         return PayloadEstimate()
     per_load = load_regressor(arm.mounted(gravity), model, motion.q, motion.qd, motion.qdd)
-    return estimate_payload(friction.fit_for(recording), record, per_load, smooth)
+    return estimate_payload(
+        friction.fit_for(recording), record, per_load, smooth, whole=friction.fit
+    )
