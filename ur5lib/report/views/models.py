@@ -1,6 +1,5 @@
 """Link models, their torques compared with the controller's, and the verdict."""
 
-import math
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
@@ -187,16 +186,20 @@ def arm_itself(results: Results) -> Iterator[str]:
     untold = sorted({*rows["joint"]} - {*rows.loc[told | against, "joint"]})
     shown = {name: rows[which] for name, which in groups.items()}
     yield say(
-        "models.arm", **shown, untold=untold, load=_least_load(results), carrying=loaded(results)
+        "models.arm",
+        **shown,
+        untold=untold,
+        declared=_declared_loads(results),
+        carrying=loaded(results),
     )
 
 
-def _least_load(results: Results) -> float:
-    """Return within which the load on the flange is the declared one [kg], by the recording without
-    contact that tells it best; NaN where that is more than the arm carries well.
+def _declared_loads(results: Results) -> pd.DataFrame:
+    """Return the recordings without contact whose load is determined within what the arm carries:
+    half of its 95 % interval [kg], and whether this holds the declared load.
     """
     names = [*results.with_role("fit"), *results.with_role("validate")]
     rows = results.rows("payload", taken="no", recording=names)
-    limits = rows[["low", "high"]].abs().max(axis="columns").astype(float)
-    least = float(limits.min()) if len(limits) else math.nan
-    return least if least < max(results.loads.values(), default=0.0) else math.nan
+    rows = rows.assign(half=(rows["high"] - rows["low"]) / 2)
+    rows = rows.assign(holds=(rows["low"] <= 0) & (rows["high"] >= 0))
+    return rows[rows["half"] < max(results.loads.values(), default=0.0)]
