@@ -73,8 +73,14 @@ def fit_currents(
     smooth: a zero-phase low-pass at, for example, 2 Hz: above, the measured current is noise.
     A joint whose current does not follow its torque keeps the known torque constant.
     """
-    shown = with_shown_terms(joint_samples(records, smooth, _tried(prior)), prior)
-    return _with_known_where_lost(shown, lambda known: _fit_with(records, smooth, known, seed))
+    samples = joint_samples(records, smooth, _tried(prior))
+    shown = with_shown_terms(samples, prior)
+    fit, known = _with_known_where_lost(shown, lambda own: _estimated(samples, own, seed))
+    chosen = [own.of(known.terms, known.distances) for own in samples]
+    joint_priors = map(known.of_joint, range(len(samples)))
+    joints = tuple(map(_with_bands, fit.joints, chosen, joint_priors))
+    dates = sorted({record.day for record in records} - {""})
+    return CurrentFit(joints, fit.units, tuple(dates))
 
 
 def _tried(prior: Prior) -> tuple[str, ...]:
@@ -89,11 +95,14 @@ def _considered(prior: Prior) -> tuple[str, ...]:
 
 def fit_postures(prior: Prior, seed: int = 0) -> CurrentFit:
     """Fit the torque constants to the prior's postures at rest; friction remains as expected."""
-    return _with_known_where_lost(prior, lambda known: expected_fit(known, seed))
+    return _with_known_where_lost(prior, lambda known: expected_fit(known, seed))[0]
 
 
-def _with_known_where_lost(prior: Prior, fitted: Callable[[Prior], CurrentFit]) -> CurrentFit:
-    """Return a fit in which joints whose current does not follow their torque keep the prior's k.
+def _with_known_where_lost(
+    prior: Prior, fitted: Callable[[Prior], CurrentFit]
+) -> tuple[CurrentFit, Prior]:
+    """Return a fit in which joints whose current does not follow their torque keep the prior's k,
+    and the prior that it is under.
 
     fitted: returns the fit under a prior. Gains of measured torques are on trial without what is
     known of them, since a fit that keeps to it takes what contradicts it for noise: those that are
@@ -103,13 +112,15 @@ def _with_known_where_lost(prior: Prior, fitted: Callable[[Prior], CurrentFit]) 
     fit = fitted(prior.with_wide_gains() if sensed else prior)
     lost = beyond_range(fit) if sensed else too_large(fit, prior)
     if not (sensed or lost.any()):
-        return fit
+        return fit, prior
     vague = sensed & (constants_band(fit) > prior.std())
     contradicted_joints, known_constants = fit.joints, 1 / prior.inverse_constant.mean
-    fit = fitted(prior.with_pinned(lost | vague))
+    known = prior.with_pinned(lost | vague)
+    fit = fitted(known)
     still_vague = sensed & ~vague & (constants_band(fit) > prior.std())
     if still_vague.any():
-        fit = fitted(prior.with_pinned(lost | vague | still_vague))
+        known = prior.with_pinned(lost | vague | still_vague)
+        fit = fitted(known)
     joints = list(fit.joints)
     for joint in np.flatnonzero(lost).tolist():
         coefficients = contradicted_joints[joint].estimate.coefficients
@@ -117,16 +128,14 @@ def _with_known_where_lost(prior: Prior, fitted: Callable[[Prior], CurrentFit]) 
         code = "torque against gain" if sensed else "current against constant"
         remarks = *joints[joint].remarks, remark(code, **constants)
         joints[joint] = replace(joints[joint], alone=coefficients, remarks=remarks)
-    return replace(fit, joints=tuple(joints))
+    return replace(fit, joints=tuple(joints)), known
 
 
 def expected_fit(prior: Prior, seed: int = 0) -> CurrentFit:
     """Return what a prior with typical friction expects of each joint, without any motion."""
     if prior.at_rest is None:
-        return CurrentFit(tuple(map(_fit_without_motion, *_prior_estimates(prior, seed))), 0)
-    estimates, units = estimate_together((), prior, seed)
-    doubts = [np.cov(estimate.replicates.T) for estimate in estimates]
-    return CurrentFit(tuple(map(_fit_without_motion, estimates, doubts)), units)
+        return CurrentFit(tuple(map(_with_usual_bands, *_prior_estimates(prior, seed))), 0)
+    return _of_estimates(*estimate_together((), prior, seed))
 
 
 def _prior_estimates(prior: Prior, seed: int) -> tuple[list[CoefficientEstimate], list[Array]]:
@@ -151,8 +160,16 @@ def _prior_estimates(prior: Prior, seed: int) -> tuple[list[CoefficientEstimate]
     return estimates, [covariance[columns, columns] for columns in parts]
 
 
-def _fit_without_motion(estimate: CoefficientEstimate, doubt: Array) -> JointFit:
-    """Return the fit of a joint whose friction is as expected; doubt: (P, P), covariance."""
+def _of_estimates(estimates: Sequence[CoefficientEstimate], units: int) -> CurrentFit:
+    """Return estimates as a fit with usual bands."""
+    doubts = [np.cov(estimate.replicates.T) for estimate in estimates]
+    return CurrentFit(tuple(map(_with_usual_bands, estimates, doubts)), units)
+
+
+def _with_usual_bands(estimate: CoefficientEstimate, doubt: Array) -> JointFit:
+    """Return the fit of a joint without any error on what is left out; doubt: (P, P), covariance
+    of the coefficients.
+    """
     coulomb = float(estimate.coefficients[2])
     moving, reversing, standing = (NORMAL95 * usual * coulomb for usual in UNSEEN_ERRORS)
     return JointFit(
@@ -203,21 +220,15 @@ def _inverse_constants(fit: CurrentFit, prior: Prior) -> tuple[Array, Array, Arr
     return 1 / torque_constants(fit), prior.inverse_constant.mean, prior.std()
 
 
-def _fit_with(
-    records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior, seed: int
-) -> CurrentFit:
-    """Return the fit under a prior as it is."""
+def _estimated(samples: Sequence[JointSamples], prior: Prior, seed: int) -> CurrentFit:
+    """Return the fit under a prior as it is, with usual bands; samples: with all columns."""
     considered = *prior.terms, *_considered(prior)
-    every = joint_samples(records, smooth, _tried(prior))
-    samples, fuller = (
-        [own.of(terms, prior.distances) for own in every] for terms in (prior.terms, considered)
+    chosen, fuller = (
+        [own.of(terms, prior.distances) for own in samples] for terms in (prior.terms, considered)
     )
-    estimates, units = estimate_together(samples, prior, seed)
-    estimates = [*map(with_fuller_errors, estimates, estimate_together(fuller, prior, seed)[0])]
-    joint_priors = [prior.of_joint(joint) for joint in range(len(samples))]
-    joints = tuple(map(_joint_fit, samples, joint_priors, estimates))
-    dates = sorted({record.day for record in records} - {""})
-    return CurrentFit(joints, units, tuple(dates))
+    estimates, units = estimate_together(chosen, prior, seed)
+    of_fuller, _ = estimate_together(fuller, prior, seed)
+    return _of_estimates([*map(with_fuller_errors, estimates, of_fuller)], units)
 
 
 def fit_without_each_path(
@@ -244,19 +255,19 @@ def fit_without_each_path(
     ]
 
 
-def _joint_fit(samples: JointSamples, prior: Prior, estimate: CoefficientEstimate) -> JointFit:
-    """Return the fit of a joint: its estimate with friction at rest, bands and remarks."""
-    coefficients = estimate.coefficients
+def _with_bands(joint: JointFit, samples: JointSamples, prior: Prior) -> JointFit:
+    """Return the fit of a joint with friction at rest, bands and remarks of its samples."""
+    estimate, coefficients = joint.estimate, joint.estimate.coefficients
     path, moving = samples.path, samples.moving
     is_left_out = moving.sum() >= MIN_SAMPLES and len(np.unique(path)) > 1
     of_motion = samples.day[moving], samples.record[moving], path[moving]
     in_motion, reversing, standing = _bands(
         samples, prior, dry_friction(samples.terms, coefficients)
     )
-    return JointFit(
+    return replace(
+        joint,
         terms=samples.terms,
         distances=samples.distances,
-        estimate=estimate,
         held=held_current(samples, coefficients),
         band_moving=in_motion,
         band_reversing=reversing,
@@ -264,8 +275,8 @@ def _joint_fit(samples: JointSamples, prior: Prior, estimate: CoefficientEstimat
         unseen=unseen_difference(
             estimate, *(max(1, len(np.unique(labels))) for labels in of_motion)
         ),
-        remarks=_remarks(samples, estimate, prior),
-        doubt=None if is_left_out else np.cov(estimate.replicates.T),
+        remarks=(*_remarks(samples, estimate, prior), *joint.remarks),
+        doubt=None if is_left_out else joint.doubt,
     )
 
 

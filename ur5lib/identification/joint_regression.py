@@ -86,7 +86,7 @@ def held_current(
     resting = rows[~moving]
     held = samples.held[resting]
     residual = samples.current[resting] - samples.columns[resting] @ coefficients
-    stop_weight = len(stop) / max(1, len(np.unique(stop)))
+    stop_weight = len(stop) / (1 + np.count_nonzero(np.diff(stop)))
     usual = np.zeros(held.shape[1])
     usual[0] = HELD_FRICTION_SHARE * max(0.0, float(coefficients[2]))
     known, slopes = Normal(usual, stop_weight * np.eye(len(usual))), usual

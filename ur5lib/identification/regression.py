@@ -47,16 +47,16 @@ def regress(
     expected_noise: see `noise_of_one`. Without samples, the result is the prior's mean.
     """
     weight, noise = np.ones(len(target)), _positive(float(target @ target) / max(1, len(target)))
-    coefficients = prior.mean
+    coefficients, blocks = prior.mean, np.count_nonzero(np.bincount(block))
     for _ in range(REWEIGHTING_ROUNDS if len(target) else 0):
-        # (Xᵀ W X / σ² + Λ) β = Xᵀ W y / σ² + Λ β₀
         information = columns.T @ (columns * weight[:, None]) / noise  # (P, P)
         right = columns.T @ (target * weight) / noise  # (P,)
+        # (Xᵀ W X / σ² + Λ) β = Xᵀ W y / σ² + Λ β₀
         coefficients = posterior_mean(information, right, prior)
         # W and σ² from the residuals
         residual = target - columns @ coefficients
         weight = huber_weight(residual)
-        noise = _positive(noise_of_one(weight * residual, block, expected_noise))
+        noise = _positive(noise_of_one(weight * residual, block, blocks, expected_noise))
     return Regression(coefficients, weight, noise)
 
 
@@ -72,11 +72,12 @@ def posterior_mean(information: Array, right: Array, prior: Normal) -> Array:
 
 def huber_weight(residual: Array) -> Array:
     """Return Huber's weights (n,) of residuals (n,), scaled by their median absolute deviation."""
-    scale = _positive(STD_PER_MAD * float(np.median(np.abs(residual))))
-    return np.minimum(1.0, HUBER_LIMIT * scale / np.maximum(np.abs(residual), scale))
+    size = np.abs(residual)
+    scale = _positive(STD_PER_MAD * float(np.median(size)))
+    return np.minimum(1.0, HUBER_LIMIT * scale / np.maximum(size, scale))
 
 
-def noise_of_one(residual: Array, block: Labels, expected: float = np.nan) -> float:
+def noise_of_one(residual: Array, block: Labels, blocks: int, expected: float = np.nan) -> float:
     """Return the variance of independent samples whose block sums vary as much as these do.
 
     A fit of P coefficients leaves nothing of P blocks. An expected variance therefore counts as
@@ -84,7 +85,6 @@ def noise_of_one(residual: Array, block: Labels, expected: float = np.nan) -> fl
     """
     squares, count = float(np.sum(np.bincount(block, residual) ** 2)), float(len(residual))
     if np.isfinite(expected):
-        blocks = int(np.count_nonzero(np.bincount(block)))
         further = USUAL_NOISE_BLOCKS * count / max(1, blocks)
         squares, count = squares + further * expected, count + further
     return squares / count
@@ -100,10 +100,9 @@ def block_sums(columns: Array, curvature: Array, pull: Array, block: Labels, cou
     columns: x (n, P); curvature, pull: c, p (n,), so that a sample adds c x xᵀ and p x; block: (n,)
     labels 0 to count - 1.
     """
-    sums = np.zeros((count, columns.shape[1], columns.shape[1] + 1))
     sides = np.column_stack([columns * curvature[:, None], pull])
-    np.add.at(sums, block, columns[:, :, None] * sides[:, None])
-    return sums
+    sums = [np.bincount(block, x * side, count) for x in columns.T for side in sides.T]
+    return np.stack(sums, axis=1).reshape(count, columns.shape[1], sides.shape[1])
 
 
 def draw_units(unit_of_block: Labels, generator: np.random.Generator) -> Array:
