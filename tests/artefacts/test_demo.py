@@ -186,6 +186,16 @@ def test_every_fault_is_found(results: Path) -> None:
     assert not (quality["severity"] == "error").any()
 
 
+def test_a_saturated_sensor_judges_no_peak(results: Path) -> None:
+    """It reads at most 30 N of 50 N along x, and judges the rest of that contact."""
+    errors = read_csv(results / "tables" / "contact_errors.csv")
+    rows = errors.query("recording == 'every_fault' and estimate == 'Fmap'")
+    assert rows["peak_error"].isna().all()
+    assert rows["mae"].notna().any()
+    others = errors.query("recording != 'every_fault' and estimate == 'Fmap'")
+    assert others["peak_error"].notna().all()
+
+
 def test_every_page_says_that_it_is_simulated(results: Path) -> None:
     pages = page_texts(results / "report.pdf")
     assert len(pages) > 5

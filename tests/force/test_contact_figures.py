@@ -131,7 +131,8 @@ def test_three_contacts_tell_an_interval(count: int, told: list[str]) -> None:
 
 def rows_of(estimate: np.ndarray, reference: np.ndarray) -> list[ContactErrors]:
     """Errors of an estimated force by contact and component."""
-    return [*contact_errors(estimate, reference, PERIOD * np.arange(len(reference)))]
+    time = PERIOD * np.arange(len(reference))
+    return [*contact_errors(estimate, reference, norm(reference), time)]
 
 
 @given(st.floats(0.1, 2.0))
@@ -175,6 +176,23 @@ def test_an_estimate_unknown_in_part_of_a_contact_is_not_called_too_weak() -> No
     rows = [row for row in rows_of(estimate, reference) if row.component == "Fx"]
     assert [np.isnan(row.peak_error) for row in rows] == [True, False]
     assert [row.impulse > 0 for row in rows] == [True, True]
+
+
+def test_a_saturated_sensor_is_no_truth() -> None:
+    """It reads at most 12 N of pushes of 20 N, which the estimate shows."""
+    true = pushed(3)
+    limited = true.clip(max=12.0)
+    force, at_limit = norm(limited), limited[:, 0] == 12.0
+    reference = np.where(at_limit[:, None], np.nan, limited)
+    rows = contact_errors(true[:, :3], reference[:, :3], force, PERIOD * np.arange(len(force)))
+    for row in rows:
+        assert np.isnan(row.peak_error)
+        assert np.isnan(row.impulse_error)
+        assert row.mae is None or row.mae == 0
+        assert row.onset_error_s is None or row.onset_error_s == 0
+    figures = figures_by_contact(true, None, reference, force, PERIOD)["contact"]
+    assert figures["mae"][0] == figures["max"][0] == figures["mae_high"][0] == 0
+    assert figures["slope"][0] == pytest.approx(1.0)
 
 
 def test_a_dip_divides_contacts_and_noise_makes_none() -> None:

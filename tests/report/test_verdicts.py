@@ -23,6 +23,7 @@ from ur5lib.report.views.contacts import (
     false_alarms,
     felt_while_fitted,
     judge_force,
+    missed_contacts,
     noticed,
     noticed_in_words,
     widest_band,
@@ -886,6 +887,19 @@ def test_the_card_of_the_force_counts_missed_contacts_and_false_alarms() -> None
     assert "in 1.0 minutes" in told
     assert ": 0, that is at most 3 a minute (95 %); no day without a fit recording" in told
     assert "in 100 % of the time, raises 1." in told
+
+
+def test_the_card_of_the_force_names_a_sensor_that_tells_no_peak() -> None:
+    """Where a contact saturates it, not where it saturates elsewhere."""
+    peak = {"recording": "seen", "estimate": "Fmap", "component": "norm", "peak": 20.0}
+    peak |= {"start_s": 0.0, "end_s": 1.0, "peak_error": None}
+    counts = {"recording": "seen", "estimate": "Fmap", "force_class_n": 5.0, "contacts": 1}
+    limit = finding("warning", "saturation")
+    for recording, expected in (("seen", True), ("pushed", False)):
+        limits = [limit | {"recording": recording, "device": "force"}]
+        results = study(contact_errors=[peak], detection=[counts | {"found": 1}], quality=limits)
+        (told, *_) = missed_contacts(results)
+        assert ("on seen, the sensor saturates" in told) == expected
 
 
 def test_alarms_on_days_without_a_fit_are_counted_by_themselves() -> None:

@@ -50,9 +50,10 @@ def figures_by_contact(
 ) -> dict[str, dict[str, Array]]:
     """Return figures (6,) of a wrench (N, 6) and its band: over all samples, in contact, and free.
 
-    reference: the sensor's wrench (N, 6); force: (N,) [N], of the sensor, which defines contacts;
-    period: [s]. Where a band is stated, also in the contacts that are missed. Samples without an
-    estimate are excluded; a period without any known sample has no figures.
+    reference: the sensor's wrench (N, 6), NaN where it is saturated; force: (N,) [N], of the
+    sensor, which defines contacts; period: [s]. Where a band is stated, also in the contacts that
+    are missed. Samples without an estimate or a reading are excluded; a period without any known
+    sample has no figures.
     """
     finite = np.isfinite(estimate).all(axis=1) & np.isfinite(reference).all(axis=1)
     parts = periods(force, period)
@@ -169,15 +170,17 @@ def resampled_means(values: Array, force: Array) -> Array | None:
     )
 
 
-def contact_errors(estimate: Array, reference: Array, time: Array) -> Iterator[ContactErrors]:
+def contact_errors(
+    estimate: Array, reference: Array, force: Array, time: Array
+) -> Iterator[ContactErrors]:
     """Yield the errors of each contact at the sensor along each axis, and of all three.
 
-    estimate, reference: forces (N, 3) [N]; time: (N,) [s].
+    estimate, reference: forces (N, 3) [N], the latter NaN where the sensor is saturated; force:
+    (N,) [N], of the sensor, which defines contacts; time: (N,) [s].
     """
     estimated_contacts = contacts(np.linalg.norm(estimate, axis=1), CONTACT_FORCE)
-    size = np.linalg.norm(reference, axis=1)
-    parts = error_parts(estimate, reference, size)
-    for number, span in enumerate(contacts(size, CONTACT_FORCE), start=1):
+    parts = error_parts(estimate, reference, force)
+    for number, span in enumerate(contacts(force, CONTACT_FORCE), start=1):
         first, last = span
         e, f = estimate[first:last], reference[first:last]
         place = number, time[first], time[last - 1]
@@ -198,10 +201,12 @@ def _peak_and_impulse(
 ) -> tuple[float, float, float, float]:
     """Return peak and impulse of a contact, each with its error along the sensor's direction.
 
-    estimate, reference: (M, D) [N]; step: [s].
+    estimate, reference: (M, D) [N]; step: [s]. Of what the sensor does not tell, all but the
+    largest force that it tells is NaN.
     """
+    estimate = estimate + 0 * reference
     # the direction of the sensor at its peak, and of its impulse
-    top = reference[np.argmax(np.linalg.norm(reference, axis=1))]
+    top = reference[np.argmax(np.nan_to_num(np.linalg.norm(reference, axis=1)))]
     peak, impulse = np.linalg.norm(top), np.linalg.norm(step * reference.sum(axis=0))
     along = estimate @ (top / max(peak, MIN_DIVISOR))
     pushed = (

@@ -35,10 +35,11 @@ class ContactErrors:
 
     component: an axis, or "norm" for all three; peak: the largest force [N]; impulse: the magnitude
     of the force's integral [N s]; errors: the estimate's component along the sensor's direction
-    minus the sensor's value, negative if the estimate is too small, NaN if it is unknown in part of
-    the contact; onset_error_s: of all three, delay with which the estimate passes the sensor's
-    levels; mae: of all three, mean over the axes [N], of which mae_shut while no alarm is raised,
-    and mae_gain that another gain of the whole recording would take off.
+    minus the sensor's value, negative if the estimate is too small, NaN if it is unknown or the
+    sensor saturated in part of the contact; onset_error_s: of all three, delay with which the
+    estimate passes the sensor's levels; mae: of all three, mean over the axes [N], of which
+    mae_shut while no alarm is raised, and mae_gain that another gain of the whole recording would
+    take off.
     """
 
     contact: int

@@ -93,6 +93,15 @@ class Quality:
     fingerprint: list[int] = field(default_factory=list)
     account: list[AccountRow] = field(default_factory=list)
 
+    def saturated_channels(self) -> list[str]:
+        """Return the force sensor's channels that stay at their largest value."""
+        names = [
+            one.values["names"]
+            for one in self.findings
+            if (one.device, one.finding) == ("force", "saturation")
+        ]
+        return [str(name) for channels in names if isinstance(channels, list) for name in channels]
+
 
 @dataclass(frozen=True)
 class Contradictions:

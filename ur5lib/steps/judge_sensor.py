@@ -1,12 +1,13 @@
 """The force sensor's wrench, and every estimate of the contact wrench beside it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
+from ur5lib.channels import columns
 from ur5lib.force.contact_figures import contact_errors, figures_by_contact
 from ur5lib.force.estimators import LEADING, UNGATED, Stated, all_stated
 from ur5lib.force.plain_least_squares import plain_least_squares
@@ -33,7 +34,9 @@ from ur5lib.records.signals import Signals
 from ur5lib.records.table import WRENCH
 from ur5lib.robots.description import Robot, Vector3
 from ur5lib.signals.resampling import by_stamps
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Mask
+
+SATURATED_SHARE = 0.999  # of a channel's largest value, which is this value
 
 
 class JudgedSensor(NamedTuple):
@@ -87,7 +90,21 @@ def judge_sensor(
         plain = plain_least_squares(torque, kinematics.jacobian, min_singular_value)
         estimates["compensated"] |= {UNGATED: Stated(plain)}
         sensor = replace(sensor, plain=plain)
-    return JudgedSensor(sensor, beside_sensor(reading, sensor, estimates, kinematics.rotation))
+    at_limit = saturated(signals.force_sensor, force, quality.saturated_channels())
+    compared = beside_sensor(reading, sensor, estimates, kinematics.rotation, at_limit)
+    return JudgedSensor(sensor, compared)
+
+
+def saturated(reading: Array, force: pd.DataFrame, channels: Sequence[str]) -> Mask:
+    """Return where (N,) a reading (N, 6) is at the largest value of any of the sensor's channels.
+
+    force: its samples; channels: of these, that stay there, so that larger forces are not recorded.
+    """
+    at_limit = np.zeros(len(reading), bool)
+    for name in channels:
+        values = np.abs(reading[:, columns("ft").index(name)])
+        at_limit |= values >= SATURATED_SHARE * force[name].abs().max()
+    return at_limit
 
 
 def sensor_wrenches(
@@ -137,24 +154,29 @@ def beside_sensor(
     sensor: SensorWrenches,
     compared: Mapping[str, Mapping[str, Stated]],
     rotation: Array,
+    at_limit: Mask,
 ) -> Compared:
     """Return the offsets taken off the reading, doubts about them and the mounting, what the sensor
     felt, and the errors beside it.
 
     What is in contact and what is free follows from the sensor less bias and tool weight. Beside a
-    sensor without moments, forces alone are compared. compared: of `compared_estimates`.
+    sensor without moments, forces alone are compared, and nothing where it is saturated, at_limit:
+    (N,). compared: of `compared_estimates`.
     """
     best = sensor.wrench["compensated"]
     force = np.linalg.norm(best[:, :3], axis=1)
-    columns = measured_columns(best)
+    measured = measured_columns(best)
     opposite = list[str]()
     if LEADING in compared["compensated"]:
         estimated = compared["compensated"][LEADING].wrench
         opposite = opposite_axes(best[:, :3], estimated[:, :3], rotation)
 
+    def told(reference: Array) -> Array:
+        return np.where(at_limit[:, None], np.nan, reference)
+
     def errors(own: Stated, reference: Array) -> ByPeriod:
-        band = None if own.std is None else own.std[:, columns]
-        given = own.wrench[:, columns], band, reference[:, columns]
+        band = None if own.std is None else own.std[:, measured]
+        given = own.wrench[:, measured], band, told(reference)[:, measured]
         return by_component(figures_by_contact(*given, force, sensor.period))
 
     return Compared(
@@ -167,7 +189,7 @@ def beside_sensor(
             for kind, reference in sensor.wrench.items()
         },
         contacts={
-            name: [*contact_errors(own.wrench[:, :3], best[:, :3], sensor.time)]
+            name: [*contact_errors(own.wrench[:, :3], told(best)[:, :3], force, sensor.time)]
             for name, own in compared["compensated"].items()
         },
     )

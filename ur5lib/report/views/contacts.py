@@ -182,7 +182,12 @@ def missed_contacts(results: Results) -> Iterator[str]:
         sensed = at_sensors(results).set_index("fate")
         off = sensed.loc[sensed.index == FATES[0], "peak_error"].abs().max()
         missed = sensed.loc[sensed.index == FATES[-1], "peak"]
-        yield say("force.missed", rows=listed, strongest=missed.max(), off=off)
+        unknown = sensed.loc[sensed["peak_error"].isna(), "recording"].unique()
+        saturated = results.rows(
+            "quality", device="force", finding="saturation", recording=[*unknown]
+        )
+        saturated = [*saturated["recording"]]
+        yield say("force.missed", rows=listed, strongest=missed.max(), off=off, saturated=saturated)
     if (alarms := false_alarms(results))["all"] is not None:
         yield say("force.most alarms", **alarms)
 
