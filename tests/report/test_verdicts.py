@@ -17,7 +17,7 @@ from ur5lib.report.page.compose import shown_table
 from ur5lib.report.page.document import Document, Section, Verdict, Verdicts
 from ur5lib.report.page.sentences import say, speaking_of
 from ur5lib.report.results import Results
-from ur5lib.report.views.baseline import bars, error_bar, state
+from ur5lib.report.views.baseline import state
 from ur5lib.report.views.contacts import (
     explained,
     false_alarms,
@@ -1008,14 +1008,8 @@ def test_what_repetition_leaves_stands_beside_the_error_it_limits() -> None:
     cards = [judge(results) for judge in (judge_currents, judge_links, judge_force)]
     assert [card.numbers[0].floor for card in cards] == [0.05, 0.001, 1.5]
     assert all("repeatability: " in card.evidence for card in cards)
-    assert all("repeatability" in card.caption for card in cards)
     without = [judge(study(current_rmse=predicted(0.2))) for judge in (judge_currents,)]
-    assert "repetition" not in said(without[0]) + without[0].caption
-    # repetition has a floor of a joint that is not judged, too
-    judged = results.tables["current_rmse"].query("joint < 6")
-    fewer = replace(results, tables=results.tables | {"current_rmse": judged})
-    assert judge_currents(fewer).drawing.count("<rect") < cards[0].drawing.count("<rect")
-    assert without[0].drawing.count("<rect") < cards[0].drawing.count("<rect")
+    assert "repeatability" not in said(without[0])
     errors = shown_table("current_rmse.decided", results)
     at = errors.header.index("repeatability")
     assert [row[at].text for row in errors.rows][:2] == ["0.0500", "0.100"]
@@ -1182,13 +1176,6 @@ def test_without_a_search_nothing_is_noticed() -> None:
 
 
 # Drawings, first figure, next steps
-
-
-def test_drawings_say_in_words_what_they_show() -> None:
-    assert 'aria-label="1: 50 %, &lt;2&gt;: 200 %"' in bars({"1": 0.5, "<2>": 2.0})
-    assert bars({"1": 0.001, "2": np.nan}) == ""  # nobody would see them
-    assert "error 4, zero 10" in error_bar(4.0, 3.0, 5.0, 10.0, 1.0)
-    assert "nan" not in bars({}) + error_bar(4.0, np.nan, np.nan, 10.0, np.nan)
 
 
 def test_the_first_figure_shows_what_the_study_is_about() -> None:

@@ -220,8 +220,7 @@ class Verdict:
     """The verdict on one topic: a state, and a sentence that gives the reason.
 
     answers: to further questions of a user, a sentence each; evidence: the number behind the
-    sentence, with its interval and its baseline; drawing: an SVG, empty if there is nothing to
-    draw; caption: of the drawing; numbers: of sentence and evidence.
+    sentence, with its interval and its baseline; numbers: of sentence and evidence.
     """
 
     topic: str
@@ -229,8 +228,6 @@ class Verdict:
     sentence: str
     answers: tuple[str, ...] = ()
     evidence: str = ""
-    drawing: str = ""
-    caption: str = ""
     numbers: tuple[Number, ...] = ()
 
 

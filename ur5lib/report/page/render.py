@@ -48,11 +48,6 @@ def pdf_document(document: Document) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder)
         shutil.copy(TEMPLATE_FOLDER / "report.typ", root)
-        verdicts = [verdict for block in _blocks(data, "verdicts") for verdict in block["verdicts"]]
-        for i, verdict in enumerate(verdicts):
-            verdict["path"] = f"verdict_{i}.svg" if verdict["drawing"] else ""
-            if verdict["path"]:
-                (root / verdict["path"]).write_text(verdict["drawing"], encoding="utf-8")
         for block in _blocks(data, "picture"):
             picture = f"figure_{block['number']}.svg"
             shutil.copy(block["path"], root / picture)

@@ -43,7 +43,6 @@ def together(verdicts: Mapping[str, Verdict]) -> Verdict:
         ),
         answers=tuple(f"{arm}: {text}" for arm in arms for text in verdicts[arm].answers),
         evidence=" ".join(f"{arm}: {text}" for arm in arms if (text := verdicts[arm].evidence)),
-        caption=f"{arms[0]}: {severest.caption}" if severest.caption else "",
         numbers=tuple(_of(arm, number) for arm in arms for number in verdicts[arm].numbers),
     )
 

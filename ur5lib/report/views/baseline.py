@@ -1,4 +1,4 @@
-"""Errors beside those of an estimate of zero, the state that follows from them, small drawings.
+"""Errors beside those of an estimate of zero, the state that follows from them.
 
 docs/report.md explains the states.
 """
@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Self
-from xml.sax.saxutils import quoteattr
 
 import pandas as pd
 
@@ -23,11 +22,6 @@ MAX_GOOD_FLOORS = 3.0  # of a good estimate's error, in what repetition alone le
 MIN_GOOD_BAND_FACTOR = 0.5  # share of its width with which a good 95 % band would not hold
 MIN_GOOD_COVERAGE = 0.9  # smallest share of readings in a good 95 % band
 WIDE_BAND_COVERAGE = 0.99  # smallest share, from which on a 95 % band is wider than it states
-DRAWING_WIDTH, DRAWING_HEIGHT = 160.0, 48.0  # of a drawing
-BAR_GAP = 0.25  # of the step from bar to bar
-MIN_BAR_HEIGHT = 1.5  # height that is still seen
-LINE_HEIGHT, CUT = 1.2, 1.7  # of a line across a bar; of the bar, to either side of its middle
-PALE_STYLE = "fill-opacity='.15'"
 
 
 def state(
@@ -200,17 +194,6 @@ class AgainstBaseline:
         """Return the largest error with its place, its recording and its baseline."""
         return say("error.largest", row=self.largest, against=self)
 
-    def drawing(self) -> str:
-        """Draw the errors relative to zero's."""
-        ratios = self.errors["error"] / self.errors["zero"]
-        zeros = self.errors["zero"]
-        floors = {
-            str(name): self.floors[name] / zero
-            for name, zero in zeros.items()
-            if name in self.floors
-        }
-        return bars({str(name): float(ratio) for name, ratio in ratios.items()}, floors)
-
     def numbers(self, name: str) -> tuple[Number, Number]:
         """Return the worst error with its range and baseline, and the largest on a recording."""
         row, largest = self.worst, self.largest
@@ -222,61 +205,3 @@ class AgainstBaseline:
         most = Number("largest error on a recording", float(largest["error"]), self.unit, place)
         mean = mean.above(self.floor())
         return mean.beside(row["zero"], self.zero), most.beside(largest["zero"], self.zero)
-
-
-def bars(shares: Mapping[str, float], floors: Mapping[str, float] | None = None) -> str:
-    """Draw shares (0 to 1) by name as bars, each of which fills its frame from below, as SVG.
-
-    floors: shares of the same frames, by some of the names, each drawn as a line that cuts the bar.
-    Empty where no bar would be seen.
-    """
-    if not any(DRAWING_HEIGHT * share > MIN_BAR_HEIGHT for share in shares.values()):
-        return ""
-    step, parts = DRAWING_WIDTH / max(len(shares), 1), []
-    width = step * (1 - BAR_GAP)
-    for i, (name, share) in enumerate(shares.items()):
-        height = max(DRAWING_HEIGHT * min(share, 1.0), MIN_BAR_HEIGHT * (share > 0))
-        line = DRAWING_HEIGHT * min((floors or {}).get(name, -1.0), 1.0)
-        parts.append(_rectangle(i * step, 0.0, width, DRAWING_HEIGHT, PALE_STYLE))
-        pieces = [(0.0, min(height, line - CUT)), (max(line + CUT, 0.0), height)]
-        if line >= 0:
-            left, top = (i - BAR_GAP / 3) * step, DRAWING_HEIGHT - line - LINE_HEIGHT / 2
-            parts.append(_rectangle(left, top, width + 2 / 3 * BAR_GAP * step, LINE_HEIGHT))
-        parts += [
-            _rectangle(i * step, DRAWING_HEIGHT - top, width, top - bottom)
-            for bottom, top in pieces
-            if top >= bottom
-        ]
-    label = ", ".join(f"{name}: {100 * share:.0f} %" for name, share in shares.items())
-    return _svg("".join(parts), label)
-
-
-def error_bar(value: float, low: float, high: float, zero: float, floor: float) -> str:
-    """Draw a value as a dot with its interval, if known, beside the error of zero, a line, and what
-    repetition alone leaves, if known, a thin line.
-    """
-    scale = 0.95 * DRAWING_WIDTH / max(zero, value, 0.0 if math.isnan(high) else high)
-    middle = DRAWING_HEIGHT / 2
-    parts = [_rectangle(0.0, middle - 0.5, DRAWING_WIDTH, 1.0, PALE_STYLE)]
-    parts.append(
-        _rectangle(zero * scale - 1.5, 4.0, 3.0, DRAWING_HEIGHT - 8.0, "fill-opacity='.5'")
-    )
-    if not math.isnan(floor):
-        parts.append(_rectangle(floor * scale - 0.75, 4.0, 1.5, DRAWING_HEIGHT - 8.0))
-    if not math.isnan(low):
-        parts.append(_rectangle(low * scale, middle - 1.5, (high - low) * scale, 3.0))
-    parts.append(f"<circle cx='{value * scale:.1f}' cy='{middle:.1f}' r='6' fill='currentColor'/>")
-    return _svg("".join(parts), f"error {value:.2g}, zero {zero:.2g}")
-
-
-def _rectangle(x: float, y: float, width: float, height: float, style: str = "") -> str:
-    place = f"x='{x:.1f}' y='{y:.1f}' width='{width:.1f}' height='{height:.1f}'"
-    return f"<rect {place} fill='currentColor' {style}/>"
-
-
-def _svg(content: str, label: str) -> str:
-    box = f"0 0 {DRAWING_WIDTH:.0f} {DRAWING_HEIGHT:.0f}"
-    return (
-        f"<svg xmlns='http://www.w3.org/2000/svg' viewBox='{box}' "
-        f"role='img' aria-label={quoteattr(label or 'nothing to show')}>{content}</svg>"
-    )

@@ -24,10 +24,10 @@ from ur5lib.report.results import AT_REST, Results
 from ur5lib.report.views.baseline import (
     BETTER_RIVAL_RATIO,
     MAX_GOOD_FLOORS,
+    MIN_GOOD_BAND_FACTOR,
     MIN_GOOD_SKILL,
     ZERO_ESTIMATE,
     Rival,
-    error_bar,
     state,
 )
 from ur5lib.report.views.currents import days_away, loaded
@@ -438,8 +438,6 @@ def judge_force(results: Results) -> Verdict:
         sentence=rival.after(sentence, "N"),
         answers=(*missed_contacts(results), *bands_in_contact(results)),
         evidence=" ".join([say("force.evidence", **words), *noticed_in_words(results)]),
-        drawing=error_bar(*row[["mae", "mae_low", "mae_high", "mean_force", "floor"]]),
-        caption=say("force.caption", known=words["known"], floor=row["floor"]),
         numbers=tuple(_numbers(results, row, share, band)),
     )
 
@@ -448,12 +446,12 @@ def bands_in_contact(results: Results) -> Iterator[str]:
     """Say what the bands of the force are worth in contact, at rest and in motion."""
     rows = errors_in_contact(results).dropna(subset=["coverage95", "band_factor95"])
     moves = np.array([bool(results.moving(name)) for name in rows["recording"]], dtype=bool)
-    for when, part in ((AT_REST, rows[~moves]), ("in motion", rows[moves])):
-        if len(part):
-            sure = with_sure_bias(results, part)
-            doubted = doubted_biases(results, [*sure["recording"]])
-            words = {"when": when, "rows": sure, "doubted": doubted}
-            yield say("force.band", **words, blind=MAX_BLIND_SHARE)
+    halves = {AT_REST: rows[~moves], "in motion": rows[moves]}
+    sure = {when: with_sure_bias(results, part) for when, part in halves.items() if len(part)}
+    if sure:
+        doubted = [when for when in sure if doubted_biases(results, [*sure[when]["recording"]])]
+        words = {"rows": sure, "doubted": doubted, "blind": MAX_BLIND_SHARE}
+        yield say("force.band", **words, narrowest=MIN_GOOD_BAND_FACTOR)
 
 
 def _beaten(judged: pd.DataFrame, worst: pd.Series) -> dict[str, Any]:

@@ -17,7 +17,6 @@ from ur5lib.report.views.baseline import (
     WIDE_BAND_COVERAGE,
     AgainstBaseline,
     Rival,
-    bars,
 )
 from ur5lib.tidy.models import STOP
 from ur5lib.timeseries.metrics import NORMAL95
@@ -174,7 +173,6 @@ def judge_constants(results: Results) -> Verdict | None:
         return Verdict(spoken(CONSTANTS_TOPIC), "do not use", say(f"constants.{kind}"))
     if rows.empty:
         return None
-    shares = rows.groupby("joint")["prior_share"].max()
     determined, refused = rows["determined"] == "yes", rows["contradicted"].notna()
     constants = [*rows.loc[determined, "joint"].unique()]
     unlikely = [*results.rows("remarks", code="unlikely constant")["joint"].astype(int)]
@@ -188,9 +186,7 @@ def judge_constants(results: Results) -> Verdict | None:
     return Verdict(
         topic=spoken(CONSTANTS_TOPIC),
         state=state,
-        sentence=say("constants.verdict", **words, joints=len(shares)),
-        drawing=bars({str(joint): float(share) for joint, share in shares.items()}),
-        caption=say("constants.caption"),
+        sentence=say("constants.verdict", **words, joints=rows["joint"].nunique()),
         **_farthest(rows[determined | refused]) if constants or against else {},
     )
 
@@ -305,8 +301,6 @@ def judge_currents(results: Results) -> Verdict:
         sentence=against.after(say("currents.verdict", **words)),
         answers=(*torque_errors(results, against), *friction_known(results)),
         evidence=say("currents.evidence", **words),
-        drawing=against.drawing(),
-        caption=say("error.bars", zero=against.zero, floor=against.floors),
         numbers=(*against.numbers(f"RMSE below {cutoff:g} Hz"), share),
     )
 

@@ -164,8 +164,6 @@ def judge_links(results: Results) -> Verdict:
         sentence=beside.after(say("models.verdict", against=against, **words)),
         answers=tuple(arm_itself(results)),
         evidence=say("models.evidence", against=beside),
-        drawing=against.drawing(),
-        caption=say("error.bars", zero="zero torque", floor=against.floors),
         numbers=against.numbers("mean absolute error below 2 Hz"),
     )
 

@@ -65,7 +65,5 @@ def judge_motion(results: Results) -> Verdict | None:
         state=against.state(),
         sentence=against.after(say("motion.verdict", against=against)),
         evidence=say("motion.evidence", against=against),
-        drawing=against.drawing(),
-        caption=say("motion.caption"),
         numbers=against.numbers("mean absolute error"),
     )

@@ -15,7 +15,6 @@ from ur5lib.report.page.findings import (
 )
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.views.baseline import bars
 from ur5lib.report.views.uses import uses
 
 SPOKEN_SEVERITIES = {"stop": "stop sign"}
@@ -28,7 +27,6 @@ STATES_OF_SEVERITIES: dict[str, State] = {
     "error": "usable",
     "warning": "usable",
 }
-MOST_BARS = 30  # recordings in a drawing
 CODE_WIDTH = 110  # characters per line in the PDF
 
 
@@ -167,8 +165,6 @@ def judge_files(results: Results) -> Verdict:
     states = [
         STATES_OF_SEVERITIES[name] for name in SEVERITIES[:-1] if name in {*serious["severity"]}
     ]
-    lost = lost_shares(results)
-    drawn = pd.Series(lost, dtype=float).nlargest(MOST_BARS).sort_index()
     return Verdict(
         topic=FILES_TOPIC,
         state=states[0] if states else "usable" if results.unusable() else "good",
@@ -179,8 +175,6 @@ def judge_files(results: Results) -> Verdict:
             bad=serious["recording"].nunique(),
             recordings=len(results.roles()),
         ),
-        drawing=bars(drawn.to_dict()),
-        caption=say("quality.caption", most=MOST_BARS if len(lost) > MOST_BARS else None),
         numbers=tuple(
             Number(f"{SPOKEN_SEVERITIES.get(name, name)}s", len(group), "")
             for name, group in (

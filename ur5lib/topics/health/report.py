@@ -10,7 +10,6 @@ from ur5lib.report.page.formats import capital, day, days
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
 from ur5lib.report.views.arms import by_arm
-from ur5lib.report.views.baseline import bars
 from ur5lib.timeseries.changes import MIN_DATES
 
 MIN_TEMPERATURE_EFFECT = 0.5  # %, smallest effect of temperature that is mentioned
@@ -90,8 +89,6 @@ def judge_drift(results: Results) -> Verdict | None:
     span = days(dates["date"].min(), dates["date"].max(), "to")
     words = {"days": dates["date"].nunique(), "span": span, "tested": tested}
     changes = ranked(results)
-    worst = changes.groupby("joint")["share"].max()
-    joints = range(1, int(dates["joint"].max()) + 1)
     state: State = "good" if repeated(dates) >= MIN_DATES else "not determined"
     sentence = _unchanged(dates)
     if len(changes):
@@ -101,8 +98,6 @@ def judge_drift(results: Results) -> Verdict | None:
         state=state,
         sentence=sentence,
         evidence=say("health.evidence", changes=len(changes), **words),
-        drawing=bars({str(joint): float(worst.get(joint, 0.0)) for joint in joints}),
-        caption=say("health.caption"),
     )
 
 
