@@ -313,13 +313,6 @@ def _filled(
     return reduce(lambda said, key: said.replace(key, known[key]), known, spoken(text))
 
 
-def shown_table(table: str, results: Results, name: str = "") -> Body:
-    """Return header and rows of a table of the contents; name: recording, arm or study of it."""
-    blocks = contents().blocks()
-    declared = {block.table: block for block in blocks if isinstance(block, DeclaredTable)}
-    return body_of(declared[table], results, name)
-
-
 def body_of(declared: DeclaredTable, results: Results, name: str = "") -> Body:
     """Return header and rows of a declared table; name: recording, arm or study of it."""
     if declared.rows:
