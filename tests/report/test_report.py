@@ -12,7 +12,6 @@ from urllib.parse import unquote
 import numpy as np
 import pandas as pd
 import pytest
-import yaml
 from lxml import etree
 from lxml.html import fromstring
 
@@ -25,7 +24,6 @@ from ur5lib.records.signals import Signals
 from ur5lib.report.figures.house_style import save
 from ur5lib.report.figures.traces import TORQUE_PANELS, Traces, draw_traces
 from ur5lib.report.page.document import (
-    MOST_ROWS,
     Cell,
     Code,
     Document,
@@ -48,7 +46,6 @@ from ur5lib.report.views.contacts import (
 )
 from ur5lib.report.views.currents import loaded, remarks
 from ur5lib.report.views.first_screen import _each, left_out_fits
-from ur5lib.report.views.recordings import configuration, configuration_heading
 from ur5lib.steps.write_report import archived
 from ur5lib.tables import write_bytes, write_text
 from ur5lib.tidy import forces, friction, models
@@ -402,22 +399,6 @@ def test_remarks_of_fits_are_told_and_why_one_made_nothing() -> None:
     results = Results({}, {"remarks": rows}, Path())
     assert [*remarks(results)] == ["ur5, joints 1, 3: odd."]
     assert left_out_fits(results) == ["Identification of ur5: too little."]
-
-
-def test_the_configuration_is_listed_as_it_can_be_read() -> None:
-    names = [f"r{i}" for i in range(MOST_ROWS + 1)]
-    study = {
-        "study": "many",
-        "recordings": [{"name": name, "units": {"q": "deg"}} for name in names],
-        "settings": {"fit_friction": {"order": 4}},
-    }
-    results = Results(study, {}, Path())
-    listed = yaml.safe_load(configuration(results))
-    assert listed == {**study, "recordings": study["recordings"][:MOST_ROWS]}
-    assert [*configuration_heading(results)] == [
-        "Configuration with every default filled in (first 60 recordings); complete in "
-        "configuration.yaml:"
-    ]
 
 
 def test_files_that_a_text_names_are_links_where_they_are(

@@ -286,10 +286,8 @@ def _single(
                 )
         case Verdicts():
             yield replace(declared, verdicts=view(declared.judged)(*arguments))
-        case Code(listings=listings) if listings:
-            yield from view(listings)(*arguments)
         case Code():
-            yield replace(declared, text=view(declared.listing)(*arguments))
+            yield from view(declared.listing)(*arguments)
         case _:
             yield declared
 

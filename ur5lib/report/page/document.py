@@ -241,14 +241,10 @@ class Verdicts(FromContents):
 
 @dataclass(frozen=True)
 class Code(FromContents):
-    """Text shown as typed; listing: the view that returns it, listings: the one of several blocks.
-
-    folded: what unfolds it on a page, where it is only there to be copied.
-    """
+    """Text to be copied; listing: the view that returns several; folded: what unfolds it."""
 
     text: str = ""
     listing: str = ""
-    listings: str = ""
     folded: str = ""
 
 

@@ -16,7 +16,7 @@ from ur5lib.report.page import closer
 from ur5lib.report.page.document import Document
 
 TEMPLATE_FOLDER = Path(__file__).parent / "templates"
-NAMED_FILES = re.compile(r"\b(docs/[\w-]+\.md|tables\.zip)")
+NAMED_FILES = re.compile(r"\b(docs/[\w-]+\.md|tables\.zip|configuration\.yaml)")
 DOCUMENTS = Path("docs")  # of a clone, two folders above the results of a study
 BREAK = re.compile(r"(?<=\d) (?=±)|(?<=±) (?=\d)|(?<=\d) (?=%|(?:[mk]?[msgN]|A|Nm|Hz|min|rad)\b)")
 REFERENCE = re.compile(r"(?<=[\"(])#([\w-]+)(?=[\")])")  # from one part of an SVG to another

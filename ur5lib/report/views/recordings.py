@@ -3,10 +3,9 @@
 from collections.abc import Iterator
 
 import pandas as pd
-import yaml
 
 from ur5lib.records.accepted import ACCEPTED
-from ur5lib.report.page.document import MOST_ROWS, MOST_SHOWN, Number, State, Verdict
+from ur5lib.report.page.document import MOST_SHOWN, Number, State, Verdict
 from ur5lib.report.page.findings import (
     SEVERITIES,
     by_finding,
@@ -27,7 +26,6 @@ STATES_OF_SEVERITIES: dict[str, State] = {
     "error": "usable",
     "warning": "usable",
 }
-CODE_WIDTH = 110  # characters per line in the PDF
 
 
 def late(results: Results) -> list[str]:
@@ -124,38 +122,6 @@ def total_time(results: Results) -> Iterator[str]:
     times: pd.DataFrame = results.tables["run_times"]
     if len(times):
         yield say("provenance.times", sums=times[["jobs", "cpu_s", "start_up_s"]].sum())
-
-
-def configuration_heading(results: Results) -> Iterator[str]:
-    """Return the sentence above the configuration."""
-    cut = MOST_ROWS if results.study["recordings"][MOST_ROWS:] else 0
-    yield say("provenance.configuration", cut=cut)
-
-
-def configuration(results: Results) -> str:
-    """Return the study with every default filled in."""
-    lines = [_Line(recording) for recording in results.study["recordings"][:MOST_ROWS]]
-    return yaml.dump(
-        {**results.study, "recordings": lines},
-        Dumper=_Dumper,
-        sort_keys=False,
-        allow_unicode=True,
-        default_flow_style=None,
-        width=CODE_WIDTH,
-    )
-
-
-class _Line(dict[str, object]):
-    """A mapping that is written in braces, on one line."""
-
-
-class _Dumper(yaml.SafeDumper):
-    """Writes a study, and each of its recordings on one line."""
-
-
-_Dumper.add_representer(
-    _Line, lambda dumper, line: dumper.represent_mapping("tag:yaml.org,2002:map", line, True)
-)
 
 
 def judge_files(results: Results) -> Verdict:
