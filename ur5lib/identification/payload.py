@@ -166,16 +166,16 @@ def estimate_payload(
         return np.asarray(axes.T @ _huber_solution(along, torque, block, count, axes @ prior_mean))
 
     once = np.ones(1 + block.max(initial=0), dtype=np.int64)
-    no_load = np.zeros(regressor.shape[2])
     fitted = [joint.estimate.coefficients for joint in fit.joints]
-    solution = no_load  # payload and friction in turn
+    solution = no_load = np.zeros(regressor.shape[2])  # payload and friction in turn
     for _ in range(FRICTION_ROUNDS):
         loaded = _motions_under(unloaded, record.torque + regressor @ solution)
         unexplained = smooth(record.current - predicted_currents(fit, loaded), record)[::stride]
         solution = solve(fitted, unexplained, solution, once, no_load)
     # from here on, friction is that under this load: replicates only weight its columns anew
-    loaded = _motions_under(unloaded, record.torque + regressor @ solution)
-    sources = _low_passed_columns(fit, loaded, record, smooth)
+    sources = _low_passed_columns(
+        fit, _motions_under(unloaded, record.torque + regressor @ solution), record, smooth
+    )
     # bootstrap over fits, blocks and priors, so that undetermined parameters are uncertain
     generator, draws = np.random.default_rng(seed), []
     replicates = [*map(_replicates, fit.joints, (whole or fit).joints)]
@@ -184,11 +184,12 @@ def estimate_payload(
         drawn_maps = [of_joint[draw] for of_joint in replicates]
         count = generator.multinomial(len(once), once / len(once))
         drawn_mean = generator.normal(no_load, PAYLOAD_PRIOR_STD)
-        unexplained = _unexplained_current(fit, drawn_maps, sources)
-        draws.append(solve(drawn_maps, unexplained, solution, count, drawn_mean))
+        current = _unexplained_current(fit, drawn_maps, sources)
+        draws.append(solve(drawn_maps, current, solution, count, drawn_mean))
     unexplained = _unexplained_current(fit, fitted, sources)
-    counts = _counts_by_part(block)
-    parts = [solve(fitted, unexplained, solution, count, no_load)[0] for count in counts]
+    parts = [
+        solve(fitted, unexplained, solution, count, no_load)[0] for count in _counts_by_part(block)
+    ]
     return PayloadEstimate(solution, spread(np.array(draws)), np.array(parts))
 
 
