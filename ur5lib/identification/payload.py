@@ -173,9 +173,8 @@ def estimate_payload(
         unexplained = smooth(record.current - predicted_currents(fit, loaded), record)[::stride]
         solution = solve(fitted, unexplained, solution, once, no_load)
     # from here on, friction is that under this load: replicates only weight its columns anew
-    sources = _low_passed_columns(
-        fit, _motions_under(unloaded, record.torque + regressor @ solution), record, smooth
-    )
+    loaded = _motions_under(unloaded, record.torque + regressor @ solution)
+    sources = _low_passed_columns(fit, loaded, record, smooth)
     # bootstrap over fits, blocks and priors, so that undetermined parameters are uncertain
     generator, draws = np.random.default_rng(seed), []
     replicates = [*map(_replicates, fit.joints, (whole or fit).joints)]
@@ -187,9 +186,8 @@ def estimate_payload(
         current = _unexplained_current(fit, drawn_maps, sources)
         draws.append(solve(drawn_maps, current, solution, count, drawn_mean))
     unexplained = _unexplained_current(fit, fitted, sources)
-    parts = [
-        solve(fitted, unexplained, solution, count, no_load)[0] for count in _counts_by_part(block)
-    ]
+    counts = _counts_by_part(block)
+    parts = [solve(fitted, unexplained, solution, count, no_load)[0] for count in counts]
     return PayloadEstimate(solution, spread(np.array(draws)), np.array(parts))
 
 

@@ -317,6 +317,8 @@ def test_drift_is_determined_where_paths_were_repeated(groups: list[int], expect
     ]  # fmt: skip
     verdict = judge_drift(of_rows(rows, []))
     assert verdict is not None
+    decided = expected == "good"  # what decides nothing counts no changes
+    assert ("changes: 0" in verdict.evidence) == decided
     assert verdict.state == expected
     assert ("Repeat one motion" in verdict.sentence) is (expected != "good")
     assert [*changes(of_rows(rows, []))] == [verdict.sentence]  # as the section says

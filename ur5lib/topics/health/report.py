@@ -85,19 +85,20 @@ def judge_drift(results: Results) -> Verdict | None:
     dates = results.tables["health"]
     if dates.empty:
         return None
-    tested = dates.dropna(subset="joint").groupby(["robot", "joint", "quantity"]).ngroups
     span = days(dates["date"].min(), dates["date"].max(), "to")
-    words = {"days": dates["date"].nunique(), "span": span, "tested": tested}
-    changes = ranked(results)
-    state: State = "good" if repeated(dates) >= MIN_DATES else "not determined"
-    sentence = _unchanged(dates)
-    if len(changes):
-        state, sentence = "usable", capital(change(next(changes.itertuples())))
+    words = {"days": dates["date"].nunique(), "span": span}
+    changes, again = ranked(results), repeated(dates)
+    if changes.empty and again < MIN_DATES:
+        undecided = say("health.undecided", again=again, **words)
+        return Verdict(DRIFT_TOPIC, "not determined", _unchanged(dates), evidence=undecided)
+    tested = dates.dropna(subset="joint").groupby(["robot", "joint", "quantity"]).ngroups
+    state: State = "usable" if len(changes) else "good"
+    found = [capital(change(row)) for row in changes[:1].itertuples()]
     return Verdict(
         topic=DRIFT_TOPIC,
         state=state,
-        sentence=sentence,
-        evidence=say("health.evidence", changes=len(changes), **words),
+        sentence=next(iter(found), _unchanged(dates)),
+        evidence=say("health.evidence", changes=len(changes), tested=tested, **words),
     )
 
 
