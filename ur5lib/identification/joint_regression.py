@@ -62,11 +62,10 @@ def unseen_residuals(samples: JointSamples, fits: Sequence[LeftOutFit]) -> Array
 
 def regress_samples(samples: JointSamples, prior: Prior, fitted: Mask | bool = True) -> Regression:
     """Fit torque, offset and friction to the samples in motion; fitted: (n,), to which, or all."""
-    rows = samples.moving & fitted
-    prior_and_noise = prior.over(samples.terms), float(prior.noise()[0])
-    return regress(
-        samples.columns[rows], samples.current[rows], samples.block[rows], *prior_and_noise
-    )
+    rows = np.flatnonzero(samples.moving & fitted)
+    sources = samples.columns, samples.current, samples.block
+    columns, current, block = (values.take(rows, axis=0) for values in sources)
+    return regress(columns, current, block, prior.over(samples.terms), float(prior.noise()[0]))
 
 
 def held_current(
