@@ -177,10 +177,10 @@ def estimate_payload(
     sources = _low_passed_columns(fit, loaded, record, smooth)
     # bootstrap over fits, blocks and priors, so that undetermined parameters are uncertain
     generator, draws = np.random.default_rng(seed), []
-    replicates = [*map(_replicates, fit.joints, (whole or fit).joints)]
+    by_joint = map(_replicates, fit.joints, (whole or fit).joints)
+    replicates = [*zip(*by_joint, strict=True)]  # drawn alike for all joints
     for _ in range(PAYLOAD_DRAWS):
-        draw = generator.integers(len(replicates[0]))  # alike for all joints
-        drawn_maps = [of_joint[draw] for of_joint in replicates]
+        drawn_maps = replicates[generator.integers(len(replicates))]
         count = generator.multinomial(len(once), once / len(once))
         drawn_mean = generator.normal(no_load, PAYLOAD_PRIOR_STD)
         current = _unexplained_current(fit, drawn_maps, sources)
