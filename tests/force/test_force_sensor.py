@@ -19,6 +19,7 @@ from ur5lib.force.sensor import (
     opposite_axes,
     wrench_of_environment,
 )
+from ur5lib.force.sensor_drift import force_drift
 from ur5lib.force.trial_contacts import trial_pushes
 
 PERIOD = 0.01
@@ -406,3 +407,42 @@ def test_without_contact_nothing_is_said() -> None:
     noise = np.random.default_rng(0).normal(0, 0.3, (2, len(ROTATION), 3))
     assert opposite_axes(noise[0], -noise[0], ROTATION) == []
     assert opposite_axes(noise[0], np.full_like(noise[0], np.nan), ROTATION) == []
+
+
+# Drift
+
+
+def drifting(seed: int, drift: float, correlation: float) -> tuple[np.ndarray, np.ndarray]:
+    """A minute of a sensor's forces less bias and tool, with pushes and partly slow errors, and
+    what pulls on its tool.
+    """
+    random, rotation = np.random.default_rng(seed), orientations(60, 0.6)
+    minutes = np.arange(len(rotation))[:, None] * PERIOD / 60
+    slow = lfilter(
+        [np.sqrt(1 - correlation**2)], [1, -correlation], random.normal(size=(6000, 3)), axis=0
+    )
+    profile, _ = trial_pushes(len(rotation), PERIOD)
+    push = np.array([0, 0, 20.0]) * (profile * (minutes[:, 0] < 0.5))[:, None]
+    pull = GRAVITY @ rotation
+    return push + drift * (minutes - 0.5) + 0.05 * slow + 0.01 * pull, pull
+
+
+@pytest.mark.parametrize("drift", [0.0, 2.0])
+@pytest.mark.parametrize("correlation", [0.0, 0.999])
+def test_a_drift_lies_within_its_error(drift: float, correlation: float) -> None:
+    """Beside a weight that is off, pushes, and errors that last for ten seconds."""
+    found = []
+    for seed in range(12):
+        forces, pull = drifting(seed, drift, correlation)
+        value, std = force_drift(forces, pull, PERIOD * np.arange(len(forces)), PERIOD)
+        assert (std < 0.3).all()
+        found.append((value - drift) / std)
+    assert (np.abs(found) < 1.96).mean() > 0.85
+
+
+def test_too_little_time_without_contact_tells_no_drift() -> None:
+    forces, pull = drifting(0, 0.0, 0.0)
+    forces[400:] = 20.0
+    value, std = force_drift(forces, pull, PERIOD * np.arange(len(forces)), PERIOD)
+    assert np.isnan(value).all()
+    assert np.isnan(std).all()

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ur5lib.force.sensor import SensorOffset, fit_offset, initial_bias
+from ur5lib.force.sensor_drift import force_drift
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.force_errors import OffsetAccount
 from ur5lib.records.motion import Motion
@@ -26,7 +27,8 @@ class SensorReading:
     untouched: the part of bias, weight and inertia of its tool (N, 6); offset: bias and tool;
     pull_at, clock_std, inertia: as in `OffsetAccount`; placed: the reading as in the thesis, by
     start stamps alone where it has a clock of its own; start_bias: (6,), its mean at the start;
-    own_clock: whether it has one; each: samples (N,) for each of the sensor's own.
+    own_clock: whether it has one; each: samples (N,) for each of the sensor's own; drift,
+    drift_std: as in `OffsetAccount`.
     """
 
     wrench: Array
@@ -39,14 +41,14 @@ class SensorReading:
     start_bias: Array
     own_clock: bool
     each: float
+    drift: Array
+    drift_std: Array
 
     def account(self) -> OffsetAccount:
         """Return what is subtracted from the reading."""
-        known = {name: getattr(self, name) for name in ("pull_at", "clock_std", "inertia")}
-        free = float(self.offset.free.mean())
-        return OffsetAccount(
-            **vars(self.offset) | known | {"free": free, "start_bias": self.start_bias}
-        )
+        names = ("pull_at", "clock_std", "inertia", "start_bias", "drift", "drift_std")
+        known = {name: getattr(self, name) for name in names}
+        return OffsetAccount(**vars(self.offset) | known | {"free": float(self.offset.free.mean())})
 
 
 class OwnClock(NamedTuple):
@@ -91,9 +93,11 @@ def sensor_reading(
         place = origin + within_reach(offset.center())
         pull = expected(moved.pull_at(place))
     placed = in_frame_6(own.placed, robot) if own else values
+    untouched = offset.reading(pull) + moment
+    drift, drift_std = force_drift((values - untouched)[:, :3], pull, signals.time, signals.period)
     return SensorReading(
         values,
-        offset.reading(pull) + moment,
+        untouched,
         offset,
         place,
         clock_std,
@@ -102,6 +106,8 @@ def sensor_reading(
         start_bias=initial_bias(placed, signals.time, bias_window),
         own_clock=own is not None,
         each=max(1.0, own.step / signals.period) if own else 1.0,
+        drift=drift,
+        drift_std=drift_std,
     )
 
 

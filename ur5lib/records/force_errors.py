@@ -2,6 +2,8 @@
 
 from dataclasses import asdict, dataclass, field
 
+import numpy as np
+
 from ur5lib.errors import Remark
 from ur5lib.records.quality import Finding
 from ur5lib.timeseries.arrays import Array, Six
@@ -76,7 +78,8 @@ class OffsetAccount(Offset):
     mass, the sensor where that is unknown; clock_std: [s], error of the sensor's clock, over which
     this pull is averaged; inertia: of the tool, xx yy zz xy xz yz [kg m²], None where it was
     neglected; free: share of the samples that are free of contact; start_bias: (6,) [N, Nm], mean
-    at the start.
+    at the start; drift: (3,) [N/min], of the bias of the forces, and drift_std, its standard error,
+    NaN where they are unknown.
     """
 
     pull_at: Array
@@ -84,6 +87,8 @@ class OffsetAccount(Offset):
     inertia: Six | None
     free: float
     start_bias: Array
+    drift: Array = field(default_factory=lambda: np.full(3, np.nan))
+    drift_std: Array = field(default_factory=lambda: np.full(3, np.nan))
 
 
 Figures = dict[str, dict[str, float]]  # by name, then by component

@@ -36,12 +36,15 @@ def contact_errors(forces: Compared) -> Iterator[Row]:
 
 
 def sensed(forces: Compared) -> Iterator[Row]:
-    """Yield the largest reading of a force sensor, its contacts, and its bias without contact."""
+    """Yield the largest reading of a force sensor, its contacts, and its bias without contact, with
+    its drift.
+    """
     if felt := forces.felt:
         row = vars(felt) | {"largest_force_n": felt.largest, "share_in_contact": felt.contact}
         if (offset := forces.offset) is not None:
-            for name, values in (("bias", offset.bias), ("bias_std", offset.bias_std)):
-                row |= {f"{name}_{axis}": value for axis, value in zip("xyz", values, strict=False)}
+            for name in ("bias", "bias_std", "drift", "drift_std"):
+                values = zip("xyz", getattr(offset, name), strict=False)
+                row |= {f"{name}_{axis}": value for axis, value in values}
         yield row
 
 

@@ -5,9 +5,7 @@ Without contact, a sensor with the axes R in frame 6 and the scales k reads
     f = diag(k) Rᵀ m p + b + d t,    n = k̄ Rᵀ (c × m p - I α) + b + d t
 
 of a tool of mass m and inertia I at c, where p pulls on each of its kilograms and α is its angular
-acceleration. Its errors are partly slow: the mean error of a block of samples is
-s (√(1-g) white + √g slow), where the slow part is an autoregression of first order, whose
-correlation at a distance of k blocks is ρᵏ.
+acceleration. Its errors are partly slow (`slow_covariance`).
 """
 
 from dataclasses import dataclass
@@ -19,15 +17,10 @@ from scipy.spatial.transform import Rotation
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.free_fit import REPEATABILITY, SensorReadings, least_deviations, settle
 from ur5lib.force.sensed_contact import contacts
+from ur5lib.force.sensor_drift import slow_covariance
 from ur5lib.robots.description import Payload
 from ur5lib.timeseries.arrays import Array
 
-# Many more blocks than terms, however short the recording: otherwise the error is undetermined.
-ERROR_BLOCKS = 100
-# Correlations ρ of neighbouring blocks, and shares g of the slow part, all equally likely a priori.
-BLOCK_CORRELATIONS = np.exp(-1 / np.geomspace(1, 2 * ERROR_BLOCKS, 7))
-SLOW_SHARES = np.array([0.0, 0.25, 0.5, 0.75, 0.9, 0.97, 1.0])
-RANK_TOLERANCE = 1e-6  # singular value, relative to the largest, of linearly dependent terms
 MAX_AUDIT_SAMPLES = 5_000  # for a fit
 SECONDS_PER_MINUTE = 60.0
 UNIT_PULL = np.ones((1, 3))
@@ -48,56 +41,6 @@ SCALE_STD = 0.3
 FREE_MASS_STD = 10.0  # kg
 SPAN_BEFORE_CONTACT = np.array([-1.25, -0.25])  # s, from its start
 SPAN_AFTER_CONTACT = np.array([0.25, 1.25])  # s, from its end
-
-
-def slow_covariance(
-    terms: Array, residual: Array, time: Array, weight: float, prior_precision: Array
-) -> Array:
-    """Return the covariance (P, P) of θ = (w XᵀX + K)⁻¹ w Xᵀ y, whose errors may be slow.
-
-    terms: X (N, P) of one component; residual: (N,), y - X θ; time: (N,) [s], increasing; weight:
-    w; prior_precision: K, inverse variances (P,) of a prior about zero. With blocks of n samples, H
-    = n w XᵀX + K and V the covariance of block means, it is H⁻¹ (n w)² Xᵀ V X H⁻¹ + H⁻¹ K H⁻¹.
-    """
-    share = (time - time[0]) / np.ptp(time)
-    number = np.minimum(np.floor(ERROR_BLOCKS * share), ERROR_BLOCKS - 1)
-    block, place, count = np.unique(number, return_inverse=True, return_counts=True)
-    means = np.zeros((len(block), terms.shape[1] + 1))
-    np.add.at(means, place, np.column_stack([terms, residual]))
-    means /= count[:, None]
-    X, block_residual, scale = means[:, :-1], means[:, -1], count * weight
-    # H⁻¹ and H⁻¹ n w Xᵀ
-    inverse = np.linalg.pinv((X.T * scale) @ X + np.diag(prior_precision), hermitian=True)
-    gain = inverse @ (X.T * scale)
-    V = _block_covariance(X, block_residual, block)
-    return np.asarray(gain @ V @ gain.T + inverse @ np.diag(prior_precision) @ inverse)
-
-
-def _block_covariance(X: Array, block_residual: Array, block: Array) -> Array:
-    """Return the covariance (M, M) of block means: the mean over ρ and g, weighted by likelihood.
-
-    The likelihood is that of what the regression leaves (restricted, Harville 1974). A variance S/ν
-    of ν degrees of freedom is expected as S/(ν-2). Resampled blocks know no error slower than they
-    are long: where errors last for 20 s, their intervals of bias and drift held in 71 and 78 % of
-    96 cases at best, these in 96 and 90 %.
-    """
-    vectors, values, _ = np.linalg.svd(X)
-    rank = int((values > RANK_TOLERANCE * values[0]).sum())
-    complement = vectors[:, rank:]  # what X does not explain
-    freedom = complement.shape[1]
-    projected, distance = complement.T @ block_residual, np.abs(block[:, None] - block)
-    log_likelihoods, covariances = list[float](), list[Array]()
-    for slow in BLOCK_CORRELATIONS:
-        for share in SLOW_SHARES:
-            V = share * slow**distance + (1 - share) * np.eye(len(block))
-            within = complement.T @ V @ complement
-            # S = eᵀ V⁻¹ e; p ∝ |V|^(-1/2) S^(-ν/2)
-            S = max(float(projected @ np.linalg.solve(within, projected)), np.finfo(float).tiny)
-            log_likelihoods.append(-np.linalg.slogdet(within)[1] / 2 - freedom / 2 * np.log(S))
-            covariances.append(V * S / max(freedom - 2, 1))
-    # Σ p V S / (ν - 2) / Σ p
-    odds = np.exp(np.array(log_likelihoods) - max(log_likelihoods))
-    return np.asarray(np.tensordot(odds / odds.sum(), np.stack(covariances), axes=1))
 
 
 @dataclass(frozen=True)
