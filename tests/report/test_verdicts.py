@@ -690,7 +690,8 @@ def test_false_alarms_are_counted_by_the_minute_not_by_the_recording() -> None:
     table["duration_s"] = table["recording"].map(lengths).fillna(60.0)
     rates = {"estimate": "Fmap", "alarms_per_min": 4.0, "causal_alarms_per_min": 2.0}
     rates |= {"contacts": 1, "found": 1, "merged": 0, "causal_found": 1, "causal_merged": 0}
-    rates |= {"causal_unknown": 0.0}
+    rates |= {"causal_unknown": 0.0, "false_alarms_per_min": 0.0}
+    rates |= {"causal_false_alarms_per_min": 0.0}
     still = rates | {"alarms_per_min": 0.0, "causal_alarms_per_min": 0.0, "recording": "fitted"}
     rows = [rates | {"recording": "seen", "force_class_n": force} for force in (3.0, 5.0)]
     tables = {**results.tables, "detection": pd.DataFrame([*rows, still])}
@@ -859,7 +860,11 @@ def test_the_estimate_without_a_fit_is_never_called_good() -> None:
 def test_the_card_of_the_force_counts_missed_contacts_and_false_alarms() -> None:
     """Of contacts of 5 N, of quiet validate recordings; 3.0 is the Poisson limit of none seen."""
     known = {"estimate": "Fmap", "alarms_per_min": 0.0, "causal_alarms_per_min": 1.0}
-    known |= {"causal_unknown": 0.0}
+    known |= {
+        "causal_unknown": 0.0,
+        "false_alarms_per_min": 0.0,
+        "causal_false_alarms_per_min": 2.0,
+    }
     counts = {"force_class_n": 5.0, "contacts": 4, "found": 2, "merged": 1, "causal_found": 1}
     rows = [
         known | counts | {"recording": "seen"},
@@ -881,7 +886,8 @@ def test_the_card_of_the_force_counts_missed_contacts_and_false_alarms() -> None
     assert numbers["missed contacts"] == (2, "of 8")
     assert numbers["false alarms without contact"] == (0, "in 1.0 min")
     told = said(card)
-    assert "Of 8 contacts from 5 N on, 2 are missed (up to 21 N), live 6" in told
+    assert "Of 8 contacts from 5 N on, 2 are missed (up to 21 N), live 6; " in told
+    assert "; alarms beside them: 0, live 4" in told
     assert "False alarms: 0 in 1.0 min without contact, at most 3 a minute" in card.answers[-1]
     assert "live 1, at most 4.7, unable to judge 0" in card.answers[-1]
     assert "in 1.0 minutes" in told

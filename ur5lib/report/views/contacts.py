@@ -44,6 +44,7 @@ from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import Span, overlap
 
 FORCE_TOPIC = "Force in contact"
+MAX_DRIFT_ERROR = 1.0  # N/min, half of the 95 % interval of a drift that is determined
 FATES = ["found", "merged", "missed"]  # of a contact: by its own alarm, by another one's, by none
 WRENCH_NAME = r"(?i)force|wrench|\bft[_x]|\bf_?[xyz]\b"  # among the columns of a file
 STATIC_ESTIMATE = "static"  # the estimate without any fit
@@ -105,8 +106,13 @@ def quiet(results: Results, role: str = "validate") -> pd.DataFrame:
     """
     rows = results.rows("detection", estimate=LEADING, recording=results.with_role(role))
     rows = rows[~rows["recording"].isin(loaded(results)["recording"])].drop_duplicates("recording")
+    return rows.assign(minutes=_minutes(results, rows))
+
+
+def _minutes(results: Results, rows: pd.DataFrame) -> pd.Series:
+    """Return how long the recordings of rows last [min]."""
     lengths = results.tables["recordings"].set_index("recording")["duration_s"]
-    return rows.assign(minutes=rows["recording"].map(lengths).astype(float) / 60)
+    return rows["recording"].map(lengths).astype(float) / 60
 
 
 class FalseAlarms(NamedTuple):
@@ -194,13 +200,18 @@ def missed_contacts(results: Results) -> Iterator[str]:
 
 def _listed(results: Results) -> pd.DataFrame:
     """Return how many contacts are found, merged and missed, also live, of those that the table
-    lists.
+    lists, and how many alarms are false beside them.
     """
     rows = results.rows("detection", estimate=LEADING, force_class_n=CONTACT_FORCE)
     merged = rows["merged"].astype(float).fillna(0.0)
     live = rows["contacts"] - rows["causal_found"] - rows["causal_merged"].astype(float).fillna(0.0)
     missed = rows["contacts"] - rows["found"] - merged
-    return rows.assign(merged=merged, missed=missed, missed_live=live)
+    minutes = _minutes(results, rows)
+    beside = {
+        f"{kind}beside": (rows[f"{kind}false_alarms_per_min"].astype(float) * minutes).round()
+        for kind in ("", "causal_")
+    }
+    return rows.assign(merged=merged, missed=missed, missed_live=live, **beside)
 
 
 def _numbers_of_alarms(results: Results) -> Iterator[Number]:
@@ -286,7 +297,8 @@ def with_sure_bias(results: Results, rows: pd.DataFrame) -> pd.DataFrame:
 
 def split(results: Results) -> pd.DataFrame:
     """Return of what the error in contact consists by recording, means over x, y, z, beside the
-    sensor's bias; friction: what neither alarms nor a gain explain; doubted: of the bias.
+    sensor's bias and its drift where that is determined, with the largest error of this; friction:
+    what neither alarms nor a gain explain; doubted: of the bias.
     """
     rows = errors_in_contact(results)
     names = ["mae", "mae_missed", "mae_shut", "mae_gain"]
@@ -294,7 +306,12 @@ def split(results: Results) -> pd.DataFrame:
     friction = means["mae"] - means[names[1:]].sum(axis="columns")
     doubted = means.index.isin(doubted_biases(results, [*means.index]))
     parts = means.assign(friction=friction, doubted=doubted).reset_index()
-    return parts.merge(results.tables["sensed"], "left")
+    sensed, drifts = results.tables["sensed"], [f"drift_{axis}" for axis in "xyz"]
+    errors = sensed[[f"drift_std_{axis}" for axis in "xyz"]].astype(float)
+    told = NORMAL95 * errors.to_numpy() <= MAX_DRIFT_ERROR
+    drift_std = errors.where(told).max(axis="columns")
+    known = sensed.assign(drift_std=drift_std, **sensed[drifts].where(told))
+    return parts.merge(known, "left")
 
 
 def with_floors(results: Results, rows: pd.DataFrame) -> pd.DataFrame:
