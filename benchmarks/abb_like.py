@@ -161,7 +161,7 @@ def fitted(arm: Robot, logs: Mapping[str, Log]) -> Fit:
 
 def torques_of(arm: Robot, log: Log, role: str) -> RecordingTorques:
     """Return the torques of a recording, which nothing contradicts."""
-    found = compute_torques(log.file, log.motion, arm, role, CURRENTS.cutoff)
+    found = compute_torques(log.file, log.motion, arm, role, {"currents": CURRENTS.cutoff})
     assert not found.premises.contradictions.stop_signs, "the checks refuse a right recording"
     return found
 

@@ -13,23 +13,27 @@ import pandas as pd
 import pytest
 
 from tests.conftest import said
+from tests.made_records import motion_of
 from tests.stored_files import made_up_channels
 from ur5lib.channels import CURRENT
 from ur5lib.checks.block_means import block_means
 from ur5lib.checks.by_motion import MotionChecks, are_exchanged
 from ur5lib.checks.checked import Checked
 from ur5lib.checks.delays import Delays, delayed_currents
-from ur5lib.checks.doubts import DOUBT
+from ur5lib.checks.doubts import DOUBT, doubts_by_joint
+from ur5lib.checks.findings import contacts_felt, contradictions
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.unchecked import unchecked
 from ur5lib.checks.whole_motion import STRETCHES, Explained, Misfit, WholeMotion
 from ur5lib.recordings.frames import repair_frames
+from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.from_urdf import robot_from_urdf
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.newton_euler import torque
-from ur5lib.tables import channel, named
+from ur5lib.steps.compute_torques import compute_torques
+from ur5lib.tables import channel, named, write_table
 from ur5lib.timeseries.arrays import Array
 
 STEP, SECONDS, HOME = 0.02, 24.0, np.array([0.3, -1.2, 1.4, -1.0, 1.2, 0.4])
@@ -195,7 +199,56 @@ def test_what_a_description_lacks_is_named(ur5e: Robot, sensed: Robot) -> None:
     assert any("declare it as `payload`" in one for one in lacks_load)
     (lacks_spring,) = doubts(log(sensed, spring=40.0))
     assert "joint 2 of" in lacks_spring
-    assert "`balanced_joints`" in lacks_spring
+    assert "`balanced_joints: [2]`" in lacks_spring
+
+
+def test_a_joint_whose_links_are_in_doubt_is_told_before_a_contact(sensed: Robot) -> None:
+    """Baxter was to have been touched, where its spring pulled."""
+    whole, sprung = log(sensed), log(sensed, spring=40.0)
+    found = {}
+    for name, own, joint in [("right", whole, 2), ("sprung", sprung, 2), ("other", sprung, 4)]:
+        felt = {"joint": joint, "torque": 11.0, "at_s": 0.2}
+        contact = Finding("robot", "contact", "warning", 1, felt, "felt contact")
+        own.__dict__["contact"] = contact  # as if it were cached
+        (found[name],) = (said(one) for one in contacts_felt(own, sensed=False))
+    assert ["in doubt" in one for one in found.values()] == [False, True, False]
+
+
+def test_the_likeliest_doubt_heals_the_description() -> None:
+    codes = ["doubtful links", "doubtful links", "missing load", "missing spring", "missing spring"]
+    values = {"arm": "baxter", "joints": [2]}
+    found = [Finding("robot", DOUBT, "note", 1, values, code) for code in codes]
+    assert {k: one.code for k, one in doubts_by_joint(found).items()} == {2: "missing spring"}
+    assert doubts_by_joint(found[:2])[2].code == "doubtful links"
+    assert doubts_by_joint([Finding("robot", "contact", "note", 1, {"joint": 2})]) == {}
+
+
+def test_a_run_finds_what_a_check_finds(sensed: Robot, tmp_path: Path) -> None:
+    """The report of a Baxter lacked the spring that `ur5 check` had named."""
+    own, file = log(sensed, spring=40.0), tmp_path / "signals.parquet"
+    write_table(own.robot, file)
+    time, q, qd = (
+        own.robot["time"].to_numpy(),
+        *(channel(own.robot, f"actual_{n}") for n in ("q", "qd")),
+    )
+    cutoffs = {"currents": 2.0, "motion": 80.0}
+    run = compute_torques(file, motion_of(time, q, qd), sensed, "fit", cutoffs).premises
+    names = [one.finding for one in run.contradictions.findings]
+    assert {DOUBT, "unfiltered", "contact not checked", "torques not checked"} <= {*names}
+    assert run.contradictions == contradictions(own, [], False, cutoffs, {})
+
+
+def test_rotors_and_loads_that_cannot_be_are_not_named(ur5e: Robot, sensed: Robot) -> None:
+    """The rotors of a right UR3 were to be missing, where they are described as too heavy, and a
+    UR5 was to carry a load of no mass.
+    """
+    model = ur5e.models[ur5e.fullest_model()].model_copy(update={"rotor_inertias": (0.0,) * 6})
+    lighter = ur5e.with_model(ur5e.fullest_model(), model)
+    codes = {one.code for one in replace(log(lighter), arm=ur5e).doubted_links}
+    assert codes <= {"surplus rotors"}
+    pull = Payload(mass=3.0, center_of_mass=(0.02, 0.0, 0.1))
+    lifted = doubts(replace(log(sensed), arm=sensed.carrying(pull)))  # it carries less
+    assert not any("declare it as `payload`" in one for one in lifted)
 
 
 def test_wrong_links_are_doubted_and_stop_nothing(sensed: Robot) -> None:

@@ -17,14 +17,13 @@ from tests.conftest import said
 from tests.made_tables import record
 from tests.synthetic import write_recording
 from ur5lib import tidy
+from ur5lib.checks.channels import unfiltered
 from ur5lib.commands.check import (
     FOLDED,
     MAX_NAMED,
-    UNCHECKED,
     Form,
     concerned,
     print_tables,
-    unfiltered,
     unusable,
 )
 from ur5lib.commands.console import announced, text_console
@@ -32,12 +31,12 @@ from ur5lib.errors import InputError, printable, remark
 from ur5lib.records.account import NOTHING, UNKNOWN_NAME, AccountRow
 from ur5lib.records.clocks import SettledClock
 from ur5lib.records.force_errors import Compared
-from ur5lib.records.quality import Finding, Quality
+from ur5lib.records.quality import UNCHECKED, Finding, Quality
 from ur5lib.records.wording import templates, worded
 from ur5lib.report.page.findings import by_finding, group_findings
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
-from ur5lib.study.model import Settings, Study
+from ur5lib.study.model import Settings
 from ur5lib.tables import named
 from ur5lib.tidy import files
 from ur5lib.tidy.files import name_copies
@@ -368,8 +367,9 @@ def test_a_recording_at_1_hz_is_checked(study: Path, run_ur5: Command, ur5: Robo
 
 
 def test_a_recording_that_a_filter_leaves_as_it_is_is_reported() -> None:
-    settings = Settings.model_validate({"lowpass": {"motion": {"cutoff_hz": 80}}})
-    study = Study.model_construct(settings=settings)
-    assert unfiltered(study, 0.002) == []
-    (note,) = unfiltered(study, 0.008)
+    cutoffs = Settings.model_validate(
+        {"lowpass": {"motion": {"cutoff_hz": 80}}}
+    ).lowpass.cutoffs_hz()
+    assert not any(unfiltered(cutoffs, 0.002))
+    (note,) = unfiltered(cutoffs, 0.008)
     assert {"`cutoff_hz`", "motion", "62.5"} <= words(said(note))

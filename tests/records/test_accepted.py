@@ -149,7 +149,7 @@ def test_the_torques_of_an_accepted_recording_rest_on_no_stop_sign(
     q, qd = (exchanged[columns(name)].to_numpy() for name in ("actual_q", "actual_qd"))
     motion = motion_of(time, q, qd)
     stopped, passed = (
-        compute_torques(file, motion, ur5, "validate", 2.0, accepted=accept).premises
+        compute_torques(file, motion, ur5, "validate", {"currents": 2.0}, accepted=accept).premises
         for accept in (None, {"order": REASON, "constants": REASON})
     )
     assert [sign.code for sign in stopped.contradictions.stop_signs] == ["exchanged joints"]

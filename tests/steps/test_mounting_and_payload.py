@@ -44,7 +44,9 @@ class Made:
 
     def torques(self, arm: Robot, declared: Payload | None) -> RecordingTorques:
         """With the payload that the study declares."""
-        return compute_torques(self.file, self.motion, arm, "contact", 2.0, self.gravity, declared)
+        return compute_torques(
+            self.file, self.motion, arm, "contact", {"currents": 2.0}, self.gravity, declared
+        )
 
     @property
     def true_torque(self) -> np.ndarray:

@@ -78,7 +78,7 @@ class Mounted:
         known = {"other": signals}, {"other": read.kinematics}, {"other": aligned.alignment}
         self.calibration = calibrate_imu(arm, *known, {"other": gravity}, LOWPASS)
         torques, premises = compute_torques(
-            file, aligned.motion, arm, "fit", CUTOFF, gravity, entry.known_payload()
+            file, aligned.motion, arm, "fit", {"currents": CUTOFF}, gravity, entry.known_payload()
         )
         self.known = known_of(
             arm,

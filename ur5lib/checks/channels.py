@@ -74,6 +74,17 @@ def check_robot(
     ]
 
 
+def unfiltered(cutoffs_hz: Mapping[str, float], period: float) -> Iterator[Finding]:
+    """Yield a note on low-pass filters that leave a recording as it is.
+
+    cutoffs_hz: by filter; period: of the recording [s].
+    """
+    nyquist = 0.5 / period
+    if beyond := [name for name, cutoff in cutoffs_hz.items() if cutoff >= nyquist]:
+        values = {"names": beyond, "nyquist_hz": nyquist}
+        yield Finding("robot", "unfiltered", "note", len(beyond), values)
+
+
 def too_short(segment: Labels, period: float, cutoff: float) -> list[Finding]:
     """Return a warning where no stretch is long enough for low-passed currents, and thus forces.
 

@@ -13,6 +13,7 @@ from ur5lib.checks.by_motion import MotionChecks
 from ur5lib.checks.contacts import felt_contact
 from ur5lib.checks.currents import Answers, answers, is_driven, moving_joints
 from ur5lib.checks.delays import Delays, delays_by_motion
+from ur5lib.checks.doubts import doubted_links
 from ur5lib.checks.targets import odd_targets
 from ur5lib.errors import InputError
 from ur5lib.records.quality import Finding
@@ -104,6 +105,11 @@ class Checked:
         if not moving_joints(self.means).any():
             return None
         return MotionChecks(self.means, self.loaded, self.tells_signs_by_friction())
+
+    @cached_property
+    def doubted_links(self) -> list[Finding]:
+        """Return doubts about the described links, unless contacts may be part of the efforts."""
+        return [*doubted_links(self.motion)] if self.fitted and self.motion is not None else []
 
     @cached_property
     def odd_targets(self) -> dict[int, Finding]:

@@ -1,15 +1,19 @@
 """What a description lacks whose links explain an arm's motion far worse than any links do."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from functools import partial
 
 import numpy as np
 
 from ur5lib.checks.by_motion import MAX_LEAD_OF_ANY_LINKS, MIN_ERRORS, MotionChecks
-from ur5lib.checks.whole_motion import Misfit, Regression, WholeMotion, lead
+from ur5lib.checks.whole_motion import STRETCHES, Misfit, Regression, WholeMotion, lead
 from ur5lib.records.quality import Finding
+from ur5lib.robots.inertia import inertial_parameters, rigid_bodies
 from ur5lib.timeseries.arrays import Array
 
 DOUBT = "links in doubt"  # the finding
+MAX_CENTER_DISTANCE = 0.3  # m, of a load's centre of mass from the last joint's frame
+OTHER_LINKS = "doubtful links"  # its code where nothing else heals the description
 
 
 def doubted_links(checks: MotionChecks) -> Iterator[Finding]:
@@ -21,13 +25,29 @@ def doubted_links(checks: MotionChecks) -> Iterator[Finding]:
         return
     arm, best = checks.arm, first.by_any_links
     doubted = [joint for joint in checks.moving if _is_worse(first.by_links, best, joint)]
-    for code, misfit in _remedies(checks.motion, doubted) if doubted else ():
-        healed = [j for j in doubted if not _is_worse(misfit, best, j)]
+    for code, misfit, joints in _remedies(checks.motion, doubted) if doubted else ():
+        healed = [j for j in doubted if j in joints and not _is_worse(misfit, best, j)]
         doubted = [joint for joint in doubted if joint not in healed]
         if healed:
             yield _doubt(code, arm.name, healed)
     if doubted and not arm.has_ur_motors():  # whose links are known
-        yield _doubt("doubtful links", arm.name, doubted)
+        yield _doubt(OTHER_LINKS, arm.name, doubted)
+
+
+def doubts_by_joint(findings: Iterable[Finding]) -> dict[int, Finding]:
+    """Return the likeliest doubt about links among findings by joint, from 1: what heals the
+    description before other links, then the one that is found most often.
+    """
+    found: dict[int, list[Finding]] = {}
+    for one in findings:
+        joints = one.values["joints"] if one.finding == DOUBT else []
+        for joint in joints if isinstance(joints, list) else ():
+            found.setdefault(joint, []).append(one)
+    return {joint: max(own, key=partial(_weight, own)) for joint, own in found.items()}
+
+
+def _weight(doubts: list[Finding], doubt: Finding) -> tuple[bool, int]:
+    return doubt.code != OTHER_LINKS, [one.code for one in doubts].count(doubt.code)
 
 
 def _is_worse(misfit: Misfit, by_any_links: Misfit, joint: int) -> bool:
@@ -41,18 +61,35 @@ def _doubt(code: str, arm: str, joints: list[int]) -> Finding:
     return Finding("robot", DOUBT, "note", len(joints), values, code)
 
 
-def _remedies(motion: WholeMotion, joints: list[int]) -> Iterator[tuple[str, Misfit]]:
-    """Yield what each remedy leaves unexplained; joints: from 0, of which springs may be."""
-    left = motion.torque - motion.scale(motion.torque) * motion.links
+def _remedies(motion: WholeMotion, joints: list[int]) -> Iterator[tuple[str, Misfit, list[int]]]:
+    """Yield what each remedy leaves unexplained, and the joints that it may heal: no rotor has a
+    negative inertia, a load has a mass near the flange, and a UR no spring; joints: from 0.
+    """
+    scale, last = motion.scale(motion.torque), 10 * (len(motion.joints) - 1)
+    left = motion.torque - scale * motion.links
 
-    def with_columns(columns: Array) -> Misfit:
-        return Regression(np.concatenate([columns, motion.friction], axis=2)).misfit(left)
+    def fitted(columns: Array) -> tuple[Misfit, Array, Array]:
+        """Return what columns leave, and their coefficients with their errors (jackknife)."""
+        regression = Regression(np.concatenate([columns, motion.friction], axis=2))
+        found = regression.coefficients(left)[:, : columns.shape[2]]
+        spread = np.sqrt(STRETCHES - 1) * found.std(axis=0)
+        return regression.misfit(left), found.mean(axis=0), MIN_ERRORS * spread
 
-    yield "missing rotors", with_columns(motion.regressor[:, :, 10 * len(motion.joints) :])
-    yield "missing load", motion.with_any_load()
+    misfit, inertia, error = fitted(motion.regressor[:, :, last + 10 :])
+    bodies = rigid_bodies(motion.arm, motion.arm.fullest_model())
+    described = inertial_parameters(motion.arm, bodies)[last + 10 :]
+    more = (described == 0) & (inertia > error)
+    yield "missing rotors", misfit, np.flatnonzero(more).tolist()
+    less = (described > 0) & (inertia < -error) & (described + inertia > -error)
+    yield "surplus rotors", misfit, np.flatnonzero(less).tolist()
+    misfit, body, error = fitted(scale[:, None] * motion.regressor[:, :, last : last + 10])
+    if body[0] > max(error[0], np.linalg.norm(body[1:4]) / MAX_CENTER_DISTANCE):
+        yield "missing load", misfit, joints
+    if motion.arm.has_ur_motors():
+        return
     q = motion.means.q
     springs = np.zeros((*q.shape, 3 * len(joints)))
     for k, joint in enumerate(joints):
         own = q[:, joint]
         springs[:, joint, 3 * k : 3 * k + 3] = np.column_stack([own, np.sin(own), np.cos(own)])
-    yield "missing spring", with_columns(springs)
+    yield "missing spring", fitted(springs)[0], joints

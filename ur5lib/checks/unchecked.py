@@ -7,7 +7,6 @@ from ur5lib.channels import TARGET_CURRENT, TORQUE
 from ur5lib.checks.arm import Pair, fitting_arms, torque_constants
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import MIN_GRAVITY_TORQUE, MIN_LEAD_OF_EXCHANGE
-from ur5lib.checks.doubts import doubted_links
 from ur5lib.checks.readings import exchanged_order, in_order
 from ur5lib.checks.sensed_torques import size_ratio
 from ur5lib.checks.tool import (
@@ -27,17 +26,11 @@ def unchecked(checked: Checked) -> list[Finding]:
     """Return what would not be noticed in a recording without a stop sign."""
     if len(checked.means.q) < MIN_BLOCKS:
         return [_note("nothing checked", seconds=len(checked.robot) * checked.step)]
-    return [*_arm(checked), *_order(checked), *_currents(checked), *_links(checked)]
+    return [*_arm(checked), *_order(checked), *_currents(checked), *checked.doubted_links]
 
 
 def _note(finding: str, **values: object) -> Finding:
     return Finding("robot", finding, "note", 1, values)
-
-
-def _links(checked: Checked) -> Iterator[Finding]:
-    """Yield doubts about the described links, unless contacts may be part of the efforts."""
-    if checked.fitted and checked.motion is not None:
-        yield from doubted_links(checked.motion)
 
 
 def _arm(checked: Checked) -> Iterator[Finding]:

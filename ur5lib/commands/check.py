@@ -1,6 +1,6 @@
 """A study's recordings looked through, without the workflow."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from functools import partial
@@ -12,23 +12,20 @@ from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table
 
-from ur5lib.checks.channels import fast_between_samples, slow_samples, too_short
+from ur5lib.checks.channels import slow_samples
 from ur5lib.checks.checked import Checked
-from ur5lib.checks.contacts import sensed_contacts, unfelt_contacts
+from ur5lib.checks.contacts import sensed_contacts
 from ur5lib.checks.devices import checked_intake
-from ur5lib.checks.stop_signs import stop_signs
-from ur5lib.checks.torques import given_load
-from ur5lib.checks.unchecked import unchecked
+from ur5lib.checks.findings import contradictions
 from ur5lib.commands.console import announced, text_console
 from ur5lib.commands.processes import side_by_side
 from ur5lib.errors import InputError
 from ur5lib.force.tare import tare_doubts, touched_by_own_clock
 from ur5lib.recordings.intake import Intake, read_and_repair
-from ur5lib.records.accepted import accepting
 from ur5lib.records.account import UNKNOWN_NAME
 from ur5lib.records.carried import carried, disagreements
 from ur5lib.records.clocks import OwnClock, SettledClock
-from ur5lib.records.quality import Contradictions, Finding, Quality
+from ur5lib.records.quality import UNCHECKED, Finding, Quality
 from ur5lib.records.signals import Signals
 from ur5lib.records.wording import worded
 from ur5lib.report.page.findings import MAX_NAMED_PLACES, by_finding, group_findings
@@ -48,21 +45,6 @@ ERROR_SEVERITIES = ("stop", "error")
 MAX_NAMED = 3  # recordings of a finding that are named
 MAX_PROPOSED_NAMES = 20  # names of recordings that are proposed
 SEVERITY_STYLES = {"stop": "bold red", "error": "bold red", "warning": "yellow", "note": ""}
-
-
-UNCHECKED = (  # findings of what could not be checked, the riskiest first
-    "nothing checked",
-    "arm not checked",
-    "order not checked",
-    "currents not checked",
-    "unit not checked",
-    "size not checked",
-    "sign not checked",
-    "columns not checked",
-    "torques not checked",
-    "clock not checked",
-    "contact not checked",
-)
 
 
 class Form(NamedTuple):
@@ -184,17 +166,12 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
     declared, tool = recording.known_payload(), recording.known_tool()
     signals, fitted = Signals.from_table(intake.robot), recording.role == "fit"
     load = carried(declared, signals)
-    cutoff = study.settings.lowpass.currents.cutoff_hz
+    cutoffs = study.settings.lowpass.cutoffs_hz()
+    cutoff = cutoffs["currents"]
     checked = Checked(intake.robot, arm, load.configured, load.payload, fitted, cutoff)
-    accepted = recording.accepted()
-    stops = stop_signs(checked, accepted)
     doubts = disagreements(declared, tool.tcp if tool else None, signals)
-    doubts += unfiltered(study, intake.quality.period_s)
-    moved = signals.actual_q, signals.segment, intake.quality.period_s
-    doubts += too_short(*moved[1:], cutoff)
-    doubts += fast_between_samples(*moved, arm.velocity_limits())
-    if not fitted:
-        doubts += slow_samples(*moved, cutoff)
+    if not fitted:  # in a run, `slower_than_fit` knows whether that matters
+        doubts += slow_samples(signals.actual_q, signals.segment, checked.step, cutoff)
     if recording.untouched is not None:
         doubts += tare_doubts(recording.untouched, signals, arm, cutoff)
         if "force" in intake.sensors:
@@ -203,29 +180,10 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
     sensor = intake.sensors.get("force", intake.robot if "ft_fx" in intake.robot else None)
     if recording.role != "contact" and sensor is not None:
         doubts += sensed_contacts(sensor, load.mass)
-    doubts += checked.odd_targets.values()
-    if not stops:  # from which others would follow
-        doubts += [
-            *given_load(checked),
-            *contacts_felt(checked, sensor is not None),
-            *unchecked(checked),
-        ]
-    found = accepting(Contradictions(stops, doubts), accepted)
+    sensed, accepted = sensor is not None, recording.accepted()
+    found = contradictions(checked, doubts, sensed, cutoffs, accepted)
     findings = [*found.stop_signs, *intake.quality.findings, *found.findings]
     return replace(intake.quality, findings=findings), _clocks_of(intake, arm)
-
-
-def contacts_felt(checked: Checked, sensed: bool) -> Iterator[Finding]:
-    """Yield the contact that currents show while a recording is to be fitted, or which they do not.
-
-    sensed: whether a force sensor shows weaker ones.
-    """
-    if not checked.fitted or not checked.means.has_efforts():
-        return
-    if checked.contact is not None:
-        yield checked.contact
-    elif not sensed and checked.arm.tells_gravity():
-        yield unfelt_contacts(checked.arm)
 
 
 def look_through_postures(recording: Recording, arm: Robot) -> Quality:
@@ -240,15 +198,6 @@ def look_through_postures(recording: Recording, arm: Robot) -> Quality:
     return replace(
         quality, findings=[*contradictions.stop_signs, *quality.findings, *contradictions.findings]
     )
-
-
-def unfiltered(study: Study, period: float) -> list[Finding]:
-    """Return a note on low-pass filters that leave a recording as it is; period: its [s]."""
-    nyquist = 0.5 / period
-    cutoffs = study.settings.lowpass.model_dump()
-    beyond = [name for name, design in cutoffs.items() if design["cutoff_hz"] >= nyquist]
-    values = {"names": beyond, "nyquist_hz": nyquist}
-    return [Finding("robot", "unfiltered", "note", len(beyond), values)] if beyond else []
 
 
 def unusable(error: InputError) -> Quality:

@@ -20,6 +20,19 @@ CONTACT_TORQUE_SHARE = 0.1
 ODD_TARGET = "odd target"  # the finding that a target of a current is to blame
 UNREADABLE = "unreadable"  # the finding that a recording cannot be read
 UNUSUAL_FRICTION = "unusual friction"  # the finding that friction hides a contact's force
+UNCHECKED = (  # findings of what could not be checked, the riskiest first
+    "nothing checked",
+    "arm not checked",
+    "order not checked",
+    "currents not checked",
+    "unit not checked",
+    "size not checked",
+    "sign not checked",
+    "columns not checked",
+    "torques not checked",
+    "clock not checked",
+    "contact not checked",
+)
 SENSORS: dict[str, Device] = {"force_sensor": "force", "imu": "imu"}  # by key of the study
 
 

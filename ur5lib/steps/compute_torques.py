@@ -1,25 +1,22 @@
-"""Joint torques of every link model: at the targets and at the measured motion; stop signs."""
+"""Joint torques of every link model, at the targets and at the measured motion; what is doubted."""
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from ur5lib.checks.channels import fast_between_samples, too_short
 from ur5lib.checks.checked import Checked
-from ur5lib.checks.stop_signs import CHECKED_COLUMNS, stop_signs
-from ur5lib.checks.torques import given_load
+from ur5lib.checks.contacts import sensed_contacts
+from ur5lib.checks.findings import contradictions
+from ur5lib.checks.stop_signs import CHECKED_COLUMNS
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.force.tare import Span, tare_doubts
-from ur5lib.records.accepted import accepting
 from ur5lib.records.carried import Carried, carried, disagreements
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.motion import Motion
 from ur5lib.records.premises import Premises
-from ur5lib.records.quality import Contradictions, Finding
-from ur5lib.records.signals import Signals
+from ur5lib.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.tables import read_footer, read_table
 from ur5lib.timeseries.arrays import Six
@@ -37,7 +34,7 @@ def compute_torques(
     motion: Motion,
     arm: Robot,
     role: str,
-    cutoff_hz: float,
+    cutoffs_hz: dict[str, float],
     gravity: list[float] | None = None,
     payload: Payload | None = None,
     tcp: Six | None = None,
@@ -47,49 +44,27 @@ def compute_torques(
     """Return the torques of every link model, and what in the recording contradicts the study.
 
     signals: file of `Signals`; gravity, payload, tcp: as the study declares them; role: of the
-    recording; cutoff_hz: of the currents' low-pass; accepted: why the study overrules stop signs,
-    by kind; untouched: span [s] that the study declares as a tare.
+    recording; cutoffs_hz: of the low-pass filters by name; accepted: why the study overrules stop
+    signs, by kind; untouched: span [s] that the study declares as a tare.
     """
     known, robot = Signals.read(signals), arm.mounted(gravity)
     load = carried(payload, known)
-    doubts = disagreements(payload, tcp, known)
-    doubts += too_short(known.segment, known.period, cutoff_hz)
+    doubts, cutoff = disagreements(payload, tcp, known), cutoffs_hz["currents"]
     if untouched is not None:
-        doubts += tare_doubts(untouched, known, robot, cutoff_hz, motion.motor_qd)
-    doubts += fast_between_samples(
-        known.actual_q, known.segment, known.period, robot.velocity_limits()
-    )
-    contradictions = contradicting(
-        Checked(
-            robot=checked_columns(signals),
-            arm=robot,
-            configured=load.configured,
-            declared=load.payload,
-            fitted=role == "fit",
-            cutoff=cutoff_hz,
-        ),
-        doubts,
-        accepted or {},
-    )
-    torques = joint_torques(robot, load, known, motion)
-    return RecordingTorques(torques, Premises(load, contradictions))
+        doubts += tare_doubts(untouched, known, robot, cutoff, motion.motor_qd)
+    table, fitted = checked_columns(signals), role == "fit"
+    checked = Checked(table, robot, load.configured, load.payload, fitted, cutoff)
+    if role != "contact":
+        doubts += sensed_contacts(table, load.mass)
+    sensed = known.force_sensor is not None
+    found = contradictions(checked, doubts, sensed, cutoffs_hz, accepted or {})
+    return RecordingTorques(joint_torques(robot, load, known, motion), Premises(load, found))
 
 
 def checked_columns(signals: Path) -> pd.DataFrame:
     """Return what the checks need of a file of `Signals`."""
-    names = CHECKED_COLUMNS.intersection(read_footer(signals).schema.names)
-    return read_table(signals, [*names])
-
-
-def contradicting(
-    checked: Checked, doubts: list[Finding], accepted: Mapping[str, str]
-) -> Contradictions:
-    """Return the stop signs of a recording, and further doubts."""
-    doubts = [*doubts, *checked.odd_targets.values()]
-    stops = stop_signs(checked, accepted)
-    if not stops:  # from which others would follow
-        doubts += given_load(checked)
-    return accepting(Contradictions(stops, doubts), accepted)
+    names = CHECKED_COLUMNS.union(SENSOR_COLUMNS["force"])
+    return read_table(signals, [*names.intersection(read_footer(signals).schema.names)])
 
 
 def joint_torques(robot: Robot, load: Carried, signals: Signals, motion: Motion) -> Torques:

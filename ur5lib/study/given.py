@@ -38,6 +38,10 @@ def _lowpass(of: str, selection: Selection, _: str) -> list[float]:
     return design(getattr(selection.study.settings.lowpass, of))
 
 
+def _cutoffs_hz(selection: Selection, _: str) -> dict[str, float]:
+    return selection.study.settings.lowpass.cutoffs_hz()
+
+
 def _cutoff_hz(selection: Selection, _: str) -> float:
     return selection.study.settings.lowpass.currents.cutoff_hz
 
@@ -79,7 +83,7 @@ STEPS: Mapping[str, Mapping[str, Given]] = {
         "role": partial(_entry, "role"),
         **LOADED,
         "untouched": partial(_entry, "untouched"),
-        "cutoff_hz": _cutoff_hz,
+        "cutoffs_hz": _cutoffs_hz,
     },
     "fit_friction": {
         "dates": _dates,

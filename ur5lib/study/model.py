@@ -273,6 +273,10 @@ class Lowpass(Strict):
     accelerations: AccelerationLowpass = AccelerationLowpass()
     published_forces: PublishedLowpass = PublishedLowpass()
 
+    def cutoffs_hz(self) -> dict[str, float]:
+        """Return the cut-off of each filter [Hz]."""
+        return {name: design["cutoff_hz"] for name, design in self.model_dump().items()}
+
 
 class Contact(Strict):
     """Prior knowledge about contacts."""

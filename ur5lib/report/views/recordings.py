@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import pandas as pd
 
 from ur5lib.records.accepted import ACCEPTED
+from ur5lib.records.quality import UNCHECKED
 from ur5lib.report.page.document import MOST_SHOWN, Number, State, Verdict
 from ur5lib.report.page.findings import (
     SEVERITIES,
@@ -46,11 +47,13 @@ def pages(results: Results) -> Iterator[str]:
 
 def trust(results: Results) -> pd.DataFrame:
     """Return the recordings, also those left out, with their use, lost frames and the gravest
-    finding.
+    finding, but for those of what could not be checked.
     """
     used = results.tables["recordings"].set_index("recording")[["duration_s", "devices"]]
-    quality = by_severity(results.tables["quality"]).drop_duplicates("recording")
-    gravest = quality.set_index("recording")[["severity", "device", "finding"]]
+    quality = results.tables["quality"]
+    quality = by_severity(quality[~quality["finding"].isin(UNCHECKED)])
+    gravest = quality.drop_duplicates("recording").set_index("recording")
+    gravest = gravest[["severity", "device", "finding"]]
     lost = pd.Series(lost_shares(results), dtype=float, name="lost")
     roles = pd.Series(results.roles(), name="role").rename_axis("recording")
     use = pd.Series(uses(results), dtype=str, name="use")
@@ -63,15 +66,14 @@ def causes(results: Results) -> pd.DataFrame:
     return rows.assign(recordings=rows["recordings"].map(_named), count=rows["recordings"].map(len))
 
 
-def count_findings(quality: pd.DataFrame) -> str:
-    """Return how many findings there are of each severity, most serious first."""
-    counts_by_severity = quality["severity"].value_counts()
-    counts = [
-        (SPOKEN_SEVERITIES.get(name, name), int(counts_by_severity[name]))
-        for name in SEVERITIES
-        if name in counts_by_severity
-    ]
-    return say("quality.severities", counts=counts)
+def count_findings(results: Results) -> pd.DataFrame:
+    """Return how many findings there are of each severity, most serious first, and how many causes
+    they have: the rows of `causes`, each once for a recording. Stop signs are counted if none, too.
+    """
+    groups = causes(results).groupby("severity")["count"]
+    counts = groups.agg(findings="sum", causes="size").reindex(SEVERITIES, fill_value=0)
+    counts = counts[(counts["findings"] > 0) | (counts.index == SEVERITIES[0])]
+    return counts.rename(index=SPOKEN_SEVERITIES)
 
 
 def _named(recordings: pd.Series) -> str:
@@ -127,7 +129,7 @@ def total_time(results: Results) -> Iterator[str]:
 def judge_files(results: Results) -> Verdict:
     """Judge by the recordings that were left out, or by the most serious finding."""
     findings = results.tables["quality"]
-    serious = findings[findings["severity"] != "note"]
+    serious, counts = findings[findings["severity"] != "note"], count_findings(results)
     states = [
         STATES_OF_SEVERITIES[name] for name in SEVERITIES[:-1] if name in {*serious["severity"]}
     ]
@@ -137,17 +139,11 @@ def judge_files(results: Results) -> Verdict:
         sentence=worst(results),
         evidence=say(
             "quality.evidence",
-            counts=count_findings(findings),
+            counts=counts[counts["findings"] > 0],
             bad=serious["recording"].nunique(),
             recordings=len(results.roles()),
         ),
-        numbers=tuple(
-            Number(f"{SPOKEN_SEVERITIES.get(name, name)}s", len(group), "")
-            for name, group in (
-                (name, findings[findings["severity"] == name]) for name in SEVERITIES
-            )
-            if len(group) or name == SEVERITIES[0]
-        ),
+        numbers=tuple(Number(f"{row.Index}s", row.findings, "") for row in counts.itertuples()),
     )
 
 

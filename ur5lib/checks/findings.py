@@ -1,0 +1,60 @@
+"""All that a recording shows beside what the study declares of it, to `ur5 check` and to a run."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+from ur5lib.checks.channels import fast_between_samples, too_short, unfiltered
+from ur5lib.checks.checked import Checked
+from ur5lib.checks.contacts import unfelt_contacts
+from ur5lib.checks.doubts import doubts_by_joint
+from ur5lib.checks.stop_signs import stop_signs
+from ur5lib.checks.torques import given_load
+from ur5lib.checks.unchecked import unchecked
+from ur5lib.records.accepted import accepting
+from ur5lib.records.quality import Contradictions, Finding
+from ur5lib.tables import channel
+
+
+def contradictions(
+    checked: Checked,
+    doubts: list[Finding],
+    sensed: bool,
+    cutoffs_hz: Mapping[str, float],
+    accepted: Mapping[str, str],
+) -> Contradictions:
+    """Return the stop signs of a recording, and further doubts, behind those that are known.
+
+    sensed: whether it has a force sensor; cutoffs_hz: of all low-pass filters; accepted: why the
+    study overrules stop signs, by kind.
+    """
+    doubts = [*doubts, *_of_samples(checked, cutoffs_hz), *checked.odd_targets.values()]
+    stops = stop_signs(checked, accepted)
+    if not stops:  # from which others would follow
+        doubts += given_load(checked)
+        doubts += contacts_felt(checked, sensed)
+        doubts += unchecked(checked)
+    return accepting(Contradictions(stops, doubts), accepted)
+
+
+def _of_samples(checked: Checked, cutoffs_hz: Mapping[str, float]) -> Iterator[Finding]:
+    """Yield what the recording's length and rate leave untold."""
+    segment, step, cutoff = checked.robot["segment"].to_numpy(), checked.step, checked.cutoff
+    positions = channel(checked.robot, "actual_q")
+    yield from unfiltered(cutoffs_hz, step)
+    yield from too_short(segment, step, cutoff)
+    yield from fast_between_samples(positions, segment, step, checked.arm.velocity_limits())
+
+
+def contacts_felt(checked: Checked, sensed: bool) -> Iterator[Finding]:
+    """Yield the contact that currents show while a recording is to be fitted, or which they do not.
+
+    sensed: whether a force sensor shows weaker ones.
+    """
+    if not checked.fitted or not checked.means.has_efforts():
+        return
+    contact = checked.contact
+    if contact is not None:
+        is_doubted = contact.values["joint"] in doubts_by_joint(checked.doubted_links)
+        yield replace(contact, code="contact or links") if is_doubted else contact
+    elif not sensed and checked.arm.tells_gravity():
+        yield unfelt_contacts(checked.arm)
