@@ -459,7 +459,10 @@ def test_a_constant_unlike_what_was_known_is_remarked(
     remarks = {one.code: one for one in fit.joints[1].remarks}
     assert ("unlikely constant" in remarks) == doubted
     if doubted:
-        assert remarks["unlikely constant"].values["deviations"] > DOUBTFUL_DEVIATIONS
+        told = remarks["unlikely constant"].values
+        assert abs(1 / told["fitted"] - 1 / told["known"]) * told["known"] ** 2 > (
+            DOUBTFUL_DEVIATIONS * told["known_std"]
+        )
 
 
 # Judging

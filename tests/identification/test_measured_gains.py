@@ -7,15 +7,16 @@ import pytest
 
 from tests.identification.test_measured_torques import drawn_run
 from tests.made_records import motion_of, signals_of, torques_of
+from ur5lib.checks.doubts import DOUBT
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import Remark
 from ur5lib.records.carried import Carried
 from ur5lib.records.friction import Friction, Parameter
 from ur5lib.records.premises import Premises
-from ur5lib.records.quality import Contradictions, Quality
+from ur5lib.records.quality import Contradictions, Finding, Quality
 from ur5lib.records.wording import in_words
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.steps.fit_friction import fit_friction
+from ur5lib.steps.fit_friction import fit_friction, with_causes
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
 
@@ -134,6 +135,17 @@ def test_an_opposite_sign_is_named_with_its_remedy(arm: Robot) -> None:
     (remark,) = fitted(arm, gains=np.array([1, -1, 1, 1, 1, 1.0])).fit.joints[1].remarks
     assert "rotor" not in in_words(remark)
     assert "units" in in_words(remark)
+
+
+def test_the_cause_that_the_checks_found_is_named(arm: Robot) -> None:
+    friction = fitted(arm, gains=np.array([1, -1, 1, 1, 1, 1.0]))
+    spring = Finding(
+        "robot", DOUBT, "note", 1, {"arm": arm.name, "joints": [2, 3]}, "missing spring"
+    )
+    (remark,) = with_causes(friction.fit, {2: spring, 3: spring}, arm).joints[1].remarks
+    assert "`balanced_joints: [2]`" in in_words(remark)
+    assert "column" not in in_words(remark)
+    assert with_causes(friction.fit, {3: spring}, arm) == friction.fit
 
 
 def test_gains_of_right_torques_are_no_stop_sign(arm: Robot) -> None:

@@ -28,13 +28,14 @@ from ur5lib.report.views.contacts import (
     noticed_in_words,
     widest_band,
 )
-from ur5lib.report.views.currents import decided as decided_currents
 from ur5lib.report.views.currents import (
+    EXPLAINED,
     farthest_in_time,
     friction_known,
     judge_constants,
     judge_currents,
 )
+from ur5lib.report.views.currents import decided as decided_currents
 from ur5lib.report.views.first_screen import (
     drawn,
     findings,
@@ -46,7 +47,7 @@ from ur5lib.report.views.first_screen import (
 )
 from ur5lib.report.views.models import arm_itself, identified, judge_links
 from ur5lib.report.views.motion import judge_motion
-from ur5lib.report.views.recordings import judge_files
+from ur5lib.report.views.recordings import causes, judge_files, trust
 from ur5lib.report.views.uses import uses
 from ur5lib.study.model import Settings
 from ur5lib.tidy import columns
@@ -135,9 +136,11 @@ UNKNOWN = {"determined": "no", "prior_share": 0.8}
 def test_torque_constants_are_good_where_the_data_determine_them(
     second: dict[str, Any], expected: str
 ) -> None:
-    rows = [constant(1, 5.0), constant(2, 11.0, **second)]
+    rows = [constant(1, 5.0), constant(2, 11.0, **second), constant(3, 10.0)]
     verdict = judge_constants(study(friction=rows))
     assert verdict.state == expected
+    few = judge_constants(study(friction=[*rows[:2], constant(3, 10.0, **UNKNOWN)]))
+    assert few.state == ("usable" if expected == "good" else "not determined")
     farthest = ("joint 2", 142.0) if second is REFUSED else ("joint 1", 5.0)
     (number,) = verdict.numbers
     assert (number.place, number.value, number.baseline) == (*farthest, 10.0)
@@ -149,8 +152,8 @@ def test_a_refused_constant_is_the_farthest_and_named_by_the_headline(given: flo
     rows = [constant(1, 10.0, **REFUSED | {"contradicted": given}), constant(2, 11.0)]
     results = study(friction=[*rows, constant(3, 10.0, **UNKNOWN)])
     verdict = judge_constants(results)
-    assert verdict.state == "usable"
-    assert "Use those of joint 2 (1 of 3) only." in verdict.sentence
+    assert verdict.state == "not determined"
+    assert "joint 2 (1 of 3 joints), which may be used" in verdict.sentence
     (number,) = verdict.numbers
     assert (number.place, number.value, number.low) == ("joint 1", given, None)
     (headline,) = result(results)
@@ -188,7 +191,7 @@ def test_a_constant_that_is_not_determined_is_not_shown_as_far_from_the_known_on
     """The known one is used there, as the table says."""
     verdict = judge_constants(study(friction=[constant(1, 8.0), constant(2, 17.0, **UNKNOWN)]))
     assert [number.place for number in verdict.numbers] == ["joint 1"]
-    assert "joint 2" not in said(verdict)
+    assert "joint 2" not in verdict.evidence
 
 
 def test_a_refused_constant_is_told_with_what_the_currents_would_give() -> None:
@@ -203,7 +206,7 @@ def test_a_torque_constant_that_contradicts_the_known_one_is_not_to_be_used() ->
     results = study(friction=rows, remarks=[doubt | {"code": "unlikely constant"}])
     verdict = judge_constants(results)
     assert verdict.state == "do not use"
-    assert "constants of joint 2 contradict the known ones" in verdict.sentence
+    assert "constant of joint 2 contradicts the known one, and forces" in verdict.sentence
     assert any("joint 2" in step for step in next_steps(results))
 
 
@@ -226,7 +229,8 @@ def test_torque_constants_that_stop_a_study_are_not_to_be_used() -> None:
 
 
 @pytest.mark.parametrize(
-    "code", ["unlikely constant", "current against constant", "torque against gain"]
+    "code",
+    ["unlikely constant", "current against constant", "torque against gain", EXPLAINED],
 )
 def test_a_contradiction_is_a_finding(code: str) -> None:
     """No fault is denied beside a card and a step that name one."""
@@ -249,7 +253,22 @@ def test_the_worst_file_is_named() -> None:
     assert "wave.csv lost 250 of 1,000 frames" in verdict.sentence
     numbers = {number.name: number.value for number in verdict.numbers}
     assert numbers == {"stop signs": 0, "warnings": 3, "notes": 1}
-    assert stated(verdict.evidence) == [3, 1, 2, 3]
+    assert stated(verdict.evidence) == [3, 2, 1, 2, 3]  # of two causes
+
+
+def test_the_card_counts_the_findings_that_the_tables_list() -> None:
+    """A finding in several places of a recording is one: 77 notes stood above a table of 34."""
+    places = [finding("note", "columns not used", place=place) for place in ("a", "b", "c")]
+    results = study(quality=[*places, places[0] | {"recording": "fitted"}, finding("warning")])
+    listed, numbers = causes(results).groupby("severity"), judge_files(results).numbers
+    counted = {f"{name}s": rows["count"].sum() for name, rows in listed}
+    assert {number.name: number.value for number in numbers} == {"stop signs": 0} | counted
+    assert counted == {"notes": 2, "warnings": 1}
+
+
+def test_what_could_not_be_checked_is_nobodys_gravest_finding() -> None:
+    results = study(quality=[finding("note", "order not checked")])
+    assert trust(results)["finding"].isna().all()
 
 
 def test_one_warning_is_named_in_the_singular() -> None:
@@ -994,7 +1013,7 @@ def test_an_arm_of_which_nothing_is_determined_is_told_beside_others() -> None:
     rows = [constant(1, 10.0), constant(1, 10.0, **UNKNOWN) | {"robot": "ur10e"}]
     (card,) = [one for one in verdicts(of_two_arms(friction=rows)) if "constants" in one.topic]
     assert card.state == "usable"
-    assert "ur10e: The recordings determine no torque constant." in card.sentence
+    assert "ur10e: The recordings determine no torque constant; joint 1 takes" in card.sentence
 
 
 # What repetition alone leaves
@@ -1165,7 +1184,7 @@ def test_the_arm_itself_is_judged_by_the_joints_that_bear_gravity() -> None:
         )
         assert "On joint 3, the torque constant is 30 % off" in told
         assert "joint 4 contradict" in told
-        assert "Joint 1 does not tell" in told
+        assert "Joint 1 tells nothing of them." in told
         assert "kg" not in told  # an arm that contradicts its description weighs nothing
         resting = replace(results, bearing={})
         (told,) = arm_itself(resting)
@@ -1220,6 +1239,14 @@ def test_three_steps_are_named_and_the_most_urgent_first() -> None:
     asked.tables["next_recordings"] = pd.DataFrame(bands)
     (path, *_) = next_steps(asked)
     assert path.endswith("though it hardly narrows the band of a force.")
+
+
+def test_the_cause_that_a_check_names_is_the_advice() -> None:
+    """Instead of columns, units and name, which a spring of a Baxter does not ask to check."""
+    told = {"robot": "ur5", "joint": 2, "code": EXPLAINED, "remark": "a spring is missing"}
+    first, *others = next_steps(study(remarks=[told]))
+    assert first == "A spring is missing."
+    assert not any("columns" in one for one in others)
 
 
 # Tables that used to contradict themselves

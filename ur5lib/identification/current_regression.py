@@ -325,6 +325,8 @@ def _remarks(
         deviations > DOUBTFUL_DEVIATIONS
         and not known_inverse / DOUBTFUL_RATIO < inverse < known_inverse * DOUBTFUL_RATIO
     ):
-        values = {"deviations": deviations, "constant": prior.measured.constant}
+        names = {"constant": prior.measured.constant, "unit": prior.measured.constant_unit}
+        known_std = float(prior.std()[0]) / known_inverse**2
+        values = {"fitted": 1 / inverse, "known": 1 / known_inverse, "known_std": known_std} | names
         remarks.append(remark("unlikely constant", **values))
     return tuple(remarks)

@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
+from itertools import chain
 
 import numpy as np
 
 from ur5lib.channels import TORQUE
+from ur5lib.checks.doubts import doubts_by_joint
 from ur5lib.errors import RefusalError, Remark, reason, remark
 from ur5lib.identification.at_rest import AtRest
 from ur5lib.identification.current_regression import (
@@ -36,7 +38,7 @@ from ur5lib.records.friction import CurrentFit, Friction, KnownConstants, LeftOu
 from ur5lib.records.motion import Motion
 from ur5lib.records.postures import Postures
 from ur5lib.records.premises import Premises
-from ur5lib.records.quality import Contradictions, Quality
+from ur5lib.records.quality import Contradictions, Finding, Quality
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
@@ -46,6 +48,8 @@ from ur5lib.timeseries.lowpass import Butterworth
 MAX_JOINTS_WITHOUT_LOAD = 3
 # Joints whose torque has another gain, by a spring, a column or a link.
 MAX_JOINTS_OF_OTHER_GAIN = 1
+# Remarks on a joint that contradicts its known constant, which stands in.
+UNEXPLAINED = "current against constant", "torque against gain"
 MIN_GAIN = 0.4  # of such a joint; of a smaller one, a unit is wrong
 
 
@@ -88,11 +92,34 @@ def fit_friction(
             require_known_side(arm)
         prior = replace(prior_of(arm, ratios), at_rest=AtRest.of(held))
         fitted = fitted_friction(records, prior, smooth, model, accepted)
-        return replace(fitted, at_rest=[*at_rest], effort=arm.measured.quantity)
+        findings = chain.from_iterable(one.findings for one in contradictions.values())
+        fit = with_causes(fitted.fit, doubts_by_joint(findings), arm)
+        return replace(fitted, fit=fit, at_rest=[*at_rest], effort=arm.measured.quantity)
     except ContradictionError as sign:
         return Friction(stopped=sign.remark)
     except ValueError as error:
         return Friction(refused=reason(error))
+
+
+def with_causes(fit: CurrentFit, doubts: Mapping[int, Finding], arm: Robot) -> CurrentFit:
+    """Return a fit that names the cause of known constants that joints contradict, where the checks
+    of its recordings name one; doubts: about the arm's links, by joint from 1.
+    """
+    unit = {"constant": arm.measured.constant, "unit": arm.measured.constant_unit}
+
+    def caused(joint: int, one: Remark) -> Remark:
+        if joint not in doubts or one.code not in UNEXPLAINED:
+            return one
+        cause = remark(doubts[joint].code, arm=arm.name, joints=[joint])
+        return remark("explained contradiction", **one.values, **unit, cause=asdict(cause))
+
+    return replace(
+        fit,
+        joints=tuple(
+            replace(own, remarks=tuple(caused(joint, one) for one in own.remarks))
+            for joint, own in enumerate(fit.joints, start=1)
+        ),
+    )
 
 
 class ContradictionError(RefusalError):

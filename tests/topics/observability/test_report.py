@@ -76,6 +76,10 @@ def test_the_first_sentence_begins_with_the_pushes() -> None:
         observed([*REST, *SLOW[:2], push(101.0, "z", 0.01), TRIED], force_mae=touched(2.0))
     )
     assert told.startswith("Pushes of up to 100 N may stay unnoticed at rest (along y) and in slow")
+    assert "(trials on the fit recordings alone)" in told
+    tested = [{"recording": "seen", "estimate": "Fmap", "alarms_per_min": 0.0}]
+    whole = observed([*SLOW, TRIED], force_mae=touched(2.0), detection=tested)
+    assert not any("alone" in one for one in (*result(whole), said(force(whole))))
 
 
 def test_without_its_table_cards_and_the_first_sentence_say_less() -> None:

@@ -21,11 +21,18 @@ from ur5lib.report.views.baseline import (
 from ur5lib.tidy.models import STOP
 from ur5lib.timeseries.metrics import NORMAL95
 
+MIN_USABLE_SHARE = 0.5  # of joints, above which constants are usable
 WORTHWHILE_BAND_RATIO = 0.9  # of the band of forces, from which on a recording is worth naming
 CONSTANTS = ["torque_constant", "gain"]  # the parameter, of currents and of measured torques
 CONSTANTS_TOPIC, CURRENTS_TOPIC = "{Constant}s", "Friction and {quantity}s"  # topics
 CONSTANT_ESTIMATE = "a constant {quantity}"
-CONTRADICTION_CODES = ["unlikely constant", "current against constant", "torque against gain"]
+EXPLAINED = "explained contradiction"  # code of a remark that names the cause
+CONTRADICTION_CODES = [
+    "unlikely constant",
+    "current against constant",
+    "torque against gain",
+    EXPLAINED,
+]
 SIGNS = {  # codes of remarks that stop an arm, and what they say of its constants
     "contradicting constants": "contradicted",
     "contradicting gains": "wrong side",
@@ -163,8 +170,8 @@ def loaded(results: Results) -> pd.DataFrame:
 
 
 def judge_constants(results: Results) -> Verdict | None:
-    """Judge by the constants that the data determine, and by those that contradict the known ones;
-    None where no friction was fitted.
+    """Judge by how many constants may be used that the data determine, and by those that forces are
+    computed with although they contradict the known ones; None where no friction was fitted.
     """
     rows = results.rows("friction", parameter=CONSTANTS)
     signs = results.rows("remarks", step=STOP)
@@ -174,20 +181,20 @@ def judge_constants(results: Results) -> Verdict | None:
     if rows.empty:
         return None
     determined, refused = rows["determined"] == "yes", rows["contradicted"].notna()
-    constants = [*rows.loc[determined, "joint"].unique()]
     unlikely = [*results.rows("remarks", code="unlikely constant")["joint"].astype(int)]
-    apart = [*rows.loc[is_far(rows) & determined & ~rows["joint"].isin(unlikely), "joint"]]
     against = contradicting(results)
-    state: State = "good" if determined.all() and not (against or apart) else "usable"
-    if unlikely or not constants:
-        state = "do not use" if unlikely else "not determined"
-    words = {"known": constants, "unlikely": unlikely, "apart": apart, "refused": rows[refused]}
-    words["usable"] = rows.loc[determined & ~rows["joint"].isin(against), "joint"]
+    use = determined & ~rows["joint"].isin(against)
+    usable, apart = rows.loc[use, "joint"], [*rows.loc[is_far(rows) & use, "joint"]]
+    state: State = "usable" if use.mean() > MIN_USABLE_SHARE else "not determined"
+    if unlikely or (use.all() and not apart):
+        state = "do not use" if unlikely else "good"
+    words = {"usable": usable, "unlikely": unlikely, "apart": apart, "refused": rows[refused]}
+    words["others"] = rows.loc[~determined & ~rows["joint"].isin(against), "joint"]
     return Verdict(
         topic=spoken(CONSTANTS_TOPIC),
         state=state,
         sentence=say("constants.verdict", **words, joints=rows["joint"].nunique()),
-        **_farthest(rows[determined | refused]) if constants or against else {},
+        **_farthest(rows[determined | refused]) if determined.any() or against else {},
     )
 
 

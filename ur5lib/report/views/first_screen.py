@@ -62,7 +62,8 @@ def result(results: Results) -> Iterator[str]:
     against, errors = currents.contradicting(results), currents.margins(results)
     if not results.stopped() and (len(forces) or len(errors) or against):
         found = {"clauses": [*topics.headline(results)], "force": forces, "errors": errors}
-        found |= {"against": against, "paths": results.rows("remarks", code="one path")}
+        paths = results.rows("remarks", code="one path", joint=[*errors.index])
+        found |= {"against": against, "paths": paths}
         yield capital(say("result.sentence", **found))
 
 
@@ -125,17 +126,20 @@ def corrections(results: Results) -> Iterator[str]:
         mass = {"mass": row.configured + row.mass, "std": row.std_error}
         some = _some([*loads["recording"]])
         yield say("steps.payload", some=some, recording=row.recording, **mass)
+    for row in results.rows("remarks", code=currents.EXPLAINED).itertuples():
+        yield say("steps.explained", row=row)
     for robot, (shown, _) in _contradicted(results).items():
         if shown:
             yield say("steps.contradiction", robot=robot, numbers=shown)
 
 
 def _contradicted(results: Results) -> dict[str, tuple[list[int], list[int]]]:
-    """Return by arm the joints whose constants contradict the known ones: those that gravity loads,
-    which show it, and the others, whose currents hardly tell a constant.
+    """Return by arm the joints whose constants contradict the known ones for no known cause: those
+    that gravity loads, which show it, and the others, whose currents hardly tell a constant.
     """
     found: dict[str, tuple[list[int], list[int]]] = {}
-    for row in results.rows("remarks", code=currents.CONTRADICTION_CODES).itertuples():
+    rows = results.rows("remarks", code=currents.CONTRADICTION_CODES)
+    for row in rows[rows["code"] != currents.EXPLAINED].itertuples():
         shows = row.joint in results.bearing.get(row.robot, [row.joint])
         found.setdefault(row.robot, ([], []))[not shows].append(int(row.joint))
     return found

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pandas as pd
 
@@ -13,7 +13,7 @@ from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
 from ur5lib.report.views.arms import of_each_arm
 from ur5lib.report.views.baseline import AgainstBaseline, Rival
-from ur5lib.report.views.currents import CONSTANTS, is_far, loaded
+from ur5lib.report.views.currents import CONSTANTS, EXPLAINED, contradicting, is_far, loaded
 
 LINKS_TOPIC = "Link model"  # topic
 MIN_LINK_SKILL = 1 - MAX_SHARE_UNMODELLED  # least skill of a good link model
@@ -182,14 +182,13 @@ def arm_itself(results: Results) -> Iterator[str]:
     far = told & is_far(rows) & ~against
     groups = {"near": told & ~far & ~against, "far": far, "against": against}
     untold = sorted({*rows["joint"]} - {*rows.loc[told | against, "joint"]})
-    shown = {name: rows[which] for name, which in groups.items()}
-    yield say(
-        "models.arm",
-        **shown,
-        untold=untold,
-        declared=_declared_loads(results),
-        carrying=loaded(results),
+    words: dict[str, Any] = {name: rows[which] for name, which in groups.items()}
+    words["explained"] = len(
+        results.rows("remarks", code=EXPLAINED, joint=[*rows[against]["joint"]])
     )
+    words["doubted"] = [joint for joint in contradicting(results) if joint in untold]
+    words |= {"declared": _declared_loads(results), "carrying": loaded(results)}
+    yield say("models.arm", **words, untold=untold)
 
 
 def _declared_loads(results: Results) -> pd.DataFrame:

@@ -1,6 +1,7 @@
 """What is wrong with the force sensor in an arm's wrist, and with its controller's force."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 from scipy import stats
@@ -88,11 +89,15 @@ def audit(
         if stated is not None and stated.seconds >= MIN_FREE_DURATION:
             free, left = free or stated.seconds, fit_sensor_errors(stated, None)
             # the zero of the controller's force, and the weight that it still contains
-            rows += _wrench_rows("zero", stated.bias, stated.std()[0], MIN_ZERO_ERROR)
-            rows.append(row("left_mass", "", left.mass, left.mass_std, "kg", 0.0, MIN_MASS_ERROR))
+            zero = [*_wrench_rows("zero", stated.bias, stated.std()[0], MIN_ZERO_ERROR)]
+            mass = row("left_mass", "", left.mass, left.mass_std, "kg", 0.0, MIN_MASS_ERROR)
+            if any(one.verdict == "unknown" for one in zero):  # which looks like a weight
+                mass = replace(mass, verdict="unknown")
+            rows += [*zero, mass]
     if currents:
         mass, std = currents.carried, currents.std_error
-        rows.append(row("mass_by_currents", "", mass, std, "kg", currents.configured, 0.0))
+        wanted = currents.configured
+        rows.append(row("mass_by_currents", "", mass, std, "kg", wanted, MIN_MASS_ERROR))
     time = AuditRow("free_time", "", free, None, None, None, "s", None, "")
     return [time, *(rows if free >= MIN_FREE_DURATION else [])]
 

@@ -58,8 +58,8 @@ def verdicts(rows: pd.DataFrame) -> Iterator[str]:
         yield from _sensor(audit)
     if "zero" in audit:
         zero, remaining = audit["zero"], audit["left_mass"].loc[""]
-        force = say("audit.vector", values=zero["value"][:3])
-        yield say("audit.zero", force=force, wrong=(zero["verdict"] == "wrong").any())
+        force, found = say("audit.vector", values=zero["value"][:3]), {*zero["verdict"]}
+        yield say("audit.zero", force=force, wrong="wrong" in found, unknown="unknown" in found)
         if remaining.verdict == "wrong":
             yield say("audit.left", left=_with_error(remaining))
 

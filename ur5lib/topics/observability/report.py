@@ -11,7 +11,7 @@ from ur5lib.records.contacts import SPEEDS
 from ur5lib.report.page.sentences import say, spoken
 from ur5lib.report.results import AT_REST, Results
 from ur5lib.report.views.baseline import MIN_GOOD_COVERAGE
-from ur5lib.report.views.contacts import FATES, FORCE_TOPIC, at_sensors
+from ur5lib.report.views.contacts import FATES, FORCE_TOPIC, at_sensors, quiet
 from ur5lib.report.views.currents import CURRENTS_TOPIC
 from ur5lib.report.views.forces import contacts, flange_speeds
 from ur5lib.timeseries.metrics import NORMAL95
@@ -28,7 +28,8 @@ def headline(results: Results) -> Iterator[str]:
         moving = easiest_pushes(results, pushes)
         unnoticed = [pushes, *_elsewhere(results, pushes)]
         unnoticed = [part for rows in unnoticed if len(part := rows[rows["bound"] == ">"])]
-        yield say("observability.headline", pushes=pushes, moving=moving, unnoticed=unnoticed)
+        words = {"pushes": pushes, "moving": moving, "unnoticed": unnoticed}
+        yield say("observability.headline", **words, alone=quiet(results).empty)
 
 
 def answers(results: Results, card: str) -> Iterator[str]:
@@ -36,7 +37,8 @@ def answers(results: Results, card: str) -> Iterator[str]:
     speeds their bands hold.
     """
     if card == FORCE_TOPIC and not results.stopped() and len(pushes := hardest_pushes(results)):
-        yield say("observability.noticed", rows=pushes, others=_elsewhere(results, pushes))
+        words = {"rows": pushes, "others": _elsewhere(results, pushes)}
+        yield say("observability.noticed", **words, alone=quiet(results).empty)
     if card == spoken(CURRENTS_TOPIC):
         yield from bands_at_rest(results)
         yield from bands_by_speed(results)
