@@ -69,6 +69,7 @@ class Regression:
         by_joint = self.columns.swapaxes(0, 1)
         products = [by_joint[:, own].mT @ by_joint[:, own] for own in self.parts]
         self.products = np.stack(products)  # (STRETCHES, n, C, C)
+        self.whole = self.products.sum(axis=0)
 
     def misfit(self, torque: Array) -> Misfit:
         """Return what is missed of a torque (M, n) [Nm]."""
@@ -88,31 +89,32 @@ class Regression:
             square = (self._left(torque, fit) ** 2).mean(axis=0)
             return float(np.log(square + TORQUE_NOISE**2).sum())
 
-        return min((self._coefficients(torque, ridge) for ridge in self.ridges), key=missed)
+        sides = [np.einsum("mjc,mj->jc", self.columns[own], torque[own]) for own in self.parts]
+        fits = (self._coefficients(torque, np.stack(sides), ridge) for ridge in self.ridges)
+        return min(fits, key=missed)
 
     def _left(self, torque: Array, coefficients: Array) -> Array:
         parts = zip(self.parts, coefficients, strict=True)
         return np.concatenate([torque[own] - self.columns[own] @ fit for own, fit in parts])
 
-    def _coefficients(self, torque: Array, ridge: float) -> Array:
-        """Return the coefficients (STRETCHES, C) of unit columns; joints weigh by their noise."""
-        sides = np.stack(
-            [np.einsum("mjc,mj->jc", self.columns[own], torque[own]) for own in self.parts]
-        )
-        products, side = self.products.sum(axis=0), sides.sum(axis=0)
-        penalty = ridge * len(torque) * np.eye(self.columns.shape[2])
+    def _coefficients(self, torque: Array, sides: Array, ridge: float) -> Array:
+        """Return the coefficients (STRETCHES, C) of unit columns; joints weigh by their noise.
 
-        def solved(products: Array, sides: Array, weight: Array) -> Array:
-            summed = np.einsum("j,...jcd->...cd", weight, products) + weight.mean() * penalty
-            right = np.einsum("j,...jc->...c", weight, sides)
-            return np.linalg.solve(summed, right[..., None])[..., 0]
+        sides: products of columns and torque (STRETCHES, n, C).
+        """
+        penalty, side = ridge * len(torque) * np.eye(self.columns.shape[2]), sides.sum(axis=0)
+
+        def solved(summed: Array, right: Array) -> Array:
+            return np.linalg.solve(summed + weight.mean() * penalty, right[..., None])[..., 0]
 
         square = torque.var(axis=0)
         for _ in range(WEIGHING_ROUNDS):
-            fit = solved(products, side, 1 / (square + TORQUE_NOISE**2))
+            weight = 1 / (square + TORQUE_NOISE**2)
+            fit = solved(np.einsum("j,jcd->cd", weight, self.whole), weight @ side)
             square = ((torque - self.columns @ fit) ** 2).mean(axis=0)
         weight = 1 / (square + TORQUE_NOISE**2)
-        return solved(products - self.products, side - sides, weight)
+        own = np.einsum("j,sjcd->scd", weight, self.products)  # of each stretch, which is left out
+        return solved(own.sum(axis=0) - own, weight @ side - weight @ sides)
 
 
 class WholeMotion:
