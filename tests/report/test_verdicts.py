@@ -927,6 +927,21 @@ def test_the_card_of_the_force_names_a_sensor_that_tells_no_peak() -> None:
         assert ("on seen, the sensor saturates" in told) == expected
 
 
+def test_a_drift_of_the_sensor_stands_where_its_run_determines_it() -> None:
+    """Within 1 N/min along x and y, not along z; elsewhere, nothing does."""
+    parts = dict.fromkeys(("mae_missed", "mae_shut", "mae_gain"), 0.0)
+    known = SENSED | {f"bias_{axis}": 1.0 for axis in "xyz"}
+    known |= {f"bias_std_{axis}": 0.01 for axis in "xyz"}
+    drifts = {"drift_x": 0.3, "drift_y": -0.2, "drift_z": 5.0}
+    drifts |= {"drift_std_x": 0.1, "drift_std_y": 0.4, "drift_std_z": 0.6}
+    rows = [known | drifts | {"recording": "pushed"}, known | {"recording": "seen"}]
+    errors = touched(2.0, **parts) + touched(2.0, "seen", **parts)
+    body = shown_table("force_mae.split", study(force_mae=errors, sensed=rows))
+    told = {line[0].text: (line[-2].text, line[-1].text) for line in body.rows}
+    assert told["pushed"] == ("0.30, −0.20, –", "0.40")
+    assert "0" not in "".join(told["seen"])
+
+
 def test_alarms_on_days_without_a_fit_are_counted_by_themselves() -> None:
     row = {"recording": "seen", "estimate": "Fmap", "alarms_per_min": 2.0}
     results = study(detection=[row])
