@@ -18,6 +18,7 @@ from tests.current_study import (
     with_noise,
 )
 from tests.made_tables import empty, table
+from ur5lib.channels import CURRENT
 from ur5lib.errors import remark
 from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.current_regression import fit_currents, fit_without_each_path
@@ -41,6 +42,7 @@ from ur5lib.steps.fit_friction import (
     require_known_constants,
     require_no_stop_sign,
     require_single_runs,
+    with_unproven,
 )
 from ur5lib.steps.fit_residuals import residual_models
 from ur5lib.tidy import models
@@ -126,6 +128,17 @@ def test_hand_led_currents_are_explained_by_none(records: list[CurrentSamples]) 
     assert found == Residuals(refused=found.refused)
     assert found.refused is not None
     assert found.refused.code == "unknown torques"
+
+
+def test_joints_that_other_paths_do_not_bear_out_are_told(fit: CurrentFit) -> None:
+    """But for those that did not move, of which that is said already."""
+    shares = np.where(np.arange(6) < 4, 0.5, -0.5)
+    rested = replace(fit.joints[5], remarks=(remark("no motion"),))
+    resting = replace(fit, joints=(*fit.joints[:5], rested))
+    told = with_unproven(resting, shares, CURRENT)
+    codes = [[one.code for one in own.remarks] for own in told.joints]
+    assert ["unproven fit" in own for own in codes] == [False] * 4 + [True, False]
+    assert with_unproven(fit, None, CURRENT) == fit
 
 
 @pytest.mark.parametrize(

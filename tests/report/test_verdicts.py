@@ -161,6 +161,19 @@ def test_a_refused_constant_is_the_farthest_and_named_by_the_headline(given: flo
     assert "the currents of joint 1 contradict the known torque constant." in headline
 
 
+def test_a_constant_whose_fit_no_other_path_bears_out_may_not_be_used() -> None:
+    """A hand-led UR5e's only constant was to be used, with which forces were refused."""
+    rows = [constant(joint, 10.0) for joint in (1, 2, 3)]
+    told = {"robot": "ur5", "step": "friction", "remark": "", "code": "unproven fit"}
+    results = study(friction=rows, remarks=[told | {"joint": joint} for joint in (1, 2)])
+    verdict = judge_constants(results)
+    assert verdict.state == "not determined"
+    assert "joint 3 (1 of 3 joints), which may be used" in verdict.sentence
+    assert "on joints 1, 2, fits to other paths predict" in verdict.sentence
+    (headline,) = result(results)
+    assert "constant of joint 3 is known within" in headline
+
+
 def test_the_headline_states_how_sure_its_constants_are() -> None:
     rows = [constant(1, 10.0), constant(2, 20.0), constant(3, 5.0, **UNKNOWN)]
     (headline,) = result(study(friction=rows))

@@ -6,7 +6,7 @@ from itertools import chain
 
 import numpy as np
 
-from ur5lib.channels import TORQUE
+from ur5lib.channels import TORQUE, Effort
 from ur5lib.checks.doubts import doubts_by_joint
 from ur5lib.errors import RefusalError, Remark, reason, remark
 from ur5lib.identification.at_rest import AtRest
@@ -146,13 +146,14 @@ def fitted_friction(
     fit = fit_currents(records, smooth, prior)
     doubts = accepted_doubts(fit, prior, accepted or {})
     left_out = fit_without_each_path(records, smooth, prior)
+    explained = explained_by_others(records, left_out, smooth)
     return Friction(
         from_=[record.name for record in records],
         paths=int(record_paths(records).max()) + 1,
         period=max(record.period for record in records),
-        fit=fit,
+        fit=with_unproven(fit, explained, prior.measured),
         left_out=[LeftOut(names, _without_replicates(own)) for names, own in left_out],
-        explained=explained_by_others(records, left_out, smooth),
+        explained=explained,
         parameters=parameters(fit, prior.measured),
         known_constants=known_constants(prior),
         least_squares=least_squares_coefficients(records),
@@ -203,6 +204,21 @@ def explained_by_others(
     if not unseen:
         return None
     return explained_share(records, [predict(unseen[own.name], own) for own in records], smooth)
+
+
+def with_unproven(fit: CurrentFit, explained: Array | None, measured: Effort) -> CurrentFit:
+    """Return a fit with a remark on each moving joint that fits to other paths explain no better
+    than a constant does; explained: as of `explained_by_others`.
+    """
+    shares = np.full(len(fit.joints), np.inf) if explained is None else explained
+    unproven = remark("unproven fit", quantity=measured.quantity)
+    joints = [
+        own
+        if share > 0 or "no motion" in (one.code for one in own.remarks)
+        else replace(own, remarks=(*own.remarks, unproven))
+        for own, share in zip(fit.joints, shares, strict=True)
+    ]
+    return replace(fit, joints=tuple(joints))
 
 
 def _without_replicates(fit: CurrentFit) -> CurrentFit:

@@ -19,6 +19,7 @@ from ur5lib.report.views.baseline import (
     Rival,
 )
 from ur5lib.tidy.models import STOP
+from ur5lib.timeseries.arrays import Mask
 from ur5lib.timeseries.metrics import NORMAL95
 
 MIN_USABLE_SHARE = 0.5  # of joints, above which constants are usable
@@ -26,6 +27,7 @@ WORTHWHILE_BAND_RATIO = 0.9  # of the band of forces, from which on a recording 
 CONSTANTS = ["torque_constant", "gain"]  # the parameter, of currents and of measured torques
 CONSTANTS_TOPIC, CURRENTS_TOPIC = "{Constant}s", "Friction and {quantity}s"  # topics
 CONSTANT_ESTIMATE = "a constant {quantity}"
+UNPROVEN = "unproven fit"  # code of a remark
 EXPLAINED = "explained contradiction"  # code of a remark that names the cause
 CONTRADICTION_CODES = [
     "unlikely constant",
@@ -71,16 +73,22 @@ def by_joint(results: Results) -> pd.DataFrame:
     """Return constants and friction, with whether the constant of a joint may be used (`use`)."""
     rows = constants(results)
     stopped = rows["robot"].isin(results.rows("remarks", step=STOP)["robot"])
-    unlikely = results.rows("remarks", code="unlikely constant")
-    pairs = pd.MultiIndex.from_frame(unlikely[["robot", "joint"]])
     cases = {
         "stopped": stopped,
-        "unlikely": pd.MultiIndex.from_frame(rows[["robot", "joint"]]).isin(pairs),
+        "unlikely": _are_remarked(results, rows, "unlikely constant"),
         "refused": rows["contradicted"].notna(),
+        "unproven": _are_remarked(results, rows, UNPROVEN),
         "prior": rows["determined"] != "yes",
         "far": is_far(rows),
     }
     return rows.assign(use=np.select([*cases.values()], [*cases], "yes"))
+
+
+def _are_remarked(results: Results, rows: pd.DataFrame, code: str) -> Mask:
+    """Return which rows are of a joint with a remark of a code."""
+    remarked = results.rows("remarks", code=code)[["robot", "joint"]]
+    places = pd.MultiIndex.from_frame(rows[["robot", "joint"]])
+    return np.asarray(places.isin(pd.MultiIndex.from_frame(remarked)))
 
 
 def is_far(rows: pd.DataFrame) -> pd.Series:
@@ -183,12 +191,14 @@ def judge_constants(results: Results) -> Verdict | None:
     determined, refused = rows["determined"] == "yes", rows["contradicted"].notna()
     unlikely = [*results.rows("remarks", code="unlikely constant")["joint"].astype(int)]
     against = contradicting(results)
-    use = determined & ~rows["joint"].isin(against)
+    unproven = _are_remarked(results, rows, UNPROVEN) & ~rows["joint"].isin(against)
+    use = determined & ~unproven & ~rows["joint"].isin(against)
     usable, apart = rows.loc[use, "joint"], [*rows.loc[is_far(rows) & use, "joint"]]
     state: State = "usable" if use.mean() > MIN_USABLE_SHARE else "not determined"
     if unlikely or (use.all() and not apart):
         state = "do not use" if unlikely else "good"
     words = {"usable": usable, "unlikely": unlikely, "apart": apart, "refused": rows[refused]}
+    words["unproven"] = rows.loc[determined & unproven, "joint"]
     words["others"] = rows.loc[~determined & ~rows["joint"].isin(against), "joint"]
     return Verdict(
         topic=spoken(CONSTANTS_TOPIC),

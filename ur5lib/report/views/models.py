@@ -13,7 +13,14 @@ from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
 from ur5lib.report.views.arms import of_each_arm
 from ur5lib.report.views.baseline import AgainstBaseline, Rival
-from ur5lib.report.views.currents import CONSTANTS, EXPLAINED, contradicting, is_far, loaded
+from ur5lib.report.views.currents import (
+    CONSTANTS,
+    EXPLAINED,
+    by_joint,
+    contradicting,
+    is_far,
+    loaded,
+)
 
 LINKS_TOPIC = "Link model"  # topic
 MIN_LINK_SKILL = 1 - MAX_SHARE_UNMODELLED  # least skill of a good link model
@@ -172,12 +179,13 @@ def arm_itself(results: Results) -> Iterator[str]:
     """Say whether gravity agrees with arm, mounting and payload: by the constants of the joints
     that bear it, beside the known ones, and by the load on the flange.
     """
-    rows = results.rows("friction", parameter=CONSTANTS)
+    rows = by_joint(results)
+    rows = rows[rows["parameter"].isin(CONSTANTS)]
     if rows.empty or results.stopped():
         return
     bearing = {joint for own in results.robots() for joint in results.bearing.get(own, ())}
     rows = rows.assign(off=(rows["value"] / rows["known"] - 1).abs())
-    told = rows["joint"].isin(bearing) & (rows["determined"] == "yes")
+    told = rows["joint"].isin(bearing) & rows["use"].isin(["yes", "far", "unlikely"])
     against = rows["joint"].isin(bearing) & rows["contradicted"].notna()
     far = told & is_far(rows) & ~against
     groups = {"near": told & ~far & ~against, "far": far, "against": against}

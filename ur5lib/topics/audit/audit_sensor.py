@@ -90,10 +90,10 @@ def audit(
             free, left = free or stated.seconds, fit_sensor_errors(stated, None)
             # the zero of the controller's force, and the weight that it still contains
             zero = [*_wrench_rows("zero", stated.bias, stated.std()[0], MIN_ZERO_ERROR)]
-            mass = row("left_mass", "", left.mass, left.mass_std, "kg", 0.0, MIN_MASS_ERROR)
+            held = row("left_mass", "", left.mass, left.mass_std, "kg", 0.0, MIN_MASS_ERROR)
             if any(one.verdict == "unknown" for one in zero):  # which looks like a weight
-                mass = replace(mass, verdict="unknown")
-            rows += [*zero, mass]
+                held = replace(held, verdict="unknown")
+            rows += [*zero, held]
     if currents:
         mass, std = currents.carried, currents.std_error
         wanted = currents.configured
