@@ -113,8 +113,12 @@ def check_structure(report: Path) -> None:
 
 
 def check_captions(report: Path) -> None:
-    """Captions and alternative texts name what is drawn, and nothing else."""
-    for figure in fromstring(report.read_text()).iter("figure"):
+    """Captions and alternative texts name what is drawn, and links of names, and nothing else."""
+    page = fromstring(report.read_text())
+    for table in page.iter("table"):
+        if "linked name" in table.find("caption").text_content():
+            assert table.xpath(".//tbody//th/a")
+    for figure in page.iter("figure"):
         if not (sources := figure.xpath(".//figcaption//a[starts-with(@href, 'figures/')]/@href")):
             continue
         text = f"{figure.find('.//figcaption').text_content()} {figure.find('.//img').get('alt')}"

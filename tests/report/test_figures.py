@@ -334,6 +334,14 @@ def test_lost_frames_lengthen_the_step_to_the_next_received_one() -> None:
     assert len(data) == COUNT - 1 - lost.sum()
 
 
+def test_speeds_that_were_not_recorded_are_the_slopes_of_positions() -> None:
+    """The last of six joints swings by six times the sine."""
+    lost = np.isin(np.arange(COUNT), [28, 29])
+    [line] = packet_figure(signals(lost)).figure.axes[1].lines
+    time, speed = line.get_data()
+    np.testing.assert_allclose(speed, 6 * np.abs(np.cos(time)), atol=0.05)
+
+
 def test_a_recording_without_lost_frames_has_no_figure_of_them() -> None:
     assert packet_figure(signals()).data.empty
 

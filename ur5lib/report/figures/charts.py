@@ -35,6 +35,7 @@ def joint_panels(joints: int, axes: tuple[str, str]) -> Iterator[tuple[Figure, l
             xlabel, ylabel = (re.sub(r"(\w)_(\d)", r"$\1_\2$", text.format(joint)) for text in axes)
             axis.set(ylabel=ylabel)
             axis.set_xlabel(xlabel, loc="left")  # on the right is the power of the numbers
+            axis.locator_params(axis="x", nbins=4)
         yield figure, [*panels.flat[:joints]]
 
 
@@ -50,6 +51,9 @@ def scatter_panels(
     with joint_panels(x.shape[1], axes) as (figure, panels):
         for joint, axis in enumerate(panels):
             axis.plot(x[:, joint], y[:, joint], ".", color=JOINT_COLOURS[joint], **DOT_STYLE)
+            if np.isnan(x[:, joint]).all():
+                axis.set(xticks=[], yticks=[])
+                axis.text(0.5, 0.5, "does not move", ha="center", transform=axis.transAxes)
             for (along, values), dashes in zip(lines, LINE_DASHES, strict=False):
                 axis.plot(along[:, joint], values[:, joint], dashes, color="black", linewidth=0.9)
     return Drawing(figure, by_joint(dict(zip(axes, (x, y), strict=True))))

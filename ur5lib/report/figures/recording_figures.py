@@ -207,9 +207,11 @@ def packet_figure(signals: Signals) -> Drawing:
         above, middle, below = panels[:, 0]
         above.sharex(middle)
         above.plot(time, steps, ".", color=RECEIVED_COLOUR, markersize=2.5, rasterized=True)
-        if signals.actual_qd is not None:
-            fastest = np.abs(signals.actual_qd).max(axis=1)
-            middle.plot(signals.time, fastest, color=SPEED_COLOUR, linewidth=0.8)
+        velocity = signals.actual_qd
+        if velocity is None:
+            velocity = np.gradient(signals.actual_q, signals.time, axis=0)
+        fastest = np.abs(velocity).max(axis=1)
+        middle.plot(signals.time, fastest, color=SPEED_COLOUR, linewidth=0.8)
         middle.set_ylabel("speed [rad/s]")
         _enlarge(below, time, steps, lost, time[late[0]])
         for axis in (above, below):

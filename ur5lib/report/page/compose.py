@@ -78,7 +78,10 @@ def compose_study(results: Results) -> StudyPages:
     shown = _labels(report.blocks())
     details = compose(contents().details(), results, shown)
     further = {section.title: section for section in details.sections}
-    places = {USES: _replayed(report, details), NOTICED: _by_contact(details)}
+    places = {
+        USES: (_replayed(report, details), say("linked.replayed")),
+        NOTICED: (_by_contact(details), say("linked.by contact")),
+    }
     linked = [
         replace(
             section,
@@ -117,13 +120,17 @@ def _by_contact(details: Document) -> dict[str, str]:
     }
 
 
-def _with_links(block: Block, places: Mapping[str, Mapping[str, str]]) -> Block:
-    """Return a table with links from the names of its recordings, if it has any."""
+def _with_links(block: Block, places: Mapping[str, tuple[dict[str, str], str]]) -> Block:
+    """Return a table with links from the names of its recordings, and what these lead to in its
+    caption, if there are any.
+    """
     if not isinstance(block, TableBlock) or block.label not in places:
         return block
-    links = places[block.label]
+    links, meant = places[block.label]
     rows = [[replace(row[0], link=links.get(row[0].text, "")), *row[1:]] for row in block.rows]
-    return replace(block, rows=rows)
+    if not any(row[0].link for row in rows):
+        return block
+    return replace(block, rows=rows, caption=f"{block.caption} {meant}")
 
 
 def _link(section: Section | None) -> Iterator[Paragraph]:

@@ -271,7 +271,7 @@ class Section:
             for kind, word in ((TableBlock, "table"), (Picture, "figure"))
         }
         words = [f"{n} {word}{'s' if n > 1 else ''}" for word, n in counts.items() if n]
-        return " and ".join(words) or "text"
+        return " and ".join(words) or "details"
 
 
 @dataclass(frozen=True)

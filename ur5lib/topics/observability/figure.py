@@ -15,6 +15,7 @@ from ur5lib.report.figures.house_style import (
 )
 from ur5lib.timeseries.metrics import NORMAL95
 
+AXIS_COLOUR = "#222222"  # of x, y and z, which are no joints
 JOINT_MARKERS = ("o", "s", "^", "v", "D", "P", "X", "*")
 AXIS_STEP = 0.22  # of the step between speeds, from axis to axis
 MIN_DRAWN_SPEED = 0.003  # rad/s, where the axis of speeds begins
@@ -43,14 +44,14 @@ def _pushes(axis: Axes, rows: pd.DataFrame, most: float) -> None:
     speeds = [*rows["speed_low"].unique()]
     for row in rows.itertuples():
         along = "xyz".index(row.quantity[-1])
-        place, style = speeds.index(row.speed_low) + AXIS_STEP * (along - 1), JOINT_COLOURS[along]
+        place = speeds.index(row.speed_low) + AXIS_STEP * (along - 1)
         if row.bound == ">":
-            arrow = {"arrowstyle": "->", "color": style}
+            arrow = {"arrowstyle": "->", "color": AXIS_COLOUR}
             axis.annotate("", (place, 1.1 * most), (place, 0.95 * most), arrowprops=arrow)
         else:
             half, mark = NORMAL95 * row.std_error, JOINT_MARKERS[along]
-            axis.errorbar(place, row.value, half, fmt=mark, markersize=4, color=style)
-        axis.text(place, 0.02 * most, row.quantity[-1], ha="center", color=style)
+            axis.errorbar(place, row.value, half, fmt=mark, markersize=4, color=AXIS_COLOUR)
+        axis.text(place, 0.02 * most, row.quantity[-1], ha="center")
     words = [f"{SPEEDS[low]}\n≥ {low:g}" for low in speeds]
     axis.set_xticks(range(len(speeds)), words)
     axis.set(xlabel="speed of the flange [m/s]", ylabel="minimum detectable force [N]")
@@ -71,4 +72,4 @@ def _shares(axis: Axes, rows: pd.DataFrame, wanted: float) -> None:
     axis.set(xscale="log", xlabel="speed of the joint [rad/s]", ylim=(0, 102))
     axis.set_ylabel("within the 95 % band [%]")
     axis.xaxis.set_major_formatter(FuncFormatter(lambda speed, _: f"{speed:g}"))
-    axis.figure.legend(loc="outside upper center", frameon=False, ncols=8)
+    axis.figure.legend(loc="outside upper right", frameon=False, ncols=8)
