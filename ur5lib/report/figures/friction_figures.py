@@ -136,7 +136,7 @@ def knowledge_bars(parameters: Sequence[Parameter]) -> Drawing:
             axis.set_title(f"joint {joint}")
         figure.supxlabel("share of what is known [%]", fontsize="medium")
         bars, labels = axes[0].get_legend_handles_labels()
-        figure.legend(bars, labels, loc="outside upper center", frameon=False, ncols=4)
+        figure.legend(bars, labels, loc="outside upper center", frameon=False, ncols=2)
     return Drawing(figure, data)
 
 

@@ -83,7 +83,7 @@ def _with_links(text: str, home: str) -> Markup:
 def _breakable(text: str) -> Markup:
     """Return the text of a cell, in which a line may break within long names, not after < or >."""
     whole = re.sub(r"(?<=&[lg]t;) (?=\d)", "\u00a0", _coded(text))
-    return Markup(re.sub(r"(?<=\w{9}[_/.-])(?=\w{9})", "<wbr>", whole))
+    return Markup(re.sub(r"(?<=\w{9}[_/.-])(?=[\w-]{9})", "<wbr>", whole))
 
 
 def _coded(text: str) -> str:
