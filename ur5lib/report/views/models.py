@@ -191,10 +191,9 @@ def arm_itself(results: Results) -> Iterator[str]:
     groups = {"near": told & ~far & ~against, "far": far, "against": against}
     untold = sorted({*rows["joint"]} - {*rows.loc[told | against, "joint"]})
     words: dict[str, Any] = {name: rows[which] for name, which in groups.items()}
-    words["explained"] = len(
-        results.rows("remarks", code=EXPLAINED, joint=[*rows[against]["joint"]])
-    )
-    words["doubted"] = [joint for joint in contradicting(results) if joint in untold]
+    explained = {*results.rows("remarks", code=EXPLAINED)["joint"]}
+    words["explained"] = not explained.isdisjoint(words["against"]["joint"])
+    words["doubted"] = [j for j in contradicting(results) if j in untold and j not in explained]
     words |= {"declared": _declared_loads(results), "carrying": loaded(results)}
     yield say("models.arm", **words, untold=untold)
 
