@@ -39,7 +39,7 @@ from ur5lib.identification.samples import (
     record_days,
     record_paths,
 )
-from ur5lib.identification.selection import with_shown_terms
+from ur5lib.identification.selection import in_units, with_shown_terms
 from ur5lib.records.friction import CoefficientEstimate, CurrentFit, JointFit
 from ur5lib.robots.friction import (
     BASE_TERMS,
@@ -74,11 +74,14 @@ def fit_currents(
     A joint whose current does not follow its torque keeps the known torque constant.
     """
     samples = joint_samples(records, smooth, _tried(prior))
-    shown = with_shown_terms(samples, prior)
+    shown, left = with_shown_terms(samples, prior)
     fit, known = _with_known_where_lost(shown, lambda own: _estimated(samples, own, seed))
     chosen = [own.of(known.terms, known.distances) for own in samples]
-    joint_priors = map(known.of_joint, range(len(samples)))
-    joints = tuple(map(_with_bands, fit.joints, chosen, joint_priors))
+    joint_priors = [known.of_joint(joint) for joint in range(len(samples))]
+    for joint, own in enumerate(chosen):  # what other fits than those of the choice leave
+        if joint in known.pinned or in_units(own) is not own:
+            left[joint] = left_out_residuals(own, joint_priors[joint])
+    joints = tuple(map(_with_bands, fit.joints, chosen, joint_priors, left))
     dates = sorted({record.day for record in records} - {""})
     return CurrentFit(joints, fit.units, tuple(dates))
 
@@ -255,15 +258,17 @@ def fit_without_each_path(
     ]
 
 
-def _with_bands(joint: JointFit, samples: JointSamples, prior: Prior) -> JointFit:
-    """Return the fit of a joint with friction at rest, bands and remarks of its samples."""
+def _with_bands(joint: JointFit, samples: JointSamples, prior: Prior, left: Array) -> JointFit:
+    """Return the fit of a joint with friction at rest, bands and remarks of its samples.
+
+    left: what fits to others leave of these (n,) [A].
+    """
     estimate, coefficients = joint.estimate, joint.estimate.coefficients
     path, moving = samples.path, samples.moving
     is_left_out = moving.sum() >= MIN_SAMPLES and len(np.unique(path)) > 1
     of_motion = samples.day[moving], samples.record[moving], path[moving]
-    in_motion, reversing, standing = _bands(
-        samples, prior, dry_friction(samples.terms, coefficients)
-    )
+    coulomb = dry_friction(samples.terms, coefficients)
+    in_motion, reversing, standing = _bands(samples, left, coulomb)
     return replace(
         joint,
         terms=samples.terms,
@@ -280,9 +285,8 @@ def _with_bands(joint: JointFit, samples: JointSamples, prior: Prior) -> JointFi
     )
 
 
-def _bands(samples: JointSamples, prior: Prior, coulomb: float) -> Iterator[float]:
-    """Yield the bands of a `JointFit` by `MotionState`; coulomb: friction [A]."""
-    residual = left_out_residuals(samples, prior)
+def _bands(samples: JointSamples, residual: Array, coulomb: float) -> Iterator[float]:
+    """Yield the bands [A] of a `JointFit` by `MotionState`; residual: (n,), coulomb: friction."""
     for state, (usual, least) in enumerate(zip(UNSEEN_ERRORS, LEAST_ERRORS, strict=True)):
         rows = samples.state == state
         yield NORMAL95 * max(

@@ -21,8 +21,9 @@ from ur5lib.timeseries.arrays import Array
 MIN_SHARE, MIN_SHARE_AT_REST, MIN_DEVIATIONS = 0.02, 0.1, 2.0
 
 
-def with_shown_terms(samples: Sequence[JointSamples], prior: Prior) -> Prior:
-    """Return a prior over the terms and the distance that what is left out shows, of all joints.
+def with_shown_terms(samples: Sequence[JointSamples], prior: Prior) -> tuple[Prior, list[Array]]:
+    """Return a prior over the terms and the distance that what is left out shows, of all joints,
+    and what each joint's fits to others then leave of its samples (n,) [A].
 
     samples: of the joints, with all columns. Of fewer paths than MIN_PATHS, stretches are left out.
     """
@@ -41,8 +42,9 @@ def with_shown_terms(samples: Sequence[JointSamples], prior: Prior) -> Prior:
         for distance in REST_DISTANCES
     }
     best = min(trials, key=lambda own: float(np.sum(errors(samples, known, trials[own], False))))
-    shown = shows(samples, known, trials[best], moving=False)
-    return replace(prior, distances=(best,)) if shown else prior
+    if not shows(samples, known, trials[best], moving=False):
+        return prior, known
+    return replace(prior, distances=(best,)), trials[best]
 
 
 def in_units(samples: JointSamples) -> JointSamples:
