@@ -180,7 +180,7 @@ class Arm {
     ["x", "y", "z"].forEach((name, i) => {
       const end = this.place(upright.map((row) => 0.25 * reach * row[i]));
       stroke(pen, [base, end], INK, 1);
-      label(pen, name, end, 2);
+      label(pen, name, [Math.min(Math.max(end[0], 0), this.wide - 12), end[1]], 2); // at the edge, if the axis leaves
     });
   }
 
