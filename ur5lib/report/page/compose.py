@@ -57,7 +57,7 @@ REPORT_FILE, DETAILS_FILE = "report.html", "details.html"
 MENTION = re.compile(r"@([a-z_]+(?:\.[a-z_]+)?)")
 CONDITIONAL_TEXT = re.compile(
     r"\{([\w ]+)\|(.*?)\}"
-)  # of the thesis's study, of ur or other arms, of a table with that column alone
+)  # of the thesis's study, of ur or other arms, of a recording to fit, of a table with that column
 SENTENCE_END = re.compile(r"(?<=[.:]) (?=[A-Z@“])")
 
 
@@ -311,7 +311,7 @@ def _filled(
     drawn: the same in words.
     """
     kinds = {"thesis": results.of_thesis, "other": name in results.other_arms}
-    kinds["ur"] = not kinds["other"]
+    kinds |= {"ur": not kinds["other"], "fit": results.roles().get(name) == "fit"}
     concerned = {*columns, *(kind for kind, holds in kinds.items() if holds)}
     text = CONDITIONAL_TEXT.sub(lambda remark: remark[2] * (remark[1] in concerned), text)
     known = {"{leading}": ESTIMATES[LEADING], "{of}": name, "{drawn}": drawn}

@@ -84,7 +84,7 @@ def _figures(results: Results) -> Iterator[tuple[str, str]]:
     """Yield figures and their recordings, the most informative first.
 
     Forces beside a sensor in contact; currents in motion, if possible without a load; torques in
-    motion; forces without a sensor.
+    motion; forces without a sensor; currents of the fit.
     """
     for name in results.shown([*contacts.errors_in_contact(results)["recording"]]):
         yield "forces", name
@@ -99,6 +99,9 @@ def _figures(results: Results) -> Iterator[tuple[str, str]]:
         [*contacts.touched(results), *results.tables["contacts"]["recording"]]
     ):
         yield "forces", name
+    fitted = results.rows("current_rmse", model="fitted")["recording"]
+    for name in results.shown(results.with_role("fit", fitted)):
+        yield "currents", name
 
 
 def next_steps(results: Results) -> list[str]:
