@@ -63,9 +63,9 @@ def unseen_residuals(samples: JointSamples, fits: Sequence[LeftOutFit]) -> Array
 def regress_samples(samples: JointSamples, prior: Prior, fitted: Mask | bool = True) -> Regression:
     """Fit torque, offset and friction to the samples in motion; fitted: (n,), to which, or all."""
     rows = np.flatnonzero(samples.moving & fitted)
-    sources = samples.columns, samples.current, samples.block
-    columns, current, block = (values.take(rows, axis=0) for values in sources)
-    return regress(columns, current, block, prior.over(samples.terms), float(prior.noise()[0]))
+    columns, current = (own.take(rows, axis=0) for own in (samples.columns, samples.current))
+    prior_and_noise = prior.over(samples.terms), float(prior.noise()[0])
+    return regress(columns, current, samples.block[rows], *prior_and_noise)
 
 
 def held_current(

@@ -47,7 +47,7 @@ def regress(
     expected_noise: see `noise_of_one`. Without samples, the result is the prior's mean.
     """
     weight, noise = np.ones(len(target)), _positive(float(target @ target) / max(1, len(target)))
-    coefficients, blocks = prior.mean, np.count_nonzero(np.bincount(block))
+    coefficients, blocks = prior.mean, int(np.count_nonzero(np.bincount(block)))
     joined = np.column_stack([columns, target])
     alike = columns.T @ joined  # Xᵀ X, Xᵀ y of all samples, of which outliers count less
     for _ in range(REWEIGHTING_ROUNDS if len(target) else 0):
@@ -113,7 +113,8 @@ def block_sums(columns: Array, curvature: Array, pull: Array, block: Labels, cou
     """
     sides = np.column_stack([columns * curvature[:, None], pull])
     sums = [np.bincount(block, x * side, count) for x in columns.T for side in sides.T]
-    return np.stack(sums, axis=1).reshape(count, columns.shape[1], sides.shape[1])
+    entries = np.stack(sums, axis=1, dtype=np.float64)
+    return entries.reshape(count, columns.shape[1], sides.shape[1])
 
 
 def draw_units(unit_of_block: Labels, generator: np.random.Generator) -> Array:
