@@ -35,10 +35,10 @@ def _note(finding: str, **values: object) -> Finding:
 
 def _arm(checked: Checked) -> Iterator[Finding]:
     """Yield which other arms fit as well, where no torque of the controller tells all apart."""
-    own = checked.arm.name, checked.arm.link_poses()  # under whatever name
-    others = [o for o in checked.others if o.name != own[0] and o.link_poses() != own[1]]
     if checked.means.torque is not None or not checked.arm.tells_gravity():
         return
+    own = checked.arm.name, checked.arm.link_poses()  # under whatever name
+    others = [o for o in checked.others if o.name != own[0] and o.link_poses() != own[1]]
     if f"{POSE}_0" in checked.robot:
         others = [one for one in others if not any(tool_off_flange(checked.robot, one))]
     if checked.tells_by_gravity():
