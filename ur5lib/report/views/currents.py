@@ -103,7 +103,15 @@ def remarks(results: Results) -> Iterator[str]:
 
 def contradictions(results: Results) -> Iterator[str]:
     """Return the remarks on currents and constants that contradict the known ones."""
-    yield from _by_joints(results.rows("remarks", code=CONTRADICTION_CODES))
+    rows = results.rows("remarks", code=CONTRADICTION_CODES)
+    yield from explained(results)
+    yield from _by_joints(rows[rows["code"] != EXPLAINED])
+
+
+def explained(results: Results) -> Iterator[str]:
+    """Return the causes that the checks found of constants that contradict the known ones."""
+    for row in results.rows("remarks", code=EXPLAINED).itertuples():
+        yield say("currents.explained", row=row)
 
 
 def _by_joints(rows: pd.DataFrame) -> Iterator[str]:

@@ -129,8 +129,7 @@ def corrections(results: Results) -> Iterator[str]:
         mass = {"mass": row.configured + row.mass, "std": row.std_error}
         some = _some([*loads["recording"]])
         yield say("steps.payload", some=some, recording=row.recording, **mass)
-    for row in results.rows("remarks", code=currents.EXPLAINED).itertuples():
-        yield say("steps.explained", row=row)
+    yield from currents.explained(results)
     for robot, (shown, _) in _contradicted(results).items():
         if shown:
             yield say("steps.contradiction", robot=robot, numbers=shown)
