@@ -52,7 +52,7 @@ def test_the_card_quotes_pushes_where_the_contacts_are_and_the_table_all() -> No
     assert "in slow motion (95 %) from 14, 28, 12 N on along x, y, z" in told
     assert "; at rest, they are noticed from 40 N on along x, z only" in told
     told = said(force(observed(rows, **errors)))
-    assert "from 40, 80 N on along x, z, but along y not reliably up to 100 N" in told
+    assert "from 40, 80 N on along x, z, but along y not reliably even at 100 N" in told
     assert "; in slow motion, they are noticed from 12 to 28 N on by axis" in told
     body = shown_table("observability.pushes", observed(rows, **errors))
     assert [[cell.text for cell in row] for row in body.rows] == [
@@ -71,11 +71,15 @@ def test_the_first_sentence_begins_with_the_pushes() -> None:
     (told,) = result(observed(pushes, force_mae=touched(2.0)))
     assert told.startswith("Pushes from 93 N on (95 %: 54 to > 100) are noticed")
     (told,) = result(observed([*REST, *SLOW, TRIED], force_mae=touched(2.0)))
-    assert told.startswith("Pushes of up to 100 N may stay unnoticed at rest (along y); in slow")
+    assert told.startswith(
+        "Pushes of 100 N, the largest tried, may stay unnoticed at rest (along y); in slow"
+    )
     (told,) = result(
         observed([*REST, *SLOW[:2], push(101.0, "z", 0.01), TRIED], force_mae=touched(2.0))
     )
-    assert told.startswith("Pushes of up to 100 N may stay unnoticed at rest (along y) and in slow")
+    assert told.startswith(
+        "Pushes of 100 N, the largest tried, may stay unnoticed at rest (along y) and in slow"
+    )
     assert "(trials on the fit recordings alone)" in told
     tested = [{"recording": "seen", "estimate": "Fmap", "alarms_per_min": 0.0}]
     whole = observed([*SLOW, TRIED], force_mae=touched(2.0), detection=tested)

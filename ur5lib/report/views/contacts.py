@@ -96,8 +96,8 @@ def counted(results: Results) -> Iterator[str]:
 def elsewhere(results: Results) -> Iterator[str]:
     """Report the contacts that are not on the flange: stated forces hold only for the flange."""
     for name, rows in [*found_without_sensor(results).items()][:MOST_SHOWN]:
-        if count := int((rows["off_flange"] == "yes").sum()):
-            yield say("contacts.elsewhere", name=name, count=count, total=len(rows))
+        if times := [*rows.loc[rows["off_flange"] == "yes", "peak_s"]]:
+            yield say("contacts.elsewhere", name=name, times=times, total=len(rows))
 
 
 def quiet(results: Results, role: str = "validate") -> pd.DataFrame:
@@ -193,7 +193,9 @@ def missed_contacts(results: Results) -> Iterator[str]:
             "quality", device="force", finding="saturation", recording=[*unknown]
         )
         saturated = [*saturated["recording"]]
-        yield say("force.missed", rows=listed, strongest=missed.max(), off=off, saturated=saturated)
+        of_doubt = listed["recording"].isin(doubted_biases(results, [*listed["recording"]]))
+        words = {"doubted": int(listed.loc[of_doubt, "contacts"].sum()), "saturated": saturated}
+        yield say("force.missed", rows=listed, strongest=missed.max(), off=off, **words)
     if (alarms := false_alarms(results))["all"] is not None:
         yield say("force.most alarms", **alarms)
 
