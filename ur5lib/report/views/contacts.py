@@ -50,6 +50,7 @@ WRENCH_NAME = r"(?i)force|wrench|\bft[_x]|\bf_?[xyz]\b"  # among the columns of 
 STATIC_ESTIMATE = "static"  # the estimate without any fit
 MAX_BLIND_SHARE = 0.5  # of the time in contact in which a useful band may hold zero on every axis
 MAX_CHANCE_OF_ALARMS = 0.05  # of as many in any recording, at the rate of the others
+MIN_PUSH = 1.0  # mean force [N] along an axis that is pushed
 USUAL_ALARMS, USUAL_SECONDS = 0.02, 60.0  # of false alarms where others tell nothing
 
 
@@ -464,6 +465,7 @@ def judge_force(results: Results) -> Verdict:
 def bands_in_contact(results: Results) -> Iterator[str]:
     """Say what the bands of the force are worth in contact, at rest and in motion."""
     rows = errors_in_contact(results).dropna(subset=["coverage95", "band_factor95"])
+    rows = rows[rows["mean_force"] > MIN_PUSH]
     moves = np.array([bool(results.moving(name)) for name in rows["recording"]], dtype=bool)
     halves = {AT_REST: rows[~moves], "in motion": rows[moves]}
     sure = {when: with_sure_bias(results, part) for when, part in halves.items() if len(part)}

@@ -242,10 +242,9 @@ def _farthest(rows: pd.DataFrame) -> dict[str, Any]:
     ends = ["std_error", "low", "high"]
     rows = rows.assign(value=rows["contradicted"].where(refused, rows["value"]).astype(float))
     rows[ends] = rows[ends].mask(refused).astype(float)
-    ratio = rows["value"] / rows["known"]
-    row = rows.loc[ratio.where(ratio > 1, 1 / ratio).mask(ratio <= 0, np.inf).idxmax()]
+    row = rows.loc[((rows["value"] - rows["known"]).abs() / rows["known_std"]).idxmax()]
     number = Number(
-        spoken("{constant} farthest from the known one"),
+        spoken("determined {constant} farthest from the known one"),
         float(row["value"]),
         spoken("{constant_unit}"),
         f"joint {row['joint']}",
@@ -332,17 +331,22 @@ def judge_currents(results: Results) -> Verdict:
 
 def torque_errors(results: Results, against: AgainstBaseline) -> Iterator[str]:
     """Say how large the errors of predicted currents are as torques of the joints."""
-    errors = (against.errors["error"] * torque_constants(results)).dropna()
-    if len(errors):
-        yield say("currents.torques", errors=errors)
+    constants = torque_constants(results)
+    means = (against.errors["error"] * constants).dropna()
+    if len(means):
+        rows = against.rows.set_index("joint")[against.error]
+        largest = (rows * rows.index.map(constants)).groupby("joint").max()
+        yield say("currents.torques", means=means, largest=largest.dropna())
 
 
 def friction_known(results: Results) -> Iterator[str]:
-    """Say how well Coulomb friction is known, and of which joints not even its sign."""
-    rows = constants(results).query("parameter == 'coulomb' and moved")
+    """Say how well Coulomb friction is known, and of which joints not even its sign, or only with a
+    constant that may not be used.
+    """
+    rows = by_joint(results).query("parameter == 'coulomb' and moved")
     margins = rows[["low", "high"]].sub(rows["value"], axis="index").abs().max(axis="columns")
     shares = margins / rows["value"].abs()
-    told = (rows["source"] == "data") & (shares < 1)
+    told = (rows["source"] == "data") & (shares < 1) & ~rows["use"].isin(["unlikely", "unproven"])
     if len(rows):
         known, open_joints = rows.loc[told, "joint"], rows.loc[~told, "joint"]
         words = {"shares": shares[told], "known": known, "open_joints": open_joints}

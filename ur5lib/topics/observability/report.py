@@ -133,7 +133,7 @@ def bands_at_rest(results: Results) -> Iterator[str]:
         for name in ("band_at_rest", "friction_in_band", "rest_band_factor")
     )
     if len(wider):
-        ends = {"least": factors.min(), "most": factors.max(), "wider": wider.max()}
+        ends = {"least": factors.min(), "most": factors.max(), "wider": wider}
         yield say("observability.at rest", held=held, **ends)
 
 

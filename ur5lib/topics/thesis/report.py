@@ -22,8 +22,8 @@ def findings(results: Results) -> Iterator[str]:
     """Report the printed numbers that are rebuilt, and whether the claim to detect pushes holds."""
     rows = results.rows("printed")
     if len(rows):
-        equal, missed = (rows["status"] == EQUAL).sum(), bool(unexplained(results))
-        yield say("thesis.found", equal=equal, count=len(rows), left=missed)
+        equal, left = (rows["status"] == EQUAL).sum(), len(unexplained(results))
+        yield say("thesis.found", equal=equal, count=len(rows), left=left)
     yield from claim(results)
 
 
@@ -250,7 +250,8 @@ def score(results: Results, estimate: str) -> ClaimScore | None:
 def claim(results: Results) -> Iterator[str]:
     """Report whether the claim holds, and why not."""
     if (claimed := score(results, CLAIMED_ESTIMATE)) is not None:
-        yield say("thesis.judged", claimed=claimed, ours=score(results, LEADING))
+        of = results.printed("force_mae")
+        yield say("thesis.judged", claimed=claimed, ours=score(results, LEADING), of=of)
 
 
 def scores(results: Results) -> list[str]:
