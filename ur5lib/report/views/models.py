@@ -12,7 +12,7 @@ from ur5lib.report.page.formats import VISIBLE_DIFFERENCE
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
 from ur5lib.report.views.arms import of_each_arm
-from ur5lib.report.views.baseline import AgainstBaseline, Rival
+from ur5lib.report.views.baseline import BETTER_RIVAL_RATIO, AgainstBaseline, Rival
 from ur5lib.report.views.currents import (
     CONSTANTS,
     EXPLAINED,
@@ -62,9 +62,9 @@ class ModelComparison(NamedTuple):
     """Errors of the link models at one motion, on recordings in which the arm moves.
 
     rows: of torque_mae.csv; unseen: whether no fit has seen these recordings; ranked: the models,
-    those that are closest on most joints first, of equal ones that with the least errors; best:
-    the first of these that are equal; near: number of their joints; differ: number of joints on
-    which the models differ.
+    those that are closest, or hardly farther, on most joints first, of equal ones that with the
+    least errors; best: the first of these that are equal; near: number of their joints; differ:
+    number of joints on which the models differ.
     """
 
     rows: pd.DataFrame
@@ -86,7 +86,8 @@ def compare(results: Results) -> ModelComparison | None:
     rows = rows[rows["motion"] == rows["motion"].iloc[0]]
     mean = rows.pivot_table("mae_2hz", "joint", "model", aggfunc="mean")
     above = mean.sub(mean.min(axis="columns"), axis="index")
-    close = above[above.max(axis="columns") > VISIBLE_DIFFERENCE] <= VISIBLE_DIFFERENCE
+    equal = (above <= VISIBLE_DIFFERENCE) | (above <= (1 - BETTER_RIVAL_RATIO) * mean)
+    close = equal[above.max(axis="columns") > VISIBLE_DIFFERENCE]
     counts = close.sum()
     ranked = sorted(counts.index, key=lambda model: (-counts[model], float(above[model].sum())))
     best = ranked[: int((counts == counts.max()).sum())]
