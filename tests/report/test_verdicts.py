@@ -678,11 +678,11 @@ def test_without_a_sensor_contacts_are_plausible_only() -> None:
     told = said(judge_force(study(detection=searched, contacts=[contact] * 4)))
     assert told == (
         "not determined: No force sensor was recorded: contacts are plausible only, their size and "
-        "its band are untested, and missed ones are not counted. False alarms: 0 in 1.0 min "
-        "without contact, at most 3 a minute (95 %). Contacts reported: 4, on 1 of 1 recordings. "
-        "While no contact is found, the band holds if nothing touches the arm. False alarms in 1.0 "
-        "minutes of validate recordings without an undeclared load: 0, that is at most 3 a minute "
-        "(95 %); no day without a fit recording tests them."
+        "its band are untested, and missed ones are not counted. False alarms: 0 in 1.0 min of "
+        "validate recordings without contact, at most 3 a minute (95 %). Contacts reported: 4, on 1 "
+        "of 1 recordings. While no contact is found, the band is that of an untouched arm. False "
+        "alarms in 1.0 minutes of validate recordings without an undeclared load: 0, that is at "
+        "most 3 a minute (95 %); no day without a fit recording tests them."
     )
 
 
@@ -776,7 +776,7 @@ def test_what_the_band_holds_for_while_no_contact_is_found_stands_on_the_card() 
     missed[1] |= {"coverage95": 0.43}
     searched = [{"recording": "pushed", "estimate": "Fmap", "alarms_per_min": 0.0}]
     card = judge_force(study(force_mae=touched(4.0) + missed, detection=searched)).evidence
-    assert "holds if nothing touches the arm" in card
+    assert "is that of an untouched arm" in card
     assert "lay in it for 43 % of the time along y on pushed" in card
 
 
@@ -923,7 +923,10 @@ def test_the_card_of_the_force_counts_missed_contacts_and_false_alarms() -> None
     told = said(card)
     assert "Of 8 contacts from 5 N on, 2 are missed (up to 21 N), live 6; " in told
     assert "; alarms beside them: 0, live 4" in told
-    assert "False alarms: 0 in 1.0 min without contact, at most 3 a minute" in card.answers[-1]
+    assert (
+        "False alarms: 0 in 1.0 min of validate recordings without contact, at most 3 a minute"
+        in card.answers[-1]
+    )
     assert "live 1, at most 4.7, unable to judge 0" in card.answers[-1]
     assert "in 1.0 minutes" in told
     assert ": 0, that is at most 3 a minute (95 %); no day without a fit recording" in told

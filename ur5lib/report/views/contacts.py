@@ -351,7 +351,8 @@ def _noticed_on(results: Results, recording: str) -> dict[str, object]:
     """
     alarms, sensed = contacts(results, recording), at_sensors(results, [recording])
     found, merged, missed = (sensed[sensed["fate"] == fate] for fate in FATES)
-    stds = alarms.melt(["peak_s", "posture_deg"], FORCE_STDS, "column", "std").dropna(subset="std")
+    own = alarms[alarms["off_flange"] != "yes"]  # whose stated forces hold
+    stds = own.melt(["peak_s", "posture_deg"], FORCE_STDS, "column", "std").dropna(subset="std")
     noticed: dict[str, object] = {"contacts": len(sensed), "found": len(found), "band": math.nan}
     noticed |= {"missed": [*missed["start_s"]], "merged": [*merged["start_s"]]}
     noticed |= {"weakest": found["peak"].min(), "strongest": missed["peak"].max()}

@@ -201,7 +201,8 @@ def judge_constants(results: Results) -> Verdict | None:
     against = contradicting(results)
     unproven = _are_remarked(results, rows, UNPROVEN) & ~rows["joint"].isin(against)
     use = determined & ~unproven & ~rows["joint"].isin(against)
-    usable, apart = rows.loc[use, "joint"], [*rows.loc[is_far(rows) & use, "joint"]]
+    usable, kept = rows.loc[use, "joint"], ~unproven & ~rows["joint"].isin(against)
+    apart = [*rows.loc[is_far(rows) & kept, "joint"]]
     state: State = "usable" if use.mean() > MIN_USABLE_SHARE else "not determined"
     if unlikely or (use.all() and not apart):
         state = "do not use" if unlikely else "good"
