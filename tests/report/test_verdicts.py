@@ -679,8 +679,8 @@ def test_without_a_sensor_contacts_are_plausible_only() -> None:
     assert told == (
         "not determined: No force sensor was recorded: contacts are plausible only, their size and "
         "its band are untested, and missed ones are not counted. False alarms: 0 in 1.0 min of "
-        "validate recordings without contact, at most 3 a minute (95 %). Contacts reported: 4, on 1 "
-        "of 1 recordings. While no contact is found, the band is that of an untouched arm. False "
+        "validate recordings without contact, at most 3 a minute (95 %). Contacts reported: 4, on "
+        "1 of 1 recordings. While no contact is found, the band is that of an untouched arm. False "
         "alarms in 1.0 minutes of validate recordings without an undeclared load: 0, that is at "
         "most 3 a minute (95 %); no day without a fit recording tests them."
     )
