@@ -450,7 +450,7 @@ def test_the_report_needs_no_network_and_links_to_files_that_exist(
         assert element.tag not in ("link", "iframe")
         for name in ("src", "href"):
             places = ("data:", "#", "tables", "figures/", "details.html#", "../../docs/")
-            assert element.get(name, "#").startswith(places)
+            assert element.get(name, "#").startswith((*places, "configuration.yaml"))
     assert "@import" not in (thesis_results / "report.html").read_text()
     links = [element.get("href") for element in page.iter("a")]
     files = {link.partition("#")[0] for link in links if not link.startswith("#")}
@@ -498,7 +498,7 @@ def test_the_report_holds_what_was_promised(thesis_results: Path, page: HtmlElem
     assert re.search(r"after Figures? [0-9., andto]*5\.11", text)
     assert "Made by commit" in text
     details = (thesis_results / "details.html").read_text()
-    assert "cutoff_hz: 1.454" in details
+    assert "cutoff_hz: 1.454" in (thesis_results / "configuration.yaml").read_text()
     assert "pytorch-kinematics" in details
     assert len([*page.iter("img")]) >= 3 * 2 + 6
     scripts = re.findall(r"<script.*?</script>", text, re.DOTALL)  # of the closer look

@@ -17,12 +17,12 @@ from lxml.html import fromstring
 
 from tests.artefacts.documents import check_digits, stated
 from tests.made_tables import empty, table
-from tests.topics.pages import shown_table
 from ur5lib.errors import remark
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.signals import Signals
 from ur5lib.report.figures.house_style import save
 from ur5lib.report.figures.traces import TORQUE_PANELS, Traces, draw_traces
+from ur5lib.report.page.compose import shown_table
 from ur5lib.report.page.document import (
     Cell,
     Code,

@@ -11,9 +11,9 @@ import pandas as pd
 import pytest
 
 from tests.artefacts.documents import stated
-from tests.topics.pages import shown_table
 from ur5lib.channels import CURRENT
 from ur5lib.force.estimators import LEADING, UNGATED
+from ur5lib.report.page.compose import shown_table
 from ur5lib.report.page.document import Document, Section, Verdict, Verdicts
 from ur5lib.report.page.sentences import say, speaking_of
 from ur5lib.report.results import Results

@@ -4,17 +4,14 @@ from dataclasses import replace
 
 import pandas as pd
 
-from ur5lib.report.page.compose import body_of, compose
+from ur5lib.report.page.compose import compose
 from ur5lib.report.page.document import (
     Contents,
     DeclaredSection,
-    DeclaredTable,
     Paragraph,
     Section,
-    contents,
     topic_pages,
 )
-from ur5lib.report.page.tabulated import Body
 from ur5lib.report.results import Results
 
 STUDY = {"study": "s", "title": "t"}
@@ -40,10 +37,3 @@ def shown(topic: str, results: Results) -> list[str]:
     """The kinds of blocks of a topic's sections, but texts."""
     blocks = [block for section in sections(topic, results) for block in section.blocks]
     return [type(block).__name__ for block in blocks if not isinstance(block, Paragraph)]
-
-
-def shown_table(table: str, results: Results, name: str = "") -> Body:
-    """Header and rows of a table of the contents; name: recording, arm or study of it."""
-    blocks = contents().blocks()
-    declared = {block.table: block for block in blocks if isinstance(block, DeclaredTable)}
-    return body_of(declared[table], results, name)

@@ -23,7 +23,7 @@ from tests.current_study import (
     smooth,
 )
 from tests.made_tables import gathered
-from tests.topics.pages import shown, shown_table
+from tests.topics.pages import shown
 from ur5lib.channels import TORQUE
 from ur5lib.identification.condition import QUANTITIES, joint_conditions
 from ur5lib.identification.current_regression import fit_currents
@@ -32,6 +32,7 @@ from ur5lib.records.friction import CurrentFit
 from ur5lib.records.prediction import JudgedLoad, Prediction, Scores
 from ur5lib.records.quality import Finding, Quality
 from ur5lib.report.figures.house_style import REPORT_FONT_SIZE
+from ur5lib.report.page.compose import shown_table
 from ur5lib.report.page.formats import days
 from ur5lib.report.results import Results
 from ur5lib.robots.friction import BASE_TERMS

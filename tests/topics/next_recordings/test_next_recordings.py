@@ -7,7 +7,8 @@ import pandas as pd
 import pytest
 
 from tests.report.test_verdicts import study
-from tests.topics.pages import shown, shown_table
+from tests.topics.pages import shown
+from ur5lib.report.page.compose import shown_table
 from ur5lib.report.results import Results
 from ur5lib.report.views.first_screen import next_steps
 from ur5lib.topics.next_recordings.report import designs, limits

@@ -9,8 +9,9 @@ import pytest
 
 from tests.conftest import Workflow
 from tests.report.test_verdicts import predicted, said, study, touched
-from tests.topics.pages import shown, shown_table
+from tests.topics.pages import shown
 from ur5lib.report.page import topics
+from ur5lib.report.page.compose import shown_table
 from ur5lib.report.results import Results
 from ur5lib.report.views.contacts import judge_force
 from ur5lib.report.views.currents import judge_currents

@@ -8,12 +8,12 @@ import pytest
 
 from tests.conftest import PROJECT
 from tests.real_arms import RealRecording, RealStudy
-from tests.topics.pages import shown_table
 from ur5lib import tidy
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.quality import StartOffset
 from ur5lib.records.signals import SENSOR_COLUMNS, Signals
+from ur5lib.report.page.compose import shown_table
 from ur5lib.report.results import Results
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.timeseries.metrics import mean_absolute_error

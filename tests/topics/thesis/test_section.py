@@ -9,8 +9,8 @@ import pandas as pd
 import pytest
 
 from tests.conftest import PROJECT, Workflow, copy_project
-from tests.topics.pages import shown_table
 from ur5lib.errors import InputError
+from ur5lib.report.page.compose import shown_table
 from ur5lib.report.results import Results
 from ur5lib.topics.thesis import current_based, gains
 from ur5lib.topics.thesis.reference import read_reference

@@ -8,13 +8,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.topics.pages import shown, shown_table
+from tests.topics.pages import shown
 from ur5lib.records.clocks import SettledClock
 from ur5lib.records.forces import Forces
 from ur5lib.records.friction import Friction, Parameter
 from ur5lib.records.models import Rotors, Terms
 from ur5lib.records.motion import FusedMotion, Motion
 from ur5lib.records.truth import COLUMNS, TrueParameters, Truth
+from ur5lib.report.page.compose import shown_table
 from ur5lib.report.results import Results
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.smoothing.fused_motion import no_fused_motion

@@ -312,10 +312,20 @@ def _filled(
     """
     kinds = {"thesis": results.of_thesis, "other": name in results.other_arms}
     kinds |= {"ur": not kinds["other"], "fit": results.roles().get(name) == "fit"}
+    if "quality" in results.tables:
+        at_limit = results.rows("quality", recording=name, device="force", finding="saturation")
+        kinds["saturated"] = len(at_limit) > 0
     concerned = {*columns, *(kind for kind, holds in kinds.items() if holds)}
     text = CONDITIONAL_TEXT.sub(lambda remark: remark[2] * (remark[1] in concerned), text)
     known = {"{leading}": ESTIMATES[LEADING], "{of}": name, "{drawn}": drawn}
     return reduce(lambda said, key: said.replace(key, known[key]), known, spoken(text))
+
+
+def shown_table(table: str, results: Results, name: str = "") -> Body:
+    """Return header and rows of a table of the contents; name: recording, arm or study of it."""
+    blocks = contents().blocks()
+    declared = {block.table: block for block in blocks if isinstance(block, DeclaredTable)}
+    return body_of(declared[table], results, name)
 
 
 def body_of(declared: DeclaredTable, results: Results, name: str = "") -> Body:
