@@ -312,9 +312,7 @@ def _filled(
     """
     kinds = {"thesis": results.of_thesis, "other": name in results.other_arms}
     kinds |= {"ur": not kinds["other"], "fit": results.roles().get(name) == "fit"}
-    if "quality" in results.tables:
-        at_limit = results.rows("quality", recording=name, device="force", finding="saturation")
-        kinds["saturated"] = len(at_limit) > 0
+    kinds["saturated"] = "quality" in results.tables and bool(contacts.saturated(results, [name]))
     concerned = {*columns, *(kind for kind, holds in kinds.items() if holds)}
     text = CONDITIONAL_TEXT.sub(lambda remark: remark[2] * (remark[1] in concerned), text)
     known = {"{leading}": ESTIMATES[LEADING], "{of}": name, "{drawn}": drawn}

@@ -190,13 +190,13 @@ def missed_contacts(results: Results) -> Iterator[str]:
         off = sensed.loc[sensed.index == FATES[0], "peak_error"].abs().max()
         missed = sensed.loc[sensed.index == FATES[-1], "peak"]
         unknown = sensed.loc[sensed["peak_error"].isna(), "recording"].unique()
-        saturated = results.rows(
-            "quality", device="force", finding="saturation", recording=[*unknown]
-        )
-        saturated = [*saturated["recording"]]
         of_doubt = listed["recording"].isin(doubted_biases(results, [*listed["recording"]]))
-        words = {"doubted": int(listed.loc[of_doubt, "contacts"].sum()), "saturated": saturated}
-        yield say("force.missed", rows=listed, strongest=missed.max(), off=off, **words)
+        words: dict[str, Any] = {
+            "strongest": missed.max(),
+            "saturated": saturated(results, [*unknown]),
+        }
+        words["doubted"] = int(listed.loc[of_doubt, "contacts"].sum())
+        yield say("force.missed", rows=listed, off=off, **words)
     if (alarms := false_alarms(results))["all"] is not None:
         yield say("force.most alarms", **alarms)
 
@@ -514,6 +514,12 @@ def doubted_biases(results: Results, among: list[str]) -> list[str]:
     """Return the recordings, of some, on which the force sensor's bias is uncertain."""
     doubt = {"device": "force", "severity": "warning", "finding": "offset"}
     return [*results.rows("quality", recording=among, **doubt)["recording"].unique()]
+
+
+def saturated(results: Results, among: list[str]) -> list[str]:
+    """Return the recordings, of some, on which the force sensor is saturated at times."""
+    found = results.rows("quality", recording=among, device="force", finding="saturation")
+    return [*found["recording"].unique()]
 
 
 def _plain(results: Results, judged: pd.DataFrame) -> Rival:

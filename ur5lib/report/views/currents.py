@@ -199,16 +199,17 @@ def judge_constants(results: Results) -> Verdict | None:
     determined, refused = rows["determined"] == "yes", rows["contradicted"].notna()
     unlikely = [*results.rows("remarks", code="unlikely constant")["joint"].astype(int)]
     against = contradicting(results)
-    unproven = _are_remarked(results, rows, UNPROVEN) & ~rows["joint"].isin(against)
-    use = determined & ~unproven & ~rows["joint"].isin(against)
-    usable, kept = rows.loc[use, "joint"], ~unproven & ~rows["joint"].isin(against)
-    apart = [*rows.loc[is_far(rows) & kept, "joint"]]
+    disputed = rows["joint"].isin(against)
+    unproven = _are_remarked(results, rows, UNPROVEN) & ~disputed
+    borne_out = ~disputed & ~unproven
+    use = determined & borne_out
+    usable, apart = rows.loc[use, "joint"], [*rows.loc[is_far(rows) & borne_out, "joint"]]
     state: State = "usable" if use.mean() > MIN_USABLE_SHARE else "not determined"
     if unlikely or (use.all() and not apart):
         state = "do not use" if unlikely else "good"
     words = {"usable": usable, "unlikely": unlikely, "apart": apart, "refused": rows[refused]}
     words["unproven"] = rows.loc[determined & unproven, "joint"]
-    words["others"] = rows.loc[~determined & ~rows["joint"].isin(against), "joint"]
+    words["others"] = rows.loc[~determined & ~disputed, "joint"]
     return Verdict(
         topic=spoken(CONSTANTS_TOPIC),
         state=state,
