@@ -36,6 +36,7 @@ from ur5lib.finished import FinishedStudy
 from ur5lib.force.sensed_contact import CONTACT_FORCE, is_free
 from ur5lib.records.friction import Friction
 from ur5lib.records.signals import Signals
+from ur5lib.study.reading import parse_study
 from ur5lib.tables import read_csv, write_csv
 from ur5lib.timeseries.arrays import Array
 from ur5rivals.board import RESULTS_FOLDER, estimates, learnt
@@ -106,7 +107,9 @@ def seed_rows(
         built(study)
         results = FinishedStudy(RESULTS_FOLDER / study["study"])
         robot, friction = results.arm(arm), results.parameters(Friction, arm, "friction")
-        each_run = [read_run(results, own, robot, friction) for own in results.recordings]
+        plan = parse_study(study, study["study"])
+        given = robot, friction, plan.settings.lowpass.currents.cutoff_hz
+        each_run = [read_run(results, own, *given) for own in plan.recordings]
         time = results.record(Signals, results.recordings[-1]).time
     finally:
         clear(study)
