@@ -501,6 +501,7 @@ def test_scores_are_means_over_what_is_known() -> None:
     np.testing.assert_allclose(scores.mae[:5], known * 0.15)
     variance = (record.current[:, :5] / 2).var(axis=0)
     np.testing.assert_allclose(scores.r2[:5], 1 - 0.025 * known**2 / variance)
+    np.testing.assert_allclose(scores.zero_rmse_lowpassed[:5], np.sqrt(variance))
     np.testing.assert_allclose(scores.coverage, [0.5, 0, 0, 0, 0, np.nan])
     for values in (scores.rmse, scores.mae, scores.r2):
         assert np.isnan(values[5])

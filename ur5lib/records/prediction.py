@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from ur5lib.timeseries.arrays import Array
 
 
@@ -20,6 +22,12 @@ class Scores:
     r2: Array
     coverage: Array
     band_factor95: Array
+
+    @property
+    def zero_rmse_lowpassed(self) -> Array:
+        """Return the RMSE (6,) [A] of a constant current, its mean: R² = 1 − RMSE² / zero²."""
+        zero: Array = self.rmse_lowpassed / np.sqrt(1 - self.r2)
+        return zero
 
 
 @dataclass(frozen=True)

@@ -46,7 +46,8 @@ def cross_validation(friction: Friction) -> Iterator[Row]:
 def current_rmse(currents: Prediction) -> Iterator[Row]:
     """Yield the errors of each model's prediction of a recording's currents."""
     for model, scores in currents.scores.items():
-        columns = vars(scores) | {"coverage95": scores.coverage}
+        zero = scores.zero_rmse_lowpassed
+        columns = vars(scores) | {"coverage95": scores.coverage, "zero_rmse_lowpassed": zero}
         yield from by_joint(columns, model=model, fitted=currents.fitted)
 
 
