@@ -19,6 +19,7 @@ from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.dynamics.flange import link_frames
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.currents import band, parameters, predict
+from ur5lib.identification.steady_friction import friction_curve, mean_load
 from ur5lib.records.currents import Currents
 from ur5lib.records.friction import Friction
 from ur5lib.records.signals import Signals
@@ -36,7 +37,6 @@ from ur5lib.report.figures.friction_figures import (
     MovingSamples,
     band_over,
     current_figures,
-    friction_curve,
     friction_figure,
 )
 from ur5lib.report.figures.house_style import EMBEDDED_IMAGE, JOINT_COLOURS, Drawing, save
@@ -148,7 +148,8 @@ def noisy_friction() -> tuple[Friction, MovingSamples, float]:
     """
     records = noisy(range(6))
     fit = fit_currents(records, smooth, prior())
-    friction, parts, inside = Friction(fit=fit, parameters=parameters(fit)), [], []
+    load = mean_load(records, smooth, fit.joints[0].terms)
+    friction, parts, inside = Friction(fit=fit, parameters=parameters(fit), load=load), [], []
     for record in records:
         stated = predict(fit, record), band(fit, record, smooth)
         own = Currents(
@@ -176,7 +177,7 @@ def test_the_curve_of_friction_is_that_of_the_table(
     noisy_friction: tuple[Friction, MovingSamples, float],
 ) -> None:
     friction, samples, _ = noisy_friction
-    numbers = friction_figure(samples, friction.fit.joints).data
+    numbers = friction_figure(samples, friction.fit.joints, friction.load).data
     for joint in range(1, 7):
         table = {row.name: row.value for row in friction.parameters if row.joint == joint}
         qd, _, fitted, _ = drawn_friction(numbers, joint)
@@ -193,7 +194,7 @@ def test_as_much_friction_is_drawn_within_the_band_as_the_band_holds(
     noisy_friction: tuple[Friction, MovingSamples, float],
 ) -> None:
     friction, samples, share = noisy_friction
-    numbers = friction_figure(samples, friction.fit.joints).data
+    numbers = friction_figure(samples, friction.fit.joints, friction.load).data
     dots = [drawn_friction(numbers, joint) for joint in range(1, 7)]
     inside = [np.abs(own - fitted) <= half for _, own, fitted, half in dots]
     assert 0.5 < share < 1
@@ -227,7 +228,7 @@ def test_a_joint_that_rests_has_an_empty_panel(
     values[..., 4] = np.nan
     samples = MovingSamples(*values)
     drawings = current_figures(samples, np.ones(6), np.ones(6))
-    drawings["friction"] = friction_figure(samples, noisy_friction[0].fit.joints)
+    drawings["friction"] = friction_figure(samples, noisy_friction[0].fit.joints, np.ones(6))
     for drawing in drawings.values():
         assert drawing.data.filter(regex="(τ|i)_5 |joint 5").isna().all(axis=None)
 

@@ -12,6 +12,7 @@ from scipy.stats import norm
 from ur5lib.finished import FinishedStudy
 from ur5lib.force.estimators import LEADING
 from ur5lib.tables import write_text
+from ur5lib.tidy.friction import without_totals
 from ur5lib.timeseries.metrics import NORMAL95
 
 ERROR_CHANCE = 0.05  # of any false change in a topic, and of a miss of a single interval
@@ -105,6 +106,7 @@ def model(studies: StudyPair) -> Iterator[Comparison]:
 def friction(studies: StudyPair) -> Iterator[Comparison]:
     """Compare torque constants, offsets and friction that the data determine."""
     rows = _determined(_both(studies, "friction", "robot", "joint", "parameter"))
+    rows = without_totals(rows)
     names = [
         f"{r.robot}, joint {r.joint}, {r.parameter.replace('_', ' ')}" for r in rows.itertuples()
     ]

@@ -19,13 +19,17 @@ from ur5lib.identification.samples import (
     held_columns,
     motion_states,
 )
-from ur5lib.records.friction import CoefficientEstimate, CurrentFit, Parameter
+from ur5lib.records.friction import (
+    MAX_PRIOR_SHARE,
+    CoefficientEstimate,
+    CurrentFit,
+    Parameter,
+)
 from ur5lib.robots.friction import OPTIONAL_TERMS, TERMS, JointMotion, coefficient_names
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
 MAX_GAIN_HALF = 0.05  # of the 95 % interval of a measured torque's gain: 1 before, to some per cent
-MAX_PRIOR_SHARE = 0.5  # above which the data do not determine a parameter
 # Standard deviation of a joint's friction from day to day, relative, where recordings of one day do
 # not show it. On seven dates of a UR10e, it is 0.06 on the most different date and 0.035 on all.
 DAY_TO_DAY_STD = 0.07

@@ -10,6 +10,9 @@ from ur5lib.robots.friction import coefficient_names
 from ur5lib.tables import BY_KEY
 from ur5lib.timeseries.arrays import Array
 
+MAX_PRIOR_SHARE = 0.5  # above which the data do not determine a parameter
+TOTAL = "total_"  # begins the names of a joint's total friction, then its velocity [rad/s]
+
 
 @dataclass(frozen=True)
 class CoefficientEstimate:
@@ -84,7 +87,7 @@ class CurrentFit:
 
 @dataclass(frozen=True)
 class Parameter:
-    """One fitted value in SI units; joint 1 to 6; interval: 95 %.
+    """One fitted value in SI units, or the friction of all terms; joint 1 to 6; interval: 95 %.
 
     prior_share, arm_share, day_share, run_share: of what is known of it, see `shares_of_knowledge`.
     """
@@ -99,6 +102,11 @@ class Parameter:
     day_share: float
     run_share: float
     determined: bool
+
+    @property
+    def rests_on_prior(self) -> bool:
+        """Return whether it is known by other arms more than by these recordings."""
+        return self.prior_share > MAX_PRIOR_SHARE
 
 
 NO_FIT = CurrentFit((), 0)
@@ -128,11 +136,13 @@ class Friction:
     at_rest: those of postures, which tell torque constants alone; paths: number of trajectories;
     period: the longest step between their samples [s], None without any;
     left_out: fits that predict what they have not seen; explained: (6,), share of the currents'
-    variance that these explain, None of a single path; least_squares: (6, 4), the baseline's
-    coefficients; cross_validation: (R, R, 6) [A], RMSE of a fit to one recording, tested on
-    another; model: link model of the torques; stopped: how the recordings contradict the arm;
-    refused: why else there is no fit; remarks: what the fit contradicts, but the study accepts;
-    effort: the quantity of `channels.Effort` that is predicted.
+    variance that these explain, None of a single path; load: (6,) [Nm], mean size of the links'
+    torque in motion over the fit, NaN of a joint that does not move, None without recordings;
+    totals: friction of all terms at that load, see `total_friction`; least_squares: (6, 4), the
+    baseline's coefficients; cross_validation: (R, R, 6) [A], RMSE of a fit to one recording,
+    tested on another; model: link model of the torques; stopped: how the recordings contradict the
+    arm; refused: why else there is no fit; remarks: what the fit contradicts, but the study
+    accepts; effort: the quantity of `channels.Effort` that is predicted.
     """
 
     __pydantic_config__ = BY_KEY
@@ -145,6 +155,8 @@ class Friction:
     left_out: list[LeftOut] = field(default_factory=list)
     explained: Array | None = None
     parameters: list[Parameter] = field(default_factory=list)
+    load: Array | None = None
+    totals: list[Parameter] = field(default_factory=list)
     known_constants: KnownConstants | None = None
     least_squares: Array = field(default_factory=lambda: np.zeros((0, 4)))
     cross_validation: Array = field(default_factory=lambda: np.zeros((0, 0, 6)))

@@ -44,6 +44,6 @@ def draw_friction(
     before = constant if known is None else known.value
     return {
         "knowledge": knowledge_bars(friction.parameters),
-        "friction": friction_figure(samples, fit.joints),
+        "friction": friction_figure(samples, fit.joints, friction.load),
         **current_figures(samples, constant, before, arm.measured),
     }

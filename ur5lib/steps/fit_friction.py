@@ -25,6 +25,7 @@ from ur5lib.identification.current_samples import (
 from ur5lib.identification.currents import parameters, predict, torque_constants
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import CurrentSamples, Smooth, record_paths
+from ur5lib.identification.steady_friction import mean_load, total_friction
 from ur5lib.identification.validation import (
     explained_share,
     fitted_on_tested_on,
@@ -144,9 +145,11 @@ def fitted_friction(
         return _expected_friction(prior, model, accepted or {})
     records = with_rotors_that_show(records, smooth, prior)
     fit = fit_currents(records, smooth, prior)
+    terms = fit.joints[0].terms
     doubts = accepted_doubts(fit, prior, accepted or {})
     left_out = fit_without_each_path(records, smooth, prior)
     explained = explained_by_others(records, left_out, smooth)
+    load = mean_load(records, smooth, terms)
     return Friction(
         from_=[record.name for record in records],
         paths=int(record_paths(records).max()) + 1,
@@ -155,11 +158,11 @@ def fitted_friction(
         left_out=[LeftOut(names, _without_replicates(own)) for names, own in left_out],
         explained=explained,
         parameters=parameters(fit, prior.measured),
+        load=load,
+        totals=total_friction(fit, load),
         known_constants=known_constants(prior),
         least_squares=least_squares_coefficients(records),
-        cross_validation=fitted_on_tested_on(
-            records, smooth, replace(prior, terms=fit.joints[0].terms)
-        ),
+        cross_validation=fitted_on_tested_on(records, smooth, replace(prior, terms=terms)),
         model=model,
         remarks=doubts,
     )

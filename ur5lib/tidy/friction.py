@@ -2,37 +2,52 @@
 
 from collections.abc import Iterator
 from dataclasses import asdict
+from operator import itemgetter
 
-from ur5lib.records.friction import Friction
+import pandas as pd
+
+from ur5lib.records.friction import TOTAL, Friction, Parameter
 from ur5lib.records.prediction import Prediction
 from ur5lib.robots.description import Robot
 from ur5lib.tidy import Row, by_joint
 
 
 def friction(friction: Friction, arm: Robot) -> Iterator[Row]:
-    """Yield torque constants, offsets and friction; of a torque constant, also the prior one, and
-    the fitted one where that contradicts it.
+    """Yield torque constants, offsets and friction, by its terms and in total at a load; of a
+    torque constant, also the prior one, and the fitted one where that contradicts it.
     """
-    yield from _parameters(friction, arm)
+    loads = {} if friction.load is None else dict(enumerate(friction.load.tolist(), start=1))
+    parts = [(row.joint, _parameter(row, friction, arm)) for row in friction.parameters]
+    parts += [
+        (row.joint, _parameter(row, friction, arm) | {"load": loads[row.joint]})
+        for row in friction.totals
+    ]
+    yield from (row for _, row in sorted(parts, key=itemgetter(0)))
+
+
+def without_totals(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of the table of friction that are of single parameters."""
+    return rows[~rows["parameter"].astype(str).str.startswith(TOTAL)]
 
 
 def torque_constants(friction: Friction, arm: Robot) -> Iterator[Row]:
     """Yield the torque constants of these alone, a row for each joint of motors with currents."""
-    for row in _parameters(friction, arm):
+    for own in friction.parameters:
+        row = _parameter(own, friction, arm)
         if row["parameter"] == "torque_constant":
             yield row | {"torque_constant": row["value"]}
 
 
-def _parameters(fitted: Friction, arm: Robot) -> Iterator[Row]:
-    for row in fitted.parameters:
-        (low, high), joint, known = row.interval, row.joint - 1, fitted.known_constants
-        name = arm.measured.parameter(row.name)
-        found = asdict(row) | {"parameter": name, "low": low, "high": high}
-        if row.name == "torque_constant" and known is not None:
-            found |= {"known": known.value[joint], "known_std": known.std_error[joint]}
-            joints = fitted.fit.joints
-            found |= {"contradicted": joints[joint].contradicted if joints else None}
-        yield found
+def _parameter(row: Parameter, fitted: Friction, arm: Robot) -> Row:
+    """Return the row of a parameter."""
+    (low, high), joint, known = row.interval, row.joint - 1, fitted.known_constants
+    name = arm.measured.parameter(row.name)
+    found = asdict(row) | {"parameter": name, "low": low, "high": high}
+    if row.name == "torque_constant" and known is not None:
+        found |= {"known": known.value[joint], "known_std": known.std_error[joint]}
+        joints = fitted.fit.joints
+        found |= {"contradicted": joints[joint].contradicted if joints else None}
+    return found
 
 
 def cross_validation(friction: Friction) -> Iterator[Row]:

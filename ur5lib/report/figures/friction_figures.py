@@ -12,8 +12,8 @@ from matplotlib.lines import Line2D
 
 from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.identification.currents import predict, spring_current, torque_constants
-from ur5lib.identification.estimation import physical_values
 from ur5lib.identification.samples import CurrentSamples, MotionState, Smooth, motion_states
+from ur5lib.identification.steady_friction import friction_curve
 from ur5lib.records.currents import Currents
 from ur5lib.records.friction import Friction, JointFit, Parameter
 from ur5lib.report.figures.charts import by_joint, joint_panels, residual_panels, scatter_panels
@@ -25,7 +25,6 @@ from ur5lib.report.figures.house_style import (
     house_style,
     nothing_to_draw,
 )
-from ur5lib.robots.friction import JointMotion, friction_columns
 from ur5lib.timeseries.arrays import Array
 
 DRAWN_STEP = 0.1  # s between the samples that are drawn
@@ -186,16 +185,18 @@ def current_figures(
     }
 
 
-def friction_figure(samples: MovingSamples, models: Sequence[JointFit]) -> Drawing:
+def friction_figure(
+    samples: MovingSamples, models: Sequence[JointFit], load: Array | None
+) -> Drawing:
     """Draw friction over velocity, a panel for each joint: the fitted curve at the mean load, the
     95 % band of predictions, and what was measured, as far from the curve as from its prediction.
 
-    models: of the joints.
+    models: of the joints; load: (n,) [Nm], of the fit, None without recordings.
     """
     known = np.isfinite(samples.qd + samples.error + samples.half)
-    if not known.any():
+    if load is None or not known.any():
         return nothing_to_draw()
-    qd, load = np.where(known, samples.qd, np.nan), _mean(np.abs(samples.torque))
+    qd = np.where(known, samples.qd, np.nan)
     labels = "velocity of joint {} [rad/s]", "friction of joint {} [Nm]"
     resting, fitted, half = _mean(samples.resting), np.empty_like(qd), np.empty_like(qd)
     with joint_panels(len(models), labels) as (figure, panels):
@@ -215,17 +216,6 @@ def friction_figure(samples: MovingSamples, models: Sequence[JointFit]) -> Drawi
     numbers = (qd, fitted + samples.error, fitted, half)
     at_rest = {FRICTION_COLUMNS[-1]: resting[None]} if np.isfinite(resting).any() else {}
     return Drawing(figure, by_joint(dict(zip(FRICTION_COLUMNS, numbers, strict=False)) | at_rest))
-
-
-def friction_curve(model: JointFit, qd: Array, load: float) -> Array:
-    """Return a joint's friction (N,) [Nm] at steady velocities (N,) [rad/s], by its parameters.
-
-    load: size of the torque that its gear transmits [Nm].
-    """
-    steady = JointMotion(np.zeros_like(qd), qd, np.full_like(qd, load), np.sign(qd))
-    values = physical_values(model.estimate.coefficients)
-    curve: Array = friction_columns(steady, model.terms) @ values[2:]
-    return curve
 
 
 def _branches(qd: Array) -> Iterator[Array]:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ur5lib.identification.currents import MAX_PRIOR_SHARE
+from ur5lib.records.friction import MAX_PRIOR_SHARE
 from ur5lib.report.page.document import Number, State, Verdict
 from ur5lib.report.page.sentences import names, say, spoken
 from ur5lib.report.results import AT_REST, Results
@@ -18,6 +18,7 @@ from ur5lib.report.views.baseline import (
     AgainstBaseline,
     Rival,
 )
+from ur5lib.tidy.friction import without_totals
 from ur5lib.tidy.models import STOP
 from ur5lib.timeseries.arrays import Mask
 from ur5lib.timeseries.metrics import NORMAL95
@@ -50,12 +51,12 @@ def predicted(results: Results) -> list[str]:
 
 
 def constants(results: Results) -> pd.DataFrame:
-    """Return torque constants, offsets and friction, with the main source of each.
+    """Return torque constants, offsets and friction by its terms, with the main source of each.
 
     moved: whether recordings can determine a parameter: offset and friction need motion. Those of
     an arm without fit recordings are typical ones, and count as moved, unless postures were fitted.
     """
-    rows = results.tables["friction"]
+    rows = without_totals(results.tables["friction"])
     arms = results.arms()
     moving: dict[str, set[int]] = {}  # on the fit recordings of an arm
     for name in results.with_role("fit") + results.with_role(AT_REST):

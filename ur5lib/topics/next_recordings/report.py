@@ -7,6 +7,7 @@ import pandas as pd
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
 from ur5lib.report.views.currents import is_worthwhile, outlooks
+from ur5lib.tidy.friction import without_totals
 
 MAX_NAMED_PARAMETERS = 3  # parameters that the next recording is designed for
 
@@ -28,7 +29,8 @@ def designs(results: Results) -> Iterator[str]:
     """Yield each arm's least determined parameters, and the command that designs a recording."""
     study, lab = results.study["study"], results.study.get("devices") or {}
     table = lab.get("table_m") or 0.0
-    for robot, rows in results.tables["friction"].groupby("robot", sort=False):
+    parameters = without_totals(results.tables["friction"])
+    for robot, rows in parameters.groupby("robot", sort=False):
         worst = rows.sort_values("prior_share", ascending=False)[:MAX_NAMED_PARAMETERS]
         words = {"robot": robot, "study": study, "table": f"{table:g}", "last": rows["joint"].max()}
         words["load"] = results.loads.get(robot)

@@ -1,0 +1,106 @@
+"""Friction of joints at steady velocities under a load, by all terms of a fit together."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from ur5lib.identification.estimation import physical_values
+from ur5lib.identification.regression import half_width, spread
+from ur5lib.identification.samples import CurrentSamples, Smooth, joint_samples
+from ur5lib.records.friction import (
+    MAX_PRIOR_SHARE,
+    TOTAL,
+    CoefficientEstimate,
+    CurrentFit,
+    JointFit,
+    Parameter,
+)
+from ur5lib.robots.friction import JointMotion, friction_columns
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import NORMAL95
+
+# Of which totals are stated, in positive direction; at the first, as it begins to move.
+STATED_VELOCITIES = np.array([0.0, 0.1, 0.5, 1.0])  # rad/s
+
+
+def mean_load(records: Sequence[CurrentSamples], smooth: Smooth, terms: Sequence[str]) -> Array:
+    """Return the mean size (n,) [Nm] of the links' torque on each joint in motion, as the fit has
+    it; NaN of one that does not move. terms: of the fit.
+    """
+    return np.array(
+        [
+            np.abs(own.columns[own.moving, 0]).mean() if own.moving.any() else np.nan
+            for own in joint_samples(records, smooth, terms)
+        ]
+    )
+
+
+def friction_curve(model: JointFit, qd: Array, load: float) -> Array:
+    """Return a joint's friction (N,) [Nm] at steady velocities (N,) [rad/s], by its parameters.
+
+    load: size of the torque that its gear transmits [Nm].
+    """
+    columns = steady_columns(model.terms, qd, np.sign(qd), load)
+    curve: Array = columns @ physical_values(model.estimate.coefficients)[2:]
+    return curve
+
+
+def steady_columns(terms: Sequence[str], qd: Array, direction: Array, load: float) -> Array:
+    """Return the columns (N, M) of friction at steady velocities (N,) [rad/s]; see `JointMotion`.
+
+    direction: (N,), of dry friction, which a joint has as it begins to move, too.
+    """
+    steady = JointMotion(np.zeros_like(qd), qd, np.full_like(qd, load), direction)
+    return friction_columns(steady, terms)
+
+
+def total_friction(fit: CurrentFit, load: Array) -> list[Parameter]:
+    """Return the friction [Nm] of each joint at STATED_VELOCITIES, in positive direction.
+
+    load: (n,) [Nm], as of `mean_load`; a joint without any has none. A total is determined where
+    the data tell more of it than other arms, and its sign.
+    """
+    return [
+        total
+        for joint, (model, size) in enumerate(zip(fit.joints, load.tolist(), strict=True), start=1)
+        if np.isfinite(size)
+        for total in _totals(joint, model, size, fit.units)
+    ]
+
+
+def _totals(joint: int, model: JointFit, load: float, units: int) -> Iterator[Parameter]:
+    """Yield the totals of a joint, from 1; units: of the bootstrap."""
+    qd, estimate = STATED_VELOCITIES, model.estimate
+    columns = steady_columns(model.terms, qd, np.ones_like(qd), load)
+    friction, shares = physical_values(estimate.coefficients)[2:], _shares(estimate, columns)
+    value, error = columns @ friction, _std_error(estimate, columns)
+    # a day or recording differs by a share of friction, in all terms alike
+    unseen = np.abs(columns @ (np.sign(friction) * model.unseen[2:]))
+    half = np.hypot(half_width(error, units, shares[0]), NORMAL95 * unseen)
+    rows = np.stack([value, np.hypot(error, unseen), value - half, value + half, *shares], axis=1)
+    for velocity, row in zip(qd.tolist(), rows.tolist(), strict=True):
+        number, std, low, high, prior, arm, day, run = row
+        name, is_determined = f"{TOTAL}{velocity:g}", prior < MAX_PRIOR_SHARE and low > 0
+        shares_of_it = prior, arm, day, run
+        yield Parameter(joint, name, number, std, (low, high), *shares_of_it, is_determined)
+
+
+def _std_error(estimate: CoefficientEstimate, columns: Array) -> Array:
+    """Return standard errors (V,) of the sums J p of friction's parameters p; columns: J (V, M).
+
+    √(J Σ Jᵀ), with the standard errors of p on the diagonal of Σ, and the correlations of the
+    bootstrap's replicates: their spread, once each parameter spreads by its standard error.
+    """
+    drawn = physical_values(estimate.replicates)[:, 2:]
+    error, own = estimate.std_error[2:], spread(drawn)
+    scale = np.divide(error, own, out=np.zeros_like(error), where=own > 0)
+    return spread((drawn * scale) @ columns.T)
+
+
+def _shares(estimate: CoefficientEstimate, columns: Array) -> Array:
+    """Return the shares (4, V) of what is known of sums, see `shares_of_knowledge`: those of their
+    parts, each by the square of its own error in the sum. columns: (V, M).
+    """
+    squares = (columns * estimate.std_error[2:]) ** 2 + np.finfo(float).tiny
+    shares: Array = estimate.shares[:, 2:] @ (squares / squares.sum(axis=1, keepdims=True)).T
+    return shares
