@@ -2,14 +2,17 @@
 in Nm has a gain of 1, or the description is wrong.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from tests.identification.test_measured_torques import drawn_run
+from tests.identification.test_measured_torques import SMOOTH, drawn_run
 from tests.made_records import motion_of, signals_of, torques_of
 from ur5lib.checks.doubts import DOUBT
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import Remark
+from ur5lib.identification.measured_torques import fit_arm
 from ur5lib.records.carried import Carried
 from ur5lib.records.friction import Friction, Parameter
 from ur5lib.records.premises import Premises
@@ -17,6 +20,8 @@ from ur5lib.records.quality import Contradictions, Finding, Quality
 from ur5lib.records.wording import in_words
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.steps.fit_friction import fit_friction, with_causes
+from ur5lib.steps.identify_model import with_fitted
+from ur5lib.tidy import friction as tidy
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
 
@@ -37,9 +42,18 @@ def arm() -> Robot:
     return known.model_copy(update={"joints": joints, "motors": motors} | links)
 
 
-def fitted(arm: Robot, gains: Array | float = 1.0, rotors: Array | float = 0.0) -> Friction:
-    """From torques that are those of the true links and of rotors, over gains (6,)."""
+def fitted(
+    arm: Robot,
+    gains: Array | float = 1.0,
+    rotors: Array | float = 0.0,
+    described: Robot | None = None,
+) -> Friction:
+    """From torques that are those of the true links and of rotors, over gains (6,).
+
+    described: the arm as the fit knows it, if not as it is.
+    """
     runs = [drawn_run(arm, seed) for seed in range(len(NAMES))]
+    arm = described or arm
     signals, motion, torques = {}, {}, {}
     for name, run in zip(NAMES, runs, strict=True):
         own, time = run.samples, run.samples.period * np.arange(len(run.qdd))
@@ -48,7 +62,7 @@ def fitted(arm: Robot, gains: Array | float = 1.0, rotors: Array | float = 0.0) 
         signals[name] = signals_of(time, pose[0], actual_torque=measured)
         motion[name] = motion_of(time, *pose)
         rigid = run.regressor(*pose) @ LinkModel(arm, arm.chosen_model).parameters
-        torques[name] = torques_of(time, {}, {"maker": rigid})
+        torques[name] = torques_of(time, {}, {arm.chosen_model: rigid})
     of_each = dict.fromkeys(NAMES, PREMISES), {name: Quality() for name in NAMES}
     dates = dict.fromkeys(NAMES, "")
     return fit_friction(arm, signals, motion, torques, *of_each, {}, dates, Butterworth(4, 2.0))
@@ -164,3 +178,38 @@ def test_links_found_from_torques_need_the_side_of_these(
     assert (friction.stopped is not None) == stops
     if stops:
         assert "`effort: " in in_words(stop_sign(friction))
+
+
+def test_all_torques_times_a_number_leave_the_gains_of_unknown_links_unmoved(arm: Robot) -> None:
+    """Links from the same torques are larger by it, so that no gain may be used, however narrow its
+    interval; nor is friction known but in the unit of these torques.
+    """
+    told = arm.model_copy(update={"effort": "joint_torque"})
+    fits = {scale: with_links_of_torques(told, scale) for scale in (1.0, 1.1)}
+    gains, totals = (
+        {scale: np.array([row.value for row in own]) for scale, own in each.items()}
+        for each in (
+            {scale: rows(own, "torque_constant") for scale, (_, own) in fits.items()},
+            {scale: own.totals for scale, (_, own) in fits.items()},
+        )
+    )
+    np.testing.assert_allclose(gains[1.1], gains[1.0], rtol=1e-4)
+    np.testing.assert_allclose(totals[1.1], 1.1 * totals[1.0], rtol=1e-2)
+    for found, friction in fits.values():
+        assert any(row.determined for row in rows(friction, "torque_constant"))
+        table = [*tidy.friction(friction, found)]
+        named = [row for row in table if row["parameter"] == "gain"]
+        assert [(row["use"], row["reason"]) for row in named] == [("no", "unknown_links")] * 6
+        friction_rows = [row for row in table if row["parameter"] == "total_0.5"]
+        assert {row["use"] for row in friction_rows} == {"yes"}
+
+
+def with_links_of_torques(arm: Robot, scale: float) -> tuple[Robot, Friction]:
+    """An arm of which the fit knows the axes alone, and its fit, from torques times a number."""
+    runs = [drawn_run(arm, seed) for seed in range(len(NAMES))]
+    larger = [
+        replace(run, samples=replace(run.samples, current=scale * run.samples.current))
+        for run in runs
+    ]
+    found = with_fitted(arm, fit_arm(arm, larger, SMOOTH))
+    return found, fitted(arm, gains=1 / scale, described=found)

@@ -10,6 +10,7 @@ from ur5lib.records.friction import TOTAL, Friction, Parameter
 from ur5lib.records.prediction import Prediction
 from ur5lib.robots.description import Robot
 from ur5lib.tidy import Row, by_joint
+from ur5lib.tidy.may_be_used import CONSTANT, contradicted, may_be_used
 
 
 def friction(friction: Friction, arm: Robot) -> Iterator[Row]:
@@ -39,15 +40,14 @@ def torque_constants(friction: Friction, arm: Robot) -> Iterator[Row]:
 
 
 def _parameter(row: Parameter, fitted: Friction, arm: Robot) -> Row:
-    """Return the row of a parameter."""
+    """Return the row of a parameter, and whether it may be used."""
     (low, high), joint, known = row.interval, row.joint - 1, fitted.known_constants
     name = arm.measured.parameter(row.name)
     found = asdict(row) | {"parameter": name, "low": low, "high": high}
-    if row.name == "torque_constant" and known is not None:
+    if row.name == CONSTANT and known is not None:
         found |= {"known": known.value[joint], "known_std": known.std_error[joint]}
-        joints = fitted.fit.joints
-        found |= {"contradicted": joints[joint].contradicted if joints else None}
-    return found
+        found |= {"contradicted": contradicted(fitted, row.joint)}
+    return found | may_be_used(row, fitted, arm)._asdict()
 
 
 def cross_validation(friction: Friction) -> Iterator[Row]:

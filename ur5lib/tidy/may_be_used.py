@@ -1,0 +1,80 @@
+"""Whether a fitted parameter may be used: from the fit, its remarks and the arm alone."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from ur5lib.records.friction import Friction, Parameter
+from ur5lib.records.verdicts import Reason, Use
+from ur5lib.robots.description import Robot
+from ur5lib.timeseries.metrics import NORMAL95
+
+CONSTANT = "torque_constant"  # the name of a gain, too, in a fit
+UNLIKELY, UNPROVEN = "unlikely constant", "unproven fit"  # codes of remarks on a joint
+NO_MOTION, ONE_PATH = "no motion", "one path"
+
+
+class MayBeUsed(NamedTuple):
+    """Whether a parameter may be used, and why not, or with which doubt; empty without any."""
+
+    use: Use
+    reason: Reason
+
+
+def may_be_used(parameter: Parameter, fitted: Friction, arm: Robot) -> MayBeUsed:
+    """Return whether a torque constant, a gain, an offset or friction may be used."""
+    for reason in _obstacles(parameter, fitted, arm):
+        return MayBeUsed("no", reason)
+    return MayBeUsed("yes", next(_doubts(parameter, fitted), ""))
+
+
+def _obstacles(parameter: Parameter, fitted: Friction, arm: Robot) -> Iterator[Reason]:
+    """Yield what forbids the use of a parameter, the worst first."""
+    codes, is_constant = codes_of(fitted, parameter.joint), parameter.name == CONSTANT
+    if fitted.stopped is not None:
+        yield "stopped"
+    if UNLIKELY in codes:
+        yield "unlikely"
+    if is_constant and contradicted(fitted, parameter.joint) is not None:
+        yield "contradicted"
+    if UNPROVEN in codes:
+        yield "unproven"
+    # links that are fitted to the measured efforts are in proportion to these, whatever their unit
+    if is_constant and arm.links != "known":
+        yield "unknown_links"
+    if not is_constant and (NO_MOTION in codes or _rests(fitted)):
+        yield "no_motion"
+    if not parameter.determined:
+        yield "prior_only" if parameter.rests_on_prior else "undetermined"
+
+
+def _doubts(parameter: Parameter, fitted: Friction) -> Iterator[Reason]:
+    """Yield with which doubt a parameter is used, the largest first."""
+    if parameter.name == CONSTANT and _is_far(parameter, fitted):
+        yield "far"
+    if ONE_PATH in codes_of(fitted, parameter.joint):
+        yield "one_path"
+
+
+def codes_of(fitted: Friction, joint: int) -> set[str]:
+    """Return the codes of the remarks on a joint, from 1."""
+    joints = fitted.fit.joints
+    return {remark.code for remark in joints[joint - 1].remarks} if joints else set()
+
+
+def contradicted(fitted: Friction, joint: int) -> float | None:
+    """Return the constant of a joint, from 1, that contradicts the known one; None without any."""
+    joints = fitted.fit.joints
+    return joints[joint - 1].contradicted if joints else None
+
+
+def _rests(fitted: Friction) -> bool:
+    """Return whether an arm was fitted in postures at rest alone."""
+    return bool(fitted.at_rest) and not fitted.from_
+
+
+def _is_far(constant: Parameter, fitted: Friction) -> bool:
+    """Return whether a constant is farther from the known one than on 95 % of arms."""
+    known, joint = fitted.known_constants, constant.joint - 1
+    if known is None:
+        return False
+    return bool(abs(constant.value - known.value[joint]) > NORMAL95 * known.std_error[joint])
