@@ -271,6 +271,12 @@ def test_errors_of_contacts_are_of_the_contacts_that_the_sensor_saw(study: Finis
     assert whole["start_s"].lt(whole["end_s"]).all()
 
 
+def test_gains_of_hardly_any_force_are_empty(force: pd.DataFrame) -> None:
+    rows = force.reset_index()
+    least = np.where(rows["component"].str.startswith("F"), 1.0, 0.1)
+    assert (rows["slope"].isna() == (rows["mean_force"] < least)).all()
+
+
 def test_contacts_are_found_and_none_made_up(study: FinishedStudy) -> None:
     table = study.table("detection")
     sensed = table[table["force_class_n"].notna() & ~table["estimate"].isin(PUBLISHED)]

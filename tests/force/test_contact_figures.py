@@ -237,6 +237,17 @@ def test_figures_of_a_known_error() -> None:
     assert [narrow[f"coverage{stated}"][0] for stated in (50, 80, 95)] == [0, 1, 1]
 
 
+def test_a_gain_of_hardly_any_force_is_none() -> None:
+    """From a mean of 1 N, or 0.1 Nm, on: of an estimate twice as large throughout."""
+    mean = np.array([0.99, 1.01, 20.0, 0.099, 0.101, 2.0])
+    reference = np.random.default_rng(1).choice([-1.0, 1.0], (500, 6)) * mean
+    figures = error_figures(2 * reference, None, reference)
+    np.testing.assert_allclose(figures["slope"], [np.nan, 2, 2, np.nan, 2, 2])
+    np.testing.assert_allclose(figures["skill"], 0, atol=1e-9)
+    forces = error_figures(2 * reference[:, :3], None, reference[:, :3])["slope"]
+    np.testing.assert_allclose(forces, [np.nan, 2, 2])
+
+
 def test_a_contact_is_named_by_its_first_and_last_sample() -> None:
     """It begins above 2 N and ends there, if it reaches 5 N."""
     reference = pushed(2)[:, :3]

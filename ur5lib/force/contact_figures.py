@@ -27,6 +27,7 @@ MIN_CONTACTS = 3  # for an interval by resampling
 INTERVAL_ENDS = [0.025, 0.975]  # quantiles at the ends of a 95 % interval
 MIN_GAIN = 0.2  # of an estimate that shows the force
 SPLIT = ("mae_missed", "mae_shut", "mae_gain")  # parts of an error in contact
+MIN_MEAN = np.array([1.0, 1.0, 1.0, 0.1, 0.1, 0.1])  # N, Nm; a gain of less is none
 MIN_DIVISOR = 1e-12  # N, N s: replaces a zero divisor
 
 
@@ -112,7 +113,7 @@ def error_figures(estimate: Array, std: Array | None, reference: Array) -> dict[
         "zero_mae": mean,
         "zero_max": largest_error(zero, reference),
         "mean_force": mean,
-        "slope": slope(estimate, reference),
+        "slope": np.where(mean < MIN_MEAN[: len(mean)], np.nan, slope(estimate, reference)),
         "skill": skill(estimate, reference),
         "correlation": correlation(estimate, reference),
         "zero_interval_score95": zero_interval_score(reference),
