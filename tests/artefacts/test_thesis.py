@@ -271,6 +271,38 @@ def test_errors_of_contacts_are_of_the_contacts_that_the_sensor_saw(study: Finis
     assert whole["start_s"].lt(whole["end_s"]).all()
 
 
+def test_contacts_have_fates_as_they_are_counted(study: FinishedStudy) -> None:
+    """By every estimate that raises alarms; by F̂ᵐᵃᵖ, with cause and band where one is found."""
+    rows = study.table("contact_errors").query("component == 'norm'").dropna(subset="fate")
+    counted = study.table("detection").query("force_class_n == 5")
+    counted = counted.set_index(["recording", "estimate"])
+    fates = pd.crosstab([rows["recording"], rows["estimate"]], rows["fate"])
+    fates = fates.reindex(counted.index)
+    assert (fates["found"] == counted["found"]).all()
+    assert (fates["merged"] == counted["merged"]).all()
+    assert (fates.sum(axis=1) == counted["contacts"]).all()
+    ours = rows[rows["estimate"] == "Fmap"]
+    assert ours["fate"].value_counts().to_dict() == {"found": 20, "missed": 9, "merged": 1}
+    found = ours["fate"] == "found"
+    assert ours["cause"].notna().eq(found).all()
+    assert ours["band"].notna().eq(found).all()
+
+
+def test_alarms_have_kinds_as_they_are_counted(study: FinishedStudy) -> None:
+    """Beside a sensor; without one, all are false where nothing touches the arm."""
+    kinds, counted = study.table("contacts"), study.table("detection")
+    counted = counted.drop_duplicates(["recording", "estimate"])
+    counted = counted.set_index(["recording", "estimate"])
+    false = kinds[kinds["kind"] == "false"].value_counts(["recording", "estimate"])
+    told = counted.join(false.rename("false")).fillna({"false": 0})
+    sensed = told["false_alarms_per_min"].notna()
+    rate = told["false"] * told["alarms_per_min"] / told["alarms"].clip(lower=1)
+    np.testing.assert_allclose(rate[sensed], told.loc[sensed, "false_alarms_per_min"], atol=1e-6)
+    recordings = study.configuration().recordings
+    free = [one.name for one in recordings if one.role != "contact"]
+    assert {*kinds.loc[kinds["recording"].isin(free), "kind"]} == {"false"}
+
+
 def test_gains_of_hardly_any_force_are_empty(force: pd.DataFrame) -> None:
     rows = force.reset_index()
     least = np.where(rows["component"].str.startswith("F"), 1.0, 0.1)

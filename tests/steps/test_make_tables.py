@@ -6,10 +6,12 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+import pytest
 
 from tests.made_tables import record
 from ur5lib.force.residual_model import Residuals
 from ur5lib.records.accelerations import Difference, ImuComparison
+from ur5lib.records.contacts import Detected
 from ur5lib.records.friction import Friction
 from ur5lib.records.judgement import Judgement
 from ur5lib.records.models import Identification, Rotors
@@ -107,3 +109,47 @@ def test_rows_are_written_plainly(tmp_path: Path) -> None:
     back = read_csv(tmp_path / "current_rmse.csv")
     assert [*back] == columns()["current_rmse"]
     assert back["recording"].tolist() == ["a"]
+
+
+# A role that says whether anything touches the arm
+
+ROLES = {"fitted": "fit", "seen": "validate", "pushed": "contact"}
+
+
+def of_roles(arm: Robot, roles: dict[str, str] | None = ROLES, **more: Any) -> dict[str, Any]:
+    names = {"judgements": dict.fromkeys(ROLES, Judgement())} | more
+    return made(arm, **names, roles=roles)
+
+
+def detected_by(*alarms: dict[str, Any]) -> dict[str, Detected]:
+    same = {"force": [3.0, 0.0, 4.0], "force_std": [1.0] * 3, "q": [0.0]}
+    raised = [same | one for one in alarms]
+    found: dict[str, Detected] = record(dict[str, Detected], {"Fmap": {"raised": raised}})
+    return found
+
+
+def loaded(taken: str) -> Judgement:
+    return Judgement({"payload": [{"mass": 2.0, "taken": taken}]})
+
+
+@pytest.mark.parametrize(
+    ("roles", "own", "taken", "kinds"),
+    [
+        (ROLES, {}, "no", ["false", "false", "contact"]),
+        (None, {}, "no", ["contact"] * 3),
+        (ROLES, {}, "yes", ["contact"] * 3),
+        (ROLES, {"off_flange": True}, "no", ["off_flange"] * 3),
+        (ROLES, {"kind": "load"}, "no", ["load"] * 3),
+        (ROLES, {"at_sensor": True}, "no", ["contact"] * 3),
+        (ROLES, {"at_sensor": False}, "no", ["false"] * 3),
+    ],
+)
+def test_the_kinds_of_alarms_by_role_load_and_sensor(
+    ur5: Robot, roles: dict[str, str] | None, own: dict[str, Any], taken: str, kinds: list[str]
+) -> None:
+    contacts = dict.fromkeys(ROLES, detected_by(own))
+    judgements = dict.fromkeys(ROLES, loaded(taken))
+    found = of_roles(ur5, roles, judgements=judgements, contacts=contacts)
+    assert dict(found["contacts"][["recording", "kind"]].to_numpy()) == dict(
+        zip(ROLES, kinds, strict=True)
+    )

@@ -1,6 +1,6 @@
 """The alarms of an estimate, and their comparison with the contacts at a force sensor."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -8,12 +8,19 @@ import numpy as np
 
 from ur5lib.force.estimators import Stated
 from ur5lib.force.matching import compare, receiver_curve
-from ur5lib.force.sensed_contact import CONTACT_FORCE, RELEASE_FORCE, TOUCH_FORCE, contacts, is_free
+from ur5lib.force.sensed_contact import (
+    CONTACT_CLEARANCE,
+    CONTACT_FORCE,
+    RELEASE_FORCE,
+    TOUCH_FORCE,
+    contacts,
+    is_free,
+)
 from ur5lib.force.thresholds import alarms, force_alarms
 from ur5lib.records.contacts import Alarm, Causal, Detected, ForceClass, Matched, OnAxis
 from ur5lib.records.forces import LiveForces, SensorWrenches
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.segments import Span, inside_spans, runs, spans
+from ur5lib.timeseries.segments import Span, inside_spans, overlap, runs, spans
 
 FORCE_CLASSES = [TOUCH_FORCE, CONTACT_FORCE, 10.0, 15.0]  # N, that a contact reaches by the sensor
 RELIABLE_FORCE_OF_THESIS = 10.0  # N; along z, detection is reliable from there on (Section 6)
@@ -70,17 +77,23 @@ def detected(
     q: (N, n) [rad]; speed: of the flange (N,) [m/s]; named: returns an alarm with its kind, a
     contact or a load.
     """
+    felt = touches(sensor)
+    raised = {
+        name: [
+            replace(
+                named(span, strongest(span, sensor.time, q, own)),
+                flange_speed=float(speed[slice(*span)].mean()),
+                at_sensor=None if felt is None else overlaps(span, felt),
+            )
+            for span in own.raised
+        ]
+        for name, own in found.items()
+    }
     return {
         name: Detected(
-            **vars(matched(own.raised, sensor)),
+            **vars(matched(own.raised, sensor, not_felt(own.raised, raised[name]))),
             threshold=thresholds[name],
-            raised=[
-                replace(
-                    named(span, strongest(span, sensor.time, q, own)),
-                    flange_speed=float(speed[slice(*span)].mean()),
-                )
-                for span in own.raised
-            ],
+            raised=raised[name],
             time_in_alarm=float(inside_spans(own.raised, len(sensor.time)).mean()),
             axes={axis: by_axis(own, sensor, i) for i, axis in enumerate("xyz")},
             free_time_in_alarm=free_time_in_alarm(own, sensor),
@@ -90,11 +103,25 @@ def detected(
     }
 
 
-def causally(live: LiveForces, sensor: SensorWrenches) -> Causal | None:
-    """Return the contacts that the live estimator states, and their comparison with the sensor."""
+def not_felt(raised: Sequence[Span], alarms: Sequence[Alarm]) -> list[Span]:
+    """Return the stretches of the alarms that are loads or contacts off the flange, which a force
+    sensor does not feel.
+    """
+    pairs = zip(raised, alarms, strict=True)
+    return [span for span, one in pairs if one.kind == "load" or one.off_flange]
+
+
+def causally(
+    live: LiveForces, sensor: SensorWrenches, unfelt: Sequence[Span] = ()
+) -> Causal | None:
+    """Return the contacts that the live estimator states, and their comparison with the sensor.
+
+    unfelt: stretches of contacts that the sensor does not feel.
+    """
     if live.contact is None or live.known is None:
         return None
-    found = matched([(first, last) for first, last in runs(live.contact).tolist()], sensor)
+    raised = [(first, last) for first, last in runs(live.contact).tolist()]
+    found = matched(raised, sensor, unfelt)
     return Causal(**vars(found), unknown=float(1 - live.known.mean()))
 
 
@@ -143,14 +170,49 @@ def roc_area(own: Alarms, sensor: SensorWrenches) -> float | None:
 
 
 def sensed_force(sensor: SensorWrenches) -> Array | None:
-    """Return the magnitude (N,) [N] of the force at the sensor, None without one."""
+    """Return the magnitude (N,) [N] of the force at the sensor, None without one that reads."""
     if "compensated" not in sensor.wrench:
         return None
-    return np.linalg.norm(sensor.wrench["compensated"][:, :3], axis=1)
+    force = np.linalg.norm(sensor.wrench["compensated"][:, :3], axis=1)
+    return force if np.isfinite(force).any() else None
 
 
-def matched(raised: list[Span], sensor: SensorWrenches) -> Matched:
-    """Return how many alarms are raised, and how they match the contacts at a sensor."""
+def touches(sensor: SensorWrenches) -> list[Span] | None:
+    """Return the touches at a sensor, None without one."""
+    return None if (force := sensed_force(sensor)) is None else contacts(force)
+
+
+def overlaps(span: Span, others: Iterable[Span]) -> bool:
+    """Return whether a stretch shares a sample with one of others."""
+    return any(overlap(span, one) for one in others)
+
+
+def false_per_min(
+    raised: Sequence[Span], sensor: SensorWrenches, unfelt: Sequence[Span] = ()
+) -> float | None:
+    """Return how many alarms a minute are false, None without a sensor.
+
+    Those that overlap no touch, and those that go on for longer than CONTACT_CLEARANCE where
+    nothing touches: otherwise, an alarm that never ends would find a contact and never be false.
+    unfelt: stretches of contacts that the sensor does not feel.
+    """
+    force, step = sensed_force(sensor), sensor.period
+    if force is None:
+        return None
+    felt = [*contacts(force), *unfelt]
+    free = is_free(force, step) & ~inside_spans(unfelt, len(force))
+    count = sum(
+        not overlaps(own, felt) or free[slice(*own)].sum() * step > CONTACT_CLEARANCE
+        for own in raised
+    )
+    return count / (len(force) * step / 60)
+
+
+def matched(raised: list[Span], sensor: SensorWrenches, unfelt: Sequence[Span] = ()) -> Matched:
+    """Return how many alarms are raised, and how they match the contacts at a sensor.
+
+    unfelt: stretches of contacts that the sensor does not feel.
+    """
     step = sensor.period
     minutes = len(sensor.time) * step / 60
     if (force := sensed_force(sensor)) is None:
@@ -160,7 +222,7 @@ def matched(raised: list[Span], sensor: SensorWrenches) -> Matched:
         alarms_per_min=len(raised) / minutes,
         classes=[by_class(least, force, raised, step) for least in FORCE_CLASSES],
         precision=any_contact.precision(),
-        false_per_min=any_contact.false / minutes,
+        false_per_min=false_per_min(raised, sensor, unfelt),
         extra=any_contact.extra,
     )
 

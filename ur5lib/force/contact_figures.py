@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ur5lib.force.sensed_contact import CONTACT_FORCE, contacts, in_contact, is_free
-from ur5lib.records.force_errors import ContactErrors
+from ur5lib.records.force_errors import WHOLE, ContactErrors
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import (
     NORMAL95,
@@ -194,7 +194,7 @@ def contact_errors(
         late = None if onset is None else time[onset] - time[first]
         means = mean_parts(parts, slice(*span))
         own = [float(means[name].mean()) for name in ("mae", "mae_shut", "mae_gain")]
-        yield ContactErrors(*place, "norm", *_peak_and_impulse(e, f, step), late, *own)
+        yield ContactErrors(*place, WHOLE, *_peak_and_impulse(e, f, step), late, *own)
 
 
 def _peak_and_impulse(

@@ -13,6 +13,7 @@ RELEASE_FORCE = 2.0  # N
 CONTACT_FORCE = 5.0  # N, above which a sample is in contact
 FREE_FORCE = 1.0  # N, below which a sample is free, if it is far from any touch
 CONTACT_CLEARANCE = 0.5  # s, of a free sample from any touch
+FREE_ROLES = ("fit", "validate")  # of recordings in which nothing should touch the arm
 
 
 def contacts(force: Array, least_force: float = TOUCH_FORCE) -> list[Span]:

@@ -1,11 +1,16 @@
 """The contacts that each estimate detects."""
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, get_args
 
 from ur5lib.timeseries.arrays import Array
 
 SPEEDS = {0.0: "at rest", 0.01: "slow", 0.25: "fast"}  # of the flange, from [m/s] on
+Fate = Literal["found", "merged", "missed"]  # by an alarm of its own, within another one's, by none
+FATES: tuple[Fate, ...] = get_args(Fate)
+Cause = Literal["late_alarm", "constants", "stiction", "friction"]  # of an error in contact
+Kind = Literal["contact", "load", "off_flange", "false"]  # of an alarm
+OF_CONTACTS: list[Kind] = ["contact", "off_flange"]  # neither loads nor false
 
 
 @dataclass(frozen=True)
@@ -13,7 +18,7 @@ class Alarm:
     """An alarm: start, end and time of the largest force [s], this force (3,) [N] and its standard
     deviation, and the joints (n,) [rad] there; the flange's mean speed [m/s]; whether it is a
     contact or a load, and the mass of a load [kg]; whether the torques exclude that the contact is
-    at the flange.
+    at the flange; at_sensor: whether it overlaps a touch at the force sensor, None without one.
     """
 
     start: float
@@ -27,6 +32,7 @@ class Alarm:
     load_mass: float | None = None
     load_mass_std: float | None = None
     off_flange: bool = False
+    at_sensor: bool | None = None
 
 
 @dataclass(frozen=True)
@@ -62,7 +68,8 @@ class Matched:
     """Alarms a minute, and how they match the contacts at a sensor; None without one.
 
     classes: by the force that a contact reaches; precision: share of alarms that are contacts;
-    false_per_min: alarms in no contact; extra: further alarms in a contact.
+    false_per_min: alarms in no contact, or that go on long after it, without loads and contacts off
+    the flange, which the sensor does not feel; extra: further alarms in a contact.
     """
 
     alarms_per_min: float

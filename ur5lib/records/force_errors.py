@@ -8,6 +8,8 @@ from ur5lib.errors import Remark
 from ur5lib.records.quality import Finding
 from ur5lib.timeseries.arrays import Array, Six
 
+WHOLE = "norm"  # the component of all three axes together
+
 
 @dataclass(frozen=True, kw_only=True)
 class Offset:

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from ur5lib.dynamics.link_model import load_regressor
-from ur5lib.force.alarms import Named, all_alarms, causally, detected
+from ur5lib.force.alarms import Named, all_alarms, causally, detected, false_per_min, not_felt
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.estimators import LEADING, all_stated
 from ur5lib.force.external_torque import JointState
@@ -60,7 +60,14 @@ def judge_contacts(
         return contacts
     prior, leading = ContactPrior(force=contact_force_n), contacts[LEADING]
     at_flange = judged_by_torques(arm, problem, forces.time, prior, leading.raised)
-    leading = replace(leading, raised=at_flange, causal=causally(live, sensor))
+    raised = found[LEADING].raised
+    unfelt = not_felt(raised, at_flange)
+    leading = replace(
+        leading,
+        raised=at_flange,
+        false_per_min=false_per_min(raised, sensor, unfelt),
+        causal=causally(live, sensor, unfelt),
+    )
     return contacts | {LEADING: leading}
 
 

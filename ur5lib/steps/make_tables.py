@@ -1,11 +1,12 @@
 """The study's tables of results, from the results of all recordings and arms."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
 
 import pandas as pd
 
 from ur5lib.force.residual_model import Residuals
+from ur5lib.force.sensed_contact import FREE_ROLES
 from ur5lib.records.accelerations import ImuComparison
 from ur5lib.records.contacts import Detected
 from ur5lib.records.force_errors import Compared
@@ -16,7 +17,7 @@ from ur5lib.records.wording import worded
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.tables import read_cells
-from ur5lib.tidy import Row, accelerations, columns, files, forces, friction, models, table
+from ur5lib.tidy import WORDS, Row, accelerations, columns, files, forces, friction, models, table
 
 RowsByTable = dict[str, dict[str, Iterable[Row]]]  # by table, then by recording
 
@@ -41,14 +42,15 @@ def make_tables(
     judgements: of all recordings; beside_imu to contacts: of those in motion; arm to residuals: of
     all arms; parts: CSV files that steps write for each recording or arm, in the folder of its
     name: together they are the table of their name; unreadable: the recordings without a judgement,
-    each with the reason; roles: of all, by which a copy of another recording is left out.
+    each with the reason; roles: of all, by which a copy of another recording is left out, and which
+    say where nothing touches the arm.
     """
-    judged, compared = dict(judgements), dict(beside_sensor)
+    judged, compared, roles = dict(judgements), dict(beside_sensor), roles or {}
     rows = rows_of_recordings(judged, compared, unreadable)
-    rows |= rows_of_forces(compared, dict(contacts))
+    rows |= rows_of_forces(compared, dict(contacts), roles, loaded(judged))
     written = joined(parts) | {"acceleration_bands": bands_of_accelerations(dict(beside_imu))}
     tables = {name: table(name, own) for name, own in rows.items()} | written
-    tables = without_copies(tables, roles or {})
+    tables = without_copies(tables, roles)
 
     def of_arms(name: str, rows: Callable[[str], Iterable[Row]]) -> None:
         tables[name] = table(name, {robot: rows(robot) for robot in arm}, "robot")
@@ -70,15 +72,30 @@ def make_tables(
 def rows_of_forces(
     compared: Mapping[str, Compared],
     contacts: Mapping[str, dict[str, Detected]],
+    roles: Mapping[str, str] | None = None,
+    loaded: Collection[str] = (),
 ) -> RowsByTable:
-    """Return the rows about forces and contacts."""
+    """Return the rows about forces and contacts; loaded: recordings with an undeclared load."""
+    roles = roles or {}
+    free = {name for name, role in roles.items() if role in FREE_ROLES} - {*loaded}
     return {
         "force_mae": {name: forces.force_mae(one) for name, one in compared.items()},
-        "contact_errors": {name: forces.contact_errors(one) for name, one in compared.items()},
+        "contact_errors": {
+            name: forces.contact_errors(one, contacts.get(name)) for name, one in compared.items()
+        },
         "sensed": {name: forces.sensed(one) for name, one in compared.items()},
         "detection": {name: forces.detection(one) for name, one in contacts.items()},
         "fixed_threshold": {name: forces.fixed_threshold(one) for name, one in contacts.items()},
-        "contacts": {name: forces.contacts(one) for name, one in contacts.items()},
+        "contacts": {name: forces.contacts(one, name in free) for name, one in contacts.items()},
+    }
+
+
+def loaded(judgements: Mapping[str, Judgement]) -> set[str]:
+    """Return the recordings whose currents show for certain a load that nobody declared."""
+    return {
+        name
+        for name, one in judgements.items()
+        if any(row.get("taken") == WORDS[True] for row in one.rows.get("payload", ()))
     }
 
 

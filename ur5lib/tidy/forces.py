@@ -1,11 +1,12 @@
 """Rows of tables about forces: errors beside a sensor, alarms, contacts, the wrist sensor."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from ur5lib.force.fates import Outcome, kind_of, outcomes
 from ur5lib.records.contacts import Detected
-from ur5lib.records.force_errors import Compared
+from ur5lib.records.force_errors import WHOLE, Compared
 from ur5lib.tidy import Row
 
 FORCES = ("Fx", "Fy", "Fz")
@@ -29,10 +30,22 @@ def force_mae(forces: Compared) -> Iterator[Row]:
                     }
 
 
-def contact_errors(forces: Compared) -> Iterator[Row]:
-    """Yield the errors of each estimate by contact at the sensor."""
+def contact_errors(
+    forces: Compared, detection: Mapping[str, Detected] | None = None
+) -> Iterator[Row]:
+    """Yield the errors of each estimate by contact at the sensor, and of estimates that raise
+    alarms, what became of the contact.
+    """
     for estimate, contacts in forces.contacts.items():
-        yield from (vars(one) | {"estimate": estimate} for one in contacts)
+        met = dict[int, Outcome]()
+        if (found := (detection or {}).get(estimate)) is not None:
+            whole = [one for one in contacts if one.component == WHOLE]
+            numbers = [one.contact for one in whole]
+            met = dict(zip(numbers, outcomes(whole, found.raised), strict=True))
+        for one in contacts:
+            row = vars(one) | {"estimate": estimate}
+            own = met.get(one.contact) if one.component == WHOLE else None
+            yield row | (own._asdict() if own else {})
 
 
 def sensed(forces: Compared) -> Iterator[Row]:
@@ -86,14 +99,15 @@ def fixed_threshold(detection: dict[str, Detected]) -> Iterator[Row]:
             yield vars(own) | about
 
 
-def contacts(detection: dict[str, Detected]) -> Iterator[Row]:
-    """Yield each alarm: times, largest force and the posture there, mass of a load, whether the
-    flange is excluded.
+def contacts(detection: dict[str, Detected], is_free: bool = False) -> Iterator[Row]:
+    """Yield each alarm: times, largest force and the posture there, its kind, mass of a load,
+    whether the flange is excluded; is_free: see `kind_of`.
     """
     for estimate, found in detection.items():
         for alarm in found.raised:
             yield vars(alarm) | {
                 "estimate": estimate,
+                "kind": kind_of(alarm, is_free),
                 **{f"{name}_s": getattr(alarm, name) for name in ("start", "end", "peak")},
                 **dict(zip(FORCES, alarm.force, strict=True)),
                 **dict(zip(STDS, alarm.force_std, strict=True)),

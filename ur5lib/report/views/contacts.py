@@ -17,6 +17,7 @@ from ur5lib.force.estimators import ESTIMATES, LEADING, SPOKEN, UNGATED
 from ur5lib.force.matching import match
 from ur5lib.force.sensed_contact import CONTACT_FORCE
 from ur5lib.records.account import NOTHING
+from ur5lib.records.contacts import OF_CONTACTS
 from ur5lib.records.quality import UNUSUAL_FRICTION
 from ur5lib.report.page.document import MOST_SHOWN, Number, Verdict
 from ur5lib.report.page.sentences import say
@@ -68,7 +69,7 @@ def found_without_sensor(results: Results) -> dict[str, pd.DataFrame]:
     """Return the contacts that are found, by contact recording without a sensor."""
     searched = {*results.rows("detection", estimate=LEADING)["recording"]}
     names = results.with_role("contact", searched.difference(results.listed("force_mae")))
-    contacts = results.rows("contacts", estimate=LEADING, kind="contact")
+    contacts = results.rows("contacts", estimate=LEADING, kind=OF_CONTACTS)
     by_recording = dict([*contacts.groupby("recording")])
     return {name: by_recording.get(name, contacts[:0]) for name in names}
 
@@ -77,7 +78,8 @@ def felt_while_fitted(results: Results) -> list[str]:
     """Return the recordings of the role fit on which more contacts are found, by a fit without
     them, than the rate of alarms on the arm's other ones, and on usual ones, lets expect.
     """
-    found = results.rows("contacts", estimate=LEADING, kind="contact")["recording"].value_counts()
+    kinds = [*OF_CONTACTS, "false"]  # a role makes them so
+    found = results.rows("contacts", estimate=LEADING, kind=kinds)["recording"].value_counts()
     lengths = results.tables["recordings"].set_index("recording")["duration_s"].astype(float)
     fitted = results.with_role("fit")
     rows = pd.DataFrame({"arm": results.arms(), "alarms": found, "seconds": lengths}).loc[fitted]
@@ -385,6 +387,7 @@ def explained(results: Results, recording: str) -> pd.DataFrame:
     the sensor's bias is.
     """
     rows, sensed = contact_errors(results, recording), at_sensors(results, [recording])
+    rows = rows.drop(columns=["fate", "cause", "band"], errors="ignore")  # computed anew
     alarms = contacts(results, recording)
     bands = NORMAL95 * _size_std(alarms).to_numpy()
     pairs, states = match(_spans(alarms), _spans(sensed)), flange_speeds(alarms)

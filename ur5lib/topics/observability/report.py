@@ -7,7 +7,7 @@ from itertools import product
 import pandas as pd
 
 from ur5lib.force.estimators import LEADING
-from ur5lib.records.contacts import SPEEDS
+from ur5lib.records.contacts import OF_CONTACTS, SPEEDS
 from ur5lib.report.page.sentences import say, spoken
 from ur5lib.report.results import AT_REST, Results
 from ur5lib.report.views.baseline import MIN_GOOD_COVERAGE
@@ -65,7 +65,7 @@ def smallest_pushes(results: Results) -> pd.DataFrame:
 def _touched_by_speed(results: Results) -> pd.DataFrame:
     """Return the number of contacts found on recordings with contact, by arm and speed."""
     names = results.with_role("contact")
-    rows = results.rows("contacts", estimate=LEADING, kind="contact", recording=names)
+    rows = results.rows("contacts", estimate=LEADING, kind=OF_CONTACTS, recording=names)
     rows = rows.assign(robot=rows["recording"].map(results.arms()), state=flange_speeds(rows))
     return rows.value_counts(PLACE[:2]).rename("contacts").reset_index()
 

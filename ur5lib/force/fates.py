@@ -1,0 +1,95 @@
+"""What became of each contact at a force sensor, and what each alarm is.
+
+A contact is found by an alarm of its own, merged within that of another one, or missed, so that
+found + merged + missed is the number of contacts, as `matching.compare` counts them.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ur5lib.force.matching import match
+from ur5lib.records.contacts import SPEEDS, Alarm, Cause, Fate, Kind
+from ur5lib.records.force_errors import ContactErrors
+from ur5lib.timeseries.metrics import NORMAL95
+from ur5lib.timeseries.segments import Span, overlap
+
+TICK = 1e-6  # s, less than any sampling period
+SLOW = min(speed for speed in SPEEDS if speed > 0)  # m/s, below which a flange rests
+
+
+class Outcome(NamedTuple):
+    """What became of a contact: its fate, what makes most of the error of a found one, and half of
+    the 95 % band of its alarm's largest force [N]; None where that is unknown, or not found.
+    """
+
+    fate: Fate
+    cause: Cause | None = None
+    band: float | None = None
+
+
+def outcomes(contacts: Sequence[ContactErrors], alarms: Sequence[Alarm]) -> list[Outcome]:
+    """Return what became of each contact at a sensor; contacts: of the component "norm"."""
+    raised = [stretch(one.start, one.end) for one in alarms]
+    touches = [stretch(one.start_s, one.end_s) for one in contacts]
+    own = {contact: alarms[alarm] for alarm, contact in match(raised, touches)}
+    return [
+        Outcome(fate, cause_of(contact, own[k]), band_of(own[k])) if k in own else Outcome(fate)
+        for k, (contact, fate) in enumerate(zip(contacts, fates(raised, touches), strict=True))
+    ]
+
+
+def fates(alarm: Sequence[Span], contact: Sequence[Span]) -> list[Fate]:
+    """Return the fate of each contact."""
+    own = {k for _, k in match([*alarm], [*contact])}
+    felt = [any(overlap(one, touch) for one in alarm) for touch in contact]
+    return ["found" if k in own else "merged" if one else "missed" for k, one in enumerate(felt)]
+
+
+def stretch(start: float, end: float) -> Span:
+    """Return the stretch from the time of a first to that of a last sample [s], both included, in
+    ticks: two of them overlap where they share a sample.
+    """
+    return round(start / TICK), round(end / TICK) + 1
+
+
+def band_of(alarm: Alarm) -> float | None:
+    """Return half of the 95 % band of the size of an alarm's force [N], None without a band."""
+    size = float(np.linalg.norm(alarm.force))
+    # d|F| = F · dF / |F|
+    std = float(np.linalg.norm(alarm.force * alarm.force_std)) / size if size else float("nan")
+    return NORMAL95 * std if np.isfinite(std) else None
+
+
+def cause_of(contact: ContactErrors, alarm: Alarm) -> Cause | None:
+    """Return what makes most of the error of a contact that an alarm finds, None without an error.
+
+    What neither a late alarm nor a gain explains is friction, of a resting flange stiction.
+    """
+    each = contact.mae, contact.mae_shut, contact.mae_gain
+    mae, late, gain = np.nan_to_num([part or 0.0 for part in each]).tolist()
+    friction: Cause = "stiction" if alarm.flange_speed < SLOW else "friction"
+    parts: dict[Cause, float] = {
+        friction: mae - late - gain,
+        "late_alarm": late,
+        "constants": gain,
+    }
+    largest = max(parts, key=parts.__getitem__)
+    return largest if parts[largest] > 0 else None
+
+
+def kind_of(alarm: Alarm, is_free: bool) -> Kind:
+    """Return what an alarm is; is_free: whether nothing touches the arm, as far as is known without
+    a sensor.
+
+    A sensor decides before a role. It does not feel contacts off the flange, which it does not
+    make false.
+    """
+    if alarm.kind == "load":
+        return "load"
+    if alarm.at_sensor:
+        return "contact"
+    if alarm.off_flange:
+        return "off_flange"
+    return "contact" if alarm.at_sensor is None and not is_free else "false"
