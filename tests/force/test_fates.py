@@ -1,6 +1,7 @@
 """What became of contacts at a sensor, and what alarms are."""
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -12,9 +13,9 @@ from ur5lib.force.alarms import Alarms, causally, detected, false_per_min, not_f
 from ur5lib.force.contact_figures import contact_errors
 from ur5lib.force.fates import Outcome, cause_of, fates, kind_of, outcomes
 from ur5lib.force.matching import compare
-from ur5lib.force.sensed_contact import CONTACT_FORCE, TOUCH_FORCE
+from ur5lib.force.sensed_contact import CONTACT_FORCE, TOUCH_FORCE, touched
 from ur5lib.records.contacts import FATES, Alarm, Detected
-from ur5lib.records.force_errors import WHOLE, Compared, ContactErrors
+from ur5lib.records.force_errors import WHOLE, Compared, ContactErrors, Felt
 from ur5lib.records.forces import LiveForces, SensorWrenches
 from ur5lib.tidy import forces
 from ur5lib.timeseries.arrays import Array
@@ -218,6 +219,29 @@ def test_without_a_sensor_no_rate_is_known() -> None:
     ):
         assert false_per_min([(1, 5)], nothing) is None
         assert found([(1, 5)], nothing).raised[0].at_sensor is None
+
+
+# A sensor that reads contacts, although the role means that nothing touches the arm
+
+
+def felt(contacts: int) -> Felt:
+    return Felt(largest=33.4, at_s=1.0, contact=0.1, contacts=contacts)
+
+
+@pytest.mark.parametrize(("role", "contacts"), [*product(["fit", "validate"], [1, 2])])
+def test_contacts_against_the_role_are_an_error(role: str, contacts: int) -> None:
+    error = touched(felt(contacts), role)
+    assert error is not None
+    assert (error.device, error.finding, error.severity) == ("force", "touched", "error")
+    assert error.count == contacts
+
+
+@pytest.mark.parametrize(
+    ("role", "reading"),
+    [("contact", felt(2)), ("fit", felt(0)), ("validate", None), ("", felt(2))],
+)
+def test_where_a_sensor_agrees_nothing_is_found(role: str, reading: Felt | None) -> None:
+    assert touched(reading, role) is None
 
 
 def test_a_touch_below_a_contact_spares_an_alarm_alone() -> None:

@@ -59,9 +59,10 @@ def drawn(path: Path, panels: list[Panel], style: str = "first") -> Path:
     return path
 
 
-def pushed(role: str = "contact") -> Scene:
+def pushed(role: str = "contact", read: float | None = 1.0) -> Scene:
     """A minute of an arm of seven joints, at 125 Hz: pushed from 20 to 30 s, along another way by
-    the sensor. After 40 s, two seconds are missing.
+    the sensor, of whose 41 N it reads a share, None without one. After 40 s, two seconds are
+    missing.
     """
     time = np.arange(0, LENGTH, 0.008)
     time = time[(time < 40) | (time > 42)]
@@ -77,7 +78,8 @@ def pushed(role: str = "contact") -> Scene:
     signals = replace(signals_of(time, q), segment=segment)
     currents = Currents(**samples, external_torque=torque)
     forces = Forces(**samples, wrench={"Fmap": wrench}, std={"Fmap": std}, log_odds={"Fmap": odds})
-    sensor = SensorWrenches(**samples, wrench={"compensated": sensed})
+    by_sensor = {} if read is None else {"compensated": read * sensed}
+    sensor = SensorWrenches(**samples, wrench=by_sensor)
     return arm_scene(arm(), signals, currents, forces, sensor, {"Fmap": 0.0}, role)
 
 
@@ -458,12 +460,38 @@ def page_of(figure: Path, scene: Scene, chromium: Any) -> Any:
     return page
 
 
+@pytest.mark.parametrize(
+    ("role", "read", "free"),
+    [
+        ("contact", None, False),
+        ("contact", 0.1, False),  # 4 N
+        ("validate", None, True),
+        ("validate", 0.1, True),
+        ("validate", 1.0, False),
+        ("fit", None, True),
+        ("fit", 1.0, False),
+    ],
+)
+def test_a_contact_at_the_sensor_beats_the_role(role: str, read: float | None, free: bool) -> None:
+    scene = pushed(role, read)
+    assert scene.free == free
+    assert not (scene.free and scene.contacts)
+
+
+def test_what_a_sensor_reads_is_no_false_alarm(chromium: Any, tmp_path: Path) -> None:
+    figure = drawn(tmp_path / "led" / "forces.svg", WRENCH_PANELS)
+    page = page_of(figure, pushed("validate"), chromium)
+    page.evaluate("stretches.get('led').point(25)")
+    page.wait_for_selector("text=At 25.00 s: contact by the force sensor and by F̂ᵐᵃᵖ.")
+    assert page.locator("[aria-label^='False alarm']").count() == 0
+    page.close()
+
+
 def test_an_alarm_while_nothing_touches_the_arm_is_called_false(
     chromium: Any, tmp_path: Path
 ) -> None:
     figure = drawn(tmp_path / "free" / "forces.svg", WRENCH_PANELS)
-    scene = replace(pushed("validate"), contacts=None, sensed=None)
-    page = page_of(figure, scene, chromium)
+    page = page_of(figure, pushed("validate", read=None), chromium)
     page.evaluate("stretches.get('free').point(25)")
     page.wait_for_selector("text=At 25.00 s: false alarm by F̂ᵐᵃᵖ.")
     assert page.locator("[aria-label*='False alarm by F̂ᵐᵃᵖ (gate): 20.0']").count() == 1

@@ -12,6 +12,7 @@ from tests.made_tables import record
 from ur5lib.force.residual_model import Residuals
 from ur5lib.records.accelerations import Difference, ImuComparison
 from ur5lib.records.contacts import Detected
+from ur5lib.records.force_errors import Compared
 from ur5lib.records.friction import Friction
 from ur5lib.records.judgement import Judgement
 from ur5lib.records.models import Identification, Rotors
@@ -111,14 +112,52 @@ def test_rows_are_written_plainly(tmp_path: Path) -> None:
     assert back["recording"].tolist() == ["a"]
 
 
-# A role that says whether anything touches the arm
+# A sensor, and a role that says whether anything touches the arm
 
 ROLES = {"fitted": "fit", "seen": "validate", "pushed": "contact"}
+
+
+def sensed(contacts: int = 0, **more: Any) -> Compared:
+    felt = {"largest": 33.4, "at_s": 1.0, "contact": 0.1, "contacts": contacts}
+    found: Compared = record(Compared, {"felt": felt, **more})
+    return found
 
 
 def of_roles(arm: Robot, roles: dict[str, str] | None = ROLES, **more: Any) -> dict[str, Any]:
     names = {"judgements": dict.fromkeys(ROLES, Judgement())} | more
     return made(arm, **names, roles=roles)
+
+
+def test_a_sensor_that_reads_contacts_beats_the_role(ur5: Robot) -> None:
+    """As an error, which takes the place of the warning of its raw readings, not of the robot's."""
+    raw = Judgement(
+        findings=[
+            Finding("force", "contact", "warning", 9, {"force_n": 42.0}),
+            Finding("robot", "contact", "warning", 1, {"force_n": 42.0}),
+        ]
+    )
+    judgements = dict.fromkeys(ROLES, raw)
+    found = of_roles(ur5, judgements=judgements, beside_sensor=dict.fromkeys(ROLES, sensed(2)))
+    rows = found["quality"].groupby("recording")
+    for name, role in ROLES.items():
+        own = rows.get_group(name).set_index(["device", "finding"])
+        assert (("force", "touched") in own.index) == (role != "contact")
+        assert (("force", "contact") in own.index) == (role == "contact")
+        assert ("robot", "contact") in own.index
+    error = found["quality"].query("finding == 'touched' and recording == 'seen'").iloc[0]
+    assert (error["severity"], error["count"]) == ("error", 2)
+    assert error["detail"] == (
+        "the sensor reads up to 33 N in 2 contacts, although the role validate means that nothing "
+        "touches the arm; give it the role contact"
+    )
+
+
+@pytest.mark.parametrize("others", [{"beside_sensor": dict.fromkeys(ROLES, sensed(0))}, {}])
+def test_a_raw_contact_alone_stays_a_warning(ur5: Robot, others: dict[str, Any]) -> None:
+    """As of an undeclared load that turns."""
+    raw = Judgement(findings=[Finding("force", "contact", "warning", 9, {"force_n": 42.0})])
+    found = of_roles(ur5, judgements=dict.fromkeys(ROLES, raw), **others)["quality"]
+    assert [*found["finding"]] == ["contact"] * 3
 
 
 def detected_by(*alarms: dict[str, Any]) -> dict[str, Detected]:

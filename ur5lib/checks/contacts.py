@@ -17,6 +17,7 @@ from ur5lib.robots.statics import STANDARD_GRAVITY
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import runs
 
+CONTACT = "contact"  # the finding of one that the recording's role rules out
 WINDOW_BLOCKS = 5  # blocks, 0.5 s; shorter deviations are those of friction
 SETTLING_BLOCKS = 5  # blocks after a stop until friction holds what it will
 MIN_MOVING_BLOCKS = 100  # blocks in which a joint moves, which its friction is fitted to
@@ -40,7 +41,7 @@ def sensed_contacts(table: pd.DataFrame, mass: float) -> list[Finding]:
     if not beyond.sum() * np.median(np.diff(time)) > CONTACT_TIME:
         return []
     force_n = {"force_n": float(np.nanmax(size))}
-    return [Finding("force", "contact", "warning", int(beyond.sum()), force_n)]
+    return [Finding("force", CONTACT, "warning", int(beyond.sum()), force_n)]
 
 
 def felt_contact(means: BlockMeans, arm: Robot) -> Finding | None:
@@ -57,7 +58,7 @@ def felt_contact(means: BlockMeans, arm: Robot) -> Finding | None:
     torque = float(shares[window, joint] * largest[joint])
     at = float(means.time[window] - means.time[0])
     values = {"joint": int(joint) + 1, "torque": torque, "at_s": at}
-    return Finding("robot", "contact", "warning", 1, values, "felt contact")
+    return Finding("robot", CONTACT, "warning", 1, values, "felt contact")
 
 
 def unfelt_contacts(arm: Robot) -> Finding:

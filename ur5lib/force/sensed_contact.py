@@ -4,6 +4,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d
 
 from ur5lib.records.force_errors import Felt
+from ur5lib.records.quality import Finding
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import Span, spans
 
@@ -13,6 +14,7 @@ RELEASE_FORCE = 2.0  # N
 CONTACT_FORCE = 5.0  # N, above which a sample is in contact
 FREE_FORCE = 1.0  # N, below which a sample is free, if it is far from any touch
 CONTACT_CLEARANCE = 0.5  # s, of a free sample from any touch
+TOUCHED = "touched"  # the finding that a sensor reads contacts which the role rules out
 FREE_ROLES = ("fit", "validate")  # of recordings in which nothing should touch the arm
 
 
@@ -36,6 +38,15 @@ def sensed_contact(force: Array, time: Array) -> Felt | None:
     peak = int(np.nanargmax(force))
     share = float(in_contact(force).mean())
     return Felt(float(force[peak]), float(time[peak]), share, len(contacts(force, CONTACT_FORCE)))
+
+
+def touched(felt: Felt | None, role: str) -> Finding | None:
+    """Return an error where a sensor reads contacts on a recording that should be free of them."""
+    if felt is None or not felt.contacts or role not in FREE_ROLES:
+        return None
+    count = f"{felt.contacts} contact{'s' * (felt.contacts > 1)}"
+    values = {"force_n": felt.largest, "contacts": count, "role": role}
+    return Finding("force", TOUCHED, "error", felt.contacts, values)
 
 
 def is_free(force: Array, period: float) -> Mask:

@@ -5,14 +5,16 @@ from pathlib import Path
 
 import pandas as pd
 
+from ur5lib.checks.contacts import CONTACT
 from ur5lib.force.residual_model import Residuals
-from ur5lib.force.sensed_contact import FREE_ROLES
+from ur5lib.force.sensed_contact import FREE_ROLES, touched
 from ur5lib.records.accelerations import ImuComparison
 from ur5lib.records.contacts import Detected
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.friction import Friction
 from ur5lib.records.judgement import Judgement
 from ur5lib.records.models import Identification, Rotors
+from ur5lib.records.quality import Finding
 from ur5lib.records.wording import worded
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import ImuCalibration
@@ -46,7 +48,7 @@ def make_tables(
     say where nothing touches the arm.
     """
     judged, compared, roles = dict(judgements), dict(beside_sensor), roles or {}
-    rows = rows_of_recordings(judged, compared, unreadable)
+    rows = rows_of_recordings(judged, compared, unreadable, roles)
     rows |= rows_of_forces(compared, dict(contacts), roles, loaded(judged))
     written = joined(parts) | {"acceleration_bands": bands_of_accelerations(dict(beside_imu))}
     tables = {name: table(name, own) for name, own in rows.items()} | written
@@ -103,20 +105,36 @@ def rows_of_recordings(
     judgements: Mapping[str, Judgement],
     compared: Mapping[str, Compared],
     unreadable: Mapping[str, str],
+    roles: Mapping[str, str] | None = None,
 ) -> RowsByTable:
     """Return the rows that recordings' judgements hold, and all findings; of recordings that cannot
     be read, a stop sign.
     """
+    roles = roles or {}
     rows: RowsByTable = {
         name: {recording: one.rows.get(name, ()) for recording, one in judgements.items()}
         for name, own in columns().items()
         if "recording" in own
     }
     found = {name: one.findings for name, one in judgements.items()}
-    found |= {name: found[name] + one.findings() for name, one in compared.items()}
+    found |= {
+        name: beside_sensor_findings(found[name], one, roles.get(name, ""))
+        for name, one in compared.items()
+    }
     rows["quality"] = {name: map(worded, own) for name, own in found.items()}
     rows["quality"] |= {name: [files.unreadable(why)] for name, why in unreadable.items()}
     return rows
+
+
+def beside_sensor_findings(own: list[Finding], compared: Compared, role: str) -> list[Finding]:
+    """Return the findings of a recording with those beside its force sensor.
+
+    own: by its files, whose warning of a contact in the raw readings says less than the error.
+    """
+    if (touch := touched(compared.felt, role)) is not None:
+        raw = ("force", CONTACT)
+        own = [one for one in own if (one.device, one.finding) != raw] + [touch]
+    return own + compared.findings()
 
 
 def without_copies(

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ur5lib.force.estimators import NEW
-from ur5lib.force.sensed_contact import contacts
+from ur5lib.force.sensed_contact import CONTACT_FORCE, FREE_ROLES, contacts
 from ur5lib.force.thresholds import alarms
 from ur5lib.records.currents import Currents
 from ur5lib.records.forces import Forces, SensorWrenches
@@ -31,8 +31,12 @@ def arm_scene(
     thresholds: Mapping[str, float],
     role: str,
 ) -> Scene:
-    """Return the arm at some times of a recording; thresholds: of alarms, by estimate."""
+    """Return the arm at some times of a recording; thresholds: of alarms, by estimate.
+
+    A sensor decides before the role whether nothing touches the arm.
+    """
     time, felt = signals.time, sensor.wrench.get("compensated")
+    touches = [] if felt is None else contacts(_size(felt), CONTACT_FORCE)
     rows = shown_rows(signals.segment, signals.period)
     lead = next((name for name in NEW if name in forces.wrench), "")
     estimates = forces.anew(rows)
@@ -48,9 +52,9 @@ def arm_scene(
         force=_force(estimates.wrench.get(lead)),
         std=_force(estimates.std.get(lead)),
         sensed=_force(sensor.anew(rows).wrench.get("compensated")),
-        contacts=None if felt is None else _spans(contacts(_size(felt)), time),
+        contacts=None if felt is None else _spans(touches, time),
         alarms=_spans(alarms(forces.log_odds[lead], thresholds[lead]), time) if found else None,
-        free=role != "contact",
+        free=role in FREE_ROLES and not touches,
     )
 
 
