@@ -114,6 +114,8 @@ def test_rows_are_written_plainly(tmp_path: Path) -> None:
 
 # A sensor, and a role that says whether anything touches the arm
 
+ERRORS = {"mae": {"Fx": 2.0, "nx": 0.1}}
+DOUBT = {"code": "disputed bias", "values": {"share": 0.3}}
 ROLES = {"fitted": "fit", "seen": "validate", "pushed": "contact"}
 
 
@@ -192,3 +194,29 @@ def test_the_kinds_of_alarms_by_role_load_and_sensor(
     assert dict(found["contacts"][["recording", "kind"]].to_numpy()) == dict(
         zip(ROLES, kinds, strict=True)
     )
+
+
+@pytest.mark.parametrize(
+    ("doubt", "estimate", "uses"),
+    [
+        (None, "Fmap", [("no", "fitted"), ("yes", ""), ("yes", "")]),
+        (None, "static", [("no", "fitted"), *[("yes", "uncalibrated")] * 2]),
+        (DOUBT, "Fmap", [("no", "fitted"), *[("no", "sensor_bias")] * 2]),
+        (DOUBT, "static", [("no", "fitted"), *[("no", "sensor_bias")] * 2]),
+    ],
+)
+def test_which_errors_of_the_force_may_be_relied_on(
+    ur5: Robot, doubt: dict[str, Any] | None, estimate: str, uses: list[tuple[str, str]]
+) -> None:
+    """Of forces in contact, also in those that are missed; nothing is said of other errors."""
+    periods = dict.fromkeys(["contact", "missed", "free", "all"], ERRORS)
+    errors = {kind: {estimate: periods} for kind in ("compensated", "corrected")}
+    own = sensed(errors=errors, offset_doubt=doubt)
+    rows = of_roles(ur5, beside_sensor=dict.fromkeys(ROLES, own))["force_mae"]
+    judged = (rows["kind"] == "compensated") & rows["during"].isin(["contact", "missed"])
+    judged &= rows["component"] == "Fx"
+    assert rows.loc[~judged, ["use", "reason"]].isna().all(axis=None)
+    assert {*rows.loc[judged, "during"]} == {"contact", "missed"}
+    for name, use in zip(ROLES, uses, strict=True):
+        told = rows[judged & (rows["recording"] == name)]
+        assert {*zip(told["use"], told["reason"], strict=True)} == {use}

@@ -156,6 +156,7 @@ ESTIMATORS = {  # by their names in records and tables
 OWN = added(ESTIMATORS)
 ESTIMATORS |= OWN
 NEW = {name: one.label for name, one in ESTIMATORS.items()}
+STATIC = "static"  # the estimate without any fit
 UNGATED = "ungated_least_squares"  # the rival of all others, known beside a sensor alone
 ESTIMATES = PUBLISHED | NEW | {UNGATED: "plain least squares"}
 SPOKEN = PUBLISHED | {name: one.article + one.label for name, one in ESTIMATORS.items()}

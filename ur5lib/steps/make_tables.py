@@ -81,7 +81,9 @@ def rows_of_forces(
     roles = roles or {}
     free = {name for name, role in roles.items() if role in FREE_ROLES} - {*loaded}
     return {
-        "force_mae": {name: forces.force_mae(one) for name, one in compared.items()},
+        "force_mae": {
+            name: forces.force_mae(one, roles.get(name, "")) for name, one in compared.items()
+        },
         "contact_errors": {
             name: forces.contact_errors(one, contacts.get(name)) for name, one in compared.items()
         },

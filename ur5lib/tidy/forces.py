@@ -4,17 +4,22 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from ur5lib.force.estimators import STATIC
 from ur5lib.force.fates import Outcome, kind_of, outcomes
 from ur5lib.records.contacts import Detected
 from ur5lib.records.force_errors import WHOLE, Compared
-from ur5lib.tidy import Row
+from ur5lib.records.verdicts import Reason
+from ur5lib.tidy import WORDS, Row
 
 FORCES = ("Fx", "Fy", "Fz")
+JUDGED = ("contact", "missed")  # periods by which a force is judged
 STDS = ("Fx_std", "Fy_std", "Fz_std")
 
 
-def force_mae(forces: Compared) -> Iterator[Row]:
-    """Yield the errors of the force estimates against the sensor."""
+def force_mae(forces: Compared, role: str = "") -> Iterator[Row]:
+    """Yield the errors of the force estimates against the sensor, and whether those in contact may
+    be relied on; role: of the recording.
+    """
     for kind, estimates in forces.errors.items():
         for estimate, periods in estimates.items():
             contact = periods.get("contact", {})  # determined: the skill there is above zero
@@ -27,7 +32,23 @@ def force_mae(forces: Compared) -> Iterator[Row]:
                         "component": component,
                         "determined": determined.get(component),
                         **{name: values[component] for name, values in figures.items()},
+                        **used({**about, "component": component}, forces, role),
                     }
+
+
+def used(row: Row, forces: Compared, role: str) -> Row:
+    """Return whether an error of a force in contact may be relied on, and why not, or with which
+    doubt; nothing of other errors.
+    """
+    during, component = row["during"], row["component"]
+    if row["kind"] != "compensated" or during not in JUDGED or component not in FORCES:
+        return {}
+    reason: Reason = "uncalibrated" if row["estimate"] == STATIC else ""
+    if role == "fit":
+        reason = "fitted"
+    elif forces.offset_doubt is not None:
+        reason = "sensor_bias"
+    return {"use": WORDS[reason in ("", "uncalibrated")], "reason": reason}
 
 
 def contact_errors(
