@@ -26,7 +26,6 @@ README = PROJECT / "README.md"
 TITLES = {README: "What to expect", PROJECT / "docs" / "expect.md": "By arm"}  # of sections
 STUDIES = ["demo", "thesis", "ur10e", "ur3-cb", "ur10-bag", "kuka-kr300"]
 CONTACT_N = 5  # force at the sensor from which on contacts are counted
-SPEEDS = {0.0: "at rest", 0.01: "slow", 0.25: "fast"}  # of the flange, from [m/s]
 
 
 class Row(NamedTuple):
@@ -100,7 +99,7 @@ def rows_of(folder: Path) -> Iterator[Row]:
             force=force_error(own["force_mae"]),
             found=contacts_found(own["detection"]),
             band=band(own["force_mae"]),
-            push=pushes(own["observability"]),
+            push=pushes(own["pushes"]),
             constants=constants(own["friction"]),
             currents=currents(own["current_rmse"], entries),
         )
@@ -168,18 +167,17 @@ def band(rows: pd.DataFrame) -> str:
 
 def pushes(rows: pd.DataFrame) -> str:
     """Return the push along x, y, z that is found with 95 %, where it is least and where most."""
-    own = rows[rows["quantity"].str.startswith("smallest_push_95", na=False)]
-    own = own.assign(speed=own["speed_low"].map(SPEEDS)).sort_values("quantity")
-    whole = {speed: part for speed, part in own.groupby("speed") if len(part) == len("xyz")}
-    ordered = sorted(whole, key=lambda speed: float(whole[speed]["value"].max()))
+    stated = rows.dropna(subset="value").sort_values("axis")
+    whole = {motion: part for motion, part in stated.groupby("motion") if len(part) == len("xyz")}
+    ordered = sorted(whole, key=lambda motion: float(whole[motion]["value"].max()))
     ends = dict.fromkeys([*ordered[:1], *ordered[-1:]])
-    return " to ".join(f"{along_axes(whole[speed])} ({speed})" for speed in ends)
+    return " to ".join(f"{along_axes(whole[motion])} ({motion})" for motion in ends)
 
 
 def along_axes(rows: pd.DataFrame) -> str:
     """Return the pushes along x, y, z; beyond the trials, their end."""
     return ", ".join(
-        f"{'> ' if bound == '>' else ''}{max(value, 1):.0f}"
+        f"{'> ' if bound == '>' else ''}{value:.0f}"
         for value, bound in rows[["value", "bound"]].to_numpy()
     )
 

@@ -183,10 +183,9 @@ def test_forces_have_the_push_that_would_have_been_found(results: Path) -> None:
         recording / "forces.parquet",
         UNITS | {"if_untouched": "1"},
     )
-    pushes = pd.DataFrame({"robot": "ur5", "quantity": "smallest_push_95_y"}, index=range(3))
-    pushes = pushes.assign(speed_low=[0.0, 0.01, 0.25], speed_high=[0.01, 0.25, np.nan])
+    pushes = pd.DataFrame({"robot": "ur5", "axis": "y", "motion": ["at rest", "slow", "fast"]})
     pushes = pushes.assign(value=[68.0, 100.0, 12.0], std_error=[10.0, np.nan, 2.0])
-    write_text(pushes.to_csv(index=False), results / "tables" / "observability.csv")
+    write_text(pushes.to_csv(index=False), results / "tables" / "pushes.csv")
     table = from_csv(exported(results, "csv"))["forces"]
     np.testing.assert_array_equal(table["smallest_push_95_y"], [68.0, 100.0, 12.0, 12.0, np.nan])
     np.testing.assert_array_equal(table["smallest_push_95_y_std"], [10, np.nan, 2, 2, np.nan])

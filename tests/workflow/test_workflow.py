@@ -43,8 +43,8 @@ FROM_ARM = [*FROM_TORQUES, "compare_accelerations"]
 FROM_MOTION = ["align_recording", *FROM_ARM]
 EACH_RECORDING = ["read_recording", *FROM_MOTION]
 MODELS = {"identify_model": 1, "draw_models": 1}  # of the only arm
-REPETITION = {"measure_repetition": 1}
-RESIDUALS = {"fit_residuals": 1, "fit_live": 1, "set_threshold": 1} | REPETITION
+MEASURED = {"measure_repetition": 1, "measure_pushes": 1}
+RESIDUALS = {"fit_residuals": 1, "fit_live": 1, "set_threshold": 1} | MEASURED
 FITTED = {"fit_friction": 1, "draw_friction": 1}
 FRICTION = FITTED | RESIDUALS
 IMU = {"calibrate_imu": 1, "calibrate_imu_without_each": 1}
@@ -269,7 +269,7 @@ HOST = "hosts: {pc: [force_sensor, imu]}\n"
 @pytest.mark.parametrize(
     ("more", "expected"),
     [
-        (SETTING, jobs(*FROM_FORCES) | {"set_threshold": 1} | REPETITION | REPORT),
+        (SETTING, jobs(*FROM_FORCES) | {"set_threshold": 1} | MEASURED | REPORT),
         ("settings: {lowpass: {currents: {order: 4}}}\n", {}),  # the default, spelt out
         (HOST, jobs(*FROM_MOTION) | DRIFTS | ARM | REPORT),
         (NEW.replace("ROLE", "contact"), jobs(*EACH_RECORDING, recordings=1) | REPORT),
@@ -278,7 +278,7 @@ HOST = "hosts: {pc: [force_sensor, imu]}\n"
             jobs(*EACH_RECORDING, recordings=1)
             | jobs(*ACCELERATIONS, recordings=3)
             | {"calibrate_imu_without_each": 1}
-            | DRIFTS | REPETITION | REPORT,
+            | DRIFTS | MEASURED | REPORT,
         ),
         (  # one to fit on reruns what was fitted; the report draws the first few of a kind
             NEW.replace("ROLE", "fit"),

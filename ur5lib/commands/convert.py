@@ -5,7 +5,7 @@ import math
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import groupby, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +17,7 @@ from scipy.io.matlab import MatWriteError
 from ur5lib.commands.foxglove import Stream, drawn
 from ur5lib.errors import InputError, unknown
 from ur5lib.finished import FinishedStudy
+from ur5lib.records.contacts import SPEEDS
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
 from ur5lib.tables import write_aside, write_csv
@@ -51,17 +52,18 @@ def channels(columns: list[str]) -> dict[str, list[str]]:
 def with_smallest_push(study: FinishedStudy, name: str, forces: pd.DataFrame) -> pd.DataFrame:
     """Return a recording's forces with the push [N] along x, y and z that would have been found at
     each sample by the speed of the flange, and its standard error, which is NaN beyond the largest
-    trial.
+    trial; both are NaN where it is not determined.
     """
-    table, robot = study.table("observability"), study.recording(name).arm.known_as
+    table, robot = study.table("pushes"), study.recording(name).arm.known_as
     linear = study.record(Kinematics, name).jacobian[:, :3]
     speed = np.linalg.norm(np.matvec(linear, study.record(Motion, name).qd), axis=1)
+    ranges = dict(zip(SPEEDS.values(), pairwise([*SPEEDS, math.inf]), strict=True))
     pushes = {column: np.full(len(speed), np.nan) for column in PUSH_COLUMNS}
-    of_arm = (table["robot"] == robot) & table["quantity"].isin(PUSH_COLUMNS)
-    for row in table[of_arm].itertuples():
-        at_speed = (speed >= row.speed_low) & ~(speed >= row.speed_high)  # the fastest: no end
-        pushes[row.quantity][at_speed] = row.value
-        pushes[f"{row.quantity}_std"][at_speed] = row.std_error
+    for row in table[table["robot"] == robot].itertuples():
+        low, high = ranges[row.motion]
+        at_speed = (speed >= low) & (speed < high)
+        pushes[f"smallest_push_95_{row.axis}"][at_speed] = row.value
+        pushes[f"smallest_push_95_{row.axis}_std"][at_speed] = row.std_error
     found = forces.assign(**pushes)
     found.attrs["units"] = forces.attrs["units"] | dict.fromkeys(PUSH_COLUMNS, "N")
     return found
@@ -188,7 +190,7 @@ def write_recordings(
     folder = into or results / "exported"
     for name in names or study.recordings:
         frames = {table: study.frame(name, table) for table in EXPORTED_TABLES}
-        if "if_untouched" in frames["forces"] and "observability" in study.tables:
+        if "if_untouched" in frames["forces"] and "pushes" in study.tables:
             frames["forces"] = with_smallest_push(study, name, frames["forces"])
         filled = {table: frame for table, frame in frames.items() if len({*frame} - {"segment"})}
         path = folder / f"{name}{ending}"

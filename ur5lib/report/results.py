@@ -17,6 +17,7 @@ import yaml
 
 from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.errors import InputError
+from ur5lib.records.pushes import SmallestPush
 from ur5lib.records.quality import UNREADABLE
 from ur5lib.records.repetition import Repeated
 from ur5lib.report.page.document import MOST_ROWS, MOST_SHOWN
@@ -31,6 +32,7 @@ PACKAGES = ["snakemake", "numpy", "scipy", "pandas", "pyarrow"]
 PACKAGES += ["torch", "pytorch-kinematics", "mujoco", "matplotlib", "typst"]
 OPTIONAL = {  # tables that not every study has
     "repetition": pd.DataFrame(columns=["robot", *(one.name for one in fields(Repeated))]),
+    "pushes": pd.DataFrame(columns=["robot", *(one.name for one in fields(SmallestPush))]),
     # of topics, as far as they are read elsewhere
     "next_recordings": pd.DataFrame(columns=["robot", "after", "force"]),
     "printed": pd.DataFrame(columns=["table", "recording"]),

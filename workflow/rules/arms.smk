@@ -191,3 +191,25 @@ rule measure_repetition:
         contact_force_n=SETTINGS.contact.force_n,
     run:
         run_step(rule, input, output, params, log)
+
+
+rule measure_pushes:
+    input:
+        motion=results_of(SELECTION.drawn, "motion.parquet"),
+        currents=results_of(SELECTION.drawn, "currents.parquet"),
+        predictions=results_of(SELECTION.drawn, "currents.json"),
+        kinematics=results_of(SELECTION.drawn, "kinematics.parquet"),
+        forces=results_of(SELECTION.drawn, "forces.parquet"),
+        friction=parameter("friction.json"),
+        residuals=parameter("residuals.json"),
+        threshold=parameter("threshold.json"),
+        arm=parameter("described.yaml"),
+    output:
+        pushes=parameter("pushes.csv"),
+    log:
+        **traces("measure_pushes", "{robot}"),
+    params:
+        code=code("measure_pushes"),
+        contact_force_n=SETTINGS.contact.force_n,
+    run:
+        run_step(rule, input, output, params, log)

@@ -1,15 +1,12 @@
-"""The smallest push by speed of the flange, and how well friction is predicted by joint speed."""
+"""The smallest push by motion of the flange, and how well friction is predicted by joint speed."""
 
 import pandas as pd
 
 from ur5lib.identification.validation import MIN_SHARE_IN_BAND
 from ur5lib.report.figures.house_style import Drawing
 from ur5lib.topics.observability.figure import observability_figure
-from ur5lib.topics.observability.rows import LARGEST_PUSH
 
 
-def draw_observability(observability: pd.DataFrame) -> dict[str, Drawing]:
+def draw_observability(observability: pd.DataFrame, pushes: pd.DataFrame) -> dict[str, Drawing]:
     """Return the figure of what an arm's contact-free recordings let one observe."""
-    tried = observability.loc[observability["quantity"] == LARGEST_PUSH, "value"]
-    most = float(tried.max()) if len(tried) else 0.0
-    return {"observability": observability_figure(observability, MIN_SHARE_IN_BAND, most)}
+    return {"observability": observability_figure(observability, MIN_SHARE_IN_BAND, pushes)}

@@ -21,41 +21,44 @@ AXIS_STEP = 0.22  # of the step between speeds, from axis to axis
 MIN_DRAWN_SPEED = 0.003  # rad/s, where the axis of speeds begins
 
 
-def observability_figure(rows: pd.DataFrame, wanted: float, most: float) -> Drawing:
+def observability_figure(rows: pd.DataFrame, wanted: float, pushes: pd.DataFrame) -> Drawing:
     """Draw smallest pushes with their 95 % intervals, and shares within the band.
 
-    rows: observability.csv; wanted: share that suffices; most: largest push that was tried [N].
+    rows: observability.csv; wanted: share that suffices; pushes: pushes.csv, of which those are
+    drawn that are determined or beyond the trials.
     """
-    pushes = rows[rows["quantity"].str.startswith("smallest_push_95_")]
+    pushes = pushes[pushes["value"].notna() | (pushes["bound"] == ">")]
     shares = rows[rows["quantity"] == "friction_in_band"]
     if pushes.empty and shares.empty:
         return nothing_to_draw()
     with house_style(2.9, 1, 1 + (len(pushes) > 0)) as (figure, ((*left, right),)):
         for axis in left:
-            _pushes(axis, pushes, most)
+            _pushes(axis, pushes)
         _shares(right, shares, wanted)
-    drawn = {"std_error": len(pushes) > 0, "bound": (pushes["bound"] == ">").any()}
-    numbers = pd.concat([pushes, shares], ignore_index=True)
-    return Drawing(figure, numbers.drop(columns=[name for name in drawn if not drawn[name]]))
+    if not (pushes["bound"] == ">").any():
+        pushes = pushes.drop(columns="bound")  # the caption names the columns' marks
+    drawn = [part for part in (pushes, shares) if len(part)]
+    return Drawing(figure, pd.concat(drawn, ignore_index=True))
 
 
-def _pushes(axis: Axes, rows: pd.DataFrame, most: float) -> None:
-    """Draw the push along x, y and z in each range of speeds; an arrow where it is beyond."""
-    speeds = [*rows["speed_low"].unique()]
+def _pushes(axis: Axes, rows: pd.DataFrame) -> None:
+    """Draw the push along x, y and z in each motion; an arrow where it is beyond the trials."""
+    speeds = {motion: speed for speed, motion in SPEEDS.items()}
+    motions, most = [*rows["motion"].unique()], rows["largest_tried"].max()
     for row in rows.itertuples():
-        along = "xyz".index(row.quantity[-1])
-        place = speeds.index(row.speed_low) + AXIS_STEP * (along - 1)
+        along = "xyz".index(row.axis)
+        place = motions.index(row.motion) + AXIS_STEP * (along - 1)
         if row.bound == ">":
             arrow = {"arrowstyle": "->", "color": AXIS_COLOUR}
             axis.annotate("", (place, 1.1 * most), (place, 0.95 * most), arrowprops=arrow)
         else:
             half, mark = NORMAL95 * row.std_error, JOINT_MARKERS[along]
             axis.errorbar(place, row.value, half, fmt=mark, markersize=4, color=AXIS_COLOUR)
-        axis.text(place, 0.02 * most, row.quantity[-1], ha="center")
-    words = [f"{SPEEDS[low]}\n≥ {low:g}" for low in speeds]
-    axis.set_xticks(range(len(speeds)), words)
+        axis.text(place, 0.02 * most, row.axis, ha="center")
+    words = [f"{motion}\n≥ {speeds[motion]:g}" for motion in motions]
+    axis.set_xticks(range(len(motions)), words)
     axis.set(xlabel="speed of the flange [m/s]", ylabel="minimum detectable force [N]")
-    axis.set(xlim=(-0.5, len(speeds) - 0.5), ylim=(0, 1.12 * most))
+    axis.set(xlim=(-0.5, len(motions) - 0.5), ylim=(0, 1.12 * most))
 
 
 def _shares(axis: Axes, rows: pd.DataFrame, wanted: float) -> None:

@@ -6,19 +6,13 @@ rule measure_observability:
         motion=results_of(SELECTION.drawn, "motion.parquet"),
         currents=results_of(SELECTION.drawn, "currents.parquet"),
         predictions=results_of(SELECTION.drawn, "currents.json"),
-        kinematics=results_of(SELECTION.drawn, "kinematics.parquet"),
-        forces=results_of(SELECTION.drawn, "forces.parquet"),
         friction=parameter("friction.json"),
-        residuals=parameter("residuals.json"),
-        threshold=parameter("threshold.json"),
-        arm=parameter("described.yaml"),
     output:
         observability=parameter("observability.csv"),
     log:
         **traces("measure_observability", "{robot}"),
     params:
         code=code("measure_observability"),
-        contact_force_n=SETTINGS.contact.force_n,
     run:
         run_step(rule, input, output, params, log)
 
@@ -26,6 +20,7 @@ rule measure_observability:
 rule draw_observability:
     input:
         observability=parameter("observability.csv"),
+        pushes=parameter("pushes.csv"),
     output:
         **drawn_by("draw_observability", "{robot}"),
     log:

@@ -1,0 +1,200 @@
+"""The smallest push by motion and axis: what may be stated of it."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+
+from tests.made_records import motion_of, signals_of, stretch
+from tests.made_tables import gathered
+from tests.made_up_torques import MODEL, free_run
+from tests.steps.made_recording import known_of
+from tests.tried_pushes import COUNT, detected_above, is_resting
+from ur5lib.force.residual_model import Residuals
+from ur5lib.force.trial_contacts import PUSH_DURATION, Trials
+from ur5lib.records import verdicts
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.friction import Friction
+from ur5lib.records.prediction import Prediction
+from ur5lib.records.pushes import Reason, SmallestPush
+from ur5lib.robots.description import Robot
+from ur5lib.steps.estimate_forces import estimate_forces
+from ur5lib.steps.measure_pushes import (
+    MIN_TRIALS_OF_A_LIMIT,
+    detectable,
+    measure_pushes,
+    smallest_pushes,
+)
+
+AXES = ["x", "y", "z"]
+
+
+def stated(trials: Trials) -> list[SmallestPush]:
+    return [*smallest_pushes(trials, "unseen")]
+
+
+def tried(force: Sequence[float], found: Sequence[bool], speed: float = 0.6) -> Trials:
+    """Pushes along x."""
+    count = len(force)
+    axis = np.zeros(count, dtype=np.int64)
+    return Trials(np.array(force), axis, np.full(count, speed), np.array(found, bool))
+
+
+def test_the_table_has_each_motion_and_axis(tmp_path: Path) -> None:
+    """At rest 40 N, in fast motion 10 N; nothing moves slowly."""
+    trials = detected_above(np.where(is_resting(), 40.0, 10.0))
+    table = gathered(SmallestPush, stated(trials), tmp_path)
+    assert {*table["robot"]} == {"ur5"}
+    assert [*table["motion"]] == ["at rest"] * 3 + ["fast"] * 3
+    assert [*table["axis"]] == AXES * 2
+    assert table["value"].to_numpy() == pytest.approx([40.0] * 3 + [10.0] * 3, rel=0.5)
+    assert (table["low"] > 0).all()
+    assert ((table["low"] < table["value"]) & (table["value"] < table["high"])).all()
+    assert (table["std_error"] > 0).all()
+    assert table["trials"].sum() == len(trials.force)
+    assert table["largest_tried"].to_numpy() == pytest.approx(trials.force.max())
+    assert {*table["seconds"]} == {PUSH_DURATION} == {1.0}
+    assert {*table["basis"]} == {"unseen"}
+    assert table[["bound", "reason"]].isna().all(axis=None)
+
+
+@pytest.mark.parametrize(("limits", "most"), [(150.0, 100.0), (95.0, 100.0), (4000.0, 2943.0)])
+def test_a_push_beyond_the_trials_is_the_largest_one_and_said_to_be_beyond(
+    limits: float, most: float
+) -> None:
+    """Before, the files had 10,355 N, or nothing where none was found; the report, above 100 N."""
+    pushes = stated(detected_above(np.full(COUNT, limits), most))
+    assert len(pushes) > 1
+    for row in pushes:
+        assert (row.bound, row.value) == (">", pytest.approx(most))
+        assert (row.std_error, row.low, row.high) == (None, None, None)
+
+
+def test_a_strong_arm_is_pushed_harder() -> None:
+    """Before, each push of a KR300, which carries 300 kg, was beyond 100 N."""
+    rounds = [detected_above(np.full(COUNT, 400.0), 2943.0, seed) for seed in range(4)]
+    pushes = stated(Trials.joined(rounds))
+    assert {row.bound for row in pushes} == {""}
+    for row in pushes:
+        assert row.value is not None
+        assert 200.0 < row.value < 1500.0
+        assert row.largest_tried == pytest.approx(2943.0)
+
+
+def test_no_push_is_stated_whose_error_exceeds_it() -> None:
+    """Before, "0.07 ± 142 N": all pushes were found, so that none shows from which on."""
+    force = np.geomspace(5.0, 100.0, 40)
+    (row,) = stated(tried(force, force > 0))
+    assert (row.value, row.std_error, row.low, row.high) == (None, None, None, None)
+    assert (row.bound, row.reason, row.trials) == ("", "undetermined", 40)
+
+
+def test_few_trials_determine_nothing() -> None:
+    few = MIN_TRIALS_OF_A_LIMIT - 1
+    force = np.geomspace(5.0, 100.0, few)
+    (row,) = stated(tried(force, force > 20))
+    assert (row.value, row.reason, row.trials) == (None, "undetermined", few)
+
+
+def test_whatever_is_found_a_stated_push_exceeds_its_error() -> None:
+    random = np.random.default_rng(0)
+    force = np.geomspace(5.0, 100.0, 30)
+    for middle in np.geomspace(1.0, 1000.0, 100):
+        found = random.random(30) < 1 / (1 + (force / middle) ** -3)
+        limit = detectable(tried(force, found), 100.0)
+        if limit.value is not None:
+            assert limit.value <= 100.0
+            assert limit.bound == ">" or (limit.low or 0.0) > 0
+
+
+def test_one_path_states_no_push() -> None:
+    """Its errors are those of its own fit, so that smaller pushes stand out of them; what not even
+    these find stays said.
+    """
+    limits = np.where(is_resting(), 150.0, 10.0)
+    rows = [*smallest_pushes(detected_above(limits), "fit", has_one_path=True)]
+    assert {row.reason for row in rows} == {"one_path"}
+    assert {row.value for row in rows} == {None}
+    assert {(row.motion, row.bound) for row in rows} == {("at rest", ">"), ("fast", "")}
+
+
+def test_its_reasons_are_those_of_verdicts() -> None:
+    assert {*get_args(Reason)} <= {*get_args(verdicts.Reason)}
+
+
+def test_pushes_on_fit_recordings_alone_say_so() -> None:
+    trials = detected_above(np.full(COUNT, 40.0))
+    rows = [*smallest_pushes(trials, "fit")]
+    assert {(row.basis, row.reason) for row in rows} == {("fit", "fitted")}
+    unseen = stated(trials)
+    assert [row.value for row in rows] == [row.value for row in unseen]
+    assert {(row.basis, row.reason) for row in unseen} == {("unseen", "")}
+
+
+@pytest.fixture(scope="module")
+def known(ur5: Robot) -> dict[str, Any]:
+    """What the step is given of two recordings without contact, of which one was fitted to."""
+    made: dict[str, dict[str, Any]] = {}
+    for seed, name in enumerate(("seen", "new")):
+        run = free_run(ur5, seed, seconds=60, period=0.016)
+        one = known_of(
+            ur5,
+            signals_of(run.time, run.q),
+            motion_of(run.time, run.q, run.qd),
+            Kinematics.of(run.time, run.rotation, 0 * run.q[:, :3], run.jacobian),
+            currents=Currents(
+                **stretch(run.time), load_doubt=0 * run.q, external_torque=run.torque
+            ),
+            residuals=Residuals(MODEL),
+            friction=Friction(from_=["seen"]),
+        )
+        made[name] = {key: getattr(one, key) for key in ("motion", "currents", "kinematics")}
+        made[name] |= {
+            "forces": one.run(estimate_forces),
+            "predictions": Prediction(name == "seen"),
+        }
+    return made
+
+
+def measured(
+    known: dict[str, Any], names: Sequence[str], ur5: Robot, paths: int
+) -> list[SmallestPush]:
+    keys = ("motion", "currents", "kinematics", "forces", "predictions")
+    return measure_pushes(
+        **{key: {name: known[name][key] for name in names} for key in keys},
+        friction=Friction(paths=paths),
+        residuals=Residuals(MODEL),
+        threshold={"Fmap": 0.0},
+        arm=ur5,
+        contact_force_n=15.0,
+    )
+
+
+@pytest.mark.parametrize(
+    ("names", "paths", "basis", "reason"),
+    [
+        (["seen", "new"], 2, "unseen", ""),
+        (["seen"], 2, "fit", "fitted"),
+        (["seen"], 1, "fit", "one_path"),
+        (["seen", "new"], 1, "unseen", "one_path"),
+        (["new"], 0, "unseen", ""),  # by the friction of other arms
+    ],
+)
+def test_what_the_trials_rest_on(
+    known: dict[str, Any], ur5: Robot, names: list[str], paths: int, basis: str, reason: str
+) -> None:
+    rows = measured(known, names, ur5, paths)
+    assert {row.basis for row in rows} == {basis}
+    assert {row.reason for row in rows} - {"undetermined"} == {reason}
+    assert all((row.value is None) == (row.reason in ("one_path", "undetermined")) for row in rows)
+
+
+def test_a_recording_with_a_load_is_not_pushed(known: dict[str, Any], ur5: Robot) -> None:
+    load = SimpleNamespace(is_loaded=True, fitted=False)
+    loaded = {"new": known["new"] | {"predictions": load}, "seen": known["seen"]}
+    assert {row.basis for row in measured(loaded, ["seen", "new"], ur5, 2)} == {"fit"}
+    assert measured(loaded, ["new"], ur5, 2) == []

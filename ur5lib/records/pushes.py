@@ -1,0 +1,33 @@
+"""The smallest pushes that trials on an arm's contact-free recordings show to be detected."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+Basis = Literal["unseen", "fit"]
+Reason = Literal["", "one_path", "fitted", "undetermined"]  # codes of verdicts
+
+
+@dataclass(frozen=True, kw_only=True)
+class SmallestPush:
+    """A row of pushes.csv: the push along an axis that the leading estimate detects with 95 %.
+
+    motion: of the flange, at rest, slow or fast; axis: x, y or z of the base; value [N], with its
+    standard error and 95 % interval, empty where the trials do not determine it or the arm is
+    fitted to a single path; bound: ">" of a push beyond `largest_tried` [N], the largest trial;
+    seconds: duration of a trial push [s]; trials: number of those in this motion along this axis;
+    basis: unseen, if recordings that no fit has seen were among those tried, or fit; reason:
+    one_path, undetermined, or fitted, of a value by fit recordings alone.
+    """
+
+    motion: str
+    axis: str
+    value: float | None = None
+    std_error: float | None = None
+    low: float | None = None
+    high: float | None = None
+    bound: str = ""
+    largest_tried: float
+    seconds: float
+    trials: int
+    basis: Basis
+    reason: Reason = ""

@@ -1,0 +1,165 @@
+"""The smallest push that F̂ᵐᵃᵖ detects on an arm, by trial pushes on contact-free recordings."""
+
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.estimators import LEADING
+from ur5lib.force.problem import Problem, fmap_problem
+from ur5lib.force.residual_model import Residuals
+from ur5lib.force.thresholds import alarms
+from ur5lib.force.trial_contacts import (
+    MIN_LARGEST_PUSH,
+    PUSH_DURATION,
+    Trials,
+    Untouched,
+    felt_push,
+    flange_speed,
+    smallest_force,
+    try_each_place,
+)
+from ur5lib.records.contacts import SPEEDS
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.forces import Forces
+from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
+from ur5lib.records.prediction import Prediction
+from ur5lib.records.pushes import Basis, Reason, SmallestPush
+from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import STANDARD_GRAVITY
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import NORMAL95
+
+FLANGE_SPEEDS = (*SPEEDS, np.inf)  # m/s
+TRIAL_ROUNDS = 2  # of trial pushes
+MIN_TRIALS = 270  # of an arm: thirty for each axis and range of speeds
+MIN_TRIALS_OF_A_LIMIT = 10  # of which some are detected and some are not
+
+
+def measure_pushes(
+    motion: Mapping[str, Motion],
+    currents: Mapping[str, Currents],
+    kinematics: Mapping[str, Kinematics],
+    forces: Mapping[str, Forces],
+    predictions: Mapping[str, Prediction],
+    friction: Friction,
+    residuals: Residuals,
+    threshold: dict[str, float],
+    arm: Robot,
+    contact_force_n: float,
+) -> list[SmallestPush]:
+    """Return the smallest pushes by motion and axis, none where no push can be tried.
+
+    motion to predictions: of contact-free recordings; contact_force_n: [N], of a typical contact.
+    Trial pushes end at the weight of the arm's rated payload, or at 100 N.
+    """
+    prior, trials = ContactPrior(force=contact_force_n), dict[str, Trials]()
+    least = MIN_TRIALS // max(1, len(motion))
+    most = max(MIN_LARGEST_PUSH, STANDARD_GRAVITY * (arm.rated_payload or 0.0))
+    for name, moved in motion.items():
+        if LEADING not in threshold or predictions[name].is_loaded:
+            continue
+        problem = fmap_problem(moved, currents[name], residuals)
+        odds = forces[name].log_odds.get(LEADING)
+        if problem is not None and odds is not None:
+            jacobian, alarm_odds = kinematics[name].jacobian, threshold[LEADING]
+            trials[name] = pushed(problem, jacobian, prior, alarm_odds, odds, least, most)
+    tried = [name for name, own in trials.items() if len(own.force)]
+    if not tried:
+        return []
+    basis: Basis = "fit" if all(predictions[name].fitted for name in tried) else "unseen"
+    together = Trials.joined([trials[name] for name in tried])
+    return [*smallest_pushes(together, basis, has_one_path=friction.paths == 1)]
+
+
+def pushed(
+    problem: Problem,
+    jacobian: Array,
+    prior: ContactPrior,
+    threshold: float,
+    odds: Array,
+    least: int,
+    most: float,
+) -> Trials:
+    """Return trial pushes of up to `most` [N] on a contact-free recording.
+
+    odds: without any (N,); least: number of pushes, if there is a place for any.
+    """
+    one, random = problem.input, np.random.default_rng(0)
+    speed = flange_speed(jacobian, one.qd)
+    time = np.arange(len(speed), dtype=np.float64) * one.period
+    stiction, used = prior.stiction * problem.model.breakaway, jacobian[problem.rows]
+    friction = np.random.default_rng(1)
+
+    def log_odds_of(torque: Array) -> Array:
+        felt = felt_push(torque, time, one.states, one.gears, stiction, friction)
+        return problem.pushed(felt).contact_log_odds(used, prior)
+
+    run = Untouched(jacobian, speed, one.period, alarms(odds, threshold))
+    first = try_each_place(log_odds_of, run, threshold, random, most)
+    rounds = max(TRIAL_ROUNDS, -(-least // max(1, len(first.force))))
+    more = [try_each_place(log_odds_of, run, threshold, random, most) for _ in range(rounds - 1)]
+    return Trials.joined([first, *more])
+
+
+def smallest_pushes(
+    trials: Trials, basis: Basis, has_one_path: bool = False
+) -> Iterator[SmallestPush]:
+    """Yield the smallest push by motion along x, y and z, where any was tried.
+
+    basis: of the trials; has_one_path: whether no path was left out of the fit, so that errors on
+    its recordings are those of the fit itself: too small, as are the pushes that stand out.
+    """
+    most = float(trials.force.max())
+    for (low, high), motion in zip(pairwise(FLANGE_SPEEDS), SPEEDS.values(), strict=True):
+        for axis, name in enumerate("xyz"):
+            own = trials.within(low, high).along(axis)
+            if not len(own.force):
+                continue
+            limit = detectable(own, most)
+            reason: Reason = "" if limit.value is not None else "undetermined"
+            reason = "fitted" if basis == "fit" and not reason else reason
+            if has_one_path:
+                limit, reason = Limit(bound=limit.bound), "one_path"
+            yield SmallestPush(
+                motion=motion,
+                axis=name,
+                **limit._asdict(),
+                largest_tried=most,
+                seconds=PUSH_DURATION,
+                trials=len(own.force),
+                basis=basis,
+                reason=reason,
+            )
+
+
+class Limit(NamedTuple):
+    """A push that is detected with 95 % [N], its standard error and 95 % interval; None where the
+    trials do not determine it; bound: ">" of one beyond `value`, the largest trial.
+    """
+
+    value: float | None = None
+    std_error: float | None = None
+    low: float | None = None
+    high: float | None = None
+    bound: str = ""
+
+
+def detectable(trials: Trials, most: float) -> Limit:
+    """Return the push that a logistic curve of trials of one axis and motion shows to be detected;
+    most: the largest trial of all [N].
+
+    Beyond this, the curve tells nothing: the push is the largest one. One whose 95 % interval
+    reaches zero is not determined.
+    """
+    if len(trials.found) < MIN_TRIALS_OF_A_LIMIT:
+        return Limit()
+    force, std = smallest_force(trials.force, trials.found)
+    if force > most:
+        return Limit(value=most, bound=">")
+    low, high = force - NORMAL95 * std, force + NORMAL95 * std
+    return Limit(force, std, low, high) if low > 0 else Limit()
