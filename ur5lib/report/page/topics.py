@@ -1,16 +1,13 @@
 """What the topics of a study add to its report: their functions, found by a loop over folders.
 
 The module `report` in the folder of a topic has the functions that its `report.yaml` names, and at
-most six for the first screen: `card`, its verdict; `answers`, what it adds to another card;
-`headline`, to the first sentence; `advice`, what to do next; `to_record`, what to record where
-nothing is more urgent; `findings`.
+most four for the first screen: `card`, its verdict; `advice`, what to do next; `to_record`, what to
+record where nothing is more urgent; `findings`.
 """
 
-from collections.abc import Callable, Iterator
-from dataclasses import replace
+from collections.abc import Iterator
 from functools import cache
 from importlib import import_module
-from itertools import chain
 from types import ModuleType
 
 from ur5lib.report.page.document import Verdict, topic_pages
@@ -30,23 +27,6 @@ def cards(results: Results) -> Iterator[Verdict]:
     for topic in _asked(results, "card"):
         if verdict := topic.card(results):
             yield verdict
-
-
-def with_answers(judge: Callable[[Results], Verdict]) -> Callable[[Results], Verdict]:
-    """Return a judge whose verdict has what the topics add to its card, before its own answers."""
-
-    def judged(results: Results) -> Verdict:
-        verdict = judge(results)
-        added = (topic.answers(results, verdict.topic) for topic in _asked(results, "answers"))
-        return replace(verdict, answers=(*chain.from_iterable(added), *verdict.answers))
-
-    return judged
-
-
-def headline(results: Results) -> Iterator[str]:
-    """Yield the clauses that the topics add to the first sentence."""
-    for topic in _asked(results, "headline"):
-        yield from topic.headline(results)
 
 
 def advice(results: Results) -> Iterator[str]:

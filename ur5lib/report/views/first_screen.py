@@ -26,10 +26,10 @@ from ur5lib.report.views.forces import searched
 from ur5lib.tidy.models import STOP
 
 VERDICTS: list[Judge] = [
-    topics.with_answers(contacts.judge_force),
+    contacts.judge_force,
     recordings.judge_files,
     by_arm(currents.judge_constants),
-    by_arm(topics.with_answers(currents.judge_currents)),
+    by_arm(currents.judge_currents),
     by_arm(models.judge_links),
     by_arm(motion.judge_motion),
 ]
@@ -57,13 +57,12 @@ def rules(_: Results) -> Iterator[str]:
 
 
 def result(results: Results) -> Iterator[str]:
-    """Say in one sentence which pushes are noticed, and how far off forces and constants are."""
+    """Say in one sentence how far off forces and constants are."""
     forces = contacts.worst_in_contact(results)
     against, errors = currents.contradicting(results), currents.margins(results)
     if not results.stopped() and (len(forces) or len(errors) or against):
-        found = {"clauses": [*topics.headline(results)], "force": forces, "errors": errors}
         paths = results.rows("remarks", code="one path", joint=[*errors.index])
-        found |= {"against": against, "paths": paths}
+        found = {"force": forces, "errors": errors, "against": against, "paths": paths}
         yield capital(say("result.sentence", **found))
 
 
