@@ -112,8 +112,8 @@ def test_whatever_is_found_a_stated_push_exceeds_its_error() -> None:
 
 
 def test_one_path_states_no_push() -> None:
-    """Its errors are those of its own fit, so that smaller pushes stand out of them; what not even
-    these find stays said.
+    """None was left out to show its errors, so that smaller pushes stand out; what not even so is
+    found stays said.
     """
     limits = np.where(is_resting(), 150.0, 10.0)
     rows = [*smallest_pushes(detected_above(limits), "fit", has_one_path=True)]

@@ -111,8 +111,8 @@ def smallest_pushes(
 ) -> Iterator[SmallestPush]:
     """Yield the smallest push by motion along x, y and z, where any was tried.
 
-    basis: of the trials; has_one_path: whether no path was left out of the fit, so that errors on
-    its recordings are those of the fit itself: too small, as are the pushes that stand out.
+    basis: of the trials; has_one_path: whether the fit knows a single path, so that none was left
+    out to show how far its predictions are off, and smaller pushes may stand out than with more.
     """
     most = float(trials.force.max())
     for (low, high), motion in zip(pairwise(FLANGE_SPEEDS), SPEEDS.values(), strict=True):
