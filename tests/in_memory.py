@@ -1,5 +1,6 @@
 """Recordings in a folder for the library in memory, and a study's results beside what it gives."""
 
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -7,7 +8,8 @@ import numpy as np
 import pandas as pd
 
 import ur5lib
-from ur5lib.chain.model import TABLES
+from ur5lib.chain.model import FIGURES, TABLES
+from ur5lib.report.figures.house_style import Drawing, save
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.simulate import simulate
@@ -63,3 +65,16 @@ def assert_as_in_study(
         pd.testing.assert_frame_equal(
             model.estimate(runs[name]), study.forces(name), check_exact=True
         )
+
+
+def assert_draws_as_in_report(results: Path, folder: Path) -> None:
+    """The models of all arms of a built study draw each figure as its report does, to the last bit.
+
+    folder: for what is drawn.
+    """
+    study = ur5lib.load(results)
+    arms = sorted(path.name for path in (results / "parameters").iterdir())
+    for arm, name in product(arms, FIGURES):
+        drawn = folder / f"{arm}_{name}.svg"
+        save(Drawing(study.model(arm).plot(name), pd.DataFrame()), drawn)
+        assert drawn.read_bytes() == (results / "figures" / arm / f"{name}.svg").read_bytes(), name

@@ -8,13 +8,14 @@ import pytest
 
 import ur5lib
 from ur5lib.errors import InputError
+from ur5lib.finished import FILES_OF_ARM
 from ur5lib.jobs.unreadable import marked
 from ur5lib.records.carried import Carried
 from ur5lib.records.friction import Friction
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Contradictions
 from ur5lib.robots.description import Payload
-from ur5lib.tables import write_csv, write_json, write_table
+from ur5lib.tables import write_csv, write_json, write_table, write_text
 
 
 @pytest.fixture
@@ -58,6 +59,21 @@ def test_the_payload_is_that_of_the_premises(results: Path) -> None:
     carried = Carried(Payload(mass=1.5), "study", None)
     write_json(Premises(carried, Contradictions()), results / "recordings/pushed/premises.json")
     assert ur5lib.load(results).payload("pushed") == Payload(mass=1.5)
+
+
+def test_a_model_takes_the_table_of_currents_and_not_the_summary_beside_it(results: Path) -> None:
+    """Both are called `currents`: currents.parquet and currents.json."""
+    entry = {"name": "pushed", "robot": "ur5", "role": "fit"}
+    write_json({"recordings": [entry], "settings": {}}, results / "configuration.yaml")
+    for file in FILES_OF_ARM.values():
+        write_text("{}", results / "parameters" / "ur5" / file)
+    for file in ("currents.parquet", "currents.json", "payload.json"):
+        write_text("{}", results / "recordings" / "pushed" / file)
+    own = ur5lib.load(results).model("ur5").fitted["pushed"]
+    assert own == {
+        name: results / "recordings" / "pushed" / file
+        for name, file in (("currents", "currents.parquet"), ("payload", "payload.json"))
+    }
 
 
 def test_a_folder_without_results_is_refused(tmp_path: Path) -> None:

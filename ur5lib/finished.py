@@ -11,6 +11,7 @@ import pandas as pd
 from ur5lib.chain.model import Model
 from ur5lib.chain.recordings import frame_of
 from ur5lib.chain.shown import Shown
+from ur5lib.chain.steps import Files
 from ur5lib.errors import InputError, unknown
 from ur5lib.jobs.unreadable import reason
 from ur5lib.records.force_errors import Compared
@@ -35,6 +36,13 @@ FILES_OF_ARM = {  # of a model
     "friction": "friction.json",
     "residuals": "residuals.json",
     "threshold": "threshold.json",
+}
+FILES_OF_FITTED = {  # of a recording that a model learnt from
+    "signals": "signals.parquet",
+    "motion": "motion.parquet",
+    "torques": "torques.parquet",
+    "currents": "currents.parquet",
+    "payload": "payload.json",
 }
 
 
@@ -210,15 +218,7 @@ class FinishedStudy(Shown):
         arm = {
             name: self._existing("parameters", robot, file) for name, file in FILES_OF_ARM.items()
         }
-        fitted = {
-            one["name"]: {
-                path.stem: path
-                for path in (self.folder / "recordings" / one["name"]).glob("[!.]*")
-                if not reason(str(path))
-            }
-            for one in entries
-            if one["role"] == "fit"
-        }
+        fitted = {one["name"]: self._fitted(one["name"]) for one in entries if one["role"] == "fit"}
         return Model(settings, robot, {**arm}, fitted)
 
     def summary(self) -> pd.DataFrame:
@@ -238,6 +238,12 @@ class FinishedStudy(Shown):
     def _title(self) -> str:
         names = f"{len(self.recordings)} recordings, {len(self.tables)} tables"
         return f"Results of {self.folder}: {names}; `.model(arm)` is what was fitted"
+
+    def _fitted(self, recording: str) -> Files:
+        """Return the files that a model has of a recording; none of one that cannot be read."""
+        folder = self.folder / "recordings" / recording
+        files = {name: folder / file for name, file in FILES_OF_FITTED.items()}
+        return {name: own for name, own in files.items() if isfile(own) and not reason(str(own))}
 
     def _existing(self, *parts: str) -> Path:
         path = self.folder.joinpath(*parts)

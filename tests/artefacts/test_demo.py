@@ -30,7 +30,7 @@ from tests.compensated import check_formula
 from tests.conftest import PROJECT, Workflow, table_of_topic
 from tests.drawn_numbers import check_drawn_numbers
 from tests.house.test_benchmarks import run_benchmark
-from tests.in_memory import assert_as_in_study
+from tests.in_memory import assert_as_in_study, assert_draws_as_in_report
 from tests.rigid import check_rigid
 from ur5lib.commands.convert import write_recordings
 from ur5lib.commands.exported import exported
@@ -272,6 +272,10 @@ def test_in_memory_all_is_as_in_the_report(
     shown = repr(known["study"])
     assert "way_points_pushed" in shown
     assert len(shown.splitlines()) < 24
+
+
+def test_its_model_draws_what_the_report_shows(results: Path, tmp_path: Path) -> None:
+    assert_draws_as_in_report(results, tmp_path)
 
 
 def test_identified_links_can_exist(results: Path) -> None:

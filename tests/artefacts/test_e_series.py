@@ -14,6 +14,7 @@ import yaml
 from tests.command import Command
 from tests.compensated import check_formula
 from tests.conftest import Workflow, copy_project, table_of_topic
+from tests.in_memory import assert_draws_as_in_report
 from ur5lib.commands.exported import exported
 from ur5lib.errors import InputError
 from ur5lib.records.premises import Premises
@@ -67,6 +68,10 @@ def results(workflow: Workflow) -> Path:
 @pytest.fixture(scope="module")
 def truth(results: Path) -> pd.DataFrame:
     return table_of_topic(results, "truth")
+
+
+def test_models_of_both_arms_draw_what_the_report_shows(results: Path, tmp_path: Path) -> None:
+    assert_draws_as_in_report(results, tmp_path)
 
 
 def test_each_recording_has_its_own_rate(results: Path) -> None:

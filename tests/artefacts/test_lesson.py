@@ -9,6 +9,7 @@ import pytest
 from benchmarks.pictures import FIGURES, LESSON, with_verdicts
 from tests.conftest import PROJECT, build_once, shared_folder
 from tests.drawn_numbers import check_drawn_numbers
+from tests.in_memory import assert_draws_as_in_report
 from ur5lib.tables import read_json
 
 DOCUMENTS = PROJECT / "docs"
@@ -33,6 +34,10 @@ def results(common_folder: Path) -> Path:
 def test_its_cards_are_those_of_the_report(results: Path) -> None:
     page = (DOCUMENTS / "lesson.md").read_text()
     assert with_verdicts(page, read_json(results / LESSON / "results.json")) == page
+
+
+def test_its_model_draws_what_the_report_shows(results: Path, tmp_path: Path) -> None:
+    assert_draws_as_in_report(results / LESSON, tmp_path)
 
 
 @pytest.mark.thorough

@@ -23,6 +23,7 @@ from tests.artefacts.documents import (
 from tests.artefacts.drawn_arm import check_arm
 from tests.compensated import check_formula
 from tests.conftest import PROJECT
+from tests.in_memory import assert_draws_as_in_report
 from tests.rigid import check_rigid
 from ur5lib.commands.exported import exported
 from ur5lib.finished import FinishedStudy
@@ -89,6 +90,10 @@ def test_joints_tell_what_the_imu_feels(
     folder = thesis_results / "recordings" / recording
     beside = read_record(ImuComparison, folder / "imu_comparison.json")
     assert recording not in beside.calibrated_on
+
+
+def test_its_model_draws_what_the_report_shows(thesis_results: Path, tmp_path: Path) -> None:
+    assert_draws_as_in_report(thesis_results, tmp_path)
 
 
 def test_identified_links_can_exist(thesis_results: Path) -> None:

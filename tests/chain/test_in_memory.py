@@ -194,6 +194,10 @@ def test_without_free_recordings_friction_is_that_of_other_arms(
     model = ur5lib.fit(pushed)
     assert "only what other arms have" in repr(model)
     assert model.estimate(pushed)["Fmap_Fx"].abs().max() > 20
+    figures = {name: model.plot(name) for name in FIGURES}
+    empty = {name for name, figure in figures.items() if not figure.axes}
+    assert empty == {"friction", "current_torque", "current_torque_friction", "residuals"}
+    assert {figures[name].texts[0].get_text() for name in empty} == {"not recorded"}
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import Workflow
+from tests.in_memory import assert_draws_as_in_report
 from ur5lib.force.estimators import NEW, UNGATED
 from ur5lib.records.motion import Alignment
 from ur5lib.records.quality import Quality
@@ -33,6 +34,10 @@ def test_signals_are_on_the_robots_clock(results: Path) -> None:
     assert not still.filter(regex="ft_|imu_").columns.any()
     quality = read_record(Quality, results / "recordings" / "still" / "quality.json")
     assert quality.devices == ["robot"]
+
+
+def test_its_model_draws_what_the_report_shows(results: Path, tmp_path: Path) -> None:
+    assert_draws_as_in_report(results, tmp_path)
 
 
 def test_tables_have_a_row_for_each_value(results: Path, ur5: Robot) -> None:

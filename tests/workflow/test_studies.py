@@ -15,6 +15,7 @@ from pypdf import PdfReader
 
 from tests.artefacts.documents import check_pdf, check_results, check_structure
 from tests.conftest import Workflow, copy_project
+from tests.in_memory import assert_draws_as_in_report
 from ur5lib.report.page.compose import compose_study
 from ur5lib.report.page.render import html_page, pdf_document
 from ur5lib.report.results import Results
@@ -93,6 +94,7 @@ def checked(workflow: Workflow) -> tuple[Path, str]:
     (folder,) = (workflow.folder / "results").iterdir()
     check_structure(folder / "report.html")
     check_results(folder)
+    assert_draws_as_in_report(folder, workflow.folder)
     text = html.unescape((folder / "report.html").read_text())
     text = re.sub(r"<pre.*?</pre>|data:[^\"]*", "", text, flags=re.DOTALL)
     assert not re.search(r"\b(nan|None(?! is fitted))\b", text)
