@@ -1,5 +1,6 @@
 """Results of a study as data frames."""
 
+from dataclasses import asdict, fields
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +15,9 @@ from ur5lib.records.carried import Carried
 from ur5lib.records.friction import Friction
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Contradictions
+from ur5lib.records.verdicts import RecordingUse, Verdict
 from ur5lib.robots.description import Payload
-from ur5lib.tables import write_csv, write_json, write_table, write_text
+from ur5lib.tables import write_csv, write_json, write_rows, write_table, write_text
 
 
 @pytest.fixture
@@ -91,6 +93,23 @@ def test_a_damaged_file_of_settings_is_a_result_to_be_made_anew(
     study = ur5lib.load(results)
     with pytest.raises(InputError, match=rf"{file} is damaged .*rm \S*{file}\)"):
         study.arm("ur5") if "arm" in file else study.configuration()
+
+
+def test_verdicts_and_uses_are_frames(results: Path) -> None:
+    rows = [Verdict(question="force", state="good"), Verdict(question="links", arm="1e5", joint=2)]
+    write_rows(Verdict, rows, results / "tables" / "verdicts.csv")
+    uses = [RecordingUse(recording="pushed", purpose="fit", use="no", reason="touched")]
+    write_rows(RecordingUse, uses, results / "tables" / "uses.csv")
+    study = ur5lib.load(results)
+    assert [*study.verdicts] == [one.name for one in fields(Verdict)]
+    assert [*study.verdicts["arm"].fillna("")] == ["", "1e5"]
+    assert study.uses.to_dict("records") == [asdict(own) for own in uses]
+
+
+@pytest.mark.parametrize("name", ["verdicts", "uses"])
+def test_results_without_verdicts_say_so_in_one_line(results: Path, name: str) -> None:
+    with pytest.raises(InputError, match=r"no verdicts, .* earlier version; `ur5 run mine` again$"):
+        getattr(ur5lib.load(results), name)
 
 
 def test_a_recording_that_cannot_be_read_says_why(results: Path) -> None:

@@ -90,6 +90,23 @@ class FinishedStudy(Shown):
         """Return the names of the tables of results."""
         return sorted(path.stem for path in (self.folder / "tables").glob("*.csv"))
 
+    @property
+    def verdicts(self) -> pd.DataFrame:
+        """Return what may be used: rows of `ur5lib.records.verdicts.Verdict`.
+
+        The row of rank 1 of a question and arm decides; `arm` is empty where it is of all arms.
+        Raises InputError where the results are of a version without verdicts.
+        """
+        return self._judged("verdicts")
+
+    @property
+    def uses(self) -> pd.DataFrame:
+        """Return what each recording may be used for: recording, purpose, use (yes, no) and reason.
+
+        Raises InputError where the results are of a version without verdicts.
+        """
+        return self._judged("uses")
+
     def configuration(self) -> Study:
         """Return the study with every default filled in."""
         path = self._existing("configuration.yaml")
@@ -238,6 +255,15 @@ class FinishedStudy(Shown):
     def _title(self) -> str:
         names = f"{len(self.recordings)} recordings, {len(self.tables)} tables"
         return f"Results of {self.folder}: {names}; `.model(arm)` is what was fitted"
+
+    def _judged(self, name: str) -> pd.DataFrame:
+        """Return a table of the step that judges the study."""
+        if name not in self.tables:
+            raise InputError(
+                f"{self.folder} has no verdicts, as results of an earlier version; `ur5 run "
+                f"{self.folder.name}` again"
+            )
+        return self.table(name)
 
     def _fitted(self, recording: str) -> Files:
         """Return the files that a model has of a recording; none of one that cannot be read."""

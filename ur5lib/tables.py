@@ -34,7 +34,7 @@ from ur5lib.timeseries.arrays import Array, Labels
 
 ROWS = 1 << 16  # that are read or written at once
 FIRST_HALF = re.compile(r"_[0-2]$|_F[xyz]$")  # of a pose, a twist or a wrench
-NAMES = ("study", "recording", "robot", "model", "fitted_on", "tested_on")  # columns of any text
+NAMES = ("study", "recording", "robot", "arm", "model", "fitted_on", "tested_on")  # of any text
 Column = NDArray[Any]
 Source = str | Path | BytesIO  # a file, or one in memory
 Record = TypeVar("Record")

@@ -29,6 +29,7 @@ from tests.artefacts.drawn_arm import check_arm
 from tests.compensated import check_formula
 from tests.conftest import PROJECT, Workflow, table_of_topic
 from tests.drawn_numbers import check_drawn_numbers
+from tests.examples import examples
 from tests.house.test_benchmarks import run_benchmark
 from tests.in_memory import assert_as_in_study, assert_draws_as_in_report
 from tests.rigid import check_rigid
@@ -280,6 +281,24 @@ def test_its_model_draws_what_the_report_shows(results: Path, tmp_path: Path) ->
 
 def test_identified_links_can_exist(results: Path) -> None:
     check_rigid("ur5", None, results)
+
+
+def test_the_script_of_the_documents_says_what_may_be_used(
+    results: Path, capsys: pytest.CaptureFixture
+) -> None:
+    """A line for each card, each parameter of a joint, and each recording and purpose."""
+    if not (results / "tables" / "verdicts.csv").is_file():
+        pytest.skip("no step judges the study yet")
+    [script] = [
+        example.text
+        for example in examples(PROJECT / "docs" / "api.md")
+        if example.text.startswith("from ur5lib import load")
+    ]
+    exec(script.replace("results/mine", str(results)).replace("ur5e", "ur5"), {})
+    said, study = capsys.readouterr().out.splitlines(), FinishedStudy(results)
+    cards = study.verdicts.dropna(subset="state").query("rank == 1")
+    assert len(said) == len(cards) + len(study.table("friction")) + len(study.uses)
+    assert "force: usable." in "\n".join(said)
 
 
 def test_all_that_is_known_of_the_arm_is_exported(results: Path) -> None:

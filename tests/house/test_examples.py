@@ -1,5 +1,7 @@
 """Every example in a document holds: commands exist, studies are valid, code runs."""
 
+import contextlib
+import io
 import json
 import os
 import re
@@ -9,6 +11,7 @@ import sys
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 from unittest.mock import MagicMock
 
@@ -24,8 +27,11 @@ from tests.house.test_seven_joints import arm as seven_joints
 from tests.in_memory import put_recordings
 from tests.live_arm import arm_file
 from ur5lib.cli import app
+from ur5lib.finished import FinishedStudy
+from ur5lib.records.verdicts import RecordingUse, Verdict
+from ur5lib.records.wording import reason_in_words
 from ur5lib.robots.description import robot_path, robot_yaml
-from ur5lib.tables import write_table
+from ur5lib.tables import write_rows, write_table
 from ur5lib.workspace.extensions import ENTRY_POINT_GROUP, KINDS
 
 DOCUMENTS = [*PAGES, *sorted((PROJECT / "benchmarks").glob("*.py"))]
@@ -119,6 +125,25 @@ def fit(code: str, _: pytest.MonkeyPatch) -> None:
     assert Path("model.json").is_file()
 
 
+def judge(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On verdicts that are made up; tests/artefacts/test_demo.py runs it on those of a study."""
+    rows = [Verdict(question="force", state="do not use", reason="blind"), Verdict(question="load")]
+    write_rows(Verdict, rows, "results/mine/tables/verdicts.csv")
+    uses = [RecordingUse(recording="pushed", purpose="contacts", use="yes")]
+    write_rows(RecordingUse, uses, "results/mine/tables/uses.csv")
+    use = {"joint": [3], "parameter": "coulomb", "use": "no", "reason": "unlikely"}
+    model = SimpleNamespace(use=pd.DataFrame(use))
+    monkeypatch.setattr(FinishedStudy, "model", lambda _, robot: {"ur5e": model}[robot])
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        exec(code, {})
+    assert printed.getvalue().splitlines() == [
+        f"force: do not use. {reason_in_words('blind')}",
+        f"coulomb of joint 3: no. {reason_in_words('unlikely')}",
+        "pushed for contacts: yes. ",
+    ]
+
+
 def read(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """On a table where the page says that it lies."""
     path = Path("results/mine/recordings/pushed/forces.parquet")
@@ -157,6 +182,7 @@ def estimate_live(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
 PYTHON: dict[str, Callable[[str, pytest.MonkeyPatch], None]] = {
     "import rtde_receive": record,
     ">>> import ur5lib": read,
+    "from ur5lib import load": judge,
     "import ur5lib": fit,
     "import numpy as np": extend,
     "from live import Live": estimate_live,

@@ -78,6 +78,13 @@ class Model(Shown):
         threshold: dict[str, float] = record_of(dict[str, float], self.arm["threshold"])
         return threshold
 
+    @property
+    def use(self) -> pd.DataFrame:
+        """Return which constants and frictions may be used: joint, parameter, use (yes, no), and
+        the code of the reason against it, or of a doubt.
+        """
+        return self.table("friction")[["joint", "parameter", "use", "reason"]]
+
     def table(self, name: str) -> pd.DataFrame:
         """Return a table of the arm as the report has it, one value a row, SI units: "friction",
         "torque_constants", "cross_validation", "rotor_inertia", "parameters", "excitation" or

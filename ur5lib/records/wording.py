@@ -10,8 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from ur5lib.channels import CURRENT, Effort
 from ur5lib.errors import Remark, printable
 from ur5lib.records.quality import Finding
+from ur5lib.records.verdicts import REASONS
 from ur5lib.strict import read_yaml
 
 LIBRARY = Path(__file__).parents[1]
@@ -83,6 +85,18 @@ def _with_remedy(values: Mapping[str, Any], stated: str) -> str:
     if not (kind := values.get("kind")):
         return stated
     return sentence("overruled by", {"sign": stated, "kind": kind})
+
+
+def reason_in_words(cell: object, effort: Effort = CURRENT) -> str:
+    """Return the sentence of a reason in a table's cell, empty of an empty cell.
+
+    effort: that the arm measures. An unknown reason, as of a later version, stays a code.
+    """
+    if not isinstance(cell, str):  # NaN
+        return ""
+    if cell not in REASONS:
+        return printable(cell)
+    return REASONS[cell].format(quantity=effort.quantity, constant=effort.constant)
 
 
 def worded(finding: Finding) -> dict[str, str | int]:
