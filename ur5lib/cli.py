@@ -241,13 +241,16 @@ def report(
     results: Results,
     open_report: Annotated[bool, typer.Option("--open", help="show it in the browser")] = False,
 ) -> None:
-    """Print the file of a study's report, or show it.
+    """Print the states of a study's cards and the file of its report, or show it.
 
     Example: ur5 report mine --open
     """
+    from ur5lib.commands.verdicts import card_states, lines
+
     file = results / "report.html"
     if not file.is_file():
         raise InputError(f"{file} does not exist; build it: ur5 run {results.name}")
+    print_lines(lines(card_states(results), results.name))
     _show(file, open_report)
 
 
@@ -260,7 +263,7 @@ def _show(report: Path, open_report: bool) -> None:
 
 @app.command(rich_help_panel="Start")
 def status(study: StudyFile, as_json: AsJson = False) -> None:
-    """Print whether a study is built, and what a run would compute.
+    """Print whether a study is built, the states of its cards, and what a run would compute.
 
     Example: ur5 status mine
     """
@@ -414,6 +417,12 @@ def export(
     ros_names: Annotated[
         bool, typer.Option("--ros-names", help="call the joints of a UR as ROS does")
     ] = False,
+    accept: Annotated[
+        str,
+        typer.Option(
+            help="why to export what the study's verdicts say not to use; the file has the reason"
+        ),
+    ] = "",
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="file to write; default: print it")
     ] = None,
@@ -425,7 +434,7 @@ def export(
     """
     from ur5lib.commands.exported import exported
 
-    text = exported(robot, model, format, results, as_in, ros_names)
+    text = exported(robot, model, format, results, as_in, ros_names, accept)
     if output is None:
         typer.echo(text)
         return

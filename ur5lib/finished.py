@@ -61,6 +61,12 @@ def arm_of(entry: Mapping[str, Any]) -> str:
     return str(robot if isinstance(robot, str) else robot.get("name") or robot["arm"])
 
 
+def no_verdicts(folder: Path) -> str:
+    """Return the sentence about results of a version that did not judge them."""
+    name = folder.name
+    return f"{folder} has no verdicts, as results of an earlier version; `ur5 run {name}` again"
+
+
 class FinishedStudy(Shown):
     """The results in a folder `results/<study>`.
 
@@ -259,10 +265,7 @@ class FinishedStudy(Shown):
     def _judged(self, name: str) -> pd.DataFrame:
         """Return a table of the step that judges the study."""
         if name not in self.tables:
-            raise InputError(
-                f"{self.folder} has no verdicts, as results of an earlier version; `ur5 run "
-                f"{self.folder.name}` again"
-            )
+            raise InputError(no_verdicts(self.folder))
         return self.table(name)
 
     def _fitted(self, recording: str) -> Files:

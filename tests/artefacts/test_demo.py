@@ -41,7 +41,8 @@ from ur5lib.force.live import Live
 from ur5lib.importing.contents import UserStatement
 from ur5lib.importing.files import import_files
 from ur5lib.records.signals import Signals
-from ur5lib.tables import read_csv, read_json
+from ur5lib.records.verdicts import Verdict
+from ur5lib.tables import read_csv, read_json, write_rows
 from ur5lib.tidy.friction import without_totals
 
 FRICTION = ["torque_constant", "offset", "coulomb", "viscous", "load"]
@@ -342,6 +343,27 @@ def test_what_the_live_estimator_needs_is_exported(results: Path, tmp_path: Path
     path.write_text(json.dumps(read_json(path) | refused))
     with pytest.raises(InputError, match="no force of ur5 is stated: "):
         exported("ur5", None, "live", tmp_path, "")
+
+
+def test_what_verdicts_say_not_to_use_is_exported_for_a_reason_alone(
+    results: Path, tmp_path: Path
+) -> None:
+    """The live estimator carries the reason; links as described need none."""
+    for part in ("parameters", "recordings", "configuration.yaml"):
+        (tmp_path / part).symlink_to(results / part)
+    rows = [
+        Verdict(question="force", state="do not use", reason="blind"),
+        Verdict(question="links", arm="ur5", state="do not use", reason="worse_than_zero"),
+    ]
+    write_rows(Verdict, rows, tmp_path / "tables" / "verdicts.csv")
+    for to, question in (("live", "force"), ("urdf", "links")):
+        with pytest.raises(InputError, match=f"{question}: do not use"):
+            exported("ur5", None, to, tmp_path, "")
+    assert exported("ur5", "C", "urdf", tmp_path, "").startswith("<robot")
+    known = json.loads(exported("ur5", None, "live", tmp_path, "", accept="a lesson"))
+    jsonschema.validate(known, json.loads(exported("ur5", None, "live.schema.json", None, "")))
+    assert known["accepted"]["reason"] == "a lesson"
+    Live(known)
 
 
 @pytest.mark.parametrize("name", ["way_points_pushed", "standstill_pushed"])

@@ -1,7 +1,8 @@
 """`ur5 export`: an arm, as described or as identified, in the formats of other programs."""
 
+import json
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
 from importlib import metadata
 from importlib.resources import files
@@ -13,6 +14,7 @@ from scipy.optimize import nnls
 
 from ur5lib.commands.compensation import compensation
 from ur5lib.commands.live_arm import live_arm
+from ur5lib.commands.overruled import Overruled, overruled
 from ur5lib.errors import InputError, perhaps, unknown
 from ur5lib.finished import FinishedStudy
 from ur5lib.identification.currents import torque_constants
@@ -42,6 +44,8 @@ WRITERS: dict[str, Callable[[Robot, str, JointFriction | None, TcpPose | None], 
 ROS_NAMES = [f"{joint}_joint" for joint in JOINTS]  # of a UR's joints, base to wrist
 LIVE_FILES = ("live.py", "live.hpp", "live.schema.json")  # what reads `--format live`
 FORMATS = (*WRITERS, "json", "sensor", "live", *LIVE_FILES)
+FITTED = ("constants", "currents")  # questions of verdicts.csv about what is fitted to an arm
+OF_LIVE = ("force", *FITTED)
 MIN_MOVING_SAMPLES = 100  # from which a joint's friction is determined
 UNIT_NOTE = "SI: m, kg, s, rad, N, Nm, A; joints from 1; low and high: the 95 % interval"
 BANDS = "band_moving", "band_reversing", "band_standing"
@@ -55,13 +59,15 @@ def exported(
     results: Path | None,
     as_in: str,
     ros_names: bool = False,
+    accept: str = "",
 ) -> str:
     """Return an arm with one of its link models, by default the chosen or the identified one, what
     its force sensor reads without contact, or what the live estimator needs, and its files.
 
     results: of a study that identified it; as_in: recording of the study whose payload and mounting
-    the arm has, empty for none; ros_names: whether joints of a UR are called as ROS does. Raises
-    InputError for unknown names and missing results.
+    the arm has, empty for none; ros_names: whether joints of a UR are called as ROS does; accept:
+    reason for which what the verdicts say not to use is exported, and which the file states. Raises
+    InputError for unknown names, missing results, and such verdicts without a reason.
     """
     if to not in FORMATS:
         raise unknown("format", to, FORMATS)
@@ -71,7 +77,8 @@ def exported(
     if to == "sensor":
         return compensation(study, robot, as_in)
     if to == "live":
-        return live_arm(study, robot, as_in)
+        live = json.loads(live_arm(study, robot, as_in))
+        return json_text(live | _overruled(study, robot, OF_LIVE, accept).in_json())
     arm = described(robot) if study is None else study.arm(robot)
     if as_in and study is None:
         raise InputError("--as-in names a recording of a study; name its folder by --results")
@@ -79,6 +86,24 @@ def exported(
         raise InputError(f"ROS names the joints of a UR, not of {robot}; leave out --ros-names")
     if as_in and study is not None:
         arm = arm.carrying(study.payload(as_in)).mounted(study.recording(as_in).known_gravity())
+    model = _link_model(arm, robot, model, study)
+    asked = (*FITTED, "links") if model == "identified" else FITTED
+    against = _overruled(study, robot, asked, accept)
+    friction = None if study is None else simulator_friction(robot, model, study)
+    if to in WRITERS:
+        text = WRITERS[to](arm, model, friction, tool_centre_point(study, as_in))
+        text = re.sub(r"\bjoint_([1-6])\b", called_by_ros, text) if ros_names else text
+        return against.as_comment(in_xml=to != "isaac") + text
+    parameters = described_arm(arm, model) | against.in_json()
+    if study is not None:
+        parameters |= identified_parameters(study, robot, friction)
+        fitted = {name for names in parameters["fitted_on"].values() for name in names}
+        parameters["files"] = {name: study.quality(name).read for name in sorted(fitted)}
+    return json_text(parameters)
+
+
+def _link_model(arm: Robot, robot: str, model: str | None, study: FinishedStudy | None) -> str:
+    """Return the link model that is exported. Raises InputError where the arm lacks it."""
     if model is None and arm.links == "unknown":
         raise InputError(
             f"the links of {robot} are placeholders that no fit has replaced; name by --results a "
@@ -91,16 +116,14 @@ def exported(
         raise InputError(
             f"{robot} has no link model {model!r}{near}; available: {', '.join(arm.models)}"
         )
-    friction = None if study is None else simulator_friction(robot, model, study)
-    if to in WRITERS:
-        text = WRITERS[to](arm, model, friction, tool_centre_point(study, as_in))
-        return re.sub(r"\bjoint_([1-6])\b", called_by_ros, text) if ros_names else text
-    parameters = described_arm(arm, model)
-    if study is not None:
-        parameters |= identified_parameters(study, robot, friction)
-        fitted = {name for names in parameters["fitted_on"].values() for name in names}
-        parameters["files"] = {name: study.quality(name).read for name in sorted(fitted)}
-    return json_text(parameters)
+    return model
+
+
+def _overruled(
+    study: FinishedStudy | None, robot: str, questions: Sequence[str], accept: str
+) -> Overruled:
+    """Return what a reason overrules; of an arm as described, nothing."""
+    return Overruled() if study is None else overruled(study, robot, questions, accept)
 
 
 def tool_centre_point(study: FinishedStudy | None, recording: str) -> TcpPose | None:

@@ -8,8 +8,12 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich.progress import Progress
+
+if TYPE_CHECKING:
+    from ur5lib.commands.verdicts import CardState
 
 from ur5lib.commands.console import text_console
 from ur5lib.errors import InputError, printable
@@ -49,7 +53,7 @@ class State:
     """What is known of a study's results: who makes them, what is missing.
 
     report: its file, None while there is none; unreadable: reasons by recording; steps_to_run: that
-    a run would take, None while another makes them.
+    a run would take, None while another makes them; verdicts: states of cards, None without any.
     """
 
     study: str
@@ -58,15 +62,20 @@ class State:
     written: str | None
     unreadable: dict[str, str]
     steps_to_run: int | None
+    verdicts: "list[CardState] | None"
 
     def lines(self) -> Iterator[str]:
         """Yield it line by line."""
+        from ur5lib.commands.verdicts import lines
+
         if self.being_made_by:
             yield f"being made by {self.being_made_by}"
         if self.report:
             yield f"report: {self.report}, written {self.written}"
         else:
             yield f"no report yet; next: ur5 run {self.study}"
+        if self.report or self.verdicts:
+            yield from lines(self.verdicts, self.study)
         for name, reason in self.unreadable.items():
             yield f"{name} cannot be read: {printable(reason)}"
         if self.steps_to_run:
@@ -77,6 +86,8 @@ class State:
 
 def state(study: Path, results: Path) -> State:
     """Return what is known of a study's results. Raises InputError where it has mistakes."""
+    from ur5lib.commands.verdicts import card_states  # slow to import
+
     report, holder, written = results / "report.html", running(results), None
     if report.is_file():
         written = time.strftime("%Y-%m-%d %H:%M", time.localtime(report.stat().st_mtime))
@@ -87,6 +98,7 @@ def state(study: Path, results: Path) -> State:
         written,
         unreadable(results) if results.is_dir() else {},
         None if holder else _steps_to_run(study),
+        card_states(results),
     )
 
 

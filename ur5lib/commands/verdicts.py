@@ -1,0 +1,63 @@
+"""The verdicts on a study, as commands print them: the state of each card, and the reason."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ur5lib.channels import CURRENT, TORQUE, Effort
+from ur5lib.errors import printable
+from ur5lib.finished import FinishedStudy
+from ur5lib.records.wording import reason_in_words
+
+
+@dataclass(frozen=True)
+class CardState:
+    """The state of a card: its question and arm, empty of all arms; reason: a code and in words."""
+
+    question: str
+    arm: str
+    state: str
+    reason: str
+    why: str
+
+    def line(self, with_arm: bool = False) -> str:
+        """Return it as a line."""
+        of = f" of {self.arm}" if with_arm and self.arm else ""
+        return printable(f"{self.question}{of}: {self.state}{self.why and f'. {self.why}'}")
+
+
+def card_states(results: Path) -> list[CardState] | None:
+    """Return the rows that decide, as far as they have a state; None where nothing was judged."""
+    if not (results / "tables" / "verdicts.csv").is_file():
+        return None
+    study = FinishedStudy(results)
+    rows = study.verdicts
+    rows = rows[(rows["rank"] == 1) & rows["state"].notna()]
+    named = rows.astype({"arm": object, "reason": object}).fillna({"arm": "", "reason": ""})
+    return [_card_state(study, row) for row in named.itertuples()]
+
+
+def lines(states: list[CardState] | None, study: str) -> Iterator[str]:
+    """Yield a line for each state of `card_states`, or one that says that there are none.
+
+    study: the address of its file. Of several arms, those of each stand for that of all.
+    """
+    if states is None:
+        yield f"no verdicts, as results of an earlier version; next: ur5 run {study}"
+        return
+    several = {one.question for one in states if one.arm}
+    with_arm = len({one.arm for one in states if one.arm}) > 1
+    yield from (one.line(with_arm) for one in states if one.arm or one.question not in several)
+
+
+def measured(study: FinishedStudy, arm: str) -> Effort:
+    """Return what an arm measures, or all arms of a study (empty) do."""
+    arms = [arm] if arm else [path.name for path in (study.folder / "parameters").glob("*")]
+    known = [one for one in arms if (study.folder / "parameters" / one / "arm.yaml").is_file()]
+    return TORQUE if {study.arm(one).measured for one in known} == {TORQUE} else CURRENT
+
+
+def _card_state(study: FinishedStudy, row: Any) -> CardState:
+    why = reason_in_words(row.reason, measured(study, row.arm)) if row.reason else ""
+    return CardState(row.question, row.arm, row.state, row.reason, why)
