@@ -146,7 +146,7 @@ KINDS = {  # of an alarm that is no load: by the sensor, off the flange, free by
     (None, False, False): "contact",
     (None, False, True): "false",
     (None, True, False): "off_flange",
-    (None, True, True): "off_flange",
+    (None, True, True): "false",
 }
 
 

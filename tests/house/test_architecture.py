@@ -38,11 +38,16 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     # branches
     "stand": BASE,
     # steps join the rooms; jobs know them by their names alone
-    "steps": BASE | ROOMS - {"excitation"} | {"stand", "records", "report", "tidy", "workspace"},
+    "steps": BASE
+    | ROOMS - {"excitation"}
+    | {"judging", "stand", "records", "report", "tidy", "workspace"},
+    "judging": BASE | {"force", "records", "tidy"},
     "tidy": BASE | {"stand"} | {"force", "recordings", "records", "signals"},
     "jobs": {"errors", "records", "report", "robots", "strict", "tables", "workspace"},
     # readers
-    "report": BASE | METHODS - {"signals", "dynamics"} | {"records", "tidy", "workspace"},
+    "report": BASE
+    | METHODS - {"signals", "dynamics"}
+    | {"judging", "records", "tidy", "workspace"},
     "study": BASE | {"stand", "recordings", "records", "workspace"},
     "chain": BASE | {"jobs", "records", "study"},
     "finished": BASE | {"chain", "jobs", "records", "study"},

@@ -338,3 +338,13 @@ def test_the_shipped_studies_are_valid(thesis_data: Path, tmp_path: Path, monkey
     studies = [PROJECT / "config.yaml", *(PROJECT / "workflow" / "studies").glob("thesis.yaml")]
     for path in studies:
         parse_study(yaml.safe_load(path.read_text()), path.name)
+
+
+def test_a_study_file_of_version_0_2_is_read_as_it_was() -> None:
+    """Until 1.0, every key that it wrote has its meaning and its value."""
+    stored = yaml.safe_load(Path(__file__).with_name("study_of_0_2.yaml").read_text())
+    study = parse_study(stored, "study_of_0_2.yaml")
+    assert study.settings.model_dump(mode="json") == stored["settings"]
+    assert [entry.name for entry in study.recordings] == [
+        entry["name"] for entry in stored["recordings"]
+    ]

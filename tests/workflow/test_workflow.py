@@ -52,7 +52,7 @@ ARM = IMU | MODELS | FRICTION
 DRIFTS = {"pool_drifts": 1}
 DOCUMENTED = {"write_report": 1, "describe_run": 1}
 DOCUMENT = {"time_steps": 1} | DOCUMENTED
-REPORT = {"make_tables": 1, "draw_calibration": 1} | DOCUMENT
+REPORT = {"make_tables": 1, "judge_study": 1, "draw_calibration": 1} | DOCUMENT
 DRAWINGS = {
     "draw_filters": 1,
     "draw_friction": 1,
@@ -246,7 +246,8 @@ def test_editing_code_reruns_its_users(
         ("force/sensor.py", "judge_sensor", "estimate_forces"),
         ("steps/judge_contacts.py", "judge_contacts", "judge_sensor"),
         ("tidy/friction.py", "judge_recording", "estimate_forces"),
-        ("report/views/contacts.py", "write_report", "make_tables"),
+        ("report/views/contacts.py", "write_report", "judge_study"),
+        ("judging/limits.py", "judge_study", "make_tables"),
     ],
 )
 def test_a_module_is_a_part_of_the_steps_that_use_it(module: str, first: str, kept: str) -> None:

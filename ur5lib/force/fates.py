@@ -90,6 +90,8 @@ def kind_of(alarm: Alarm, is_free: bool) -> Kind:
         return "load"
     if alarm.at_sensor:
         return "contact"
+    if alarm.at_sensor is None and is_free:  # of the whole arm
+        return "false"
     if alarm.off_flange:
         return "off_flange"
-    return "contact" if alarm.at_sensor is None and not is_free else "false"
+    return "contact" if alarm.at_sensor is None else "false"

@@ -1,7 +1,7 @@
 """Verdicts: what may be used, the number that decides, and the reason."""
 
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal, cast, get_args
 
 State = Literal["good", "usable", "do not use", "not determined"]
 Use = Literal["yes", "no"]
@@ -18,6 +18,8 @@ Reason = Literal[
     "far",
     "undetermined",
     "worse_than_zero",
+    "large_error",
+    "too_small",
     "rival_better",
     "rival_equal",
     "far_above_floor",
@@ -28,11 +30,17 @@ Reason = Literal[
     "sensor_bias",
     "saturated",
     "no_sensor",
+    "no_contact",
+    "no_reference",
     "no_motion",
     "no_unseen",
     "one_path",
     "fitted",
     "touched",
+    "felt",
+    "short",
+    "changed",
+    "few_dates",
     "loaded",
     "other_friction",
     "uncalibrated",
@@ -42,7 +50,7 @@ Reason = Literal[
 REASONS: dict[str, str] = {  # a sentence each; {quantity} and {constant} as of the arm's effort
     "stopped": "A recording contradicts the study (stop sign).",
     "unread": "Its file cannot be used, or repeats another one.",
-    "error": "A file has an error: what it concerns is not used.",
+    "error": "A recording has an error, which is first in what to do next.",
     "warning": "Files have warnings.",
     "contradicted": "The {quantity}s contradict the known {constant}, which is used instead.",
     "unlikely": "The {constant} contradicts the known one, and forces are computed with it.",
@@ -51,21 +59,29 @@ REASONS: dict[str, str] = {  # a sentence each; {quantity} and {constant} as of 
     "far": "The {constant} is farther from the known one than on 95 % of arms.",
     "undetermined": "The recordings do not determine it.",
     "worse_than_zero": "The error is not below that of zero or of a constant.",
+    "large_error": "The error is a large part of that of zero or of a constant.",
+    "too_small": "What is measured is too small to judge an error by.",
     "rival_better": "The simple method errs less.",
     "rival_equal": "The simple method does about as well.",
-    "far_above_floor": "The error is more than three times the repeatability.",
-    "wide_interval": "The 95 % interval of the error is too wide, or unknown.",
+    "far_above_floor": "On repeated motions, the error is more than three times the repeatability.",
+    "wide_interval": "The 95 % interval of the error is unknown, or reaches half of the force.",
     "undercovers": "The 95 % band contains less than 90 % of the readings.",
     "too_wide": "The 95 % band is more than twice as wide as needed.",
     "blind": "In contact, the 95 % band contains zero for more than half of the time.",
     "sensor_bias": "The bias of the force sensor is uncertain.",
     "saturated": "The force sensor is saturated.",
     "no_sensor": "No working force sensor was recorded.",
+    "no_contact": "The force sensor reads no contact on a recording outside the fit.",
+    "no_reference": "Nothing was recorded to compare it with.",
     "no_motion": "Nothing moves.",
     "no_unseen": "No recording outside the fit tests it.",
     "one_path": "All fit recordings follow one path, so that no error bar is tested.",
     "fitted": "The fit has used the recording.",
-    "touched": "The force sensor reads contacts, although the role says that nothing touches the arm.",
+    "touched": "The force sensor reads contacts, although the role denies them.",
+    "felt": "More contacts are found than false alarms explain, although the role is fit.",
+    "short": "The recordings are too short to promise fewer than one a minute.",
+    "changed": "It changed between dates by more than chance explains.",
+    "few_dates": "Too few dates repeat a path of another date.",
     "loaded": "The arm carries an undeclared load.",
     "other_friction": "Friction is unlike that of the fit.",
     "uncalibrated": "No friction was fitted.",
@@ -73,6 +89,11 @@ REASONS: dict[str, str] = {  # a sentence each; {quantity} and {constant} as of 
     "not_run": "The results have no verdicts; run the study again.",
 }
 assert {"", *REASONS} == {*get_args(Reason)}
+
+
+def reason_in(cell: object) -> Reason:
+    """Return the reason in a cell of a table, which may be empty."""
+    return cast("Reason", cell) if isinstance(cell, str) else ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,3 +144,153 @@ class RecordingUse:
     purpose: str
     use: Use
     reason: Reason = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class JudgedError:
+    """A row of judged_errors.csv: an error at one joint or component by which a question is judged.
+
+    error: mean over `recordings`, from low to high; zero: of an estimate of zero or a constant;
+    model: which was judged; rival, rival_error: the simple method; floor: repeatability, with the
+    error on the same repeats as a multiple of it (`in_floors`); coverage95: least share in the 95 %
+    band, band_factor95: largest and least_factor95: least multiple of it that contains 95 %;
+    largest: the largest error, on `recording`, where zero errs by `largest_zero`; torque: the error
+    of a current as a torque [Nm].
+    """
+
+    question: str
+    robot: str
+    joint: int | None = None
+    component: str = ""
+    model: str = ""
+    unit: str
+    error: float
+    low: float
+    high: float
+    recordings: int
+    zero: float
+    rival: str = ""
+    rival_error: float | None = None
+    floor: float | None = None
+    in_floors: float | None = None
+    coverage95: float | None = None
+    band_factor95: float | None = None
+    least_factor95: float | None = None
+    largest: float
+    recording: str
+    largest_zero: float
+    torque: float | None = None
+    largest_torque: float | None = None
+    state: State
+    reason: Reason = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModelError:
+    """A row of model_errors.csv: errors of a link model, means over recordings [Nm]."""
+
+    robot: str
+    motion: str
+    model: str
+    joint: int
+    mae: float
+    mae_2hz: float
+    zero_mae: float
+    zero_mae_2hz: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class FalseAlarms:
+    """A row of false_alarms.csv: alarms where nothing touches the arm and no load is undeclared.
+
+    role: fit or validate; estimate: the leading one, or live; days: all, without fit (without a fit
+    recording), or farthest (from one); minutes: in which the estimate can raise an alarm, a share
+    `unknown` of all left out; per_min, per_min_high: rate, and its upper limit (95 %, Poisson).
+    """
+
+    role: str
+    estimate: str
+    days: str
+    recordings: int
+    minutes: float
+    unknown: float
+    alarms: int
+    per_min: float
+    per_min_high: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Noticed:
+    """A row of noticed.csv: contacts at the sensor of a recording, and its alarms.
+
+    contacts: that reach 5 N, of which found by an alarm of their own, merged (within another one's)
+    and missed, also by the live estimate; missed_s, merged_s: their starts [s]; largest_missed,
+    smallest_found: peaks [N]; peak_bias: mean relative error of the found peaks; alarms: all,
+    false_alarms: as in detection.csv, without a sensor those of the kind false, also live; band:
+    the widest 95 % band of an alarm's largest force, half of it [N] along band_axis at band_s in a
+    posture [°].
+    """
+
+    recording: str
+    role: str
+    contacts: int
+    found: int
+    merged: int
+    missed: int
+    found_live: int | None = None
+    missed_live: int | None = None
+    missed_s: str = ""
+    merged_s: str = ""
+    largest_missed: float | None = None
+    smallest_found: float | None = None
+    peak_bias: float | None = None
+    alarms: int
+    alarms_per_min: float
+    false_alarms: int
+    false_live: int | None = None
+    band: float | None = None
+    band_axis: str = ""
+    band_s: float | None = None
+    posture_deg: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ErrorParts:
+    """A row of error_parts.csv: parts of a force's error in contact [N], means over x, y, z.
+
+    error = missed + late_alarms + gain + friction; share: of the mean force; sensor_bias: uncertain
+    (yes, no); drift_x to drift_z: of the bias [N/min], where determined within 1 N/min (drift_std).
+    """
+
+    recording: str
+    error: float
+    share: float
+    missed: float
+    late_alarms: float
+    gain: float
+    friction: float
+    sensor_bias: str
+    drift_x: float | None = None
+    drift_y: float | None = None
+    drift_z: float | None = None
+    drift_std: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Advice:
+    """A row of advice.csv: what to do next, the most urgent first.
+
+    code: of the sentence; kind: correction, recording (what to record), or later, after what
+    topics propose; recording: the first of `recordings`; joints: numbers with blanks between;
+    value, std_error: the number in the sentence; detail: words of the finding.
+    """
+
+    code: str
+    kind: Literal["correction", "recording", "later"]
+    robot: str = ""
+    recording: str = ""
+    recordings: int = 0
+    joints: str = ""
+    value: float | None = None
+    std_error: float | None = None
+    detail: str = ""

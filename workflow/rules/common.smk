@@ -47,6 +47,16 @@ CONTENTS = [PACKAGE / "report" / "page" / name for name in ("contents.yaml", "se
 CONTENTS += PAGES_OF_TOPICS
 TEMPLATES = PACKAGE / "report" / "page" / "templates"
 COLUMNS = PACKAGE / "tidy" / "columns.yaml"
+JUDGED = [  # tables that judge_study writes
+    "verdicts",
+    "uses",
+    "judged_errors",
+    "model_errors",
+    "error_parts",
+    "noticed",
+    "false_alarms",
+    "advice",
+]
 WORDS_OF_FINDINGS = sorted(PACKAGE.rglob("*.words.yaml"))
 
 

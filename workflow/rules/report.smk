@@ -1,6 +1,6 @@
-PARTS = [  # of tables, by the steps above
-    path for path in outputs_in("parameters") + outputs_in("recordings") if path.endswith(".csv")
-]
+WRITTEN = outputs_in("parameters") + outputs_in("recordings")  # by the steps above
+OF_TOPICS = [path for path in WRITTEN if path.endswith(".verdicts.csv")]
+PARTS = [path for path in WRITTEN if path.endswith(".csv") and path not in OF_TOPICS]  # of tables
 PAGE = *CONTENTS, TEMPLATES / "report.html.jinja", *sorted(TEMPLATES.glob("closer/**/*.*"))
 
 
@@ -101,6 +101,22 @@ rule make_tables:
         run_step(rule, input, output, params, log)
 
 
+rule judge_study:
+    input:
+        tables=rules.make_tables.output,
+        described=parameters("described.yaml"),
+        of_topics=OF_TOPICS,
+    output:
+        **tables(JUDGED),
+    log:
+        **traces("judge_study"),
+    params:
+        code=code("judge_study"),
+        study=lambda wildcards: STUDY_TEXT,
+    run:
+        run_step(rule, input, output, params, log)
+
+
 rule draw_calibration:
     input:
         errors=rules.make_tables.output.force_mae,
@@ -157,7 +173,7 @@ rule write_report:
 rule write_run:
     input:
         described=parameter_of("described.yaml"),
-        tables=rules.make_tables.output,
+        tables=[*rules.make_tables.output, *rules.judge_study.output],
         figures=lambda wildcards: expand(rules.draw_figures.output, recording=wildcards.recording),
     output:
         html=f"{RESULTS}/runs/{{recording}}.html",

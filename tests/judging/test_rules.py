@@ -1,0 +1,250 @@
+"""What a verdict must not say: each a way in which right numbers misled."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.made_study import (
+    DOUBTED,
+    constant,
+    finding,
+    judged_anew,
+    predicted,
+    push,
+    rates,
+    sensed,
+    state,
+    study,
+    torques,
+    touched,
+    verdicts_of,
+)
+from ur5lib.force.estimators import UNGATED
+from ur5lib.judging.contacts import upper_limit
+from ur5lib.report.views.first_screen import findings, next_steps, result
+from ur5lib.steps.judge_study import judged
+
+TOUCHED = finding("error", "touched", device="force", detail="the sensor reads up to 33 N")
+"""The finding that a sensor reads contacts on `seen`, whose role is validate."""
+
+
+def test_1_real_contacts_lead_and_trials_are_compared_with_them() -> None:
+    """All real pushes from 22 N were found, although trials ask for 93 N."""
+    contacts = sensed((30.0, "found"), (22.0, "found"), (21.0, "missed"), (25.0, "merged"))
+    trials = [push("at rest", "z", 93.0), push("fast", "x", 20.0)]
+    results = study({"pushed": None}, contact_errors=contacts, pushes=trials)
+    found, from_, *_ = verdicts_of(results, "contacts")
+    assert (found.count, found.of, found.basis) == (2, 4, "real")
+    assert (from_.value, from_.count) == (22.0, 3)
+    hardest = verdicts_of(results, "pushes")[0]
+    assert (hardest.value, hardest.motion, hardest.basis) == (93.0, "at rest", "trial")
+    assert hardest.rival_value == 22.0
+    (told,) = result(results)
+    assert (
+        "2 of 4 contacts at the force sensor are found, none above 21 N is missed"
+        in told.replace("\u00a0", " ")
+    )
+    assert "93" not in told
+
+
+def test_1_no_number_whose_error_exceeds_it_and_none_of_fits_without_the_word() -> None:
+    unknown = [push("slow", "x", None, reason="undetermined")]
+    (row,) = verdicts_of(study(pushes=unknown), "pushes")
+    assert (row.value, row.reason) == (None, "undetermined")
+    fitted = [push("slow", "x", 30.0, basis="fit", reason="fitted")]
+    assert verdicts_of(study(pushes=fitted), "pushes")[0].basis == "fit"
+    (told,) = result(study(pushes=fitted))
+    assert "(fit recordings)" in told
+    alone = study(contact_errors=sensed((30.0, "found"), recording="fitted"))
+    assert verdicts_of(alone, "contacts")[0].basis == "fit"
+
+
+def test_2_a_sensor_beats_a_role() -> None:
+    """A validate recording that is touched tests no currents, and its alarms are not false."""
+    rows = predicted(1.3)
+    searched = [rates("seen", 2.0, contacts=1, force_class_n=5.0)]
+    tables = {"current_rmse": rows, "detection": searched, "friction": [constant(1, 10.0)]}
+    results = study(quality=[TOUCHED], contact_errors=sensed((33.0, "missed")), **tables)
+    assert state(study(**tables), "currents")[0] == "do not use"
+    assert state(results, "currents") == ("not determined", "touched")
+    assert [row.role for row in judged(results).false_alarms] == []
+    use = {
+        row.purpose: (row.use, row.reason)
+        for row in judged(results).uses
+        if row.recording == "seen"
+    }
+    assert use["currents"] == ("no", "touched")
+    assert use["contacts"] == ("yes", "")
+    assert state(results, "recordings") == ("usable", "error")
+    assert next_steps(results)[0].startswith("Give seen the role contact")
+
+
+def test_3_no_limit_of_finding_doubts_what_was_found() -> None:
+    """Ten of twelve alarms that a sensor confirms were called doubtful."""
+    alarm = {"recording": "pushed", "estimate": "Fmap", "kind": "contact", "peak_s": 1.0}
+    results = study(contacts=[alarm], pushes=[push("slow", "x", 90.0)])
+    assert not [one for one in findings(results) if "doubtful" in one]
+
+
+def test_4_the_total_of_friction_is_what_is_judged() -> None:
+    """Coulomb is up to 52 % above friction at v → 0, and terms do not add up to a total."""
+    total = {"robot": "ur5", "value": 5.0, "use": "yes"}
+    rows = [
+        total | {"joint": joint, "parameter": f"total_{speed}", "low": 5 - half, "high": 5 + half}
+        for joint, half in ((1, 1.0), (2, 6.0))
+        for speed in ("0", "0.1", "0.5", "1")
+    ]
+    widest, known = verdicts_of(study(friction=rows), "friction")
+    assert (widest.value, widest.joint, widest.motion) == (20.0, 1, "at 0 rad/s")
+    assert (known.count, known.of, known.reason) == (1, 2, "undetermined")
+
+
+def test_5_gains_of_unknown_links_are_not_known() -> None:
+    rows = [constant(1, 1.0, parameter="gain", use="no", reason="unknown_links")]
+    results = study(friction=rows)
+    assert state(results, "constants") == ("not determined", "unknown_links")
+    assert len(verdicts_of(results, "constants")) == 1  # no width, no distance
+    assert "95 %" not in " ".join(result(results))
+
+
+def test_6_a_floor_is_compared_with_the_error_of_the_same_repeats() -> None:
+    """An error of 1 A of another motion is no ten floors of 0.1 A."""
+    floor = {"robot": "ur5", "quantity": "current", "joint": 1, "floor": 0.1}
+    near, far = ([floor | {"error": error}] for error in (0.25, 0.35))
+    rows = predicted(0.4)
+    assert state(study(current_rmse=rows, repetition=near), "currents") == ("good", "")
+    found = study(current_rmse=rows, repetition=far)
+    assert state(found, "currents") == ("usable", "far_above_floor")
+    assert judged(found).judged_errors[0].in_floors == pytest.approx(3.5)
+
+
+def test_7_the_worst_number_is_shown_where_another_decides() -> None:
+    rows = predicted(0.2) + [row | {"model": "least_squares"} for row in predicted(0.5)]
+    rows[3] |= {"rmse_lowpassed": 0.4}
+    rows[10] |= {"rmse_lowpassed": 0.2}
+    first, worst, *_ = verdicts_of(study(current_rmse=rows), "currents")
+    assert (first.joint, first.reason, first.state) == (5, "rival_equal", "usable")
+    assert (worst.joint, worst.value, worst.rank) == (4, 0.4, 2)
+
+
+def test_7_the_largest_error_is_of_all_states() -> None:
+    """Joint 1 rests on `seen`, and errs most there."""
+    rows = predicted(0.2)
+    more = [row | {"recording": "pushed"} for row in predicted(0.2)]
+    more[0] |= {"rmse_lowpassed": 0.9}
+    results = study({"pushed": "2 3 4 5 6"}, current_rmse=rows + more)
+    entries = [one | {"role": "validate"} for one in results.study["recordings"]]
+    both = replace(results, study={**results.study, "recordings": entries})
+    most = next(row for row in verdicts_of(both, "currents") if row.rank == 3)
+    assert (most.value, most.joint, most.recording) == (0.9, 1, "pushed")
+
+
+def test_8_only_what_may_be_used_is_counted() -> None:
+    rows = [constant(1, 10.0), constant(2, 10.0, use="no", reason="unproven")]
+    first = verdicts_of(study(friction=rows), "constants")[0]
+    assert (first.count, first.of) == (1, 2)
+
+
+def test_9_without_a_contact_the_page_says_what_would_have_been_seen() -> None:
+    trials = [push("at rest", "x", None, bound=">", largest_tried=2943.0), push("fast", "y", 182.0)]
+    results = study(pushes=trials)
+    hardest, easier, whole = verdicts_of(results, "pushes")
+    assert (hardest.value, hardest.quantity) == (2943.0, "trial push of 1 s not found")
+    assert (easier.value, whole.low, whole.high) == (182.0, 182.0, 2943.0)
+    (told,) = result(results)
+    assert "from 182 N on at best, not even of 2943 N in the worst motion" in told.replace(
+        "\u00a0", " "
+    )
+
+
+def test_10_nothing_is_judged_by_next_to_nothing() -> None:
+    """A torque of 1 mNm, a zero of 0 Nm."""
+    rows = [row | {"mae_2hz": 0.0005, "zero_mae_2hz": 0.001} for row in torques({"A": 1.0})]
+    assert state(study(torque_mae=rows), "links") == ("not determined", "too_small")
+    assert {one.reason for one in judged(study(torque_mae=rows)).judged_errors} == {"too_small"}
+    rows[0] |= {"mae_2hz": 0.2, "zero_mae_2hz": 1.0}
+    assert {row.joint for row in verdicts_of(study(torque_mae=rows), "links")} == {1, None}
+
+
+def test_11_found_merged_and_missed_are_all_on_every_page() -> None:
+    contacts = sensed((30.0, "found"), (8.0, "missed"), (25.0, "merged"), (4.0, "missed"))
+    contacts[0] |= {"peak_error": -3.0}
+    searched = [rates("pushed", contacts=3, force_class_n=5.0, causal_found=1, causal_merged=0)]
+    results = study(contact_errors=contacts, detection=searched)
+    rows = {row.quantity: row for row in verdicts_of(results, "contacts")}
+    (noticed,) = judged(results).noticed
+    assert noticed.found + noticed.merged + noticed.missed == noticed.contacts == 3  # from 5 N on
+    assert rows["contacts found"].of == 3
+    assert rows["contacts missed, the largest"].count == noticed.missed
+    assert rows["error of the peak of found contacts, mean"].value == pytest.approx(-10.0)
+    assert noticed.peak_bias == pytest.approx(-0.1)
+
+
+@pytest.mark.parametrize("blind", [0.4, 0.93])
+def test_12_a_wide_band_is_usable(blind: float) -> None:
+    """32 of 35 studies of the stand were condemned for one resting recording."""
+    rows = [row | {"zero_in_band95": blind, "band_factor95": 0.3} for row in touched(2.0)]
+    results = study(force_mae=rows)
+    assert state(results, "force") == (("usable", "blind") if blind > 0.5 else ("good", ""))
+    bands = {row.quantity.partition(",")[0]: row for row in verdicts_of(results, "bands")}
+    shown = bands["time in contact in which the 95 % band contains zero on all axes"]
+    assert shown.value == pytest.approx(100 * blind)
+
+
+def test_13_the_rival_is_judged_by_the_same_sum_with_its_own_worst_place() -> None:
+    """Where we err most, it errs less: a ripple; elsewhere, it errs by 18 N."""
+    ours = touched(2.0) + touched(3.5, "seen")
+    theirs = [row | {"estimate": UNGATED} for row in touched(18.0) + touched(2.5, "seen")]
+    results = study(force_mae=ours + theirs)
+    assert state(results, "force") == ("good", "")
+    first = verdicts_of(results, "force")[0]
+    assert (first.value, first.rival_value) == (3.5, 18.0)
+    (told,) = result(results)
+    assert "least squares without a contact detector by 18.0 N at its worst" in told.replace(
+        "\u00a0", " "
+    )
+    better = study(force_mae=ours + [row | {"mae": 1.0} for row in theirs])
+    assert state(better, "force") == ("usable", "rival_better")
+
+
+def test_14_a_contact_off_the_flange_that_is_found_is_no_false_alarm() -> None:
+    alarm = {"recording": "pushed", "estimate": "Fmap", "kind": "off_flange", "peak_s": 1.0}
+    contacts = sensed((30.0, "found"))
+    searched = [rates("pushed", 5.0, contacts=1, force_class_n=5.0, false_alarms_per_min=0.0)]
+    results = study(contacts=[alarm] * 5, contact_errors=contacts, detection=searched)
+    (noticed,) = judged(results).noticed
+    assert (noticed.alarms, noticed.false_alarms) == (5, 0)
+    assert all(not row.count for row in verdicts_of(results, "alarms"))
+
+
+def test_the_upper_limit_of_alarms_is_that_of_poisson() -> None:
+    assert [upper_limit(count) for count in (0, 2)] == pytest.approx([2.996, 6.296], abs=1e-3)
+    rows = [rates("seen", 2.0, causal_alarms_per_min=3.0, causal_unknown=0.25)]
+    found = {(row.estimate, row.days): row for row in judged(study(detection=rows)).false_alarms}
+    assert (found["Fmap", "all"].alarms, found["Fmap", "all"].minutes) == (2, 1.0)
+    live = found["live", "all"]
+    assert (live.alarms, live.minutes, live.unknown) == (3, 0.75, 0.25)
+
+
+def test_alarms_on_days_without_a_fit_are_counted_by_themselves() -> None:
+    results = study(detection=[rates("seen", 2.0)])
+    for day, expected in (
+        ("2026-03-01", {"all"}),
+        ("2026-03-02", {"all", "without fit", "farthest"}),
+    ):
+        dates = {"fitted": "2026-03-01", "seen": day}
+        entries = [one | {"date": dates.get(one["name"])} for one in results.study["recordings"]]
+        dated = judged_anew(results, study={**results.study, "recordings": entries})
+        assert {row.days for row in judged(dated).false_alarms} == expected
+
+
+def test_the_parts_of_an_error_add_up() -> None:
+    parts = {"mae_missed": 1.0, "mae_shut": 0.5, "mae_gain": 0.25}
+    stds = {"drift_std_x": 0.1, "drift_std_y": 0.4, "drift_std_z": 0.6}
+    sensor = {"recording": "pushed", "contacts": 1, "drift_x": 0.3, "drift_y": -0.2, "drift_z": 5.0}
+    results = study(force_mae=touched(2.0, **parts, **DOUBTED), sensed=[sensor | stds])
+    (row,) = judged(results).error_parts
+    assert row.error == row.missed + row.late_alarms + row.gain + row.friction == 2.0
+    assert (row.drift_x, row.drift_y, row.drift_z, row.drift_std) == (0.3, -0.2, None, 0.4)
+    assert not np.isnan(row.friction)

@@ -1,0 +1,350 @@
+"""Each rule of a state at its borders, on tables with a known answer."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.made_study import (
+    DOUBTED,
+    FAR,
+    REFUSED,
+    RESTING,
+    UNKNOWN,
+    constant,
+    finding,
+    predicted,
+    state,
+    study,
+    torques,
+    touched,
+    verdicts_of,
+)
+from ur5lib.force.estimators import UNGATED
+from ur5lib.judging import limits
+from ur5lib.judging.errors import Conditions, severest, state_of
+from ur5lib.records.verdicts import REASONS, Reason, State
+from ur5lib.report.results import Results
+from ur5lib.steps.judge_study import judged
+from ur5lib.study.model import Settings
+
+STATED = {  # numbers in the sentences of reasons, as the limits give them
+    "far_above_floor": ("three times", limits.MAX_GOOD_FLOORS == 3),
+    "undercovers": ("less than 90 %", limits.MIN_GOOD_COVERAGE == 0.9),
+    "too_wide": ("twice", limits.MIN_GOOD_BAND_FACTOR == 0.5),
+    "blind": ("half of the time", limits.MAX_BLIND_SHARE == 0.5),
+}
+
+
+@pytest.mark.parametrize(
+    ("error", "more", "expected"),
+    [
+        (0.49, {}, ("good", "")),
+        (0.5, {}, ("usable", "large_error")),
+        (0.99, {}, ("usable", "large_error")),
+        (1.0, {}, ("do not use", "worse_than_zero")),
+        (0.1, {"coverage95": 0.9}, ("good", "")),
+        (0.1, {"coverage95": 0.89}, ("usable", "undercovers")),
+        (0.1, {"rival_error": 0.11}, ("good", "")),
+        (0.1, {"rival_error": 0.1}, ("usable", "rival_equal")),
+        (0.1, {"rival_error": 0.09}, ("usable", "rival_better")),
+        (0.1, {"in_floors": 3.0}, ("good", "")),
+        (0.1, {"in_floors": 3.1}, ("usable", "far_above_floor")),
+        (0.1, {"band_factor95": 0.4}, ("usable", "too_wide")),
+    ],
+)
+def test_a_state_follows_from_the_error_and_zero(
+    error: float, more: dict[str, Any], expected: tuple[State, Reason]
+) -> None:
+    row = pd.Series({"error": error, "zero": 1.0, **more})
+    assert state_of(row, Conditions()) == expected
+    nothing = pd.Series({"error": 0.0, "zero": 0.0, **more})
+    assert state_of(nothing, Conditions()) == ("not determined", "too_small")
+    if expected[0] == "good":
+        assert state_of(row, Conditions(unseen=False)) == ("usable", "no_unseen")
+
+
+def test_the_sentence_of_a_reason_has_the_limit_that_gives_it() -> None:
+    for reason, (words, holds) in STATED.items():
+        assert words in REASONS[reason]
+        assert holds
+
+
+def test_of_several_arms_the_severest_state_decides_and_good_are_all() -> None:
+    assert severest(["good", "good"]) == "good"
+    assert severest(["good", "not determined"]) == "usable"
+    assert severest(["usable", "do not use", None]) == "do not use"
+
+
+# Constants
+
+
+@pytest.mark.parametrize(
+    ("second", "expected"),
+    [
+        ({}, ("good", "")),
+        (FAR, ("usable", "far")),
+        ({"reason": "one_path"}, ("usable", "one_path")),
+        (UNKNOWN, ("usable", "prior_only")),
+        (REFUSED, ("usable", "contradicted")),
+        ({"use": "no", "reason": "unlikely"}, ("do not use", "unlikely")),
+    ],
+)
+def test_constants_are_judged_by_how_many_may_be_used(
+    second: dict[str, Any], expected: tuple[str, str]
+) -> None:
+    rows = [constant(1, 10.0), constant(2, 11.0, **second), constant(3, 10.0)]
+    assert state(study(friction=rows), "constants") == expected
+    if second in (UNKNOWN, REFUSED):  # of three, one is not the most
+        few = study(friction=[*rows[:2], constant(3, 10.0, **UNKNOWN)])
+        assert state(few, "constants")[0] == "not determined"
+
+
+def test_the_widest_and_the_farthest_constant_are_of_those_that_the_recordings_determine() -> None:
+    """142 Nm/A is what the currents of joint 2 would give; joint 3 says nothing."""
+    rows = [constant(1, 8.0), constant(2, 10.0, **REFUSED), constant(3, 30.0, **UNKNOWN)]
+    counted, widest, farthest = verdicts_of(study(friction=rows), "constants")
+    assert (counted.count, counted.of) == (1, 3)
+    assert (widest.joint, widest.value) == (1, 12.5)
+    assert (farthest.joint, farthest.value, farthest.low) == (2, 142.0, None)
+    assert farthest.rival_value == 10.0
+    assert len(verdicts_of(study(friction=[constant(1, 30.0, **UNKNOWN)]), "constants")) == 1
+
+
+def test_constants_that_stop_a_study_are_not_to_be_used() -> None:
+    remarks = [{"robot": "ur5", "step": "stop sign", "remark": "wrong", "code": "unknown side"}]
+    results = study(friction=[constant(1, 10.0)], remarks=remarks)
+    assert state(results, "constants") == ("do not use", "stopped")
+    assert state(results, "force") == ("do not use", "stopped")
+    assert verdicts_of(study(), "constants") == []
+
+
+def test_gravity_is_judged_by_the_joints_that_bear_it() -> None:
+    rows = [constant(1, 10.0), constant(2, 10.5), constant(3, 13.0), constant(4, 10.0, **REFUSED)]
+    results = replace(study(friction=rows), bearing={"ur5": [2, 3, 4]})
+    found = {row.joint: row.value for row in verdicts_of(results, "gravity")}
+    assert found == pytest.approx({4: 1320.0, 3: 30.0, 2: 5.0})
+    assert [row.rank for row in verdicts_of(results, "gravity")] == [1, 2, 3]
+
+
+def test_loads_that_agree_are_counted_where_the_currents_determine_one() -> None:
+    ends = {"fitted": (-0.2, 0.1), "seen": (0.1, 0.9), "pushed": (-90.0, 90.0)}
+    rows = [
+        {"recording": name, "low": low, "high": high, "mass": 0.0, "taken": "no"}
+        for name, (low, high) in ends.items()
+    ]
+    rows[1] |= {"taken": "yes", "mass": 0.5}
+    agreeing, widest, load = verdicts_of(replace(study(payload=rows), loads={"ur5": 2.0}), "load")
+    assert (agreeing.count, agreeing.of, agreeing.reason) == (1, 2, "loaded")
+    assert widest.value == pytest.approx(0.4)
+    assert (load.recording, load.value) == ("seen", 0.5)
+
+
+# Recordings
+
+
+def test_the_most_serious_finding_decides_and_the_largest_share_is_named() -> None:
+    states = {"note": "good", "warning": "usable", "error": "usable", "stop": "do not use"}
+    for severity, expected in states.items():
+        rows = [finding("note", "jitter"), finding(severity, "contradiction")]
+        assert state(study(quality=rows), "recordings")[0] == expected
+    rows = [finding("warning", count=86), finding("warning", count=250, recording="fitted")]
+    first, stops, warnings, notes = verdicts_of(
+        study(quality=[*rows, finding("warning", "jitter"), finding("note")]), "recordings"
+    )
+    assert (first.recording, first.count, first.of) == ("fitted", 250, 1000)
+    assert (stops.count, warnings.count, notes.count) == (0, 3, 1)
+
+
+def test_a_finding_in_several_places_of_a_recording_is_one() -> None:
+    places = [finding("note", "columns not used", place=place) for place in ("a", "b", "c")]
+    results = study(quality=[*places, places[0] | {"recording": "fitted"}])
+    assert verdicts_of(results, "recordings")[-1].count == 2
+
+
+# Link models
+
+
+def test_a_link_model_is_judged_on_unseen_recordings() -> None:
+    rows = torques({"A": 0.2, "B": 0.1}) + torques({"A": 0.0, "B": 0.9}, ("fitted",))
+    rows += [row | {"motion": "closed_loop", "mae_2hz": 0.3} for row in rows]
+    first, most, near = verdicts_of(study(torque_mae=rows), "links")
+    assert (first.state, first.value, first.joint, first.zero) == ("good", 0.1, 1, 1.0)
+    assert (most.rank, most.recording) == (3, "seen")
+    assert "Model B comes closest" in near.quantity
+    assert (near.count, near.of) == (6, 6)
+    alone = study(torque_mae=torques({"A": 0.1}, ("fitted",)))
+    assert state(alone, "links") == ("usable", "no_unseen")
+
+
+@pytest.mark.parametrize(
+    ("error", "expected"), [(0.14, "good"), (0.16, "usable"), (1.0, "do not use")]
+)
+def test_half_of_zero_is_no_good_link_model(error: float, expected: str) -> None:
+    assert state(study(torque_mae=torques({"A": error})), "links")[0] == expected
+
+
+def test_the_worst_joint_is_that_of_the_largest_share() -> None:
+    rows = torques({"A": 0.4}) + torques({"A": 0.6}, ("pushed",))
+    rows[7] |= {"mae_2hz": 3.0, "zero_mae_2hz": 20.0}  # the largest, though a small share
+    rows[0] |= {"mae_2hz": 0.7}
+    first, most, _ = verdicts_of(study(torque_mae=rows), "links")
+    assert (first.joint, first.value, first.low, first.high) == (1, pytest.approx(0.65), 0.6, 0.7)
+    assert (most.joint, most.value, most.recording, most.zero) == (2, 3.0, "pushed", 20.0)
+
+
+def test_why_links_are_not_judged() -> None:
+    assert state(study(RESTING, torque_mae=torques({"A": 0.2})), "links")[1] == "no_motion"
+    assert state(study(), "links")[1] == "no_reference"
+    found = study(parameters=[{"robot": "ur5", "determined": "yes"}])
+    unknown = replace(found, placeholders=frozenset({"ur5"}))
+    (row,) = verdicts_of(unknown, "links")
+    assert (row.reason, row.count, row.of) == ("unknown_links", 1, 1)
+    load = finding("warning", "given load", detail="it contains 0.40 kg")
+    loaded = study(torque_mae=torques({"A": 0.05}), quality=[load])
+    assert state(loaded, "links") == ("usable", "loaded")
+
+
+# Currents
+
+
+@pytest.mark.parametrize(
+    ("error", "held", "expected"),
+    [
+        (0.2, 0.95, ("good", "")),
+        (0.2, 0.8, ("usable", "undercovers")),
+        (0.7, 0.95, ("usable", "large_error")),
+    ],
+)
+def test_currents_are_judged_by_a_constant_one(
+    error: float, held: float, expected: tuple[str, str]
+) -> None:
+    results = study(current_rmse=predicted(error, held))
+    assert state(results, "currents") == expected
+    first = verdicts_of(results, "currents")[0]
+    assert (first.value, first.zero) == (error, 1.0)
+    assert first.quantity.startswith("RMSE below 2 Hz")
+
+
+def test_an_error_of_currents_names_the_cut_off_of_the_study() -> None:
+    results, settings = study(current_rmse=predicted(0.2)), Settings().model_dump()
+    settings["lowpass"]["currents"]["cutoff_hz"] = 4.5
+    other = replace(results, study={**results.study, "settings": settings})
+    assert verdicts_of(other, "currents")[0].quantity.startswith("RMSE below 4.5 Hz")
+
+
+@pytest.mark.parametrize(
+    ("rival", "expected"),
+    [(0.17, "rival_better"), (0.195, "rival_equal"), (0.21, "rival_equal"), (0.22, "")],
+)
+def test_currents_that_plain_least_squares_predicts_as_well_are_not_good(
+    rival: float, expected: str
+) -> None:
+    rows = predicted(0.2) + [row | {"model": "least_squares"} for row in predicted(0.5)]
+    rows[8] |= {"rmse_lowpassed": rival}
+    first = verdicts_of(study(current_rmse=rows), "currents")[0]
+    assert first.reason == expected
+    assert first.joint == (3 if expected else 1)
+
+
+def test_why_currents_are_not_judged() -> None:
+    load = {"recording": "seen", "mass": 2.0, "std_error": 0.1, "configured": 0.0, "taken": "yes"}
+    friction = [constant(1, 10.0)]
+    resting = study({"seen": None}, current_rmse=predicted(0.2), friction=friction)
+    assert state(resting, "currents")[1] == "no_motion"
+    loaded = study(current_rmse=predicted(0.2), payload=[load], friction=friction)
+    assert state(loaded, "currents")[1] == "no_unseen"
+    assert state(study(), "currents")[1] == "uncalibrated"
+
+
+def test_errors_of_currents_are_also_torques() -> None:
+    results = study(current_rmse=predicted(0.2), friction=[constant(1, 10.0)])
+    assert [one.torque for one in judged(results).judged_errors][:2] == [2.0, None]
+
+
+# Force
+
+
+@pytest.mark.parametrize(
+    ("rows", "expected"),
+    [
+        (touched(4.1), ("good", "")),
+        (touched(4.9), ("usable", "wide_interval")),  # of 3.9 to 5.9, more than half of the force
+        (touched(5.0, mae_high=4.9), ("usable", "large_error")),
+        (touched(10.0), ("do not use", "worse_than_zero")),
+        ([*touched(1.0)[:1], *touched(6.0, mean_force=5.0)[1:]], ("do not use", "worse_than_zero")),
+        (touched(4.0, coverage95=0.89), ("usable", "undercovers")),
+        (touched(4.0, coverage95=0.4), ("do not use", "undercovers")),
+        (touched(4.0, mae_low=np.nan, mae_high=np.nan), ("usable", "wide_interval")),
+        (touched(2.0, **DOUBTED), ("not determined", "sensor_bias")),
+        ([row | {"estimate": "static"} for row in touched(1.0)], ("usable", "uncalibrated")),
+        (touched(4.0, "fitted"), ("not determined", "no_contact")),
+    ],
+)
+def test_a_force_is_good_only_in_every_respect(rows: list[dict], expected: tuple[str, str]) -> None:
+    searched = [{"recording": "pushed", "estimate": "Fmap"}]
+    assert state(study(force_mae=rows, detection=searched), "force") == expected
+    stopped = study(force_mae=rows, quality=[finding("stop", "contradiction")])
+    assert state(stopped, "force") == ("do not use", "stopped")
+
+
+def test_no_mean_over_axes_hides_the_worst_one() -> None:
+    rows = touched(2.0) + touched(3.0, "seen", mean_force=7.0)
+    rows[2] |= {"mae": 6.0, "mean_force": 15.5}
+    first, share, pooled, *_ = verdicts_of(study(force_mae=rows), "force")
+    assert (first.value, first.axis, first.recording) == (6.0, "z", "pushed")
+    assert (share.rank, share.value, share.recording) == (3, 3.0, "seen")
+    assert (pooled.rank, pooled.value) == (4, pytest.approx(np.mean([2, 2, 6, 3, 3, 3])))
+
+
+def test_recordings_with_a_sure_sensor_judge_the_force() -> None:
+    rows = [*touched(6.0, **DOUBTED), *touched(2.0, recording="seen")]
+    first, worst, *_ = verdicts_of(study(force_mae=rows), "force")
+    assert (first.state, first.value) == ("good", 2.0)
+    assert (worst.rank, worst.value, worst.reason) == (2, 6.0, "sensor_bias")
+
+
+@pytest.mark.parametrize(("rival", "expected"), [(1.5, "better"), (1.95, "equal"), (2.2, "")])
+def test_a_force_is_good_only_if_clearly_better_than_plain_least_squares(
+    rival: float, expected: str
+) -> None:
+    """Behind our own gate it would be no rival of the gate."""
+    gated = [row | {"estimate": "least_squares"} for row in touched(1.0)]
+    rows = touched(2.0) + [row | {"estimate": UNGATED} for row in touched(rival)] + gated
+    reason = f"rival_{expected}" if expected else ""
+    assert state(study(force_mae=rows), "force")[1] == reason
+
+
+# Motion
+
+
+def test_motion_is_judged_with_an_imu_alone() -> None:
+    assert verdicts_of(study(), "motion") == []
+    row = {"recording": "seen", "estimate": "encoders", "zero_mae": 0.2}
+    rows = [row | {"component": name, "mae": mae} for name, mae in (("x", 0.02), ("rz", 0.05))]
+    first, most = verdicts_of(study(acceleration_mae=rows), "motion")
+    assert (first.state, first.axis, first.unit) == ("good", "rz", "rad/s²")
+    assert (most.axis, most.unit) == ("rz", "rad/s²")
+    plain = [row | {"component": "x", "estimate": "filterpy", "mae": 0.01}]
+    worse = verdicts_of(study(acceleration_mae=rows + plain), "motion")
+    assert (worse[0].axis, worse[0].reason) == ("x", "rival_better")
+    assert (worse[1].axis, worse[1].rank) == ("rz", 2)
+
+
+# Several arms
+
+
+def test_no_arm_hides_another() -> None:
+    """A mean over arms of 0.8 would be usable."""
+    rows = predicted(0.1) + predicted(1.5, recording="fitted")
+    results = study(current_rmse=rows)
+    arms = {"fitted": "ur10e", "seen": "ur5", "pushed": "ur5"}
+    entries = [
+        entry | {"robot": arms[entry["name"]], "role": "validate"}
+        for entry in results.study["recordings"]
+    ]
+    both: Results = replace(results, study={**results.study, "recordings": entries})
+    states = {row.arm: row.state for row in verdicts_of(both, "currents") if row.rank == 1}
+    assert states == {"ur10e": "do not use", "ur5": "good", "": "do not use"}

@@ -1,0 +1,110 @@
+"""What to do next: errors of the set-up first, then files, then recordings."""
+
+from collections.abc import Iterator
+from typing import Any, Literal
+
+from ur5lib.judging.limits import HIGH_LOST_SHARE
+from ur5lib.judging.recordings import felt_while_fitted, lost_shares
+from ur5lib.judging.study import AT_REST, StudyTables
+from ur5lib.records.verdicts import Advice
+from ur5lib.tidy.models import STOP
+
+RECORD: Literal["recording"] = "recording"  # kinds of advice
+LATER: Literal["later"] = "later"
+CONTRADICTIONS = ["unlikely constant", "current against constant", "torque against gain"]
+EXPLAINED = "explained contradiction"  # code of a remark that names the cause
+ASKING = {"no motion": "no_motion", "one path": "one_path", "few paths": "few_paths"}  # remarks
+
+
+def advice(study: StudyTables) -> Iterator[Advice]:
+    """Yield what to do next, the most urgent first."""
+    yield from corrections(study)
+    yield from faulty_files(study)
+    yield from missing_recordings(study)
+
+
+def corrections(study: StudyTables) -> Iterator[Advice]:
+    """Ask to correct what contradicts the study: stop signs, contacts in recordings whose role
+    denies them, payloads that only the currents show, and constants beside known ones.
+    """
+    for row in study.rows("quality", severity="stop")[:1].itertuples():
+        yield Advice(
+            code="stop_recording", kind="correction", recording=row.recording, detail=row.detail
+        )
+    for row in study.rows("remarks", step=STOP)[:1].itertuples():
+        yield Advice(code="stop_arm", kind="correction", robot=row.robot, detail=row.remark)
+    yield from _of_recordings("touched", study.touched())
+    felt = [name for name in felt_while_fitted(study) if name not in study.touched()]
+    yield from _of_recordings("felt", felt)
+    loads = study.rows("payload", taken="yes")
+    for row in loads[:1].itertuples():
+        mass = {"value": row.configured + row.mass, "std_error": row.std_error}
+        count = loads["recording"].nunique()
+        yield Advice(
+            code="payload", kind="correction", recording=row.recording, recordings=count, **mass
+        )
+    for row in study.rows("remarks", code=EXPLAINED).itertuples():
+        yield Advice(code="explained", kind="correction", robot=row.robot, detail=row.remark)
+    for robot, (shown, _) in _contradicted(study).items():
+        if shown:
+            yield Advice(
+                code="contradiction", kind="correction", robot=robot, joints=_listed(shown)
+            )
+
+
+def _of_recordings(code: str, names: list[str], value: float | None = None) -> Iterator[Advice]:
+    """Yield advice about recordings, which names the first and counts all."""
+    if names:
+        about: Any = {"recording": names[0], "recordings": len(names)}
+        yield Advice(code=code, kind="correction", value=value, **about)
+
+
+def _contradicted(study: StudyTables) -> dict[str, tuple[list[int], list[int]]]:
+    """Return by arm the joints whose constants contradict the known ones for no known cause: those
+    that gravity loads, which show it, and the others, whose currents say little about a constant.
+    """
+    found: dict[str, tuple[list[int], list[int]]] = {}
+    for row in study.rows("remarks", code=CONTRADICTIONS).itertuples():
+        shows = row.joint in study.bearing.get(row.robot, [row.joint])
+        found.setdefault(row.robot, ([], []))[not shows].append(int(row.joint))
+    return found
+
+
+def _listed(joints: list[int]) -> str:
+    return " ".join(map(str, joints))
+
+
+def faulty_files(study: StudyTables) -> Iterator[Advice]:
+    """Name recordings that lost many frames, and those whose force sensor's bias is in doubt."""
+    shares = lost_shares(study)
+    lost = {name: share for name, share in shares.items() if share >= HIGH_LOST_SHARE}
+    names = sorted(lost, key=lambda name: -lost[name])
+    yield from _of_recordings("lossy", names, lost[names[0]] if names else None)
+    yield from _of_recordings("doubted", study.doubted())
+
+
+def missing_recordings(study: StudyTables) -> Iterator[Advice]:
+    """Ask for recordings that would determine what is not determined."""
+    for robot in sorted(study.placeholders.difference(study.listed("parameters", "robot"))):
+        refused = study.rows("remarks", robot=robot, step="identification")
+        why = "; ".join(refused["remark"])
+        yield Advice(code="unknown_links", kind=RECORD, robot=robot, detail=why)
+    remarks = study.rows("remarks", code=[*ASKING])
+    order = remarks.assign(order=remarks["code"].map([*ASKING].index))
+    for (_, robot, code), part in order.groupby(["order", "robot", "code"], sort=True):
+        joints = _listed([*part["joint"].astype(int)])
+        kind = LATER if ASKING[code] == "few_paths" else RECORD  # surer bars, not smaller ones
+        yield Advice(code=ASKING[code], kind=kind, robot=robot, joints=joints)
+    for role in ("fit", "validate"):
+        if not study.with_role(role):
+            detail = AT_REST if study.with_role(AT_REST) else ""
+            yield Advice(code=role, kind=RECORD, detail=detail)
+    for row in study.tables["excitation"].dropna(subset="motion").itertuples():
+        yield Advice(code="advised", kind=RECORD, robot=row.robot, detail=row.motion)
+    for robot, (_, light) in _contradicted(study).items():
+        if light:
+            load = study.loads.get(robot)
+            yield Advice(code="light", kind=RECORD, robot=robot, joints=_listed(light), value=load)
+    sensed = study.tables["sensed"]
+    if study.tables["force_mae"].empty and not (sensed["contacts"] > 0).any():
+        yield Advice(code="pushes", kind=RECORD)

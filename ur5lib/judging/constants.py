@@ -1,0 +1,194 @@
+"""Torque constants and gains: how many may be used, how well they are known, which are far."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.judging.limits import MIN_USABLE_SHARE
+from ur5lib.judging.study import StudyTables
+from ur5lib.records.verdicts import Reason, State, Verdict, reason_in
+from ur5lib.tidy.models import STOP
+
+QUESTION = "constants"
+CONSTANTS = ["torque_constant", "gain"]  # the parameter, of currents and of measured torques
+
+
+def constants(study: StudyTables) -> pd.DataFrame:
+    """Return the rows of torque constants or gains."""
+    return study.rows("friction", parameter=CONSTANTS)
+
+
+def judge_constants(study: StudyTables, robot: str) -> Iterator[Verdict]:
+    """Judge by how many constants may be used; nothing where no friction was fitted."""
+    rows = constants(study)
+    if len(study.rows("remarks", step=STOP)):
+        yield Verdict(question=QUESTION, arm=robot, state="do not use", reason="stopped")
+    elif len(rows):
+        yield from _counted(rows, robot)
+        yield from _widest(rows, robot)
+        yield from _farthest(rows, study, robot)
+
+
+def _counted(rows: pd.DataFrame, robot: str) -> Iterator[Verdict]:
+    """Yield of how many joints the constant may be used, and the gravest reason against others."""
+    use = rows["use"] == "yes"
+    reason, row = _gravest(rows)
+    state: State = "usable" if use.mean() > MIN_USABLE_SHARE else "not determined"
+    if (rows["reason"] == "unlikely").any():
+        state = "do not use"
+    elif not reason:
+        state = "good"
+    yield Verdict(
+        question=QUESTION,
+        arm=robot,
+        state=state,
+        reason=reason,
+        quantity="joints whose constant may be used",
+        count=int(use.sum()),
+        of=len(rows),
+        joint=None if row is None else int(row["joint"]),
+    )
+
+
+REASONS_BY_GRAVITY: list[Reason] = [
+    "unlikely",
+    "contradicted",
+    "unproven",
+    "unknown_links",
+    "undetermined",
+    "prior_only",
+    "far",
+    "one_path",
+]
+
+
+def _gravest(rows: pd.DataFrame) -> tuple[Reason, "pd.Series[Any] | None"]:
+    """Return the gravest reason of a joint, and this joint's row."""
+    for reason in REASONS_BY_GRAVITY:
+        if len(own := rows[rows["reason"] == reason]):
+            return reason, own.iloc[0]
+    return "", None
+
+
+def _widest(rows: pd.DataFrame, robot: str) -> Iterator[Verdict]:
+    """Yield the constant that may be used with the widest 95 % interval, as a share of it."""
+    usable = rows[rows["use"] == "yes"]
+    if usable.empty:
+        return
+    half = usable[["low", "high"]].sub(usable["value"], axis="index").abs().max(axis="columns")
+    shares = 100 * half / usable["value"].abs()
+    row = usable.loc[shares.idxmax()]
+    several = len(usable) > 1
+    yield Verdict(
+        question=QUESTION,
+        arm=robot,
+        rank=2,
+        reason="one_path" if (usable["reason"] == "one_path").any() else "",
+        quantity="widest 95 % interval of a constant, half of it",
+        value=float(shares.max()),
+        unit="%",
+        low=float(shares.min()) if several else None,
+        high=float(shares.max()) if several else None,
+        interval="range over joints" if several else "",
+        joint=int(row["joint"]),
+    )
+
+
+def _farthest(rows: pd.DataFrame, study: StudyTables, robot: str) -> Iterator[Verdict]:
+    """Yield the constant farthest from the known one, of those that the recordings determine, also
+    where they contradict it.
+    """
+    refused = rows["contradicted"].notna()
+    told = rows[(rows["determined"] == "yes") | refused].dropna(subset=["known", "known_std"])
+    told = told[told["reason"] != "unknown_links"]
+    if told.empty:
+        return
+    value = told["contradicted"].where(told["contradicted"].notna(), told["value"]).astype(float)
+    row = told.loc[((value - told["known"]).abs() / told["known_std"]).idxmax()]
+    stated = pd.isna(row["contradicted"])
+    yield Verdict(
+        question=QUESTION,
+        arm=robot,
+        rank=3,
+        reason=reason_in(row["reason"]),
+        quantity="determined constant farthest from the known one",
+        value=float(value[row.name]),
+        unit=study.effort.constant_unit,
+        low=float(row["low"]) if stated else None,
+        high=float(row["high"]) if stated else None,
+        interval="95 %" if stated else "",
+        joint=int(row["joint"]),
+        rival="known",
+        rival_value=float(row["known"]),
+    )
+
+
+def judge_gravity(study: StudyTables, robot: str) -> Iterator[Verdict]:
+    """Yield by joint that gravity loads how far its constant is from the known one: whether arm,
+    mounting and payload are those described.
+    """
+    rows = constants(study)
+    if rows.empty or study.stopped():
+        return
+    bears = rows["joint"].isin([*study.bearing.get(robot, ())])
+    known = rows["use"].eq("yes") | rows["reason"].isin(["unlikely", "contradicted"])
+    value = rows["contradicted"].where(rows["contradicted"].notna(), rows["value"]).astype(float)
+    off = 100 * (value / rows["known"] - 1)
+    order = np.argsort(-off[bears & known].abs(), kind="stable")
+    for rank, row in enumerate(rows[bears & known].iloc[order].itertuples(), start=1):
+        yield Verdict(
+            question="gravity",
+            arm=robot,
+            rank=rank,
+            reason=reason_in(row.reason),
+            quantity="constant off the known one, at a joint that gravity loads",
+            value=float(off[row.Index]),
+            unit="%",
+            low=None if row.reason == "contradicted" else 100 * (row.low / row.known - 1),
+            high=None if row.reason == "contradicted" else 100 * (row.high / row.known - 1),
+            interval="" if row.reason == "contradicted" else "95 %",
+            joint=int(row.joint),
+        )
+
+
+def judge_load(study: StudyTables, robot: str) -> Iterator[Verdict]:
+    """Yield on how many recordings without contact the 95 % interval of the load contains the
+    declared one, of those on which it is within what the arm carries.
+    """
+    names = [*study.with_role("fit"), *study.with_role("validate")]
+    rows = study.rows("payload", recording=names)
+    rows = rows.assign(half=(rows["high"] - rows["low"]) / 2)
+    rows = rows[rows["half"] < study.loads.get(robot, 0.0)]
+    if rows.empty or study.stopped():
+        return
+    agree = (rows["low"] <= 0) & (rows["high"] >= 0)
+    about: Any = {"question": "load", "arm": robot}
+    yield Verdict(
+        **about,
+        reason="loaded" if (rows["taken"] == "yes").any() else "",
+        quantity="recordings whose load agrees with the declared one",
+        count=int(agree.sum()),
+        of=len(rows),
+    )
+    about |= {"unit": "kg"}
+    yield Verdict(
+        **about,
+        rank=2,
+        quantity="widest 95 % interval of such a load, half of it",
+        value=float(rows["half"].max()),
+        recording=str(rows.loc[rows["half"].idxmax(), "recording"]),
+    )
+    carried = rows[rows["taken"] == "yes"]
+    for rank, row in enumerate(carried.itertuples(), start=3):
+        yield Verdict(
+            **about,
+            rank=rank,
+            quantity="undeclared load",
+            value=float(row.mass),
+            low=float(row.low),
+            high=float(row.high),
+            interval="95 %",
+            recording=row.recording,
+        )

@@ -1,0 +1,362 @@
+"""Contacts that are found, false alarms, and the pushes that would be seen."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.special import gammaincinv
+
+from ur5lib.force.estimators import GATED, LEADING
+from ur5lib.force.sensed_contact import CONTACT_FORCE
+from ur5lib.judging.limits import GOOD_ALARM_RATE, UPPER_LIMIT
+from ur5lib.judging.study import AT_REST, IN_MOTION, StudyTables
+from ur5lib.records.verdicts import FalseAlarms, Noticed, Reason, Verdict, reason_in
+from ur5lib.timeseries.metrics import NORMAL95
+
+FATES = ["found", "merged", "missed"]  # of a contact: by its own alarm, by another one's, by none
+FORCES, STDS = ["Fx", "Fy", "Fz"], ["Fx_std", "Fy_std", "Fz_std"]
+LIVE = "live"  # the estimate that is computed sample by sample
+EVERY_DAY, WITHOUT_FIT, FARTHEST = "all", "without fit", "farthest"  # days of a recording
+OFF_FLANGE = "off_flange"  # a kind of alarm
+
+
+def at_sensors(study: StudyTables) -> pd.DataFrame:
+    """Return the contacts at the sensors that reach 5 N, with their fate by the leading estimate,
+    on recordings that no fit has used, if there are any; seen: whether none are.
+    """
+    rows = at_every_sensor(study)
+    unseen = rows[~rows["recording"].isin(study.with_role("fit"))]
+    moves = np.array([bool(study.moving(name)) for name in rows["recording"]], dtype=bool)
+    rows = rows.assign(motion=np.where(moves, IN_MOTION, AT_REST), fitted=unseen.empty)
+    return rows.loc[unseen.index] if len(unseen) else rows
+
+
+def judge_contacts(study: StudyTables) -> Iterator[Verdict]:
+    """Yield how many contacts at a sensor are found, from which force on all are, and how much the
+    found ones are off; by motion, too.
+    """
+    rows = at_sensors(study)
+    if rows.empty:
+        return
+    about: dict[str, Any] = {
+        "question": "contacts",
+        "basis": "fit" if rows["fitted"].any() else "real",
+    }
+    doubt: Reason = "sensor_bias" if {*rows["recording"]} <= {*study.doubted()} else ""
+    numbers = [_found(rows), _found_from(rows)]
+    parts = [part for _, part in rows.groupby("motion")]
+    if len(parts) > 1:
+        numbers += [number for part in parts for number in (_found(part), _found_from(part))]
+    numbers += [_of_fate(rows, fate) for fate in ("missed", "merged")]
+    numbers += [*_live(study), *_peaks(rows)]
+    for rank, number in enumerate(filter(None, numbers), start=1):
+        yield Verdict(**about | number, rank=rank, reason=doubt if rank == 1 else "")
+
+
+def _found(rows: pd.DataFrame) -> dict[str, Any]:
+    """Return how many contacts are found."""
+    count = int((rows["fate"] == FATES[0]).sum())
+    return {"quantity": "contacts found", "count": count, "of": len(rows)} | _motion_of(rows)
+
+
+def _found_from(rows: pd.DataFrame) -> dict[str, Any]:
+    """Return the force from which on none is missed: that of the smallest above all missed ones."""
+    missed = rows.loc[rows["fate"] == FATES[-1], "peak"]
+    above = rows[(rows["peak"] > missed.max()) | missed.empty]
+    if above.empty:
+        return {}
+    least = above.loc[above["peak"].idxmin()]
+    place = {"recording": str(least["recording"]), "count": len(above)}
+    about = {"quantity": "no contact missed from", "value": float(least["peak"]), "unit": "N"}
+    return about | place | _motion_of(rows)
+
+
+def _motion_of(rows: pd.DataFrame) -> dict[str, Any]:
+    motions = rows["motion"].unique()
+    return {"motion": motions[0]} if len(motions) == 1 else {}
+
+
+def _of_fate(rows: pd.DataFrame, fate: str) -> dict[str, Any]:
+    """Return how many contacts are missed or merged, and the largest of these."""
+    own = rows[rows["fate"] == fate]
+    words = {"missed": "contacts missed, the largest", "merged": "contacts in another's alarm"}
+    about = {"quantity": words[fate], "count": len(own), "of": len(rows)}
+    if own.empty:
+        return about
+    most = own.loc[own["peak"].idxmax()]
+    place = {"recording": str(most["recording"]), "motion": str(most["motion"])}
+    return about | place | {"value": float(most["peak"]), "unit": "N"}
+
+
+def _live(study: StudyTables) -> Iterator[dict[str, Any]]:
+    """Yield how many contacts the live estimate finds."""
+    rows = detections(study)
+    rows = rows[rows["contacts"].gt(0) & rows["causal_found"].notna()]
+    if len(rows):
+        count, of = (int(rows[name].sum()) for name in ("causal_found", "contacts"))
+        yield {"quantity": "contacts found live", "count": count, "of": of}
+
+
+def _peaks(rows: pd.DataFrame) -> Iterator[dict[str, Any]]:
+    """Yield by how much the peaks of found contacts are off, in the mean and at most."""
+    found = rows[rows["fate"] == FATES[0]].dropna(subset="peak_error")
+    if len(found):
+        shares = 100 * found["peak_error"] / found["peak"]
+        mean = {"value": float(shares.mean()), "unit": "%", "count": len(found)}
+        yield mean | {"quantity": "error of the peak of found contacts, mean"}
+        most = found.loc[found["peak_error"].abs().idxmax()]
+        own = {"value": float(most["peak_error"]), "unit": "N", "recording": str(most["recording"])}
+        yield own | {"quantity": "error of the peak of a found contact, largest"}
+
+
+def detections(study: StudyTables) -> pd.DataFrame:
+    """Return the counts of contacts of 5 N by the leading estimate, a row for each recording."""
+    rows = study.rows("detection", estimate=LEADING)
+    rows = rows[rows["force_class_n"].isna() | (rows["force_class_n"] == CONTACT_FORCE)]
+    return rows.drop_duplicates("recording")
+
+
+def noticed(study: StudyTables) -> Iterator[Noticed]:
+    """Yield by recording which contacts are found, alarms, and the widest band; recordings to fit
+    or to validate are left out without alarms.
+    """
+    sensed, roles = at_every_sensor(study), study.roles()
+    alarms = study.rows("contacts", estimate=LEADING)
+    for row in detections(study).itertuples():
+        name = str(row.recording)
+        touched = sensed[sensed["recording"] == name]
+        raised = alarms[alarms["recording"] == name]
+        if roles[name] == "contact" or len(touched) or len(raised):
+            yield Noticed(
+                recording=name,
+                role=roles[name],
+                **_contacts_on(touched, row),
+                **_alarms_on(raised, row, study),
+            )
+
+
+def at_every_sensor(study: StudyTables) -> pd.DataFrame:
+    """Return the contacts at the sensors that reach 5 N, of all recordings."""
+    rows = study.rows("contact_errors", estimate=LEADING, component="norm")
+    return rows[(rows["peak"] >= CONTACT_FORCE) & rows["fate"].notna()]
+
+
+def _contacts_on(rows: pd.DataFrame, counts: Any) -> dict[str, Any]:
+    """Return the contacts at the sensor of a recording, by fate."""
+    found, merged, missed = (rows[rows["fate"] == fate] for fate in FATES)
+    live = _count(counts.causal_found) if len(rows) else None
+    fused = _count(counts.causal_merged) if len(rows) else None
+    errors = (found["peak_error"] / found["peak"]).astype(float).dropna()
+    return {
+        "contacts": len(rows),
+        "found": len(found),
+        "merged": len(merged),
+        "missed": len(missed),
+        "found_live": live,
+        "missed_live": None if live is None else len(rows) - live - (fused or 0),
+        "missed_s": _times(missed["start_s"]),
+        "merged_s": _times(merged["start_s"]),
+        "largest_missed": _end(missed["peak"], "max"),
+        "smallest_found": _end(found["peak"], "min"),
+        "peak_bias": float(errors.mean()) if len(errors) else None,
+    }
+
+
+def _alarms_on(rows: pd.DataFrame, counts: Any, study: StudyTables) -> dict[str, Any]:
+    """Return the alarms of a recording, those that are false, and the widest band of a contact."""
+    minutes = _minutes(study)[counts.recording]
+    live, false = counts.causal_false_alarms_per_min, counts.false_alarms_per_min
+    if pd.isna(false):  # without a sensor
+        false = (rows["kind"] == "false").sum() / minutes
+    own = rows[rows["kind"] != OFF_FLANGE]  # whose stated forces are of the flange
+    bands = own.melt(["peak_s", "posture_deg"], STDS, "column", "std").dropna(subset="std")
+    found: dict[str, Any] = {
+        "alarms": len(rows),
+        "alarms_per_min": len(rows) / minutes,
+        "false_alarms": round(false * minutes),
+        "false_live": None if pd.isna(live) else round(live * minutes),
+    }
+    if len(bands):
+        row = bands.loc[bands["std"].idxmax()]
+        found |= {"band": NORMAL95 * row["std"], "band_axis": row["column"][1]}
+        found |= {"band_s": row["peak_s"], "posture_deg": row["posture_deg"]}
+    return found
+
+
+def _count(value: Any) -> int | None:
+    return None if pd.isna(value) else int(value)
+
+
+def _times(starts: "pd.Series[float]") -> str:
+    return " ".join(f"{start:.1f}" for start in starts)
+
+
+def _end(values: "pd.Series[float]", which: str) -> float | None:
+    return float(getattr(values, which)()) if len(values) else None
+
+
+def _minutes(study: StudyTables) -> "pd.Series[float]":
+    """Return how long recordings last [min]."""
+    return study.tables["recordings"].set_index("recording")["duration_s"].astype(float) / 60
+
+
+def false_alarms(study: StudyTables) -> Iterator[FalseAlarms]:
+    """Yield the alarms where nothing touches the arm, by role, estimate and days."""
+    away = days_away(study)
+    for role in ("validate", "fit"):
+        rows = detections(study)
+        rows = rows[rows["recording"].isin(study.quiet(role))]
+        rows = rows.assign(minutes=rows["recording"].map(_minutes(study)).astype(float))
+        days = rows["recording"].map(away).astype(float)
+        parts = {EVERY_DAY: rows, WITHOUT_FIT: rows[days > 0]}
+        parts[FARTHEST] = rows[(days > 0) & (days == days.max())]
+        for estimate, of in ((LEADING, ""), (LIVE, "causal_")):
+            for when, part in parts.items():
+                yield from _counted(role, estimate, when, part, of)
+
+
+def _counted(
+    role: str, estimate: str, days: str, rows: pd.DataFrame, of: str
+) -> Iterator[FalseAlarms]:
+    """Yield the alarms on recordings; of: prefix of the columns of the estimate."""
+    counts = rows[f"{of}alarms_per_min"].astype(float) * rows["minutes"]
+    rows = rows[counts.notna()]
+    known = rows["minutes"] * (1 - rows["causal_unknown"].astype(float)) if of else rows["minutes"]
+    minutes, alarms = float(known.sum()), round(counts.sum())
+    if minutes:
+        yield FalseAlarms(
+            role=role,
+            estimate=estimate,
+            days=days,
+            recordings=len(rows),
+            minutes=minutes,
+            unknown=1 - minutes / float(rows["minutes"].sum()),
+            alarms=alarms,
+            per_min=alarms / minutes,
+            per_min_high=upper_limit(alarms) / minutes,
+        )
+
+
+def upper_limit(count: int) -> float:
+    """Return the upper limit of an expected count: with more, so few would have a chance below 5 %
+    (Poisson).
+    """
+    return float(gammaincinv(count + 1, UPPER_LIMIT))
+
+
+def days_away(study: StudyTables) -> dict[str, int]:
+    """Return the days from each dated recording to the nearest one of its arm's fit."""
+    arms, dates, roles = study.arms(), study.dates(), study.roles()
+    dated = {name: day for name, day in dates.items() if day}
+    fitted = [name for name in dated if roles[name] == "fit"]
+    found = {}
+    for name, day in dated.items():
+        own = [abs((day - dated[other]).days) for other in fitted if arms[other] == arms[name]]
+        if own and roles[name] in ("validate", "contact"):
+            found[name] = min(own)
+    return found
+
+
+def judge_alarms(study: StudyTables) -> Iterator[Verdict]:
+    """Yield how often an alarm is false on validate recordings, with the upper limit, also live and
+    on days without a fit, and how many are false on recordings with contacts.
+    """
+    rows = [row for row in false_alarms(study) if row.role == "validate"]
+    numbers = [number for row in rows if row.days != FARTHEST for number in _rates(row)]
+    if not numbers and len(study.rows("detection", estimate=GATED)):
+        numbers.append({"quantity": "false alarms", "reason": "no_unseen"})
+    if beside := [row for row in noticed(study) if row.contacts]:
+        count = sum(row.false_alarms for row in beside)
+        numbers.append({"quantity": "false alarms on recordings with contacts", "count": count})
+        live = [row.false_live for row in beside if row.false_live is not None]
+        if live:
+            quantity = "false alarms live on recordings with contacts"
+            numbers.append({"quantity": quantity, "count": sum(live)})
+    for rank, number in enumerate(numbers, start=1):
+        yield Verdict(question="alarms", rank=rank, **number)
+
+
+def _rates(row: FalseAlarms) -> Iterator[dict[str, Any]]:
+    """Yield how often an alarm is false, in how many minutes."""
+    live = " live" if row.estimate == LIVE else ""
+    other = " on days without a fit recording" if row.days == WITHOUT_FIT else ""
+    short = row.alarms == 0 and row.per_min_high > GOOD_ALARM_RATE
+    about = {"basis": "unseen", "reason": "short" if short else ""}
+    yield about | {"quantity": f"false alarms{live}{other}", "count": row.alarms}
+    yield {"quantity": f"time without contact{live}{other}", "value": row.minutes, "unit": "min"}
+    quantity = f"false alarms{live}{other}, at most (95 %)"
+    yield {"quantity": quantity, "value": row.per_min_high, "unit": "a minute"}
+
+
+def judge_pushes(study: StudyTables, robot: str) -> Iterator[Verdict]:
+    """Yield the smallest push that trials find with a probability of 95 %, the axis that needs the
+    largest by motion, the hardest motion first; beside real contacts of that motion.
+    """
+    rows = study.rows("pushes", robot=robot)
+    if rows.empty:
+        return
+    sensed = at_sensors(study)
+    worst = [_hardest(part) for _, part in rows.groupby("motion", sort=False)]
+    order = sorted(worst, key=lambda row: -_size(row))
+    for rank, row in enumerate(order, start=1):
+        when = AT_REST if row["motion"] == AT_REST else IN_MOTION
+        real = sensed[sensed["motion"] == when]
+        yield Verdict(question="pushes", arm=robot, rank=rank, **_trial(row), **_real(real))
+    yield from _range_of_pushes(rows, robot, len(order))
+
+
+def _trial(row: "pd.Series[Any]") -> dict[str, Any]:
+    """Return the smallest trial push that is found, or the largest that was tried in vain."""
+    beyond = row["bound"] == ">"
+    value = row["largest_tried"] if beyond else row["value"]
+    found = "not found" if beyond else "found with 95 %"
+    about = {
+        "reason": reason_in(row["reason"]),
+        "quantity": f"trial push of {row['seconds']:g} s {found}",
+        "value": None if pd.isna(value) else float(value),
+        "unit": "N",
+        "axis": row["axis"],
+        "motion": row["motion"],
+        "basis": "fit" if row["basis"] == "fit" else "trial",
+    }
+    if beyond or pd.isna(value):
+        return about
+    return about | {"low": float(row["low"]), "high": float(row["high"]), "interval": "95 %"}
+
+
+def _real(rows: pd.DataFrame) -> dict[str, Any]:
+    """Return from which force on no real contact is missed, nothing without any."""
+    if rows.empty:
+        return {}
+    from_ = _found_from(rows).get("value")
+    return {"rival": "no real contact missed from", "rival_value": from_}
+
+
+def _range_of_pushes(rows: pd.DataFrame, robot: str, rank: int) -> Iterator[Verdict]:
+    """Yield from which to which force trial pushes are found, over all motions and axes."""
+    sizes = rows["value"].where(rows["bound"] != ">", rows["largest_tried"]).astype(float)
+    if rows["value"].notna().any():
+        yield Verdict(
+            question="pushes",
+            arm=robot,
+            rank=rank + 1,
+            quantity="trial pushes, over motions and axes",
+            value=float(sizes.max()),
+            unit="N",
+            low=float(sizes.min()),
+            high=float(sizes.max()),
+            interval="range",
+            basis="fit" if (rows["basis"] == "fit").all() else "trial",
+        )
+
+
+def _hardest(rows: pd.DataFrame) -> "pd.Series[Any]":
+    """Return the axis that needs the largest push, first one that no trial reached."""
+    return rows.loc[max(rows.index, key=lambda at: _size(rows.loc[at]))]
+
+
+def _size(row: "pd.Series[Any]") -> float:
+    if row["bound"] == ">":
+        return float("inf")
+    return -1.0 if pd.isna(row["value"]) else float(row["value"])

@@ -1,0 +1,172 @@
+"""Predicted currents on recordings that no fit has used, and how well friction is known."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.judging.contacts import days_away
+from ur5lib.judging.errors import Conditions, by_place, judged, verdicts, with_floors
+from ur5lib.judging.study import StudyTables
+from ur5lib.records.verdicts import JudgedError, Reason, Verdict, reason_in
+
+QUESTION = "currents"
+TOTALS = ["total_0", "total_0.1", "total_0.5", "total_1"]  # parameters of friction.csv
+
+
+def unseen(study: StudyTables) -> pd.DataFrame:
+    """Return the errors on validate recordings without contacts and undeclared loads."""
+    rows = study.rows("current_rmse", recording=study.quiet("validate"))
+    return rows.assign(error=rows["rmse_lowpassed"], zero=rows["zero_rmse_lowpassed"])
+
+
+def moving(study: StudyTables, rows: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of joints that move on their recording."""
+    joints = zip(rows["recording"], rows["joint"], strict=True)
+    moves = [joint in study.moving(recording) for recording, joint in joints]
+    return rows[np.array(moves, dtype=bool)]
+
+
+def errors(study: StudyTables, robot: str) -> list[JudgedError]:
+    """Return the errors of an arm's predicted currents by joint, beside plain least squares."""
+    every = unseen(study)
+    own = every[every["model"] == "fitted"]
+    rows = moving(study, own).dropna(subset="error")
+    if rows.empty:
+        return []
+    table = with_floors(by_place(rows, "joint"), study, "current")
+    others = moving(study, every[every["model"] == "least_squares"])
+    table["rival"] = "plain least squares"
+    table["rival_error"] = others.groupby("joint")["error"].mean().reindex(table.index)
+    held = rows.groupby("joint")
+    table["coverage95"] = held["coverage95"].min()
+    table["band_factor95"] = held["band_factor95"].max()
+    table["least_factor95"] = held["band_factor95"].min()
+    most = by_place(own, "joint").reindex(table.index)  # at rest, too
+    for name in ("largest", "recording", "largest_zero"):
+        table[name] = most[name]
+    constants = torque_constants(study).reindex(table.index)
+    table["torque"] = table["error"] * constants
+    table["largest_torque"] = table["largest"] * constants
+    return judged(QUESTION, robot, study.effort.unit, table, Conditions())
+
+
+def torque_constants(study: StudyTables) -> pd.Series:
+    """Return the torque constants [Nm/A] of an arm by joint; empty where torques are measured."""
+    rows = study.rows("friction", parameter="torque_constant")
+    return rows.set_index("joint")["value"].astype(float)
+
+
+def judge_currents(study: StudyTables, robot: str) -> Iterator[Verdict]:
+    """Judge predicted currents by joint: their band, plain least squares, and repeatability."""
+    found = [one for one in errors(study, robot) if one.state != "not determined"]
+    about: Any = {"arm": robot}
+    if not found:
+        reason = _why_not(study)
+        yield Verdict(question=QUESTION, state="not determined", reason=reason, arm=robot)
+    else:
+        cutoff = study.study["settings"]["lowpass"]["currents"]["cutoff_hz"]
+        count = {one.recordings for one in found}
+        interval = f"range over {max(count)} recordings"
+        yield from verdicts(found, f"RMSE below {cutoff:g} Hz", interval, basis="unseen", **about)
+        yield from _bands(found, robot)
+        yield from _as_torque(found, robot)
+        yield from _farthest_in_time(study, robot)
+    yield from judge_friction(study, robot)
+
+
+def _why_not(study: StudyTables) -> Reason:
+    if study.tables["friction"].empty:
+        return "uncalibrated"
+    validate = study.with_role("validate")
+    if validate and {*validate} <= {*study.touched()}:
+        return "touched"
+    if len(moving(study, unseen(study))):
+        return "too_small"
+    return "no_motion" if study.quiet("validate") else "no_unseen"
+
+
+def _bands(errors: list[JudgedError], robot: str) -> Iterator[Verdict]:
+    """Yield the least share of readings in the band, and by how much bands are too wide."""
+    least = min(errors, key=lambda one: one.coverage95 or 0.0)
+    yield Verdict(
+        question=QUESTION,
+        arm=robot,
+        rank=4,
+        quantity="least share of readings in the 95 % band",
+        value=100 * (least.coverage95 or 0.0),
+        unit="%",
+        joint=least.joint,
+    )
+    low = min((one.least_factor95 for one in errors if one.least_factor95), default=None)
+    high = max((one.band_factor95 for one in errors if one.band_factor95), default=None)
+    yield Verdict(
+        question=QUESTION,
+        arm=robot,
+        rank=5,
+        quantity="multiple of the 95 % band that contains 95 %, largest",
+        value=high,
+        low=low,
+        high=high,
+        interval="range over joints and recordings",
+    )
+
+
+def _as_torque(errors: list[JudgedError], robot: str) -> Iterator[Verdict]:
+    """Yield the largest error as a torque of a joint."""
+    known = [one for one in errors if one.largest_torque is not None]
+    if known:
+        most = max(known, key=lambda one: one.largest_torque or 0.0)
+        about: Any = {"question": QUESTION, "arm": robot, "rank": 6, "unit": "Nm"}
+        yield Verdict(
+            **about,
+            quantity="largest error on a recording as a torque",
+            value=most.largest_torque,
+            joint=most.joint,
+        )
+
+
+def _farthest_in_time(study: StudyTables, robot: str) -> Iterator[Verdict]:
+    """Yield the dated recording that is farthest in time from all those of the fit."""
+    away = days_away(study)
+    if away and (days := max(away.values())):
+        about: Any = {"question": QUESTION, "arm": robot, "rank": 7, "unit": "days"}
+        name = max(away, key=away.__getitem__)
+        yield Verdict(
+            **about, quantity="farthest from a day of the fit", value=days, recording=name
+        )
+
+
+def judge_friction(study: StudyTables, robot: str) -> Iterator[Verdict]:
+    """Yield the widest 95 % interval of the total friction of a joint that may be used, as a share
+    of it, and of how many joints friction may be used.
+    """
+    rows = study.rows("friction", parameter=TOTALS)
+    if rows.empty:
+        return
+    half = rows[["low", "high"]].sub(rows["value"], axis="index").abs().max(axis="columns")
+    shares = half / rows["value"].abs()
+    usable = rows[(rows["use"] == "yes") & (shares < 1)]  # no number whose error exceeds it
+    others = rows[~rows["joint"].isin(usable["joint"])]
+    reason = reason_in(
+        next(iter(others["reason"].dropna().mode()), "undetermined" * bool(len(others)))
+    )
+    about: Any = {"question": "friction", "arm": robot, "reason": reason}
+    if len(usable):
+        worst = usable.loc[shares[usable.index].idxmax()]
+        yield Verdict(
+            **about,
+            quantity="widest 95 % interval of the total friction, half of it",
+            value=100 * float(shares[worst.name]),
+            unit="%",
+            joint=int(worst["joint"]),
+            motion=str(worst["parameter"]).replace("total_", "at ") + " rad/s",
+        )
+    yield Verdict(
+        **about,
+        rank=2,
+        quantity="joints whose total friction may be used",
+        count=usable["joint"].nunique(),
+        of=rows["joint"].nunique(),
+    )

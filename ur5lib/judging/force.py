@@ -1,0 +1,256 @@
+"""The force in contact, compared with a sensor, and the worth of its bands."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.force.estimators import GATED, NEW, PUBLISHED, SPOKEN, UNGATED
+from ur5lib.judging.errors import beaten
+from ur5lib.judging.limits import (
+    MAX_BLIND_SHARE,
+    MAX_DRIFT_ERROR,
+    MAX_GOOD_FLOORS,
+    MIN_GOOD_COVERAGE,
+    MIN_GOOD_SKILL,
+    MIN_PUSH,
+    MIN_USABLE_COVERAGE,
+)
+from ur5lib.judging.study import AT_REST, IN_MOTION, StudyTables
+from ur5lib.records.verdicts import ErrorParts, Reason, State, Verdict
+from ur5lib.timeseries.metrics import NORMAL95
+
+QUESTION = "force"
+COMPONENTS = ["Fx", "Fy", "Fz"]
+RANK = {name: place for place, name in enumerate([*NEW, *PUBLISHED])}  # in the report's order
+STATIC_ESTIMATE = "static"  # the estimate without any fit
+RIVAL = "least squares without a detector"
+
+
+def leading(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of the leading estimate: the first in the report's order."""
+    rank = rows["estimate"].map(RANK)
+    return rows[rank == rank.min()]
+
+
+def in_contact(study: StudyTables) -> pd.DataFrame:
+    """Return the leading estimate's errors along x, y, z on recordings that no fit has used, with
+    those of plain least squares (`plain`) and the repeatability.
+    """
+    about: Any = {"kind": "compensated", "during": "contact", "component": COMPONENTS}
+    every = study.rows("force_mae", **about)
+    every = every[every["reason"] != "fitted"]
+    key = ["recording", "component"]
+    plain = every[every["estimate"] == UNGATED].set_index(key)["mae"]
+    rows = leading(every).join(plain.rename("plain"), on=key)
+    floors = study.rows("repetition", quantity="force")
+    floors = floors.astype({"component": object})
+    floors = floors.assign(in_floors=floors["error"] / floors["floor"])
+    floors = floors.set_index(["robot", "component"])[["floor", "in_floors"]]
+    rows = rows.assign(robot=rows["recording"].map(study.arms()), axis=rows["component"].str[1:])
+    return rows.join(floors, on=["robot", "component"])
+
+
+def sure(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return the errors where the sensor's bias is sure, or all if it is nowhere."""
+    known = rows[rows["use"] == "yes"]
+    return known if len(known) else rows
+
+
+def judge_force(study: StudyTables) -> Iterator[Verdict]:
+    """Judge the force where its error is largest, by the recording with the largest share of its
+    force, and by the same sum for plain least squares.
+    """
+    if study.stopped():
+        yield Verdict(question=QUESTION, state="do not use", reason="stopped")
+        return
+    known = in_contact(study)
+    if known.empty:
+        yield Verdict(question=QUESTION, state="not determined", reason=_why_not(study))
+        return
+    rows = sure(known)
+    state, reason = state_of(rows)
+    yield from _numbers(rows, known.drop(rows.index), state, reason)
+    yield from _bands(study, known)
+
+
+def _why_not(study: StudyTables) -> Reason:
+    """Return why no sensor judges the force."""
+    if study.rows("detection", estimate=GATED).empty:
+        return "uncalibrated"
+    return "no_contact" if len(study.tables["force_mae"]) else "no_sensor"
+
+
+def state_of(rows: pd.DataFrame) -> tuple[State, Reason]:
+    """Return the state of the force and the reason why it is not better."""
+    share = max(_worst_axis(rows)["share"], _worst_recording(rows)["share"])
+    if (rows["use"] == "no").all():
+        return "not determined", "sensor_bias"
+    if share >= 1:
+        return "do not use", "worse_than_zero"
+    if rows["coverage95"].mean() < MIN_USABLE_COVERAGE:
+        return "do not use", "undercovers"
+    reason: Reason = next(_doubts(rows, share), "")
+    return ("usable" if reason else "good"), reason
+
+
+def _doubts(rows: pd.DataFrame, share: float) -> Iterator[Reason]:
+    """Yield why a force is not good, the gravest reason first; share: of the force, the error."""
+    pushed = rows[rows["mean_force"] > MIN_PUSH]
+    if rows["estimate"].eq(STATIC_ESTIMATE).any():
+        yield "uncalibrated"
+    yield from beaten(rows["mae"].mean(), rows["plain"].mean())
+    if (rows["in_floors"] > MAX_GOOD_FLOORS).any():
+        yield "far_above_floor"
+    if pushed["coverage95"].min() < MIN_GOOD_COVERAGE:
+        yield "undercovers"
+    if rows["zero_in_band95"].max() > MAX_BLIND_SHARE:
+        yield "blind"
+    worst = _worst_axis(rows)
+    if not worst["mae_high"] < (1 - MIN_GOOD_SKILL) * worst["mean_force"]:
+        yield "wide_interval"
+    if share >= 1 - MIN_GOOD_SKILL:
+        yield "large_error"
+
+
+def _worst_axis(rows: pd.DataFrame) -> "pd.Series[Any]":
+    """Return the row with the largest error, and its share of the mean force."""
+    row = rows.loc[rows["mae"].idxmax()]
+    return pd.Series({**row, "share": row["mae"] / row["mean_force"]})
+
+
+def _worst_recording(rows: pd.DataFrame) -> "pd.Series[Any]":
+    """Return means over x, y, z of the recording with the largest error as a share of the force."""
+    means = rows.groupby("recording", sort=False)[["mae", "mean_force", "plain"]].mean()
+    means["share"] = means["mae"] / means["mean_force"]
+    return means.loc[means["share"].idxmax()]
+
+
+def _numbers(
+    rows: pd.DataFrame, doubted: pd.DataFrame, state: State, reason: Reason
+) -> Iterator[Verdict]:
+    """Yield the numbers of the force: at the worst place, where the bias is uncertain, on the worst
+    recording, over all, and the gain.
+    """
+    row, share, has_rival = _worst_axis(rows), _worst_recording(rows), rows["plain"].notna().any()
+    name = f"mean absolute error of {_named(str(row['estimate']))} in contact"
+    about: dict[str, Any] = {"question": QUESTION, "unit": "N", "quantity": name}
+
+    def beside(rival: float, where: str = "") -> dict[str, Any]:
+        return {"rival": RIVAL + where, "rival_value": _known(rival)} if has_rival else {}
+
+    first = about | _errors(row) | beside(rows["plain"].max(), " at its worst") | _interval(row)
+    floor = _known(row["floor"])
+    yield Verdict(**first, **_place(row), state=state, reason=reason, floor=floor, basis="unseen")
+    if len(doubted) and doubted["mae"].max() > row["mae"]:
+        worst = doubted.loc[doubted["mae"].idxmax()]
+        yield Verdict(**about, **_errors(worst), **_place(worst), rank=2, reason="sensor_bias")
+    mean: Any = {"axis": "mean of x, y, z", "recording": str(share.name)}
+    yield Verdict(**about, **_errors(share), **mean, **beside(share["plain"]), rank=3)
+    if len({*rows["recording"]}) > 1:
+        means = rows[["mae", "mean_force", "plain"]].mean()
+        where: Any = {"axis": "mean of x, y, z and of recordings"}
+        yield Verdict(**about, **_errors(means), **where, **beside(means["plain"]), rank=4)
+    if not math.isnan(row["slope"]):
+        gain: Any = {"question": QUESTION, "quantity": "gain of the estimate over the sensor"}
+        yield Verdict(**gain, **_place(row), rank=5, value=row["slope"])
+
+
+def _errors(row: "pd.Series[Any]") -> dict[str, Any]:
+    return {"value": float(row["mae"]), "zero": float(row["mean_force"])}
+
+
+def _place(row: "pd.Series[Any]") -> dict[str, Any]:
+    return {"axis": row["axis"], "recording": row["recording"]}
+
+
+def _named(estimate: str) -> str:
+    return SPOKEN[estimate]
+
+
+def _known(value: float) -> float | None:
+    return None if pd.isna(value) else float(value)
+
+
+def _interval(row: "pd.Series[Any]") -> dict[str, Any]:
+    if pd.isna(row["mae_low"]):
+        return {}
+    return {"low": row["mae_low"], "high": row["mae_high"], "interval": "95 %"}
+
+
+def _bands(study: StudyTables, known: pd.DataFrame) -> Iterator[Verdict]:
+    """Yield what the 95 % bands contain in contact along axes that are pushed, at rest and in
+    motion, the worse first.
+    """
+    rows = known.dropna(subset=["coverage95", "band_factor95"])
+    rows = rows[rows["mean_force"] > MIN_PUSH]
+    moves = np.array([bool(study.moving(name)) for name in rows["recording"]], dtype=bool)
+    halves = {IN_MOTION: rows[moves], AT_REST: rows[~moves]}
+    order = sorted(halves.items(), key=lambda half: half[1]["coverage95"].min())
+    numbers = [(when, *number) for when, part in order if len(part) for number in _worth(part)]
+    for rank, (when, quantity, value, unit, row, reason) in enumerate(numbers, start=1):
+        yield Verdict(
+            question="bands",
+            rank=rank,
+            motion=when,
+            reason=reason,
+            quantity=quantity,
+            value=_known(value),
+            unit=unit,
+            axis=row["axis"],
+            recording=row["recording"],
+        )
+
+
+def _worth(part: pd.DataFrame) -> Iterator[tuple[str, float, str, "pd.Series[Any]", Reason]]:
+    """Yield the least share of readings in the band, for how long it contains zero, and its width:
+    each with its unit, row and reason.
+    """
+    own = sure(part)
+    doubt: Reason = "sensor_bias" if (own["use"] == "no").any() else ""
+    least = own.loc[own["coverage95"].idxmin()]
+    few = least["coverage95"] < MIN_GOOD_COVERAGE
+    quantity = "readings in contact within the 95 % band, least share"
+    yield quantity, 100 * least["coverage95"], "%", least, "undercovers" if few else doubt
+    blind = own.loc[own["zero_in_band95"].astype(float).fillna(0.0).idxmax()]
+    long = blind["zero_in_band95"] > MAX_BLIND_SHARE
+    quantity = "time in contact in which the 95 % band contains zero on all axes, at most"
+    yield quantity, 100 * blind["zero_in_band95"], "%", blind, "blind" if long else doubt
+    widest = own.loc[own["band_factor95"].idxmin()]
+    quantity = "width of the 95 % band over the width that contains 95 %, at most"
+    yield quantity, 1 / widest["band_factor95"], "", widest, doubt
+
+
+def error_parts(study: StudyTables) -> Iterator[ErrorParts]:
+    """Yield by recording of what the error in contact consists, means over x, y, z; friction: what
+    neither alarms nor a gain explain.
+    """
+    rows = in_contact(study)
+    names = {"mae": "error", "mae_missed": "missed", "mae_shut": "late_alarms", "mae_gain": "gain"}
+    means = rows.groupby("recording", sort=False)[[*names, "mean_force"]].mean()
+    means = means.dropna(subset=[*names]).rename(columns=names)
+    means["share"] = means["error"] / means.pop("mean_force")
+    means["friction"] = means["error"] - means[["missed", "late_alarms", "gain"]].sum(
+        axis="columns"
+    )
+    drifts = _determined_drifts(study.tables["sensed"].set_index("recording"))
+    doubted = study.doubted()
+    for name, row in means.iterrows():
+        drift: dict[str, Any] = {key: _known(value) for key, value in drifts.loc[name].items()}
+        bias = "uncertain" if name in doubted else "sure"
+        yield ErrorParts(recording=str(name), **row.to_dict(), sensor_bias=bias, **drift)
+
+
+def _determined_drifts(sensed: pd.DataFrame) -> pd.DataFrame:
+    """Return the drift of each sensor's bias, empty where its 95 % interval is too wide."""
+    drifts, stds = ([f"{kind}_{axis}" for axis in "xyz"] for kind in ("drift", "drift_std"))
+    errors = sensed[stds].astype(float)
+    known = NORMAL95 * errors.to_numpy() <= MAX_DRIFT_ERROR
+    return (
+        sensed[drifts]
+        .astype(float)
+        .where(known)
+        .assign(drift_std=errors.where(known).max(axis="columns"))
+    )

@@ -1,0 +1,160 @@
+"""Recordings: their findings, and which purposes each may serve."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import pandas as pd
+from scipy.special import gammainc
+
+from ur5lib.force.estimators import GATED, LEADING
+from ur5lib.judging.limits import MAX_CHANCE_OF_ALARMS, USUAL_ALARMS, USUAL_SECONDS
+from ur5lib.judging.study import AT_REST, TOUCHED, StudyTables
+from ur5lib.records.contacts import OF_CONTACTS
+from ur5lib.records.quality import UNREADABLE, UNUSUAL_FRICTION
+from ur5lib.records.verdicts import Reason, RecordingUse, State, Verdict
+
+QUESTION = "recordings"
+LOST_FRAMES = "lost frames"
+OF_FRAMES = (LOST_FRAMES, "impossible frames")  # findings that count frames
+IN_WORDS = {TOUCHED: "contacts in a recording whose role denies them"}  # of findings
+SEVERITIES = ("stop", "error", "warning", "note")  # most serious first; see docs/report.md
+STATES: dict[str, tuple[State, Reason]] = {
+    "stop": ("do not use", "stopped"),
+    "error": ("usable", "error"),
+    "warning": ("usable", "warning"),
+}
+
+
+def judge_recordings(study: StudyTables) -> Iterator[Verdict]:
+    """Judge by the most serious finding, and count the findings; a recording that was left out is
+    more serious than an error.
+    """
+    quality = study.tables["quality"]
+    serious = {*quality["severity"]}
+    state, reason = next((STATES[one] for one in STATES if one in serious), ("good", ""))
+    absent = study.unusable()
+    if absent and state != "do not use":
+        state, reason = "usable", "unread"
+    about: Any = {"question": QUESTION, "state": state, "reason": reason}
+    if absent:
+        about |= {"count": len(absent), "of": len(study.roles())}
+        yield Verdict(**about, quantity="recordings left out", recording=absent[0])
+    elif (row := worst_finding(study)) is not None:
+        name, frames = str(row["recording"]), _frames(study)
+        yield Verdict(
+            **about,
+            quantity=IN_WORDS.get(str(row["finding"]), str(row["finding"])),
+            recording=name,
+            count=int(row["count"]),
+            of=int(frames[name]) if row["finding"] in OF_FRAMES else None,
+        )
+    else:
+        yield Verdict(**about, quantity="errors and warnings", count=0)
+    kinds = quality.drop_duplicates(["recording", "device", "finding", "severity"])
+    counts = kinds["severity"].value_counts()
+    for rank, name in enumerate(SEVERITIES, start=2):
+        if name == SEVERITIES[0] or name in counts:
+            noun = "stop signs" if name == SEVERITIES[0] else f"{name}s"
+            yield Verdict(
+                question=QUESTION, rank=rank, quantity=noun, count=int(counts.get(name, 0))
+            )
+
+
+def worst_finding(study: StudyTables) -> "pd.Series | None":
+    """Return the most serious finding, of equal ones that of the largest share of frames."""
+    quality = study.tables["quality"]
+    keys = ["recording", "device", "finding", "severity"]
+    rows = quality.groupby(keys, sort=False, as_index=False)["count"].sum()
+    rows = rows[rows["severity"] != SEVERITIES[-1]]
+    if rows.empty:
+        return None
+    share = rows["count"] / rows["recording"].map(_frames(study))
+    gravity = rows["severity"].map(SEVERITIES.index)
+    order = rows.assign(share=-share, gravity=gravity).sort_values(
+        ["gravity", "share"], kind="stable"
+    )
+    return order.iloc[0]
+
+
+def _frames(study: StudyTables) -> "pd.Series[float]":
+    return study.tables["recordings"].set_index("recording")["frames"]
+
+
+def lost_shares(study: StudyTables) -> dict[str, float]:
+    """Return the share of lost frames of each recording."""
+    frames = _frames(study)
+    lost = study.rows("quality", finding=LOST_FRAMES).groupby("recording")["count"].sum()
+    shares = (lost.reindex(frames.index) / frames).fillna(0.0)
+    return {str(name): float(share) for name, share in shares.items()}
+
+
+def felt_while_fitted(study: StudyTables) -> list[str]:
+    """Return the recordings of the role fit on which more contacts are found, by a fit without
+    them, than the rate of alarms on the arm's other ones, and on usual ones, lets expect.
+    """
+    alarms = study.rows("contacts", estimate=LEADING, kind=[*OF_CONTACTS, "false"])
+    found = alarms["recording"].value_counts()
+    lengths = study.tables["recordings"].set_index("recording")["duration_s"].astype(float)
+    fitted = study.with_role("fit")
+    rows = pd.DataFrame({"arm": study.arms(), "alarms": found, "seconds": lengths}).loc[fitted]
+    rows = rows.fillna({"alarms": 0})
+    others = rows.groupby("arm")[["alarms", "seconds"]].transform("sum") - rows
+    rate = (others["alarms"] + USUAL_ALARMS) / (others["seconds"] + USUAL_SECONDS)
+    chance = gammainc(rows["alarms"], rate * rows["seconds"])  # of as many or more, by Poisson
+    return [*rows.index[len(rows) * chance < MAX_CHANCE_OF_ALARMS]]
+
+
+def uses(study: StudyTables) -> Iterator[RecordingUse]:
+    """Yield for each recording the purposes that it serves, and those that it may not, with the
+    reason; a recording that serves nothing has one row.
+    """
+    served, refused, doubted = dict(_served(study)), [*_refused(study)], [*_doubts(study)]
+    for name in study.roles():
+        against = {purpose: reason for purpose, reason, names in refused if name in names}
+        doubts = {purpose: reason for purpose, reason, names in doubted if name in names}
+        goals = [purpose for purpose, names in served.items() if name in names]
+        goals = [] if "all" in against else [one for one in goals if one not in against]
+        for purpose in goals:
+            reason = doubts.get(purpose, "")
+            yield RecordingUse(recording=name, purpose=purpose, use="yes", reason=reason)
+        for purpose, reason in against.items():
+            yield RecordingUse(recording=name, purpose=purpose, use="no", reason=reason)
+        if not goals and not against:
+            yield RecordingUse(recording=name, purpose="all", use="no", reason="no_reference")
+
+
+def _served(study: StudyTables) -> Iterator[tuple[str, set[str]]]:
+    """Yield what recordings serve, with their names."""
+    errors, loads = study.rows("current_rmse", model="fitted"), {*study.loaded()}
+    moving = {name for name in study.roles() if study.moving(name)}
+    forces = study.rows("force_mae", during="contact", use="yes")
+    yield "fit", {*errors.loc[errors["fitted"] == "yes", "recording"], *study.with_role(AT_REST)}
+    yield "currents", {*study.with_role("validate", errors["recording"])} & moving
+    yield "load", loads
+    yield "links", {*study.tables["torque_mae"].dropna(subset="mae")["recording"]} & moving
+    yield "force", {*forces["recording"]}
+    searched = {*study.rows("detection", estimate=GATED)["recording"]}
+    yield "contacts", {*study.with_role("contact", searched), *({*study.touched()} & searched)}
+    yield "motion", {*study.tables["acceleration_mae"]["recording"]}
+
+
+def _refused(study: StudyTables) -> Iterator[tuple[str, Reason, set[str]]]:
+    """Yield what recordings do not serve, the reason, and their names."""
+    stops = study.rows("quality", severity="stop")
+    stopped = {*stops.loc[stops["finding"] != UNREADABLE, "recording"]}
+    yield "all", "stopped", stopped
+    yield "all", "unread", {*study.unusable()} - stopped
+    touched = {*study.touched()}
+    yield "currents", "touched", touched & {*study.with_role("validate")}
+    yield "currents", "loaded", {*study.with_role("validate", study.loaded())} - touched
+    unsensed = {*study.with_role("contact")} - {*study.tables["sensed"]["recording"]}
+    yield "force", "no_sensor", unsensed - stopped
+    yield "force", "sensor_bias", {*study.doubted()} - stopped
+    yield "force", "other_friction", {*study.rows("quality", finding=UNUSUAL_FRICTION)["recording"]}
+
+
+def _doubts(study: StudyTables) -> Iterator[tuple[str, Reason, set[str]]]:
+    """Yield doubts about what recordings serve all the same, the graver of two last."""
+    yield "fit", "felt", {*felt_while_fitted(study)}
+    yield "fit", "touched", {*study.touched()}
+    yield "links", "fitted", {*study.with_role("fit")}
