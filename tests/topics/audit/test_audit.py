@@ -3,7 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
-from tests.report.test_verdicts import study
+from tests.made_study import study
 from tests.topics.pages import shown
 from ur5lib.report.results import Results
 from ur5lib.tables import read_csv, write_rows

@@ -4,7 +4,7 @@ import shutil
 from dataclasses import replace
 
 from tests.conftest import STUDY, Change, Workflow
-from tests.report.test_verdicts import study
+from tests.made_study import study
 from tests.topics.pages import shown
 from tests.workflow.test_workflow import DOCUMENT, append
 from ur5lib.tables import read_csv
@@ -16,12 +16,13 @@ def test_a_study_is_compared_with_another(workflow: Workflow) -> None:
     folder = workflow.folder / "results"
     shutil.copytree(folder / "small", folder / "before")
     append(workflow.folder / "config.yaml", "compare_with: [before]\n")
-    compared = {"compare_studies": 1} | DOCUMENT
+    judged = {"judge_study": 1} | DOCUMENT  # which read the study
+    compared = {"compare_studies": 1} | judged
     assert workflow.plan() == compared
     workflow.build("--until", "compare_studies")
     rows = read_csv(folder / "small" / "tables" / "changes.csv")
     assert {*rows["study"], *rows["changed"]} == {"before", "no"}
-    assert workflow.plan() == DOCUMENT
+    assert workflow.plan() == judged
     (workflow.folder / "config.yaml").write_text(STUDY)
     assert workflow.plan() == compared
 

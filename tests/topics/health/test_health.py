@@ -31,6 +31,7 @@ from ur5lib.identification.samples import CurrentSamples, columns_of, recorded_p
 from ur5lib.records.friction import CurrentFit
 from ur5lib.records.prediction import JudgedLoad, Prediction, Scores
 from ur5lib.records.quality import Finding, Quality
+from ur5lib.records.verdicts import Verdict
 from ur5lib.report.figures.house_style import REPORT_FONT_SIZE
 from ur5lib.report.page.compose import shown_table
 from ur5lib.report.page.formats import days
@@ -39,7 +40,8 @@ from ur5lib.robots.friction import BASE_TERMS
 from ur5lib.topics.health import report
 from ur5lib.topics.health.examine_joints import checkup, dated
 from ur5lib.topics.health.figure import health_figure
-from ur5lib.topics.health.report import changes, judge_drift
+from ur5lib.topics.health.judge_health import judge_health
+from ur5lib.topics.health.report import changes
 from ur5lib.topics.health.rows import Checkup, Condition, Health, JointChange
 from ur5lib.topics.health.track_health import health_of, together
 
@@ -204,7 +206,7 @@ def test_few_dates_give_no_tables(fit: CurrentFit, tmp_path: Path) -> None:
     summary = health_of([*_checkups(fit)][:5], PATHS[:5])
     assert summary == Health()
     results = of_arm(summary, tmp_path)
-    assert judge_drift(results) is None
+    assert judged(results) == []
     assert results.tables["health"].empty
     assert [*report.changes(results)] == [*report.advice(results)] == []
     assert health_figure(*results.tables.values()).data.empty
@@ -223,21 +225,17 @@ def test_the_change_is_a_sentence_with_its_dates(results: Results) -> None:
 
 
 def test_a_change_makes_the_arm_usable_and_none_makes_it_good(results: Results) -> None:
-    told = judge_drift(results)
-    assert told is not None
-    assert told.state == "usable"
-    assert "Joint 4" in told.sentence
-    assert told.evidence == (
-        "Dates: 12, from 3 March to 5 April 2026. Quantities tested: 29, changes: 2; chance of a "
-        "false one: 5 %."
-    )
+    first, dates, largest = judged(results)
+    assert (first.state, first.reason, first.count, first.of) == ("usable", "changed", 2, 29)
+    assert (dates.count, largest.joint) == (12, 4)
     unchanged = results.tables | {"health_changes": results.tables["health_changes"][:0]}
-    calm = judge_drift(replace(results, tables=unchanged))
-    assert calm is not None
-    assert (calm.state, calm.sentence) == (
-        "good",
-        "No joint changed by more than chance explains.",
-    )
+    calm, _ = judged(replace(results, tables=unchanged))
+    assert (calm.state, calm.reason, calm.count) == ("good", "", 0)
+
+
+def judged(results: Results) -> list[Verdict]:
+    """The verdicts on the drift of an arm."""
+    return judge_health(results.tables["health"], results.tables["health_changes"])
 
 
 def test_the_section_states_dates_and_lost_frames(results: Results) -> None:
@@ -316,19 +314,17 @@ def test_drift_is_determined_where_paths_were_repeated(groups: list[int], expect
          "value": 1.0, "std_error": 0.1, "group": group}
         for month, group in enumerate(groups)
     ]  # fmt: skip
-    verdict = judge_drift(of_rows(rows, []))
-    assert verdict is not None
-    decided = expected == "good"  # what decides nothing counts no changes
-    assert ("changes: 0" in verdict.evidence) == decided
-    assert verdict.state == expected
-    assert ("Repeat one motion" in verdict.sentence) is (expected != "good")
-    assert [*changes(of_rows(rows, []))] == [verdict.sentence]  # as the section says
+    results = of_rows(rows, [])
+    first, *_ = judged(results)
+    assert first.state == expected
+    assert first.reason == ("" if expected == "good" else "few_dates")
+    judged_anew = results.tables | {"verdicts": pd.DataFrame([vars(first)])}
+    (told,) = changes(replace(results, tables=judged_anew))
+    assert ("Repeat one motion" in told) is (expected != "good")
     change = {"robot": "ur5", "joint": 1, "quantity": "viscous", "kind": "jump", "size": 0.5}
     change |= {"before": 1.0, "std_error": 0.1, "by_temperature": 0.0}
     change |= {"first": "2020-03-01", "last": "2020-04-01"}
-    found = judge_drift(of_rows(rows, [change]))
-    assert found is not None
-    assert found.state == "usable"
+    assert judged(of_rows(rows, [change]))[0].state == "usable"
 
 
 # In the report, and in the workflow

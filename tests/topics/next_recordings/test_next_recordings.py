@@ -1,17 +1,19 @@
 """What to record next, in the report: the bands after it, and the command that designs it."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import pandas as pd
 import pytest
 
-from tests.report.test_verdicts import study
+from tests.made_study import study
 from tests.topics.pages import shown
+from ur5lib.excitation.outlook import Bands
 from ur5lib.report.page.compose import shown_table
 from ur5lib.report.results import Results
 from ur5lib.report.views.first_screen import next_steps
+from ur5lib.topics.next_recordings.rank_recordings import with_worth
 from ur5lib.topics.next_recordings.report import designs, limits
+from ur5lib.topics.next_recordings.rows import NOW, RankedBands
 
 
 def test_what_to_record_next_names_what_is_known_least_and_the_command() -> None:
@@ -20,7 +22,7 @@ def test_what_to_record_next_names_what_is_known_least_and_the_command() -> None
     rows[2] |= {"parameter": "load", "prior_share": 0.9}
     results = study()
     tables = {**results.tables, "friction": pd.DataFrame(rows)}
-    (told,) = designs(Results({"study": "mine"}, tables, Path(), loads={"ur5": 1.0}))
+    (told,) = designs(Results({"study": "mine"}, tables, loads={"ur5": 1.0}))
     least = {3: 90, 6: 6, 5: 5}  # shares of the prior [%] by joint, the largest first
     places = [told.index(f"friction of joint {k} (± 0.1, {s} %)") for k, s in least.items()]
     assert places == sorted(places)
@@ -32,14 +34,24 @@ def test_what_to_record_next_names_what_is_known_least_and_the_command() -> None
     assert words[words.index("--table") + 1] == "0"
     assert words[words.index("--payload") + 1] == "1.0"
     on_pedestal = {"study": "mine", "devices": {"table_m": -0.8}}
-    (told,) = designs(Results(on_pedestal, tables, Path()))
+    (told,) = designs(Results(on_pedestal, tables))
     assert "--table -0.8 " in told
 
 
-@pytest.mark.parametrize(("force", "told"), [(9.6, []), (9.1, []), (9.0, ["10 to ± 9 N"])])
-def test_the_recording_that_narrows_forces_most_is_a_step(force: float, told: list[str]) -> None:
+@pytest.mark.parametrize(("force", "worth"), [(9.6, "no"), (9.1, "no"), (9.0, "yes")])
+def test_a_recording_is_worthwhile_that_narrows_the_band_of_a_force_by_a_tenth(
+    force: float, worth: str
+) -> None:
+    best = Bands("with 2 kg", force, 0.1, 0.1)
+    _, ranked = with_worth([Bands(NOW, 10.0, 0.1, 0.1), best])
+    assert ranked == RankedBands(**vars(best), worthwhile=worth)
+
+
+@pytest.mark.parametrize(("worth", "told"), [("no", []), ("yes", ["10 to ± 9 N"])])
+def test_the_recording_that_narrows_forces_most_is_a_step(worth: str, told: list[str]) -> None:
+    force = 9.0
     rows = [("now", 10.0), ("slowly", 9.7), ("with 2 kg", force)]
-    known = {"robot": "ur5", "current": 0.1, "mass": 0.1}
+    known = {"robot": "ur5", "current": 0.1, "mass": 0.1, "worthwhile": worth}
     tables = {"next_recordings": [known | {"after": after, "force": f} for after, f in rows]}
     steps = [step for step in next_steps(study(**tables)) if "with 2 kg" in step]
     assert len(steps) == len(told)

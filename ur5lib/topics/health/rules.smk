@@ -53,3 +53,17 @@ rule draw_health:
         code=code("draw_health"),
     run:
         run_step(rule, input, output, params, log)
+
+
+rule judge_health:
+    input:
+        health=parameter("health.csv"),
+        changes=parameter("health_changes.csv"),
+    output:
+        verdicts=parameter("health.verdicts.csv"),
+    log:
+        **traces("judge_health", "{robot}"),
+    params:
+        code=code("judge_health"),
+    run:
+        run_step(rule, input, output, params, log)

@@ -1,6 +1,6 @@
 """What another recording of an arm is worth: the bands before and after it, in a user's units."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from ur5lib.excitation.outlook import Bands, Earlier, Outlook, RecordedStates, feels_forces
 from ur5lib.records.friction import Friction
@@ -8,7 +8,9 @@ from ur5lib.records.models import Identification
 from ur5lib.records.motion import Motion
 from ur5lib.records.premises import Premises
 from ur5lib.robots.description import Robot
+from ur5lib.topics.next_recordings.rows import NOW, RankedBands
 
+WORTHWHILE_BAND_RATIO = 0.9  # of the band of a force now, that a worthwhile recording leaves
 CANDIDATE_DURATION = 20.0  # of the recordings that may come next, as `ur5 excite` designs them
 
 
@@ -19,7 +21,7 @@ def rank_recordings(
     friction: Friction,
     identification: Identification,
     gravities: dict[str, list[float] | None],
-) -> list[Bands]:
+) -> list[RankedBands]:
     """Return the bands after each kind of recording; empty without a fit.
 
     motion, premises, gravities: of the arm's `fit` recordings.
@@ -40,4 +42,15 @@ def rank_recordings(
         recordings=recordings,
     )
     outlook = Outlook(arm, known)
-    return outlook.ranked(outlook.candidates(CANDIDATE_DURATION))
+    return with_worth(outlook.ranked(outlook.candidates(CANDIDATE_DURATION)))
+
+
+def with_worth(ranked: Sequence[Bands]) -> list[RankedBands]:
+    """Return the bands after recordings with whether each is worthwhile."""
+    now = next(one.force for one in ranked if one.after == NOW)
+    return [
+        RankedBands(
+            **vars(one), worthwhile="yes" if one.force <= WORTHWHILE_BAND_RATIO * now else "no"
+        )
+        for one in ranked
+    ]

@@ -1,0 +1,60 @@
+"""Judge whether a joint of an arm changed between dates, where paths were repeated."""
+
+from collections.abc import Iterator
+
+import pandas as pd
+
+from ur5lib.records.verdicts import Reason, State, Verdict
+from ur5lib.timeseries.changes import MIN_DATES
+
+QUESTION = "drift"
+
+
+def judge_health(health: pd.DataFrame, changes: pd.DataFrame) -> list[Verdict]:
+    """Return whether friction, constants, offsets or noise of a joint changed; nothing with too few
+    dates.
+
+    health, changes: health.csv and health_changes.csv of an arm.
+    """
+    return [*_judged(health, changes)] if len(health) else []
+
+
+def _judged(health: pd.DataFrame, changes: pd.DataFrame) -> Iterator[Verdict]:
+    state, reason = state_of(health, changes)
+    tested = health.dropna(subset="joint").groupby(["joint", "quantity"]).ngroups
+    yield Verdict(
+        question=QUESTION,
+        state=state,
+        reason=reason,
+        quantity="quantities of joints that changed",
+        count=len(changes),
+        of=tested,
+    )
+    yield Verdict(question=QUESTION, rank=2, quantity="dates", count=health["date"].nunique())
+    relative = changes[changes["quantity"] != "offset"]
+    shares = 100 * relative["size"] / relative["before"].abs()
+    if len(shares):
+        row = relative.loc[shares.abs().idxmax()]
+        yield Verdict(
+            question=QUESTION,
+            rank=3,
+            quantity=f"largest change, {str(row['quantity']).replace('_', ' ')}",
+            value=float(shares[row.name]),
+            unit="%",
+            joint=int(row["joint"]),
+        )
+
+
+def state_of(health: pd.DataFrame, changes: pd.DataFrame) -> tuple[State, Reason]:
+    """Return the state, and why it is not good; on paths of their own, dates show no change that
+    another path would not explain.
+    """
+    if len(changes):
+        return "usable", "changed"
+    return ("good", "") if repeated(health) >= MIN_DATES else ("not determined", "few_dates")
+
+
+def repeated(health: pd.DataFrame) -> int:
+    """Return on how many dates the arm moved along the same paths as on another date."""
+    days = health.groupby("group")["date"].nunique()
+    return int(days.where(days > 1, 0).sum())

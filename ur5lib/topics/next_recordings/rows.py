@@ -1,0 +1,16 @@
+"""What another recording of an arm is worth."""
+
+from dataclasses import dataclass
+
+from ur5lib.excitation.outlook import Bands
+
+NOW = "now"  # without another recording
+
+
+@dataclass(frozen=True)
+class RankedBands(Bands):
+    """A row of next_recordings.csv: bands after another recording; worthwhile: whether that narrows
+    the band of a force by a tenth or more (yes, no).
+    """
+
+    worthwhile: str = "no"
