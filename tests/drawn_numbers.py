@@ -16,14 +16,13 @@ from ur5lib.records.signals import Signals
 from ur5lib.records.table import WRENCH
 from ur5lib.report.figures import traces
 from ur5lib.report.figures.house_style import Drawing
-from ur5lib.report.results import Results
-from ur5lib.report.views import models
 from ur5lib.steps.draw_figures import draw_figures
 from ur5lib.steps.judge_sensor import saturated
 from ur5lib.tables import read_csv, read_record
 
 TABLES = ("signals", "torques", "accelerations", "currents", "kinematics", "sensor", "forces")
 JUDGED = ("current_rmse", "torque_mae", "force_mae", "acceleration_mae", "friction")
+JUDGED += ("judged_errors",)
 ERROR, BAND = "error of ", "95 % band, "
 
 
@@ -58,9 +57,9 @@ def check_drawn_numbers(results: Path, monkeypatch: pytest.MonkeyPatch) -> list[
     study = yaml.safe_load((results / "configuration.yaml").read_text())
     told = {name: read_csv(results / "tables" / f"{name}.csv") for name in JUDGED}
     compared, known = list[str](), study["settings"]
-    text, every = yaml.safe_dump(study), [*(results / "tables").glob("*.csv")]
-    decided = models.decided(Results.read(text, every, every)).groupby("robot")
-    closest = {arm: {*rows["model"], *rows["second"].dropna()} for arm, rows in decided}
+    judged = told["judged_errors"]
+    links = judged[judged["question"] == "links"].groupby("robot")
+    closest = {arm: {*rows["model"], *rows["rival"].dropna()} for arm, rows in links}
     lowpass = known["lowpass"]["currents"]
     settings = {"lowpass": (lowpass["order"], lowpass["cutoff_hz"]), **known["singularities"]}
     for entry in study["recordings"]:

@@ -18,6 +18,10 @@ import pytest
 from lxml.html import HtmlElement, fromstring
 from pypdf import PdfReader
 
+from ur5lib.channels import CURRENT, TORQUE
+from ur5lib.report.page.sentences import names, speaking_of, spoken
+from ur5lib.tables import read_csv
+
 WIDE, NARROW, HEIGHT = 1200, 390, 900  # pixels
 VIEWS = ((WIDE, "light"), (WIDE, "dark"), (NARROW, "light"))
 MARGIN = 14  # mm, left and right of the text on A4
@@ -146,18 +150,30 @@ def check_results(folder: Path) -> None:
     assert told["$schema"] == "results.schema.json"
     page = html.unescape((folder / "report.html").read_text())
     text = re.sub("</?code>", "`", page.replace("\u00a0", " ").replace("<wbr>", ""))
-    cards = re.findall(r"<h3>(.*?) <span class=\"state\">(.*?)</span>", text)
-    assert [(one["topic"], one["state"]) for one in told["verdicts"]] == cards
-    shown = [one[part] for one in told["verdicts"] for part in ("sentence", "evidence")]
-    shown += [answer for one in told["verdicts"] for answer in one["answers"]]
+    cards = dict(re.findall(r"<h3>(.*?) <span class=\"state\">(.*?)</span>", text))
+    rows = read_csv(folder / "tables" / "verdicts.csv")
+    assert len(told["verdicts"]) == len(rows)
+    judged = rows[(rows["rank"] == 1) & rows["state"].notna()]
+    by_title = dict(titles(judged["question"].unique()))
+    for title, state in cards.items():
+        own = judged[judged["question"] == by_title[title]]
+        of_study = own[own["arm"].isna()]
+        assert [state] == [*(of_study if len(of_study) else own)["state"]], title
+    assert len(cards) == judged["question"].nunique()
     listed = [sentence for one in told["lists"] for sentence in one["sentences"]]
     assert [one["heading"] for one in told["lists"]][:2] == ["What to do next", "Findings"]
-    for sentence in [*shown, *listed]:
+    for sentence in listed:
         assert sentence.replace("\u00a0", " ") in text
-    for verdict in told["verdicts"]:
-        for number in verdict["numbers"]:
-            if number["interval"]:
-                assert number["low"] <= number["value"] <= number["high"]
+    for row in told["verdicts"]:
+        if row["interval"]:
+            assert row["low"] <= row["value"] <= row["high"]
+
+
+def titles(questions: Iterable[str]) -> Iterator[tuple[str, str]]:
+    """The titles of cards with their questions, of arms with currents and with torques."""
+    for effort in (CURRENT, TORQUE):
+        with speaking_of(effort):
+            yield from ((spoken(names("question").get(one, one)), one) for one in questions)
 
 
 def check_links(folder: Path) -> None:

@@ -303,8 +303,7 @@ def test_alarms_have_kinds_as_they_are_counted(study: FinishedStudy) -> None:
     sensed = told["false_alarms_per_min"].notna()
     rate = told["false"] * told["alarms_per_min"] / told["alarms"].clip(lower=1)
     np.testing.assert_allclose(rate[sensed], told.loc[sensed, "false_alarms_per_min"], atol=1e-6)
-    recordings = study.configuration().recordings
-    free = [one.name for one in recordings if one.role != "contact"]
+    free = [*study.summary().query("role != 'contact'")["recording"]]
     assert {*kinds.loc[kinds["recording"].isin(free), "kind"]} == {"false"}
 
 

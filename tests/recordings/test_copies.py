@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from tests.command import Command
-from tests.report.test_verdicts import study as results_of
+from tests.made_study import study as results_of
 from tests.synthetic import poor_log
 from ur5lib.channels import columns
 from ur5lib.recordings.copies import MAX_ROWS_KEPT, MIN_ROWS_COMPARED, fingerprint

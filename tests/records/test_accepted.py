@@ -12,7 +12,7 @@ from tests.command import Command
 from tests.conftest import PROJECT, said
 from tests.current_study import CONSTANT, noisy, prior, smooth
 from tests.made_records import motion_of
-from tests.report.test_verdicts import study as results_of
+from tests.made_study import study as results_of
 from tests.synthetic import poor_log
 from ur5lib.channels import columns
 from ur5lib.errors import InputError
@@ -21,7 +21,7 @@ from ur5lib.identification.regression import Normal
 from ur5lib.records.accepted import ACCEPTED, accepting, up_to_first_standing
 from ur5lib.records.quality import Contradictions, contradiction
 from ur5lib.records.wording import worded
-from ur5lib.report.views.first_screen import verdicts
+from ur5lib.report.views.cards import cards
 from ur5lib.report.views.recordings import accepted
 from ur5lib.robots.description import Robot
 from ur5lib.steps.compute_torques import compute_torques
@@ -182,9 +182,9 @@ def test_cards_and_sections_name_the_reason() -> None:
     row = {key: warning[key] for key in ("device", "finding", "severity", "count")}
     results = results_of(quality=[row | {"recording": "pushed", "detail": detail}])
     assert [*accepted(results)] == [f"On pushed, {detail}."]
-    cards = verdicts(results)
-    assert len(cards) > 2
-    assert all(REASON in card.evidence for card in cards)
+    shown = cards(results)
+    assert len(shown) > 2
+    assert all(REASON in " ".join(card.accepted) for card in shown)
     assert [*accepted(results_of())] == []
 
 

@@ -1,13 +1,13 @@
 """A report of many recordings, and the page of one of them on demand."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import pandas as pd
 import pytest
 
 from tests.made_tables import empty
 from ur5lib.errors import InputError
+from ur5lib.judging.recordings import judge_recordings
 from ur5lib.report.page.compose import compose
 from ur5lib.report.page.document import (
     MOST_ROWS,
@@ -17,9 +17,7 @@ from ur5lib.report.page.document import (
     TableBlock,
     contents,
 )
-from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.views.recordings import judge_files
 from ur5lib.tidy import columns
 
 MANY = 2 * (MOST_ROWS + 1)
@@ -49,7 +47,7 @@ def made(count: int = MANY) -> Results:
     tables["quality"] = pd.DataFrame([{"recording": LOST, "count": 50, "place": ""} | lost])
     tables["payload"].loc[used["recording"] == LOADED, "taken"] = "yes"
     study = {"study": "s", "title": "t", "recordings": entries}
-    return Results(study, tables, Path())
+    return Results(study, tables)
 
 
 SHOWN = [
@@ -88,10 +86,11 @@ def shown_tables(document: Document) -> dict[str, TableBlock]:
 
 def test_a_file_that_cannot_be_used_is_no_good_data() -> None:
     whole = made()
-    assert judge_files(whole).state == "usable"
+    (first, *_) = judge_recordings(whole)
+    assert (first.state, first.reason) == ("usable", "unread")
+    assert (first.recording, first.count, first.of) == (ABSENT, 1, MANY)
     without = replace(whole, tables=whole.tables | {"quality": whole.tables["quality"][:0]})
-    assert judge_files(without).state == "usable"
-    assert judge_files(without).sentence == say("quality.left out", count=1, of=MANY)
+    assert next(judge_recordings(without)) == first
 
 
 def test_what_was_left_out_has_no_page() -> None:

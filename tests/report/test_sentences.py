@@ -3,7 +3,6 @@
 import math
 import re
 
-import pandas as pd
 import pytest
 
 from tests.conftest import PROJECT
@@ -11,7 +10,7 @@ from ur5lib.errors import remark
 from ur5lib.records.wording import WORDS, in_words, sentence, templates
 from ur5lib.report.page import sentences
 from ur5lib.report.page.document import DeclaredTable, contents
-from ur5lib.report.page.formats import between, with_error, within
+from ur5lib.report.page.formats import between, rounded, with_error, within
 from ur5lib.report.page.sentences import say
 from ur5lib.strict import read_yaml
 
@@ -24,7 +23,7 @@ CODE = "".join(path.read_text() for path in MODULES)
 
 
 def test_a_number_below_its_bound_is_not_zero() -> None:
-    assert say("error.worst", row=pd.Series({"error": 0.03, "zero": 100.0})) == "< 1 %"
+    assert rounded(0.03, 0, "%") == "< 1 %"
 
 
 @pytest.mark.parametrize(

@@ -179,7 +179,7 @@ def loaded(taken: str) -> Judgement:
         (ROLES, {}, "no", ["false", "false", "contact"]),
         (None, {}, "no", ["contact"] * 3),
         (ROLES, {}, "yes", ["contact"] * 3),
-        (ROLES, {"off_flange": True}, "no", ["off_flange"] * 3),
+        (ROLES, {"off_flange": True}, "no", ["false", "false", "off_flange"]),
         (ROLES, {"kind": "load"}, "no", ["load"] * 3),
         (ROLES, {"at_sensor": True}, "no", ["contact"] * 3),
         (ROLES, {"at_sensor": False}, "no", ["false"] * 3),

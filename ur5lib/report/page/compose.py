@@ -16,6 +16,7 @@ from ur5lib.report.page.document import (
     MOST_ROWS,
     MOST_SHOWN,
     Block,
+    Cards,
     Code,
     DeclaredBlock,
     DeclaredSection,
@@ -29,7 +30,6 @@ from ur5lib.report.page.document import (
     Repeated,
     Section,
     TableBlock,
-    Verdicts,
     contents,
 )
 from ur5lib.report.page.formats import day
@@ -38,6 +38,7 @@ from ur5lib.report.page.tabulated import Body, tabulate
 from ur5lib.report.page.topics import functions
 from ur5lib.report.results import Results
 from ur5lib.report.views import (
+    cards,
     citing,
     contacts,
     currents,
@@ -48,11 +49,11 @@ from ur5lib.report.views import (
     recordings,
 )
 
-MODULES = citing, contacts, currents, first_screen, forces, models, motion, recordings
+MODULES = cards, citing, contacts, currents, first_screen, forces, models, motion, recordings
 VIEWS: dict[str, ModuleType] = {module.__name__.rpartition(".")[2]: module for module in MODULES}
 REPLAYED = ("currents", "forces_estimated")  # figures of a recording, of which the last one counts
 USES = "quality.trust"  # the table of what recordings serve
-NOTICED, EACH_CONTACT = "detection.noticed", "contact_errors"  # by recording; by contact
+NOTICED, EACH_CONTACT = "noticed", "contact_errors"  # by recording; by contact
 REPORT_FILE, DETAILS_FILE = "report.html", "details.html"
 MENTION = re.compile(r"@([a-z_]+(?:\.[a-z_]+)?)")
 CONDITIONAL_TEXT = re.compile(
@@ -291,8 +292,8 @@ def _single(
                     source=str(path.with_suffix(".csv").relative_to(results.figures.parent)),
                     of=name,
                 )
-        case Verdicts():
-            yield replace(declared, verdicts=view(declared.judged)(*arguments))
+        case Cards():
+            yield replace(declared, cards=view(declared.judged)(*arguments))
         case Code():
             yield from view(declared.listing)(*arguments)
         case _:
@@ -312,7 +313,7 @@ def _filled(
     """
     kinds = {"thesis": results.of_thesis, "other": name in results.other_arms}
     kinds |= {"ur": not kinds["other"], "fit": results.roles().get(name) == "fit"}
-    kinds["saturated"] = "quality" in results.tables and bool(contacts.saturated(results, [name]))
+    kinds["saturated"] = "quality" in results.tables and bool(forces.saturated(results, [name]))
     concerned = {*columns, *(kind for kind, holds in kinds.items() if holds)}
     text = CONDITIONAL_TEXT.sub(lambda remark: remark[2] * (remark[1] in concerned), text)
     known = {"{leading}": ESTIMATES[LEADING], "{of}": name, "{drawn}": drawn}

@@ -5,7 +5,6 @@ HTML, PDF and the summary are made from the same object, so that they agree. The
 views, `module.function`, that fill them from a study's results.
 """
 
-import math
 import re
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, replace
@@ -17,14 +16,13 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
 
+from ur5lib.records.verdicts import State
 from ur5lib.strict import Strict, read_yaml
 from ur5lib.workspace.places import PACKAGE
 
-State = Literal["good", "usable", "do not use", "not determined"]
 Mark = Literal["lowest", "highest"]
 MOST_SHOWN = 4  # recordings with tables and figures of their own in one section
 MOST_ROWS = 60  # shown of a table; its CSV file has all
-ON_CARD = 2  # numbers that a card shows
 PAGES_OF_TOPICS = sorted(PACKAGE.glob("topics/*/report.yaml"))
 UNDETERMINED_TEXT = "undetermined"  # replaces a number that the data do not determine
 
@@ -175,67 +173,36 @@ class Picture(FromContents):
 
 @dataclass(frozen=True)
 class Number:
-    """A number that the summary states.
+    """A number of a card, as text.
 
-    place: recording, joint or component; low, high: ends of the interval that `interval` names;
-    baseline: the same quantity for the estimate that `baseline_of` names; floor: what repetition
-    alone leaves of it; before: its text and date in the last build, if it was another.
+    name: what it is; place: its interval, joint, axis, recording and rivals; key: by which it is
+    found in another build; before: its text and date in the last build, if it was another.
     """
 
     name: str
-    value: int | float
-    unit: str
+    text: str
     place: str = ""
-    low: float | None = None
-    high: float | None = None
-    interval: str = ""
-    baseline: float | None = None
-    baseline_of: str = ""
-    floor: float | None = None
+    key: tuple[str, ...] = ()
     before: str = ""
-
-    def text(self) -> str:
-        """Return the number as a card shows it."""
-        from ur5lib.report.page.formats import within  # with pandas, which the rules do not load
-
-        return within(self.value, self.low, self.high, self.unit)
-
-    def within(self, low: float, high: float, interval: str) -> "Number":
-        """Return the number with its interval, without any where that is unknown (NaN)."""
-        if math.isnan(low):
-            return self
-        return replace(self, low=float(low), high=float(high), interval=interval)
-
-    def above(self, floor: float) -> "Number":
-        """Return the number with its floor, without any where that is unknown (NaN)."""
-        return self if math.isnan(floor) else replace(self, floor=float(floor))
-
-    def beside(self, baseline: float, of: str) -> "Number":
-        """Return the number with its baseline."""
-        return replace(self, baseline=float(baseline), baseline_of=of)
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """The verdict on one topic: a state, and a sentence that gives the reason.
-
-    answers: to further questions of a user, a sentence each; evidence: the number behind the
-    sentence, with its interval and its baseline; numbers: of sentence and evidence.
-    """
+class Card:
+    """What may be used of one topic: a state, the reasons, and numbers; further: those folded."""
 
     topic: str
     state: State
-    sentence: str
-    answers: tuple[str, ...] = ()
-    evidence: str = ""
+    sentence: str = ""
     numbers: tuple[Number, ...] = ()
+    further: tuple[Number, ...] = ()
+    accepted: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
-class Verdicts(FromContents):
-    """Verdicts side by side; judged: the view that returns them."""
+class Cards(FromContents):
+    """Cards next to each other; judged: the view that returns them."""
 
-    verdicts: list[Verdict] = field(default_factory=list)
+    cards: list[Card] = field(default_factory=list)
     judged: str = ""
 
 
@@ -248,7 +215,7 @@ class Code(FromContents):
     folded: str = ""
 
 
-Block = Paragraph | Heading | Items | TableBlock | Picture | Verdicts | Code
+Block = Paragraph | Heading | Items | TableBlock | Picture | Cards | Code
 NUMBERED_KINDS: dict[type, str] = {TableBlock: "Table", Picture: "Figure"}
 
 
@@ -335,25 +302,7 @@ class Document:
                 fields["alignment"] = block.alignment()
             if isinstance(block, Picture):
                 fields["path"] = str(block.path)
-            if isinstance(block, Verdicts):
-                for verdict, own in zip(fields["verdicts"], block.verdicts, strict=True):
-                    verdict["numbers"] = [*map(_on_card, own.numbers[:ON_CARD])]
         return data
-
-
-def _on_card(number: Number) -> dict[str, str]:
-    """Return the name and the text of a number, with its share of its baseline, by which errors are
-    ranked; of a count of one, the name in the singular.
-    """
-    name = number.name.removesuffix("s" if number.value == 1 and not number.unit else "")
-    name = ", ".join(filter(None, (name, number.place)))
-    if number.baseline and number.value >= 0:
-        from ur5lib.report.page.formats import rounded  # with pandas, as above
-
-        name += (
-            f" ({rounded(100 * number.value / number.baseline, 0, '%')} of {number.baseline_of})"
-        )
-    return {"name": name, "text": number.text(), "before": number.before}
 
 
 class Repeated(Strict):

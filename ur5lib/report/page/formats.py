@@ -90,7 +90,9 @@ def with_error(value: float, std: float, unit: str = "") -> str:
     return _with_unit(" ± ".join(fixed(part, digits) for part in (value, std)), unit)
 
 
-def within(value: float, low: float | None, high: float | None, unit: str = "") -> str:
+def within(
+    value: float, low: float | None = None, high: float | None = None, unit: str = ""
+) -> str:
     """Format a value with the decimals of its 95 % interval, if known, but no more than `measured`
     shows.
     """

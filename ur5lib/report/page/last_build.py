@@ -1,13 +1,15 @@
-"""What the cards of a report showed when the study was last built, beside what they show now."""
+"""What the cards of a report showed when the study was last built, next to what they show now."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
 from pydantic import ValidationError
 
-from ur5lib.report.page.document import Document, Number, Verdict, Verdicts
+from ur5lib.report.page.document import Card, Cards, Document, Number, Section
 from ur5lib.report.page.formats import day
-from ur5lib.report.page.summary import Summary, VerdictSummary
+from ur5lib.report.page.summary import Summary
+from ur5lib.report.views.cards import number
 
 
 def last_summary(path: Path) -> Summary | None:
@@ -19,43 +21,40 @@ def last_summary(path: Path) -> Summary | None:
 
 
 def beside_last(document: Document, last: Summary | None) -> Document:
-    """Return a report whose cards state what their first number was in the last build, if another.
+    """Return a report whose cards state what their numbers were in the last build, if others.
 
     A build that shows the same numbers on all cards states what the last one does.
     """
     if last is None:
         return document
+    rows = [
+        {name: value for name, value in vars(row).items() if value not in (None, "")}
+        for row in last.verdicts
+    ]
+    earlier = {own.key: own for own in map(number, rows)}
     first, *others = document.sections
+    shown = [one for card in _cards(first) for one in card.numbers]
+    same = all(one.key in earlier and earlier[one.key].text == one.text for one in shown)
+    date = f", {day(last.analysed)}" if last.analysed else ""
+
+    def beside(one: Number) -> Number:
+        was = earlier.get(one.key, one)
+        changed = f"{was.text}{date}" if was.text != one.text else ""
+        return replace(one, before=was.before if same else changed)
+
     blocks = [
-        _beside(block, last) if isinstance(block, Verdicts) else block for block in first.blocks
+        replace(block, cards=[_with_numbers(card, beside) for card in block.cards])
+        if isinstance(block, Cards)
+        else block
+        for block in first.blocks
     ]
     return replace(document, sections=[replace(first, blocks=blocks), *others])
 
 
-def _beside(cards: Verdicts, last: Summary) -> Verdicts:
-    known = {card.topic: card for card in last.verdicts}
-    same = [*map(_shown, cards.verdicts)] == [*map(_shown, last.verdicts)]
-    found = []
-    for card in cards.verdicts:
-        earlier = known[card.topic].numbers[:1] if card.topic in known else []
-        numbers = [
-            replace(now, before=was.before if same else _before(now, was, last.analysed))
-            for now, was in zip(card.numbers, earlier, strict=False)
-        ]
-        found.append(replace(card, numbers=(*numbers, *card.numbers[len(numbers) :])))
-    return replace(cards, verdicts=found)
+def _cards(section: Section) -> Iterator[Card]:
+    for block in section.blocks:
+        yield from block.cards if isinstance(block, Cards) else ()
 
 
-def _shown(card: Verdict | VerdictSummary) -> tuple[str, list[tuple[str, str, str]]]:
-    return card.topic, [(one.name, one.place, one.text()) for one in card.numbers]
-
-
-def _before(now: Number, was: Number, analysed: str) -> str:
-    """Return the text of a number in the last build and its date, empty where it is the same or of
-    something else.
-    """
-    alike = all(
-        getattr(now, name) == getattr(was, name) for name in ("name", "unit", "place", "interval")
-    )
-    date = f", {day(analysed)}" if analysed else ""
-    return f"{was.text()}{date}" if alike and was.text() != now.text() else ""
+def _with_numbers(card: Card, changed: Callable[[Number], Number]) -> Card:
+    return replace(card, numbers=tuple(map(changed, card.numbers)))

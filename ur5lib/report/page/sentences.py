@@ -89,7 +89,7 @@ def _written() -> tuple[dict[str, dict[str, str]], dict[str, dict[str, str]]]:
     templates = dict(read_yaml(Path(__file__).with_name("sentences.yaml")))
     names = dict(templates.pop("names"))
     for topic, page in topic_pages().items():
-        names |= page.names
+        names |= {of: names.get(of, {}) | own for of, own in page.names.items()}
         templates[topic] = page.sentences
     return names, templates
 

@@ -1,26 +1,25 @@
 """The summary of a study as data: `results.json`, and its schema."""
 
+from dataclasses import dataclass
 from itertools import pairwise
 
 from pydantic import Field
 
-from ur5lib.report.page.document import Document, Heading, Items, Number, State, Verdicts
+from ur5lib.records.verdicts import Verdict
+from ur5lib.report.page.document import Cards, Document, Heading, Items
 from ur5lib.report.results import Results
+from ur5lib.report.views.cards import known, number
 from ur5lib.report.views.citing import analysed_on
 from ur5lib.strict import Strict
 
 SCHEMA_FILE = "results.schema.json"
 
 
-class VerdictSummary(Strict, from_attributes=True):
-    """A verdict: one topic and whether its result can be used; docs/report.md has the rules."""
+@dataclass(frozen=True, kw_only=True)
+class StatedVerdict(Verdict):
+    """A row of verdicts.csv; before: its number and date in the last build, if it was another."""
 
-    topic: str
-    state: State
-    sentence: str
-    answers: list[str]
-    evidence: str
-    numbers: list[Number]
+    before: str = ""
 
 
 class ListSummary(Strict):
@@ -39,7 +38,7 @@ class Summary(Strict):
     simulated: list[str] = Field(description="recordings of the virtual test stand")
     commit: str = Field(description="of the code")
     analysed: str = Field(default="", description="date on which the last step ended")
-    verdicts: list[VerdictSummary]
+    verdicts: list[StatedVerdict] = Field(description="the rows of tables/verdicts.csv")
     lists: list[ListSummary] = Field(
         description="what to do next, findings, and what may follow them"
     )
@@ -48,6 +47,8 @@ class Summary(Strict):
 def summary(document: Document, results: Results) -> dict[str, object]:
     """Return the first section of a report as plain data that fit `summary_schema`."""
     recordings, blocks = results.study["recordings"], document.sections[0].blocks
+    cards = [card for block in blocks if isinstance(block, Cards) for card in block.cards]
+    before = {one.key: one.before for card in cards for one in card.numbers}
     plain = {
         "$schema": SCHEMA_FILE,
         "study": results.study["study"],
@@ -56,7 +57,8 @@ def summary(document: Document, results: Results) -> dict[str, object]:
         "commit": results.commit,
         "analysed": analysed_on(results),
         "verdicts": [
-            verdict for block in blocks if isinstance(block, Verdicts) for verdict in block.verdicts
+            row | {"before": before.get(number(row).key, "")}
+            for row in map(known, results.rows("verdicts").to_dict("records"))
         ],
         "lists": [
             {"heading": above.heading, "sentences": block.items}

@@ -1,8 +1,9 @@
 """What the topics of a study add to its report: their functions, found by a loop over folders.
 
 The module `report` in the folder of a topic has the functions that its `report.yaml` names, and at
-most four for the first screen: `card`, its verdict; `advice`, what to do next; `to_record`, what to
-record where nothing is more urgent; `findings`.
+most three for the first screen: `advice`, what to do next; `to_record`, what to record where
+nothing is more urgent; `findings`. A verdict of a topic is a row of verdicts.csv: a step writes it
+into a file `<name>.verdicts.csv` of an arm.
 """
 
 from collections.abc import Iterator
@@ -10,7 +11,7 @@ from functools import cache
 from importlib import import_module
 from types import ModuleType
 
-from ur5lib.report.page.document import Verdict, topic_pages
+from ur5lib.report.page.document import topic_pages
 from ur5lib.report.results import Results
 from ur5lib.workspace.places import PACKAGE
 
@@ -20,13 +21,6 @@ def functions() -> dict[str, ModuleType]:
     """Return the functions of each topic, by the name of its folder, in the order of sections."""
     has_some = (name for name in topic_pages() if (PACKAGE / f"topics/{name}/report.py").is_file())
     return {name: import_module(f"ur5lib.topics.{name}.report") for name in has_some}
-
-
-def cards(results: Results) -> Iterator[Verdict]:
-    """Yield the topics' verdicts."""
-    for topic in _asked(results, "card"):
-        if verdict := topic.card(results):
-            yield verdict
 
 
 def advice(results: Results) -> Iterator[str]:

@@ -1,69 +1,48 @@
-"""The first screen: verdicts, one figure, the next steps for the user, and the findings."""
+"""The first screen: one sentence, one figure, the next steps for the user, and the findings."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from itertools import chain, islice
+from typing import Any
 
 import pandas as pd
 
 from ur5lib.force.estimators import LEADING
-from ur5lib.identification.samples import MIN_UNITS
 from ur5lib.report.page import topics
-from ur5lib.report.page.document import MOST_SHOWN, Verdict
+from ur5lib.report.page.document import MOST_SHOWN
 from ur5lib.report.page.formats import capital
 from ur5lib.report.page.sentences import say
-from ur5lib.report.results import AT_REST, Results
-from ur5lib.report.views import (
-    baseline,
-    contacts,
-    currents,
-    models,
-    motion,
-    recordings,
-)
-from ur5lib.report.views.arms import Judge, by_arm
+from ur5lib.report.results import Results
+from ur5lib.report.views import contacts, currents, models
+from ur5lib.report.views.cards import deciding, known
 from ur5lib.report.views.forces import searched
 from ur5lib.tidy.models import STOP
 
-VERDICTS: list[Judge] = [
-    contacts.judge_force,
-    recordings.judge_files,
-    by_arm(currents.judge_constants),
-    by_arm(currents.judge_currents),
-    by_arm(models.judge_links),
-    by_arm(motion.judge_motion),
-]
+KINDS_OF_ADVICE = ("correction", "recording", "later")
 MAX_STEPS = 3  # steps that a reader remembers
-HIGH_LOST_SHARE = 0.1  # share of lost frames from which a recording is worth repeating
-ASKING_CODES = ["no motion", "one path", "few paths"]  # codes of remarks that ask for a recording
-
-
-def verdicts(results: Results) -> list[Verdict]:
-    """Return the verdicts, the force first, with what the study accepts under each."""
-    accepted = [*recordings.accepted(results)]
-    own = (verdict for judge in VERDICTS if (verdict := judge(results)))
-    return [
-        replace(verdict, evidence=" ".join(filter(None, [verdict.evidence, *accepted])))
-        for verdict in (*own, *topics.cards(results))
-    ]
-
-
-def rules(_: Results) -> Iterator[str]:
-    """Say by which rules the states of the cards were given."""
-    known = {"skill": baseline.MIN_GOOD_SKILL, "link": models.MIN_LINK_SKILL}
-    known |= {"ratio": baseline.BETTER_RIVAL_RATIO, "floors": baseline.MAX_GOOD_FLOORS}
-    known |= {"coverage": baseline.MIN_GOOD_COVERAGE, "factor": baseline.MIN_GOOD_BAND_FACTOR}
-    yield say("verdict.rules", **known, blind=contacts.MAX_BLIND_SHARE)
+MISSED, RANGE = "contacts missed, the largest", "trial pushes, over motions and axes"
+NOTHING: dict[str, Any] = {"contacts": {}, "pushes": {}, "force": {}, "constants": {}}
+WIDEST = "widest 95 % interval of a constant, half of it"
 
 
 def result(results: Results) -> Iterator[str]:
-    """Say in one sentence how far off forces and constants are."""
-    forces = contacts.worst_in_contact(results)
-    against, errors = currents.contradicting(results), currents.margins(results)
-    if not results.stopped() and (len(forces) or len(errors) or against):
-        paths = results.rows("remarks", code="one path", joint=[*errors.index])
-        found = {"force": forces, "errors": errors, "against": against, "paths": paths}
-        yield capital(say("result.sentence", **found))
+    """Say in one sentence which contacts are found, and how far off forces and constants are."""
+    rows = results.rows("verdicts")
+    first = {
+        question: known(deciding(rows[rows["question"] == question]).to_dict())
+        for question in ("contacts", "pushes", "force", "constants")
+        if question in {*rows["question"]}
+    }
+    further = {
+        name: [{"reason": ""} | known(row) for row in own[:1].to_dict("records")]
+        for name in (MISSED, RANGE, WIDEST)
+        for own in [rows[rows["quantity"] == name]]
+    }
+    words: dict[str, Any] = {"missed": further[MISSED], "range_of_pushes": further[RANGE]}
+    doubted = rows[(rows["question"] == "force") & (rows["reason"] == "sensor_bias")]
+    words |= {"doubted": [*doubted[doubted["state"].isna()].itertuples()]}
+    words = NOTHING | first | words | {"widest": further[WIDEST]}
+    if not results.stopped() and (told := say("result.sentence", **words)):
+        yield f"{capital(told).removesuffix(';')}."
 
 
 def drawn(results: Results, wanted: str) -> list[str]:
@@ -74,9 +53,8 @@ def drawn(results: Results, wanted: str) -> list[str]:
 
 def worst_force(results: Results) -> list[str]:
     """Return the recording whose error of the force is the largest share of it, if it is drawn."""
-    means = contacts.errors_in_contact(results).groupby("recording")[["mae", "mean_force"]].mean()
-    shares = (means["mae"] / means["mean_force"]).sort_values(ascending=False)
-    return results.shown([*shares.index], 1)
+    rows = results.rows("error_parts").sort_values("share", ascending=False)
+    return results.shown([*rows["recording"]], 1)
 
 
 def _figures(results: Results) -> Iterator[tuple[str, str]]:
@@ -85,7 +63,7 @@ def _figures(results: Results) -> Iterator[tuple[str, str]]:
     Forces beside a sensor in contact; currents in motion, if possible without a load; torques in
     motion; forces without a sensor; currents of the fit.
     """
-    for name in results.shown([*contacts.errors_in_contact(results)["recording"]]):
+    for name in results.shown([*contacts.decided(results)["recording"]]):
         yield "forces", name
     carrying = {*currents.loaded(results)["recording"]}
     for name in sorted(currents.predicted(results), key=carrying.__contains__):
@@ -105,89 +83,20 @@ def _figures(results: Results) -> Iterator[tuple[str, str]]:
 
 def next_steps(results: Results) -> list[str]:
     """Return the most urgent steps: errors of the set-up first, then files, then recordings."""
-    of_files = faulty_files(results), topics.advice(results)
-    steps = chain(corrections(results), *of_files, missing_recordings(results))
+    own = {kind: _steps(results.rows("advice", kind=kind)) for kind in KINDS_OF_ADVICE}
+    of_topics = {"correction": topics.advice(results), "recording": topics.to_record(results)}
+    steps = chain(*(chain(own[kind], of_topics.get(kind, ())) for kind in KINDS_OF_ADVICE))
     return [*islice(steps, MAX_STEPS)] or [say("steps.none")]
 
 
-def corrections(results: Results) -> Iterator[str]:
-    """Ask to correct what contradicts the study: stop signs, contacts in fit recordings, payloads
-    that only the currents show, and fitted constants beside prior knowledge.
-    """
-    for row in results.rows("quality", severity="stop")[:1].itertuples():
-        yield say("steps.stop recording", file=results.file_of(row.recording), row=row)
-    for row in results.rows("remarks", step=STOP)[:1].itertuples():
-        yield say("steps.stop arm", row=row)
-    sensed = results.rows("force_mae", during="contact")["recording"]
-    if touched := results.with_role("fit", sensed):
-        yield say("steps.touched", some=_some(touched))
-    if felt := [name for name in contacts.felt_while_fitted(results) if name not in touched]:
-        yield say("steps.felt", some=_some(felt))
-    loads = currents.loaded(results)
-    for row in loads[:1].itertuples():
-        mass = {"mass": row.configured + row.mass, "std": row.std_error}
-        some = _some([*loads["recording"]])
-        yield say("steps.payload", some=some, recording=row.recording, **mass)
-    yield from currents.explained(results)
-    for robot, (shown, _) in _contradicted(results).items():
-        if shown:
-            yield say("steps.contradiction", robot=robot, numbers=shown)
-
-
-def _contradicted(results: Results) -> dict[str, tuple[list[int], list[int]]]:
-    """Return by arm the joints whose constants contradict the known ones for no known cause: those
-    that gravity loads, which show it, and the others, whose currents hardly tell a constant.
-    """
-    found: dict[str, tuple[list[int], list[int]]] = {}
-    rows = results.rows("remarks", code=currents.CONTRADICTION_CODES)
-    for row in rows[rows["code"] != currents.EXPLAINED].itertuples():
-        shows = row.joint in results.bearing.get(row.robot, [row.joint])
-        found.setdefault(row.robot, ([], []))[not shows].append(int(row.joint))
-    return found
-
-
-def faulty_files(results: Results) -> Iterator[str]:
-    """Name recordings that lost many frames, and those whose force sensor's bias is in doubt."""
-    shares = recordings.lost_shares(results)
-    lost = {name: share for name, share in shares.items() if share >= HIGH_LOST_SHARE}
-    if lost:
-        names = sorted(lost, key=lambda name: -lost[name])
-        worst = {"share": lost[names[0]], "file": results.file_of(names[0])}
-        yield say("steps.lossy", some=_some(names), **worst)
-    if doubted := contacts.doubted_biases(results, [*results.roles()]):
-        yield say("steps.doubted", some=_some(doubted))
-
-
-def missing_recordings(results: Results) -> Iterator[str]:
-    """Ask for recordings that would determine the undetermined or narrow the band of forces."""
-    for robot in sorted(results.placeholders.difference(results.listed("parameters", "robot"))):
-        refused = results.rows("remarks", robot=robot, step="identification")
-        yield say("steps.unknown links", robot=robot, why="; ".join(refused["remark"]))
-    for row in results.tables["excitation"].dropna(subset="motion").itertuples():
-        motion = row.motion[0].lower() + row.motion[1:]
-        yield say("steps.advised", robot=row.robot, motion=motion)
-    remarks = results.rows("remarks", code=ASKING_CODES)
-    outlooks = currents.outlooks(results)
-    hardly = [robot for robot, pair in outlooks.items() if not currents.is_worthwhile(*pair)]
-    for (robot, code), part in remarks.groupby(["robot", "code"], sort=False):
-        if code == "few paths" and robot in hardly:
-            continue  # the band would stay
-        words = {"robot": robot, "numbers": part["joint"], "hardly": robot in hardly}
-        yield say(f"steps.{code}", **words, few=MIN_UNITS)
-    for robot, (_, light) in _contradicted(results).items():
-        if light:
-            yield say("steps.light", robot=robot, numbers=light, load=results.loads.get(robot))
-    for role in ("fit", "validate"):
-        if not results.with_role(role):
-            yield say(f"steps.{role}", held=results.with_role(AT_REST))
-    if results.tables["force_mae"].empty and not contacts.touched(results):
-        yield say("steps.pushes")
-    yield from topics.to_record(results)
-
-
-def _some(names: list[str]) -> str:
-    """Name the first recording, and count the others."""
-    return say("steps.some", names=names)
+def _steps(rows: pd.DataFrame) -> Iterator[str]:
+    """Yield the sentences of rows of advice.csv."""
+    for row in rows.to_dict("records"):
+        own = {str(name): None if pd.isna(value) else value for name, value in row.items()}
+        joints = [*map(int, str(own.pop("joints") or "").split())]
+        others = say("steps.others", recordings=own["recordings"])
+        words = {"joints": joints, "others": f" {others}".rstrip()}
+        yield say(f"steps.{own.pop('code')}", **own | words)
 
 
 def findings(results: Results) -> list[str]:
@@ -198,14 +107,12 @@ def findings(results: Results) -> list[str]:
         *currents.contradictions(results),
         *nearest_model(results),
         *_each("findings.load", currents.loaded(results)),
-        *(
-            say("findings.felt", name=name)
-            for name in contacts.felt_while_fitted(results)[:MOST_SHOWN]
-        ),
+        *_each("findings.felt", results.rows("uses", purpose="fit", reason="felt")),
         *contacts.counted(results),
         *contacts.elsewhere(results),
         *_each("findings.load taken up", taken_up),
         *contacts.readings(results),
+        *contacts.withheld(results),
         *contacts.undetermined_moments(results),
         *topics.findings(results),
     ]
@@ -247,11 +154,6 @@ def left_out_fits(results: Results) -> list[str]:
 
 
 def nearest_model(results: Results) -> Iterator[str]:
-    """Report the model that is closest to the controller's torques, if the models differ."""
-    compared = models.compare(results)
-    if compared is None or compared.rows["model"].nunique() < 2:
-        return
-    if not compared.differ:
-        yield say("models.same")
-    else:
-        yield say("models.nearest", best=[*map(models.named, compared.best)], compared=compared)
+    """Report on how many joints the closest link models are closest."""
+    rows = results.rows("verdicts", question="links").dropna(subset=["count", "of"])
+    yield from _each("models.nearest", rows[rows["state"].isna()])

@@ -1,12 +1,8 @@
 """Contact forces compared with the force sensor, their bands, and detected contacts."""
 
-import math
-
-import numpy as np
 import pandas as pd
 
 from ur5lib.force.estimators import GATED, LEADING, NEW, PUBLISHED
-from ur5lib.records.contacts import SPEEDS
 from ur5lib.report.results import Results
 
 FORCE_COMPONENTS = ["Fx", "Fy", "Fz"]
@@ -46,13 +42,11 @@ def contact_errors(results: Results, recording: str) -> pd.DataFrame:
 
 
 def contacts(results: Results, recording: str) -> pd.DataFrame:
-    """Return the contacts that the leading estimate finds, with their largest `size` [N]."""
-    rows = results.rows("contacts", recording=recording, estimate=LEADING)
-    size = np.sqrt((rows[FORCE_COMPONENTS].astype(float) ** 2).sum(axis="columns"))
-    return rows.assign(size=size)
+    """Return the contacts that the leading estimate finds."""
+    return results.rows("contacts", recording=recording, estimate=LEADING)
 
 
-def flange_speeds(rows: pd.DataFrame) -> pd.Series:
-    """Return the range of the flange's speed during each contact, in words."""
-    steps, labels = [*SPEEDS, math.inf], [*SPEEDS.values()]
-    return pd.cut(rows["flange_speed"], steps, right=False, labels=labels).astype(object)
+def saturated(results: Results, among: list[str]) -> list[str]:
+    """Return the recordings, of some, on which the force sensor is saturated at times."""
+    found = results.rows("quality", recording=among, device="force", finding="saturation")
+    return [*found["recording"].unique()]

@@ -233,11 +233,12 @@ class Arm {
     const list = (numbers, factor = 1) => numbers.map((one) => withMinus(factor * one, READ_DIGITS)).join(", ");
     const finders = [contacts && inside(contacts, time) && "the force sensor", alarms && inside(alarms, time) && estimate];
     const found = finders.filter(Boolean).join(" and by "), isSearched = contacts || alarms;
-    const band = now?.std ? `, 95 % bands ± ${list(now.std, BAND95)}` : "";
+    const isShut = alarms && !inside(alarms, time); // then the band would be that of an untouched arm
+    const band = now?.std && !isShut ? `, 95 % bands ± ${list(now.std, BAND95)}` : "";
     this.readings.time.textContent =
       `At ${time.toFixed(2)} s${now ? (found ? `: ${free ? "false alarm" : "contact"} by ${found}` : isSearched ? ": no contact found" : "") : ": a gap in the recording"}.`;
-    const shut = band && alarms && !inside(alarms, time) ? " if nothing touches (a push may stay unnoticed)" : "";
-    if (this.readings.force) this.readings.force.textContent = now ? `${list(now.force)}${band}\u00a0N${shut}` : "–";
+    const unseen = now?.std && isShut ? "; a small push may stay unnoticed" : "";
+    if (this.readings.force) this.readings.force.textContent = now ? `${list(now.force)}${band}\u00a0N${unseen}` : "–";
     if (this.readings.sensed) this.readings.sensed.textContent = now ? `${list(now.sensed)}\u00a0N` : "–";
     if (this.readings.torque) this.readings.torque.textContent = now ? `${list(now.torque)}\u00a0Nm` : "–";
   }
