@@ -49,13 +49,14 @@ HEADS = Row(
     sensor="sensor",
     fitted="fitted to",
     force="force error in contact, of the mean force [N]: best to worst recording",
-    found=f"contacts of {CONTACT_N} N found",
+    found=f"contacts of {CONTACT_N} N found; none missed from",
     band="in 95 % band",
-    push="push found with 95 % along x, y, z [N]: best to worst motion",
-    constants="constants determined, ± error",
+    push="trial push of 1 s found with 95 % along x, y, z [N]: best to worst motion",
+    constants="constants that may be used, 95 % at most",
     currents="error of currents",
 )
-SHORT = (HEADS.arm, HEADS.sensor, HEADS.force, HEADS.push, HEADS.constants)  # in README.md
+SHORT = (HEADS.arm, HEADS.sensor, HEADS.force, HEADS.found, HEADS.push)
+SHORT += (HEADS.constants,)  # in README.md
 
 
 def main() -> None:
@@ -97,10 +98,10 @@ def rows_of(folder: Path) -> Iterator[Row]:
                 [counted(friction.paths, "path"), counted(dates(entries, friction), "date")]
             ),
             force=force_error(own["force_mae"]),
-            found=contacts_found(own["detection"]),
+            found=contacts_found(verdicts(tables, "contacts", "")),
             band=band(own["force_mae"]),
             push=pushes(own["pushes"]),
-            constants=constants(own["friction"]),
+            constants=constants(verdicts(tables, "constants", arm)),
             currents=currents(own["current_rmse"], entries),
         )
 
@@ -153,10 +154,19 @@ def ends(rows: pd.DataFrame) -> list:
     return [found[0], found[-1]] if len(found) > 1 else found
 
 
+def verdicts(tables: dict[str, pd.DataFrame], question: str, arm: str) -> pd.DataFrame:
+    """Return the verdicts on a question about an arm, or the study."""
+    rows = tables["verdicts"]
+    return rows[(rows["question"] == question) & (rows["arm"].fillna("") == arm)]
+
+
 def contacts_found(rows: pd.DataFrame) -> str:
-    """Return how many contacts at the sensor were found."""
-    own = rows[(rows["estimate"] == "Fmap") & (rows["force_class_n"] == CONTACT_N)]
-    return f"{own['found'].sum():.0f} of {own['contacts'].sum():.0f}" if len(own) else ""
+    """Return how many contacts at the sensor were found, and from which force on all were."""
+    if rows.empty:
+        return ""
+    first, from_ = rows.iloc[0], rows.dropna(subset="value")[:1]
+    words = "".join(f", {row.value:.0f} N" for row in from_.itertuples())
+    return f"{first['count']:.0f} of {first['of']:.0f}{words}"
 
 
 def band(rows: pd.DataFrame) -> str:
@@ -183,12 +193,12 @@ def along_axes(rows: pd.DataFrame) -> str:
 
 
 def constants(rows: pd.DataFrame) -> str:
-    """Return how many joints' constants are determined, and their median standard error."""
-    own = rows[rows["parameter"].isin(["torque_constant", "gain"])]
-    known = own[own["determined"] == "yes"]
-    error = (known["std_error"] / known["value"].abs()).median()
-    spread = "" if np.isnan(error) else f", ± {error:.0%}".replace("%", " %")
-    return f"{len(known)} of {own['joint'].nunique()}{spread}" if len(own) else ""
+    """Return how many joints' constants may be used, and the widest 95 % interval of one."""
+    if rows["count"].isna().all():
+        return ""
+    first, widest = rows.iloc[0], rows[rows["quantity"].str.startswith("widest")]
+    spread = "".join(f", ± {row.value:.0f} %" for row in widest.itertuples())
+    return f"{first['count']:.0f} of {first['of']:.0f}{spread}"
 
 
 def currents(rows: pd.DataFrame, entries: pd.DataFrame) -> str:

@@ -16,7 +16,11 @@ from typing import Any
 
 from benchmarks.harness.markdown import markdown, replaced, section
 from benchmarks.harness.options import built, options_of
+from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.errors import InputError
+from ur5lib.records.verdicts import REASONS
+from ur5lib.report.page.sentences import names, speaking_of, spoken
+from ur5lib.report.views.cards import number
 from ur5lib.tables import read_json, write_text
 from ur5lib.tidy import columns
 
@@ -88,11 +92,38 @@ def results(study: str) -> dict[str, Any]:
 
 
 def cards(found: dict[str, Any], first: bool = False) -> str:
-    """Return a table of what the cards of a report say, by their first sentence or all."""
-    rows = [[own["topic"], own["state"], own["sentence"]] for own in found["verdicts"]]
-    if first:
-        rows = [[*about, re.split(r"(?<=\.) (?=[A-Z])", told)[0]] for *about, told in rows]
-    return markdown(["card", "state", "why"], rows)
+    """Return a table of what the cards of a report say: state, number that decides, and reason;
+    first: the reason alone.
+    """
+    with speaking_of(effort_of(found)):
+        return markdown(
+            ["card", "state", *([] if first else ["number"]), "why"], lines(found, first)
+        )
+
+
+def effort_of(found: dict[str, Any]) -> Effort:
+    """Return what a study's arms measure: torques, where their errors are of torques."""
+    units = {row["unit"] for row in found["verdicts"] if row["question"] == "currents"}
+    return TORQUE if "Nm" in units and CURRENT.unit not in units else CURRENT
+
+
+def lines(found: dict[str, Any], first: bool) -> list[list[str]]:
+    """Return a line for each card."""
+    rows = []
+    for row in found["verdicts"]:
+        if row["state"] and row["rank"] == 1 and not (row["arm"] and of_study(row, found)):
+            known = {name: value for name, value in row.items() if value not in (None, "")}
+            one, why = number(known), spoken(REASONS.get(row["reason"], ""))
+            told = [why] if first else [f"{one.text} {one.name}".strip(), why]
+            title = spoken(names("question").get(row["question"], row["question"]))
+            rows.append([title, row["state"], *told])
+    return rows
+
+
+def of_study(row: dict[str, Any], found: dict[str, Any]) -> bool:
+    """Return whether a verdict on an arm has one on the whole study."""
+    same = [one for one in found["verdicts"] if one["question"] == row["question"]]
+    return any(not one["arm"] and one["state"] for one in same)
 
 
 def with_verdicts(page: str, found: dict[str, Any]) -> str:
