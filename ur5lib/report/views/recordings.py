@@ -91,6 +91,13 @@ def commit(results: Results) -> Iterator[str]:
     yield say("provenance.commit", commit=results.commit)
 
 
+def total_time(results: Results) -> Iterator[str]:
+    """Report the time of all jobs together."""
+    times: pd.DataFrame = results.tables["run_times"]
+    if len(times):
+        yield say("provenance.times", steps=[*times.itertuples()])
+
+
 def tables(results: Results) -> pd.DataFrame:
     """Return the files of the tables that have rows, with their number and their columns."""
     known = {name: table for name, table in sorted(results.tables.items()) if len(table)}
