@@ -148,7 +148,7 @@ def judge_gravity(study: StudyTables, robot: str) -> Iterator[Verdict]:
             unit="%",
             low=None if row.reason == "contradicted" else 100 * (row.low / row.known - 1),
             high=None if row.reason == "contradicted" else 100 * (row.high / row.known - 1),
-            interval="" if row.reason == "contradicted" else "95 %",
+            interval="" if row.reason == "contradicted" else "95 % of the fit alone",
             joint=int(row.joint),
         )
 
@@ -165,10 +165,11 @@ def judge_load(study: StudyTables, robot: str) -> Iterator[Verdict]:
         return
     agree = (rows["low"] <= 0) & (rows["high"] >= 0)
     about: Any = {"question": "load", "arm": robot}
+    meant = "that of the others" if robot in study.placeholders else "the declared one"
     yield Verdict(
         **about,
         reason="loaded" if (rows["taken"] == "yes").any() else "",
-        quantity="recordings whose load agrees with the declared one",
+        quantity=f"recordings whose load agrees with {meant}",
         count=int(agree.sum()),
         of=len(rows),
     )

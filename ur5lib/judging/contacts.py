@@ -266,7 +266,8 @@ def judge_alarms(study: StudyTables) -> Iterator[Verdict]:
     numbers = [number for row in rows if row.days != FARTHEST for number in _rates(row)]
     if not numbers and len(study.rows("detection", estimate=GATED)):
         numbers.append({"quantity": "false alarms", "reason": "no_unseen"})
-    if beside := [row for row in noticed(study) if row.contacts]:
+    beside = [row for row in noticed(study) if row.contacts]
+    if any(row.alarms for row in beside):
         count = sum(row.false_alarms for row in beside)
         numbers.append({"quantity": "false alarms on recordings with contacts", "count": count})
         live = [row.false_live for row in beside if row.false_live is not None]
@@ -284,7 +285,9 @@ def _rates(row: FalseAlarms) -> Iterator[dict[str, Any]]:
     short = row.alarms == 0 and row.per_min_high > GOOD_ALARM_RATE
     about = {"basis": "unseen", "reason": "short" if short else ""}
     yield about | {"quantity": f"false alarms{live}{other}", "count": row.alarms}
-    yield {"quantity": f"time without contact{live}{other}", "value": row.minutes, "unit": "min"}
+    stated = " in which the live estimate is stated" if live else ""
+    quantity = f"time without contact{other}{stated}"
+    yield {"quantity": quantity, "value": row.minutes, "unit": "min"}
     quantity = f"false alarms{live}{other}, at most (95 %)"
     yield {"quantity": quantity, "value": row.per_min_high, "unit": "a minute"}
 
@@ -303,7 +306,7 @@ def judge_pushes(study: StudyTables, robot: str) -> Iterator[Verdict]:
         when = AT_REST if row["motion"] == AT_REST else IN_MOTION
         real = sensed[sensed["motion"] == when]
         yield Verdict(question="pushes", arm=robot, rank=rank, **_trial(row), **_real(real))
-    yield from _range_of_pushes(rows, robot, len(order))
+    yield from _easiest(rows, robot, len(order))
 
 
 def _trial(row: "pd.Series[Any]") -> dict[str, Any]:
@@ -316,7 +319,7 @@ def _trial(row: "pd.Series[Any]") -> dict[str, Any]:
         "quantity": f"trial push of {row['seconds']:g} s {found}",
         "value": None if pd.isna(value) else float(value),
         "unit": "N",
-        "axis": row["axis"],
+        "axis": row.get("axes", row["axis"]),
         "motion": row["motion"],
         "basis": "fit" if row["basis"] == "fit" else "trial",
     }
@@ -333,27 +336,21 @@ def _real(rows: pd.DataFrame) -> dict[str, Any]:
     return {"rival": "no real contact missed from", "rival_value": from_}
 
 
-def _range_of_pushes(rows: pd.DataFrame, robot: str, rank: int) -> Iterator[Verdict]:
-    """Yield from which to which force trial pushes are found, over all motions and axes."""
-    sizes = rows["value"].where(rows["bound"] != ">", rows["largest_tried"]).astype(float)
+def _easiest(rows: pd.DataFrame, robot: str, rank: int) -> Iterator[Verdict]:
+    """Yield the smallest push that is found with the best motion and axis."""
     if rows["value"].notna().any():
-        yield Verdict(
-            question="pushes",
-            arm=robot,
-            rank=rank + 1,
-            quantity="trial pushes, over motions and axes",
-            value=float(sizes.max()),
-            unit="N",
-            low=float(sizes.min()),
-            high=float(sizes.max()),
-            interval="range",
-            basis="fit" if (rows["basis"] == "fit").all() else "trial",
-        )
+        row = rows.loc[rows["value"].astype(float).idxmin()]
+        about = _trial(row) | {"quantity": "smallest trial push found, best motion and axis"}
+        yield Verdict(question="pushes", arm=robot, rank=rank + 1, **about | {"reason": ""})
 
 
 def _hardest(rows: pd.DataFrame) -> "pd.Series[Any]":
-    """Return the axis that needs the largest push, first one that no trial reached."""
-    return rows.loc[max(rows.index, key=lambda at: _size(rows.loc[at]))]
+    """Return the axis that needs the largest push, first one that no trial reached; axes: all of
+    those.
+    """
+    row = rows.loc[max(rows.index, key=lambda at: _size(rows.loc[at]))]
+    beyond = rows.loc[rows["bound"] == ">", "axis"]
+    return pd.Series({**row, "axes": " and ".join(beyond) if len(beyond) > 1 else row["axis"]})
 
 
 def _size(row: "pd.Series[Any]") -> float:

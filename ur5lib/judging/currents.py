@@ -60,7 +60,8 @@ def torque_constants(study: StudyTables) -> pd.Series:
 
 def judge_currents(study: StudyTables, robot: str) -> Iterator[Verdict]:
     """Judge predicted currents by joint: their band, plain least squares, and repeatability."""
-    found = [one for one in errors(study, robot) if one.state != "not determined"]
+    every = errors(study, robot)
+    found = [one for one in every if one.state != "not determined"]
     about: Any = {"arm": robot}
     if not found:
         reason = _why_not(study)
@@ -69,7 +70,7 @@ def judge_currents(study: StudyTables, robot: str) -> Iterator[Verdict]:
         cutoff = study.study["settings"]["lowpass"]["currents"]["cutoff_hz"]
         count = {one.recordings for one in found}
         interval = f"range over {max(count)} recordings"
-        yield from verdicts(found, f"RMSE below {cutoff:g} Hz", interval, basis="unseen", **about)
+        yield from verdicts(every, f"RMSE below {cutoff:g} Hz", interval, basis="unseen", **about)
         yield from _bands(found, robot)
         yield from _as_torque(found, robot)
         yield from _farthest_in_time(study, robot)
@@ -100,7 +101,8 @@ def _bands(errors: list[JudgedError], robot: str) -> Iterator[Verdict]:
         joint=least.joint,
     )
     low = min((one.least_factor95 for one in errors if one.least_factor95), default=None)
-    high = max((one.band_factor95 for one in errors if one.band_factor95), default=None)
+    most = max(errors, key=lambda one: one.band_factor95 or 0.0)
+    high = most.band_factor95
     yield Verdict(
         question=QUESTION,
         arm=robot,
@@ -110,6 +112,7 @@ def _bands(errors: list[JudgedError], robot: str) -> Iterator[Verdict]:
         low=low,
         high=high,
         interval="range over joints and recordings",
+        joint=most.joint,
     )
 
 
@@ -152,12 +155,13 @@ def judge_friction(study: StudyTables, robot: str) -> Iterator[Verdict]:
     reason = reason_in(
         next(iter(others["reason"].dropna().mode()), "undetermined" * bool(len(others)))
     )
-    about: Any = {"question": "friction", "arm": robot, "reason": reason}
+    about: Any = {"question": "friction", "arm": robot}
     if len(usable):
         worst = usable.loc[shares[usable.index].idxmax()]
         yield Verdict(
             **about,
-            quantity="widest 95 % interval of the total friction, half of it",
+            reason=reason_in(worst["reason"]),
+            quantity="widest 95 % interval of a total friction that may be used, half of it",
             value=100 * float(shares[worst.name]),
             unit="%",
             joint=int(worst["joint"]),
@@ -166,7 +170,8 @@ def judge_friction(study: StudyTables, robot: str) -> Iterator[Verdict]:
     yield Verdict(
         **about,
         rank=2,
-        quantity="joints whose total friction may be used",
-        count=usable["joint"].nunique(),
-        of=rows["joint"].nunique(),
+        reason=reason,
+        quantity="total frictions that may be used, of each joint at four velocities",
+        count=len(usable),
+        of=len(rows),
     )

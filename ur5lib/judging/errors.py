@@ -116,7 +116,8 @@ def beaten(error: float, rival: float) -> Iterator[Reason]:
 def verdicts(
     errors: Sequence[JudgedError], quantity: str, interval: str = "", **about: Any
 ) -> Iterator[Verdict]:
-    """Yield the error that decides, the worst one where that is another, and the largest.
+    """Yield the error that decides, the worst one where that is another, the largest, also of those
+    that are not judged, and the largest multiple of the repeatability.
 
     The gravest state decides, of equal ones the gravest reason; the worst is the largest share of
     its zero.
@@ -128,12 +129,17 @@ def verdicts(
     yield _verdict(first, 1, relative if first is worst else quantity, interval, **about)
     if worst is not first:
         yield _verdict(worst, 2, relative, interval, **about)
-    alike = [one for one in known if one.unit == worst.unit]
-    most = max(alike, key=lambda one: one.largest)
-    yield Verdict(
+    yield _largest([one for one in errors if one.unit == worst.unit], quantity, **about)
+    yield from _repeated(known, **about)
+
+
+def _largest(errors: Sequence[JudgedError], quantity: str, **about: Any) -> Verdict:
+    """Return the largest error on a recording."""
+    most = max(errors, key=lambda one: one.largest)
+    return Verdict(
         question=most.question,
         rank=3,
-        quantity="largest error on a recording",
+        quantity=f"largest {'distance' if 'distance' in quantity else 'error'} on a recording",
         value=most.largest,
         unit=most.unit,
         joint=most.joint,
@@ -142,6 +148,24 @@ def verdicts(
         zero=most.largest_zero if most.largest_zero > MIN_DIFFERENCE else None,
         **about,
     )
+
+
+def _repeated(errors: Sequence[JudgedError], **about: Any) -> Iterator[Verdict]:
+    """Yield the error on repeated motions that is the largest multiple of what these differ by."""
+    known = [(one, (one.in_floors or 0.0) * (one.floor or 0.0)) for one in errors]
+    if known := [(one, error) for one, error in known if error > MIN_DIFFERENCE]:
+        most, error = max(known, key=lambda pair: pair[0].in_floors or 0.0)
+        yield Verdict(
+            question=most.question,
+            rank=8,
+            quantity="error on repeated motions, largest multiple of the repeatability",
+            value=error,
+            unit=most.unit,
+            joint=most.joint,
+            axis=most.component,
+            floor=most.floor,
+            **about,
+        )
 
 
 REASONS_BY_GRAVITY: list[Reason] = [
@@ -184,7 +208,6 @@ def _verdict(one: JudgedError, rank: int, quantity: str, interval: str, **about:
         zero=one.zero,
         rival=one.rival,
         rival_value=one.rival_error,
-        floor=one.floor,
         **about,
     )
 

@@ -83,23 +83,25 @@ def judge_links(study: StudyTables, robot: str) -> Iterator[Verdict]:
     """Judge the link model that is closest on most joints, below 2 Hz: gravity, which is most of
     that, is known far better than by half.
     """
-    found = [one for one in errors(study, robot) if one.state != "not determined"]
+    every = errors(study, robot)
+    found = [one for one in every if one.state != "not determined"]
     compared = compare(study)
     if not found or compared is None:
         yield from _without_targets(study, robot)
         return
-    motion = str(compared.rows["motion"].iloc[0]).replace("_", " ")
+    motion = f"{compared.rows['motion'].iloc[0]} motion".replace("_", " ")
     count = max(one.recordings for one in found)
     about: Any = {"arm": robot, "motion": motion, "basis": "unseen" if compared.unseen else "fit"}
     quantity = f"distance of {named(compared.best[0])} from the controller's torque below 2 Hz"
-    rows = [*verdicts(found, quantity, f"range over {count} recordings", **about)]
+    rows = [*verdicts(every, quantity, f"range over {count} recordings", **about)]
     yield from _under_given_load(study, compared, rows)
     verb = "come" if compared.best[1:] else "comes"
     yield Verdict(
         question=QUESTION,
         arm=robot,
         rank=4,
-        quantity=f"joints on which {' and '.join(map(named, compared.best))} {verb} closest",
+        quantity=f"joints on which {' and '.join(map(named, compared.best))} {verb} closest, "
+        "or at most 5 % farther",
         count=compared.near,
         of=compared.differ,
     )

@@ -1,6 +1,7 @@
 """Judge whether a joint of an arm changed between dates, where paths were repeated."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import pandas as pd
 
@@ -22,6 +23,12 @@ def judge_health(health: pd.DataFrame, changes: pd.DataFrame) -> list[Verdict]:
 def _judged(health: pd.DataFrame, changes: pd.DataFrame) -> Iterator[Verdict]:
     state, reason = state_of(health, changes)
     tested = health.dropna(subset="joint").groupby(["joint", "quantity"]).ngroups
+    dates = health["date"].nunique()
+    if reason == "few_dates":
+        name = "dates with a path of another date"
+        about: Any = {"state": state, "reason": reason, "quantity": name}
+        yield Verdict(question=QUESTION, **about, count=repeated(health), of=dates)
+        return
     yield Verdict(
         question=QUESTION,
         state=state,
@@ -30,7 +37,7 @@ def _judged(health: pd.DataFrame, changes: pd.DataFrame) -> Iterator[Verdict]:
         count=len(changes),
         of=tested,
     )
-    yield Verdict(question=QUESTION, rank=2, quantity="dates", count=health["date"].nunique())
+    yield Verdict(question=QUESTION, rank=2, quantity="dates", count=dates)
     relative = changes[changes["quantity"] != "offset"]
     shares = 100 * relative["size"] / relative["before"].abs()
     if len(shares):
