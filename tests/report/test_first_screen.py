@@ -92,9 +92,9 @@ def test_the_sentence_states_contacts_force_and_constants() -> None:
     contacts = sensed((30.0, "found"), (20.0, "missed"))
     (told,) = result(study(friction=rows, contact_errors=contacts, force_mae=touched(4.0)))
     assert told.replace("\u00a0", " ") == (
-        "1 of 2 contacts at the force sensor are found, none above 20 N is missed; the mean error "
-        "of the force in contact is 4.00 N at worst (95 %: 3.2 to 4.8); zero errs by 10.0 N there; "
-        "2 of 3 torque constants may be used (± 10 % or less at 95 %)."
+        "1 of 2 contacts at the force sensor are found, none from 30.0 N on is missed; the mean "
+        "error of the force in contact is 4.00 N at worst (95 %: 3.2 to 4.8); zero errs by 10.0 N "
+        "there; 2 of 3 torque constants may be used (± 10 % or less at 95 %)."
     )
 
 
@@ -121,16 +121,14 @@ def test_three_steps_are_named_and_the_most_urgent_first() -> None:
     )
     first, second, third = next_steps(results)
     assert first.startswith("Give fitted the role contact")
-    assert second.endswith(
-        "the currents show 2.50\u00a0±\u00a00.10 kg on seen.".replace("\u00a0", " ")
-    )
+    assert second.endswith("the currents show 2.50 ± 0.10 kg on seen (± one standard error).")
     assert third.startswith("Mend the logging, as of seen: 50 % of the frames")
     quiet = study(force_mae=touched(1.0))
     assert next_steps(quiet) == ["No finding asks for a correction or another recording."]
     asked = study(force_mae=touched(1.0), remarks=[remark | {"joint": i} for i in (1, 2, 3)])
     assert next_steps(asked) == [
-        "On ur5, joints 1 to 3 move along one path only: record another path, which tests the "
-        "error bars."
+        "On ur5, joints 1 to 3 move along one path only: record another path, or give a validate "
+        "recording of another path the role fit, which tests the error bars."
     ]
 
 

@@ -19,7 +19,8 @@ from ur5lib.tidy.models import STOP
 
 KINDS_OF_ADVICE = ("correction", "recording", "later")
 MAX_STEPS = 3  # steps that a reader remembers
-MISSED, RANGE = "contacts missed, the largest", "trial pushes, over motions and axes"
+ABOVE, MISSED = "no contact missed from", "contacts missed, the largest"
+EASIEST = "smallest trial push found, best motion and axis"
 NOTHING: dict[str, Any] = {"contacts": {}, "pushes": {}, "force": {}, "constants": {}}
 WIDEST = "widest 95 % interval of a constant, half of it"
 
@@ -34,12 +35,15 @@ def result(results: Results) -> Iterator[str]:
     }
     further = {
         name: [{"reason": ""} | known(row) for row in own[:1].to_dict("records")]
-        for name in (MISSED, RANGE, WIDEST)
+        for name in (ABOVE, MISSED, EASIEST, WIDEST)
         for own in [rows[rows["quantity"] == name]]
     }
-    words: dict[str, Any] = {"missed": further[MISSED], "range_of_pushes": further[RANGE]}
+    words: dict[str, Any] = {"above": further[ABOVE], "missed": further[MISSED]}
     doubted = rows[(rows["question"] == "force") & (rows["reason"] == "sensor_bias")]
-    words |= {"doubted": [*doubted[doubted["state"].isna()].itertuples()]}
+    words |= {
+        "easiest": further[EASIEST],
+        "doubted": [*doubted[doubted["state"].isna()].itertuples()],
+    }
     words = NOTHING | first | words | {"widest": further[WIDEST]}
     if not results.stopped() and (told := say("result.sentence", **words)):
         yield f"{capital(told).removesuffix(';')}."
