@@ -218,9 +218,9 @@ def _worth(part: pd.DataFrame) -> Iterator[tuple[str, float, str, "pd.Series[Any
     long = blind["zero_in_band95"] > MAX_BLIND_SHARE
     quantity = "time in contact in which the 95 % band contains zero on all axes, at most"
     yield quantity, 100 * blind["zero_in_band95"], "%", blind, "blind" if long else doubt
-    widest = own.loc[own["band_factor95"].idxmin()]
-    quantity = "width of the 95 % band over the width that contains 95 %, at most"
-    yield quantity, 1 / widest["band_factor95"], "", widest, doubt
+    farthest = own.loc[np.log(own["band_factor95"].astype(float)).abs().idxmax()]
+    quantity = "width of the 95 % band over the width that contains 95 %, farthest from 1"
+    yield quantity, 1 / farthest["band_factor95"], "", farthest, doubt
 
 
 def error_parts(study: StudyTables) -> Iterator[ErrorParts]:

@@ -37,4 +37,6 @@ def judge_motion(study: StudyTables, robot: str) -> Iterator[Verdict]:
     if found:
         count = max(one.recordings for one in found)
         interval = f"range over {count} recordings"
-        yield from verdicts(found, "mean absolute error", interval, arm=robot, basis="unseen")
+        cutoff = study.study["settings"]["lowpass"]["accelerations"]["cutoff_hz"]
+        quantity = f"mean absolute error below {cutoff:g} Hz"
+        yield from verdicts(found, quantity, interval, arm=robot, basis="unseen")
