@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.force.matching import match
-from ur5lib.records.contacts import SPEEDS, Alarm, Cause, Fate, Kind
+from ur5lib.records.contacts import OFF_FLANGE, SPEEDS, Alarm, Cause, Fate, Kind
 from ur5lib.records.force_errors import ContactErrors
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import Span, overlap
@@ -93,5 +93,5 @@ def kind_of(alarm: Alarm, is_free: bool) -> Kind:
     if alarm.at_sensor is None and is_free:  # of the whole arm
         return "false"
     if alarm.off_flange:
-        return "off_flange"
+        return OFF_FLANGE
     return "contact" if alarm.at_sensor is None else "false"

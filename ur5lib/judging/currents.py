@@ -9,10 +9,10 @@ import pandas as pd
 from ur5lib.judging.contacts import days_away
 from ur5lib.judging.errors import Conditions, by_place, judged, verdicts, with_floors
 from ur5lib.judging.study import StudyTables
+from ur5lib.records.friction import TOTAL
 from ur5lib.records.verdicts import JudgedError, Reason, Verdict, reason_in
 
 QUESTION = "currents"
-TOTALS = ["total_0", "total_0.1", "total_0.5", "total_1"]  # parameters of friction.csv
 
 
 def unseen(study: StudyTables) -> pd.DataFrame:
@@ -145,7 +145,8 @@ def judge_friction(study: StudyTables, robot: str) -> Iterator[Verdict]:
     """Yield the widest 95 % interval of the total friction of a joint that may be used, as a share
     of it, and of how many joints friction may be used.
     """
-    rows = study.rows("friction", parameter=TOTALS)
+    rows = study.rows("friction")
+    rows = rows[rows["parameter"].astype(str).str.startswith(TOTAL)]
     if rows.empty:
         return
     half = rows[["low", "high"]].sub(rows["value"], axis="index").abs().max(axis="columns")
@@ -165,7 +166,7 @@ def judge_friction(study: StudyTables, robot: str) -> Iterator[Verdict]:
             value=100 * float(shares[worst.name]),
             unit="%",
             joint=int(worst["joint"]),
-            motion=str(worst["parameter"]).replace("total_", "at ") + " rad/s",
+            motion=str(worst["parameter"]).replace(TOTAL, "at ") + " rad/s",
         )
     yield Verdict(
         **about,

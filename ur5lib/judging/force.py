@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ur5lib.force.estimators import GATED, NEW, PUBLISHED, SPOKEN, UNGATED
+from ur5lib.force.estimators import GATED, NEW, PUBLISHED, SPOKEN, STATIC, UNGATED
 from ur5lib.judging.errors import beaten
 from ur5lib.judging.limits import (
     MAX_BLIND_SHARE,
@@ -20,12 +20,11 @@ from ur5lib.judging.limits import (
 )
 from ur5lib.judging.study import AT_REST, IN_MOTION, StudyTables
 from ur5lib.records.verdicts import ErrorParts, Reason, State, Verdict
+from ur5lib.tidy.forces import FORCES
 from ur5lib.timeseries.metrics import NORMAL95
 
 QUESTION = "force"
-COMPONENTS = ["Fx", "Fy", "Fz"]
 RANK = {name: place for place, name in enumerate([*NEW, *PUBLISHED])}  # in the report's order
-STATIC_ESTIMATE = "static"  # the estimate without any fit
 RIVAL = "least squares without a detector"
 
 
@@ -39,7 +38,7 @@ def in_contact(study: StudyTables) -> pd.DataFrame:
     """Return the leading estimate's errors along x, y, z on recordings that no fit has used, with
     those of plain least squares (`plain`) and the repeatability.
     """
-    about: Any = {"kind": "compensated", "during": "contact", "component": COMPONENTS}
+    about: Any = {"kind": "compensated", "during": "contact", "component": [*FORCES]}
     every = study.rows("force_mae", **about)
     every = every[every["reason"] != "fitted"]
     key = ["recording", "component"]
@@ -99,7 +98,7 @@ def state_of(rows: pd.DataFrame) -> tuple[State, Reason]:
 def _doubts(rows: pd.DataFrame, share: float) -> Iterator[Reason]:
     """Yield why a force is not good, the gravest reason first; share: of the force, the error."""
     pushed = rows[rows["mean_force"] > MIN_PUSH]
-    if rows["estimate"].eq(STATIC_ESTIMATE).any():
+    if rows["estimate"].eq(STATIC).any():
         yield "uncalibrated"
     yield from beaten(rows["mae"].mean(), rows["plain"].mean())
     if (rows["in_floors"] > MAX_GOOD_FLOORS).any():

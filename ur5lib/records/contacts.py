@@ -10,7 +10,8 @@ Fate = Literal["found", "merged", "missed"]  # by an alarm of its own, within an
 FATES: tuple[Fate, ...] = get_args(Fate)
 Cause = Literal["late_alarm", "constants", "stiction", "friction"]  # of an error in contact
 Kind = Literal["contact", "load", "off_flange", "false"]  # of an alarm
-OF_CONTACTS: list[Kind] = ["contact", "off_flange"]  # neither loads nor false
+OFF_FLANGE: Kind = "off_flange"
+OF_CONTACTS: list[Kind] = ["contact", OFF_FLANGE]  # neither loads nor false
 
 
 @dataclass(frozen=True)

@@ -258,8 +258,8 @@ class Noticed:
 class ErrorParts:
     """A row of error_parts.csv: parts of a force's error in contact [N], means over x, y, z.
 
-    error = missed + late_alarms + gain + friction; share: of the mean force; sensor_bias: uncertain
-    (yes, no); drift_x to drift_z: of the bias [N/min], where determined within 1 N/min (drift_std).
+    error = missed + late_alarms + gain + friction; share: of the mean force; sensor_bias: sure or
+    uncertain; drift_x to drift_z: of the bias [N/min], where determined within 1 N/min (drift_std).
     """
 
     recording: str

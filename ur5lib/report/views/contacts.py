@@ -11,7 +11,7 @@ from ur5lib.force.contact_wrench import (
 )
 from ur5lib.force.estimators import LEADING, SPOKEN, UNGATED
 from ur5lib.records.account import NOTHING
-from ur5lib.records.contacts import OF_CONTACTS
+from ur5lib.records.contacts import OF_CONTACTS, OFF_FLANGE
 from ur5lib.records.quality import UNUSUAL_FRICTION
 from ur5lib.report.page.document import MOST_SHOWN
 from ur5lib.report.page.sentences import say
@@ -19,7 +19,6 @@ from ur5lib.report.results import Results
 from ur5lib.report.views.forces import FORCE_COMPONENTS, contact_errors, leading
 
 WRENCH_NAME = r"(?i)force|wrench|\bft[_x]|\bf_?[xyz]\b"  # among the columns of a file
-OFF_FLANGE = "off_flange"  # kind of an alarm
 
 
 def undetermined_moments(results: Results) -> Iterator[str]:
