@@ -24,9 +24,9 @@ DRAWN = """([recording, time, [turn, tilt]]) => {
   stretch.show(stretch.first, stretch.last);
   stretch.point(time);
   look.draw();
-  const { origins, force, std, sensed } = arm.scene.at(time), flange = origins.at(-1);
+  const { origins, force, sensed, perNewton } = arm.scene.at(time);
   const points = origins.map((origin) => arm.place(origin));
-  const tip = arm.tip(flange, force), pen = arm.canvas.getContext("2d");
+  const tip = arm.tip(force), pen = arm.canvas.getContext("2d");
   const { data, width } = pen.getImageData(0, 0, arm.canvas.width, arm.canvas.height);
   const start = points.at(-1), sharp = window.devicePixelRatio;
   const colours = Array.from({ length: 40 }, (_, i) => {
@@ -34,8 +34,8 @@ DRAWN = """([recording, time, [turn, tilt]]) => {
     const [x, y] = place.map((one) => Math.floor(sharp * one));
     return [...data.slice(4 * (y * width + x), 4 * (y * width + x) + 3)];
   });
-  return { points, tip, sensed: sensed && arm.tip(flange, sensed), ellipse: arm.ellipse(std),
-    scale: arm.scale, perNewton: arm.scene.perNewton,
+  return { points, tip, sensed: sensed && arm.tip(sensed), ellipse: arm.ellipse(),
+    scale: arm.scale, perNewton,
     size: [arm.canvas.clientWidth, arm.canvas.clientHeight],
     colours,
     text: arm.element.querySelector(".readout").innerText };
@@ -87,8 +87,9 @@ def check_drawn(
     points, scale = np.array(drawn["points"]), drawn["scale"]
     expected = scale * origins[0] @ up.T @ projection.T
     np.testing.assert_allclose(points - points[0], expected - expected[0], atol=1.0)
-    assert (points > 0).all()
-    assert (points < drawn["size"]).all()
+    for shown in (points, np.array(drawn["tip"]) + extents(drawn["ellipse"])):
+        assert (shown > 0).all()
+        assert (shown < drawn["size"]).all()
     per_newton = scale * drawn["perNewton"]
     for tip, known in (("tip", force), ("sensed", sensed)):
         if known is not None:
@@ -97,17 +98,11 @@ def check_drawn(
     check_ellipse(drawn["ellipse"], per_newton * TWO_SIGMA * projection @ up @ np.diag(std))
     if np.hypot(*(np.array(drawn["tip"]) - points[-1])) > 40:
         assert [0, 158, 115] in drawn["colours"]  # the sensor's arrow is above
-    told = re.search(
-        r"Force x, y, z by .*?: (.*?)(?:, 95 % bands ± (.*?))?\sN(; a small push)?", drawn["text"]
-    )
+    told = re.search(r"Force x, y, z by .*?: (.*?), 95 % ± (.*?)\sN( if untouched)?", drawn["text"])
     assert told is not None
-    of_force, of_band, unnoticed = told.groups()
-    assert bool(of_band) != bool(unnoticed), (
-        "a band where no contact is found, or none where one is"
-    )
+    of_force, of_band, shut = told.groups()
+    assert bool(shut) == (not force.any()), "a band of no contact where one is found"
     for text, known in ((of_force, force), (of_band, 1.96 * std)):
-        if not text:
-            continue
         numbers = [float(number.replace("−", "-")) for number in text.split(", ")]
         np.testing.assert_allclose(numbers, known, atol=0.06 + 0.01 * np.abs(known).max())
 
@@ -117,6 +112,13 @@ def projected(view: tuple[float, float]) -> Array:
     turn, tilt = view
     c, s = np.cos(turn), np.sin(turn)
     return np.array([[-s, c, 0], [np.sin(tilt) * c, np.sin(tilt) * s, -np.cos(tilt)]])
+
+
+def extents(ellipse: dict[str, float]) -> Array:
+    """The corners (2, 2) of the box around an ellipse, from its middle [pixels]."""
+    c, s = np.cos(ellipse["angle"]), np.sin(ellipse["angle"])
+    half = np.hypot(np.array([c, s]) * ellipse["across"], np.array([s, c]) * ellipse["along"])
+    return np.array([-half, half])
 
 
 def check_ellipse(drawn: dict[str, float], half: Array) -> None:

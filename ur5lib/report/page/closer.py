@@ -45,8 +45,8 @@ def packed_lines(path: str | Path) -> str:
     """Return the lines of a figure over time [s], packed; empty for other figures.
 
     path: an SVG that `save` wrote, with its numbers as CSV beside it. Packed are panels (name and
-    unit), lines (label, colours and dashes), whether there is a band, and columns (`_column`): the
-    time, then each line panel by panel, then the edges of the band.
+    unit), lines (label, colours and dashes), whether there is a band, where no contact is found
+    (`_shut`), and columns (`_column`): the time, each line panel by panel, the edges of the band.
     """
     figure = Path(path)
     styles = re.findall(r"<rdf:li>(\w+)</rdf:li>", figure.read_text(encoding="utf-8"))
@@ -61,10 +61,18 @@ def packed_lines(path: str | Path) -> str:
             "panels": panels,
             "lines": [_line(*line, len(panels)) for line in zip(labels, styles, strict=True)],
             "band": len(edges) > 0,
+            "shut": _column(_shut(data[columns[len(labels) * len(panels) :]]), 1.0),
             "time": _column(data.iloc[:, 0].to_numpy(float), MILLI),
             "columns": [_column(data[name].to_numpy(float)) for name in columns],
         }
     )
+
+
+def _shut(edges: pd.DataFrame) -> Array:
+    """Return where no contact is found, 1 (N,): a force of zero is the middle of all its bands."""
+    lower, upper = np.split(edges.to_numpy(float), 2, axis=1)
+    shut: Array = (np.nan_to_num(lower + upper) == 0).all(axis=1) & np.isfinite(lower).any(axis=1)
+    return shut.astype(float)
 
 
 def _line(label: str, name: str, panels: int) -> dict[str, Any]:

@@ -1,48 +1,58 @@
 // The arm at the time pointed at, drawn in parallel projection, with a line of time below.
 "use strict";
 
-const MARGIN = 8, SCALE = 22; // pixels, around the arm and of the scale of forces below it
+const MARGIN = 8, STRIP = 56; // pixels, around the arm and below it, for the scale of forces and the axes
 const LINK = "#c3c8ce", EDGE = "#6a7078", INK = "#404040", GROUND = "#e6e6e6";
 const ARROWS = { force: { colour: ESTIMATE, dashes: [], width: 4 }, sensed: { colour: "#000000", dashes: [3, 2], width: 2 } };
+const AXIS = 19, AXES = ["#e0482e", "#7aa800", "#1b3a93"]; // pixels, and colours of x, y, z, which differ in grey, too
 const BAND95 = 1.96; // standard deviations, of 95 % of a normal distribution
 const TURNS = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] };
 
 class Arm {
-  constructor(packed, stretch) {
+  constructor(packed, stretch, tools) {
     this.scene = new Scene(packed);
-    this.stretch = stretch;
+    Object.assign(this, { stretch, tools });
     stretch.view ??= this.scene.bestView();
     this.opening = this.scene.at(this.scene.busiest());
-    this.largestTorque = this.scene.largestTorque();
+    this.largestTorque = (this.scene.torque ?? []).flat().reduce((largest, one) => Math.max(largest, Math.abs(one) || 0), 0);
     this.element = this.build();
     this.listen();
   }
 
   build() {
-    const { estimate, contacts, alarms, free, force, sensed, torque } = this.scene;
+    const { estimate, force, sensed, torque } = this.scene;
     this.readings = {};
     const reading = (name, ...label) => make("p", {}, ...label, (this.readings[name] = make("span")));
-    const readout = make("div", { className: "readout" }, reading("time"));
+    const readout = make("div", { className: "readout" });
     if (force) readout.append(reading("force", swatch(ARROWS.force), ` Force x, y, z by ${estimate}: `));
     if (sensed) readout.append(reading("sensed", swatch(ARROWS.sensed), " Force sensor: "));
-    if (torque) readout.append(reading("torque", `External torque of joints 1 to ${torque.length} (`, ...this.shades(), "): "));
+    if (torque) readout.append(reading("torque", "External torque by joint (0 ", ...this.shades(), "\u00a0Nm): "));
     this.canvas = make("canvas", { tabIndex: 0, role: "application", ariaRoleDescription: "drawing of the arm" });
     this.canvas.style.setProperty("--shape", this.scene.shape(this.stretch.view, this.opening));
     this.canvas.setAttribute("aria-label", "The arm at the time pointed at, its force and the torques of its joints");
     this.button = make("button", { type: "button", onclick: () => this.stretch.play() });
     this.slider = make("input", { type: "range", step: "any", ariaLabel: "Time" });
-    this.lanes = [];
-    if (contacts) this.lanes.push(lane("Contact by the force sensor", "contact", contacts));
-    if (alarms) this.lanes.push(lane(`${free ? "False alarm" : "Contact"} by ${estimate} (gate)`, "gate", alarms));
-    const line = make("div", { className: "timeline" }, this.slider, ...this.lanes.map((one) => one.element));
-    return make("div", { className: "arm" }, this.canvas, readout, make("div", { className: "player" }, this.button, line));
+    const line = make("div", { className: "timeline" }, this.slider, ...this.contacts());
+    this.tools.prepend(this.button);
+    this.tools.append(reading("time"));
+    return make("div", { className: "arm" }, this.canvas, readout, make("div", { className: "player" }, this.tools, line));
+  }
+
+  // When there is contact, by the sensor and by the estimate, and what the marks mean.
+  contacts() {
+    const { contacts, alarms, free, estimate } = this.scene, what = free ? "False alarm" : "Contact";
+    const missed = contacts?.filter(([from, to]) => alarms && !alarms.some(([start, end]) => start <= to && from <= end)) ?? [];
+    const kinds = [["contact", "Contact by the force sensor", contacts], ["missed", `missed by ${estimate}`, missed[0] && missed],
+      ["gate", `${what} by ${estimate} (gate)`, alarms]].filter(([,, spans]) => spans);
+    const key = kinds.map(([kind, name, spans]) => make("span", {}, make("i", { className: kind }), ` ${name}${spans[0] ? "" : ": none"}`));
+    this.lanes = kinds.filter(([kind]) => kind !== "missed").map((kind) => lane(...kind, missed));
+    return [...this.lanes.map((one) => one.element), make("p", { className: "key" }, ...key)];
   }
 
   // The colours of joints between their ends [Nm].
   shades() {
-    const colours = make("span", { className: "shades" });
-    colours.style.background = `linear-gradient(to right, ${[0, 0.5, 1].map(shade)})`;
-    return ["0 ", colours, ` ${Number(this.largestTorque.toPrecision(2))}\u00a0Nm`];
+    const colours = make("span", { className: "shades", style: `background: linear-gradient(to right, ${[0, 0.5, 1].map(shade)})` });
+    return [colours, ` ${Number(this.largestTorque.toPrecision(2))}`];
   }
 
   listen() {
@@ -53,7 +63,7 @@ class Arm {
     };
     this.slider.oninput = () => stretch.point(Number(this.slider.value));
     this.element.onkeydown = (event) => {
-      if (event.ctrlKey || event.metaKey || event.altKey || event.target === this.button) return;
+      if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches("button")) return;
       if (event.shiftKey && event.key in TURNS) this.turn(...TURNS[event.key]);
       else if (event.key === "ArrowLeft") this.step(-1);
       else if (event.key === "ArrowRight") this.step(1);
@@ -84,8 +94,7 @@ class Arm {
     this.drawn = null;
     const pen = canvas.getContext("2d");
     pen.setTransform(sharp, 0, 0, sharp, 0, 0);
-    pen.font = FONT;
-    pen.lineCap = pen.lineJoin = "round";
+    Object.assign(pen, { font: FONT, lineCap: "round", lineJoin: "round" });
   }
 
   draw() {
@@ -97,7 +106,8 @@ class Arm {
     this.lanes.forEach((one) => one.draw(stretch));
     Object.assign(slider, { min: from, max: to, value: time });
     slider.setAttribute("aria-valuetext", `${time.toFixed(2)} s`);
-    write(this.button, playing ? "❚❚ Stop" : "▶ Play");
+    write(this.button, playing ? "❚❚" : "▶");
+    this.button.ariaLabel = playing ? "Stop" : "Play";
   }
 
   drawPicture() {
@@ -106,15 +116,17 @@ class Arm {
     this.aim(now);
     if (now) this.drawArm(pen, now);
     this.drawScale(pen);
+    this.drawTriad(pen);
     this.tell(now);
   }
 
   // Set the projection: its axes, its middle, that of the arm with its arrows now, and its scale [pixels/m], by which
   // these fill it, if they need not be larger than on opening.
   aim(now) {
-    const { scene, opening } = this, sizes = [this.wide, this.high - SCALE];
+    const { scene, opening } = this, sizes = [this.wide, this.high - STRIP];
     this.axes = projection(this.stretch.view);
-    const boxes = [now ?? opening, opening].map((known) => scene.box(this.axes, known));
+    this.known = now ?? opening;
+    const boxes = [this.known, opening].map((known) => scene.box(this.axes, known));
     this.middle = boxes[0].map(([middle]) => middle);
     this.scale = Math.min(...boxes.flatMap((box) => box.map(([, wide], i) => (sizes[i] - 2 * MARGIN) / wide)));
   }
@@ -122,13 +134,12 @@ class Arm {
   // Where a point [m] is in the picture.
   place(point) {
     const [right, up] = this.axes.slice(0, 2).map((axis, i) => this.scale * (dot(axis, point) - this.middle[i]));
-    return [this.wide / 2 + right, (this.high - SCALE) / 2 - up];
+    return [this.wide / 2 + right, (this.high - STRIP) / 2 - up];
   }
 
-  drawArm(pen, { origins, axes, torque, force, std, sensed }) {
+  drawArm(pen, { origins, axes, torque, force, std, sensed, isShut }) {
     const flange = origins.at(-1), nearness = (point) => dot(this.axes[2], point);
     this.drawGround(pen, origins);
-    this.drawAxes(pen);
     const pieces = axes.flatMap((axis, k) => { // the drawing of each link and joint, and how near it is
       const radius = this.scene.radius(k), mark = this.scene.mark(origins[k], axis, k), ends = [origins[k], origins[k + 1]];
       const share = torque ? Math.abs(torque[k]) / this.largestTorque : NaN;
@@ -139,7 +150,8 @@ class Arm {
     this.drawNumbers(pen, axes.map((_, k) => this.place(origins[k])), origins);
     const [x, y] = this.place(flange);
     pen.fillRect(x - 4, y - 4, 8, 8);
-    if (force) this.drawArrow(pen, flange, force, ARROWS.force, std);
+    if (force && std) this.drawEllipse(pen, this.tip(force), isShut ? SHUT_BAND : { ...BAND, ...ARROWS.force });
+    if (force) this.drawArrow(pen, flange, force, ARROWS.force);
     if (sensed) this.drawArrow(pen, flange, sensed, ARROWS.sensed);
   }
 
@@ -174,21 +186,21 @@ class Arm {
     pen.fillStyle = INK;
   }
 
-  // x, y and z of the base frame, in which forces are told.
-  drawAxes(pen) {
-    const { upright, reach } = this.scene, base = this.place([0, 0, 0]);
-    ["x", "y", "z"].forEach((name, i) => {
-      const end = this.place(upright.map((row) => 0.25 * reach * row[i]));
-      stroke(pen, [base, end], INK, 1);
-      label(pen, name, [Math.min(Math.max(end[0], 0), this.wide - 12), end[1]], 2); // at the edge, if the axis leaves
+  // The directions of x, y and z of the base frame, in which forces are told; the nearest last.
+  drawTriad(pen) {
+    const [left, top] = [this.wide - 32, this.high - 30], turned = product(this.axes, this.scene.upright);
+    [0, 1, 2].sort((a, b) => turned[2][a] - turned[2][b]).forEach((i) => {
+      const [right, up] = [turned[0][i], turned[1][i]], far = AXIS + 8 / (Math.hypot(right, up) || 1);
+      const line = [[left, top], [left + AXIS * right, top - AXIS * up]];
+      [["#ffffff", 5], [AXES[i], 3]].forEach((look) => stroke(pen, line, ...look));
+      label(pen, "xyz"[i], [left + far * right, top - far * up], -3);
     });
   }
 
-  // The force that acts on the flange, from there on; std: of its components, for the ellipse around its tip.
-  drawArrow(pen, flange, force, { colour, width, dashes }, std = null) {
-    const tip = this.tip(flange, force), start = this.place(flange), [x, y] = tip.map((one, i) => one - start[i]);
+  // The force that acts on the flange, from there on.
+  drawArrow(pen, flange, force, { colour, width, dashes }) {
+    const tip = this.tip(force), start = this.place(flange), [x, y] = tip.map((one, i) => one - start[i]);
     if (!(Math.hypot(x, y) > 2)) return;
-    if (std) this.drawEllipse(pen, tip, std, colour);
     pen.setLineDash(dashes.map((dash) => 2 * dash));
     stroke(pen, [start, tip], colour, width);
     pen.setLineDash([]);
@@ -196,59 +208,61 @@ class Arm {
     stroke(pen, [barb(0.45), tip, barb(-0.45)], colour, width);
   }
 
-  tip(flange, force) {
-    return this.place(added(flange, this.scene.arrow(force)));
+  tip(force) {
+    return this.place(this.scene.tip(this.known, force));
   }
 
-  drawEllipse(pen, [x, y], std, colour) {
-    const { across, along, angle } = this.ellipse(std);
+  drawEllipse(pen, [x, y], { fill, colour, dashes }) {
+    const { across, along, angle } = this.ellipse();
     pen.beginPath();
     pen.ellipse(x, y, across, along, angle, 0, 2 * Math.PI);
-    pen.fillStyle = `${colour}26`;
+    Object.assign(pen, { fillStyle: fill, strokeStyle: colour, lineWidth: 1 });
     pen.fill();
-    pen.strokeStyle = colour;
-    pen.lineWidth = 1;
+    pen.setLineDash(dashes.map((dash) => 2 * dash));
     pen.stroke();
+    pen.setLineDash([]);
   }
 
   // Half-axes [pixels] and angle in the picture of the 95 % ellipse of a force: P diag(σ²) Pᵀ, P the projection.
-  ellipse(std) {
-    const [right, up] = product(this.axes.slice(0, 2), this.scene.upright).map((row) => row.map((one, i) => one * std[i]));
+  ellipse() {
+    const [right, up] = this.axes.slice(0, 2).map((side) => this.scene.spread(this.known, side));
     const [xx, xy, yy] = [dot(right, right), -dot(right, up), dot(up, up)]; // the picture's y points down
-    const middle = (xx + yy) / 2, half = Math.hypot((xx - yy) / 2, xy), factor = ELLIPSE * this.scene.perNewton * this.scale;
+    const middle = (xx + yy) / 2, half = Math.hypot((xx - yy) / 2, xy), factor = ELLIPSE * this.scale;
     const [across, along] = [middle + half, Math.max(middle - half, 0)].map((square) => factor * Math.sqrt(square));
     return { across, along, angle: Math.atan2(2 * xy, xx - yy) / 2 };
   }
 
   drawScale(pen) {
-    const { scene, high } = this, newtons = roundNumber(scene.usualForce);
+    const { scene, high, known: { perNewton } } = this, newtons = roundNumber((0.5 * LONGEST * scene.reach) / perNewton);
     if (!scene.force && !scene.sensed) return;
-    stroke(pen, [[8, high - 6], [8 + newtons * scene.perNewton * this.scale, high - 6]], INK, 2);
+    stroke(pen, [[8, high - 6], [8 + newtons * perNewton * this.scale, high - 6]], INK, 2);
     label(pen, `${newtons} N`, [8, high - 16], 0);
   }
 
   // Write what is drawn.
   tell(now) {
     const { estimate, contacts, alarms, free } = this.scene, { time } = this.stretch;
+    const { force, std, sensed, torque, isShut } = now ?? {};
     const list = (numbers, factor = 1) => numbers.map((one) => withMinus(factor * one, READ_DIGITS)).join(", ");
     const finders = [contacts && inside(contacts, time) && "the force sensor", alarms && inside(alarms, time) && estimate];
     const found = finders.filter(Boolean).join(" and by "), isSearched = contacts || alarms;
-    const isShut = alarms && !inside(alarms, time); // then the band would be that of an untouched arm
-    const band = now?.std && !isShut ? `, 95 % bands ± ${list(now.std, BAND95)}` : "";
-    this.readings.time.textContent =
-      `At ${time.toFixed(2)} s${now ? (found ? `: ${free ? "false alarm" : "contact"} by ${found}` : isSearched ? ": no contact found" : "") : ": a gap in the recording"}.`;
-    const unseen = now?.std && isShut ? "; a small push may stay unnoticed" : "";
-    if (this.readings.force) this.readings.force.textContent = now ? `${list(now.force)}${band}\u00a0N${unseen}` : "–";
-    if (this.readings.sensed) this.readings.sensed.textContent = now ? `${list(now.sensed)}\u00a0N` : "–";
-    if (this.readings.torque) this.readings.torque.textContent = now ? `${list(now.torque)}\u00a0Nm` : "–";
+    const what = !now ? "a gap in the recording" : found ? `${free ? "false alarm" : "contact"} by ${found}` : isSearched && "no contact found";
+    const band = std ? `, 95 % ± ${list(std, BAND95)}` : "", told = {
+      time: `At ${time.toFixed(2)} s${what ? `: ${what}` : ""}.`,
+      force: force && `${list(force)}${band}\u00a0N${std && isShut ? " if untouched" : ""}`,
+      sensed: sensed && `${list(sensed)}\u00a0N`,
+      torque: torque && `${list(torque)}\u00a0Nm`,
+    };
+    Object.entries(this.readings).forEach(([name, reading]) => write(reading, told[name] ?? "–"));
   }
 }
 
-// Marks on the line of time, under their name.
-function lane(name, kind, spans) {
-  const marks = spans.map(() => make("i")), track = make("div", { className: `lane ${kind}` }, ...marks);
-  const element = make("div", { role: "img" }, make("span", {}, name), track);
-  element.setAttribute("aria-label", `${name}: ${spans.map(([from, to]) => `${from.toFixed(1)} to ${to.toFixed(1)} s`).join(", ") || "never"}`);
+// Marks on the line of time.
+function lane(kind, name, spans, missed) {
+  const marks = spans.map((span) => make("i", { className: missed.includes(span) ? "missed" : kind }));
+  const element = make("div", { className: `lane ${kind}`, role: "img" }, ...marks);
+  const told = spans.map((span) => `${span.map((time) => time.toFixed(1)).join(" to ")} s${missed.includes(span) ? " (missed)" : ""}`);
+  element.setAttribute("aria-label", `${name}: ${told.join(", ") || "never"}`);
   const draw = ({ from, to }) => marks.forEach((mark, i) => {
     const [start, end] = spans[i].map((time) => (100 * Math.min(Math.max(time - from, 0), to - from)) / (to - from));
     Object.assign(mark.style, { left: `${start}%`, width: `${end - start}%` });
@@ -257,8 +271,7 @@ function lane(name, kind, spans) {
 }
 
 function stroke(pen, points, colour, width) {
-  pen.strokeStyle = colour;
-  pen.lineWidth = width;
+  Object.assign(pen, { strokeStyle: colour, lineWidth: width });
   pen.beginPath();
   points.forEach((point) => pen.lineTo(...point));
   pen.stroke();
@@ -266,9 +279,7 @@ function stroke(pen, points, colour, width) {
 
 // Text to the right of a place, on a white edge.
 function label(pen, text, [x, y], distance) {
-  pen.fillStyle = INK;
-  pen.strokeStyle = "#ffffff";
-  pen.lineWidth = 3;
+  Object.assign(pen, { fillStyle: INK, strokeStyle: "#ffffff", lineWidth: 3 });
   pen.strokeText(text, x + distance, y + 4);
   pen.fillText(text, x + distance, y + 4);
 }

@@ -3,16 +3,15 @@
 "use strict";
 
 const FEW = 4; // panels that stand below each other
-const HELP = "Keys, once the figure is selected: arrows move, plus and minus zoom, Escape shows everything; once the " +
-  "arm is selected: arrows step, space plays, shift and arrows turn the arm. Mouse: drag across a stretch of time to see " +
-  "it alone, double-click for everything; the wheel zooms a selected figure; drag the arm to turn it. Two fingers zoom. " +
-  "Grey areas and panels of errors are in the picture only.";
+const HELP = "Keys, once the curves are selected: arrows move, plus and minus zoom, Escape shows all; once the arm is " +
+  "selected: arrows step, space plays, shift and arrows turn it. Mouse: drag across a stretch of time to see it alone, " +
+  "double-click for all; the wheel zooms selected curves. Two fingers zoom. Grey areas and errors are in the still picture only.";
 const COMMANDS = { // by key: the sign and name of its button, and what it does
   "+": ["+", "Zoom in", (stretch) => stretch.zoom(1 / 1.25)],
   "-": ["−", "Zoom out", (stretch) => stretch.zoom(1.25)],
   ArrowLeft: ["←", "Earlier", (stretch) => stretch.move(-0.1)],
   ArrowRight: ["→", "Later", (stretch) => stretch.move(0.1)],
-  Escape: ["Everything", "Show everything", (stretch) => stretch.show(stretch.first, stretch.last)],
+  Escape: ["All", "All of it", (stretch) => stretch.show(stretch.first, stretch.last)],
 };
 const stretches = new Map(); // by recording
 
@@ -24,7 +23,11 @@ class Look {
     let before = 0;
     data.times = values(data.time, null).map((time) => (before = time ?? before)); // null in gaps
     this.times = data.times;
-    this.arm = scene && new Arm(scene, this.stretch);
+    data.shut = values(data.shut, 0);
+    data.bands = [BAND, SHUT_BAND].filter(({ isAt }) => data.band && data.shut.some((_, k) => isAt(data.shut, k)));
+    this.tools = make("div", { className: "tools" }, ...Object.values(COMMANDS).map(([textContent, ariaLabel, command]) =>
+      make("button", { type: "button", textContent, ariaLabel, title: ariaLabel, onclick: () => this.carryOut(command) })));
+    this.arm = scene && new Arm(scene, this.stretch, this.tools);
     this.stretch.time ??= this.arm ? this.arm.scene.busiest() : (data.times[0] + data.times.at(-1)) / 2;
     this.panels = data.panels.map((_, i) => new Panel(data, i, this.stretch, this.arm?.scene));
     this.panels.forEach(({ plot }) => listen(plot, this.stretch, (command) => this.carryOut(command)));
@@ -40,15 +43,14 @@ class Look {
     this.plots.classList.toggle("few", this.panels.length <= FEW);
     this.plots.setAttribute("aria-label", figure.querySelector("img").alt);
     this.plots.setAttribute("aria-describedby", help.id);
-    const lines = data.lines.map(({ label }, k) => [swatch(this.panels[0].lines[k]), ` ${label}`]);
-    if (data.band) lines.push(["95 % band"]);
-    const tools = make("div", { className: "tools" }, ...Object.values(COMMANDS).map(([textContent, ariaLabel, command]) =>
-      make("button", { type: "button", textContent, ariaLabel, onclick: () => this.carryOut(command) })));
-    tools.append(group("Lines", lines.map((label, k) => choice(label, (show) => this.panels.forEach((panel) => panel.toggle(k, show))))));
-    const further = make("details", {}, make("summary", {}, "Panels and keys"),
-      group("Panels", this.panels.map((panel) => choice([panel.name], (show) => (panel.element.hidden = !show)))), help);
+    const lines = data.lines.map(({ label }, k) => ({ label, ...this.panels[0].lines[k] })).concat(data.bands);
+    const shown = group("Lines", lines.map((line) => [swatch(line), line.label]),
+      (k, show) => this.panels.forEach((panel) => panel.toggle(k, show)));
+    const further = make("details", {}, make("summary", {}, "Panels, keys"),
+      group("Panels", this.panels.map(({ name }) => [name]), (k, show) => (this.panels[k].element.hidden = !show)), help);
     const views = make("div", { className: "views" }, ...(this.arm ? [this.arm.element] : []), this.plots);
-    return make("div", { className: "closer" }, views, tools, further, this.status);
+    this.choices = make("div", { className: "choices" }, ...(this.arm ? [] : [this.tools]), shown, further);
+    return make("div", { className: "closer" }, views, this.choices, this.status);
   }
 
   press(event) {
@@ -85,18 +87,15 @@ class Look {
   }
 }
 
-function group(name, choices) {
-  return make("fieldset", {}, make("legend", {}, name), ...choices);
-}
-
-function choice(label, onChange) {
-  const onchange = (event) => onChange(event.target.checked);
-  return make("label", {}, make("input", { type: "checkbox", checked: true, onchange }), " ", ...label);
+// Boxes to uncheck, by their labels; onChange: with the number of one, and whether it is checked.
+function group(name, labels, onChange) {
+  const box = (k) => make("input", { type: "checkbox", checked: true, onchange: (event) => onChange(k, event.target.checked) });
+  return make("fieldset", {}, make("legend", {}, name), ...labels.map((label, k) => make("label", {}, box(k), ...label)));
 }
 
 // Offer a closer look at a figure that holds its lines; that of the first screen is open from the start.
 function offer(figure) {
-  const image = figure.querySelector(".drawing");
+  const [image, caption] = [".drawing", "figcaption"].map((part) => figure.querySelector(part));
   const button = make("button", { type: "button", className: "look", ariaExpanded: "false" });
   const scene = [...document.querySelectorAll("script[data-scene]")].find((one) => one.dataset.scene === figure.dataset.recording);
   let made = null;
@@ -104,11 +103,13 @@ function offer(figure) {
     const packed = () => [figure.querySelector("script"), ...(scene ? [scene] : [])].map((one) => unpacked(one.textContent));
     if (open) made ??= Promise.all(packed()).then((data) => new Look(figure, ...data));
     button.ariaExpanded = String(open);
-    button.textContent = open ? "Back to the picture" : "Replay";
+    button.textContent = open ? "Still picture" : "Replay";
     const look = await made;
     image.classList.toggle("replaced", open);
     if (open) image.after(look.element);
     else look?.element.remove();
+    if (open) look.choices.append(button);
+    else caption.before(button);
     if (open) look.stretch.add(look, look.times);
     else look?.stretch.remove(look);
     return look;
@@ -125,7 +126,6 @@ function offer(figure) {
     figure.scrollIntoView({ block: "nearest" });
   };
   window.addEventListener("hashchange", follow);
-  figure.querySelector("figcaption").before(button);
   show("open" in figure.dataset).then(follow);
 }
 

@@ -2,7 +2,11 @@
 "use strict";
 
 const HEIGHT = 170, LOWEST = 96, TITLE = 24; // pixels of a plot, with its times, and of its title
-const ESTIMATE = "#009e73"; // of the leading estimate; its band is translucent
+const ESTIMATE = "#009e73"; // of the leading estimate
+// The band of the leading estimate where it finds a contact, and where it finds none (shut), up to the former.
+const BAND = { label: "95 % band", fill: `${ESTIMATE}40`, isAt: (shut, k) => !shut[k] };
+const SHUT_BAND = { label: "band if untouched", fill: hatching(), colour: `${ESTIMATE}b0`, dashes: [1.5, 1],
+  isAt: (shut, k) => shut[k - 1] || shut[k] || shut[k + 1] };
 const UNFILTERED = "unfiltered"; // in the label of the line behind all others
 const FONT = "12px 'Source Sans 3', 'Segoe UI', Helvetica, Arial, sans-serif";
 
@@ -18,18 +22,19 @@ class Panel {
     const read = this.lines.map((line, k) => make("span", {}, swatch(line), " ", this.readings[k]));
     data.lines.forEach(({ label }, k) => label.endsWith(UNFILTERED) && (read[k].style.order = 1)); // where there is room
     this.element = make("div", { className: "panel" }, make("p", {}, make("b", {}, this.name), ...read));
-    const table = [data.times, ...this.columns.map((column) => values(column, null))];
-    this.plot = new uPlot(this.options(data.band), table, this.element);
+    const columns = this.columns.map((column) => values(column, null)), edges = columns.splice(this.lines.length);
+    const parted = data.bands.flatMap(({ isAt }) => edges.map((edge) => edge.map((one, k) => (isAt(data.shut, k) ? one : null))));
+    this.plot = new uPlot(this.options(data.bands), [data.times, ...columns, ...parted], this.element);
     new IntersectionObserver((entries) => {
       this.onScreen = entries.at(-1).isIntersecting;
       stretch.draw();
     }).observe(this.element);
   }
 
-  options(band) {
-    const lines = this.lines.map(({ colour, dashes }) => ({ stroke: colour, width: 1.2, dash: dashes.map((dash) => 2 * dash),
-      points: { show: false } }));
-    const edges = band ? [{}, {}].map(() => ({ points: { show: false } })) : [];
+  options(bands) {
+    const line = ({ colour, dashes = [] }, width) => ({ stroke: colour, width, dash: dashes.map((dash) => 2 * dash),
+      points: { show: false } });
+    const lines = this.lines.map((one) => line(one, 1.2)), edges = bands.flatMap((band) => [band, band]);
     const axis = { font: FONT, stroke: "#404040", grid: { stroke: "#e4e4e4", width: 1 }, ticks: { show: false } };
     const told = (unit) => (_, numbers) => numbers.map((one) => String(+one.toFixed(9)).replace("-", "−") + unit);
     return {
@@ -40,8 +45,8 @@ class Panel {
       cursor: { y: false, points: { show: false }, drag: { x: false, y: false }, bind: UNBOUND },
       scales: { x: { time: false } },
       axes: [{ ...axis, size: 28, values: told(" s") }, { ...axis, size: 52, space: 25, values: told("") }],
-      series: [{}, ...lines, ...edges],
-      bands: band ? [{ series: [lines.length + 2, lines.length + 1], fill: `${ESTIMATE}40` }] : [],
+      series: [{}, ...lines, ...edges.map((band) => line(band, 0.8))],
+      bands: bands.map(({ fill }, k) => ({ series: [2, 1].map((edge) => lines.length + 2 * k + edge), fill })),
     };
   }
 
@@ -69,10 +74,11 @@ class Panel {
     return `${this.name} ${shown.map((line) => this.text(line)).join(", ")}`;
   }
 
-  // Show or hide a line, or the band (after the last line).
+  // Show or hide a line, or a band (after the last line).
   toggle(line, show) {
-    this.plot.setSeries(line + 1, { show });
-    if (line === this.lines.length) this.plot.setSeries(line + 2, { show });
+    const band = line - this.lines.length, first = line + 1 + Math.max(band, 0);
+    this.plot.setSeries(first, { show });
+    if (band >= 0) this.plot.setSeries(first + 1, { show });
     else this.readings[line].parentElement.hidden = !show;
   }
 }
@@ -81,11 +87,21 @@ const UNBOUND = Object.fromEntries(
   ["mousedown", "mouseup", "click", "dblclick", "mousemove", "mouseleave", "mouseenter"].map((name) => [name, () => null]),
 );
 
-// A short piece of a line, as the plots draw it.
-function swatch({ colour, dashes }) {
-  const drawing = make("span", { className: "swatch" });
-  drawing.innerHTML = `<svg width="20" height="6" aria-hidden="true"><path d="M0 3H20" stroke="${colour}" ` +
-    `stroke-width="2" stroke-dasharray="${dashes.map((dash) => 2 * dash).join(" ")}"/></svg>`;
+function hatching() {
+  const size = 6 * Math.ceil(window.devicePixelRatio), tile = make("canvas", { width: size, height: size }), pen = tile.getContext("2d");
+  [-size, 0, size].forEach((left) => stroke(pen, [[left, size], [left + size, 0]], `${ESTIMATE}70`, size / 8));
+  return pen.createPattern(tile, "repeat");
+}
+
+// A short piece of a line, or of a band, as the plots draw it.
+function swatch({ colour, dashes = [], fill }) {
+  const drawing = make("canvas", { className: "swatch", width: 40, height: 20, ariaHidden: "true" }), pen = drawing.getContext("2d");
+  pen.scale(2, 2);
+  pen.setLineDash(dashes.map((dash) => 2 * dash));
+  pen.fillStyle = fill ?? "transparent";
+  pen.fillRect(0, 1, 20, 8);
+  const [width, heights] = fill ? [1, [1, 9]] : [2, [5]];
+  heights.forEach((at) => stroke(pen, [[0, at], [20, at]], colour ?? "transparent", width));
   return drawing;
 }
 

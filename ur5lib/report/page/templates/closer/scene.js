@@ -5,6 +5,7 @@ const ELLIPSE = Math.sqrt(-2 * Math.log(0.05)); // standard deviations, of 95 % 
 const THICK = 0.05, THIN = 0.03; // radii of the first and the last link, shares of the reach
 const NARROWEST = 0.45, WIDEST = 1.5; // width over height of the picture
 const LEAST_TILT = 0.2, MOST_TILT = 1.2; // rad: the ground stays in sight, and so does what is upright
+const LONGEST = 0.3; // of the reach, of an arrow with its ellipse
 const dot = (a, b) => a.reduce((sum, one, i) => sum + one * b[i], 0);
 const applied = (matrix, vector) => matrix.map((row) => dot(row, vector));
 const product = (a, b) => a.map((row) => b[0].map((_, j) => dot(row, b.map((other) => other[j]))));
@@ -18,10 +19,11 @@ class Scene {
     for (const name of ["q", "torque", "force", "std", "sensed"]) this[name] = unpackedColumns(packed[name]);
     [this.times, this.segment] = [packed.time, packed.segment].map((column) => values(column, NaN));
     this.rows = [...this.times.keys()];
-    this.usualForce = this.sizeOfMost([...this.sizes(this.force), ...this.sizes(this.sensed)]);
     this.path = this.rows.flatMap((row) => this.originsIn(row)).filter(([x]) => !Number.isNaN(x));
     this.reach = this.path.reduce((reach, origin) => Math.max(reach, Math.hypot(...origin)), 0);
-    this.perNewton = (0.3 * this.reach) / (this.usualForce + this.usualBand()); // m of an arrow, with its ellipse
+    const acting = (row) => [this.force, this.std, this.sensed].map((columns) => columns?.map((column) => column[row]));
+    const lengths = this.rows.map((row) => this.length(...acting(row))).sort((a, b) => a - b);
+    this.usual = Math.max(lengths[Math.floor(0.99 * lengths.length)], 10); // N, that few arrows are longer than
   }
 
   // What is known at a time, between two rows; null in a gap.
@@ -35,10 +37,8 @@ class Scene {
   forceOf(label, panel) {
     const name = { [this.estimate]: "force", "force sensor": "sensed" }[label], axis = ["Fx", "Fy", "Fz", "size"].indexOf(panel);
     if (!name || !this[name] || axis < 0) return undefined;
-    return (time) => {
-      const force = this.at(time)?.[name];
-      return force ? [...force, Math.hypot(...force)][axis] : null;
-    };
+    const read = (force) => (force ? [...force, Math.hypot(...force)][axis] : null);
+    return (time) => read(this.at(time)?.[name]);
   }
 
   knownAt(time) {
@@ -48,7 +48,15 @@ class Scene {
     if (segment[before] !== segment[next] && share > 0 && share < 1) return null;
     const between = (columns) => columns && columns.map((column) => column[before] + share * (column[next] - column[before]));
     const [q, torque, force, std, sensed] = [this.q, this.torque, this.force, this.std, this.sensed].map(between);
-    return { ...this.posture(q), torque, force, std, sensed };
+    const isShut = Boolean(force) && Math.max(...force.map(Math.abs)) < 0.005; // N: it is zero where no contact is found
+    const perNewton = (LONGEST * this.reach) / Math.max(this.usual, this.length(force, std, sensed)); // m; less for the longest
+    return { ...this.posture(q), torque, force, std, sensed, isShut, perNewton };
+  }
+
+  // Of the longer arrow, that of the estimate with its ellipse [N].
+  length(force, std, sensed) {
+    const [own, read] = [force, sensed].map((one) => Math.hypot(...(one ?? [])) || 0);
+    return Math.max(own + (ELLIPSE * Math.max(0, ...(std ?? [])) || 0), read);
   }
 
   // Origins of frames 0 to n and the axes of the joints at angles q; z points up.
@@ -70,8 +78,14 @@ class Scene {
     return this.posture(this.q.map((column) => column[row])).origins;
   }
 
-  arrow(force) {
-    return applied(this.upright, force).map((one) => this.perNewton * one);
+  // The tip [m] of the arrow of a force on the flange.
+  tip({ origins, perNewton }, force) {
+    return added(origins.at(-1), applied(this.upright, force), perNewton);
+  }
+
+  // Standard deviations [m] of a tip along an axis of the picture, by component of the force.
+  spread({ std, perNewton }, side) {
+    return product([side], this.upright)[0].map((one, i) => perNewton * one * std[i]);
   }
 
   // Of link k and its joint [m].
@@ -84,14 +98,16 @@ class Scene {
     return [-1, 1].map((way) => added(origin, axis, way * this.radius(k)));
   }
 
-  // Middle and width [m], along axes of the picture, of an arm with its arrows, of those longer than most a part.
-  box(picture, { origins, axes, force, sensed }) {
-    const marks = axes.flatMap((axis, k) => this.mark(origins[k], axis, k)), edge = this.radius(0);
-    const known = [force, sensed].filter((one) => one?.every(Number.isFinite));
-    const tips = known.map((one) => added(origins.at(-1), this.arrow(one), Math.min(this.usualForce / Math.hypot(...one), 1)));
+  // Middle and width [m], along axes of the picture, of an arm with its arrows and their ellipse.
+  box(picture, known) {
+    const { origins, axes, force, std, sensed } = known, radius = this.radius(0);
+    const marks = axes.flatMap((axis, k) => this.mark(origins[k], axis, k));
     return picture.slice(0, 2).map((side) => {
-      const along = [...origins, ...marks, ...tips].map((point) => dot(side, point)), ends = [Math.min(...along), Math.max(...along)];
-      return [(ends[0] + ends[1]) / 2, ends[1] - ends[0] + 2 * edge];
+      const around = (points, half) => points.flatMap((point) => [dot(side, point) - half, dot(side, point) + half]);
+      const tips = [force, sensed].map((one, k) => one?.every(Number.isFinite)
+        ? around([this.tip(known, one)], (k === 0 && std && ELLIPSE * Math.hypot(...this.spread(known, side))) || 0) : []);
+      const along = [...around([...origins, ...marks], radius), ...tips.flat()], ends = [Math.min(...along), Math.max(...along)];
+      return [(ends[0] + ends[1]) / 2, ends[1] - ends[0]];
     });
   }
 
@@ -120,20 +136,6 @@ class Scene {
   // Sizes of a vector in each row, 0 where it is unknown.
   sizes(columns) {
     return columns ? this.rows.map((row) => Math.hypot(...columns.map((column) => column[row])) || 0) : [];
-  }
-
-  // The size that few are larger than, at least 10 [N].
-  sizeOfMost(sizes) {
-    return Math.max(sizes.sort((a, b) => a - b)[Math.floor(0.99 * sizes.length)] ?? 0, 10);
-  }
-
-  // Half of the longest axis of most ellipses [N].
-  usualBand() {
-    return this.std ? ELLIPSE * this.sizeOfMost(this.rows.map((row) => Math.max(...this.std.map((column) => column[row])) || 0)) : 0;
-  }
-
-  largestTorque() {
-    return (this.torque ?? []).flat().reduce((largest, one) => Math.max(largest, Math.abs(one) || 0), 0);
   }
 
   // The time of the largest error beside the sensor, or of the largest force.
