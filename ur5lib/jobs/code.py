@@ -16,6 +16,11 @@ from ur5lib.workspace.places import PACKAGE
 TYPES = re.compile(r"^if TYPE_CHECKING:.*\n(?:(?: .*)?\n)+", re.MULTILINE)  # types change no result
 IMPORT = re.compile(r"^ *(?:from|import) (ur5lib[\w.]*)(?: import (\([^)]*\)|.*))?", re.MULTILINE)
 
+LOOPS = {  # what a module imports by a loop over folders
+    "report/page/handed.py": ("report/views/*.py", "topics/*/report.py"),
+    "report/topics.py": ("topics/*/found.py",),
+}
+
 
 def checksum_of_step(step: str, files: Collection[Path] = ()) -> str:
     """Return a checksum of a step's module, of all modules that it uses, and of files.
@@ -58,15 +63,19 @@ def _content(path: Path) -> bytes:
 def imported_modules(path: Path) -> set[Path]:
     """Return the files of ur5lib modules that a Python file imports, without importing them.
 
-    The report imports that of each topic, by a loop over their folders.
+    The report imports its views and the modules of topics by loops over folders.
     """
     statements = IMPORT.findall(TYPES.sub("", _content(path).decode()))
     names = {module for module, _ in statements}
     names |= {f"{module}.{name}" for module, of in statements for name in re.findall(r"\w+", of)}
     stems = [PACKAGE.parent.joinpath(*name.split(".")) for name in names]
     files = [file for stem in stems for file in (stem.with_suffix(".py"), stem / "__init__.py")]
-    loops = path == PACKAGE / "report" / "page" / "topics.py"
-    return {*filter(Path.is_file, files), *PACKAGE.glob("topics/*/report.py" if loops else "-")}
+    looped = {
+        own
+        for pattern in LOOPS.get(str(path.relative_to(PACKAGE)), ())
+        for own in PACKAGE.glob(pattern)
+    }
+    return {*filter(Path.is_file, files), *looped}
 
 
 def in_library(paths: Iterable[str | Path]) -> list[Path]:

@@ -151,7 +151,8 @@ class StudyTables:
 
     def rows(self, table: str, /, **values: Any) -> pd.DataFrame:
         """Return the rows of a table with these values, in each column one or a list of them."""
-        rows = self.tables.get(table, OPTIONAL.get(table))
+        missing = table in OPTIONAL and table not in self.tables
+        rows = OPTIONAL[table] if missing else self.tables[table]
         for column, value in values.items():
             rows = rows[rows[column].isin(value if isinstance(value, list) else [value])]
         return rows

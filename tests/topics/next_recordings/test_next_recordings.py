@@ -11,9 +11,10 @@ from ur5lib.excitation.outlook import Bands
 from ur5lib.report.page.compose import shown_table
 from ur5lib.report.results import Results
 from ur5lib.report.views.first_screen import next_steps
+from ur5lib.topics.next_recordings.found import NOW
 from ur5lib.topics.next_recordings.rank_recordings import with_worth
 from ur5lib.topics.next_recordings.report import designs, limits
-from ur5lib.topics.next_recordings.rows import NOW, RankedBands
+from ur5lib.topics.next_recordings.rows import RankedBands
 
 
 def test_what_to_record_next_names_what_is_known_least_and_the_command() -> None:

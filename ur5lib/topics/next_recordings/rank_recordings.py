@@ -8,7 +8,8 @@ from ur5lib.records.models import Identification
 from ur5lib.records.motion import Motion
 from ur5lib.records.premises import Premises
 from ur5lib.robots.description import Robot
-from ur5lib.topics.next_recordings.rows import NOW, RankedBands
+from ur5lib.topics.next_recordings.found import NOW
+from ur5lib.topics.next_recordings.rows import RankedBands
 
 WORTHWHILE_BAND_RATIO = 0.9  # of the band of a force now, that a worthwhile recording leaves
 CANDIDATE_DURATION = 20.0  # of the recordings that may come next, as `ur5 excite` designs them

@@ -4,8 +4,6 @@ from dataclasses import dataclass
 
 from ur5lib.excitation.outlook import Bands
 
-NOW = "now"  # without another recording
-
 
 @dataclass(frozen=True)
 class RankedBands(Bands):

@@ -1,0 +1,222 @@
+"""Findings of a study beyond its cards, the gravest first, and results that its data leave out."""
+
+import re
+from collections.abc import Iterator
+
+import pandas as pd
+
+from ur5lib.force.estimators import LEADING
+from ur5lib.records.accepted import ACCEPTED
+from ur5lib.records.account import NOTHING
+from ur5lib.records.contacts import OF_CONTACTS, OFF_FLANGE
+from ur5lib.records.quality import UNREADABLE, UNUSUAL_FRICTION
+from ur5lib.report import topics
+from ur5lib.report.results import Results
+from ur5lib.report.stated import (
+    capital,
+    claim,
+    joints,
+    listed,
+    overruled,
+    quoted,
+    stated,
+    with_error,
+)
+from ur5lib.report.views.forces import leading, searched
+
+SAME_RUN, STOP = "same run", "stop sign"  # as `ur5lib.tidy` has them, which loads SciPy's filters
+MOST_FINDINGS = 8  # that a reader takes in; the tables have all
+MOST_OF_A_KIND = 3
+WRENCH_NAME = r"(?i)force|wrench|\bft[_x]|\bf_?[xyz]\b"  # among the columns of a file
+EXPLAINED = "explained contradiction"  # code of a remark that names the cause
+CONTRADICTIONS = ["unlikely constant", "current against constant", "torque against gain", EXPLAINED]
+ASIDE = re.compile(r"\((by itself, .*)\)$")  # in the words of such a remark: the numbers
+
+Found = tuple[str, list[str]]
+"""A table, and the findings of one kind that are in it."""
+
+
+def findings(results: Results) -> list[str]:
+    """Return the findings, the gravest first: faults, those of topics, then contacts; after them,
+    how many others there are, and the tables that have them.
+    """
+    every = [
+        (table, place, told) for table, own in _kinds(results) for place, told in enumerate(own)
+    ]
+    shown = [one for one in every if one[1] < MOST_OF_A_KIND]
+    if len(shown) == len(every) <= MOST_FINDINGS:
+        return [told for *_, told in every] or [*_unsearched(results)]
+    shown = shown[: MOST_FINDINGS - 1]
+    tables = dict.fromkeys(f"{one[0]}.csv" for one in every if one not in shown)
+    words = {"count": len(every) - len(shown), "tables": listed([*tables])}
+    return [*(told for *_, told in shown), stated(results, "other findings", **words)]
+
+
+def _kinds(results: Results) -> Iterator[Found]:
+    """Yield the findings of each kind, the gravest first."""
+    yield "quality", [*_stopped_recordings(results)]
+    yield "remarks", [*_stopped_arms(results)]
+    yield "quality", [*_accepted(results)]
+    yield "quality", [*_errors(results)]
+    yield "remarks", [*_contradictions(results)]
+    yield "payload", [*_undeclared_loads(results)]
+    yield "uses", [*_felt(results)]
+    yield "contacts", [*_off_flange(results)]
+    yield "quality", [*_withheld(results)]
+    yield "account", [*_unused_wrenches(results)]
+    yield "force_mae", [*_undetermined_moments(results)]
+    yield from topics.findings(results)
+    yield "contacts", [*_taken_up(results)]
+    yield "contacts", [*_without_sensor(results)]
+    yield "sensed", [*_readings(results)]
+
+
+def _stopped_recordings(results: Results) -> Iterator[str]:
+    """Report recordings that contradict the study or cannot be read."""
+    for row in results.rows("quality", severity="stop").itertuples():
+        sign, line = overruled(row.detail)
+        known = {UNREADABLE: "unread recording", SAME_RUN: "repeated run"}
+        code = known.get(row.finding, "overrulable stop sign" if line else "stop sign")
+        yield stated(results, code, recording=row.recording, sign=sign, line=line)
+
+
+def _stopped_arms(results: Results) -> Iterator[str]:
+    """Report the arms of which no forces are stated."""
+    for row in results.rows("remarks", step=STOP).itertuples():
+        sign, line = overruled(row.remark)
+        code = "overrulable stop sign of an arm" if line else "stop sign of an arm"
+        yield stated(results, code, robot=row.robot, sign=sign, line=line)
+
+
+def _accepted(results: Results) -> Iterator[str]:
+    """Report the stop signs that the study overrules: numbers rest on its reasons."""
+    rows = results.rows("quality", finding=ACCEPTED).groupby("detail", sort=False)["recording"]
+    arms = results.rows("remarks", code=ACCEPTED).groupby("remark", sort=False)["robot"]
+    for detail, names in (*rows, *arms):
+        reason, _, sign = str(detail).partition(": ")[2].partition("; found: ")
+        words = {"names": quoted(names), "reason": reason, "claim": claim(sign)}
+        yield stated(results, "accepted by a study", **words)
+
+
+def _errors(results: Results) -> Iterator[str]:
+    """Report recordings with an error: a sensor or a tare is ignored, or a role is wrong."""
+    for row in results.rows("quality", severity="error").itertuples():
+        words = {"recording": row.recording, "claim": claim(row.detail)}
+        yield stated(results, "recording with an error", **words)
+
+
+def _contradictions(results: Results) -> Iterator[str]:
+    """Report constants that contradict the known ones."""
+    rows = results.rows("remarks", code=CONTRADICTIONS)
+    for (robot, remark), group in rows.groupby(["robot", "remark"], sort=False):
+        numbers = group["joint"].dropna()
+        place = f"{joints(numbers)} of {robot}" if len(numbers) else robot
+        aside = ASIDE.search(remark)
+        told = aside[1] if aside else claim(remark)
+        yield stated(results, "contradicting constant", place=capital(place), claim=told)
+
+
+def _undeclared_loads(results: Results) -> Iterator[str]:
+    """Report the loads that are certain by the {quantity}s, and that nothing declares."""
+    rows = results.rows("payload", taken="yes")
+    names = [*rows["recording"]]
+    if len(names) == 1:
+        yield stated(results, "undeclared load on a recording", **rows.iloc[0].to_dict())
+    elif names:
+        ends = {"least": rows["mass"].min(), "most": rows["mass"].max()}
+        words = {"count": len(names), "names": quoted(names)}
+        yield stated(results, "undeclared loads", **ends, **words)
+
+
+def _felt(results: Results) -> Iterator[str]:
+    """Report fit recordings with more contacts than false alarms explain."""
+    if names := [*results.rows("uses", purpose="fit", reason="felt")["recording"]]:
+        yield stated(results, "felt contacts", names=quoted(names))
+
+
+def _without_a_sensor(results: Results) -> dict[str, pd.DataFrame]:
+    """Return the contacts that are found, by contact recording without a sensor."""
+    found = {*results.rows("detection", estimate=LEADING)["recording"]}
+    names = results.with_role("contact", found.difference(results.listed("force_mae")))
+    contacts = results.rows("contacts", estimate=LEADING, kind=OF_CONTACTS)
+    return {name: contacts[contacts["recording"] == name] for name in names}
+
+
+def _off_flange(results: Results) -> Iterator[str]:
+    """Report the contacts that are not on the flange: stated forces hold only for the flange."""
+    for name, rows in _without_a_sensor(results).items():
+        if times := [*rows.loc[rows["kind"] == OFF_FLANGE, "peak_s"]]:
+            words = {"count": len(times), "of": len(rows), "times": times}
+            yield stated(results, "contacts off the flange", recording=name, **words)
+
+
+def _without_sensor(results: Results) -> Iterator[str]:
+    """Report how many contacts are found on recordings without a sensor, also none."""
+    counts = {name: len(rows) for name, rows in _without_a_sensor(results).items()}
+    if counts:
+        each = [f"{count or 'none'} on “{name}”" for name, count in counts.items()]
+        yield stated(results, "contacts without a sensor", each=listed(each))
+
+
+def _withheld(results: Results) -> Iterator[str]:
+    """Report recordings without a stated force, because friction hides it."""
+    for row in results.rows("quality", finding=UNUSUAL_FRICTION).itertuples():
+        words = {"recording": row.recording, "claim": claim(row.detail)}
+        yield stated(results, "withheld force", **words)
+
+
+def _unused_wrenches(results: Results) -> Iterator[str]:
+    """Report the recordings whose file has a wrench that is not used."""
+    rows = results.rows("account", taken_for=NOTHING)
+    named = rows["subject"].astype(str).str.contains(WRENCH_NAME)
+    if names := sorted({*rows.loc[named, "recording"]}):
+        yield stated(results, "wrench without use", names=quoted(names))
+
+
+def _undetermined_moments(results: Results) -> Iterator[str]:
+    """Report the moments that the leading estimate determines on no recording."""
+    rows = leading(results.rows("force_mae", kind="compensated", during="contact"))
+    moments = rows[rows["component"].str.startswith("n")]
+    determined = {*moments.loc[moments["determined"] == "yes", "component"]}
+    if names := [name for name in moments["component"].unique() if name not in determined]:
+        yield stated(results, "undetermined moments", names=listed(names))
+
+
+def _taken_up(results: Results) -> Iterator[str]:
+    """Report loads that the arm takes up."""
+    for row in results.rows("contacts", estimate=LEADING, kind="load").itertuples():
+        mass = with_error(row.load_mass, row.load_mass_std)
+        yield stated(results, "load taken up", mass=mass, recording=row.recording)
+
+
+def _readings(results: Results) -> Iterator[str]:
+    """Report largest force and share in contact by sensor, where no friction was fitted."""
+    if len(results.tables["friction"]):
+        return
+    for row in results.tables["sensed"].to_dict("records"):
+        percent = 100 * row["share_in_contact"]
+        yield stated(results, "reading of a sensor", percent=percent, **row)
+
+
+def _unsearched(results: Results) -> Iterator[str]:
+    """Say that no contact was searched for, so that none is denied."""
+    if searched(results).empty and results.tables["sensed"].empty:
+        yield stated(results, "no search for contacts")
+
+
+def left_out(results: Results) -> list[str]:
+    """Return results that the study's data do not allow or leave in doubt, with the reasons."""
+    reasons = [*_left_out_fits(results)]
+    if len(results.tables["friction"]) and not results.with_role("validate"):
+        reasons.append(stated(results, "no prediction"))
+    if len(searched(results)) and results.tables["sensed"].empty:
+        reasons.append(stated(results, "no force to compare with"))
+    return reasons
+
+
+def _left_out_fits(results: Results) -> Iterator[str]:
+    """Report the fits that were not possible or are in doubt."""
+    remarks = results.tables["remarks"]
+    for row in remarks[remarks["joint"].isna() & (remarks["step"] != STOP)].itertuples():
+        words = {"robot": row.robot, "claim": claim(row.remark).partition(", which ")[0]}
+        yield stated(results, "fit left out", fit=capital(row.step), **words)

@@ -1,0 +1,121 @@
+"""Sentences about a study's results, and steps: a sentence with the command that does it."""
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from datetime import date
+from typing import Any
+
+from ur5lib.records.wording import sentence, templates
+from ur5lib.report.results import Results
+
+MOST_NAMED = 3  # recordings that a sentence names
+MIN_CLAIM_WORDS = 4  # of a part of a finding that says what is wrong; a shorter one is a place
+LINE = re.compile(r"`([\w ]+: [^`]+)`")  # of a study or a description, in a sentence
+UNSPACED = re.compile(r"(?<=\d)%")
+LOAD_BESIDE_AXIS = "0.06 0 0.05"  # m, in frame 6, so that gravity loads the last joint
+
+
+@dataclass(frozen=True)
+class Step:
+    """What to do next.
+
+    command: the command, or the line of the study or of a description, that does it; empty if there
+    is none.
+    """
+
+    sentence: str
+    command: str = ""
+
+
+def stated(results: Results, code: str, /, **values: Any) -> str:
+    """Return the sentence of a code, with `{quantity}`, `{constant}` and `{study}` of the study."""
+    known = results.effort._asdict() | {"study": results.study.get("study", "")}
+    return capital(sentence(code, known | values))
+
+
+def step(results: Results, code: str, command: str = "", /, **values: Any) -> Step:
+    """Return the step of a code; command: itself, or the code of its words."""
+    if command not in templates():
+        return Step(stated(results, code, **values), command)
+    known = {"study": results.study.get("study", "")}
+    return Step(stated(results, code, **values), sentence(command, known | values))
+
+
+def designing(results: Results, robot: str, load: float | None = None) -> str:
+    """Return the command that designs the next recording of an arm; load: on the flange [kg]."""
+    height = (results.study.get("devices") or {}).get("table_m")
+    options = f" --payload {load:g} {LOAD_BESIDE_AXIS}" if load else ""
+    options += f" --table {height:g}" if height else ""
+    known = {"robot": robot, "options": options, "name": "loaded" if load else "next"}
+    return sentence("designed recording", {"study": results.study.get("study", "")} | known)
+
+
+def capital(text: str) -> str:
+    """Return a text with a capital letter."""
+    return text[:1].upper() + text[1:]
+
+
+def with_error(value: float, std: float) -> str:
+    """Return a value with its standard error, if known, one digit of which decides both."""
+    if not 0 < std < math.inf:
+        return f"{value:.3g}"
+    digits = max(0, -math.floor(math.log10(std)))
+    return f"{value:.{digits}f} ± {std:.{digits}f}"
+
+
+def joints(numbers: Iterable[float]) -> str:
+    """Return joint numbers in words: joint 2; joints 1, 3; joints 1 to 6."""
+    known = [round(number) for number in numbers]
+    in_row = len(known) > 2 and known == [*range(known[0], known[-1] + 1)]
+    told = f"{known[0]} to {known[-1]}" if in_row else ", ".join(map(str, known))
+    return f"joint{'s' * (len(known) > 1)} {told}"
+
+
+def listed(names: Sequence[str], count: int = 0) -> str:
+    """Return names in words: a; a and b; a, b and 3 others.
+
+    count: of all, of which `names` may be the first alone.
+    """
+    count = max(count, len(names))
+    shown = [*names[: MOST_NAMED if count > MOST_NAMED else count]]
+    if more := count - len(shown):
+        shown.append(f"{more} other{'s' * (more > 1)}")
+    return " and ".join(filter(None, (", ".join(shown[:-1]), shown[-1])))
+
+
+def quoted(names: Iterable[str], count: int = 0) -> str:
+    """Return names of recordings in words, in quotation marks; count: as of `listed`."""
+    return listed([f"“{name}”" for name in names], count)
+
+
+def claim(text: str) -> str:
+    """Return what a finding says is wrong, without its reasons and its remedy."""
+    whole = text.partition("; ")[0]
+    first = whole.partition(": ")[0]
+    return UNSPACED.sub(" %", first if len(first.split()) >= MIN_CLAIM_WORDS else whole)
+
+
+def remedy(text: str) -> str:
+    """Return what a finding asks for after its first semicolon, empty if nothing."""
+    return text.partition("; ")[2].partition("; ")[0].partition(" (")[0]
+
+
+def line(text: str) -> str:
+    """Return the line of a study or a description that a finding proposes, empty if none."""
+    found = LINE.search(text)
+    return found[1] if found else ""
+
+
+def overruled(text: str) -> tuple[str, str]:
+    """Return a stop sign, and the line with which a study overrules it, empty if none does."""
+    before, _, _ = templates()["overruled by"].removeprefix("{sign}").partition("`")
+    sign, _, after = text.partition(before)
+    return sign, line(after)
+
+
+def day(iso: str) -> str:
+    """Return an ISO date in words."""
+    known = date.fromisoformat(iso)
+    return f"{known.day} {known:%B %Y}"

@@ -1,0 +1,47 @@
+"""What the topics of a study add to its first screen, found by a loop over their folders.
+
+The module `found` in the folder of a topic may have three functions, of the study's results:
+`advice`, what to do next; `to_record`, what to record where nothing is more urgent; `findings`. It
+is asked where the study has the tables that its `TABLES` names.
+"""
+
+from collections.abc import Iterator
+from functools import cache
+from importlib import import_module
+from types import ModuleType
+
+from ur5lib.report.results import Results
+from ur5lib.report.stated import Step
+from ur5lib.workspace.places import PACKAGE
+
+
+@cache
+def modules() -> list[ModuleType]:
+    """Return the modules `found` of the topics, by the names of these."""
+    names = sorted(path.parent.name for path in PACKAGE.glob("topics/*/found.py"))
+    return [import_module(f"ur5lib.topics.{name}.found") for name in names]
+
+
+def advice(results: Results) -> Iterator[Step]:
+    """Yield what the topics propose to do next."""
+    for topic in _asked(results, "advice"):
+        yield from topic.advice(results)
+
+
+def to_record(results: Results) -> Iterator[Step]:
+    """Yield what the topics propose to record, where nothing is more urgent."""
+    for topic in _asked(results, "to_record"):
+        yield from topic.to_record(results)
+
+
+def findings(results: Results) -> Iterator[tuple[str, list[str]]]:
+    """Yield the findings of each topic, after the name of the table that has them all."""
+    for topic in _asked(results, "findings"):
+        yield topic.TABLES[0], [*topic.findings(results)]
+
+
+def _asked(results: Results, slot: str) -> Iterator[ModuleType]:
+    """Yield the topics that have a function and the tables that they need."""
+    for topic in modules():
+        if hasattr(topic, slot) and {*topic.TABLES} <= results.tables.keys():
+            yield topic

@@ -1,0 +1,39 @@
+"""What the audit of wrist sensors adds to findings and steps: their faults."""
+
+from collections.abc import Iterator
+
+from ur5lib.report.results import Results
+from ur5lib.report.stated import Step, listed, quoted, stated, step
+
+TABLES = ("audit",)
+NAMES = {  # of quantities that are not named by themselves
+    "bias": "bias at the start",
+    "turn": "turn of its axes",
+    "mass": "mass on it",
+    "center_of_mass": "centre of mass on it",
+    "shift": "shift by a contact",
+    "zero": "actual_TCP_force without contact",
+    "left_mass": "mass left in actual_TCP_force",
+    "mass_by_currents": "mass by the motors",
+}
+
+
+def findings(results: Results) -> Iterator[str]:
+    """Report each kind of fault of wrist sensors, with the recordings."""
+    rows = results.rows("audit", verdict="wrong")
+    for quantity, part in rows.groupby("quantity", sort=False):
+        names = quoted(part["recording"].unique())
+        yield stated(results, "wrong wrist sensor", name=_name(str(quantity)), names=names)
+
+
+def advice(results: Results) -> Iterator[Step]:
+    """Ask to correct a wrong wrist sensor."""
+    rows = results.rows("audit", verdict="wrong")
+    if len(rows):
+        kinds = listed([*map(_name, rows["quantity"].unique())])
+        names = quoted(rows["recording"].unique())
+        yield step(results, "sensor to correct", "remedies", kinds=kinds, names=names)
+
+
+def _name(quantity: str) -> str:
+    return NAMES.get(quantity, quantity)

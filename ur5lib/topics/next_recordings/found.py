@@ -1,0 +1,42 @@
+"""What to record next, as a step: what narrows the band of forces most, or what limits it."""
+
+from collections.abc import Iterator
+
+import pandas as pd
+
+from ur5lib.report.results import Results
+from ur5lib.report.stated import Step, designing, step
+
+TABLES = ("next_recordings",)
+NOW = "now"  # without another recording
+
+
+def to_record(results: Results) -> Iterator[Step]:
+    """Ask for the recording that narrows the band of forces, or for what would where none does."""
+    known = [*_outlooks(results)]
+    for robot, now, best in known:
+        if best["worthwhile"] == "yes":
+            load = results.loads.get(robot) if " with " in best["after"] else None
+            words = {"robot": robot, "after": best["after"], **_bands(now, best)}
+            yield step(results, "narrowing recording", designing(results, robot, load), **words)
+    for robot, now, best in known:
+        if best["worthwhile"] == "no" and not _rests(results, robot):
+            yield step(results, "limit of recordings", "tare", robot=robot, **_bands(now, best))
+
+
+def _outlooks(results: Results) -> Iterator[tuple[str, pd.Series, pd.Series]]:
+    """Yield each arm, its bands now, and after the recording that narrows forces most."""
+    for robot, rows in results.rows("next_recordings").groupby("robot", sort=False):
+        now = rows[rows["after"] == NOW].iloc[0]
+        yield str(robot), now, rows.sort_values("force", kind="stable").iloc[0]
+
+
+def _bands(now: pd.Series, best: pd.Series) -> dict[str, float]:
+    return {"now": now["force"], "best": best["force"]}
+
+
+def _rests(results: Results, robot: str) -> bool:
+    """Return whether all recordings of an arm with contacts name a span at rest before these."""
+    arms, entries = results.arms(), results.study["recordings"]
+    own = [one for one in entries if arms[one["name"]] == robot and one["role"] == "contact"]
+    return bool(own) and all(one.get("untouched") for one in own)

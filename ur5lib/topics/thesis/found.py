@@ -1,0 +1,65 @@
+"""What the published numbers add to the findings: those unexplained, and the claim that fails."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import pandas as pd
+
+from ur5lib.force.estimators import ESTIMATES, LEADING
+from ur5lib.report.results import Results
+from ur5lib.report.stated import stated
+from ur5lib.topics.thesis.printed_numbers import EQUAL, UNEXPLAINED
+
+TABLES = ("printed",)
+CLAIMED_ESTIMATE, CLAIMED_COMPONENT = "F*", "Fz"  # by which the thesis detects pushes
+
+
+class ClaimScore(NamedTuple):
+    """How an estimate detects pushes along z.
+
+    found: of all pushes that reach the threshold at the sensor; above: largest share of a
+    contact-free recording for which the estimate is above it.
+    """
+
+    found: int
+    pushes: int
+    above: float
+
+
+def findings(results: Results) -> Iterator[str]:
+    """Report the published numbers that nothing explains, and the claim if it fails."""
+    rows = results.rows("printed")
+    status = rows["status"] if len(rows) else pd.Series(dtype=str)
+    left, equal = int((status == UNEXPLAINED).sum()), int((status == EQUAL).sum())
+    if left:
+        words = {"left": left, "count": len(status), "equal": equal}
+        yield stated(results, "unexplained numbers", by_errata=len(status) - equal - left, **words)
+    yield from _claim(results)
+
+
+def _claim(results: Results) -> Iterator[str]:
+    """Report that the claim to detect pushes fails, by missed pushes or by false ones."""
+    claimed, ours = score(results, CLAIMED_ESTIMATE), score(results, LEADING)
+    if claimed is None or ours is None:
+        return
+    missed, name = claimed.pushes - claimed.found, ESTIMATES[CLAIMED_ESTIMATE]
+    words = {"name": name, "missed": missed, "of": claimed.pushes}
+    if missed:
+        yield stated(results, "missed pushes", ours=ours.pushes - ours.found, **words)
+    elif claimed.above:
+        yield stated(results, "false pushes", percent=100 * claimed.above, **words)
+
+
+def score(results: Results, estimate: str) -> ClaimScore | None:
+    """Return an estimate's score, None without such recordings.
+
+    Pushes are counted on recordings with printed errors, time above on validate recordings.
+    """
+    printed, validated = results.printed("force_mae"), results.with_role("validate")
+    rows = {"component": CLAIMED_COMPONENT, "estimate": estimate}
+    pushed = results.rows("fixed_threshold", recording=printed, **rows)
+    free = results.rows("fixed_threshold", recording=validated, **rows)
+    if pushed.empty or free.empty:
+        return None
+    found, pushes = (int(pushed[name].sum()) for name in ("found", "pushes"))
+    return ClaimScore(found, pushes, float(free["time_above"].max()))
