@@ -36,7 +36,8 @@ class Results(StudyTables):
     """A study's results.
 
     figures: the folder of figures; drawn: recordings with figures; left_out: for each omitted
-    section, a sentence with the reason; other_arms: those that are no UR arms.
+    section, a sentence with the reason; other_arms: those that are no UR arms; first_number: of
+    the first recording, by which it is R1.
     """
 
     figures: Path = Path()
@@ -45,6 +46,7 @@ class Results(StudyTables):
     versions: Mapping[str, str] = field(default_factory=dict)
     left_out: Sequence[str] = ()
     other_arms: frozenset[str] = frozenset()
+    first_number: int = 1
 
     @classmethod
     def read(
@@ -77,7 +79,8 @@ class Results(StudyTables):
         (entry,) = (one for one in self.study["recordings"] if one["name"] == name)
         title = f"{name}, {self.study['title']}"
         own = self._only([entry], self.arms()[name])
-        return replace(own, study={**own.study, "title": title})
+        number = [*self.roles()].index(name) + 1
+        return replace(own, study={**own.study, "title": title}, first_number=number)
 
     @property
     def many(self) -> bool:

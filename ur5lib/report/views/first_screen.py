@@ -55,6 +55,11 @@ def drawn(results: Results, wanted: str) -> list[str]:
     return [name] if kind == wanted else []
 
 
+def first_figure(results: Results) -> dict[str, str]:
+    """Return kind and recording of the first figure, empty where nothing over time is drawn."""
+    return next(({"kind": kind, "recording": name} for kind, name in _figures(results)), {})
+
+
 def worst_force(results: Results) -> list[str]:
     """Return the recording whose error of the force is the largest share of it, if it is drawn."""
     rows = results.rows("error_parts").sort_values("share", ascending=False)

@@ -1,0 +1,201 @@
+"""What Python hands to the page: the study, rows of tables and of views, as JSON in a folder."""
+
+import csv
+import json
+import re
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ur5lib import __version__
+from ur5lib.force.estimators import ESTIMATES, LEADING, NEW
+from ur5lib.report.figures.traces import BAND_EDGES, ERROR, HIDDEN, LINE_COLUMN, UNFILTERED
+from ur5lib.report.page import closer
+from ur5lib.report.results import Results
+from ur5lib.report.views import citing, forces
+from ur5lib.workspace.places import PACKAGE
+
+SOURCES = Path(__file__).parent
+TOPICS = sorted(PACKAGE.glob("topics/*/section.typ"))
+WORDS = (*sorted(SOURCES.glob("*.typ")), *sorted(SOURCES.glob("*/*.typ")), *TOPICS)
+ROWS = re.compile(r'rows-of\("([\w.]+)"\)')
+DIGITS = 15  # after the point, of numbers in JSON
+MOST_NAMED = 4  # recordings of a notice
+
+
+class AbsentTableError(KeyError):
+    """A table of a topic that the study does not have."""
+
+
+class Tables(dict[str, pd.DataFrame]):
+    """Tables by name."""
+
+    def __missing__(self, name: str) -> pd.DataFrame:
+        raise AbsentTableError(name)
+
+
+@contextmanager
+def handed_over(results: Results, found: Mapping[str, Any]) -> Iterator[Path]:
+    """Provide a folder with the sources of the page, and what they read.
+
+    found: verdicts, and what to do next, findings and what was left out.
+    """
+    results = replace(results, tables=Tables(results.tables))
+    with TemporaryDirectory() as folder:
+        root = Path(folder)
+        shutil.copy(SOURCES / "report.typ", root)  # the main file must not be a link
+        for part in ("kit", "sections"):
+            (root / part).symlink_to(SOURCES / part)
+        (root / "figures").symlink_to(results.figures.resolve())
+        (root / "topics").mkdir()
+        for section in TOPICS:
+            (root / "topics" / section.parent.name).symlink_to(section.parent)
+        for name, content in {**study_data(results), **found}.items():
+            _write(root / f"data/{name}.json", _as_json(content))
+        _write(root / "data/replay.css", closer.styles())
+        for name in rows_read():
+            _write(root / f"data/rows/{name}.json", _as_json(rows_of(name, results)))
+        yield root
+
+
+def _write(path: Path, text: str) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+
+
+def _as_json(content: object) -> str:
+    """Return rows as JSON: a dictionary each, in which an empty cell is null."""
+    if isinstance(content, pd.DataFrame):
+        rows = content.reset_index(drop=True)
+        return str(rows.to_json(orient="records", double_precision=DIGITS, force_ascii=False))
+    return json.dumps(content, ensure_ascii=False, default=np.generic.item)
+
+
+def rows_read() -> list[str]:
+    """Return the tables and views that the page reads, by the text of its sources."""
+    return sorted({name for path in WORDS for name in ROWS.findall(path.read_text("utf-8"))})
+
+
+def rows_of(name: str, results: Results) -> object:
+    """Return the rows of a table, or of a view `module.function`; none where a topic's table is
+    absent. Raises KeyError or AttributeError where there is no such view.
+    """
+    module, _, function = name.rpartition(".")
+    try:
+        return getattr(views()[module], function)(results) if module else results.rows(name)
+    except AbsentTableError:
+        return []
+
+
+@cache
+def views() -> dict[str, ModuleType]:
+    """Return the modules of views by name, those of topics by their folders."""
+    own = (path.stem for path in PACKAGE.glob("report/views/*.py"))
+    topics = (path.parent.name for path in PACKAGE.glob("topics/*/report.py"))
+    return {name: import_module(f"ur5lib.report.views.{name}") for name in own} | {
+        name: import_module(f"ur5lib.topics.{name}.report") for name in topics
+    }
+
+
+def study_data(results: Results) -> dict[str, Any]:
+    """Return what the page says of the whole study."""
+    study = results.study
+    effort = results.effort._asdict()
+    figures = dict(drawn_figures(results.figures))
+    return {
+        "study": effort
+        | {key.capitalize(): text.capitalize() for key, text in effort.items()}
+        | {
+            "name": study["study"],
+            "title": f"{study['title']} (simulated)" if notice(results) else study["title"],
+            "notice": notice(results),
+            "analysed": citing.analysed_on(results),
+            "minutes": float(results.tables["recordings"]["duration_s"].sum() / 60),
+            "commit": results.commit,
+            "version": __version__,
+            "versions": dict(results.versions),
+            "recordings": recordings(results),
+            "robots": results.robots(),
+            "other_arms": sorted(results.other_arms),
+            "saturated": forces.saturated(results, [*results.roles()]),
+            "of_thesis": results.of_thesis,
+            "many": results.many,
+            "estimates": ESTIMATES,
+            "leading": ESTIMATES[LEADING],
+            "new": [*NEW],
+            "figures": figures,
+            "scenes": sorted({name.split("/")[0] for name in figures} & _scenes(results.figures)),
+            "sections": sections(),
+        }
+    }
+
+
+def recordings(results: Results) -> list[dict[str, str]]:
+    """Return name, short name (R1, R2, …), role and arm of each recording."""
+    arms, roles = results.arms(), results.roles()
+    return [
+        {"name": name, "short": f"R{number}", "role": role, "robot": arms[name]}
+        for number, (name, role) in enumerate(roles.items(), start=results.first_number)
+    ]
+
+
+def sections() -> list[str]:
+    """Return the paths of the sections, those of topics among them."""
+    own = (f"/sections/{path.name}" for path in sorted(SOURCES.glob("sections/*.typ")))
+    return [*own, *(f"/topics/{path.parent.name}/section.typ" for path in TOPICS)]
+
+
+def notice(results: Results) -> str:
+    """Return a notice of simulated recordings, if any."""
+    entries = results.study["recordings"]
+    simulated = [str(one["name"]) for one in entries if one.get("simulate") or one.get("truth")]
+    if not simulated:
+        return ""
+    some = f"{len(simulated)} recordings" if simulated[MOST_NAMED:] else ", ".join(simulated)
+    some = "all recordings" if len(simulated) == len(entries) else some
+    return f"Simulated: {some} of this study are of the virtual test stand, not of a real arm."
+
+
+def _scenes(figures: Path) -> set[str]:
+    return {path.parent.name for path in figures.glob("*/scene.json")}
+
+
+def drawn_figures(folder: Path) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield the figures that have numbers, by path without suffix, with what they show.
+
+    lines, errors: labels, `banded` that with a band; pale: unfiltered lines; hidden: near a
+    singularity; gaps: of the time; columns: all labels and names of the numbers.
+    """
+    for numbers in sorted(folder.rglob("*.csv")) if folder != Path() else ():
+        with numbers.open(encoding="utf-8", newline="") as rows:
+            header = next(csv.reader(rows), [])
+            if next(rows, "") and numbers.with_suffix(".svg").is_file():
+                yield (
+                    str(numbers.relative_to(folder).with_suffix("")),
+                    shown(header) | {"gaps": any(line.startswith(",") for line in rows)},
+                )
+
+
+def shown(header: Sequence[str]) -> dict[str, Any]:
+    """Return what a figure shows, by the names of its numbers."""
+    labels = [*dict.fromkeys(own[1] for own in map(LINE_COLUMN.fullmatch, header) if own)]
+    errors = [label.removeprefix(ERROR) for label in labels if label.startswith(ERROR)]
+    lines = [one for one in labels if one not in (*BAND_EDGES, UNFILTERED) and ERROR not in one]
+    return {
+        "columns": [*labels, *(name for name in header if not LINE_COLUMN.fullmatch(name))],
+        "lines": lines,
+        "errors": errors,
+        "banded": next(iter([*errors, *lines]), None) if BAND_EDGES[0] in labels else None,
+        "pale": UNFILTERED in labels,
+        "hidden": HIDDEN in header,
+    }
