@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
 
 from ur5lib import __version__
 from ur5lib.report.page.document import Code
@@ -59,3 +60,57 @@ def _bibtex(key: str, reference: str) -> str:
     fields["author"] = fields.get("author", "").replace(", ", " and ")
     lines = [f"  {name} = {{{text}}}," for name, text in fields.items()]
     return "\n".join([f"@{'misc' if key == ITSELF else 'article'}{{{key},", *lines, "}"])
+
+
+class Reference(NamedTuple):
+    """A paper that the methods rest on, by the key under which they cite it."""
+
+    key: str
+    author: tuple[str, ...]
+    title: str
+    journal: str
+    year: int
+
+
+CITED = (
+    Reference(
+        "rauch1965",
+        ("H. E. Rauch", "F. Tung", "C. T. Striebel"),
+        "Maximum likelihood estimates of linear dynamic systems",
+        "AIAA Journal 3(8)",
+        1965,
+    ),
+    Reference(
+        "luh1980",
+        ("J. Y. S. Luh", "M. W. Walker", "R. P. C. Paul"),
+        "On-line computational scheme for mechanical manipulators",
+        "Journal of Dynamic Systems, Measurement, and Control 102(2)",
+        1980,
+    ),
+    Reference(
+        "atkeson1986",
+        ("C. G. Atkeson", "C. H. An", "J. M. Hollerbach"),
+        "Estimation of inertial parameters of manipulator loads and links",
+        "International Journal of Robotics Research 5(3)",
+        1986,
+    ),
+    Reference(
+        "wensing2018",
+        ("P. M. Wensing", "S. Kim", "J.-J. E. Slotine"),
+        "Linear matrix inequalities for physically consistent inertial parameter identification",
+        "IEEE Robotics and Automation Letters 3(1)",
+        2018,
+    ),
+    Reference(
+        "rabiner1989",
+        ("L. R. Rabiner",),
+        "A tutorial on hidden Markov models and selected applications in speech recognition",
+        "Proceedings of the IEEE 77(2)",
+        1989,
+    ),
+)
+
+
+def cited(_: Results) -> list[dict[str, Any]]:
+    """Return the references of the methods."""
+    return [reference._asdict() for reference in CITED]

@@ -16,7 +16,7 @@ from ur5lib.records.quality import UNUSUAL_FRICTION
 from ur5lib.report.page.document import MOST_SHOWN
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
-from ur5lib.report.views.forces import FORCE_COMPONENTS, contact_errors, leading
+from ur5lib.report.views.forces import FORCE_COMPONENTS, compared, contact_errors, leading
 
 WRENCH_NAME = r"(?i)force|wrench|\bft[_x]|\bf_?[xyz]\b"  # among the columns of a file
 
@@ -124,3 +124,44 @@ def withheld(results: Results) -> Iterator[str]:
         yield say("force.withheld", row=row)
     if unused := unused_wrenches(results):
         yield say("force.unused", names=unused)
+
+
+def at_sensors(results: Results) -> pd.DataFrame:
+    """Return the contacts at force sensors, with the leading estimate's errors, fate and cause."""
+    rows = leading(results.rows("contact_errors", component="norm"))
+    return rows.assign(role=rows["recording"].map(results.roles()))
+
+
+def judged(results: Results) -> pd.DataFrame:
+    """Return the rows of `decided` with repeatability (`floor`) and whether the sensor is sure."""
+    rows = decided(results)
+    places = zip(rows["recording"], rows["component"], strict=True)
+    floors = [results.floor("force", name, component) for name, component in places]
+    return rows.assign(floor=floors, sure=~rows["recording"].isin(results.doubted()))
+
+
+def found_anywhere(results: Results) -> pd.DataFrame:
+    """Return the contacts that the leading estimate finds on recordings with figures."""
+    return results.rows("contacts", estimate=LEADING, recording=compared(results))
+
+
+def force_errors(results: Results) -> pd.DataFrame:
+    """Return all estimates' errors beside the sensor, with repeatability (`floor`) in contact."""
+    rows = results.rows("force_mae", kind="compensated", during=["contact", "free", "all"])
+    places = zip(rows["recording"], rows["component"], rows["during"], strict=True)
+    floors = [
+        results.floor("force", name, component) if during == "contact" else None
+        for name, component, during in places
+    ]
+    return rows.assign(floor=floors)
+
+
+def classes(results: Results) -> pd.DataFrame:
+    """Return the contacts found by size of their force, of recordings with a force sensor."""
+    return results.rows("detection").dropna(subset="force_class_n")
+
+
+def alarm_rates(results: Results) -> pd.DataFrame:
+    """Return the alarms of recordings without a force sensor."""
+    rows = results.rows("detection")
+    return rows[rows["force_class_n"].isna()].assign(role=rows["recording"].map(results.roles()))

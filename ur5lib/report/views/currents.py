@@ -1,9 +1,11 @@
 """Friction, torque constants and motor currents: fits and predictions."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pandas as pd
 
+from ur5lib.report.figures.thinned import by_position, by_velocity
 from ur5lib.report.page.sentences import names, say
 from ur5lib.report.results import Results
 from ur5lib.tidy.friction import without_totals
@@ -71,3 +73,42 @@ def resting(results: Results) -> list[str]:
     moving = results.arms()
     judged = {moving[name] for name in results.tables["current_rmse"]["recording"]}
     return [robot for robot in results.tables["friction"]["robot"].unique() if robot not in judged]
+
+
+def joint_remarks(results: Results) -> list[dict[str, object]]:
+    """Return the remarks of the fit about joints: arm, joints and remark."""
+    rows = results.tables["remarks"].dropna(subset="joint")
+    groups = rows.groupby(["robot", "remark"], sort=False)["joint"]
+    return [
+        {"robot": robot, "joints": [*map(int, joints)], "remark": remark}
+        for (robot, remark), joints in groups
+    ]
+
+
+def predictions(results: Results) -> pd.DataFrame:
+    """Return the errors of all models on the recordings of `predicted`, or on the only recording,
+    with what repetition leaves of them (`floor`).
+    """
+    names = predicted(results) if len(results.roles()) > 1 else [*results.roles()]
+    rows = results.rows("current_rmse", recording=names)
+    places = zip(rows["recording"], rows["joint"], strict=True)
+    return rows.assign(floor=[results.floor("current", *place) for place in places])
+
+
+def friction_by_velocity(results: Results) -> pd.DataFrame:
+    """Return some samples of each arm's friction over velocity, its fit and band."""
+    return _of_arms(results, "friction", by_velocity)
+
+
+def residual_by_position(results: Results) -> pd.DataFrame:
+    """Return the quartiles of each arm's residuals over position."""
+    return _of_arms(results, "residuals", by_position)
+
+
+def _of_arms(
+    results: Results, figure: str, thinned: Callable[[Path], pd.DataFrame]
+) -> pd.DataFrame:
+    """Return the numbers of a figure of each arm."""
+    paths = {robot: results.figures / robot / f"{figure}.csv" for robot in results.robots()}
+    parts = [thinned(path).assign(robot=robot) for robot, path in paths.items()]
+    return pd.concat([part for part in parts if len(part)] or [pd.DataFrame()])

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+import pandas as pd
+
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
 
@@ -29,3 +31,24 @@ def identified(results: Results) -> Iterator[str]:
         if determined < len(parameters):
             yield say("models.undetermined")
         yield say("models.files", robot=robot)
+
+
+def torque_errors(results: Results) -> pd.DataFrame:
+    """Return the torque errors of the link models on the recordings of `compared`."""
+    return results.rows("torque_mae", recording=compared(results)).dropna(subset="mae")
+
+
+def determined(results: Results) -> list[dict[str, object]]:
+    """Return by arm how many of its base parameters the recordings determine (`count`, `of`), and
+    whether by measured torques.
+    """
+    rows = results.tables["parameters"]
+    return [
+        {
+            "robot": robot,
+            "measured": robot in results.placeholders,
+            "count": len(own[own["determined"] == "yes"]),
+            "of": len(own),
+        }
+        for robot, own in rows.groupby("robot", sort=False)
+    ]

@@ -4,6 +4,8 @@ import pandas as pd
 
 from ur5lib.report.results import Results, with_zero
 
+COMPONENTS = ("x", "y", "z", "rx", "ry", "rz")
+
 
 def drawn(results: Results) -> list[str]:
     """Return the recordings whose acceleration is drawn: with printed errors, or the first."""
@@ -17,3 +19,20 @@ def errors(results: Results) -> pd.DataFrame:
     rows = rows[~rows["estimate"].str.startswith("euler")]
     rows = rows.assign(value=rows["mae"], zero=rows["zero_mae"])
     return with_zero(rows, "estimate", ["component"])
+
+
+def by_estimate(results: Results) -> pd.DataFrame:
+    """Return the same with a row for each recording and estimate, and a column for each component
+    of the acceleration.
+    """
+    rows = errors(results)
+    keys = {"index": ["recording", "estimate"], "columns": "component", "values": "value"}
+    return rows.pivot_table(**keys, sort=False).reset_index()
+
+
+def judged(results: Results) -> pd.DataFrame:
+    """Return the judged errors of the acceleration, the linear ones of each arm first."""
+    rows = results.rows("judged_errors", question="motion")
+    rank = {name: place for place, name in enumerate(COMPONENTS)}
+    order = rows.assign(rank=rows["component"].map(rank)).sort_values(["robot", "rank"])
+    return rows.loc[order.index]

@@ -1,13 +1,14 @@
 """The recordings, their defects and clocks, the verdict on them, and the provenance of results."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import pandas as pd
 
 from ur5lib.records.accepted import ACCEPTED
 from ur5lib.records.quality import UNCHECKED
 from ur5lib.report.page.document import MOST_SHOWN
-from ur5lib.report.page.findings import by_finding, by_severity
+from ur5lib.report.page.findings import SEVERITIES, by_finding, by_severity
 from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
 
@@ -113,3 +114,54 @@ def tables(results: Results) -> pd.DataFrame:
 def versions(results: Results) -> pd.DataFrame:
     """Return the versions of the software that the numbers depend on."""
     return pd.DataFrame(results.versions.items(), columns=["package", "version"])
+
+
+def legend(results: Results) -> pd.DataFrame:
+    """Return the recordings, also those left out: role, duration, devices, lost frames and their
+    share, the gravest finding, but for those of what could not be checked, and how many kinds of
+    findings there are by severity.
+    """
+    used = results.tables["recordings"].set_index("recording")[["duration_s", "devices", "frames"]]
+    quality = by_severity(results.tables["quality"])
+    checked = quality[~quality["finding"].isin(UNCHECKED)].drop_duplicates("recording")
+    gravest = checked.set_index("recording")[["severity", "device", "finding"]]
+    lost = results.rows("quality", device="robot", finding=LOST_FRAMES)
+    lost = lost.groupby("recording")["count"].first().rename("lost")
+    roles = pd.Series(results.roles(), name="role", dtype=str).rename_axis("recording")
+    rows = roles.to_frame().join([used, lost, gravest, _kinds(quality)]).reset_index()
+    return rows.assign(lost_share=rows["lost"] / rows["frames"])
+
+
+def _kinds(quality: pd.DataFrame) -> pd.DataFrame:
+    """Return how many kinds of findings there are of each severity, by recording."""
+    kinds = quality.drop_duplicates(["recording", "device", "finding", "severity"])
+    counts = pd.crosstab(kinds["recording"], kinds["severity"])
+    return counts.reindex(columns=pd.Index(SEVERITIES), fill_value=0)
+
+
+def gravest(results: Results) -> pd.DataFrame:
+    """Return the same, the recordings with the gravest findings and most lost frames first."""
+    keys = [*SEVERITIES[:-1], "lost_share"]
+    return legend(results).sort_values(keys, ascending=False, kind="stable")
+
+
+def by_cause(results: Results) -> pd.DataFrame:
+    """Return the findings of all recordings by their cause, most serious first, each with the names
+    of its recordings.
+    """
+    rows = by_finding(results.tables["quality"])
+    return rows.assign(count=rows["recordings"].map(len))
+
+
+def left_out(results: Results) -> list[str]:
+    """Return the recordings whose files cannot be used or repeat others."""
+    return results.unusable()
+
+
+def accepted_signs(results: Results) -> list[dict[str, Any]]:
+    """Return the stop signs that the study overrules: their words, and of which recordings or
+    arms.
+    """
+    rows = results.rows("quality", finding=ACCEPTED).groupby("detail", sort=False)["recording"]
+    arms = results.rows("remarks", code=ACCEPTED).groupby("remark", sort=False)["robot"]
+    return [{"detail": detail, "of": [*of]} for group in (rows, arms) for detail, of in group]
