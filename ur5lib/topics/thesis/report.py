@@ -1,6 +1,6 @@
 """The report's part on the thesis: its printed numbers beside ours."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -261,3 +261,137 @@ def scores(results: Results) -> list[str]:
         return []
     named_scores = [(ESTIMATES[CLAIMED_ESTIMATE], claimed), (ESTIMATES[LEADING], ours)]
     return [say("thesis.compared", pushes=claimed.pushes, scores=named_scores)]
+
+
+def by_source(results: Results) -> pd.DataFrame:
+    """Return of each published table how many numbers it has, are rebuilt, are explained by errata,
+    and remain unexplained.
+    """
+    rows = results.tables["printed"]
+    equal, left = rows["status"] == EQUAL, rows["status"] == UNEXPLAINED
+    counts = {"numbers": 1, "equal": equal, "explained": ~(equal | left), "unexplained": left}
+    return rows[["source"]].assign(**counts).groupby("source", sort=False).sum().reset_index()
+
+
+def left_over(results: Results) -> pd.DataFrame:
+    """Return each unexplained number beside the nearest computed one, that of an erratum or else
+    the rebuilt one, and the share by which this is off.
+    """
+    rows = results.tables["printed"]
+    rows = rows[rows["status"] == UNEXPLAINED]
+    nearest = rows["as_erratum_says"].fillna(rows["rebuilt"])
+    erratum = rows["erratum"].where(rows["as_erratum_says"].notna())
+    return rows.assign(nearest=nearest, off=nearest / rows["printed"] - 1, erratum=erratum)
+
+
+def with_zero_error(results: Results) -> pd.DataFrame:
+    """Return the printed and rebuilt errors of torques and forces with that of an estimate of zero,
+    of the recordings of which some can be rebuilt.
+    """
+    views = {"torque_mae": torques, "force_mae": forces, "force_max": largest_forces}
+    return _together(
+        view(results, recording)
+        for table, view in views.items()
+        for recording in results.printed(table)
+    )
+
+
+def errors_in_loop(results: Results) -> pd.DataFrame:
+    """Return the errors of positions (q) and velocities (qd) in closed loop, with printed ones."""
+    views = {"q": positions, "qd": velocities}
+    return _together(
+        view(results, recording)
+        for quantity, view in views.items()
+        for recording in results.printed(f"closed_loop_{quantity}")
+    )
+
+
+def constants_rebuilt(results: Results) -> pd.DataFrame:
+    """Return Equation 6.5 on each recording for which it is printed, as `rebuilt`."""
+    return _together(rebuilt(results, name) for name in results.printed("current_torque"))
+
+
+def offsets_on_runs(results: Results) -> pd.DataFrame:
+    """Return b and k on every recording (`on_every_run`), of the joint that is doubted by the
+    print for a recording `printed_on`.
+    """
+    return _together(
+        on_every_run(results, name).assign(printed_on=name) for name, _ in _doubted(results)
+    )
+
+
+def doubted_offsets(results: Results) -> pd.DataFrame:
+    """Return of each doubted joint the printed and the fitted offset, the least and the largest one
+    by the same regression, on so many recordings.
+    """
+    every = results.tables["published_constants"]
+    every = every[every["regression"] == AS_PRINTED]
+    return pd.DataFrame(
+        {
+            "recording": name,
+            "joint": joint,
+            "printed": _printed_offsets(results, name)[joint],
+            **_fitted(results, name).loc[(joint, "offset"), ["value", "std_error"]],
+            **every.loc[every["joint"] == joint, "offset"].agg(["min", "max", "count"]),
+        }
+        for name, joint in _doubted(results)
+    )
+
+
+def offset_correlations(results: Results) -> pd.DataFrame:
+    """Return the correlation of offset and mean torque over the recordings, by joint."""
+    rows = results.tables["published_constants"]
+    return pd.DataFrame(
+        {"joint": joint, "correlation": own["offset"].corr(own["mean_torque"])}
+        for joint, own in rows[rows["regression"] == AS_PRINTED].groupby("joint")
+    )
+
+
+def _doubted(results: Results) -> Iterator[tuple[str, int]]:
+    """Yield the recordings with printed constants, and their joints whose offset is doubted."""
+    for name in results.printed("current_torque"):
+        fitted = results.rows("friction", robot=results.arms()[name], parameter="offset")
+        if not {*_printed_offsets(results, name).index}.isdisjoint(fitted["joint"]):
+            yield name, doubted_joint(results, name)
+
+
+def gains_that_differ(results: Results) -> pd.DataFrame:
+    """Return the joints of an arm for which no gain is in the ranges of all recordings."""
+    ranges = results.tables["gains"].fillna({"low": 0.0, "high": np.inf})
+    ranges = ranges.assign(robot=ranges["recording"].map(results.arms()))
+    ends = ranges.groupby(["robot", "gain", "joint"], sort=False).agg({"low": "max", "high": "min"})
+    return ends[ends["low"] > ends["high"]].reset_index()[["robot", "gain", "joint"]]
+
+
+def gains_that_fit(results: Results) -> pd.DataFrame:
+    """Return by model on how many joints and recordings its printed gains fit like the best."""
+    rows = results.tables["published_gains"]
+    fits = rows[["model"]].assign(fit=rows["fits"] == "yes", of=1)
+    return fits.groupby("model", sort=False).sum().reset_index()
+
+
+def detected(results: Results) -> pd.DataFrame:
+    """Return how the thesis's estimate detects pushes along z, and ours, each with its
+    `ClaimScore`, the pushes that are missed, and whether the thesis's claim holds.
+    """
+    scores = {name: score(results, name) for name in (CLAIMED_ESTIMATE, LEADING)}
+    known = {name: own for name, own in scores.items() if own is not None}
+    rows = pd.DataFrame({"estimate": name} | own._asdict() for name, own in known.items())
+    if rows.empty or CLAIMED_ESTIMATE not in known:
+        return rows[:0]
+    missed = rows["pushes"] - rows["found"]
+    holds = np.where((missed == 0) & (rows["above"] == 0), "yes", "no")
+    return rows.assign(missed=missed, holds=holds)
+
+
+def above_threshold(results: Results) -> pd.DataFrame:
+    """Return the time above the thesis's threshold along z and the pushes found by it, where the
+    thesis's estimate is known.
+    """
+    rows = results.rows("fixed_threshold", component=CLAIMED_COMPONENT)
+    return rows if (rows["estimate"] == CLAIMED_ESTIMATE).any() else rows[:0]
+
+
+def _together(parts: Iterable[pd.DataFrame]) -> pd.DataFrame:
+    """Return the rows of several views, none of none."""
+    return pd.concat([pd.DataFrame(), *parts])

@@ -55,7 +55,7 @@ if STUDY.reference:
             closed_loop=result("closed_loop.parquet"),
             arm=parameter_of("arm.yaml"),
         output:
-            **drawn_by("draw_tracking", "{recording}"),
+            **drawn("{recording}", "positions", "velocities"),
         log:
             **traces("draw_tracking", "{recording}"),
         params:
@@ -72,7 +72,7 @@ if STUDY.reference:
             quality=result("quality.json"),
             arm=parameter_of("described.yaml"),
         output:
-            **drawn_by("draw_filtered_first", "{recording}"),
+            **drawn("{recording}", "accelerations_filtered_first"),
         log:
             **traces("draw_filtered_first", "{recording}"),
         params:
@@ -89,7 +89,7 @@ if STUDY.reference:
             closed_loop=result("closed_loop.parquet"),
             arm=parameter_of("arm.yaml"),
         output:
-            **drawn_by("draw_older_model", "{recording}"),
+            **drawn("{recording}", "positions_older", "velocities_older", "torques_older"),
         log:
             **traces("draw_older_model", "{recording}"),
         params:
@@ -102,7 +102,7 @@ if STUDY.reference:
         input:
             accelerations=result("accelerations.parquet"),
         output:
-            **drawn_by("draw_published_accelerations", "{recording}"),
+            **drawn("{recording}", "accelerations_published"),
         log:
             **traces("draw_published_accelerations", "{recording}"),
         params:
@@ -115,7 +115,13 @@ if STUDY.reference:
             published=result("published_forces.parquet"),
             sensor=result("sensor.parquet"),
         output:
-            **drawn_by("draw_published_forces", "{recording}"),
+            **drawn(
+                "{recording}",
+                "forces_printed",
+                "forces_friction_printed",
+                "forces_corrected",
+                "forces_friction_corrected",
+            ),
         log:
             **traces("draw_published_forces", "{recording}"),
         params:
@@ -129,7 +135,7 @@ if STUDY.reference:
             torques=result("torques.parquet"),
             arm=parameter_of("described.yaml"),
         output:
-            **drawn_by("draw_current_torque", "{recording}"),
+            **drawn("{recording}", "current_torque_printed", "current_torque_friction_printed"),
         log:
             **traces("draw_current_torque", "{recording}"),
         params:
@@ -167,5 +173,39 @@ if STUDY.reference:
             **traces("list_printed_friction", "{robot}"),
         params:
             code=code("list_printed_friction"),
+        run:
+            run_step(rule, input, output, params, log)
+
+    def drawn_of_topic(wildcards):
+        """Return the figures that the steps of this topic draw, of all their recordings."""
+        drawn = [
+            "draw_tracking",
+            "draw_filtered_first",
+            "draw_older_model",
+            "draw_current_torque",
+        ]
+        drawn += ["draw_published_accelerations", "draw_published_forces"]
+        return [
+            path
+            for step in drawn
+            for path in expand(getattr(rules, step).output, recording=RUNS_FOR[step])
+        ]
+
+    rule write_published:
+        input:
+            described=parameters("described.yaml"),
+            tables=lambda wildcards: [
+                *rules.compare_with_print.output,
+                *rules.make_tables.output,
+                *rules.judge_study.output,
+            ],
+            figures=drawn_of_topic,
+        output:
+            html=f"{RESULTS}/published.html",
+        log:
+            **traces("write_published"),
+        params:
+            code=code("write_published", *PAGE),
+            study=lambda wildcards: STUDY_TEXT,
         run:
             run_step(rule, input, output, params, log)
