@@ -148,7 +148,7 @@ def check_forces(drawing: Drawing, rows: pd.DataFrame, told: np.ndarray) -> list
     drawn = Drawn(drawing)
     for name in {*rows["estimate"]} & {LEADING, UNGATED}:  # whose errors the report states
         touched = in_contact(np.linalg.norm(drawn.lines["force sensor"][:, :3], axis=1))
-        error = drawn.error(ESTIMATES[name])[:, :3]  # beside the size of the force
+        error = (drawn.lines["force sensor"] - drawn.lines[ESTIMATES[name]])[:, :3]
         known = told & touched & np.isfinite(error).all(axis=1)
         mae = np.abs(error[known]).mean(axis=0)
         own = by_place(rows[rows["estimate"] == name], "mae", [*WRENCH[:3]])

@@ -131,7 +131,7 @@ def estimate_figure(
     shown = {
         label: (part(own) if own is not None else None, how) for label, (own, how) in lines.items()
     }
-    return draw_lines(forces, shown, panels, band=band, hidden=hidden)
+    return draw_lines(forces, shown, panels, band=band, hidden=hidden, errors=False)
 
 
 def _forces(wrench: Array) -> Array:
@@ -152,24 +152,26 @@ def draw_lines(
     band: tuple[Array, Array] | None = None,
     hidden: Mask | None = None,
     unfiltered: Array | None = None,
+    errors: bool = True,
 ) -> Drawing:
     """Draw the known lines over a table's time, and the errors of all others against the first.
 
     Without the first line there are no errors. further: errors of what is not drawn itself; band,
-    hidden: see Traces; unfiltered: the first line as recorded (N, n), drawn pale behind all.
+    hidden: see Traces; unfiltered: the first line as recorded (N, n), drawn pale behind all;
+    errors: whether they are drawn.
     """
     first = next(iter(lines))
     series = _broken(lines, table.segment)
-    errors: StyledLines = {}
-    if first in series:
+    against: StyledLines = {}
+    if errors and first in series:
         measured, _ = series[first]
         others = ((label, line) for label, line in series.items() if label != first)
-        errors = {label: (measured - values, style) for label, (values, style) in others}
+        against = {label: (measured - values, style) for label, (values, style) in others}
     behind = _broken({UNFILTERED: (unfiltered, "pale")}, table.segment)
     traces = Traces(
         time=with_breaks(table.time, table.segment),
         series=behind | series,
-        errors=errors | _broken(further or {}, table.segment),
+        errors=against | _broken(further or {}, table.segment),
         band=band and (with_breaks(band[0], table.segment), with_breaks(band[1], table.segment)),
         hidden=None if hidden is None else with_breaks(hidden, table.segment) > 0,
     )
