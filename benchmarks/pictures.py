@@ -31,7 +31,6 @@ LESSON = "ur10-bag"
 PUSHED, MOTION, ARM = "way_points_pushed", "ur10_exciting_trajectory", "ur10"
 FIGURES = {  # picture: the figure of a study
     "example": f"demo/figures/{PUSHED}/forces_estimated",
-    "example_push": "demo/figures/ur5/observability",
     "lesson_constants": f"{LESSON}/figures/{ARM}/current_torque",
     "lesson_friction": f"{LESSON}/figures/{ARM}/friction",
     "lesson_knowledge": f"{LESSON}/figures/{ARM}/knowledge",

@@ -21,7 +21,6 @@ COLUMNS = columns() | {  # and of steps
     "changes": ["study", "topic", "name", "before", "after", "differs", "changed"],
     "repetition": ["robot", "quantity", "joint", "component", "floor", "error"],
     "pushes": ["robot", *(field.name for field in fields(SmallestPush))],
-    "printed": ["table", "recording"],
 }
 ROLES = {"fitted": "fit", "seen": "validate", "pushed": "contact"}
 RESTING = {"fitted": None, "seen": None, "pushed": None}
@@ -38,7 +37,12 @@ def study(moving: dict[str, Any] | None = None, **tables: list[dict[str, Any]]) 
     entries = [{"name": name, "robot": "ur5", "role": role} for name, role in ROLES.items()]
     entries[0]["file"] = "wave.csv"
     made = Results(
-        {"recordings": entries, "settings": Settings().model_dump()},
+        {
+            "study": "made",
+            "title": "Made up",
+            "recordings": entries,
+            "settings": Settings().model_dump(),
+        },
         {name: pd.DataFrame(tables.get(name), columns=known) for name, known in COLUMNS.items()},
         drawn=frozenset(ROLES),
     )

@@ -13,10 +13,11 @@ import pandas as pd
 
 from ur5lib.errors import InputError
 from ur5lib.judging.study import StudyTables, read_tables
-from ur5lib.report.page.document import MOST_ROWS, MOST_SHOWN
 from ur5lib.robots.description import Robot
 from ur5lib.workspace.places import IN_CLONE, WORKFLOW
 
+MOST_SHOWN = 4  # recordings with tables and figures of their own in one section
+MOST_ROWS = 60  # of a table; of more recordings, none has a row of its own
 PACKAGES = ["snakemake", "numpy", "scipy", "pandas", "pyarrow"]
 PACKAGES += ["torch", "pytorch-kinematics", "mujoco", "matplotlib", "typst"]
 
@@ -35,16 +36,14 @@ def with_zero(rows: pd.DataFrame, method: str, each: list[str]) -> pd.DataFrame:
 class Results(StudyTables):
     """A study's results.
 
-    figures: the folder of figures; drawn: recordings with figures; left_out: for each omitted
-    section, a sentence with the reason; other_arms: those that are no UR arms; first_number: of
-    the first recording, by which it is R1.
+    figures: the folder of figures; drawn: recordings with figures; other_arms: those that are no
+    UR arms; first_number: of the first recording, by which it is R1.
     """
 
     figures: Path = Path()
     drawn: frozenset[str] = frozenset()
     commit: str = ""
     versions: Mapping[str, str] = field(default_factory=dict)
-    left_out: Sequence[str] = ()
     other_arms: frozenset[str] = frozenset()
     first_number: int = 1
 

@@ -6,11 +6,10 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ur5lib.report.page.compose import compose_study
-from ur5lib.report.page.last_build import beside_last, last_summary
-from ur5lib.report.page.render import html_page, pdf_document
-from ur5lib.report.page.summary import summary, summary_schema
+from ur5lib.report.page.handed import handed_over
+from ur5lib.report.page.typeset import html_page, pdf_document
 from ur5lib.report.results import Results
+from ur5lib.report.summary import last_summary, page_data, summary, summary_schema
 from ur5lib.robots.description import Robot
 
 
@@ -41,10 +40,10 @@ def write_report(
     there was one.
     """
     results = Results.read(study, tables, figures, [*described.values()])
-    report, details = compose_study(results)
-    report = beside_last(report, last_summary(last))
-    pages = html_page(report), html_page(details), pdf_document(report)
-    return Report(*pages, study, summary(report, results), summary_schema(), archived(tables))
+    data = page_data(results, last_summary(last))
+    with handed_over(results, data) as root:
+        pages = html_page(root), html_page(root, "details"), pdf_document(root)
+    return Report(*pages, study, summary(results, data), summary_schema(), archived(tables))
 
 
 def archived(files: list[Path]) -> bytes:

@@ -10,7 +10,6 @@ from ur5lib.errors import InputError
 from ur5lib.jobs.code import checksum_of_step, in_library, of_study
 from ur5lib.jobs.unreadable import unreadable
 from ur5lib.jobs.workers import FAILED, end_beside_the_schedule, run_step
-from ur5lib.report.page.document import PAGES_OF_TOPICS, Picture, contents
 from ur5lib.robots.description import JOINT_SIZES_FILE, robot_path
 from ur5lib.strict import read_yaml
 from ur5lib.study.given import STEPS, design
@@ -43,9 +42,6 @@ RECORDINGS = SELECTION.recordings
 TRUTHS = SELECTION.truths(RESULTS)
 ARMS = STUDY.arms()
 ROBOTS = sorted(ARMS)
-CONTENTS = [PACKAGE / "report" / "page" / name for name in ("contents.yaml", "sentences.yaml")]
-CONTENTS += PAGES_OF_TOPICS
-TEMPLATES = PACKAGE / "report" / "page" / "templates"
 COLUMNS = PACKAGE / "tidy" / "columns.yaml"
 JUDGED = [  # tables that judge_study writes
     "verdicts",
@@ -57,7 +53,11 @@ JUDGED = [  # tables that judge_study writes
     "false_alarms",
     "advice",
 ]
-WORDS_OF_FINDINGS = sorted(PACKAGE.rglob("*.words.yaml"))
+WORDS = sorted(PACKAGE.rglob("*.words.yaml"))
+WORDS_OF_PAGE = [path for path in WORDS if {"report", "topics"} & {*path.parts}]
+WORDS_OF_FINDINGS = [path for path in WORDS if path not in WORDS_OF_PAGE]
+PAGE = sorted(PACKAGE.glob("report/page/**/*.*")) + sorted(PACKAGE.glob("topics/*/section.typ"))
+PAGE = [path for path in PAGE if path.suffix in (".typ", ".css", ".js", ".LICENSE")]
 
 
 # A second run of a study would delete what the first has made. Who waits plans afterwards.
@@ -158,14 +158,11 @@ def tables(names):
     return {name: f"{RESULTS}/tables/{name}.csv" for name in names}
 
 
-def drawn_by(rule, of=""):
-    """Return the figures that the report's contents name as drawn by a rule, each with its numbers
-    as CSV.
+def drawn(of, *names):
+    """Return figures, each with its numbers as CSV.
 
     of: the wildcard of the recordings or arms that each is drawn for, none for the whole study.
     """
-    pictures = (block for block in contents().blocks() if isinstance(block, Picture))
-    names = dict.fromkeys(block.figure for block in pictures if block.rule == rule)
     folder = f"{RESULTS}/figures/{of}" if of else f"{RESULTS}/figures"
     figures = {name: f"{folder}/{name}.svg" for name in names}
     return figures | {f"{name}_data": f"{folder}/{name}.csv" for name in names}

@@ -1,7 +1,6 @@
 WRITTEN = outputs_in("parameters") + outputs_in("recordings")  # by the steps above
 OF_TOPICS = [path for path in WRITTEN if path.endswith(".verdicts.csv")]
 PARTS = [path for path in WRITTEN if path.endswith(".csv") and path not in OF_TOPICS]  # of tables
-PAGE = *CONTENTS, TEMPLATES / "report.html.jinja", *sorted(TEMPLATES.glob("closer/**/*.*"))
 
 
 rule draw_figures:
@@ -16,7 +15,15 @@ rule draw_figures:
         arm=parameter_of("arm.yaml"),
         threshold=parameter_of("threshold.json"),
     output:
-        **drawn_by("draw_figures", "{recording}"),
+        **drawn(
+            "{recording}",
+            "packets",
+            "torques",
+            "currents",
+            "accelerations",
+            "forces_estimated",
+            "moments_estimated",
+        ),
         scene=f"{RESULTS}/figures/{{recording}}/scene.json",
     log:
         **traces("draw_figures", "{recording}"),
@@ -39,7 +46,14 @@ rule draw_friction:
         friction=parameter("friction.json"),
         arm=parameter("arm.yaml"),
     output:
-        **drawn_by("draw_friction", "{robot}"),
+        **drawn(
+            "{robot}",
+            "friction",
+            "current_torque",
+            "current_torque_friction",
+            "knowledge",
+            "residuals",
+        ),
     log:
         **traces("draw_friction", "{robot}"),
     params:
@@ -53,7 +67,7 @@ rule draw_models:
     input:
         arm=parameter("arm.yaml"),
     output:
-        **drawn_by("draw_models", "{robot}"),
+        **drawn("{robot}", "frames", "models"),
     log:
         **traces("draw_models", "{robot}"),
     params:
@@ -64,7 +78,7 @@ rule draw_models:
 
 rule draw_filters:
     output:
-        **drawn_by("draw_filters"),
+        **drawn("", "filters"),
     log:
         **traces("draw_filters"),
     params:
@@ -121,7 +135,7 @@ rule draw_calibration:
     input:
         errors=rules.make_tables.output.force_mae,
     output:
-        **drawn_by("draw_calibration"),
+        **drawn("", "calibration"),
     log:
         **traces("draw_calibration"),
     params:
@@ -152,9 +166,9 @@ rule write_report:
         tables=outputs_in("tables"),
         figures=outputs_in("figures"),
     output:
-        html=f"{RESULTS}/report.html",
-        details=f"{RESULTS}/details.html",
-        pdf=f"{RESULTS}/report.pdf",
+        html=update(f"{RESULTS}/report.html"),  # an error of the page leaves the last one
+        details=update(f"{RESULTS}/details.html"),
+        pdf=update(f"{RESULTS}/report.pdf"),
         study=f"{RESULTS}/configuration.yaml",
         results=update(f"{RESULTS}/results.json"),  # the last one is read before
         schema=f"{RESULTS}/results.schema.json",
@@ -162,7 +176,7 @@ rule write_report:
     log:
         **traces("write_report"),
     params:
-        code=code("write_report", *PAGE, TEMPLATES / "report.typ"),
+        code=code("write_report", *PAGE, *WORDS_OF_PAGE),
         last=lambda wildcards, output: output.results,
         study=lambda wildcards: STUDY_TEXT,
     run:

@@ -22,7 +22,8 @@ from ur5lib.force.estimators import ESTIMATES, LEADING, NEW
 from ur5lib.report.figures.traces import BAND_EDGES, ERROR, HIDDEN, LINE_COLUMN, UNFILTERED
 from ur5lib.report.page import closer
 from ur5lib.report.results import Results
-from ur5lib.report.views import citing, forces
+from ur5lib.report.summary import analysed_on
+from ur5lib.report.views import forces
 from ur5lib.workspace.places import PACKAGE
 
 SOURCES = Path(__file__).parent
@@ -119,7 +120,7 @@ def study_data(results: Results) -> dict[str, Any]:
             "name": study["study"],
             "title": f"{study['title']} (simulated)" if notice(results) else study["title"],
             "notice": notice(results),
-            "analysed": citing.analysed_on(results),
+            "analysed": analysed_on(results),
             "minutes": float(results.tables["recordings"]["duration_s"].sum() / 60),
             "commit": results.commit,
             "version": __version__,

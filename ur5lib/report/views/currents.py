@@ -1,23 +1,15 @@
 """Friction, torque constants and motor currents: fits and predictions."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
 
 from ur5lib.report.figures.thinned import by_position, by_velocity
-from ur5lib.report.page.sentences import names, say
 from ur5lib.report.results import Results
 from ur5lib.tidy.friction import without_totals
 
 CONSTANTS = ["torque_constant", "gain"]  # the parameter, of currents and of measured torques
-EXPLAINED = "explained contradiction"  # code of a remark that names the cause
-CONTRADICTION_CODES = [
-    "unlikely constant",
-    "current against constant",
-    "torque against gain",
-    EXPLAINED,
-]
 UNMOVED = "no_motion"  # reason against a parameter of a joint that did not move
 
 
@@ -38,34 +30,6 @@ def by_joint(results: Results) -> pd.DataFrame:
     rows, key = constants(results), ["robot", "joint"]
     own = rows[rows["parameter"].isin(CONSTANTS)].set_index(key)[["use", "reason"]]
     return rows.join(own.add_prefix("constant_"), on=key)
-
-
-def remarks(results: Results) -> Iterator[str]:
-    """Return the remarks of the fit about joints."""
-    yield from _by_joints(results.tables["remarks"].dropna(subset="joint"))
-
-
-def contradictions(results: Results) -> Iterator[str]:
-    """Return the remarks on currents and constants that contradict the known ones."""
-    rows = results.rows("remarks", code=CONTRADICTION_CODES)
-    for row in rows[rows["code"] == EXPLAINED].itertuples():
-        yield say("currents.explained", row=row)
-    yield from _by_joints(rows[rows["code"] != EXPLAINED])
-
-
-def _by_joints(rows: pd.DataFrame) -> Iterator[str]:
-    for (robot, remark), group in rows.groupby(["robot", "remark"], sort=False):
-        yield say("currents.remark", robot=robot, numbers=group["joint"], remark=remark)
-
-
-def prediction(results: Results, recording: str) -> pd.DataFrame:
-    """Return the errors on a recording of the models that the report compares."""
-    return results.rows("current_rmse", recording=recording, model=[*names("model")])
-
-
-def loaded(results: Results) -> pd.DataFrame:
-    """Return the undeclared loads that are certain by the currents."""
-    return results.rows("payload", taken="yes")
 
 
 def resting(results: Results) -> list[str]:

@@ -2,11 +2,9 @@
 
 import pandas as pd
 
-from ur5lib.force.estimators import GATED, LEADING, NEW, PUBLISHED
+from ur5lib.force.estimators import GATED, NEW, PUBLISHED
 from ur5lib.report.results import Results
 
-FORCE_COMPONENTS = ["Fx", "Fy", "Fz"]
-FORCE_STDS = [f"{name}_std" for name in FORCE_COMPONENTS]
 REPORT_RANK = {
     name: place for place, name in enumerate([*NEW, *PUBLISHED])
 }  # in the report's order
@@ -34,16 +32,6 @@ def leading(rows: pd.DataFrame) -> pd.DataFrame:
     """Return the rows of the leading estimate: the first in the report's order."""
     rank = rows["estimate"].map(REPORT_RANK)
     return rows[rank == rank.min()]
-
-
-def contact_errors(results: Results, recording: str) -> pd.DataFrame:
-    """Return peak, impulse and onset of each contact, with the leading estimate's errors."""
-    return leading(results.rows("contact_errors", recording=recording, component="norm"))
-
-
-def contacts(results: Results, recording: str) -> pd.DataFrame:
-    """Return the contacts that the leading estimate finds."""
-    return results.rows("contacts", recording=recording, estimate=LEADING)
 
 
 def saturated(results: Results, among: list[str]) -> list[str]:

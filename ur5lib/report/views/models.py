@@ -1,10 +1,7 @@
 """Link models, and their torques compared with the controller's."""
 
-from collections.abc import Iterator
-
 import pandas as pd
 
-from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
 
 
@@ -13,24 +10,6 @@ def compared(results: Results) -> list[str]:
     judged = [*results.tables["torque_mae"].dropna(subset="mae")["recording"].unique()]
     others = results.with_role("validate", judged)
     return results.shown([*results.printed("torque_mae"), *others]) or results.shown(judged, 1)
-
-
-def advice(results: Results) -> Iterator[str]:
-    """Return advice on what to record to determine more of an arm."""
-    for row in results.tables["excitation"].dropna(subset="advice").itertuples():
-        yield say("models.advice", row=row)
-
-
-def identified(results: Results) -> Iterator[str]:
-    """Report how many parameters of an arm the recordings determine."""
-    for robot, parameters in results.tables["parameters"].groupby("robot", sort=False):
-        determined = len(parameters[parameters["determined"] == "yes"])
-        words = {"determined": determined, "count": len(parameters)}
-        measured = robot in results.placeholders
-        yield say("models.identified", robot=robot, measured=measured, **words)
-        if determined < len(parameters):
-            yield say("models.undetermined")
-        yield say("models.files", robot=robot)
 
 
 def torque_errors(results: Results) -> pd.DataFrame:

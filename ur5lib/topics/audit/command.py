@@ -38,7 +38,7 @@ def audit_rows(study: Path) -> "pd.DataFrame":
 
 def audit_answers(rows: "pd.DataFrame") -> Iterator[str]:
     """Yield the verdicts on the wrist sensors of recordings, line by line."""
-    from ur5lib.topics.audit.report import verdicts
+    from ur5lib.topics.audit.sentences import verdicts
 
     for name, part in rows.groupby("recording", sort=False):
         yield f"{name}:"

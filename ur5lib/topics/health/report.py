@@ -1,62 +1,50 @@
 """The report's part on an arm's health: how each joint changed over time."""
 
-from collections.abc import Iterator
-from typing import Any
-
 import pandas as pd
 
-from ur5lib.report.page.formats import day, days
-from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
+from ur5lib.topics.health import found
 
 MIN_TEMPERATURE_EFFECT = 0.5  # %, smallest effect of temperature that is mentioned
 
 
-def dates(results: Results) -> Iterator[str]:
-    """Report each arm's dates, whether temperatures were recorded, and lost frames."""
-    for robot in results.listed("health", "robot"):
-        rows = results.rows("health", robot=robot)
-        yield say(
-            "health.dates",
-            robot=robot,
-            days=rows["date"].nunique(),
-            span=days(rows["date"].min(), rows["date"].max(), "to"),
-            warm=rows["temperature_c"].notna().any(),
-            lost=100 * rows.loc[rows["quantity"] == "lost_frames", "value"].max(),
-        )
+def of_arms(results: Results) -> pd.DataFrame:
+    """Return of each arm the number of its dates, the first and the last, whether temperatures were
+    recorded, and the largest share of lost frames.
+    """
+    rows = results.rows("health")
+    lost = rows["value"].where(rows["quantity"] == "lost_frames")
+    arms = rows.assign(lost=lost).groupby("robot", sort=False)
+    own = arms.agg(
+        dates=("date", "nunique"),
+        first=("date", "min"),
+        last=("date", "max"),
+        temperatures=("temperature_c", "count"),
+        lost=("lost", "max"),
+    )
+    return own.reset_index()
 
 
-def changes(results: Results) -> Iterator[str]:
-    """Yield a sentence for each change, the largest relative change first."""
-    changes = ranked(results)
-    for row in changes.itertuples():
-        yield say("health.of arm", robot=row.robot, change=change(row))
-    for row in results.rows("verdicts", question="drift").drop_duplicates("question").itertuples():
-        if changes.empty:
-            yield say("health.unchanged" if row.state == "good" else "health.paths apart")
+def paths(results: Results) -> pd.DataFrame:
+    """Return the dates on which each path was recorded: path, from 1 on, and days since the first
+    date.
+    """
+    rows = results.rows("health").dropna(subset="group").drop_duplicates(["robot", "date", "group"])
+    first = pd.to_datetime(rows.groupby("robot")["date"].transform("min"))
+    days = (pd.to_datetime(rows["date"]) - first).dt.days
+    return rows[["robot", "date"]].assign(path=rows["group"].astype(int) + 1, days=days)
 
 
-def ranked(results: Results) -> pd.DataFrame:
-    """Return the changes, the largest relative to the value before first; offsets last."""
-    rows = results.tables["health_changes"]
-    share = (rows["size"] / rows["before"]).abs().mask(rows["quantity"] == "offset", 0.0)
-    return rows.assign(share=share).sort_values("share", ascending=False, kind="stable")
-
-
-def change(row: Any) -> str:
-    """Return a sentence on a change: joint, quantity, size, dates, and the temperature's effect."""
-    by, added = say("health.by offset", row=row), 0.0
-    if row.quantity != "offset":  # in per cent of the value before
-        before = abs(row.before)
-        size, error = 100 * abs(row.size) / before, 100 * row.std_error / before
-        by = say("health.by share", share=size, error=error)
-        added = 100 * row.by_temperature / before
-    added = added if abs(added) >= MIN_TEMPERATURE_EFFECT else 0.0
-    return say("health.change", row=row, by=by, added=added)
-
-
-def advice(results: Results) -> Iterator[str]:
-    """Ask for a fit to the recordings after the largest change."""
-    rows = ranked(results)
-    for row in rows[rows["share"] > 0][:1].itertuples():
-        yield say("health.step", row=row, day=day(row.last))
+def changed(results: Results) -> pd.DataFrame:
+    """Return the changes as `ranked`, with their parts of the value before (not of offsets):
+    part, part_error, part_low, part_high; part_by_temperature, where it is worth mentioning.
+    """
+    rows = found.ranked(results)
+    before = rows["before"].abs().where(rows["quantity"] != "offset")
+    parts = {
+        "part": "size", "part_error": "std_error", "part_low": "low", "part_high": "high",
+        "part_by_temperature": "by_temperature",
+    }  # fmt: skip
+    rows = rows.assign(**{part: rows[own] / before for part, own in parts.items()})
+    worth = 100 * rows["part_by_temperature"].abs() >= MIN_TEMPERATURE_EFFECT
+    return rows.assign(part_by_temperature=rows["part_by_temperature"].where(worth))

@@ -46,7 +46,7 @@ rule draw_health:
         health=parameter("health.csv"),
         changes=parameter("health_changes.csv"),
     output:
-        **drawn_by("draw_health", "{robot}"),
+        **drawn("{robot}", "health"),
     log:
         **traces("draw_health", "{robot}"),
     params:

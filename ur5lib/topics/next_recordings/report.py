@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from ur5lib.report.page.sentences import say
 from ur5lib.report.results import Results
+from ur5lib.report.stated import designing
 from ur5lib.tidy.friction import without_totals
-from ur5lib.topics.next_recordings.rows import NOW
+from ur5lib.topics.next_recordings.found import NOW
 
 MAX_NAMED_PARAMETERS = 3  # parameters that the next recording is designed for
 
@@ -23,34 +23,25 @@ def outlooks(results: Results) -> Iterator[Outlook]:
         yield str(robot), now, rows.sort_values("force", kind="stable").iloc[0]
 
 
-def worthwhile(results: Results) -> pd.DataFrame:
-    """Return what to record next of the arms for which that is worth it."""
-    named = [robot for robot, _, best in outlooks(results) if best["worthwhile"] == "yes"]
-    return results.rows("next_recordings", robot=named)
+def outlook(results: Results) -> pd.DataFrame:
+    """Return of each arm half of the 95 % band of a force [N] after the best recording and `now`,
+    what that records, and whether it is worthwhile.
+    """
+    return pd.DataFrame([{**best, "now": now["force"]} for _, now, best in outlooks(results)])
 
 
-def limits(results: Results) -> Iterator[str]:
-    """Say what limits the band of forces where another recording would not narrow it."""
-    for robot, now, best in outlooks(results):
-        if best["worthwhile"] == "no":
-            yield say("next_recordings.limit", robot=robot, now=now, best=best)
+def least_determined(results: Results) -> pd.DataFrame:
+    """Return the least determined parameters of each arm, the least first."""
+    rows = without_totals(results.rows("friction")).sort_values("prior_share", ascending=False)
+    first = rows.groupby("robot", sort=False).head(MAX_NAMED_PARAMETERS)
+    return first[["robot", "joint", "parameter", "std_error", "prior_share"]]
 
 
-def designs(results: Results) -> Iterator[str]:
-    """Yield each arm's least determined parameters, and the command that designs a recording."""
-    study, lab = results.study["study"], results.study.get("devices") or {}
-    table = lab.get("table_m") or 0.0
-    parameters = without_totals(results.tables["friction"])
-    for robot, rows in parameters.groupby("robot", sort=False):
-        worst = rows.sort_values("prior_share", ascending=False)[:MAX_NAMED_PARAMETERS]
-        words = {"robot": robot, "study": study, "table": f"{table:g}", "last": rows["joint"].max()}
-        words["load"] = results.loads.get(robot)
-        yield say("next_recordings.design", worst=[*worst.itertuples()], **words)
-
-
-def to_record(results: Results) -> Iterator[str]:
-    """Ask for the recording that narrows the band of forces, or say what limits it."""
-    for robot, now, best in outlooks(results):
-        if best["worthwhile"] == "yes":
-            yield say("next_recordings.narrower", robot=robot, now=now, best=best)
-    yield from limits(results)
+def commands(results: Results) -> pd.DataFrame:
+    """Return of each arm with fitted friction the command that designs a recording for what is
+    least determined, and the load [kg] next to the axis of the last joint, if any is known.
+    """
+    last = results.rows("friction").groupby("robot", sort=False)["joint"].max().reset_index()
+    loads = [results.loads.get(robot) for robot in last["robot"]]
+    designs = [designing(results, *own) for own in zip(last["robot"], loads, strict=True)]
+    return last.assign(load=loads, command=[f"{own} --question undetermined" for own in designs])

@@ -1,11 +1,12 @@
 """The report's part on what can be observed: smallest pushes, and at which speeds bands hold."""
 
-from collections.abc import Iterator
-
 import pandas as pd
 
-from ur5lib.report.page.sentences import say
+from ur5lib.identification.validation import MIN_SHARE_IN_BAND
 from ur5lib.report.results import Results
+
+AT_REST = ("friction_in_band", "rest_band_factor", "band_at_rest")
+LEAST_DRAWN_SPEED = 0.003  # rad/s, where the axis of speeds begins
 
 
 def smallest_pushes(results: Results) -> pd.DataFrame:
@@ -14,35 +15,24 @@ def smallest_pushes(results: Results) -> pd.DataFrame:
     return rows[rows["value"].notna() | rows["bound"].eq(">")]
 
 
-def tried(results: Results) -> Iterator[str]:
-    """Say how long a trial push lasts, of which arms no push is stated, and of which those are that
-    were tried on fit recordings alone.
+def by_speed(results: Results) -> pd.DataFrame:
+    """Return the shares of each joint's readings within their band by speed, least first; enough:
+    the share from which on a band counts as holding, holds: whether it does; speed [rad/s]: in the
+    middle of the range on a logarithmic scale.
     """
-    rows = results.rows("pushes")
-    for seconds in smallest_pushes(results)["seconds"].unique():
-        yield say("observability.tried", seconds=seconds)
-    rows = rows[rows["reason"].isin(["one_path", "fitted"])]
-    for robot, reason in dict.fromkeys(zip(rows["robot"], rows["reason"], strict=True)):
-        yield say(f"observability.{reason}", robot=robot)
+    rows = results.rows("observability", quantity="friction_in_band").dropna(subset="value")
+    low, high = rows["speed_low"].clip(lower=LEAST_DRAWN_SPEED), rows["speed_high"].astype(float)
+    middle = (low * high.fillna(2 * low)) ** 0.5
+    holds = (rows["value"] >= MIN_SHARE_IN_BAND).map({True: "yes", False: "no"})
+    every = rows.assign(speed=middle, enough=MIN_SHARE_IN_BAND, holds=holds)
+    return every.sort_values("value", kind="stable")
 
 
-def bands(results: Results, robot: str) -> Iterator[str]:
-    """Say how many readings of an arm's resting joints the bands contain, by how much they are too
-    wide, and at which speed of which joint they contain least.
+def at_rest(results: Results) -> pd.DataFrame:
+    """Return by arm and quantity, of its resting joints, the least and the largest value: the share
+    within the band, the part of the band that would contain 95 %, its width over that in motion.
     """
-    observed = results.rows("observability", robot=robot)
-    wider, held, factors = (
-        _values(observed[observed["speed_low"] == 0], name)
-        for name in ("band_at_rest", "friction_in_band", "rest_band_factor")
+    rows = results.rows("observability", speed_low=0.0, quantity=[*AT_REST]).dropna(subset="value")
+    return (
+        rows.groupby(["robot", "quantity"], sort=False)["value"].agg(["min", "max"]).reset_index()
     )
-    if len(wider):
-        ends = {"least": factors.min(), "most": factors.max(), "wider": wider}
-        yield say("observability.at rest", held=held, **ends)
-    speeds = observed[observed["quantity"] == "friction_in_band"].dropna(subset="value")
-    for row in speeds.sort_values("value", kind="stable")[:1].itertuples():
-        yield say("observability.by speed", row=row)
-
-
-def _values(rows: pd.DataFrame, quantity: str) -> pd.Series:
-    """Return the known values of a quantity."""
-    return rows.loc[rows["quantity"] == quantity, "value"].dropna().astype(float)

@@ -15,17 +15,3 @@ rule measure_observability:
         code=code("measure_observability"),
     run:
         run_step(rule, input, output, params, log)
-
-
-rule draw_observability:
-    input:
-        observability=parameter("observability.csv"),
-        pushes=parameter("pushes.csv"),
-    output:
-        **drawn_by("draw_observability", "{robot}"),
-    log:
-        **traces("draw_observability", "{robot}"),
-    params:
-        code=code("draw_observability"),
-    run:
-        run_step(rule, input, output, params, log)

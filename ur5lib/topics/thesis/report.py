@@ -1,57 +1,19 @@
 """The report's part on the thesis: its printed numbers beside ours."""
 
 from collections.abc import Iterable, Iterator
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from ur5lib.force.estimators import ESTIMATES, LEADING
-from ur5lib.report.page.sentences import say
+from ur5lib.force.estimators import LEADING
 from ur5lib.report.results import Results
+from ur5lib.topics.thesis.found import score
 from ur5lib.topics.thesis.printed_numbers import EQUAL, UNEXPLAINED
-from ur5lib.topics.thesis.reference import OLDER_MODEL
 
 COMPUTED_DIGITS = 4  # of computed numbers
 PARAMETER_SYMBOLS = {"torque_constant": "k", "offset": "b"}
 CLAIMED_ESTIMATE, CLAIMED_COMPONENT = "F*", "Fz"  # by which the thesis detects pushes
 AS_PRINTED = "torque_on_current"  # the direction of regression of Equation 6.5
-
-
-def findings(results: Results) -> Iterator[str]:
-    """Report the printed numbers that are rebuilt, and whether the claim to detect pushes holds."""
-    rows = results.rows("printed")
-    if len(rows):
-        equal, left = (rows["status"] == EQUAL).sum(), len(unexplained(results))
-        yield say("thesis.found", equal=equal, count=len(rows), left=left)
-    yield from claim(results)
-
-
-def sources(results: Results) -> list[str]:
-    """Return the published tables with rebuilt numbers."""
-    return sorted({*results.rows("printed")["source"]})
-
-
-def unexplained(results: Results) -> list[str]:
-    """Return each unexplained number with its table and row, and the difference in per cent: that
-    of the erratum's number, or else of the rebuilt one.
-    """
-    sentences = []
-    for row in results.rows("printed", status=UNEXPLAINED).itertuples():
-        nearest, source = row.rebuilt, "rebuilt"
-        if not np.isnan(row.as_erratum_says):
-            nearest, source = row.as_erratum_says, f"erratum {row.erratum:.0f} gives"
-        gap = 100 * (nearest / row.printed - 1)
-        place = f"joint {row.number}" if str(row.number).isdecimal() else row.number
-        words = {"nearest": nearest, "source": source, "gap": gap, "digits": COMPUTED_DIGITS}
-        sentences.append(say("thesis.missed", row=row, place=place, **words))
-    return sentences
-
-
-def errata(results: Results) -> list[str]:
-    """Return each error found in the published work, with its place and the choice made here."""
-    rows = results.rows("errata").itertuples()
-    return [f"{row.place}: {row.error} Here: {row.choice}" for row in rows]
 
 
 def torques(results: Results, recording: str) -> pd.DataFrame:
@@ -111,39 +73,6 @@ def loop_drawn(results: Results) -> list[str]:
     return printed or results.shown([*results.with_role("validate", simulated), *simulated], 1)
 
 
-def loop_older(results: Results) -> list[str]:
-    """Return the recordings on which the closed loop of the older model is drawn."""
-    rows = results.rows("printed", table="torque_mae", row=OLDER_MODEL)
-    return results.shown([*rows["recording"]])
-
-
-def contradictions(results: Results) -> Iterator[str]:
-    """Report the joints on which no gain lies in the ranges of all recordings of an arm."""
-    ranges = results.rows("gains").fillna({"low": 0.0, "high": np.inf})
-    ranges["robot"] = ranges["recording"].map(results.arms())
-    for (robot, gain), rows in ranges.groupby(["robot", "gain"], sort=False):
-        by_joint = rows.groupby("joint")
-        disjoint = by_joint["low"].max() > by_joint["high"].min()
-        if disjoint.any():
-            joints = disjoint.index[disjoint]
-            yield say("thesis.contradiction", gain=gain, robot=robot, numbers=joints)
-
-
-def published_gains(results: Results) -> Iterator[str]:
-    """Report on how many joints and recordings published gains fit as well as the best."""
-    gains = results.rows("published_gains")
-    fits = gains.assign(fit=gains["fits"] == "yes", of=1).groupby("model", sort=False)
-    if len(gains):
-        yield say("thesis.gains", found=fits[["fit", "of"]].sum().to_dict("index").items())
-
-
-def filtered_first(results: Results) -> list[str]:
-    """Return the recordings whose IMU is drawn filtered before rotation, as printed errors need."""
-    file = "accelerations_filtered_first.svg"
-    names = results.printed("acceleration_mae")
-    return [name for name in names if (results.figures / name / file).is_file()]
-
-
 def beside_fit(results: Results) -> pd.DataFrame:
     """Return the printed motor constants and friction, beside the fitted ones."""
     keys = ["robot", "joint", "parameter"]
@@ -197,70 +126,6 @@ def on_every_run(results: Results, recording: str) -> pd.DataFrame:
     return _by_sign(rows).sort_values(
         ["mean_torque", "recording", "sign", "regression"], ascending=[True, True, True, False]
     )
-
-
-def follows_the_mean(results: Results, recording: str) -> Iterator[str]:
-    """Report that offsets follow the mean torque from run to run, beside the printed offset."""
-    rows = results.rows("published_constants", regression=AS_PRINTED)
-    joint = doubted_joint(results, recording)
-    fitted = _fitted(results, recording).loc[(joint, "offset")]
-    printed = _printed_offsets(results, recording).loc[joint]
-    correlation = [
-        np.corrcoef(part["offset"], part["mean_torque"])[0, 1] for _, part in rows.groupby("joint")
-    ]
-    offsets = rows.loc[rows["joint"] == joint, "offset"]
-    words = {"joint": joint, "printed": printed, "offsets": offsets, "fitted": fitted}
-    yield say("thesis.follow the mean", correlation=correlation, **words)
-
-
-def linear(results: Results, recording: str) -> Iterator[str]:
-    """Report how current and torque are correlated, without and with the printed friction."""
-    rows = results.rows("published_constants", recording=recording, regression=AS_PRINTED)
-    without, friction = rows["correlation_without_friction"], rows["correlation"]
-    yield say("thesis.linear", recording=recording, without=without, friction=friction)
-
-
-class ClaimScore(NamedTuple):
-    """How an estimate detects pushes along z.
-
-    found: of all pushes that reach the threshold at the sensor; above: largest share of a
-    contact-free recording for which the estimate is above it.
-    """
-
-    found: int
-    pushes: int
-    above: float
-
-
-def score(results: Results, estimate: str) -> ClaimScore | None:
-    """Return an estimate's score, None without such recordings.
-
-    Pushes are counted on recordings with printed errors, time above on validate recordings.
-    """
-    printed, validated = results.printed("force_mae"), results.with_role("validate")
-    rows = {"component": CLAIMED_COMPONENT, "estimate": estimate}
-    pushed = results.rows("fixed_threshold", recording=printed, **rows)
-    free = results.rows("fixed_threshold", recording=validated, **rows)
-    if pushed.empty or free.empty:
-        return None
-    detected, pushes = (int(pushed[name].sum()) for name in ("found", "pushes"))
-    return ClaimScore(detected, pushes, float(free["time_above"].max()))
-
-
-def claim(results: Results) -> Iterator[str]:
-    """Report whether the claim holds, and why not."""
-    if (claimed := score(results, CLAIMED_ESTIMATE)) is not None:
-        of = results.printed("force_mae")
-        yield say("thesis.judged", claimed=claimed, ours=score(results, LEADING), of=of)
-
-
-def scores(results: Results) -> list[str]:
-    """Return a sentence with the scores of F̂*_z and ours, by which the claim is judged."""
-    claimed, ours = score(results, CLAIMED_ESTIMATE), score(results, LEADING)
-    if claimed is None or ours is None:
-        return []
-    named_scores = [(ESTIMATES[CLAIMED_ESTIMATE], claimed), (ESTIMATES[LEADING], ours)]
-    return [say("thesis.compared", pushes=claimed.pushes, scores=named_scores)]
 
 
 def by_source(results: Results) -> pd.DataFrame:
