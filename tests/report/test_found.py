@@ -20,12 +20,10 @@ from ur5lib.records.accepted import accepting
 from ur5lib.records.quality import Contradictions, Finding, contradiction
 from ur5lib.records.verdicts import Advice
 from ur5lib.records.wording import templates, worded
-from ur5lib.report import found
 from ur5lib.report.found import MOST_FINDINGS, findings, left_out
 from ur5lib.report.next_steps import ASKED, MORE, next_steps
 from ur5lib.report.results import Results
 from ur5lib.report.stated import Step, claim, joints, line, listed, overruled, remedy, with_error
-from ur5lib.tidy import files, models
 
 SENSED = {"recording": "pushed", "largest_force_n": 106.0, "at_s": 3.0}
 SENSED |= {"share_in_contact": 0.4, "contacts": 5}
@@ -121,7 +119,6 @@ def test_a_summary_loads_neither_torch_nor_filters() -> None:
     program = "import sys; from ur5lib.report import summary, topics; topics.modules()"
     program += "; sys.exit(bool({'torch', 'scipy.signal', 'matplotlib.pyplot'} & {*sys.modules}))"
     subprocess.run([sys.executable, "-c", program], cwd=PROJECT, check=True)
-    assert (found.SAME_RUN, found.STOP) == (files.SAME_RUN, models.STOP)
 
 
 def test_every_word_of_the_steps_is_asked_for() -> None:

@@ -6,8 +6,8 @@ from typing import Any, Literal
 from ur5lib.judging.limits import HIGH_LOST_SHARE
 from ur5lib.judging.recordings import felt_while_fitted, lost_shares
 from ur5lib.judging.study import AT_REST, StudyTables
+from ur5lib.records.quality import STOP
 from ur5lib.records.verdicts import Advice
-from ur5lib.tidy.models import STOP
 
 RECORD: Literal["recording"] = "recording"  # kinds of advice
 LATER: Literal["later"] = "later"

@@ -8,8 +8,8 @@ import pandas as pd
 
 from ur5lib.judging.limits import MIN_USABLE_SHARE
 from ur5lib.judging.study import StudyTables
+from ur5lib.records.quality import STOP
 from ur5lib.records.verdicts import Reason, State, Verdict, reason_in
-from ur5lib.tidy.models import STOP
 
 QUESTION = "constants"
 CONSTANTS = ["torque_constant", "gain"]  # the parameter, of currents and of measured torques

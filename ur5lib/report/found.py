@@ -9,7 +9,7 @@ from ur5lib.force.estimators import LEADING
 from ur5lib.records.accepted import ACCEPTED
 from ur5lib.records.account import NOTHING
 from ur5lib.records.contacts import OF_CONTACTS, OFF_FLANGE
-from ur5lib.records.quality import UNREADABLE, UNUSUAL_FRICTION
+from ur5lib.records.quality import SAME_RUN, STOP, UNREADABLE, UNUSUAL_FRICTION
 from ur5lib.report import topics
 from ur5lib.report.results import Results
 from ur5lib.report.stated import (
@@ -24,7 +24,6 @@ from ur5lib.report.stated import (
 )
 from ur5lib.report.views.forces import leading, searched
 
-SAME_RUN, STOP = "same run", "stop sign"  # as `ur5lib.tidy` has them, which loads SciPy's filters
 MOST_FINDINGS = 8  # that a reader takes in; the tables have all
 MOST_OF_A_KIND = 3
 WRENCH_NAME = r"(?i)force|wrench|\bft[_x]|\bf_?[xyz]\b"  # among the columns of a file

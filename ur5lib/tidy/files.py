@@ -11,6 +11,7 @@ from ur5lib.recordings.copies import same_runs, spare_copy
 from ur5lib.records.account import NOTHING
 from ur5lib.records.clocks import SettledClock
 from ur5lib.records.quality import (
+    SAME_RUN,
     UNREADABLE,
     Contradictions,
     Device,
@@ -22,7 +23,6 @@ from ur5lib.records.wording import sentence
 from ur5lib.tidy import Row
 
 UNUSED = "columns not used"  # the finding that import left them out
-SAME_RUN = "same run"  # the finding that a recording's contents are those of another one
 SAME = "same file"  # the finding that a device's file is a copy of another recording's
 TRAVEL = 0.02  # rad, between the ends of the path of a joint that moves
 

@@ -9,13 +9,13 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import Friction
 from ur5lib.records.models import Identification, Rotors
+from ur5lib.records.quality import STOP
 from ur5lib.records.signals import Signals, slowly
 from ur5lib.records.wording import in_words
 from ur5lib.tidy import Column, Row, by_joint
 from ur5lib.timeseries.metrics import mean_absolute_error
 
 MIN_TARGET_TRAVEL, MIN_LED_TRAVEL = 0.01, 0.1  # rad, of a target that moves, of a joint that is led
-STOP = "stop sign"  # in the place of a step: no forces are stated for the arm
 
 
 def torque_mae(signals: Signals, torques: Torques) -> Iterator[Row]:

@@ -4,7 +4,7 @@ import re
 
 import pandas as pd
 
-from ur5lib.tidy.files import SAME_RUN
+from ur5lib.records.quality import SAME_RUN
 
 SEVERITIES = ("stop", "error", "warning", "note")  # most serious first; see docs/report.md
 
