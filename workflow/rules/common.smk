@@ -79,6 +79,10 @@ onstart:
             turn.append(take_turn(Path(RESULTS)))
         except InputError as error:
             raise WorkflowError(str(error))
+    try:
+        check_page()
+    except InputError as error:
+        raise WorkflowError(str(error))
     if workflow.local_exec:
         workflow.scheduler.job_rate_limiter = None
     end_beside_the_schedule()
@@ -87,6 +91,16 @@ onstart:
 wildcard_constraints:
     recording="[^/]+",
     robot="[^/]+",
+
+
+def check_page():
+    """Typeset the page of no study where its sources are newer than the report: before any job."""
+    page = Path(f"{RESULTS}/report.html")
+    since = page.stat().st_mtime if page.is_file() else 0
+    if workflow.is_main_process and max(path.stat().st_mtime for path in PAGE) > since:
+        from ur5lib.report.page.typeset import check_sources  # slow to import
+
+        check_sources()
 
 
 def list_unreadable():

@@ -52,26 +52,44 @@ def handed_over(results: Results, found: Mapping[str, Any]) -> Iterator[Path]:
     found: verdicts, and what to do next, findings and what was left out.
     """
     results = replace(results, tables=Tables(results.tables))
+    rows = {f"rows/{name}": rows_of(name, results) for name in rows_read()}
+    with sources({**study_data(results), **found, **rows}, results.figures) as root:
+        yield root
+
+
+@contextmanager
+def sources(data: Mapping[str, object], figures: Path = Path()) -> Iterator[Path]:
+    """Provide a folder with the sources of the page; data: what they read, by name of file."""
     with TemporaryDirectory() as folder:
         root = Path(folder)
         shutil.copy(SOURCES / "report.typ", root)  # the main file must not be a link
         for part in ("kit", "sections"):
             (root / part).symlink_to(SOURCES / part)
-        (root / "figures").symlink_to(results.figures.resolve())
+        (root / "figures").symlink_to(figures.resolve())
         (root / "topics").mkdir()
         for section in TOPICS:
             (root / "topics" / section.parent.name).symlink_to(section.parent)
-        for name, content in {**study_data(results), **found}.items():
-            _write(root / f"data/{name}.json", _as_json(content))
-        _write(root / "data/replay.css", closer.styles())
-        for name in rows_read():
-            _write(root / f"data/rows/{name}.json", _as_json(rows_of(name, results)))
+        for name, content in data.items():
+            path = root / f"data/{name}.json"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(_as_json(content), encoding="utf-8")
+        (root / "data/replay.css").write_text(closer.styles(), encoding="utf-8")
         yield root
 
 
-def _write(path: Path, text: str) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text, encoding="utf-8")
+def of_no_study() -> dict[str, Any]:
+    """Return what the page reads of a study without recordings and rows."""
+    study = {"study": "", "title": "", "recordings": []}
+    tables = {
+        "recordings": pd.DataFrame(columns=["recording", "duration_s"]),
+        "quality": pd.DataFrame(columns=["recording", "device", "finding"]),
+    }
+    found = {"verdicts": [], "found": {"next": [], "findings": [], "left_out": []}}
+    return {
+        **study_data(Results(study, tables)),
+        **found,
+        **{f"rows/{own}": [] for own in rows_read()},
+    }
 
 
 def _as_json(content: object) -> str:

@@ -15,6 +15,7 @@ import typst
 
 from ur5lib.errors import InputError
 from ur5lib.report.page import closer
+from ur5lib.report.page.handed import of_no_study, sources
 
 FONTS = [Path(str(find_spec("font_source_sans_pro").origin)).parent / "files"]  # type: ignore[union-attr]
 FONTS += [Path(mpl.get_data_path()) / "fonts" / "ttf"]
@@ -40,6 +41,12 @@ def html_page(root: Path, page: str = "report") -> str:
     text = SCENE.sub(lambda found: _with_scene(root, text, found[1]), text)
     text = text.replace(SCRIPTS, "".join(f"<script>{own}</script>" for own in _scripts(text)), 1)
     return text.replace("script-src SCRIPTS", f"script-src {' '.join(_hashes(text))}", 1)
+
+
+def check_sources() -> None:
+    """Typeset the page of no study, which takes a moment. Raises InputError as `html_page` does."""
+    with sources(of_no_study()) as root:
+        _compiled(root, "report", "html")
 
 
 def _with_lines(root: Path, path: str) -> str:
