@@ -50,7 +50,7 @@ Reason = Literal[
 REASONS: dict[str, str] = {  # a sentence each; {quantity} and {constant} as of the arm's effort
     "stopped": "A recording contradicts the study (stop sign).",
     "unread": "Its file cannot be used, or repeats another one.",
-    "error": "A recording has an error, which is first in what to do next.",
+    "error": "A recording has an error: what it concerns is not used.",
     "warning": "Files have warnings.",
     "contradicted": "The {quantity}s contradict the known {constant}, which is used instead.",
     "unlikely": "The {constant} contradicts the known one, and forces are computed with it.",
