@@ -50,7 +50,7 @@ MORE = {  # of codes: the sentence where a value is known
     "fit": ("detail", "motions to fit friction"),
     "light": ("value", "loaded joints"),
 }
-NO_PLACE = "[x, y, z]"  # of a load whose centre of mass is to be measured
+NO_PLACE = "[x, y, z]"  # of loads whose centres of mass are to be measured
 
 
 def next_steps(results: Results) -> list[Step]:
@@ -95,7 +95,7 @@ def _words(results: Results, row: dict[str, Any]) -> dict[str, Any]:
         "recordings": quoted([recording], row["recordings"]),
         "joints": _joints(results, row["robot"], row["joints"] or ""),
         "percent": 100 * (row["value"] or 0.0),
-        "place": _center_of_mass(results, recording),
+        "place": _center_of_mass(results, recording) if row["recordings"] == 1 else NO_PLACE,
     }
 
 

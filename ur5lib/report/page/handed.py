@@ -214,7 +214,11 @@ def shown(header: Sequence[str]) -> dict[str, Any]:
         "columns": [*labels, *(name for name in header if not LINE_COLUMN.fullmatch(name))],
         "lines": lines,
         "errors": errors,
-        "banded": next(iter([*errors, *lines]), None) if BAND_EDGES[0] in labels else None,
+        "banded": next(
+            iter([*errors, *(line for line in lines if line in ESTIMATES.values())]), None
+        )
+        if BAND_EDGES[0] in labels
+        else None,
         "pale": UNFILTERED in labels,
         "hidden": HIDDEN in header,
     }
