@@ -126,15 +126,6 @@ class StudyTables:
         doubt = {"device": "force", "severity": "warning", "finding": "offset"}
         return [*self.rows("quality", **doubt)["recording"].unique()]
 
-    def floor(self, quantity: str, recording: str, place: int | str) -> float | None:
-        """Return what repetition alone leaves of the errors on a recording, None if unknown.
-
-        place: joint or component.
-        """
-        rows = self.rows("repetition", quantity=quantity, robot=self.arms()[recording])
-        rows = rows[rows["component" if quantity == "force" else "joint"] == place]
-        return float(rows["floor"].iloc[0]) if len(rows) else None
-
     def robots(self) -> list[str]:
         """Return the arms of the study."""
         return sorted({*self.arms().values()})

@@ -86,6 +86,16 @@ class Results(StudyTables):
         """Whether there are more recordings than a table has rows."""
         return len(self.study.get("recordings", ())) > MOST_ROWS
 
+    def with_floor(self, rows: pd.DataFrame, quantity: str) -> pd.DataFrame:
+        """Return rows with what repetition alone leaves of their errors (`floor`), by their arm
+        and component (of forces) or joint.
+        """
+        place = "component" if quantity == "force" else "joint"
+        known = self.rows("repetition", quantity=quantity).drop_duplicates(["robot", place])
+        floors = known.set_index(["robot", place])["floor"].to_dict()
+        arms, places = rows["recording"].map(self.arms()), rows[place]
+        return rows.assign(floor=[floors.get(key) for key in zip(arms, places, strict=True)])
+
     def printed(self, table: str) -> list[str]:
         """Return the names of the recordings with published values of a table."""
         return [*self.rows("printed", table=table)["recording"].unique()]

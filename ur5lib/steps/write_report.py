@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ur5lib.report.page.handed import handed_over
-from ur5lib.report.page.typeset import html_page, pdf_document
+from ur5lib.report.page.typeset import pdf_document, report_and_details
 from ur5lib.report.results import Results
 from ur5lib.report.summary import last_summary, page_data, summary, summary_schema
 from ur5lib.robots.description import Robot
@@ -42,7 +42,7 @@ def write_report(
     results = Results.read(study, tables, figures, [*described.values()])
     data = page_data(results, last_summary(last))
     with handed_over(results, data) as root:
-        pages = html_page(root), html_page(root, "details"), pdf_document(root)
+        pages = *report_and_details(root), pdf_document(root)
     return Report(*pages, study, summary(results, data), summary_schema(), archived(tables))
 
 

@@ -82,18 +82,10 @@ def _line(label: str, name: str, panels: int) -> dict[str, Any]:
     return {"label": label, "colours": style.colours[:panels], "dashes": dashes}
 
 
-def packed_scenes(document: dict[str, Any]) -> dict[str, str]:
-    """Return what is drawn of the arm, packed, by each recording with figures in a document.
-
-    Packed are the fields of `Scene`, arrays over time as columns (`_column`) by component.
+def packed_scene(file: Path) -> str:
+    """Return what is drawn of the arm, packed: the fields of `Scene`, arrays over time as columns
+    (`_column`) by component.
     """
-    blocks = (block for section in document["sections"] for block in section["blocks"])
-    pictures = (block for block in blocks if block["kind"] == "picture")
-    files = {one["of"]: Path(one["path"]).with_name("scene.json") for one in pictures}
-    return {name: _packed_scene(file) for name, file in files.items() if file.is_file()}
-
-
-def _packed_scene(file: Path) -> str:
     scene = read_record(Scene, file)
     measured = {name: getattr(scene, name) for name in ("torque", "force", "std", "sensed")}
     return _packed(
@@ -143,4 +135,4 @@ def _column(values: Array, level: float | None = None) -> dict[str, Any]:
 def _packed(content: dict[str, Any]) -> str:
     """Return JSON, compressed by zlib, as Base64."""
     text = json.dumps(content, separators=(",", ":"), ensure_ascii=False)
-    return b64encode(zlib.compress(text.encode(), 9)).decode()
+    return b64encode(zlib.compress(text.encode(), 6)).decode()

@@ -69,7 +69,7 @@ def sources(data: Mapping[str, object], figures: Path = Path()) -> Iterator[Path
         (root / "topics").mkdir()
         for section in TOPICS:
             (root / "topics" / section.parent.name).symlink_to(section.parent)
-        for name, content in data.items():
+        for name, content in {"supplement": [], **data}.items():
             path = root / f"data/{name}.json"
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(_as_json(content), encoding="utf-8")

@@ -8,7 +8,6 @@ from hashlib import sha256
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
 import matplotlib as mpl
 import typst
@@ -25,9 +24,10 @@ SCENE = re.compile(r'<script type="text/plain" data-scene="([^"]+)"></script>')
 IMAGE = re.compile(r'src="(figures/[^"]+\.svg)"')
 REFERENCE = re.compile(r"(?<=[\"(])#([\w-]+)(?=[\")])")  # from one part of an SVG to another
 STYLE = re.compile(r'style="([^"]*)"')
-UNESCAPED_CHARACTERS = " '!$()*+,-./:;<=>?@[]_~"  # that a data URI need not escape
+IN_ADDRESS = str.maketrans({"%": "%25", "#": "%23", "&": "%26"})  # of a data URI in double quotes
 SCRIPTS = '<script type="text/plain" id="scripts"></script>'
 TABLES = Path(__file__).with_name("kit") / "tables.js"
+SECTION = re.compile(r'<section [^>]*\bid="([^"]+)"')
 SCRIPT = re.compile(r"<script>(.*?)</script>", re.DOTALL)
 
 
@@ -41,6 +41,14 @@ def html_page(root: Path, page: str = "report") -> str:
     text = SCENE.sub(lambda found: _with_scene(root, text, found[1]), text)
     text = text.replace(SCRIPTS, "".join(f"<script>{own}</script>" for own in _scripts(text)), 1)
     return text.replace("script-src SCRIPTS", f"script-src {' '.join(_hashes(text))}", 1)
+
+
+def report_and_details(root: Path) -> tuple[str, str]:
+    """Return the report and its supplement, to whose sections the report leads."""
+    details = html_page(root, "details")
+    known = json.dumps(SECTION.findall(details))
+    (root / "data" / "supplement.json").write_text(known, encoding="utf-8")
+    return html_page(root), details
 
 
 def check_sources() -> None:
@@ -59,14 +67,14 @@ def _with_scene(root: Path, text: str, name: str) -> str:
     """Return what is drawn of the arm on a recording, if a figure of the page shows it."""
     if f'data-recording="{name}"' not in text:
         return ""
-    packed = closer._packed_scene(root / "figures" / name / "scene.json")
+    packed = closer.packed_scene(root / "figures" / name / "scene.json")
     return f'<script type="text/plain" data-scene="{name}">{packed}</script>'
 
 
 def _data_uri(path: Path) -> str:
     """Return a figure as a data URI, as text: base64 would be a third larger."""
     text = " ".join(path.read_text(encoding="utf-8").split())
-    return "data:image/svg+xml," + quote(_compact(text), safe=UNESCAPED_CHARACTERS)
+    return f"data:image/svg+xml;charset=utf-8,{_compact(text).translate(IN_ADDRESS)}"
 
 
 def _compact(svg: str) -> str:

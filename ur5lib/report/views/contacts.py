@@ -40,10 +40,8 @@ def at_sensors(results: Results) -> pd.DataFrame:
 
 def judged(results: Results) -> pd.DataFrame:
     """Return the rows of `decided` with repeatability (`floor`) and whether the sensor is sure."""
-    rows = decided(results)
-    places = zip(rows["recording"], rows["component"], strict=True)
-    floors = [results.floor("force", name, component) for name, component in places]
-    return rows.assign(floor=floors, sure=~rows["recording"].isin(results.doubted()))
+    rows = results.with_floor(decided(results), "force")
+    return rows.assign(sure=~rows["recording"].isin(results.doubted()))
 
 
 def found_anywhere(results: Results) -> pd.DataFrame:
@@ -54,12 +52,8 @@ def found_anywhere(results: Results) -> pd.DataFrame:
 def force_errors(results: Results) -> pd.DataFrame:
     """Return all estimates' errors beside the sensor, with repeatability (`floor`) in contact."""
     rows = results.rows("force_mae", kind="compensated", during=["contact", "free", "all"])
-    places = zip(rows["recording"], rows["component"], rows["during"], strict=True)
-    floors = [
-        results.floor("force", name, component) if during == "contact" else None
-        for name, component, during in places
-    ]
-    return rows.assign(floor=floors)
+    rows = results.with_floor(rows, "force")
+    return rows.assign(floor=rows["floor"].where(rows["during"] == "contact"))
 
 
 def classes(results: Results) -> pd.DataFrame:

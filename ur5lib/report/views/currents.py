@@ -54,9 +54,7 @@ def predictions(results: Results) -> pd.DataFrame:
     with what repetition leaves of them (`floor`).
     """
     names = predicted(results) if len(results.roles()) > 1 else [*results.roles()]
-    rows = results.rows("current_rmse", recording=names)
-    places = zip(rows["recording"], rows["joint"], strict=True)
-    return rows.assign(floor=[results.floor("current", *place) for place in places])
+    return results.with_floor(results.rows("current_rmse", recording=names), "current")
 
 
 def friction_by_velocity(results: Results) -> pd.DataFrame:
