@@ -166,13 +166,14 @@ rule write_report:
         tables=outputs_in("tables"),
         figures=outputs_in("figures"),
     output:
-        html=update(f"{RESULTS}/report.html"),  # an error of the page leaves the last one
+        # an error of the page leaves all as they are; the last results are read before
+        html=update(f"{RESULTS}/report.html"),
         details=update(f"{RESULTS}/details.html"),
         pdf=update(f"{RESULTS}/report.pdf"),
-        study=f"{RESULTS}/configuration.yaml",
-        results=update(f"{RESULTS}/results.json"),  # the last one is read before
-        schema=f"{RESULTS}/results.schema.json",
-        archive=f"{RESULTS}/tables.zip",
+        study=update(f"{RESULTS}/configuration.yaml"),
+        results=update(f"{RESULTS}/results.json"),
+        schema=update(f"{RESULTS}/results.schema.json"),
+        archive=update(f"{RESULTS}/tables.zip"),
     log:
         **traces("write_report"),
     params:
