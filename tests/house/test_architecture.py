@@ -12,6 +12,7 @@ import pytest
 
 from tests.conftest import PROJECT
 from ur5lib.jobs.code import all_steps, module_of, modules_of_step
+from ur5lib.report.page.handed import ROWS
 
 BASE = {"timeseries", "robots", "channels", "errors", "strict", "tables"}  # below every room
 METHODS = {"signals", "dynamics", "identification", "force"}
@@ -172,6 +173,29 @@ def test_nothing_below_or_beside_a_topic_imports_it() -> None:
             assert name not in topics_of(imports(path)), path
 
 
+SECTIONS = sorted((PROJECT / "ur5lib").rglob("*.typ"))
+
+
+def made_by(topic: Path) -> set[str]:
+    """The tables that a topic's rules make, and the module of its views."""
+    rules = (topic / "rules.smk").read_text()
+    made = re.findall(r'"(\w+)\.csv"', "".join(re.findall(r"output:.*?log:", rules, re.DOTALL)))
+    listed = re.findall(r"tables\(\[(.*?)\]\)", rules, re.DOTALL)
+    return {topic.name, *made, *re.findall(r"\w+", " ".join(listed))}
+
+
+@pytest.mark.parametrize("path", SECTIONS, ids=lambda path: f"{path.parent.name}/{path.name}")
+def test_a_section_reads_no_topic_but_its_own(path: Path) -> None:
+    """And imports the kit alone: the page is typeset where a topic's folder is deleted."""
+    text = path.read_text()
+    rows = {name.split(".")[0] for name in ROWS.findall(text)}
+    of_others = set[str]().union(*(made_by(topic) for topic in TOPICS if topic != path.parent))
+    assert rows & of_others == set()
+    assert "/topics/" not in text
+    used = [name for name in re.findall(r'#import "(.*?)"', text) if "kit" not in path.parts]
+    assert all(name.startswith("/kit/") for name in used)
+
+
 def test_no_step_imports_another() -> None:
     """What several share is a function of a room; a topic's steps are its own."""
     for path in (PROJECT / "ur5lib" / "steps").glob("*.py"):
@@ -219,6 +243,7 @@ def test_tables_are_read_and_written_in_one_place() -> None:
 def test_readers_ask_the_registry_which_estimate_leads() -> None:
     readers = ("ur5lib/report", "ur5lib/commands", *BESIDE)
     paths = [path for reader in readers for path in (PROJECT / reader).rglob("*.py")]
+    paths += SECTIONS
     assert [path for path in paths if '"Fmap"' in path.read_text()] == []
 
 

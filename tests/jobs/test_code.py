@@ -123,6 +123,16 @@ def test_no_import_of_the_library_is_missed() -> None:
         assert {files[name] for name in of_ast(path) & files.keys()} <= imported_modules(path), path
 
 
+def test_the_report_s_loops_over_folders_are_followed() -> None:
+    """A view or a topic's finding that is edited makes the report anew."""
+    report = (PROJECT / "ur5lib" / "report").rglob("*.py")
+    looping = {path for path in report if "import_module(" in path.read_text()}
+    assert looping == {PROJECT / "ur5lib" / path for path in code.LOOPS}
+    for pattern in ("report/views/*.py", "topics/*/report.py", "topics/*/found.py"):
+        for path in (PROJECT / "ur5lib").glob(pattern):
+            assert {"write_report", "write_run"} <= {*steps_with(path)}, path
+
+
 def test_the_steps_with_a_file_are_those_whose_checksum_it_changes() -> None:
     gate = steps_with(PROJECT / "ur5lib" / "force" / "gate.py")
     assert {"estimate_forces", "judge_contacts"} <= {*gate}

@@ -1,39 +1,71 @@
-"""What a topic shows in the report, of results that a test makes up."""
+"""What the section of a topic shows on a page, of results that a test makes up."""
 
-from dataclasses import replace
+import re
+from dataclasses import dataclass, replace
+from functools import cached_property
 
-import pandas as pd
+from lxml.html import HtmlElement
 
-from ur5lib.report.page.compose import compose
-from ur5lib.report.page.document import (
-    Contents,
-    DeclaredSection,
-    Paragraph,
-    Section,
-    topic_pages,
-)
+from tests.made_study import study
+from tests.typeset_page import page_of, plain
 from ur5lib.report.results import Results
+from ur5lib.workspace.places import PACKAGE
 
-STUDY = {"study": "s", "title": "t"}
-FIRST = DeclaredSection(title="First", blocks=[])
-
-
-def sections(topic: str, results: Results) -> list[Section]:
-    """The sections of a topic in report and details, as far as results fill them."""
-    page = topic_pages()[topic]
-    own = Contents(topics=[page], run=[])
-    recordings = pd.DataFrame({"recording": ["one"], "duration_s": [60.0]})
-    entries = results.study.get("recordings") or [{"name": "one", "robot": "ur5", "role": "fit"}]
-    whole = replace(
-        results,
-        study=STUDY | {"recordings": entries} | {**results.study, "recordings": entries},
-        tables={"recordings": recordings} | {**results.tables},
-    )
-    parts = [*own.report(), *own.details()]
-    return [found for part in parts for found in compose([FIRST, part], whole).sections]
+OF_TOPICS = ("next_recordings", "changes")  # which a made-up study has, too
+ID = re.compile(r"^#let id = .*", re.MULTILINE)
 
 
-def shown(topic: str, results: Results) -> list[str]:
-    """The kinds of blocks of a topic's sections, but texts."""
-    blocks = [block for section in sections(topic, results) for block in section.blocks]
-    return [type(block).__name__ for block in blocks if not isinstance(block, Paragraph)]
+@dataclass(frozen=True)
+class Shown:
+    """A section of a page."""
+
+    section: HtmlElement
+
+    @cached_property
+    def text(self) -> str:
+        return plain(self.section.text_content())
+
+    @cached_property
+    def tables(self) -> dict[str, list[dict[str, str]]]:
+        """The rows of each table by its name, a dictionary by heading each."""
+        found = self.section.xpath(".//div[@class='scroll']")
+        return {str(table.get("id")): rows_of(table) for table in found}
+
+    @cached_property
+    def figures(self) -> list[str]:
+        return [str(figure.get("id")) for figure in self.section.iter("figure")]
+
+    @property
+    def drawn(self) -> str:
+        """What the pictures say to those who do not see them."""
+        found = self.section.xpath(".//@alt | .//svg/@aria-label")
+        return plain("; ".join(found))
+
+
+def rows_of(table: HtmlElement) -> list[dict[str, str]]:
+    heads, *rows = ([plain(cell.text_content()) for cell in row] for row in table.iter("tr"))
+    return [dict(zip(heads, row, strict=True)) for row in rows]
+
+
+def filled(results: Results) -> Results:
+    """Results; what they lack is that of a made-up study, but for what topics make."""
+    made = study()
+    tables = {name: own for name, own in made.tables.items() if name not in OF_TOPICS}
+    own = made.study | {key: value for key, value in results.study.items() if value}
+    return replace(results, study=own, tables=tables | {**results.tables})
+
+
+def shown(topic: str, results: Results, page: str = "report") -> Shown | None:
+    """The section of a topic on a page of a study with these results, none where it is not."""
+    (line,) = ID.findall((PACKAGE / "topics" / topic / "section.typ").read_text())
+    ids = {*re.findall(r'"([\w-]+)"', line)}
+    sections = page_of(filled(results), page).iter("section")
+    found = [own for own in sections if own.get("id") in ids]
+    return Shown(*found) if found else None
+
+
+def section(topic: str, results: Results, page: str = "report") -> Shown:
+    """The section of a topic, which there must be."""
+    found = shown(topic, results, page)
+    assert found is not None
+    return found

@@ -13,12 +13,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from lxml.html import fromstring
 
 from tests import warm_snakemake
 from tests.command import time_limit
 from tests.conftest import PROJECT, STUDY, Change, Workflow, copy_project
 from tests.house.test_hostile import BOMBS
 from tests.stored_files import made_up_channels, write_npz
+from tests.typeset_page import plain
 from ur5lib.errors import InputError
 from ur5lib.jobs.code import (
     all_steps,
@@ -81,6 +83,11 @@ OF_EVERY_STUDY = {*re.findall(r"^rule (\w+):", "".join(RULES.values()), re.MULTI
 OF_TOPICS = {name: rule for name, rule in rules("topics") if name in OF_EVERY_STUDY}  # their text
 
 
+OF_A_TOPIC = [  # sections of topics, of which one is as good as all
+    str(path.relative_to(PROJECT)) for path in sorted(PROJECT.glob("ur5lib/topics/*/section.typ"))
+][:1]
+
+
 def chain(planned: dict[str, int]) -> dict[str, int]:
     """The jobs of a plan but for those of topics."""
     return {rule: count for rule, count in planned.items() if rule not in OF_TOPICS}
@@ -117,8 +124,8 @@ def results(workflow: Workflow) -> dict[str, bytes]:
     files = [p for p in folder.rglob("*") if p.suffix in kinds and p.stem not in RUN]
     files = [p for p in files if folder / "logs" not in p.parents]  # which hold times
     found = {str(path.relative_to(folder)): path.read_bytes() for path in files}
-    times = {"report.html": rb"<p>The \d+ jobs took.*?</p>"}
-    times["details.html"] = rb'id="run_times".*?</table>'
+    times = {"report.html": rb"The \d+ jobs took.*?</p>"}
+    times["details.html"] = rb'id="run-times".*?</table>'
     for page in times.keys() & found.keys():
         found[page], cut = re.subn(times[page], b"", found[page], flags=re.DOTALL)
         assert cut == 1
@@ -216,10 +223,16 @@ def test_a_figure_of_a_run_that_was_stopped_is_refused(tmp_path: Path) -> None:
         # Judgements: no force estimate runs again.
         ("ur5lib/signals/imu_calibration.py", jobs(*ACCELERATIONS) | IMU | REPORT),
         ("ur5lib/force/flange_contact.py", jobs("judge_contacts") | REPORT),
-        # The wording of a warning, verdict or caption.
+        # The wording of a warning; words, pictures and layout of the page.
         ("ur5lib/checks/channels.words.yaml", REPORT),
-        ("ur5lib/report/page/contents.yaml", DOCUMENTED),
-        ("ur5lib/report/page/sentences.yaml", DOCUMENTED),
+        ("ur5lib/report/found.words.yaml", DOCUMENTED),
+        ("ur5lib/report/next_steps.words.yaml", DOCUMENTED),
+        ("ur5lib/report/views/contacts.py", DOCUMENTED),
+        ("ur5lib/report/page/sections/currents.typ", DOCUMENTED),
+        ("ur5lib/report/page/kit/numbers.typ", DOCUMENTED),
+        ("ur5lib/report/page/kit/page.css", DOCUMENTED),
+        ("ur5lib/report/page/templates/closer/look.js", DOCUMENTED),
+        *((section, DOCUMENTED) for section in OF_A_TOPIC),
         ("ur5lib/report/figures/house_style.py", jobs("draw_figures") | DRAWINGS | DOCUMENT),
         ("ur5lib/cli.py", {}),
     ],
@@ -255,6 +268,28 @@ def test_a_module_is_a_part_of_the_steps_that_use_it(module: str, first: str, ke
     steps = {*steps_with(PROJECT / "ur5lib" / module)}
     assert first in steps
     assert kept not in steps
+
+
+def test_the_page_of_a_recording_is_made_anew_for_what_it_shows(workflow: Workflow) -> None:
+    """Its layout and its numbers; it lists no findings."""
+    page = "results/small/runs/pushed.html"
+    workflow.build("--", page)
+    append(workflow.folder / "ur5lib/report/found.words.yaml", "\n# edited\n")
+    assert workflow.plan("--", page) == {}
+    append(workflow.folder / "ur5lib/report/page/sections/force.typ", "\n// edited\n")
+    assert workflow.plan("--", page) == {"write_run": 1}
+
+
+def test_every_rule_of_a_page_knows_its_sources() -> None:
+    typeset = PROJECT / "ur5lib" / "report" / "page" / "typeset.py"
+    steps = {name: re.search(r'code\(\s*"(\w+)"(.*)\)', rule) for name, rule in rules() if name}
+    given = {
+        name: found[2]
+        for name, found in steps.items()
+        if found and typeset in modules_of_step(found[1])
+    }
+    assert {"write_report", "write_run"} <= given.keys()
+    assert [name for name, files in given.items() if "*PAGE" not in files] == []
 
 
 def test_touching_code_reruns_nothing(built_workflow: Workflow) -> None:
@@ -454,17 +489,49 @@ def test_a_study_of_which_no_recording_can_be_read(workflow: Workflow) -> None:
     (letter / "log_i_actual.csv").write_text("This is a letter, not a recording.\n")
     (pipe / "log_m_target.csv").unlink()
     os.mkfifo(pipe / "log_m_target.csv")
-    sentences = (
-        "still: raw/still/csv_files/log_m_target.csv is a named pipe",
-        "raw/pushed/csv_files/log_i_actual.csv, line 1: expected 7 numbers (it has 2 cells)",
-    )
+    reasons = {
+        "still": "raw/still/csv_files/log_m_target.csv is a named pipe",
+        "pushed": "raw/pushed/csv_files/log_i_actual.csv, line 1: expected 7 numbers (it has 2",
+    }
     with time_limit(SECONDS):
         done = workflow.run("--cores", "1")
     assert done.returncode == 0, done.stdout
     [*_, end] = done.stdout.split("2 of 2 recordings cannot be read:\n")
-    report = (workflow.folder / "results/small/report.html").read_text()
-    unbroken = report.replace("<wbr>", "").replace("\xa0", " ")
-    assert all(sentence in part for sentence in sentences for part in (end, unbroken))
+    report = fromstring((workflow.folder / "results/small/report.html").read_text()).body
+    told = plain(report.text_content())
+    for name, reason in reasons.items():
+        assert f"{name}: {reason}" in end
+        assert f"“{name}” is left out: {reason}" in told
+
+
+BROKEN = {
+    "a typo": ("#let broken = fixed(", "before any job"),
+    "a missing word": ("#let broken = unheard-of", "before any job"),
+    "an error with rows alone": (
+        '#let report() = if study.recordings != () { (:).at("missing") }',
+        "write_report",
+    ),
+}
+
+
+@pytest.mark.parametrize(("line", "failed"), BROKEN.values(), ids=BROKEN)
+def test_an_error_in_a_section_is_told_with_its_place_and_leaves_the_last_report(
+    workflow: Workflow, line: str, failed: str
+) -> None:
+    name = "ur5lib/report/page/sections/currents.typ"
+    place = (workflow.folder / name).read_text().count("\n") + 1
+    before = of_report(workflow)
+    append(workflow.folder / name, f"{line}\n")
+    told = fails_with(workflow, "the page cannot be typeset", f"{name}:{place}:")
+    assert re.search(r"^ *│ +\^+$", told, re.MULTILINE)
+    assert ("write_report: the page" in told) == (failed == "write_report")
+    assert of_report(workflow) == before
+
+
+def of_report(workflow: Workflow) -> dict[str, bytes]:
+    """The files that a report consists of."""
+    folder = workflow.folder / "results" / "small"
+    return {path.name: path.read_bytes() for path in folder.glob("[!.]*.*")}
 
 
 def test_unwritable_results(workflow: Workflow) -> None:

@@ -4,11 +4,11 @@ from dataclasses import replace
 from pathlib import Path
 
 from tests.made_study import study
-from tests.topics.pages import shown
+from tests.topics.pages import section, shown
 from ur5lib.report.results import Results
 from ur5lib.tables import read_csv, write_rows
-from ur5lib.topics.audit import report
 from ur5lib.topics.audit.audit_sensor import row
+from ur5lib.topics.audit.command import audit_answers
 from ur5lib.topics.audit.rows import AuditRow
 
 FREE = AuditRow("free_time", "", 20.0, None, None, None, "s", None, "")
@@ -31,20 +31,57 @@ def results(*rows: AuditRow, folder: Path) -> Results:
     return replace(made, tables={**made.tables, "audit": table})
 
 
-def test_its_section_is_filled_where_a_wrist_has_a_sensor(tmp_path: Path) -> None:
+def turned_sensor(folder: Path) -> Results:
+    """A sensor whose axes are turned by 8.7°, with a mass and a centre that nobody declared."""
     turned = [row("turn", axis, 5.0, 0.1, "°", 0.0, 2.0) for axis in "xyz"]
     mass = row("mass", "", 1.0, 0.01, "kg", 1.2, 0.1)
-    center = [row("center_of_mass", axis, 0.0, 0.001, "m", 0.0, 0.01) for axis in "xyz"]
-    found = results(FREE, *turned, mass, *center, folder=tmp_path)
-    assert shown("audit", found) == ["Heading", "Items", "Heading", "TableBlock"]
-    wrong = " ".join(report.findings(found))
-    assert "pushed" in wrong
-    assert wrong.count("wrong") == 2
-    assert any("turned by 8.7°" in one for one in report.sentences(found, "pushed"))
+    center = [row("center_of_mass", axis, 0.02, 0.001, "m", 0.0, 0.01) for axis in "xyz"]
+    return results(FREE, *turned, mass, *center, folder=folder)
 
 
-def test_its_section_is_empty_without_one(tmp_path: Path) -> None:
+def test_its_section_says_what_is_wrong_and_what_to_type(tmp_path: Path) -> None:
+    found = turned_sensor(tmp_path)
+    told = section("audit", found)
+    assert "Wrong on R3 pushed: turn of the axes, mass on the sensor and its centre of" in told.text
+    assert "On R3 pushed, the axes are turned by 8.7° against frame 6" in told.text
+    assert "override: {mounting: {force_sensor_turn_deg: [5.0, 5.0, 5.0]}}" in told.text
+    assert "set_payload(1.000, [0.020, 0.020, 0.020])" in told.text
+    verdicts = told.tables["wrist-sensor"]
+    assert [row["verdict"] for row in verdicts] == ["wrong"] * 3
+    assert verdicts[1]["x, or mass"] == "1.000 ± 0.010"
+    assert verdicts[1]["should be"] == "1.2"
+    every = section("audit", found, "details").tables["wrist-sensor-values"]
+    assert len(every) == 7
+    assert every[0]["95 %"] == "4.80 to 5.20"
+    assert len(section("audit", found, "run").tables["wrist-sensor-values"]) == 7
+
+
+def test_too_little_time_without_contact_is_told(tmp_path: Path) -> None:
+    told = section("audit", results(replace(FREE, value=3.2), folder=tmp_path))
+    assert "On R3 pushed, at most 3.2 s without contact" in told.text
+    assert "Record ten or more in which nothing touches the tool" in told.text
+
+
+def test_what_is_typed_has_no_minus_that_only_print_has(tmp_path: Path) -> None:
+    turned = [row("turn", axis, -5.0, 0.1, "°", 0.0, 2.0) for axis in "xyz"]
+    told = section("audit", results(FREE, *turned, folder=tmp_path)).text
+    assert "force_sensor_turn_deg: [-5.0, -5.0, -5.0]" in told
+
+
+def test_its_section_is_absent_without_one(tmp_path: Path) -> None:
     none = results(folder=tmp_path)
-    assert shown("audit", none) == [*report.findings(none)] == []
     tables = {name: own for name, own in none.tables.items() if name != "audit"}
-    assert shown("audit", replace(none, tables=tables)) == []
+    for page in ("report", "details", "run"):
+        assert shown("audit", none, page) is None
+        assert shown("audit", replace(none, tables=tables), page) is None
+
+
+def test_the_command_says_the_same_in_sentences(tmp_path: Path) -> None:
+    rows = turned_sensor(tmp_path).tables["audit"]
+    name, *told = audit_answers(rows)
+    assert name == "pushed:"
+    assert any("its axes are turned by 8.7°" in one for one in told)
+    assert any("force_sensor_turn_deg: [5.0, 5.0, 5.0]" in one for one in told)
+    assert any("carries 1.00 ± 0.01 kg; 1.2 kg are declared" in one for one in told)
+    (_, short) = audit_answers(results(replace(FREE, value=3.2), folder=tmp_path).tables["audit"])
+    assert "3.2 s without contact" in short

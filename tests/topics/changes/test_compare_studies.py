@@ -5,10 +5,9 @@ from dataclasses import replace
 
 from tests.conftest import STUDY, Change, Workflow
 from tests.made_study import study
-from tests.topics.pages import shown
+from tests.topics.pages import section, shown
 from tests.workflow.test_workflow import DOCUMENT, append
 from ur5lib.tables import read_csv
-from ur5lib.topics.changes import report
 
 
 def test_a_study_is_compared_with_another(workflow: Workflow) -> None:
@@ -32,13 +31,19 @@ def test_another_comparison_repeats_nothing_else(built_workflow: Workflow, chang
     assert built_workflow.plan() == {"compare_studies": 1} | DOCUMENT
 
 
-def test_its_section_counts_what_changed_and_is_empty_without_another_study() -> None:
-    one = {"study": "before", "topic": "force", "name": "a", "before": "1", "after": "2"}
-    rows = [one | {"differs": "yes", "changed": flag} for flag in ("yes", "no")]
+def test_its_section_counts_what_changed_and_is_absent_without_another_study() -> None:
+    one = {"study": "be_fore", "topic": "force", "name": "a", "before": "1", "after": "2"}
+    rows = [one | {"differs": "yes", "changed": flag, "name": flag} for flag in ("yes", "no")]
     results = study(changes=rows)
-    assert shown("changes", results) == ["Heading", "TableBlock", "TableBlock"]
-    (told,) = report.findings(results)
-    assert "1 of 2" in told
-    assert shown("changes", study()) == [*report.findings(study())] == []
+    told = section("changes", results)
+    assert "Compared with “be_fore”, 1 of 2 numbers changed: force." in told.text
+    assert told.tables == {
+        "counts-be_fore": [
+            {"topic": "force", "compared": "2", "beyond their error": "2", "changed": "1"}
+        ],
+        "changed-be_fore": [{"topic": "force", "what": "yes", "before": "1", "now": "2"}],
+    }
+    assert "none of 1 numbers changed." in section("changes", study(changes=rows[1:])).text
+    assert shown("changes", study()) is None
     tables = {name: own for name, own in results.tables.items() if name != "changes"}
-    assert shown("changes", replace(results, tables=tables)) == []
+    assert shown("changes", replace(results, tables=tables)) is None

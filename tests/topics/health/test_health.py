@@ -12,7 +12,6 @@ import pandas as pd
 import pytest
 from matplotlib.text import Text
 
-from tests.artefacts.documents import stated
 from tests.conftest import Change, Workflow
 from tests.current_study import (
     CONSTANT,
@@ -23,7 +22,8 @@ from tests.current_study import (
     smooth,
 )
 from tests.made_tables import gathered
-from tests.topics.pages import shown
+from tests.topics.pages import filled, section, shown
+from tests.typeset_page import page_of, plain
 from ur5lib.channels import TORQUE
 from ur5lib.identification.condition import QUANTITIES, joint_conditions
 from ur5lib.identification.current_regression import fit_currents
@@ -33,15 +33,11 @@ from ur5lib.records.prediction import JudgedLoad, Prediction, Scores
 from ur5lib.records.quality import Finding, Quality
 from ur5lib.records.verdicts import Verdict
 from ur5lib.report.figures.house_style import REPORT_FONT_SIZE
-from ur5lib.report.page.compose import shown_table
-from ur5lib.report.page.formats import days
 from ur5lib.report.results import Results
 from ur5lib.robots.friction import BASE_TERMS
-from ur5lib.topics.health import report
 from ur5lib.topics.health.examine_joints import checkup, dated
 from ur5lib.topics.health.figure import health_figure
 from ur5lib.topics.health.judge_health import judge_health
-from ur5lib.topics.health.report import changes
 from ur5lib.topics.health.rows import Checkup, Condition, Health, JointChange
 from ur5lib.topics.health.track_health import health_of, together
 
@@ -189,7 +185,13 @@ def of_arm(summary: Health, folder: Path) -> Results:
         "health": gathered(Condition, summary.dates, folder),
         "health_changes": gathered(JointChange, summary.changes, folder),
     }
-    return Results({"recordings": []}, tables, Path())
+    return Results({}, tables, Path())
+
+
+def with_verdicts(results: Results) -> Results:
+    """The results with the verdicts on them."""
+    rows = pd.DataFrame([*map(vars, judged(results))]).replace("", None)
+    return replace(results, tables=results.tables | {"verdicts": rows})
 
 
 def test_what_changed_is_found_and_nothing_else(summary: Health) -> None:
@@ -208,20 +210,17 @@ def test_few_dates_give_no_tables(fit: CurrentFit, tmp_path: Path) -> None:
     results = of_arm(summary, tmp_path)
     assert judged(results) == []
     assert results.tables["health"].empty
-    assert [*report.changes(results)] == [*report.advice(results)] == []
     assert health_figure(*results.tables.values()).data.empty
 
 
 def test_the_change_is_a_sentence_with_its_dates(results: Results) -> None:
-    jump, slow = report.changes(results)
-    assert jump.startswith("ur5, joint 4: Coulomb friction rose by 2")
-    assert "% between 18 and 21 March 2026" in jump
-    assert slow.startswith("ur5, joint 2: viscous friction slowly rose by ")
-    assert "% from 3 March to 5 April 2026" in slow
-    assert [*report.advice(results)] == [
-        "Fit ur5 only to what was recorded since 21 March 2026: Coulomb friction of joint 4 has "
-        "changed."
-    ]
+    told = section("health", results)
+    jump, slow = (plain(own.text_content()) for own in told.section.iter("li"))
+    assert jump.startswith("joint 4: Coulomb friction rose by 2")
+    assert jump.endswith("% between 18 and 21 March 2026.")
+    assert slow.startswith("joint 2: viscous friction slowly rose by ")
+    assert slow.endswith("% from 3 March to 5 April 2026.")
+    assert "temperature adds" not in told.text
 
 
 def test_a_change_makes_the_arm_usable_and_none_makes_it_good(results: Results) -> None:
@@ -239,14 +238,23 @@ def judged(results: Results) -> list[Verdict]:
 
 
 def test_the_section_states_dates_and_lost_frames(results: Results) -> None:
-    (sentence,) = report.dates(results)
-    assert stated(sentence)[0::4] == [12, 2.0]
-    assert "not recorded" not in sentence  # temperatures were
-    table = shown_table("health_changes", results)
-    assert [row[3].text for row in table.rows] == [
+    told = section("health", results)
+    assert "ur5 was recorded on 12 dates, from 3 March to 5 April 2026." in told.text
+    assert "Temperatures of its joints were recorded." in told.text
+    assert "A recording lost at most 2.0 % of its frames." in told.text
+    assert [row["when"] for row in told.tables["health-changes"]] == [
         "jump, 18 to 21 March 2026",
         "drift, 3 March to 5 April 2026",
     ]
+
+
+def test_the_card_has_the_largest_change(results: Results) -> None:
+    (card,) = page_of(filled(with_verdicts(results))).find_class("card")
+    told = plain(card.text_content())
+    assert card.get("data-question") == "drift"
+    assert "Largest: Coulomb friction of joint 4, by 2" in told
+    (picture,) = card.iter("svg")
+    assert "Coulomb friction of joint 4" in picture.get("aria-label")
 
 
 def test_every_joint_and_quantity_is_drawn(results: Results) -> None:
@@ -288,14 +296,21 @@ def test_dates_on_which_no_joint_could_be_judged_draw_nothing(results: Results) 
 
 
 def test_dates_of_two_years_are_told_with_both() -> None:
-    assert days("2025-03-03", "2026-03-09", "and") == "3 March 2025 and 9 March 2026"
+    row = {"robot": "ur5", "joint": 1, "quantity": "viscous", "value": 1.0, "std_error": 0.1}
+    rows = [row | {"date": date, "group": 0} for date in ("2025-03-03", "2026-03-09")]
+    told = section("health", of_rows(rows, []))
+    assert "on 2 dates, from 3 March 2025 to 9 March 2026" in told.text
+    assert "Temperatures of its joints were not recorded. No frame was lost." in told.text
 
 
 def of_rows(dates: list[dict[str, Any]], changes: list[dict[str, Any]]) -> Results:
     """A study with these rows of both tables."""
-    columns = [one.name for one in fields(JointChange)]
-    tables = {"health": pd.DataFrame(dates), "health_changes": pd.DataFrame(changes, None, columns)}
-    return Results({"recordings": [{"name": "one", "robot": "ur5"}]}, tables, Path())
+    rows = {"health": (Condition, dates), "health_changes": (JointChange, changes)}
+    tables = {
+        name: pd.DataFrame(own, columns=["robot", *(one.name for one in fields(kind))])
+        for name, (kind, own) in rows.items()
+    }
+    return Results({}, tables, Path())
 
 
 @pytest.mark.parametrize(
@@ -318,9 +333,9 @@ def test_drift_is_determined_where_paths_were_repeated(groups: list[int], expect
     first, *_ = judged(results)
     assert first.state == expected
     assert first.reason == ("" if expected == "good" else "few_dates")
-    judged_anew = results.tables | {"verdicts": pd.DataFrame([vars(first)])}
-    (told,) = changes(replace(results, tables=judged_anew))
+    told = section("health", with_verdicts(results)).text
     assert ("Repeat one motion" in told) is (expected != "good")
+    assert ("No joint changed by more than chance explains" in told) is (expected == "good")
     change = {"robot": "ur5", "joint": 1, "quantity": "viscous", "kind": "jump", "size": 0.5}
     change |= {"before": 1.0, "std_error": 0.1, "by_temperature": 0.0}
     change |= {"first": "2020-03-01", "last": "2020-04-01"}
@@ -330,10 +345,9 @@ def test_drift_is_determined_where_paths_were_repeated(groups: list[int], expect
 # In the report, and in the workflow
 
 
-def test_its_section_is_shown_where_there_are_dates(results: Results, tmp_path: Path) -> None:
-    assert shown("health", results) == ["Items", "TableBlock"]
-    assert shown("health", of_arm(Health(), tmp_path)) == []
-    assert shown("health", replace(results, tables={})) == []
+def test_its_section_is_absent_without_dates(tmp_path: Path) -> None:
+    assert shown("health", of_arm(Health(), tmp_path)) is None
+    assert shown("health", Results({}, {}, Path())) is None
 
 
 def test_another_test_of_changes_repeats_no_judge(built_workflow: Workflow, change: Change) -> None:

@@ -1,6 +1,5 @@
-"""The speeds at which friction is predicted, and their figure beside the smallest pushes."""
+"""The speeds at which friction is predicted."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,24 +18,10 @@ from ur5lib.identification.validation import (
 )
 from ur5lib.records.currents import Currents
 from ur5lib.records.friction import CurrentFit
-from ur5lib.records.pushes import SmallestPush
-from ur5lib.topics.observability.figure import observability_figure
 from ur5lib.topics.observability.measure_observability import Judged, at_rest, judged, observability
 from ur5lib.topics.observability.rows import Observed
 
 NOWHERE = (np.nan, np.nan)
-PUSH = SmallestPush(
-    motion="fast",
-    axis="x",
-    value=20.0,
-    std_error=5.0,
-    low=10.2,
-    high=29.8,
-    largest_tried=100.0,
-    seconds=1.0,
-    trials=30,
-    basis="unseen",
-)
 
 
 def test_the_worth_of_the_band_at_rest() -> None:
@@ -94,26 +79,6 @@ def test_the_table_has_each_joint(tmp_path: Path) -> None:
     assert (table["quantity"] == "friction_in_band").sum() == 6 * 9
 
 
-def test_the_figure_has_pushes_beside_shares(tmp_path: Path) -> None:
-    """With intervals, and arrows beyond the trials; without pushes, the shares alone."""
-    found = [
-        replace(PUSH, motion=motion, axis=axis) for motion in ("slow", "fast") for axis in "xyz"
-    ]
-    pushes, table = gathered(SmallestPush, found, tmp_path / "pushes"), shares(tmp_path)
-    drawing = observability_figure(table, 0.9, pushes)
-    assert len(drawing.data) == 6 + 6 * 9
-    left, _ = drawing.figure.axes
-    assert len(left.containers) == 6
-    assert "bound" not in drawing.data
-    assert "std_error" in drawing.data  # so that the caption names them
-    unknown = [replace(PUSH, value=None, reason="one_path")]
-    alone = observability_figure(table, 0.9, gathered(SmallestPush, unknown, tmp_path / "none"))
-    assert (len(alone.data), len(alone.figure.axes)) == (6 * 9, 1)
-    assert "std_error" not in alone.data
-    beyond = observability_figure(table, 0.9, pushes.assign(bound=">"))
-    assert "bound" in beyond.data  # so that the caption names the arrows
-
-
 def test_errors_are_within_the_band_that_is_stated_at_their_speed() -> None:
     """Not within that of motion, 0.1 A, at rest, where a wider one is stated."""
     fit = friction(robot()).fit
@@ -133,8 +98,3 @@ def test_the_band_at_rest_is_told_beside_that_of_motion() -> None:
     joints = [{"band_moving": 0.1, "band_standing": wide} for wide in (0.4, 0.2)]
     found = [*at_rest(record(CurrentFit, {"joints": joints}))]
     assert [(row.joint, row.value) for row in found] == [(1, 4.0), (2, 2.0)]
-
-
-def test_nothing_is_drawn_of_recordings_that_tell_nothing(tmp_path: Path) -> None:
-    table, pushes = (gathered(kind, [], tmp_path) for kind in (Observed, SmallestPush))
-    assert observability_figure(table, 0.9, pushes).data.empty

@@ -7,14 +7,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.conftest import Workflow
-from tests.made_study import study
-from tests.topics.pages import shown
+from tests.made_study import judged_anew, study
+from tests.topics.pages import section, shown
 from ur5lib.records.pushes import SmallestPush
-from ur5lib.report.page.compose import shown_table
 from ur5lib.report.results import Results
-from ur5lib.tables import read_csv
-from ur5lib.topics.observability.report import bands, tried
 from ur5lib.topics.observability.rows import Observed
 
 COLUMNS = ["robot", *(one.name for one in fields(Observed))]
@@ -55,45 +51,67 @@ REST = [push(force, axis, "at rest") for force, axis in ((40.0, "x"), (672.0, "y
 SLOW = [push(force, axis, "slow") for force, axis in ((14.0, "x"), (28.0, "y"), (12.0, "z"))]
 
 
+def sizes(results: Results) -> list[tuple[str, ...]]:
+    """The table of pushes: motion, then the smallest one along each axis."""
+    rows = section("observability", results).tables["pushes"]
+    return [tuple(row[name] for name in ("flange", "x [N]", "y [N]", "z [N]")) for row in rows]
+
+
 def test_the_table_has_the_pushes_that_are_known() -> None:
     """The trials end at 100 N; in fast motion, none is determined."""
     unknown = push(np.nan, "x", "fast", reason="undetermined")
-    body = shown_table("pushes", pushed([*REST, *SLOW, unknown]))
-    assert [[cell.text for cell in row] for row in body.rows] == [
-        ["at rest", "40 (30 to 50)", "> 100", "80 (70 to 90)"],
-        ["slow", "14 (4 to 24)", "28 (18 to 38)", "12 (2 to 22)"],
+    results = pushed([*REST, *SLOW, unknown])
+    assert sizes(results) == [
+        ("at rest", "40 (30 to 50)", "> 100", "80 (70 to 90)"),
+        ("slow", "14 (4 to 24)", "28 (18 to 38)", "12 (2 to 22)"),
     ]
-    wide = shown_table("pushes", pushed([push(93.0, "z", "slow", std=20.0)]))
-    assert "93 (54 to > 100)" in [cell.text for cell in wide.rows[0]]
+    drawn = section("observability", results, "details").drawn
+    for told in ("at rest along x 40 (30 to 50) N", "at rest along y > 100 N", "slow", "along z"):
+        assert told in drawn
+    rows = section("observability", pushed([push(93.0, "z", "slow", std=20.0)])).tables["pushes"]
+    assert rows == [{"flange": "slow", "z [N]": "93 (54 to > 100)"}]
 
 
-def test_the_section_says_what_the_trials_rest_on() -> None:
-    """How long a push lasts, and where one path or fit recordings alone were tried."""
-    assert [*tried(pushed([]))] == []
-    (duration,) = tried(pushed(SLOW))
-    assert "lasts 1 s" in duration
-    (alone,) = tried(pushed([push(np.nan, "x", "slow", reason="one_path")] * 2))
-    assert "no push is stated" in alone
-    _, told = tried(pushed([push(20.0, "x", "slow", reason="fitted")] * 2))
-    assert "fit recordings alone" in told
+def test_the_order_of_axes_is_that_of_their_names() -> None:
+    """Where the first motion lacks x, it came last."""
+    rows = [push(30.0, axis, "at rest") for axis in "yz"]
+    results = pushed(rows + [push(20.0, axis, "fast") for axis in "zyx"])
+    first, _ = section("observability", results).tables["pushes"]
+    assert [*first][1:4] == ["x [N]", "y [N]", "z [N]"]
+
+
+@pytest.mark.parametrize(
+    ("rows", "told"),
+    [
+        (SLOW, "A force of zero with its band holds only if nothing touches the arm."),
+        ([push(np.nan, "x", "slow", reason="one_path")] * 2, "no push is stated to be found"),
+        ([push(20.0, "x", "slow", reason="fitted")] * 2, "only fit recordings were tried"),
+    ],
+)
+def test_the_section_says_what_the_trials_rest_on(rows: list[dict[str, Any]], told: str) -> None:
+    """Where one path or fit recordings alone were tried."""
+    assert told.lower() in section("observability", pushed(rows)).text.lower()
+
+
+def test_the_section_says_how_long_a_push_lasts_and_where_it_is_found_best_and_worst() -> None:
+    judged = judged_anew(pushed([*REST, *SLOW]))
+    text = section("observability", judged).text
+    assert "A push of 1 s is found with a probability of 95 % from 12 N on at best" in text
+    assert "(in slow motion along z) and not even at 100 N at worst (at rest along y)" in text
 
 
 def test_without_rows_nothing_is_shown() -> None:
-    assert shown("observability", study()) == []
-    assert shown("observability", observed([])) == []
+    for page in ("report", "details"):
+        assert shown("observability", study(), page) is None
+        assert shown("observability", observed([]), page) is None
 
 
 def test_results_without_pushes_show_the_bands() -> None:
     """Of results that an earlier version built, observability.csv alone is read."""
     row = {"robot": "ur5", "quantity": "band_at_rest", "joint": 1, "speed_low": 0.0, "value": 3.0}
-    assert shown("observability", observed([row])) == ["Items"]
-
-
-def test_the_order_of_axes_is_that_of_their_names() -> None:
-    """Where the first motion lacks x, it stood last."""
-    rows = [push(30.0, axis, "at rest") for axis in "yz"]
-    body = shown_table("pushes", pushed(rows + [push(20.0, axis, "fast") for axis in "xyz"]))
-    assert [title[0] for title in body.header[1:4]] == [*"xyz"]
+    assert shown("observability", observed([row])) is None
+    told = section("observability", observed([row]), "details").text
+    assert "3.0 times as wide as in motion; no reading tests them" in told
 
 
 @pytest.mark.parametrize(
@@ -106,20 +124,23 @@ def test_the_order_of_axes_is_that_of_their_names() -> None:
 def test_the_section_says_at_which_speed_the_band_holds_least(
     share: float, high: float | None, place: str
 ) -> None:
-    """And how much wider it is at rest; a recording as a whole hides a few seconds."""
+    """A recording as a whole hides a few seconds."""
     at_rest, slow = ({"speed_low": low, "speed_high": end} for low, end in ((0, 0), (0.02, high)))
     rows = [
         {"robot": "ur5", "quantity": name, "joint": joint, "value": value} | speeds
         for name, speeds, values in (
-            ("band_at_rest", at_rest, (3.8, 7.25)),
+            ("band_at_rest", at_rest, (3.8, 7.2)),
             ("friction_in_band", slow, (0.97, share)),
         )
         for joint, value in enumerate(values, start=1)
     ]
-    answer, *by_speed = bands(observed(rows), "ur5")
-    assert "3.8 to 7.2 times as wide as in motion" in answer
-    assert "nothing tests the bands" in answer
-    assert [f"least on {place}: 62" in told for told in by_speed] == [True]
+    warned = section("observability", observed(rows)).text
+    assert f"bands of the currents are too narrow on {place} (62 % of the readings" in warned
+    more = section("observability", observed(rows), "details")
+    assert "3.8 to 7.2 times as wide as in motion; no reading tests them" in more.text
+    assert f"least on {place}: 62 %" in more.text
+    assert more.figures == ["bands-by-speed-ur5"]
+    assert f"Joint 2: {100 * share:.0f} % at" in more.drawn
 
 
 def test_the_section_says_what_the_bands_of_resting_joints_hold() -> None:
@@ -132,29 +153,7 @@ def test_the_section_says_what_the_bands_of_resting_joints_hold() -> None:
         for name, pair in values.items()
         for joint, value in enumerate(pair, start=1)
     ]
-    told, _ = bands(observed(rows), "ur5")
-    for number in (
-        "94\u00a0to\u00a0100 %",
-        "0.5\u00a0to\u00a01.0 of that width",
-        "5 times as wide as in motion",
-    ):
+    told = section("observability", observed(rows), "details").text
+    for number in ("94 to 100 %", "0.5 to 1.0 of that width", "4.0 to 5.0 times as wide"):
         assert number in told
-    assert [*bands(observed(rows), "ur3")] == []
-
-
-def test_the_figure_draws_what_the_tables_state(demo: Workflow) -> None:
-    results = demo.folder / "results" / "demo"
-    numbers = read_csv(results / "figures" / "ur5" / "observability.csv")
-    for name, place in (
-        ("observability", ["quantity", "joint", "speed_low"]),
-        ("pushes", ["motion", "axis"]),
-    ):
-        table = read_csv(results / "tables" / f"{name}.csv").query("robot == 'ur5'")
-        own = numbers.dropna(subset=place[0]).set_index(place)["value"].dropna()
-        known = table.set_index(place)["value"].dropna()
-        if name == "observability":
-            known = known[known.index.get_level_values("quantity").isin({*numbers["quantity"]})]
-        assert len(own)
-        pd.testing.assert_series_equal(
-            own.sort_index(), known.sort_index(), rtol=1e-4, check_index_type=False
-        )
+    assert shown("observability", observed(rows)) is None, "no band is too narrow"

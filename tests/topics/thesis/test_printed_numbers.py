@@ -1,19 +1,16 @@
 """Published numbers beside rebuilt ones: statuses, and numbers as errata say that they arose."""
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 import pytest
 
 from tests.conftest import PROJECT
 from tests.real_arms import RealRecording, RealStudy
-from ur5lib import tidy
+from tests.topics.pages import Shown, section
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.quality import StartOffset
 from ur5lib.records.signals import SENSOR_COLUMNS, Signals
-from ur5lib.report.page.compose import shown_table
 from ur5lib.report.results import Results
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.timeseries.metrics import mean_absolute_error
@@ -34,7 +31,6 @@ from ur5lib.topics.thesis.reference import (
     PublishedValues,
     read_reference,
 )
-from ur5lib.topics.thesis.report import findings, sources, unexplained
 
 THESIS = PROJECT / "workflow" / "studies" / "thesis_reference.yaml"
 RUN = "run"
@@ -148,37 +144,34 @@ def test_a_row_has_six_numbers_or_one() -> None:
         reference(values={"A": (1.0, 2.0)})
 
 
-def results(rows: list[dict]) -> Results:
+def of_page(rows: list[dict]) -> Shown:
+    """What the page of the published numbers shows of these."""
     table = pd.DataFrame(rows, columns=PRINTED_COLUMNS)
     table = table.astype({"as_erratum_says": float, "erratum": float, "right": float})
-    empty = {name: tidy.table(name, {}) for name in ("fixed_threshold", "force_mae")}
-    return Results({"recordings": []}, empty | {"printed": table}, Path())
+    return section("thesis", Results({"reference": THESIS.name}, {"printed": table}), "published")
 
 
-def test_unexplained_numbers_are_findings() -> None:
+def test_unexplained_numbers_are_listed_and_all_are_in_the_table_of_their_source() -> None:
     rows = [*compared(reference(), rebuilt([2.0, 2.5, 2, 2, 2, 2]), [])]
-    shown = results(rows)
-    (counted,) = findings(shown)
-    assert counted.startswith("5 of 6 ")
-    (missed,) = unexplained(shown)
-    assert missed.startswith("Table 1, torque_mae, A, joint 2: ")
-    assert "25 % more" in missed
-    assert sources(shown) == ["Table 1"]
-    renamed = results([row | {"row": "F*"} for row in rows])
-    first, *others = shown_table("printed", renamed, "Table 1").rows
-    assert [cell.text for cell in first][1:6] == ["F̂*", "1", "2.0001", "2", "1.000"]
+    told = of_page([row | {"row": "F*"} for row in rows])
+    assert "5 of 6 published numbers are rebuilt" in told.text
+    assert told.tables["by-source"] == [
+        {"published in": "Table 1", "numbers": "6", "rebuilt": "5", "explained by errata": "0"}
+        | {"unexplained": "1"}
+    ]
+    (missed,) = told.tables["unexplained"]
+    assert (missed["published in"], missed["row"], missed["place"]) == ("Table 1", "F̂*", "joint 2")
+    assert (missed["by"], missed["off by"]) == ("rebuilt", "+25 %")
+    first, *others = told.tables["every-Table-1"]
+    assert [*first.values()][:6] == ["torque_mae", "F̂*", "1", "2.0001", "2", "1.000"]
     assert len(others) == 5
 
 
 def test_the_nearest_explanation_tells_the_per_cent() -> None:
     known = [ExplainedRow(1, "torque_mae", "A", np.full(6, 1.8))]
     rows = [*compared(reference(), rebuilt([np.nan] * 6), known)]
-    assert all("erratum 1" in said and "10 % less" in said for said in unexplained(results(rows)))
-
-
-def test_nothing_is_said_without_published_numbers() -> None:
-    shown = results([])
-    assert [*findings(shown), *unexplained(shown), *sources(shown)] == []
+    listed = of_page(rows).tables["unexplained"]
+    assert {(row["by"], row["off by"]) for row in listed} == {("erratum 1", "−10 %")}
 
 
 def test_what_errata_of_the_thesis_explain_is_printed() -> None:

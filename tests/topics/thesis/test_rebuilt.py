@@ -1,6 +1,5 @@
 """The thesis's numbers, rebuilt: what the workflow made of its real recordings."""
 
-import html
 import re
 from pathlib import Path
 
@@ -10,8 +9,9 @@ import pytest
 from lxml.html import fromstring
 
 import ur5lib
-from tests.artefacts.documents import cells_of, page_texts
+from tests.artefacts.documents import page_texts
 from tests.conftest import PROJECT
+from tests.topics.pages import Shown
 from ur5lib.finished import FinishedStudy
 from ur5lib.topics.thesis.reference import read_reference
 
@@ -120,18 +120,22 @@ def test_errata_state_the_numbers_of_the_printed_tables(printed: pd.DataFrame) -
     assert f"{y:.0f} and {z:.0f} % below" in text["Table 5.7, Section 5.5"]
 
 
-def test_every_unexplained_number_is_a_finding(thesis_results: Path, printed: pd.DataFrame) -> None:
+@pytest.fixture(scope="module")
+def published(thesis_results: Path) -> Shown:
+    """The page of the published numbers."""
+    return Shown(fromstring((thesis_results / "published.html").read_text()))
+
+
+def test_every_unexplained_number_is_listed(published: Shown, printed: pd.DataFrame) -> None:
     """By table, row and per cent."""
-    text = html.unescape((thesis_results / "report.html").read_text()).replace("\xa0", " ")
-    pattern = r"neither this study nor an erratum gives:</p>\s*<ul>(.*?)</ul>"
-    (listed,) = re.findall(pattern, text, re.DOTALL)
-    found = re.findall(r"<li>(.*?)</li>", listed, re.DOTALL)
+    found = published.tables["unexplained"]
     rows = printed[printed["status"] == "unexplained"]
     assert len(found) == len(rows)
-    for sentence, row in zip(found, rows.itertuples(), strict=True):
-        assert sentence.startswith(f"{row.source}, {row.quantity}, {row.row}, ")
+    for told, row in zip(found, rows.itertuples(), strict=True):
+        assert [*told.values()][:3] == [row.source, row.quantity, row.row]
         nearest = row.rebuilt if np.isnan(row.as_erratum_says) else row.as_erratum_says
-        assert f" {100 * abs(nearest / row.printed - 1):.2g} % " in sentence
+        off = float(told["off by"].replace("−", "-").removesuffix(" %"))
+        assert off == pytest.approx(100 * (nearest / row.printed - 1), abs=0.5)
 
 
 def test_table_5_7_follows_from_another_order_of_steps(printed: pd.DataFrame) -> None:
@@ -185,32 +189,39 @@ def test_the_erratum_on_joint_2_states_the_numbers_of_the_tables(
     assert [number for number in numbers if number.replace("-", "−") not in text] == []
 
 
-def test_table_5_6_shows_the_numbers_of_the_csv(
-    thesis_results: Path, printed: pd.DataFrame
-) -> None:
-    page = fromstring((thesis_results / "report.html").read_text())
-    header, *rows = cells_of(page, "compared with Table 5.6")
+def test_table_5_6_shows_the_numbers_of_the_csv(published: Shown, printed: pd.DataFrame) -> None:
+    [name] = (name for name in published.tables if name.startswith("printed-torques-"))
+    rows = published.tables[name]
+    assert len(rows) == 6
     for model in "ABC":
         expected = printed.query("table == 'torque_mae' and row == @model").set_index("number")
         for row in rows:
-            cells = dict(zip(header, row, strict=True))
-            joint = cells["joint"]
-            assert cells[f"{model} printed"] == f"{expected.loc[joint, 'printed']:.4f}"
-            assert (
-                cells[f"{model} rebuilt"].lstrip("▼▲ ") == f"{expected.loc[joint, 'rebuilt']:.4f}"
-            )
+            known = expected.loc[row["joint"]]
+            assert row[f"{model} printed"] == f"{known['printed']:.4f}"
+            assert row[f"{model} rebuilt"].lstrip("▼▲ ") == f"{known['rebuilt']:.4f}"
 
 
-def test_report_and_pdf_hold_figures_errata_and_numbers(
+def test_the_page_has_the_figures_errata_and_numbers_of_the_thesis(published: Shown) -> None:
+    captions = " ".join(own.text_content() for own in published.section.iter("figcaption"))
+    for figure in ("5.1", "5.9", "5.10", "5.14", "6.1", "6.4", "6.6", "6.8"):
+        assert re.search(rf"Figures? [0-9., andto]*{re.escape(figure)}\b", captions), figure
+    errata = [own for own in published.section.iter("li") if own.get("id", "").startswith("erra")]
+    assert len(errata) == len(REFERENCE.errata) == 23
+    targets = {*published.section.xpath("//*/@id")}
+    links = {
+        link.removeprefix("#") for link in published.section.xpath("//a/@href[starts-with(., '#')]")
+    }
+    assert links <= targets
+
+
+def test_the_report_counts_the_published_numbers(
     thesis_results: Path, printed: pd.DataFrame
 ) -> None:
-    page = (thesis_results / "report.html").read_text()
-    for figure in ("5.9", "6.4", "6.6", "6.8"):
-        assert re.search(rf"after Figures? [0-9., andto]*{re.escape(figure)}", page), figure
-    assert len(re.findall(r"<li>[^<]*Here: ", page)) == 23  # errata
-    text = "\n".join(page_texts(thesis_results / "report.pdf"))
-    for value in printed.query("table == 'torque_mae'")["rebuilt"].dropna():
-        assert f"{value:.4f}" in text
+    """And so does the PDF."""
+    equal = (printed["status"] == "equal").sum()
+    told = f"{equal} of {len(printed)} numbers that the thesis prints are rebuilt here"
+    assert told in Shown(fromstring((thesis_results / "report.html").read_text())).text
+    assert told in "\n".join(page_texts(thesis_results / "report.pdf"))
 
 
 def test_the_page_of_the_thesis_tells_the_numbers_of_the_tables(

@@ -9,12 +9,14 @@ import pandas as pd
 import pytest
 
 from tests.conftest import PROJECT, Workflow, copy_project
+from tests.topics.pages import section, shown
 from ur5lib.errors import InputError
-from ur5lib.report.page.compose import shown_table
 from ur5lib.report.results import Results
 from ur5lib.topics.thesis import current_based, gains
+from ur5lib.topics.thesis.printed_numbers import PRINTED_COLUMNS
 from ur5lib.topics.thesis.reference import read_reference
-from ur5lib.topics.thesis.report import claim, contradictions, scores
+
+OF_THESIS = {"reference": "thesis_reference.yaml"}
 
 
 @pytest.mark.parametrize(
@@ -56,14 +58,17 @@ def test_gains_stand_with_their_range_and_contradictions_are_told() -> None:
         pd.DataFrame(part, columns=columns).assign(joint=i + 1) for i, part in enumerate(ranges)
     ]
     tables = {"gains": pd.concat(rows).assign(gain="position")}
-    study = {"recordings": [{"name": name, "robot": "ur5"} for name in ("first", "second")]}
-    results = Results(study, tables, Path())
-    lines = [[cell.text for cell in row][2:] for row in shown_table("gains", results).rows]
-    assert lines == [["9.0 (8.0–12.0)", "< 30"], ["> 20", "2–29"]]
-    assert [*contradictions(results)] == [
-        "No single position gain fits all recordings of ur5 on joint 1: there, the controller "
-        "is not this closed loop."
+    entries = [{"name": name, "robot": "ur5", "role": "fit"} for name in ("first", "second")]
+    told = section("thesis", Results(OF_THESIS | {"recordings": entries}, tables), "published")
+    assert told.tables["gains"] == [
+        {"recording": "R1 first", "gain": "position", "joint 1": "9.0 (8.0 to 12.0)"}
+        | {"joint 2": "< 30"},
+        {"recording": "R2 second", "gain": "position", "joint 1": "> 20", "joint 2": "2 to 29"},
     ]
+    assert (
+        "No one gain fits all recordings of ur5: position on joint 1. There, the controller is "
+        "not this closed loop."
+    ) in told.text
 
 
 @pytest.mark.parametrize(
@@ -79,13 +84,10 @@ def test_the_page_of_methods_states_the_numbers_of_the_program(statement: str) -
     assert statement in page
 
 
-def study(pushes: list[dict[str, Any]], printed: Sequence[dict[str, Any]] = ()) -> Results:
-    """A recording of each role, and what two estimates find on it."""
-    roles = {"fitted": "fit", "seen": "validate", "pushed": "contact"}
-    entries = [{"name": name, "robot": "ur5", "role": role} for name, role in roles.items()]
-    tables = {"fixed_threshold": pd.DataFrame(pushes)}
-    tables["printed"] = pd.DataFrame(printed, columns=["recording", "table", "status"])
-    return Results({"recordings": entries}, tables, Path())
+def results(pushes: list[dict[str, Any]], printed: Sequence[dict[str, Any]] = ()) -> Results:
+    """A study of the thesis, and what two estimates find."""
+    rows = pd.DataFrame(printed, columns=PRINTED_COLUMNS)
+    return Results(OF_THESIS, {"fixed_threshold": pd.DataFrame(pushes), "printed": rows})
 
 
 @pytest.mark.parametrize(
@@ -94,7 +96,7 @@ def study(pushes: list[dict[str, Any]], printed: Sequence[dict[str, Any]] = ()) 
 def test_the_claim_of_the_thesis_is_judged_by_its_numbers(
     found: int, above: float, holds: bool
 ) -> None:
-    """Of its own recording and of what nothing touches; ours stands beside it."""
+    """Of its own recording and of what nothing touches, next to ours."""
     axis = {"component": "Fz", "force_n": 10.0}
     rows = [
         axis | {"recording": "pushed", "estimate": "F*", "pushes": 4, "found": found},
@@ -103,12 +105,22 @@ def test_the_claim_of_the_thesis_is_judged_by_its_numbers(
         axis | {"recording": "seen", "estimate": "Fmap", "time_above": 0.5},
         axis | {"recording": "fitted", "estimate": "F*", "time_above": 0.9},
     ]
-    printed = [{"recording": "pushed", "table": "force_mae"}]
-    results = study(rows, printed)
-    (finding,), (beside,) = claim(results), scores(results)
-    assert ("fails" not in finding) == holds
-    assert f"{4 - found} of 4" in finding or f"{100 * above:.0f} %" in finding
-    numbers = [f"F̂* finds {found} of these 4", f"{100 * above:.0f} %", "F̂ᵐᵃᵖ finds 2 of", "50 %"]
-    assert [number for number in numbers if number not in beside] == []
-    unprinted = study(rows)
-    assert [*claim(unprinted)] == scores(unprinted) == []
+    printed = [{"recording": "pushed", "table": "force_mae", "source": "Table 6.1"}]
+    told = section("thesis", results(rows, printed)).text
+    assert ("This fails" in told, "This holds" in told) == (not holds, holds)
+    share = f"{100 * above:.0f} % of a recording without contact"
+    for part in (f"finds {found} of 4 such pushes on R3 pushed", share, "F̂ᵐᵃᵖ: 2 and 50 %"):
+        assert part in told
+    more = section("thesis", results(rows, printed), "details").tables["fixed-threshold"]
+    assert [row["F̂*"] for row in more if row["recording"] == "R1 fitted"] == ["90 %"]
+    assert shown("thesis", results(rows)) is None, "nothing is printed"
+
+
+@pytest.mark.parametrize("page", ["report", "details", "run"])
+def test_a_study_of_other_arms_shows_nothing_of_the_thesis(page: str) -> None:
+    assert shown("thesis", Results({}, {}), page) is None
+
+
+def test_a_study_without_printed_recordings_says_so_on_the_page_of_the_thesis() -> None:
+    told = section("thesis", Results(OF_THESIS, {}), "published").text
+    assert "No published number is of a recording of this study." in told

@@ -8,14 +8,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.topics.pages import shown
+from tests.topics.pages import section, shown
 from ur5lib.records.clocks import SettledClock
 from ur5lib.records.forces import Forces
 from ur5lib.records.friction import Friction, Parameter
 from ur5lib.records.models import Rotors, Terms
 from ur5lib.records.motion import FusedMotion, Motion
 from ur5lib.records.truth import COLUMNS, TrueParameters, Truth
-from ur5lib.report.page.compose import shown_table
 from ur5lib.report.results import Results
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.smoothing.fused_motion import no_fused_motion
@@ -33,7 +32,6 @@ from ur5lib.tidy.truth import (
 )
 from ur5lib.timeseries.arrays import Array
 from ur5lib.topics.truth.compare_with_truth import joint_acceleration_rows
-from ur5lib.topics.truth.report import beside_truth
 
 TRUTH = as_record(
     TrueParameters,
@@ -163,30 +161,45 @@ def test_wrenches_are_compared_and_the_band_where_they_state_one() -> None:
     assert rows.loc[("wrench_coverage95", "Fx"), "estimate"] == 1.0
 
 
+def compared(rows: list[Row]) -> Results:
+    table = pd.DataFrame(rows, columns=COLUMNS)
+    return Results({}, {"truth": table}, Path())
+
+
 @pytest.mark.parametrize(
     ("held", "chance", "verdict"),
-    [(95, "0.8", "wide"), (93, None, ""), (87, None, ""), (80, "< 0.1", "narrow")],
+    [(95, "0.8 %", "wide"), (93, "", ""), (87, "", ""), (80, "< 0.1 %", "narrow")],
 )
 def test_intervals_that_hold_the_truth_too_often_are_called_too_wide(
-    held: int, chance: str | None, verdict: str
+    held: int, chance: str, verdict: str
 ) -> None:
     """0.95 to the power of 95 is 0.77 %."""
-    _, told = beside_truth(pd.DataFrame({"within95": ["yes"] * held + ["no"] * (95 - held)}))
-    assert " 90 of these" in told
-    assert re.findall(r"found is (.*) %, .* too (\w+)\.", told) == (
+    inside = ["yes"] * held + ["no"] * (95 - held)
+    told = section("truth", compared([{"quantity": "offset", "within95": one} for one in inside]))
+    assert f"{held} of 95 stated 95 % intervals" in told.text
+    assert "right ones contain 90" in told.text
+    assert re.findall(r"is ([^:]*): the intervals are too (\w+)\.", told.text) == (
         [(chance, verdict)] if chance else []
     )
 
 
 def test_the_section_counts_and_shows_what_is_in_the_table() -> None:
-    rows = [{"recording": "a"} | r for r in clock_rows({"imu": CLOCK}, TRUTH)]
-    rows += [{"recording": "a"} | r for r in joint_acceleration_rows(motions(), made_truth())]
-    table = pd.DataFrame(rows, columns=COLUMNS)
-    told = " ".join(beside_truth(table))
-    assert re.findall(r"\d+", told.replace("95 % interval", "")) == ["2", "1", "2"]
-    results = Results({"recordings": []}, {"truth": table}, Path())
-    lines = [len(shown_table(f"truth.{table}", results).rows) for table in ("summary", "single")]
-    assert lines == [2, 2]
-    assert shown("truth", results) == ["TableBlock", "TableBlock"]
-    assert shown("truth", replace(results, tables={"truth": table[:0]})) == []
-    assert shown("truth", replace(results, tables={})) == []
+    rows = [{"recording": "seen"} | r for r in clock_rows({"imu": CLOCK}, TRUTH)]
+    rows += [{"recording": "seen"} | r for r in joint_acceleration_rows(motions(), made_truth())]
+    results = compared(rows)
+    told = section("truth", results)
+    assert "1 of 2 stated 95 % intervals contain the truth" in told.text
+    assert told.tables["truth-counts"] == [
+        {"quantity": "clock offset", "values": "1", "inside": "1"},
+        {"quantity": "clock drift", "values": "1", "inside": "0"},
+    ]
+    offset, drift = section("truth", results, "details").tables["truth-values"]
+    assert (offset["truth"], offset["estimate"], offset["inside"]) == ("0.02", "0.03", "yes")
+    assert (drift["truth"], drift["estimate"], drift["inside"]) == ("−3000", "−2900", "no")
+    assert {offset["recording"], drift["recording"]} == {"R2 seen"}
+
+
+@pytest.mark.parametrize("page", ["report", "details"])
+def test_its_section_is_absent_without_truth(page: str) -> None:
+    assert shown("truth", compared([]), page) is None
+    assert shown("truth", Results({}, {}, Path()), page) is None
