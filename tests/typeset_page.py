@@ -51,7 +51,8 @@ def tables_of(results: Results, page: str = "report") -> dict[str, list[dict[str
     with sources(results) as root:
         return {
             one["name"]: [
-                dict(zip(one["header"], map(cell, row), strict=True)) for row in one["cells"]
+                dict(zip(map(plain, one["header"]), map(cell, row), strict=True))
+                for row in one["cells"]
             ]
             for one in said(root, "<table>", page)
         }
@@ -68,3 +69,8 @@ def cards_of(results: Results) -> list[dict[str, Any]]:
     """The cards of the first screen, with their states and numbers."""
     with sources(results) as root:
         return said(root, "<card>")
+
+
+def headline_of(page: HtmlElement) -> str:
+    """The first sentence of a page, empty where it has none."""
+    return plain(" ".join(one.text_content() for one in page.xpath("//p[@class='headline']")))

@@ -56,7 +56,9 @@ def check_arm(results: Path, recording: str) -> None:
     known = rows[np.argsort(size)][: np.isfinite(size).sum()]
     with browser() as chromium:
         page = chromium.new_page()
-        page.goto((results / "report.html").as_uri())
+        drawn = (results / name for name in ("report.html", "details.html"))
+        report = next(one for one in drawn if f'data-recording="{recording}"' in one.read_text())
+        page.goto(report.as_uri())
         closed = f"figure[data-recording='{recording}'] .look[aria-expanded=false]"
         if not page.query_selector(f"figure[data-recording='{recording}'][data-open]"):
             page.locator(closed).first.click()

@@ -6,11 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.pictures import FIGURES, LESSON, with_verdicts
+from benchmarks.pictures import FIGURES, LESSON, first_screen, with_verdicts
 from tests.conftest import PROJECT, build_once, shared_folder
 from tests.drawn_numbers import check_drawn_numbers
 from tests.in_memory import assert_draws_as_in_report
-from ur5lib.tables import read_json
 
 DOCUMENTS = PROJECT / "docs"
 LABEL = re.compile(r"<!-- (?![\d−.]+ -->)(.*?) -->")  # of an axis or a line, not a number
@@ -33,7 +32,7 @@ def results(common_folder: Path) -> Path:
 
 def test_its_cards_are_those_of_the_report(results: Path) -> None:
     page = (DOCUMENTS / "lesson.md").read_text()
-    assert with_verdicts(page, read_json(results / LESSON / "results.json")) == page
+    assert with_verdicts(page, first_screen(results / LESSON)) == page
 
 
 def test_its_model_draws_what_the_report_shows(results: Path, tmp_path: Path) -> None:

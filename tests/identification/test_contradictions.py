@@ -1,10 +1,9 @@
 """A fit that contradicts the arm is a stop sign, and so is a recording that does."""
 
+import re
 from dataclasses import asdict, replace
-from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from tests.current_study import (
@@ -17,7 +16,8 @@ from tests.current_study import (
     with_current,
     with_noise,
 )
-from tests.made_tables import empty, table
+from tests.made_study import study
+from tests.made_tables import table
 from ur5lib.channels import CURRENT
 from ur5lib.errors import remark
 from ur5lib.force.residual_model import Residuals
@@ -34,8 +34,8 @@ from ur5lib.identification.validation import (
 from ur5lib.records.friction import CurrentFit, Friction
 from ur5lib.records.quality import Contradictions, Quality, contradiction
 from ur5lib.records.wording import worded
+from ur5lib.report.found import findings, left_out
 from ur5lib.report.results import Results
-from ur5lib.report.views.first_screen import left_out_fits, stop_signs
 from ur5lib.steps.fit_friction import (
     ContradictionError,
     explained_by_others,
@@ -165,30 +165,31 @@ def results(signs: int, stopped: str | None) -> Results:
     rows = [{"recording": f"run_{k}"} | sign for k in range(signs)]
     key, why = ("stopped", stopped) if stopped else ("refused", "too short")
     friction = {"from": [], key: asdict(remark("other reason", reason=why))}
-    tables = {
-        "quality": pd.concat([empty("quality"), pd.DataFrame(rows)]),
-        "remarks": table(models.remarks, {"ur5": (None, friction, None)}),
-    }
-    return Results({}, tables, Path())
+    remarks = table(models.remarks, {"ur5": (None, friction, None)}).to_dict("records")
+    return study(quality=rows, remarks=remarks, sensed=[{"recording": "seen", "contacts": 0}])
 
 
 def test_stop_signs_are_reported_first() -> None:
-    assert [*stop_signs(results(1, "wrong constants"))] == [
-        "Stop sign on run_0: another arm. No forces are stated for it.",
-        "Stop sign on ur5: wrong constants. No forces are stated for this arm.",
-    ]
+    first, second, *_ = findings(results(1, "wrong constants"))
+    assert first == "Stop sign on “run_0”: another arm. No forces are stated."
+    assert second == "Stop sign on ur5: wrong constants. No forces are stated."
+    assert left_out(results(1, "wrong constants")) == []
+    assert not [one for one in findings(results(0, None)) if "Stop sign" in one]
+    assert left_out(results(0, None)) == ["Friction of ur5: too short."]
+
+
+def test_a_repeated_run_is_no_reason_against_forces() -> None:
     copied = results(1, None)
     copied.tables["quality"]["finding"] = "same run"
-    assert [*stop_signs(copied)] == ["Stop sign on run_0: another arm."]
-    assert left_out_fits(results(1, "wrong constants")) == []
-    assert [*stop_signs(results(0, None))] == []
-    assert left_out_fits(results(0, None)) == ["Friction of ur5: too short."]
+    assert findings(copied)[0] == "Stop sign on “run_0”: another arm."
 
 
-def test_of_many_stop_signs_the_first_are_reported() -> None:
-    assert [*stop_signs(results(9, None))][-1] == (
-        "There are 9 stop signs in all; tables/quality.csv lists them."
-    )
+def test_of_many_stop_signs_the_first_are_reported_and_the_others_counted() -> None:
+    *first, last = findings(results(9, None))
+    assert [one.partition("”")[0] for one in first[:3]] == [
+        f"Stop sign on “run_{k}" for k in range(3)
+    ]
+    assert re.fullmatch(r"\d more in quality\.csv.*\.", last)
 
 
 def without_torque(record: CurrentSamples, joints: list[int]) -> CurrentSamples:

@@ -20,13 +20,22 @@ from tests.made_study import (
     touched,
     verdicts_of,
 )
+from tests.typeset_page import headline_of, page_of, plain, tables_of
 from ur5lib.force.estimators import UNGATED
 from ur5lib.judging.contacts import upper_limit
-from ur5lib.report.views.first_screen import findings, next_steps, result
+from ur5lib.report.found import findings
+from ur5lib.report.next_steps import next_steps
+from ur5lib.report.results import Results
 from ur5lib.steps.judge_study import judged
 
 TOUCHED = finding("error", "touched", device="force", detail="the sensor reads up to 33 N")
 """The finding that a sensor reads contacts on `seen`, whose role is validate."""
+
+
+def card_of(results: Results, question: str) -> str:
+    """The text of a card of the first screen, with its evidence."""
+    (card,) = page_of(results).xpath(f"//article[@data-question='{question}']")
+    return plain(card.text_content())
 
 
 def test_1_real_contacts_lead_and_trials_are_compared_with_them() -> None:
@@ -40,12 +49,13 @@ def test_1_real_contacts_lead_and_trials_are_compared_with_them() -> None:
     hardest = verdicts_of(results, "pushes")[0]
     assert (hardest.value, hardest.motion, hardest.basis) == (93.0, "at rest", "trial")
     assert hardest.rival_value == 22.0
-    (told,) = result(results)
-    assert (
-        "2 of 4 contacts at the force sensor are found, none of the 3 from 22.0 N on is missed"
-        in told.replace("\u00a0", " ")
-    )
+    told = headline_of(page_of(results))
+    assert "2 of 4 contacts" in told
     assert "93" not in told
+    assert "None of the 3 from 22.0 N on is missed." in card_of(results, "contacts")
+    pushed = card_of(results, "pushes")
+    assert "93 N" in pushed
+    assert "no real contact from 22.0 N on missed" in pushed
 
 
 def test_1_no_number_whose_error_exceeds_it_and_none_of_fits_without_the_word() -> None:
@@ -54,10 +64,11 @@ def test_1_no_number_whose_error_exceeds_it_and_none_of_fits_without_the_word() 
     assert (row.value, row.reason) == (None, "undetermined")
     fitted = [push("slow", "x", 30.0, basis="fit", reason="fitted")]
     assert verdicts_of(study(pushes=fitted), "pushes")[0].basis == "fit"
-    (told,) = result(study(pushes=fitted))
-    assert "(fit recordings)" in told
+    assert "(fit recordings)" in headline_of(page_of(study(pushes=fitted)))
+    assert "(fit recordings)" in card_of(study(pushes=fitted), "pushes")
     alone = study(contact_errors=sensed((30.0, "found"), recording="fitted"))
     assert verdicts_of(alone, "contacts")[0].basis == "fit"
+    assert "(fit recordings)" in headline_of(page_of(alone))
 
 
 def test_2_a_sensor_beats_a_role() -> None:
@@ -77,19 +88,20 @@ def test_2_a_sensor_beats_a_role() -> None:
     assert use["currents"] == ("no", "touched")
     assert use["contacts"] == ("yes", "")
     assert state(results, "recordings") == ("usable", "error")
-    assert next_steps(results)[0].startswith("Give seen the role contact")
+    assert next_steps(results)[0].sentence.startswith("Give “seen” the role contact")
 
 
 def test_3_no_limit_of_finding_doubts_what_was_found() -> None:
     """Ten of twelve alarms that a sensor confirms were called doubtful."""
     alarm = {"recording": "pushed", "estimate": "Fmap", "kind": "contact", "peak_s": 1.0}
     results = study(contacts=[alarm], pushes=[push("slow", "x", 90.0)])
-    assert not [one for one in findings(results) if "doubtful" in one]
+    assert not [one for one in findings(results) if "doubt" in one]
+    assert "doubt" not in plain(page_of(results).text_content())
 
 
 def test_4_the_total_of_friction_is_what_is_judged() -> None:
     """Coulomb is up to 52 % above friction at v → 0, and terms do not add up to a total."""
-    total = {"robot": "ur5", "value": 5.0, "use": "yes"}
+    total = {"robot": "ur5", "value": 5.0, "use": "yes", "load": 1.0}
     rows = [
         total | {"joint": joint, "parameter": f"total_{speed}", "low": 5 - half, "high": 5 + half}
         for joint, half in ((1, 1.0), (2, 6.0))
@@ -98,6 +110,9 @@ def test_4_the_total_of_friction_is_what_is_judged() -> None:
     widest, known = verdicts_of(study(friction=rows), "friction")
     assert (widest.value, widest.joint, widest.motion) == (20.0, 1, "at 0 rad/s")
     assert (known.count, known.of, known.reason) == (4, 8, "undetermined")
+    rows[4] |= {"use": "no", "determined": "no"}
+    first, second = tables_of(study(friction=[*rows, constant(1, 10.0)]))["friction-totals"]
+    assert (first["at 0+ rad/s"], second["at 0+ rad/s"]) == ("5 (4 to 6)", "undetermined")
 
 
 def test_5_gains_of_unknown_links_are_not_known() -> None:
@@ -105,7 +120,7 @@ def test_5_gains_of_unknown_links_are_not_known() -> None:
     results = study(friction=rows)
     assert state(results, "constants") == ("not determined", "unknown_links")
     assert len(verdicts_of(results, "constants")) == 1  # no width, no distance
-    assert "95 %" not in " ".join(result(results))
+    assert "95 %" not in card_of(results, "constants")
 
 
 def test_6_a_floor_is_compared_with_the_error_of_the_same_repeats() -> None:
@@ -126,6 +141,9 @@ def test_7_the_worst_number_is_shown_where_another_decides() -> None:
     first, worst, *_ = verdicts_of(study(current_rmse=rows), "currents")
     assert (first.joint, first.reason, first.state) == (5, "rival_equal", "usable")
     assert (worst.joint, worst.value, worst.rank) == (4, 0.4, 2)
+    told = plain(page_of(study(current_rmse=rows)).get_element_by_id("currents").text_content())
+    assert "err most on joint 4, relative to a constant: 0.400 A" in told
+    assert "Joint 5 decides: simple method equal." in told
 
 
 def test_7_the_largest_error_is_of_all_states() -> None:
@@ -152,10 +170,9 @@ def test_9_without_a_contact_the_page_says_what_would_have_been_seen() -> None:
     hardest, easier, easiest = verdicts_of(results, "pushes")
     assert (hardest.value, hardest.quantity) == (2943.0, "trial push of 1 s not found")
     assert (easier.value, easiest.value, easiest.motion) == (182.0, 182.0, "fast")
-    (told,) = result(results)
-    assert "from 182 N on at best, not even of 2943 N in the worst motion" in told.replace(
-        "\u00a0", " "
-    )
+    told = headline_of(page_of(results))
+    assert "from 182 N at best" in told
+    assert "not even at 2940 N" in told
 
 
 def test_10_nothing_is_judged_by_next_to_nothing() -> None:
@@ -179,6 +196,11 @@ def test_11_found_merged_and_missed_are_all_on_every_page() -> None:
     assert rows["contacts missed, the largest"].count == noticed.missed
     assert rows["error of the peak of found contacts, mean"].value == pytest.approx(-10.0)
     assert noticed.peak_bias == pytest.approx(-0.1)
+    (line,) = tables_of(results)["noticed"]
+    assert (line["found"], line["missed at [s]"], line["merged at [s]"]) == (
+        *("1 of 3", "10.0", "20.0"),
+    )
+    assert "1 of 3" in card_of(results, "contacts")
 
 
 @pytest.mark.parametrize("blind", [0.4, 0.93])
@@ -200,10 +222,7 @@ def test_13_the_rival_is_judged_by_the_same_sum_with_its_own_worst_place() -> No
     assert state(results, "force") == ("good", "")
     first = verdicts_of(results, "force")[0]
     assert (first.value, first.rival_value) == (3.5, 18.0)
-    (told,) = result(results)
-    assert "least squares without a contact detector by 18.0 N at its worst" in told.replace(
-        "\u00a0", " "
-    )
+    assert "least squares without a detector at its worst: 18.0 N" in card_of(results, "force")
     better = study(force_mae=ours + [row | {"mae": 1.0} for row in theirs])
     assert state(better, "force") == ("usable", "rival_better")
 

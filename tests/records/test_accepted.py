@@ -14,6 +14,7 @@ from tests.current_study import CONSTANT, noisy, prior, smooth
 from tests.made_records import motion_of
 from tests.made_study import study as results_of
 from tests.synthetic import poor_log
+from tests.typeset_page import page_of, plain
 from ur5lib.channels import columns
 from ur5lib.errors import InputError
 from ur5lib.identification.prior import Prior
@@ -21,8 +22,8 @@ from ur5lib.identification.regression import Normal
 from ur5lib.records.accepted import ACCEPTED, accepting, up_to_first_standing
 from ur5lib.records.quality import Contradictions, contradiction
 from ur5lib.records.wording import worded
-from ur5lib.report.views.cards import cards
-from ur5lib.report.views.recordings import accepted
+from ur5lib.report.found import findings
+from ur5lib.report.results import Results
 from ur5lib.robots.description import Robot
 from ur5lib.steps.compute_torques import compute_torques
 from ur5lib.steps.fit_friction import ContradictionError, fitted_friction, require_no_stop_sign
@@ -176,22 +177,31 @@ def test_accepted_torque_constants_are_fitted_and_remarked() -> None:
 # The report
 
 
-def test_cards_and_sections_name_the_reason() -> None:
+def accepted_on(*names: str, detail: str) -> Results:
     warning = asdict(accepting(Contradictions([ORDER]), {"order": REASON}).findings[0])
-    detail = f"accepted by the study: {REASON}; found: joints 1 and 3"
     row = {key: warning[key] for key in ("device", "finding", "severity", "count")}
-    results = results_of(quality=[row | {"recording": "pushed", "detail": detail}])
-    assert [*accepted(results)] == [f"On pushed, {detail}."]
-    shown = cards(results)
-    assert len(shown) > 2
-    assert all(REASON in " ".join(card.accepted) for card in shown)
-    assert [*accepted(results_of())] == []
+    return results_of(quality=[row | {"recording": name, "detail": detail} for name in names])
+
+
+def test_first_screen_and_section_name_the_reason() -> None:
+    detail = f"accepted by the study: {REASON}; found: joints 1 and 3"
+    results = accepted_on("pushed", detail=detail)
+    page = page_of(results)
+    said = plain(page.get_element_by_id("recordings").text_content())
+    assert f"The study overrules a stop sign on R3 pushed: {detail}." in said
+    (card,) = page.xpath("//article[@data-question='recordings']")
+    assert "The study overrules a stop sign." in plain(card.text_content())
+    assert any(REASON in told and "“pushed”" in told for told in findings(results))
+    assert "overrules" not in plain(page_of(results_of()).text_content())
 
 
 def test_of_many_reasons_the_first_are_told() -> None:
     quality = [
-        {"recording": f"run_{k}", "finding": ACCEPTED, "severity": "warning", "detail": str(k)}
+        {"recording": "seen", "finding": ACCEPTED, "severity": "warning", "device": "robot"}
+        | {"detail": f"accepted by the study: reason {k}; found: it", "count": 0}
         for k in range(9)
     ]
-    *told, more = accepted(results_of(quality=quality))
-    assert (len(told), more.split()[0]) == (4, "5")
+    page = page_of(results_of(quality=quality))
+    said = plain(page.get_element_by_id("recordings").text_content())
+    assert said.count("The study overrules a stop sign on") == 4
+    assert "It overrules 5 more" in said

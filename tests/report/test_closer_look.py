@@ -6,7 +6,7 @@ import hashlib
 import json
 import re
 import zlib
-from base64 import b64decode, b64encode
+from base64 import b64decode
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -19,6 +19,8 @@ from tests.artefacts.documents import NARROW, browser
 from tests.artefacts.drawn_arm import VIEWS, check_drawn
 from tests.house.test_seven_joints import JOINTS, arm
 from tests.made_records import signals_of, stretch
+from tests.made_study import study
+from tests.typeset_page import sources
 from ur5lib.records.currents import Currents
 from ur5lib.records.forces import Forces, SensorWrenches
 from ur5lib.records.scene import Scene
@@ -33,9 +35,8 @@ from ur5lib.report.figures.traces import (
     Traces,
     draw_traces,
 )
-from ur5lib.report.page.closer import LEVELS, VENDORED, packed_lines, packed_scenes, scripts
-from ur5lib.report.page.document import Document, Picture, Section
-from ur5lib.report.page.render import html_page
+from ur5lib.report.page.closer import LEVELS, VENDORED, packed_lines
+from ur5lib.report.page.typeset import html_page
 from ur5lib.tables import read_csv, write_json, write_text
 
 LENGTH = 60.0  # s
@@ -83,13 +84,30 @@ def pushed(role: str = "contact", read: float | None = 1.0) -> Scene:
     return arm_scene(arm(), signals, currents, forces, sensor, {"Fmap": 0.0}, role)
 
 
-def under_policy(page: str) -> str:
-    """A page that runs its scripts alone, and asks for nothing; its own handlers are left out."""
-    sums = [b64encode(hashlib.sha256(one.encode()).digest()).decode() for one in scripts()]
-    allowed = " ".join(f"'sha256-{one}'" for one in sums)
-    policy = f"default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src {allowed}"
-    meta = f'<meta http-equiv="Content-Security-Policy" content="{policy}">'
-    return re.sub(r' onclick="[^"]*"', "", page.replace("<head>", f"<head>{meta}", 1))
+SECTION = """
+#import "/kit/page.typ": *
+#let (id, title, order) = ("one", "One", 1)
+#let alt = "Force and estimate along x, y, z over a minute."
+#let report() = [%s]
+"""
+FIGURE = """
+#figure-of("{path}", name: "{name}", replay: "{of}", open: {open}, caption: [Of it.], alt: alt)
+"""
+
+
+def write_page(folder: Path, **paths: str) -> Path:
+    """Write the page of a report with figures by name, the first of which is open."""
+    with sources(replace(study(), figures=folder)) as root:
+        (root / "sections").unlink()
+        drawn = [
+            FIGURE.format(path=path, name=name, of=path.split("/")[0], open=str(not k).lower())
+            for k, (name, path) in enumerate(paths.items())
+        ]
+        write_text(SECTION % "".join(drawn), root / "sections" / "one.typ")
+        known = json.loads((root / "data" / "study.json").read_text())
+        write_json(known | {"sections": ["/sections/one.typ"]}, root / "data" / "study.json")
+        write_text(html_page(root), folder / "report.html")
+    return folder / "report.html"
 
 
 def unpacked(text: str) -> dict[str, Any]:
@@ -193,19 +211,14 @@ def test_what_touches_the_arm_is_marked() -> None:
 
 @pytest.fixture(scope="module")
 def report(figures: Path) -> Path:
-    words = "Force and estimate along x, y, z over a minute."
-    forces, currents = (figures / "pushed" / f"{name}.svg" for name in ("forces", "currents"))
-    others = figures / "still" / "currents.svg"
-    pictures = [
-        Picture("Forces.", forces, words, "forces", "a.csv", "draw", "pushed"),
-        Picture("Currents.", currents, words, "currents", "b.csv", "draw", "pushed"),
-        Picture("Others.", others, words, "others", "b.csv", "draw", "still"),
-    ]
-    sections = [Section("First", pictures[:1]), Section("Others", [*pictures[1:]])]
-    document = Document("Report", "Of a test.", sections).numbered()
-    assert packed_scenes(document.as_data()).keys() == {"pushed"}
-    write_text(under_policy(html_page(document)), figures / "report.html")
-    return figures / "report.html"
+    paths = {"forces": "pushed/forces", "currents": "pushed/currents", "others": "still/currents"}
+    return write_page(figures, **paths)
+
+
+def test_a_page_holds_each_arm_once_and_only_those_it_shows(report: Path) -> None:
+    text = report.read_text()
+    assert text.count('data-scene="pushed"') == 1
+    assert text.count("data-scene=") == 1
 
 
 @pytest.fixture(scope="module")
@@ -262,10 +275,10 @@ def opened(page: Any, name: str) -> Any:
 def test_the_first_screen_shows_the_arm_beside_its_curves(page: Any) -> None:
     """Without a click, and filling at least half of its canvas."""
     page.wait_for_function(SIZED, arg="forces")
-    parts = (".arm > canvas", ".plots")
-    canvas, plots = (page.locator(f"#forces {one}").bounding_box() for one in parts)
+    parts = ("", ".arm > canvas", ".plots")
+    whole, canvas, plots = (page.locator(f"#forces {one}").bounding_box() for one in parts)
     assert canvas["x"] + canvas["width"] < plots["x"]
-    assert max(one["y"] + one["height"] for one in (canvas, plots)) < 900
+    assert max(one["y"] + one["height"] for one in (canvas, plots)) - whole["y"] < 800
     check_filled(page)
     assert page.is_visible("#others img")
 
@@ -474,14 +487,10 @@ def test_contacts_are_marked_on_the_line_of_time(page: Any) -> None:
 def page_of(figure: Path, scene: Scene, chromium: Any) -> Any:
     """The page of a report with one figure and its recording's arm, both opened."""
     write_json(scene, figure.with_name("scene.json"))
-    words = ("Forces.", "forces", "a.csv", "draw", figure.parent.name)
-    document = Document(
-        "Report", "Of a test.", [Section("First", [Picture("Forces.", figure, *words)])]
-    )
-    report = figure.with_name("report.html")
-    write_text(under_policy(html_page(document.numbered())), report)
+    folder = figure.parents[1]
+    path = str(figure.relative_to(folder).with_suffix(""))
     page = chromium.new_page()
-    page.goto(report.as_uri())
+    page.goto(write_page(folder, forces=path).as_uri())
     opened(page, "forces")
     return page
 

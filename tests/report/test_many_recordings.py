@@ -5,19 +5,13 @@ from dataclasses import replace
 import pandas as pd
 import pytest
 
+from tests.made_study import judged_anew, predicted
 from tests.made_tables import empty
+from tests.typeset_page import page_of, tables_of
 from ur5lib.errors import InputError
 from ur5lib.judging.recordings import judge_recordings
-from ur5lib.report.page.compose import compose
-from ur5lib.report.page.document import (
-    MOST_ROWS,
-    DeclaredSection,
-    Document,
-    Picture,
-    TableBlock,
-    contents,
-)
-from ur5lib.report.results import Results
+from ur5lib.report.results import MOST_ROWS, Results
+from ur5lib.study.model import Settings
 from ur5lib.tidy import columns
 
 MANY = 2 * (MOST_ROWS + 1)
@@ -36,52 +30,47 @@ def made(count: int = MANY) -> Results:
     filled = {
         "recordings": {"frames": 1000, "duration_s": 10.0, "moving_joints": "1 2", "devices": ""},
         "payload": {"mass": 0.5, "taken": "no"},
-        "current_rmse": {"model": "fitted", "joint": 1, "rmse_lowpassed": 0.1, "r2": 0.0},
+        "current_rmse": predicted(0.1)[0] | {"recording": None},
         "detection": {"estimate": "Fmap", "alarms_per_min": 2.0},
     }
     tables = {name: empty(name).astype(object) for name in columns()} | {
-        name: used.assign(**row).reindex(columns=empty(name).columns)
+        name: pd.DataFrame(row, used.index).assign(**used).reindex(columns=empty(name).columns)
         for name, row in filled.items()
     }
     lost = {"device": "robot", "finding": "lost frames", "severity": "warning", "detail": "lost"}
     tables["quality"] = pd.DataFrame([{"recording": LOST, "count": 50, "place": ""} | lost])
     tables["payload"].loc[used["recording"] == LOADED, "taken"] = "yes"
-    study = {"study": "s", "title": "t", "recordings": entries}
-    return Results(study, tables)
+    settings = Settings().model_dump()
+    study = {"study": "s", "title": "t", "recordings": entries, "settings": settings}
+    return judged_anew(Results(study, tables))
 
 
-SHOWN = [
-    DeclaredSection.model_validate(part)
-    for part in (
-        {"title": "First", "blocks": [{"sentences": "recordings.pages"}]},
-        {"title": "Runs", "blocks": [{"table": "recordings.a",
-         "caption": "", "columns": {"run": "recording"}},
-         {"table": "current_rmse.b",
-          "caption": "", "columns": {"joint": "joint", "on": "recording"}},
-        ]},
-    )
-]  # fmt: skip
+def test_many_recordings_have_no_row_each() -> None:
+    """The gravest are named, with the command that makes the page of one."""
+    results = made()
+    shown = tables_of(results)
+    assert max(map(len, shown.values())) < MOST_ROWS
+    named = [row["recording"].split()[-1] for row in shown["legend"]]
+    assert LOST in named[:2]
+    section = page_of(results).get_element_by_id("recordings")
+    assert "runs/run_0.html" in section.text_content()
 
 
-@pytest.fixture
-def document() -> Document:
-    return compose(SHOWN, made())
+def test_the_details_say_how_many_rows_a_table_leaves_out() -> None:
+    page = page_of(made(), "details")
+    (table,) = page.xpath("//div[@id='legend']")
+    assert len(table.xpath(".//tbody/tr")) == MOST_ROWS
+    assert f"The first {MOST_ROWS} of {MANY} rows." in table.text_content()
+    assert not page.xpath("//div[@id='files-read']")
 
 
-def test_many_recordings_have_no_row_each(document: Document) -> None:
-    assert [*shown_tables(document)] == ["current_rmse.b"]  # its rows are joints
-    assert [*shown_tables(compose(SHOWN, made(MOST_ROWS)))] == ["recordings.a", "current_rmse.b"]
+def test_few_recordings_have_a_row_each() -> None:
+    assert len(tables_of(made(MOST_ROWS))["legend"]) == MOST_ROWS
 
 
-def test_no_cell_leads_to_a_page_that_was_not_made(document: Document) -> None:
-    links = {
-        cell.link for table in shown_tables(document).values() for row in table.rows for cell in row
-    }
-    assert links == {""}
-
-
-def shown_tables(document: Document) -> dict[str, TableBlock]:
-    return {block.label: block for block in document.blocks() if isinstance(block, TableBlock)}
+def test_no_cell_leads_to_a_page_that_was_not_made() -> None:
+    links = page_of(made()).xpath("//table//a/@href[not(starts-with(., 'tables/'))]")
+    assert links == []
 
 
 def test_a_file_that_cannot_be_used_is_no_good_data() -> None:
@@ -99,10 +88,15 @@ def test_what_was_left_out_has_no_page() -> None:
 
 
 def test_a_page_shows_one_recording_alone() -> None:
+    """Under the number that it has in the report."""
     own = made().of_run(LOST)
     assert own.roles() == {LOST: "validate"}
     assert {name for table in own.tables.values() for name in table.get("recording", ())} == {LOST}
-    page = compose(contents().run, own)
-    assert page.title == f"{LOST}, t"
-    shown = [block for block in page.blocks() if isinstance(block, TableBlock | Picture)]
-    assert {"recordings", "quality.causes"} <= {block.label for block in shown}
+    page = page_of(own, "run")
+    assert page.find(".//h1").text_content() == f"{LOST}, t"
+    shown = tables_of(own, "run")
+    (read,) = shown["files-read"]
+    assert read["recording"] == f"R8 {LOST}"
+    (cause,) = shown["causes"]
+    assert (cause["finding"], cause["severity"]) == ("lost frames", "warning")
+    assert {f"run_{k}" for k in range(MANY)} & {*page.text_content().split()} <= {LOST}

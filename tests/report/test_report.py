@@ -1,6 +1,6 @@
-"""The report: one content, two documents, safe from what stands in the data."""
+"""The report: safe from what its data contain, right in the tables that mislead most easily."""
 
-import math
+import json
 import re
 import zipfile
 from dataclasses import asdict
@@ -12,106 +12,106 @@ from urllib.parse import unquote
 import numpy as np
 import pandas as pd
 import pytest
+import typst
 from lxml import etree
-from lxml.html import fromstring
+from lxml.html import HtmlElement, fromstring
 
-from tests.artefacts.documents import check_digits, stated
-from tests.made_tables import empty, table
-from ur5lib.errors import remark
+from tests.artefacts.documents import check_digits
+from tests.made_study import finding, judged_anew, study
+from tests.made_tables import table
+from tests.report.illustrated import EVERY, illustrated
+from tests.typeset_page import page_of, plain, sources, tables_of
+from ur5lib.errors import InputError, remark
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.signals import Signals
 from ur5lib.report.figures.house_style import save
 from ur5lib.report.figures.traces import TORQUE_PANELS, Traces, draw_traces
-from ur5lib.report.page.compose import shown_table
-from ur5lib.report.page.document import (
-    Cell,
-    Code,
-    Document,
-    Heading,
-    Items,
-    Mention,
-    Paragraph,
-    Picture,
-    Section,
-    TableBlock,
-)
-from ur5lib.report.page.render import html_page, pdf_document
-from ur5lib.report.page.sentences import cell
-from ur5lib.report.page.tabulated import extremes
+from ur5lib.report.page.typeset import html_page, pdf_document
 from ur5lib.report.results import Results
-from ur5lib.report.views.contacts import (
-    counted,
-    elsewhere,
-    undetermined_moments,
-)
-from ur5lib.report.views.currents import loaded, remarks
-from ur5lib.report.views.first_screen import _each, left_out_fits
 from ur5lib.steps.write_report import archived
-from ur5lib.tables import write_bytes, write_text
+from ur5lib.tables import write_text
 from ur5lib.tidy import forces, friction, models
 
-HOSTILE = '<script>alert("x")</script> & #set page(width: 1mm) $x$ *y* \\ `z` {{ 7 * 7 }}'
+HOSTILE = '<script>alert("x")</script> & #set page(width: 1mm) $x$ *y* \\ {{ 7 * 7 }} </table> <b>'
+TEXTS = ["p", "li", "td", "th", "figcaption", "caption", "h2", "h3"]
 
 
-@pytest.fixture
-def picture(tmp_path: Path) -> Path:
-    time = np.linspace(0, 1, 50)
-    values = np.outer(np.sin(time), np.ones(6))
-    series = {"a": (values, "measured"), "b": (2 * values, "joint")}
-    save(draw_traces(Traces(time, series), TORQUE_PANELS), tmp_path / "figure.svg")
-    return tmp_path / "figure.svg"
+# Text from outside
 
 
-@pytest.fixture
-def document(picture: Path) -> Document:
-    rows = [[Cell(HOSTILE), Cell("0.5", "lowest")]]
-    blocks = [
-        Paragraph([HOSTILE, Mention("later")]),
-        Heading(HOSTILE),
-        Items([HOSTILE], numbered=True),
-        TableBlock(HOSTILE, ["joint", "mae"], rows, "first"),
-        Picture(HOSTILE, picture, HOSTILE, "picture", "figures/a.csv", "draw_figures"),
-        TableBlock(HOSTILE, ["joint", "mae"], rows, "later", "tables/a.csv"),
-        Code(HOSTILE),
-    ]
-    return Document(HOSTILE, HOSTILE, [Section(HOSTILE, blocks)], HOSTILE).numbered()
+def hostile() -> Results:
+    """A study whose files, findings, remarks and columns are named to do harm."""
+    where = {"recording": "seen"}
+    made = study(
+        **EVERY,
+        quality=[
+            finding("stop", "contradiction", detail=HOSTILE, place=""),
+            finding("note", HOSTILE),
+        ],
+        remarks=[
+            {"robot": "ur5", "step": "friction", "joint": 2, "code": "x", "remark": HOSTILE},
+            {"robot": "ur5", "step": HOSTILE, "code": "x", "remark": HOSTILE},
+        ],
+        account=[where | dict.fromkeys(("subject", "taken_for", "reason", "evidence"), HOSTILE)],
+        files=[where | {"file": HOSTILE, "sha256": "0" * 64}],
+        clocks=[where | {"device": HOSTILE, "method": HOSTILE}],
+    )
+    return judged_anew(made, study={**made.study, "title": HOSTILE}, commit=HOSTILE)
 
 
-def test_tables_and_figures_are_counted_and_mentioned_by_their_number(document: Document) -> None:
-    first, *blocks = document.blocks()
-    assert isinstance(first, Paragraph)
-    assert first.spans[1] == Mention("later", "Table 2")
-    assert [block.number for block in blocks if isinstance(block, TableBlock | Picture)] == [
-        1,
-        1,
-        2,
-    ]
+@pytest.fixture(scope="module")
+def attacked() -> dict[str, HtmlElement]:
+    pages = ("report", "details")
+    with sources(hostile()) as root:
+        return {page: fromstring(html_page(root, page)) for page in pages}
+
+
+@pytest.mark.parametrize(("page", "least"), [("report", 7), ("details", 7)])
+def test_html_shows_text_from_outside_as_text(
+    attacked: dict[str, HtmlElement], page: str, least: int
+) -> None:
+    shown = attacked[page]
+    own = page_of(study(**EVERY), page)
+    assert plain(shown.text_content()).count(HOSTILE) >= least
+    for tag in ("script", "em", "style", "meta"):
+        assert len([*shown.iter(tag)]) == len([*own.iter(tag)]), tag
+    assert not [one for one in shown.iter("b") if one.getparent().get("class") != "number"]
+    assert shown.find(".//title").text == HOSTILE
+
+
+def test_pdf_is_made_from_text_from_outside() -> None:
+    with sources(hostile()) as root:
+        assert pdf_document(root).startswith(b"%PDF")
 
 
 def test_a_mention_of_nothing_is_an_error() -> None:
-    lost = Document("", "", [Section("", [Paragraph([Mention("lost")])])])
-    with pytest.raises(KeyError, match="lost"):
-        lost.numbered()
+    with sources(study()) as root:
+        (root / "sections").unlink()
+        write_text(
+            '#import "/kit/page.typ": *\n#let (id, title, order) = ("lost", "Lost", 1)\n'
+            '#let report() = [#see("lost-table") has it.]\n',
+            root / "sections" / "recordings.typ",
+        )
+        listed = json.loads((root / "data" / "study.json").read_text())
+        listed["sections"] = ["/sections/recordings.typ"]
+        write_text(json.dumps(listed), root / "data" / "study.json")
+        with pytest.raises(InputError, match="empty"):
+            html_page(root)
 
 
-def test_html_shows_text_from_outside_as_text(document: Document, tmp_path: Path) -> None:
-    write_text(html_page(document), tmp_path / "report.html")
-    page = fromstring((tmp_path / "report.html").read_text())
-    scripts = [element.attrib for element in page.iter("script")]
-    assert scripts == [{"type": "text/plain"}, {}, {}]  # the figure's lines, uPlot, what uses it
-    # title, notice, 3 headings, subtitle, 2 contents, paragraph, item, 3 captions, 2 cells, code
-    assert page.text_content().count(HOSTILE) == 16
-    (image,) = page.iter("img")
-    assert image.get("alt") == HOSTILE
-    assert image.get("src").startswith("data:image/svg+xml,<?xml")
-    assert "▼ 0.5" in page.text_content()  # a mark is more than a colour
+# Figures and tables as such
 
 
-def test_a_figure_in_the_page_is_its_file_without_what_nobody_sees(
-    document: Document, picture: Path
-) -> None:
+def test_a_figure_in_the_page_is_its_file_without_what_nobody_sees(tmp_path: Path) -> None:
     """Smaller, with all drawn parts, and what these refer to."""
-    (image,) = fromstring(html_page(document)).iter("img")
+    results = illustrated(tmp_path)
+    time = np.linspace(0, 1, 50)
+    values = np.outer(np.sin(time), np.ones(6))
+    picture = tmp_path / "seen" / "currents.svg"
+    series = {"a": (values, "measured"), "b": (2 * values, "joint")}
+    save(draw_traces(Traces(time, series), TORQUE_PANELS), picture)
+    figure = page_of(results, "details").get_element_by_id("seen-currents")
+    (image,) = figure.iter("img")
     shown = etree.fromstring(unquote(image.get("src").split(",", 1)[1]).encode())
     file = etree.parse(picture).getroot()
     drawn = [[*one.iter("{*}path", "{*}use", "{*}image")] for one in (file, shown)]
@@ -122,63 +122,43 @@ def test_a_figure_in_the_page_is_its_file_without_what_nobody_sees(
     assert {*re.findall(r"(?:url\(|href=\")#([\w-]+)", text)} <= names
 
 
-def test_no_line_breaks_within_a_number() -> None:
-    words = "10.3 ± 0.7 Nm, 4 % of 3 A"
-    rows = [[Cell("joint 1"), Cell("8.19 ± 0.60 (prior)")]]
-    blocks = [Paragraph([words]), Items([words]), TableBlock("", ["joint", "k"], rows), Code(words)]
-    page = fromstring(html_page(Document("t", "", [Section("First", blocks)])))
-    check_digits(one.text_content() for one in page.iter("p", "li", "td"))
-    assert words in page.text_content()  # as typed, to be copied
-
-
-def test_pdf_is_made_from_text_from_outside(document: Document, tmp_path: Path) -> None:
-    write_bytes(pdf_document(document), tmp_path / "report.pdf")
-    pdf = (tmp_path / "report.pdf").read_bytes()
-    assert pdf.startswith(b"%PDF")
-    write_bytes(pdf_document(document), tmp_path / "again.pdf")
-    assert (tmp_path / "again.pdf").read_bytes() == pdf
-
-
-def test_extremes_are_marked_where_values_differ() -> None:
-    low, middle, high = ("A",), ("B",), ("C",)
-    marks = {low: "lowest", middle: None, high: "highest"}
-    values = {low: (1.0, "1.0"), middle: (2.0, "2.0"), high: (3.0, "3.0")}
-    assert extremes(values) == extremes(values, zero=1.1) == marks
-    assert extremes(values, zero=0.9) == marks | {low: None}
-    assert extremes({low: (1.0, "1.0"), middle: (1.01, "1.0")}) == {low: None, middle: None}
-    assert extremes(values | {middle: (1.01, "1.0")}) == marks | {low: None}
-
-
-@pytest.mark.parametrize(
-    ("template", "value", "text"),
-    [
-        ("value | fixed(3)", 1.23456, "1.235"),
-        ("value | fixed(1)", -1.5, "−1.5"),
-        ("value | fixed(3)", math.nan, "–"),
-        ("value | with_error(value)", math.nan, "–"),
-        ("value | signed(1, ' %')", -0.5, "−0.5 %"),
-        ("value | signed(2)", 0.5, "+0.50"),
-        ("value | signed(1)", -0.04, "0.0"),
-        ("{{ value }} of 2", 1, "1 of 2"),
-        ("value if value is known else none", math.nan, None),
-        ("value | significant(2)", 46771.7, "47000"),
-        ("value | significant(2)", 99.6, "100"),
-        ("value | significant(2)", 0.00134, "0.0013"),
-        ("value | joints", [2], "joint 2"),
-        ("value | joints", [4, 5], "joints 4, 5"),
-        ("value | joints", [1, 2, 3, 4, 5, 6], "joints 1 to 6"),
-    ],
-)
-def test_cells_show_sign_absence_and_no_exponent(template: str, value: Any, text: str) -> None:
-    assert cell(template, {"value": value}) == text
+def test_numbers_have_a_meaning_and_no_line_breaks_within_one() -> None:
+    for page in ("report", "details"):
+        texts = [one.text_content() for one in page_of(study(**EVERY), page).iter(*TEXTS)]
+        assert len(texts) > 100
+        check_digits(texts)
 
 
 def test_columns_of_numbers_stand_right() -> None:
-    rows = [[Cell("Fx [N]"), Cell("−1.5"), Cell("–")], [Cell("Fy [N]"), Cell("2"), Cell("3 %")]]
-    assert TableBlock("", ["", "", ""], rows).alignment() == ["left", "right", "right"]
+    page = page_of(study(**EVERY))
+    (shown,) = page.xpath("//div[@id='force-decided']/table")
+    classes = {plain(one.text_content()): one.get("class") for one in shown.iter("th")}
+    assert classes["recording"] != "right"
+    assert classes["error"] == classes["95 %"] == "right"
+    assert {one.get("class") for one in shown.xpath(".//tr/td[2]")} == {"right"}
 
 
-# Tables of results
+CASES = {
+    '(1.0, 2.0, 3.0), ("1.0", "2.0", "3.0")': "▼ |-|▲ ",
+    '(1.0, 2.0, 3.0), ("1.0", "2.0", "3.0"), zero: 1.1': "▼ |-|▲ ",
+    '(1.0, 2.0, 3.0), ("1.0", "2.0", "3.0"), zero: 0.9': "-|-|▲ ",
+    '(1.0, 1.01), ("1.0", "1.0")': "-|-",
+    '(1.0, 1.01, 3.0), ("1.0", "1.0", "3.0")': "-|-|▲ ",
+    '(none, 2.0, 3.0), (none, "2.0", "3.0")': "-|▼ |▲ ",
+}
+
+
+def test_extremes_are_marked_where_values_differ() -> None:
+    """No smallest error that an estimate of zero beats, and none of equal texts."""
+    with sources(study()) as root:
+        lines = [f"#metadata(marks({case})) <case>" for case in CASES]
+        write_text("\n".join(['#import "/kit/page.typ": *', *lines]), root / "cases.typ")
+        found = json.loads(typst.query(root / "cases.typ", "<case>", field="value", root=root))
+    shown = ["|".join(one or "-" for one in marks).replace("\u00a0", " ") for marks in found]
+    assert shown == [*CASES.values()]
+
+
+# Torques
 
 
 def torque_tables() -> tuple[Signals, Torques]:
@@ -196,7 +176,7 @@ def torque_tables() -> tuple[Signals, Torques]:
 
 
 def torque_errors() -> pd.DataFrame:
-    return table(models.torque_mae, {"run": torque_tables()})
+    return table(models.torque_mae, {"seen": torque_tables()})
 
 
 def test_torque_errors_leave_out_invented_frames() -> None:
@@ -206,34 +186,14 @@ def test_torque_errors_leave_out_invented_frames() -> None:
     assert rows["zero_mae"].eq(1.0).all()
 
 
-def shown(name: str, results: Results, of: str = "") -> list[dict[str, str]]:
-    """The lines of a table of the report: the text of each cell by its header."""
-    header, rows = shown_table(name, results, of)
-    return [dict(zip(header, (cell.text for cell in row), strict=True)) for row in rows]
-
-
 # Contacts
 
 
-def searched(name: str, contacts: pd.DataFrame) -> Results:
-    """One contact recording without a force sensor, and the contacts found on it."""
-    tables = {
-        "contacts": contacts,
-        "force_mae": pd.DataFrame({"recording": []}),
-        "detection": pd.DataFrame([{"recording": name, "estimate": "Fmap"}]),
-    }
-    return Results({"recordings": [{"name": name, "role": "contact"}]}, tables, Path())
-
-
-def contact_rows(name: str, alarms: list) -> pd.DataFrame:
-    return table(forces.contacts, {name: {"Fmap": {"raised": alarms}}})
-
-
-def test_a_recording_without_contacts_is_told_too() -> None:
-    results = searched("quiet", empty("contacts"))
-    (told,) = counted(results)
-    assert "quiet" in told
-    assert stated(told) == []
+def with_rows(**tables: pd.DataFrame) -> Results:
+    """A judged study with tables of steps."""
+    made = study()
+    whole = {name: own.reindex(columns=made.tables[name].columns) for name, own in tables.items()}
+    return judged_anew(made, tables={**made.tables, **whole})
 
 
 def alarm(start: float, force: list[float], **more: Any) -> dict[str, Any]:
@@ -242,38 +202,34 @@ def alarm(start: float, force: list[float], **more: Any) -> dict[str, Any]:
     return times | {"force": force, "force_std": [1, 2, 3], "q": [0.0, 1.0]} | more
 
 
-def test_contacts_without_a_sensor_are_told_with_their_force() -> None:
-    rows = contact_rows("pushed", [alarm(1.0, [3.0, 0.0, -4.04]), alarm(7.0, [1.0, 0.0, 0.0])])
-    results = searched("pushed", rows)
-    assert [*map(stated, counted(results))] == [[2]]
-    first, second = shown("contacts", results, "pushed")
-    assert [*first.values()][:3] == ["1.00\u00a0to\u00a02.00", "1.50", "3.0 ± 1.0"]
+def contacts_of(alarms: list[dict[str, Any]]) -> list[dict[str, str]]:
+    """The table of contacts on a recording without a force sensor."""
+    found = table(forces.contacts, {"pushed": {"Fmap": {"raised": alarms}}})
+    detection = pd.DataFrame([{"recording": "pushed", "estimate": "Fmap"}])
+    shown = tables_of(with_rows(contacts=found, detection=detection), "details")
+    return shown["contacts-pushed"]
+
+
+def test_contacts_without_a_sensor_have_their_force_with_its_error() -> None:
+    first, second = contacts_of([alarm(1.0, [3.0, 0.0, -4.04]), alarm(7.0, [1.0, 0.0, 0.0])])
+    assert [*first.values()][:3] == ["1.00 to 2.00", "1.50", "3.0 ± 1.0"]
+    assert (first["Fy [N]"], first["Fz [N]"]) == ("0.0 ± 2.0", "−4.0 ± 3.0")
     assert second["Fx [N]"] == "1.0 ± 1.0"
 
 
-def test_contacts_off_the_flange_are_marked_and_counted() -> None:
+def test_contacts_off_the_flange_are_marked() -> None:
     rows = [alarm(float(k), [5.0 + k, 0, 0], off_flange=k == 1) for k in range(2)]
-    results = searched("pushed", contact_rows("pushed", rows))
-    lines = shown("contacts", results, "pushed")
-    assert [line["not at the flange"] for line in lines] == ["–", "×"]
-    (told,) = elsewhere(results)
-    assert "1 of 2" in told
-    assert [*elsewhere(searched("held", contact_rows("held", rows[:1])))] == []
+    assert [line["remark"] for line in contacts_of(rows)] == ["", "not at the flange"]
 
 
 def test_a_load_taken_up_is_no_contact() -> None:
     lifted = {"kind": "load", "load_mass": 2.04, "load_mass_std": 0.05}
     down = [0.0, 0.0, -20.0]
-    rows = contact_rows("grasp", [alarm(4.0, down), alarm(4.0, down, **lifted)])
-    results = searched("grasp", rows)
-    assert [*map(stated, counted(results))] == [[1]]
-    taken_up = results.rows("contacts", kind="load")
-    assert [*map(stated, _each("findings.load taken up", taken_up))] == [[2.04, 0.05]]
-    lines = shown("contacts", results, "grasp")
+    lines = contacts_of([alarm(4.0, down), alarm(4.0, down, **lifted)])
     assert [line["load [kg]"] for line in lines] == ["–", "2.040 ± 0.050"]
 
 
-# Forces beside the sensor
+# Forces next to the sensor
 
 WRENCH = ["Fx", "Fy", "Fz", "nx", "ny", "nz"]
 
@@ -296,23 +252,16 @@ def force_summary() -> dict:
     return {"errors": kinds}
 
 
-def force_results() -> Results:
-    rows = table(forces.force_mae, {"run": force_summary()})
-    study = {"recordings": [{"name": "run", "robot": "ur5"}]}
-    return Results(study, {"force_mae": rows}, Path())
-
-
 def test_what_is_not_certainly_better_than_none_is_undetermined() -> None:
-    results = force_results()
+    results = with_rows(force_mae=table(forces.force_mae, {"pushed": force_summary()}))
     rows = results.rows("force_mae", kind="compensated").set_index("estimate")
     known = rows.loc["Fmap"].groupby("component")["determined"].unique().map(list)
     assert {name for name, told in known.items() if told == ["no"]} == {"ny", "nz"}
     assert rows.loc["Fu", "determined"].isna().all()
-    told = {line["component"]: line["F̂ᵐᵃᵖ"] for line in shown("force_mae.summary", results)}
+    lines = tables_of(results, "details")["force-summary"]
+    told = {line["component"]: line["F̂ᵐᵃᵖ"] for line in lines}
     assert told["ny [Nm]"] == told["nz [Nm]"] == "undetermined"
     assert told["Fx [N]"] == told["nx [Nm]"] == "4.00"
-    (undetermined,) = undetermined_moments(results)
-    assert "ny, nz" in undetermined
 
 
 def test_contacts_are_counted_by_their_force() -> None:
@@ -323,38 +272,35 @@ def test_contacts_are_counted_by_their_force() -> None:
     found |= {"classes": [{"force": 3.0, **part}, {"force": 15.0, **part, "found": 4}]}
     late = {"alarms_per_min": 4.0, "false_per_min": 2.0, "unknown": 0.25}
     late |= {"classes": [{"force": 3.0, **part, "found": 1}, {"force": 15.0, **part, "found": 0}]}
-    rows = table(forces.detection, {"run": {"Fmap": found | {"causal": late}, "Fu": found}})
+    rows = table(forces.detection, {"pushed": {"Fmap": found | {"causal": late}, "Fu": found}})
     assert rows["causal_found"].tolist()[:2] == [1, 0]
     assert rows["causal_false_alarms_per_min"].tolist()[:2] == [2, 2]
     assert rows["causal_unknown"].tolist()[:2] == [0.25, 0.25]
     assert rows["causal_delay_s"].isna().tolist() == [False, False, True, True]
     assert rows["force_class_n"].tolist() == [3, 15] * 2
     assert rows["extra_alarms"].eq(2).all()
-    lines = shown("detection.classes", Results({}, {"detection": rows}, Path()))
-    cells = lines[0]
-    assert (cells["≥ 3 N"], cells["≥ 15 N"]) == ("3 of 4", "4 of 4")
-    assert (cells["delay [s]"], cells["causal"]) == ("0.10", "1 of 4, 0.10 s")
-    assert [line["from [N]"] for line in lines] == ["–", "8.5"]  # odds, N
+    first, second = tables_of(with_rows(detection=rows), "details")["detections"]
+    assert (first["≥ 3 N"], first["≥ 15 N"]) == ("3 of 4", "4 of 4")
+    assert (first["delay [s]"], first["live"], second["live"]) == ("0.10", "1 of 4, 0.10 s", "–")
+    assert (first["false [1/min]"], first["extra"]) == ("0.5", "2")
 
 
-def test_the_fixed_threshold_shows_time_above_and_pushes_found() -> None:
+def test_the_fixed_threshold_has_time_above_and_pushes_found() -> None:
     axes = {"z": {"force": 10.0, "time_above": 0.25, "pushes": 4, "found": 3}}
     free = {"z": {"force": 10.0, "time_above": 0.0}}
-    found = {"run": {"F*": {"axes": axes}, "Fmap": {"axes": axes}}, "free": {"F*": {"axes": free}}}
-    rows = table(forces.fixed_threshold, found)
-    study = {"recordings": [{"name": "run", "role": "contact"}, {"name": "free", "role": "fit"}]}
-    results = Results(study, {"fixed_threshold": rows}, Path())
-    most = "25 %; 3 of 4"
-    assert shown("fixed_threshold", results) == [
-        {"recording": "run", "role": "contact", "F̂*": most, "F̂ᵐᵃᵖ": most},
-        {"recording": "free", "role": "fit", "F̂*": "0 %", "F̂ᵐᵃᵖ": "–"},
-    ]
-    without = Results(study, {"fixed_threshold": rows[rows["estimate"] != "F*"]}, Path())
-    assert shown("fixed_threshold", without) == []
+    rows = table(
+        forces.fixed_threshold, {"run": {"F*": {"axes": axes}}, "free": {"F*": {"axes": free}}}
+    )
+    assert rows["time_above"].tolist() == [0.25, 0.0]
+    assert rows["found"].tolist()[0] == 3
+    assert rows["pushes"].isna().tolist() == [False, True]
+
+
+# Loads and fits
 
 
 def payloads() -> pd.DataFrame:
-    loads = [load_of("free", 0.02, taken=False), load_of("heavy", 2.75, taken=True)]
+    loads = [load_of("fitted", 0.02, taken=False), load_of("seen", 2.75, taken=True)]
     return table(friction.payload, dict(loads))
 
 
@@ -374,46 +320,30 @@ def load_of(name: str, mass: float, taken: bool) -> tuple[str, dict]:
     return name, {"load": load}
 
 
-def test_what_a_run_carries_stands_in_a_table() -> None:
-    cells = shown("payload", Results({}, {"payload": payloads()}, Path()))
+def test_what_a_run_carries_is_in_a_table() -> None:
+    cells = tables_of(with_rows(payload=payloads()), "details")["payload"]
     assert [own["used in prediction"] for own in cells] == ["no", "yes"]
     assert cells[1]["additional [kg]"] == "2.750 ± 0.030"
     assert cells[1]["declared [kg]"] == "0.50"
-    heavy = payloads().set_index("recording").loc["heavy"]
+    heavy = payloads().set_index("recording").loc["seen"]
     assert heavy["low"] < heavy["mass"] < heavy["high"]
     assert heavy["center_of_mass_z"] == 0.05
     assert table(friction.payload, {"at rest": {"load": None}, "no currents": {}}).empty
 
 
-def test_a_load_that_the_model_lacks_is_told() -> None:
-    results = Results({}, {"payload": payloads()}, Path())
-    (told,) = _each("findings.load", loaded(results))
-    assert "heavy" in told
-    assert stated(told) == [2.75, 95, 2.69, 2.81]
-
-
-def test_remarks_of_fits_are_told_and_why_one_made_nothing() -> None:
+def test_remarks_of_fits_are_on_the_page_and_why_one_made_nothing() -> None:
     odd, little = (asdict(remark("other reason", reason=why)) for why in ("odd", "too little"))
     fitted = {"fit": {"joints": [{"remarks": [odd]}, {"remarks": []}, {"remarks": [odd]}]}}
     rows = table(models.remarks, {"ur5": ({"refused": little}, fitted, None)})
-    results = Results({}, {"remarks": rows}, Path())
-    assert [*remarks(results)] == ["ur5, joints 1, 3: odd."]
-    assert left_out_fits(results) == ["Identification of ur5: too little."]
+    made = study(**EVERY)
+    page = page_of(judged_anew(made, tables={**made.tables, "remarks": rows}))
+    told = plain(page.get_element_by_id("constants").text_content())
+    assert "Joints 1 and 3: odd." in told
+    first = plain(page.xpath("//section[@class='first']")[0].text_content())
+    assert "Identification of ur5: too little." in first
 
 
-def test_files_that_a_text_names_are_links_where_they_are(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    words = Paragraph(["See tables.zip and docs/methods.md."])
-    page = Document("t", "", [Section("First", [words])], home="../")
-    monkeypatch.chdir(tmp_path)
-    assert links(page) >= {"../tables.zip"}
-    write_text("methods", tmp_path / "docs" / "methods.md")
-    assert links(page) >= {"../tables.zip", "../../../docs/methods.md"}
-
-
-def links(document: Document) -> set[str]:
-    return {one.get("href") for one in fromstring(html_page(document)).iter("a")}
+# The archive
 
 
 def test_the_archive_has_every_table_and_is_the_same_again(tmp_path: Path) -> None:
