@@ -12,16 +12,19 @@ import ast
 import re
 import shutil
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from benchmarks.harness.markdown import markdown, replaced, section
 from benchmarks.harness.options import built, options_of
-from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.errors import InputError
-from ur5lib.records.verdicts import REASONS
-from ur5lib.report.page.sentences import names, speaking_of, spoken
-from ur5lib.report.views.cards import number
-from ur5lib.tables import read_json, write_text
+from ur5lib.jobs import files
+from ur5lib.records.wording import reason_in_words
+from ur5lib.report.page.handed import handed_over
+from ur5lib.report.page.typeset import said
+from ur5lib.report.results import Results
+from ur5lib.report.summary import page_data
+from ur5lib.robots.description import Robot
+from ur5lib.tables import write_text
 from ur5lib.tidy import columns
 
 RESULTS_FOLDER = Path("results")
@@ -44,7 +47,23 @@ GALLERY = {  # section of the page: the study
     "A UR3 without rotors": "ur3-cb",
     "A KUKA KR300 by its motors' torques": "kuka-kr300",
 }
-FIRST_SCREEN = {"width": 1000, "height": 620}  # pixels
+VIEW = {"width": 1280, "height": 900}  # pixels
+
+
+class Card(NamedTuple):
+    """A card of a report: empty where it has no state, number or reason."""
+
+    title: str
+    state: str
+    number: str
+    why: str
+
+
+class FirstScreen(NamedTuple):
+    """What a report says first: its cards, and what to do next (sentence and command)."""
+
+    cards: list[Card]
+    steps: list[list[str]]
 
 
 def main() -> None:
@@ -56,11 +75,12 @@ def main() -> None:
     report = DOCUMENTS / "report.md"
     write_text(with_columns(report.read_text()), report)
     lesson, gallery = DOCUMENTS / "lesson.md", DOCUMENTS / "gallery.md"
-    write_text(with_verdicts(lesson.read_text(), results(LESSON)), lesson)
+    write_text(with_verdicts(lesson.read_text(), first_screen(RESULTS_FOLDER / LESSON)), lesson)
     text = gallery.read_text()
     for title, study in GALLERY.items():
         if (RESULTS_FOLDER / study / "results.json").exists():
-            text = replaced(text, title, cards(results(study), first=True))
+            told = first_screen(RESULTS_FOLDER / study).cards
+            text = replaced(text, title, states(told))
     write_text(text, gallery)
     if not given.quick:
         photograph(RESULTS_FOLDER / LESSON / "report.html", DOCUMENTS / "lesson_report.png")
@@ -85,53 +105,52 @@ def declared() -> dict[str, list[str]]:
     return found
 
 
-def results(study: str) -> dict[str, Any]:
-    """Return the first screen of a study's report."""
-    return read_json(RESULTS_FOLDER / study / "results.json")
+def first_screen(folder: Path) -> FirstScreen:
+    """Return what the report of a built study says first."""
+    results = read_results(folder)
+    found = page_data(results)
+    with handed_over(results, found) as root:
+        cards = [card(own, results) for own in said(root, "<card>")]
+    steps = [[own["sentence"], typed(own["command"])] for own in found["found"]["next"]]
+    return FirstScreen(cards, steps)
 
 
-def cards(found: dict[str, Any], first: bool = False) -> str:
-    """Return a table of what the cards of a report say: state, number that decides, and reason;
-    first: the reason alone.
-    """
-    with speaking_of(effort_of(found)):
-        return markdown(
-            ["card", "state", *([] if first else ["number"]), "why"], lines(found, first)
-        )
+def typed(command: str) -> str:
+    """Return a command as code in Markdown, empty if there is none."""
+    return f"`{command}`" if command else ""
 
 
-def effort_of(found: dict[str, Any]) -> Effort:
-    """Return what a study's arms measure: torques, where their errors are of torques."""
-    units = {row["unit"] for row in found["verdicts"] if row["question"] == "currents"}
-    return TORQUE if "Nm" in units and CURRENT.unit not in units else CURRENT
+def read_results(folder: Path) -> Results:
+    """Read the results of a built study."""
+    arms = [files.read_file(Robot, path) for path in folder.glob("parameters/*/described.yaml")]
+    tables, figures = folder.glob("tables/*.csv"), (folder / "figures").rglob("*.svg")
+    study = (folder / "configuration.yaml").read_text(encoding="utf-8")
+    return Results.read(study, sorted(tables), sorted(figures), arms)
 
 
-def lines(found: dict[str, Any], first: bool) -> list[list[str]]:
-    """Return a line for each card."""
-    rows = []
-    for row in found["verdicts"]:
-        if row["state"] and row["rank"] == 1 and not (row["arm"] and of_study(row, found)):
-            known = {name: value for name, value in row.items() if value not in (None, "")}
-            one, why = number(known), spoken(REASONS.get(row["reason"], ""))
-            told = [why] if first else [f"{one.text} {one.name}".strip(), why]
-            title = spoken(names("question").get(row["question"], row["question"]))
-            rows.append([title, row["state"], *told])
-    return rows
+def card(own: dict[str, Any], results: Results) -> Card:
+    """Return a card with its reason; own: as the page says it."""
+    rows = results.tables["verdicts"].query("question == @own['question']")
+    first = rows[rows["rank"] == rows["rank"].min()]
+    deciding = first[first["arm"].isna() if own["arm"] is None else first["arm"] == own["arm"]]
+    number = "" if own["number"] == "–" else f"{own['number']} {own['unit'] or ''}".strip()
+    why = reason_in_words(deciding["reason"].iloc[0], results.effort)
+    return Card(own["title"], own["state"] or "", number.replace("\u00a0", " "), why)
 
 
-def of_study(row: dict[str, Any], found: dict[str, Any]) -> bool:
-    """Return whether a verdict on an arm has one on the whole study."""
-    same = [one for one in found["verdicts"] if one["question"] == row["question"]]
-    return any(not one["arm"] and one["state"] for one in same)
+def states(cards: list[Card]) -> str:
+    """Return a table of the cards that have a state."""
+    rows = [[own.title, own.state, own.why] for own in cards if own.state]
+    return markdown(["card", "state", "why"], rows)
 
 
-def with_verdicts(page: str, found: dict[str, Any]) -> str:
-    """Return the lesson with the cards and the next steps of a study's results.json."""
+def with_verdicts(page: str, told: FirstScreen) -> str:
+    """Return the lesson with the cards and the next steps of a report."""
     title = "Read the first screen"
     following = section(page, title).partition("\n\nSo a report")[2].partition("| next |")[0]
-    steps = next(own for own in found["lists"] if own["heading"] == "What to do next")
-    next_steps = markdown(["next"], [[step] for step in steps["sentences"]])
-    return replaced(page, title, f"{cards(found)}\n\nSo a report{following}{next_steps}")
+    cards = markdown(["card", "state", "number", "why"], told.cards)
+    steps = markdown(["next", "command"], told.steps)
+    return replaced(page, title, f"{cards}\n\nSo a report{following}{steps}")
 
 
 def photograph(report: Path, picture: Path) -> None:
@@ -143,7 +162,7 @@ def photograph(report: Path, picture: Path) -> None:
 
     with sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=program, args=["--no-sandbox"])
-        page = browser.new_page(viewport=FIRST_SCREEN)
+        page = browser.new_page(viewport=VIEW)
         page.goto(report.absolute().as_uri())
         page.screenshot(path=picture)
         browser.close()

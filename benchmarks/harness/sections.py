@@ -4,13 +4,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import yaml
 
 from benchmarks.harness.markdown import markdown
 from benchmarks.harness.pushes import EACH, FORCES, PLACES
 from benchmarks.harness.simulated import better_than_ours, refused_on_some, simulated_table
-from ur5lib.report.page.compose import shown_table
+from ur5lib.force.estimators import ESTIMATES
 from ur5lib.report.results import Results
+from ur5lib.report.views.contacts import alarm_rates, classes
 from ur5lib.tables import read_csv
 
 JUDGED = ("Fmap", "Fu")  # those of the thesis find nothing at the thresholds that the rule gives
@@ -34,10 +36,61 @@ def simulated_section(path: Path) -> dict[str, Any] | None:
 
 def detection_tables(folders: Sequence[Path]) -> str:
     """Return, for each study, its contacts at a force sensor, and its alarms where none is."""
-    tables = ("detection.classes", "detection.alarms")
-    bodies = [shown_table(table, judged(folder)) for folder in folders for table in tables]
-    texts = [(body.header, [[cell.text for cell in row] for row in body.rows]) for body in bodies]
-    return "\n\n".join(markdown(header, rows) for header, rows in texts if rows)
+    studies = [judged(folder) for folder in folders]
+    made = [table for own in studies for table in (found_table(classes(own)), alarm_table(own))]
+    return "\n\n".join(filter(None, made))
+
+
+def found_table(rows: pd.DataFrame) -> str:
+    """Return a line for each recording and estimate: contacts found by the force they reach, false
+    and extra alarms, delay; causal: contacts of the least force that the live estimate finds.
+    """
+    forces = sorted(rows["force_class_n"].unique())
+    heads = ["recording", "estimate", "from [N]", *(f"≥ {force:g} N" for force in forces)]
+    heads += ["false [1/min]", "extra", "free time in alarm [%]", "delay [s]", "causal"]
+    lines = []
+    for (recording, estimate), own in rows.groupby(["recording", "estimate"], sort=False):
+        first, by_force = own.iloc[0], own.set_index("force_class_n")
+        cells = [str(recording), ESTIMATES[str(estimate)], cell(first["threshold"] or None, ".1f")]
+        cells += [
+            found(by_force.loc[force]) if force in by_force.index else "–" for force in forces
+        ]
+        cells += [cell(first["false_alarms_per_min"], ".1f"), cell(first["extra_alarms"], ".0f")]
+        cells += [cell(100 * first["free_time_in_alarm"], ".0f"), cell(first["median_delay_s"])]
+        lines.append([*cells, causal(first)])
+    return markdown(heads, lines) if lines else ""
+
+
+def found(row: pd.Series) -> str:
+    """Return how many contacts were found, and how many merged."""
+    merged = f", {row['merged']:.0f} merged" if row["merged"] > 0 else ""
+    return f"{row['found']:.0f} of {row['contacts']:.0f}{merged}"
+
+
+def causal(row: pd.Series) -> str:
+    """Return how many contacts the live estimate found, and its delay."""
+    if pd.isna(row["causal_found"]):
+        return "–"
+    delay = f", {row['causal_delay_s']:.2f} s" if row["causal_found"] > 0 else ""
+    return f"{row['causal_found']:.0f} of {row['contacts']:.0f}{delay}"
+
+
+def alarm_table(own: Results) -> str:
+    """Return the alarms a minute by recording and estimate."""
+    rows = alarm_rates(own)
+    names = [name for name in ESTIMATES if name in {*rows["estimate"]}]
+    lines = [
+        [str(recording), str(role), *(cell(rate.get(name), ".1f") for name in names)]
+        for (recording, role), part in rows.groupby(["recording", "role"], sort=False)
+        for rate in [part.set_index("estimate")["alarms_per_min"]]
+    ]
+    heads = ["recording", "role", *(f"{ESTIMATES[name]} [1/min]" for name in names)]
+    return markdown(heads, lines) if lines else ""
+
+
+def cell(value: float | None, digits: str = ".2f") -> str:
+    """Return a number, a dash where there is none."""
+    return "–" if pd.isna(value) else f"{value:{digits}}"
 
 
 def judged(folder: Path) -> Results:
