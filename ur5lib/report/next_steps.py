@@ -43,6 +43,7 @@ ASKED = {  # of the codes of advice.csv: the sentence, and the command or line t
     "pushes": ("pushes to record", "role of contact"),
 }
 MORE = {  # of codes: the sentence where a value is known
+    "payload": ("several", "loads to weigh"),
     "stop_recording": ("remedy", "remedy of a recording"),
     "stop_arm": ("remedy", "remedy of an arm"),
     "explained": ("remedy", "remedy of a cause"),
@@ -88,6 +89,7 @@ def _words(results: Results, row: dict[str, Any]) -> dict[str, Any]:
     recording = row["recording"] or ""
     return row | {
         "detail": detail,
+        "several": row["recordings"] > 1,
         "motion": f"{detail[:1].lower()}{detail[1:]}",
         "claim": claim(detail),
         "remedy": remedy(detail),
