@@ -246,8 +246,14 @@ def check_state(state: str | None, own: pd.DataFrame) -> None:
 
 
 def check_numbers(text: str, own: pd.DataFrame, tried: pd.Series) -> None:
-    """Each number is a cell as rounded; own: the verdicts on its question; tried: pushes."""
-    cells = [*own[["value", "count", "of", "low", "high"]].to_numpy(float).ravel(), *tried]
+    """Each number is a cell as rounded, of its unit; own: the verdicts on its question; tried:
+    pushes.
+    """
+    for counted in re.findall(r"(\d+) of (\d+)", text):
+        assert (*map(int, counted),) in {*zip(own["count"], own["of"], strict=True)}, text
+    same = own[[isinstance(unit, str) and text.endswith(unit) for unit in own["unit"]]]
+    cells = [*same[["value", "low", "high"]].to_numpy(float).ravel(), *tried]
+    cells += [*own[["count", "of"]].to_numpy(float).ravel()]
     for bound, digits, decimals in NUMBER.findall(text):
         value = float(digits.replace(",", "").replace("−", "-"))
         off = np.abs(np.array(cells) - value)
@@ -321,7 +327,7 @@ def unfolded(page: HtmlElement) -> str:
             one.getparent().tail = None
         else:
             one.getparent().text = None
-    return str(main.text_content())
+    return " ".join(main.itertext())
 
 
 def check_valid(page: Path) -> None:

@@ -9,6 +9,7 @@ from ur5lib.report.results import Results
 from ur5lib.tables import read_csv, write_rows
 from ur5lib.topics.audit.audit_sensor import row
 from ur5lib.topics.audit.command import audit_answers
+from ur5lib.topics.audit.report import is_to_declare
 from ur5lib.topics.audit.rows import AuditRow
 
 FREE = AuditRow("free_time", "", 20.0, None, None, None, "s", None, "")
@@ -82,6 +83,11 @@ def test_the_command_says_the_same_in_sentences(tmp_path: Path) -> None:
     assert name == "pushed:"
     assert any("its axes are turned by 8.7°" in one for one in told)
     assert any("force_sensor_turn_deg: [5.0, 5.0, 5.0]" in one for one in told)
-    assert any("carries 1.00 ± 0.01 kg; 1.2 kg are declared" in one for one in told)
+    assert (
+        "  the sensor carries 1.00 ± 0.01 kg; 1.2 kg are declared: "
+        "set_payload(1.000, [0.020, 0.020, 0.020])"
+    ) in told
+    scaled = rows.assign(quantity=rows["quantity"].replace("turn", "scale"))
+    assert not is_to_declare(dict([*scaled.assign(verdict="right").groupby("quantity")]))
     (_, short) = audit_answers(results(replace(FREE, value=3.2), folder=tmp_path).tables["audit"])
     assert "3.2 s without contact" in short

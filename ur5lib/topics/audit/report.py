@@ -1,5 +1,7 @@
 """The report's part on the sensor in an arm's wrist: its faults, in sentences and numbers."""
 
+from collections.abc import Mapping
+
 import pandas as pd
 
 from ur5lib.report.results import Results
@@ -24,7 +26,8 @@ def by_quantity(results: Results) -> pd.DataFrame:
     """Return a row by recording, quantity and unit: values, standard errors and expected values of
     its components (x, y, z, or one), `first` to `third`, and the gravest verdict.
     """
-    rows, every = every_value(results).fillna({"verdict": ""}), list[dict[str, object]]()
+    rows, every = every_value(results).astype({"verdict": object}), list[dict[str, object]]()
+    rows = rows.fillna({"verdict": ""})
     for (recording, quantity, unit), part in rows.groupby(
         ["recording", "quantity", "unit"], sort=False
     ):
@@ -50,18 +53,28 @@ def free(results: Results) -> pd.DataFrame:
 
 
 def declared(results: Results) -> pd.DataFrame:
-    """Return the recordings whose sensor carries a mass that is known well enough to declare it,
-    where none is declared or its centre of mass is another: mass, declared [kg], x, y, z [m].
+    """Return the recordings whose sensor carries a load that is to be declared: mass and declared
+    mass [kg], x, y, z [m].
     """
     found = list[dict[str, object]]()
     for recording, rows in results.rows("audit").groupby("recording", sort=False):
         audit = dict([*rows.groupby("quantity")])
-        if {*CARRIED} <= audit.keys():
+        if is_to_declare(audit):
             mass, center = (audit[name] for name in CARRIED)
-            value, std = float(mass["value"].iloc[0]), float(mass["std_error"].iloc[0])
-            certain = 0 < std < MAX_RELATIVE_MASS_ERROR * value
-            if certain and ("scale" not in audit or (center["verdict"] == "wrong").any()):
-                places = dict(zip("xyz", center["value"], strict=True))
-                row = {"recording": recording, "mass": value, "std_error": std, **places}
-                found.append(row | {"declared": mass["expected"].iloc[0]})
+            (value, std, expected), *_ = mass[["value", "std_error", "expected"]].to_numpy()
+            row = {"recording": recording, "mass": value, "std_error": std, "declared": expected}
+            found.append(row | dict(zip("xyz", center["value"], strict=True)))
     return pd.DataFrame(found)
+
+
+def is_to_declare(audit: Mapping[str, pd.DataFrame]) -> bool:
+    """Return whether a sensor's load is known well enough to declare it, and none is declared or
+    its centre of mass is another, which no wrong scale of the sensor explains.
+
+    audit: the rows of a recording, by quantity.
+    """
+    if not {*CARRIED} <= audit.keys():
+        return False
+    (value, std), *_ = audit["mass"][["value", "std_error"]].to_numpy()
+    displaced = (audit["center_of_mass"]["verdict"] == "wrong").any()
+    return bool(0 < std < MAX_RELATIVE_MASS_ERROR * value and ("scale" not in audit or displaced))

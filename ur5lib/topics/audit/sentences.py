@@ -6,6 +6,7 @@ import pandas as pd
 
 from ur5lib.records.wording import sentence
 from ur5lib.report.stated import with_error
+from ur5lib.topics.audit.report import is_to_declare
 
 JUDGED = {  # by quantity: its words, and the limit of a right one
     "scale": ("the scale", "5 %"),
@@ -18,7 +19,8 @@ AuditRows = dict[str, pd.DataFrame]
 
 def verdicts(rows: pd.DataFrame) -> Iterator[str]:
     """Yield sentences about one recording's sensor, from its rows of audit.csv."""
-    filled = rows.fillna({"component": "", "verdict": ""}).set_index("component")
+    words = rows.astype({"component": object, "verdict": object})  # also where all are empty
+    filled = words.fillna({"component": "", "verdict": ""}).set_index("component")
     audit = dict([*filled.groupby("quantity")])
     if len(filled) == 1:
         yield sentence("audit too short", {"seconds": filled["value"].iloc[0]})
@@ -54,10 +56,17 @@ def _judged(name: str, row: pd.Series) -> str:
 
 
 def _payload(audit: AuditRows) -> Iterator[str]:
-    """Yield the mass on the sensor beside the declared one, and by the currents."""
+    """Yield the mass on the sensor beside the declared one, the command that declares it, and that
+    by the currents.
+    """
     mass = audit["mass"].loc[""]
     declared = "none is" if pd.isna(mass.expected) else f"{mass.expected:g} kg are"
-    yield sentence("audit payload", {"mass": _with_error(mass), "declared": declared})
+    words = {"mass": _with_error(mass), "declared": declared, "kg": mass.value}
+    if is_to_declare(audit):
+        place = ", ".join(f"{value:.3f}" for value in audit["center_of_mass"]["value"])
+        yield sentence("audit other payload", words | {"place": place})
+    else:
+        yield sentence("audit payload", words)
     if "mass_by_currents" in audit:
         own = audit["mass_by_currents"].loc[""]
         yield sentence("audit mass by currents", {"low": own.low, "high": own.high})
