@@ -52,7 +52,7 @@ def test_1_real_contacts_lead_and_trials_are_compared_with_them() -> None:
     told = headline_of(page_of(results))
     assert "2 of 4 contacts" in told
     assert "93" not in told
-    assert "None of the 3 from 22.0 N on is missed." in card_of(results, "contacts")
+    assert "From 22.0 N on, none of 3 is missed." in card_of(results, "contacts")
     pushed = card_of(results, "pushes")
     assert "93 N" in pushed
     assert "no real contact from 22.0 N on missed" in pushed

@@ -142,7 +142,7 @@ def test_three_steps_are_named_and_the_most_urgent_first() -> None:
     assert first.command == "role: contact"
     assert second.sentence.endswith("the currents show 2.5 kg.")
     assert second.command == "payload: {mass: 2.5, center_of_mass: [x, y, z]}"
-    assert third.sentence.startswith("Repair the logger before the next recording: up to 50 %")
+    assert third.sentence.startswith("Record “seen” anew with a repaired logger")
     assert next_steps(study(force_mae=touched(1.0))) == []
     asked = study(force_mae=touched(1.0), remarks=[remark | {"joint": i} for i in (1, 2, 3)])
     assert [step.sentence for step in next_steps(asked)] == [
@@ -357,11 +357,10 @@ def test_moments_no_better_than_zero_are_not_to_be_used() -> None:
     known = touched(1.0)[0] | {"determined": "no"}
     rows = [*touched(1.0), *(known | {"component": name} for name in ("nx", "ny", "nz"))]
     assert findings(study(force_mae=rows)) == [
-        "Do not use the estimates of nx, ny and nz [Nm]: on no recording are they reliably better "
-        "than zero."
+        "Do not use the moments nx, ny and nz: on no recording are they reliably better than zero."
     ]
     rows[-1] |= {"determined": "yes"}
-    assert "estimates of nx and ny [Nm]" in findings(study(force_mae=rows))[0]
+    assert "moments nx and ny" in findings(study(force_mae=rows))[0]
 
 
 def test_of_many_findings_the_gravest_are_named_and_the_others_counted() -> None:

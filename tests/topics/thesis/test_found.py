@@ -42,7 +42,11 @@ def test_unexplained_numbers_are_findings_and_explained_ones_are_not() -> None:
 
 @pytest.mark.parametrize(
     ("missed", "above", "said"),
-    [(3, 0.0, "misses 3 of 9 (ours: 0)"), (0, 0.07, "exceeds 10 N in 7 % of a run"), (0, 0.0, "")],
+    [
+        (3, 0.0, "misses 3 of 9 along z (ours: 0)"),
+        (0, 0.07, "exceeds 10 N in 7 % of a run"),
+        (0, 0.0, ""),
+    ],
 )
 def test_a_claim_is_a_finding_where_it_fails(missed: int, above: float, said: str) -> None:
     told = [*found.findings(compared("equal", fixed_threshold=pushes(missed, above)))]

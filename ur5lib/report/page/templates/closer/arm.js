@@ -249,7 +249,7 @@ class Arm {
     const what = !now ? "a gap in the recording" : found ? `${free ? "false alarm" : "contact"} by ${found}` : isSearched && "no contact found";
     const band = std ? `, 95 % ± ${list(std, BAND95)}` : "", told = {
       time: `At ${time.toFixed(2)} s${what ? `: ${what}` : ""}.`,
-      force: force && `${list(force)}${band}\u00a0N${std && isShut ? " if untouched" : ""}`,
+      force: force && (std && isShut ? "no contact found" : `${list(force)}${band}\u00a0N`),
       sensed: sensed && `${list(sensed)}\u00a0N`,
       torque: torque && `${list(torque)}\u00a0Nm`,
     };
