@@ -176,20 +176,7 @@ if STUDY.reference:
         run:
             run_step(rule, input, output, params, log)
 
-    def drawn_of_topic(wildcards):
-        """Return the figures that the steps of this topic draw, of all their recordings."""
-        drawn = [
-            "draw_tracking",
-            "draw_filtered_first",
-            "draw_older_model",
-            "draw_current_torque",
-        ]
-        drawn += ["draw_published_accelerations", "draw_published_forces"]
-        return [
-            path
-            for step in drawn
-            for path in expand(getattr(rules, step).output, recording=RUNS_FOR[step])
-        ]
+    STEPS_THAT_DRAW = [step for step in RUNS_FOR if step != "draw_figures"]
 
     rule write_published:
         input:
@@ -199,9 +186,13 @@ if STUDY.reference:
                 *rules.make_tables.output,
                 *rules.judge_study.output,
             ],
-            figures=drawn_of_topic,
+            figures=lambda wildcards: [
+                path
+                for step in STEPS_THAT_DRAW
+                for path in expand(getattr(rules, step).output, recording=RUNS_FOR[step])
+            ],
         output:
-            html=f"{RESULTS}/published.html",
+            html=update(f"{RESULTS}/published.html"),
         log:
             **traces("write_published"),
         params:
