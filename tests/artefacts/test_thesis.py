@@ -550,7 +550,10 @@ def test_the_report_holds_what_was_promised(thesis_results: Path, page: HtmlElem
     assert "cutoff_hz: 1.454" in (thesis_results / "configuration.yaml").read_text()
     assert "pytorch-kinematics" in details
     assert page.xpath("//a[@href='published.html']")
-    assert "erratum" in (thesis_results / "published.html").read_text()
+    published = (thesis_results / "published.html").read_text()
+    assert "erratum" in published
+    for drawn in ("positions", "torques_older", "forces_printed", "accelerations_published"):
+        assert re.search(rf'<figure id="[^"]*-{drawn}"', published), drawn
     assert len([*page.iter("img")]) >= 6
     scripts = re.findall(r"<script.*?</script>", text, re.DOTALL)  # of the closer look
     assert len(scripts) > 10

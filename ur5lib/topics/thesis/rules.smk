@@ -176,7 +176,7 @@ if STUDY.reference:
         run:
             run_step(rule, input, output, params, log)
 
-    STEPS_THAT_DRAW = [step for step in RUNS_FOR if step != "draw_figures"]
+    STEPS_THAT_DRAW = [one for one in RUNS_FOR if one.startswith("draw_") and one != "draw_figures"]
 
     rule write_published:
         input:
