@@ -2,8 +2,6 @@
 
 from collections.abc import Iterator
 
-from scipy.special import bdtr, bdtrc
-
 from ur5lib.report.results import Results
 from ur5lib.report.stated import stated
 
@@ -14,6 +12,8 @@ LEVEL = 0.95  # of stated intervals
 
 def findings(results: Results) -> Iterator[str]:
     """Report intervals that contain the truth too often or too seldom, as of independent values."""
+    from scipy.special import bdtr, bdtrc  # slow to import, for studies without a truth
+
     told = results.rows("truth")["within95"].dropna()
     count, inside = len(told), int((told == "yes").sum())
     many, few = bdtrc(inside - 1, count, LEVEL), bdtr(inside, count, LEVEL)

@@ -1,7 +1,6 @@
 """The report's part on estimates beside the truth: how many intervals hold it."""
 
 import pandas as pd
-from scipy.special import bdtr, bdtrc
 
 from ur5lib.report.results import Results
 
@@ -24,6 +23,8 @@ def counted(results: Results) -> pd.DataFrame:
     where the chance of as many or as few is small for independent values.
     """
     stated = results.rows("truth")["within95"].dropna()
+    from scipy.special import bdtr, bdtrc  # slow to import, for studies without a truth
+
     if stated.empty:
         return pd.DataFrame()
     count, inside = len(stated), int((stated == "yes").sum())
