@@ -24,6 +24,7 @@ from tests.typeset_page import page_of, plain, sources, tables_of
 from ur5lib.errors import InputError, remark
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.signals import Signals
+from ur5lib.records.verdicts import REASONS
 from ur5lib.report.figures.house_style import save
 from ur5lib.report.figures.traces import TORQUE_PANELS, Traces, draw_traces
 from ur5lib.report.page.typeset import html_page, pdf_document
@@ -148,14 +149,25 @@ CASES = {
 }
 
 
+def worded(module: str, *values: str) -> list[Any]:
+    """What a module of the page's sources makes of values."""
+    with sources(study()) as root:
+        lines = [f"#metadata({value}) <value>" for value in values]
+        write_text("\n".join([f'#import "/kit/{module}.typ": *', *lines]), root / "values.typ")
+        found = typst.query(root / "values.typ", "<value>", field="value", root=root)
+    return list(json.loads(found))
+
+
 def test_extremes_are_marked_where_values_differ() -> None:
     """No smallest error that an estimate of zero beats, and none of equal texts."""
-    with sources(study()) as root:
-        lines = [f"#metadata(marks({case})) <case>" for case in CASES]
-        write_text("\n".join(['#import "/kit/page.typ": *', *lines]), root / "cases.typ")
-        found = json.loads(typst.query(root / "cases.typ", "<case>", field="value", root=root))
+    found = worded("page", *(f"marks({case})" for case in CASES))
     shown = ["|".join(one or "-" for one in marks).replace("\u00a0", " ") for marks in found]
     assert shown == [*CASES.values()]
+
+
+def test_each_reason_against_a_state_has_its_words() -> None:
+    (codes,) = worded("words", "why.keys()")
+    assert {*codes} == {*REASONS}
 
 
 # Torques

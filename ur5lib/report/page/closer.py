@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from markupsafe import Markup
 
 from ur5lib.records.scene import Scene
 from ur5lib.report.figures.house_style import LINE_STYLES
@@ -26,15 +25,15 @@ CENTI = 1e-2  # N and Nm, to which what is measured is rounded
 JOINT_DASHES = (4, 1.5)
 
 
-def styles() -> Markup:
+def styles() -> str:
     """Return the style sheet, with uPlot's."""
-    return Markup(_text(VENDORED / "uPlot.min.css") + _text(FOLDER / "closer.css"))
+    return _text(VENDORED / "uPlot.min.css") + _text(FOLDER / "closer.css")
 
 
-def scripts() -> list[Markup]:
+def scripts() -> list[str]:
     """Return uPlot under its licence, and our scripts, which use it."""
     plots = f"/*\n{_text(VENDORED / 'uPlot.LICENSE')}*/\n{_text(VENDORED / 'uPlot.iife.min.js')}"
-    return [Markup(plots), Markup("".join(_text(FOLDER / name) for name in SCRIPTS))]
+    return [plots, "".join(_text(FOLDER / name) for name in SCRIPTS)]
 
 
 def _text(path: Path) -> str:

@@ -46,14 +46,14 @@ class Tables(dict[str, pd.DataFrame]):
 
 
 @contextmanager
-def handed_over(results: Results, found: Mapping[str, Any]) -> Iterator[Path]:
+def handed_over(results: Results, stated: Mapping[str, Any]) -> Iterator[Path]:
     """Provide a folder with the sources of the page, and what they read.
 
-    found: verdicts, and what to do next, findings and what was left out.
+    stated: `verdicts` and, of a page with a first screen, what was `found`, as of `page_data`.
     """
     results = replace(results, tables=Tables(results.tables))
     rows = {f"rows/{name}": rows_of(name, results) for name in rows_read()}
-    with sources({**study_data(results), **found, **rows}, results.figures) as root:
+    with sources({**study_data(results), **stated, **rows}, results.figures) as root:
         yield root
 
 
@@ -131,13 +131,14 @@ def study_data(results: Results) -> dict[str, Any]:
     study = results.study
     effort = results.effort._asdict()
     figures = dict(drawn_figures(results.figures))
+    told = notice(results)
     return {
         "study": effort
         | {key.capitalize(): text.capitalize() for key, text in effort.items()}
         | {
             "name": study["study"],
-            "title": f"{study['title']} (simulated)" if notice(results) else study["title"],
-            "notice": notice(results),
+            "title": f"{study['title']} (simulated)" if told else study["title"],
+            "notice": told,
             "analysed": analysed_on(results),
             "minutes": float(results.tables["recordings"]["duration_s"].sum() / 60),
             "commit": results.commit,

@@ -111,9 +111,9 @@ def _hashes(text: str) -> list[str]:
     return [f"'sha256-{digest}'" for digest in digests]
 
 
-def pdf_document(root: Path, page: str = "report") -> bytes:
-    """Return the same as PDF/UA-1."""
-    return _compiled(root, page, "pdf", pdf_standards=["ua-1"])
+def pdf_document(root: Path) -> bytes:
+    """Return the report as PDF/UA-1."""
+    return _compiled(root, "report", "pdf", pdf_standards=["ua-1"])
 
 
 def said(root: Path, selector: str, page: str = "report") -> list[Any]:

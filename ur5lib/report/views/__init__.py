@@ -1,1 +1,1 @@
-"""Views: functions that fill the report's tables, lists and paragraphs from a study's results."""
+"""Views: the rows that sections of the page read, selected from a study's results."""

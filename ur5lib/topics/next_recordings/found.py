@@ -10,10 +10,13 @@ from ur5lib.report.stated import Step, designing, step
 TABLES = ("next_recordings",)
 NOW = "now"  # without another recording
 
+Outlook = tuple[str, pd.Series, pd.Series]
+"""An arm, its bands as they are, and after the recording that narrows forces most."""
+
 
 def to_record(results: Results) -> Iterator[Step]:
     """Ask for the recording that narrows the band of forces, or for what would where none does."""
-    known = [*_outlooks(results)]
+    known = [*outlooks(results)]
     for robot, now, best in known:
         if best["worthwhile"] == "yes":
             load = results.loads.get(robot) if " with " in best["after"] else None
@@ -24,8 +27,8 @@ def to_record(results: Results) -> Iterator[Step]:
             yield step(results, "limit of recordings", "tare", robot=robot, **_bands(now, best))
 
 
-def _outlooks(results: Results) -> Iterator[tuple[str, pd.Series, pd.Series]]:
-    """Yield each arm, its bands now, and after the recording that narrows forces most."""
+def outlooks(results: Results) -> Iterator[Outlook]:
+    """Yield the outlook of each arm."""
     for robot, rows in results.rows("next_recordings").groupby("robot", sort=False):
         now = rows[rows["after"] == NOW].iloc[0]
         yield str(robot), now, rows.sort_values("force", kind="stable").iloc[0]

@@ -1,26 +1,13 @@
 """The report's part on what to record next: the bands after it, and the command that designs it."""
 
-from collections.abc import Iterator
-
 import pandas as pd
 
 from ur5lib.report.results import Results
 from ur5lib.report.stated import designing
 from ur5lib.tidy.friction import without_totals
-from ur5lib.topics.next_recordings.found import NOW
+from ur5lib.topics.next_recordings.found import outlooks
 
 MAX_NAMED_PARAMETERS = 3  # parameters that the next recording is designed for
-
-
-Outlook = tuple[str, pd.Series, pd.Series]
-"""An arm, its bands as they are, and after the recording that narrows forces most."""
-
-
-def outlooks(results: Results) -> Iterator[Outlook]:
-    """Yield the outlook of each arm."""
-    for robot, rows in results.rows("next_recordings").groupby("robot", sort=False):
-        now = rows[rows["after"] == NOW].iloc[0]
-        yield str(robot), now, rows.sort_values("force", kind="stable").iloc[0]
 
 
 def outlook(results: Results) -> pd.DataFrame:

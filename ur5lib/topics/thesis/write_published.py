@@ -7,7 +7,7 @@ from pathlib import Path
 from ur5lib.report.page.handed import handed_over
 from ur5lib.report.page.typeset import html_page
 from ur5lib.report.results import Results
-from ur5lib.report.summary import page_data
+from ur5lib.report.summary import verdict_rows
 from ur5lib.robots.description import Robot
 
 
@@ -19,5 +19,5 @@ def write_published(
     """
     results = Results.read(study, tables, figures, [*described.values()])
     results = replace(results, figures=figures[0].parents[1])  # the folder of those of all
-    with handed_over(results, page_data(results)) as root:
+    with handed_over(results, {"verdicts": verdict_rows(results)}) as root:
         return html_page(root, "published")

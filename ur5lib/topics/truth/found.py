@@ -1,6 +1,7 @@
 """What a simulation's truth adds to the findings: that stated intervals are too wide or narrow."""
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 from ur5lib.report.results import Results
 from ur5lib.report.stated import stated
@@ -10,15 +11,37 @@ REMARKABLE_CHANCE = 0.025  # below it, the count of intervals that contain the t
 LEVEL = 0.95  # of stated intervals
 
 
+class Count(NamedTuple):
+    """How many stated intervals contain the truth, of `values`, and how many right ones do.
+
+    chance: of as many or as few, for independent values; too: wide or narrow, where it is small.
+    """
+
+    values: int
+    inside: int
+    expected: float
+    chance: float
+    too: str | None
+
+
 def findings(results: Results) -> Iterator[str]:
     """Report intervals that contain the truth too often or too seldom, as of independent values."""
+    count = counted(results)
+    if count and count.too:
+        words = {"inside": count.inside, "count": count.values, "right": count.expected}
+        code = "wide intervals" if count.too == "wide" else "narrow intervals"
+        yield stated(results, code, **words)
+
+
+def counted(results: Results) -> Count | None:
+    """Return the count of a study's intervals, None without any."""
+    within = results.rows("truth")["within95"].dropna()
+    if within.empty:
+        return None
     from scipy.special import bdtr, bdtrc  # slow to import, for studies without a truth
 
-    told = results.rows("truth")["within95"].dropna()
-    count, inside = len(told), int((told == "yes").sum())
-    many, few = bdtrc(inside - 1, count, LEVEL), bdtr(inside, count, LEVEL)
-    words = {"inside": inside, "count": count, "right": LEVEL * count}
-    if count and few < REMARKABLE_CHANCE:
-        yield stated(results, "narrow intervals", **words)
-    elif count and many < REMARKABLE_CHANCE:
-        yield stated(results, "wide intervals", **words)
+    count, inside = len(within), int((within == "yes").sum())
+    chances = {"wide": bdtrc(inside - 1, count, LEVEL), "narrow": bdtr(inside, count, LEVEL)}
+    side = min(chances, key=lambda side: float(chances[side]))
+    too = side if chances[side] < REMARKABLE_CHANCE else None
+    return Count(count, inside, LEVEL * count, float(chances[side]), too)
