@@ -6,20 +6,11 @@ is asked where the study has the tables that its `TABLES` names.
 """
 
 from collections.abc import Iterator
-from functools import cache
-from importlib import import_module
 from types import ModuleType
 
 from ur5lib.report.results import Results
 from ur5lib.report.stated import Step
-from ur5lib.workspace.places import PACKAGE
-
-
-@cache
-def modules() -> list[ModuleType]:
-    """Return the modules `found` of the topics, by the names of these."""
-    names = sorted(path.parent.name for path in PACKAGE.glob("topics/*/found.py"))
-    return [import_module(f"ur5lib.topics.{name}.found") for name in names]
+from ur5lib.workspace.topics import modules_of_topics
 
 
 def advice(results: Results) -> Iterator[Step]:
@@ -42,6 +33,6 @@ def findings(results: Results) -> Iterator[tuple[str, list[str]]]:
 
 def _asked(results: Results, slot: str) -> Iterator[ModuleType]:
     """Yield the topics that have a function and the tables that they need."""
-    for topic in modules():
+    for topic in modules_of_topics("found").values():
         if hasattr(topic, slot) and {*topic.TABLES} <= results.tables.keys():
             yield topic

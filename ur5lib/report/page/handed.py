@@ -25,6 +25,7 @@ from ur5lib.report.results import Results
 from ur5lib.report.summary import analysed_on
 from ur5lib.report.views import forces
 from ur5lib.workspace.places import PACKAGE
+from ur5lib.workspace.topics import modules_of_topics
 
 SOURCES = Path(__file__).parent
 TOPICS = sorted(PACKAGE.glob("topics/*/section.typ"))
@@ -120,10 +121,8 @@ def rows_of(name: str, results: Results) -> object:
 def views() -> dict[str, ModuleType]:
     """Return the modules of views by name, those of topics by their folders."""
     own = (path.stem for path in PACKAGE.glob("report/views/*.py"))
-    topics = (path.parent.name for path in PACKAGE.glob("topics/*/report.py"))
-    return {name: import_module(f"ur5lib.report.views.{name}") for name in own} | {
-        name: import_module(f"ur5lib.topics.{name}.report") for name in topics
-    }
+    views = {name: import_module(f"ur5lib.report.views.{name}") for name in own}
+    return views | modules_of_topics("report")
 
 
 def study_data(results: Results) -> dict[str, Any]:
