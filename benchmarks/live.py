@@ -22,9 +22,6 @@ import torch
 from benchmarks.harness.drawn_pushes import drawn_pushes
 from benchmarks.harness.options import arm_options, built
 from ur5lib.errors import InputError
-from ur5lib.force.live import Live
-from ur5lib.force.live_file import learned
-from ur5lib.force.live_recording import Measured, follow
 from ur5lib.robots.description import load_robot
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
@@ -32,6 +29,10 @@ from ur5lib.strict import read_yaml
 from ur5lib.study.model import CurrentLowpass
 from ur5lib.timeseries.segments import runs as stretches
 from ur5lib.timeseries.trajectories import REST_SPEED
+from ur5lib.topics.live.live import Live
+from ur5lib.topics.live.live_file import learned
+from ur5lib.topics.live.live_recording import Followed, Measured, follow
+from ur5rivals.estimators.ours_live import inputs
 from ur5rivals.run import Run
 from ur5rivals.study import read_arms
 
@@ -40,7 +41,7 @@ LONG = 40.0  # s, of a long run
 HELD, LASTS = 10.0, 10.0  # N, s
 AFTER_STOP = 3.0  # s
 REST = AFTER_STOP + LASTS + 1.0  # s, that is long enough
-HEADER = Path(__file__).parents[1] / "ur5lib" / "force"
+HEADER = Path(__file__).parents[1] / "ur5lib" / "topics" / "live"
 SOURCE = Path(__file__).parent / "harness" / "live_samples.cpp"
 
 
@@ -66,16 +67,29 @@ def main() -> None:
 def learned_on(runs: list[Run]) -> dict[str, Any]:
     """What runs without contact tell."""
     return learned(
-        [(own.arm, own.measured) for own in runs if own.measured is not None],
+        [own for own in map(inputs, runs) if own is not None],
         len({own.path for own in runs}),
         FALSE_PER_MIN,
     )
 
 
+def of(run: Run) -> tuple[dict[str, Any], Measured]:
+    """The numbers of a run's arm, and what its controller stated."""
+    known = inputs(run)
+    assert known is not None
+    return known
+
+
+def answers(run: Run, known: dict[str, Any]) -> Followed:
+    """What is stated of a run; known: what runs without contact tell."""
+    arm, measured = of(run)
+    return follow({**arm, **known}, measured)
+
+
 def print_times(arm_file: Path, run: Run, known: dict[str, Any]) -> None:
     """Median and 99th percentile of a step [µs]."""
-    assert run.measured is not None
-    part, arm = run.measured.at(slice(2000)), {**run.arm, **known}
+    arm, measured = of(run)
+    part, arm = measured.at(slice(2000)), {**arm, **known}
     robot = load_robot(arm_file)
     text = urdf(robot, rigid_bodies(robot, robot.fullest_model()))
     model = pinocchio.buildModelFromXML(text)
@@ -123,8 +137,8 @@ def on_date(
         print(f"{date}: {error}")
         return
     for own in runs:
-        if dates[own.name] == date and own.measured is not None:
-            found = follow({**own.arm, **known}, own.measured)
+        if dates[own.name] == date:
+            found = answers(own, known)
             row = {"date": date, "recording": own.name, "alarms": len(found.alarms())}
             row |= {"minutes": len(own.q) * own.period / 60, "known": float(found.known.mean())}
             row |= held_push(own, known) | dict(zip(*drawn(own, known), strict=True))
@@ -157,10 +171,9 @@ def held_from(start: float, run: Run, known: dict[str, Any]) -> list[float]:
     frozen = {**known, "constants": known["constants"] | {"slow": 1e12}}
     shown = []
     for axis in range(3):
-        pushed = run.pushed(np.nan_to_num(HELD * run.jacobian[:, axis] * inside[:, None])).measured
+        pushed = run.pushed(np.nan_to_num(HELD * run.jacobian[:, axis] * inside[:, None]))
         both = [
-            follow({**run.arm, **own}, pushed).wrench[:, axis]
-            - follow({**run.arm, **own}, run.measured).wrench[:, axis]
+            answers(pushed, own).wrench[:, axis] - answers(run, own).wrench[:, axis]
             for own in (known, frozen)
         ]
         held, gone = (
@@ -175,9 +188,7 @@ def drawn(run: Run, known: dict[str, Any]) -> tuple[list[str], list[float]]:
     """Drawn pushes, how many of them are found, and the median delay [s]."""
     wrench = next(drawn_pushes(np.arange(len(run.q)) * run.period, CurrentLowpass()))
     torque = (run.jacobian.mT @ wrench[..., None])[..., 0]
-    pushed = run.pushed(np.nan_to_num(torque)).measured
-    assert pushed is not None
-    found = follow({**run.arm, **known}, pushed)
+    found = answers(run.pushed(np.nan_to_num(torque)), known)
     size = np.linalg.norm(wrench[:, :3], axis=1)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], size > HELD, [False]])))
     delays = []

@@ -1,7 +1,6 @@
 """`ur5 live`: the contact force on a running arm, stated sample by sample from its currents."""
 
 import contextlib
-import json
 import time
 from collections.abc import Callable, Iterator
 from contextlib import nullcontext
@@ -21,12 +20,12 @@ from ur5lab.recorder.rtde_arm import (
     READ_TIMEOUT,
     RtdeClient,
 )
-from ur5lib.commands.live_arm import live_arm
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
-from ur5lib.force.live import CONTACT, UNKNOWN, Answer, Live
 from ur5lib.tables import write_aside
 from ur5lib.timeseries.metrics import NORMAL95
+from ur5lib.topics.live.arm_file import known_of_arm
+from ur5lib.topics.live.live import CONTACT, UNKNOWN, Answer, Live
 
 INPUTS = ("timestamp", "actual_q", "actual_qd", "actual_current")
 PARTS = ("Fx", "Fy", "Fz", "nx", "ny", "nz")
@@ -66,7 +65,7 @@ def live(
     arms = sorted({one.arm.known_as for one in study.configuration().recordings})
     if robot is None and len(arms) != 1:
         raise InputError(f"{results} has the arms {', '.join(arms)}; name one by --robot")
-    arm = json.loads(live_arm(study, robot or arms[0], as_in))
+    arm = known_of_arm(study, robot or arms[0], as_in)
     if write.exists():
         raise InputError(f"{write} exists; give another name by --output")
     view = Display(console=console, auto_refresh=False) if console.is_terminal else None

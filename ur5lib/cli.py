@@ -5,7 +5,6 @@ import re
 import shlex
 import signal
 import sys
-from importlib import import_module
 from inspect import cleandoc
 from itertools import takewhile
 from operator import itemgetter
@@ -28,24 +27,15 @@ from ur5lib.errors import InputError, printable, unknown
 from ur5lib.study.address import results_folder
 from ur5lib.workspace.beside import commands_beside
 from ur5lib.workspace.extensions import LEFT_OUT, NAMED, USE_VARIABLE
-from ur5lib.workspace.places import PACKAGE
+from ur5lib.workspace.topics import modules_of_topics
 
 PANELS = "Start", "Lab", "Results", "Arm", "Project"
 ArmName = Annotated[str, typer.Option(help="name of an arm in ur5lib/robots, e.g. ur5")]
 
 
-EXPORTED = Literal[
-    "urdf",
-    "mjcf",
-    "sdf",
-    "isaac",
-    "json",
-    "sensor",
-    "live",
-    "live.py",
-    "live.hpp",
-    "live.schema.json",
-]
+EXPORTS = [*modules_of_topics("exports").values()]
+EXPORTED = ["urdf", "mjcf", "sdf", "isaac", "json", "sensor"]
+EXPORTED += [name for topic in EXPORTS for name in topic.FORMATS]
 OTHERWISE = {  # options that commands had, with what is written now
     "import": {"--write": "--output"},
     "excite": {"--write": "--output"},
@@ -401,10 +391,11 @@ def export(
         typer.Option(help="name of one of its link models; default: the chosen or identified one"),
     ] = None,
     format: Annotated[
-        EXPORTED,
+        str,
         typer.Option(
-            help="what it is for; live.py, live.hpp and live.schema.json are of the estimator that "
-            "reads live"
+            metavar=f"[{'|'.join(EXPORTED)}]",
+            autocompletion=lambda: EXPORTED,
+            help="; ".join(["what it is for", *(topic.HELP for topic in EXPORTS)]),
         ),
     ] = "urdf",
     results: Annotated[
@@ -429,8 +420,8 @@ def export(
 ) -> None:
     """Print an arm for other programs, as a model or as numbers.
 
-    json: all known parameters; sensor: bias and tool of its force sensor; live: what tells the
-    force while it runs. Example: ur5 export --robot ur5e --format mjcf -o ur5e.xml
+    json: all known parameters; sensor: bias and tool of its force sensor.
+    Example: ur5 export --robot ur5e --format mjcf -o ur5e.xml
     """
     from ur5lib.commands.exported import exported
 
@@ -533,9 +524,7 @@ def settings() -> None:
     typer.echo(settings_text(), nl=False)
 
 
-for path in sorted(PACKAGE.glob("topics/*/command.py")):  # a topic's own, which has its name
-    topic = path.parent.name
-    module = import_module(f"ur5lib.topics.{topic}.command")
+for topic, module in modules_of_topics("command").items():  # a topic's own, which has its name
     app.command(rich_help_panel="Results")(getattr(module, topic))
 
 for own in commands_beside():

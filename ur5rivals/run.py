@@ -1,13 +1,15 @@
 """One recording as every estimator of the benchmark is given it."""
 
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
 from ur5lib.force.external_torque import States, finite_rows
 from ur5lib.force.force_input import Gears
-from ur5lib.force.live_recording import Measured
+from ur5lib.identification.currents import torque_constants
+from ur5lib.records.friction import Friction
+from ur5lib.robots.description import Payload, Robot
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import unbroken
 
@@ -21,6 +23,29 @@ class Estimate(NamedTuple):
     std: Array | None = None
 
 
+class Measured(NamedTuple):
+    """What a controller states: time (N,) [s], q, qd, current (N, 6); qd None where it does not."""
+
+    time: Array
+    period: float
+    q: Array
+    qd: Array | None
+    current: Array
+
+    def at(self, rows: slice) -> Self:
+        """Return some samples."""
+        qd = None if self.qd is None else self.qd[rows]
+        return type(self)(self.time[rows], self.period, self.q[rows], qd, self.current[rows])
+
+
+class FittedArm(NamedTuple):
+    """The arm of a recording as mounted, what was fitted to it, and its payload."""
+
+    robot: Robot
+    friction: Friction
+    payload: Payload | None
+
+
 @dataclass(frozen=True, eq=False)  # equal only to itself, so that results can be kept by run
 class Run:
     """Inputs of an estimate, (N, 6) where no other shape is given, NaN where unknown.
@@ -32,10 +57,9 @@ class Run:
     zero-phase low-pass; momentum: p = D q̇ [Nm s]; rate: dp/dt of an arm without contact,
     tau_m - tau_f + Cᵀ q̇ - g [Nm]; breakaway: (6,) [Nm], up to which dry friction holds a joint;
     gears: unfiltered; position_error: target less actual angles [rad], None where the target was
-    not recorded; measured: what the controller states, while all else is smoothed; arm: numbers of
-    the live estimator, by the fit without the run's path; repeats: other runs of its path without
-    contact; ready: estimates that the study already holds; sensor: the force sensor's wrench less
-    bias and tool weight, as in `Estimate`.
+    not recorded; measured: what the controller states, while all else is smoothed; arm: with its
+    fit; repeats: other runs of its path without contact; ready: estimates that the study already
+    holds; sensor: the force sensor's wrench less bias and tool weight, as in `Estimate`.
     """
 
     name: str
@@ -57,7 +81,7 @@ class Run:
     gears: Gears
     position_error: Array | None = None
     measured: Measured | None = None
-    arm: dict[str, Any] = field(default_factory=dict)
+    arm: FittedArm | None = None
     repeats: tuple["Run", ...] = ()
     ready: dict[str, Estimate] = field(default_factory=dict)
     sensor: Array | None = None
@@ -78,14 +102,20 @@ class Run:
 
         The motors then carry that much less, and the motion stays as it is.
         """
-        constant = np.array(self.arm.get("torque_constant", np.inf))
         return replace(
             self,
-            measured=self.measured and self.measured.pushed(torque / constant),
+            measured=self._with_less_current(torque),
             torque=self.torque + torque,
             smoothed=self.smoothed + torque,
             rate=self.rate - torque,
         )
+
+    def _with_less_current(self, torque: Array) -> Measured | None:
+        """Return what the controller states where the motors carry less torque (N, 6) [Nm]."""
+        if self.measured is None or self.arm is None:
+            return self.measured
+        constant = torque_constants(self.arm.friction.fit_for(self.name))
+        return self.measured._replace(current=self.measured.current - torque / constant)
 
     def complete(self) -> Mask:
         """Return the samples (N,) in which all inputs are known."""

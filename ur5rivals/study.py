@@ -10,8 +10,6 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
 from ur5lib.force.force_input import Gears, force_input
-from ur5lib.force.live_file import numbers
-from ur5lib.force.live_recording import Measured
 from ur5lib.force.published import controller_estimate
 from ur5lib.identification.current_samples import current_record
 from ur5lib.identification.currents import (
@@ -33,7 +31,7 @@ from ur5lib.study.model import Recording
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.trajectories import group_by_path
 from ur5rivals.momentum import momentum_rate
-from ur5rivals.run import Estimate, Run
+from ur5rivals.run import Estimate, FittedArm, Measured, Run
 
 JOINT_COUNT = 6  # of the arms that estimators are written for
 
@@ -145,11 +143,19 @@ def read_run(
             record.torque, load_loss(fit, record), constant * friction_current(fit, record)
         ),
         position_error=None if signals.target_q is None else signals.target_q - signals.actual_q,
-        measured=Measured.of(signals),
-        arm=numbers(robot, fitted, name, payload),
+        measured=measured(signals),
+        arm=FittedArm(robot, fitted, payload),
         ready=ready_estimates(study, name, robot, signals),
         sensor=study.record(SensorWrenches, name, "sensor").wrench.get("compensated"),
     )
+
+
+def measured(signals: Signals) -> Measured | None:
+    """Return what the controller stated, None without positions or efforts."""
+    if signals.actual_q is None or signals.effort is None:
+        return None
+    own = signals.actual_q, signals.actual_qd, signals.effort
+    return Measured(signals.time, signals.period, *own)
 
 
 def ready_estimates(

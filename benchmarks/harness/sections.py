@@ -43,11 +43,11 @@ def detection_tables(folders: Sequence[Path]) -> str:
 
 def found_table(rows: pd.DataFrame) -> str:
     """Return a line for each recording and estimate: contacts found by the force they reach, false
-    and extra alarms, delay; causal: contacts of the least force that the live estimate finds.
+    and extra alarms, delay.
     """
     forces = sorted(rows["force_class_n"].unique())
     heads = ["recording", "estimate", "from [N]", *(f"≥ {force:g} N" for force in forces)]
-    heads += ["false [1/min]", "extra", "free time in alarm [%]", "delay [s]", "causal"]
+    heads += ["false [1/min]", "extra", "free time in alarm [%]", "delay [s]"]
     lines = []
     for (recording, estimate), own in rows.groupby(["recording", "estimate"], sort=False):
         first, by_force = own.iloc[0], own.set_index("force_class_n")
@@ -57,7 +57,7 @@ def found_table(rows: pd.DataFrame) -> str:
         ]
         cells += [cell(first["false_alarms_per_min"], ".1f"), cell(first["extra_alarms"], ".0f")]
         cells += [cell(100 * first["free_time_in_alarm"], ".0f"), cell(first["median_delay_s"])]
-        lines.append([*cells, causal(first)])
+        lines.append(cells)
     return markdown(heads, lines) if lines else ""
 
 
@@ -65,14 +65,6 @@ def found(row: pd.Series) -> str:
     """Return how many contacts were found, and how many merged."""
     merged = f", {row['merged']:.0f} merged" if row["merged"] > 0 else ""
     return f"{row['found']:.0f} of {row['contacts']:.0f}{merged}"
-
-
-def causal(row: pd.Series) -> str:
-    """Return how many contacts the live estimate found, and its delay."""
-    if pd.isna(row["causal_found"]):
-        return "–"
-    delay = f", {row['causal_delay_s']:.2f} s" if row["causal_found"] > 0 else ""
-    return f"{row['causal_found']:.0f} of {row['contacts']:.0f}{delay}"
 
 
 def alarm_table(own: Results) -> str:

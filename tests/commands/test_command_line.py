@@ -13,6 +13,7 @@ import ur5lib
 from tests.command import Command, printed
 from tests.conftest import PROJECT
 from tests.examples import check_command
+from ur5lib import cli
 from ur5lib.cli import app
 from ur5lib.commands import convert, exported
 from ur5lib.errors import InputError
@@ -74,7 +75,7 @@ def literals(command: str, parameter: str) -> set[str]:
 
 def test_choices_are_those_that_there_are() -> None:
     """Help and completion list them."""
-    assert literals("export", "format") == {*exported.FORMATS}
+    assert [*cli.EXPORTED] == [*exported.FORMATS]
     assert literals("convert", "format") == {*convert.WRITERS}
     assert literals("figure", "format") == {*paper_figure.FORMATS}
     assert all(name in told("export", "-h") for name in exported.FORMATS)

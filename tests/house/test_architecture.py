@@ -60,7 +60,10 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     | {"chain", "checks", "commands", "recordings", "records", "study", "workspace"},
     "cli": BASE | {"commands", "datasets", "importing", "study", "workspace"},
     # a topic knows the steps' records, and the report's blocks and figures; nothing knows it
-    "topics": BASE | ROOMS | {"commands", "records", "report", "steps", "tidy"},
+    "topics": BASE
+    | ROOMS
+    | {"commands", "finished", "jobs", "judging", "records"}
+    | {"report", "steps", "study", "tidy"},
 }
 MODULES = sorted((PROJECT / "ur5lib").rglob("*.py"))
 BESIDE = sorted(path.name for path in PROJECT.glob("ur5*") if path.name != "ur5lib")
@@ -163,14 +166,30 @@ def topics_of(modules: set[str]) -> set[str]:
     return {name.split(".")[2] for name in modules if name.startswith("ur5lib.topics.")}
 
 
-def test_nothing_below_or_beside_a_topic_imports_it() -> None:
-    """So that its folder may be deleted; the report finds it by a loop. A topic's tests are its
-    own, too."""
-    folders = {path.name: [*path.rglob("*.py")] for path in TOPICS}
-    tests = {name: [*(PROJECT / "tests" / "topics" / name).rglob("*.py")] for name in folders}
-    for name in folders:
-        for path in {*EVERY, *AROUND} - {*folders[name], *tests[name]}:
-            assert name not in topics_of(imports(path)), path
+GOES_WITH = re.compile(r"^\| `ur5lib/topics/(\w+)`.*?\|(.*?)\|", re.MULTILINE)
+
+
+def goes_with(topic: str) -> set[Path]:
+    """The files that docs/design.md tells to delete with a topic: of packages beside, its tests."""
+    listed = dict(GOES_WITH.findall((PROJECT / "docs" / "design.md").read_text()))
+    named = {PROJECT / name for name in re.findall(r"`(.*?)`", listed.get(topic, ""))}
+    tests = (PROJECT / "tests" / "topics" / topic).rglob("*.py")
+    return {*named, *tests, *(PROJECT / "ur5lib" / "topics" / topic).rglob("*.py")}
+
+
+@pytest.mark.parametrize("topic", [path.name for path in TOPICS])
+def test_nothing_below_or_beside_a_topic_imports_it(topic: str) -> None:
+    """So that its folder may be deleted, with what docs/design.md names; the report finds it by a
+    loop."""
+    for path in {*EVERY, *AROUND} - goes_with(topic):
+        assert topic not in topics_of(imports(path)), path
+
+
+def test_only_packages_beside_use_a_topic() -> None:
+    """What goes with one besides its tests lies outside of ur5lib."""
+    for topic in TOPICS:
+        others = goes_with(topic.name) - {*topic.rglob("*.py")}
+        assert not any(PROJECT / "ur5lib" in path.parents for path in others)
 
 
 SECTIONS = sorted((PROJECT / "ur5lib").rglob("*.typ"))

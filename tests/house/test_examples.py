@@ -5,7 +5,6 @@ import io
 import json
 import os
 import re
-import shutil
 import subprocess
 import sys
 import tomllib
@@ -25,8 +24,8 @@ from tests.examples import Example, check_command, examples, kind_of, words_of, 
 from tests.house.test_docs import PAGES
 from tests.house.test_seven_joints import arm as seven_joints
 from tests.in_memory import put_recordings
-from tests.live_arm import arm_file
 from ur5lib.cli import app
+from ur5lib.commands.exported import exported
 from ur5lib.finished import FinishedStudy
 from ur5lib.records.verdicts import RecordingUse, Verdict
 from ur5lib.records.wording import reason_in_words
@@ -170,8 +169,10 @@ def use_the_rules(code: str, _: pytest.MonkeyPatch) -> None:
 
 
 def estimate_live(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With the copied file of the estimator, and an arm's file, beside it."""
-    shutil.copy(PROJECT / "ur5lib" / "force" / "live.py", "live.py")
+    """With the exported file of the estimator, and an arm's file, beside it."""
+    from tests.topics.live.made_arm import arm_file
+
+    Path("live.py").write_text(exported("ur5", None, "live.py", None, ""))
     Path("arm.json").write_text(json.dumps(arm_file()))
     monkeypatch.syspath_prepend(".")
     known: dict[str, Any] = {"time": 0.0, "q": np.zeros(6), "qd": np.zeros(6)}

@@ -188,7 +188,7 @@ def test_10_nothing_is_judged_by_next_to_nothing() -> None:
 def test_11_found_merged_and_missed_are_all_on_every_page() -> None:
     contacts = sensed((30.0, "found"), (8.0, "missed"), (25.0, "merged"), (4.0, "missed"))
     contacts[0] |= {"peak_error": -3.0}
-    searched = [rates("pushed", contacts=3, force_class_n=5.0, causal_found=1, causal_merged=0)]
+    searched = [rates("pushed", contacts=3, force_class_n=5.0)]
     results = study(contact_errors=contacts, detection=searched)
     rows = {row.quantity: row for row in verdicts_of(results, "contacts")}
     (noticed,) = judged(results).noticed
@@ -240,11 +240,10 @@ def test_14_a_contact_off_the_flange_that_is_found_is_no_false_alarm() -> None:
 
 def test_the_upper_limit_of_alarms_is_that_of_poisson() -> None:
     assert [upper_limit(count) for count in (0, 2)] == pytest.approx([2.996, 6.296], abs=1e-3)
-    rows = [rates("seen", 2.0, causal_alarms_per_min=3.0, causal_unknown=0.25)]
-    found = {(row.estimate, row.days): row for row in judged(study(detection=rows)).false_alarms}
-    assert (found["Fmap", "all"].alarms, found["Fmap", "all"].minutes) == (2, 1.0)
-    live = found["live", "all"]
-    assert (live.alarms, live.minutes, live.unknown) == (3, 0.75, 0.25)
+    found = judged(study(detection=[rates("seen", 2.0)])).false_alarms
+    assert [(row.role, row.days, row.alarms, row.minutes) for row in found] == [
+        ("validate", "all", 2, 1.0)
+    ]
 
 
 def test_alarms_on_days_without_a_fit_are_counted_by_themselves() -> None:

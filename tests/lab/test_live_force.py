@@ -8,13 +8,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.live_arm import arm_file
+from tests.topics.live.made_arm import arm_file
 from ur5lab.doubles.controller_double import ControllerDouble
 from ur5lab.live import Stream, in_words, record
 from ur5lib.errors import InputError
-from ur5lib.force.live import UNKNOWN, Answer, Live
 from ur5lib.stand.plan import SimulatedRecording, Standstill
 from ur5lib.tables import read_table, read_units
+from ur5lib.topics.live.live import UNKNOWN, Answer, Live
 
 HERE = "127.0.0.1"
 LATEST = 0.01  # s, after its arrival, that a sample may be answered

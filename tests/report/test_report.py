@@ -282,18 +282,12 @@ def test_contacts_are_counted_by_their_force() -> None:
     found |= {"threshold": 8.5}
     found |= {"false_per_min": 0.5, "free_time_in_alarm": 0.25}
     found |= {"classes": [{"force": 3.0, **part}, {"force": 15.0, **part, "found": 4}]}
-    late = {"alarms_per_min": 4.0, "false_per_min": 2.0, "unknown": 0.25}
-    late |= {"classes": [{"force": 3.0, **part, "found": 1}, {"force": 15.0, **part, "found": 0}]}
-    rows = table(forces.detection, {"pushed": {"Fmap": found | {"causal": late}, "Fu": found}})
-    assert rows["causal_found"].tolist()[:2] == [1, 0]
-    assert rows["causal_false_alarms_per_min"].tolist()[:2] == [2, 2]
-    assert rows["causal_unknown"].tolist()[:2] == [0.25, 0.25]
-    assert rows["causal_delay_s"].isna().tolist() == [False, False, True, True]
+    rows = table(forces.detection, {"pushed": {"Fmap": found, "Fu": found}})
     assert rows["force_class_n"].tolist() == [3, 15] * 2
     assert rows["extra_alarms"].eq(2).all()
-    first, second = tables_of(with_rows(detection=rows), "details")["detections"]
+    first, _ = tables_of(with_rows(detection=rows), "details")["detections"]
     assert (first["≥ 3 N"], first["≥ 15 N"]) == ("3 of 4", "4 of 4")
-    assert (first["delay [s]"], first["live"], second["live"]) == ("0.10", "1 of 4, 0.10 s", "–")
+    assert first["delay [s]"] == "0.10"
     assert (first["false [1/min]"], first["extra"]) == ("0.5", "2")
 
 

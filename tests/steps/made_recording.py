@@ -11,7 +11,7 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.records.carried import Carried
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.forces import Forces, LiveForces, SensorWrenches
+from ur5lib.records.forces import Forces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Alignment, Motion
 from ur5lib.records.prediction import Prediction
@@ -61,7 +61,6 @@ def known_of(
         "currents": Currents(**grid),
         "prediction": Prediction(False),
         "forces": Forces(**grid),
-        "live": LiveForces(**grid),
         "sensor": SensorWrenches(**grid),
         "friction": Friction(),
         "residuals": Residuals(),

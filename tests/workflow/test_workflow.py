@@ -38,7 +38,7 @@ RECORDINGS = 2
 RUN = "run_times", "ro-crate-metadata"  # files that say when or how long it ran
 SENSED = ["judge_sensor", "judge_contacts", "draw_figures"]
 FROM_FORCES = ["estimate_forces", *SENSED]
-FROM_LOADS = ["estimate_load", "predict_currents", "estimate_live", "judge_recording", *FROM_FORCES]
+FROM_LOADS = ["estimate_load", "predict_currents", "judge_recording", *FROM_FORCES]
 FROM_TORQUES = ["compute_torques", *FROM_LOADS]
 ACCELERATIONS = ["compare_accelerations", "draw_figures"]
 FROM_ARM = [*FROM_TORQUES, "compare_accelerations"]
@@ -46,7 +46,7 @@ FROM_MOTION = ["align_recording", *FROM_ARM]
 EACH_RECORDING = ["read_recording", *FROM_MOTION]
 MODELS = {"identify_model": 1, "draw_models": 1}  # of the only arm
 MEASURED = {"measure_repetition": 1, "measure_pushes": 1}
-RESIDUALS = {"fit_residuals": 1, "fit_live": 1, "set_threshold": 1} | MEASURED
+RESIDUALS = {"fit_residuals": 1, "set_threshold": 1} | MEASURED
 FITTED = {"fit_friction": 1, "draw_friction": 1}
 FRICTION = FITTED | RESIDUALS
 IMU = {"calibrate_imu": 1, "calibrate_imu_without_each": 1}
@@ -218,7 +218,7 @@ def test_a_figure_of_a_run_that_was_stopped_is_refused(tmp_path: Path) -> None:
         ("ur5lib/timeseries/lowpass.py", jobs(*EACH_RECORDING) | ALL_ELSE),
         (
             "ur5lib/force/residual_model.py",
-            jobs("estimate_live", "judge_recording", *FROM_FORCES) | RESIDUALS | REPORT,
+            jobs("judge_recording", *FROM_FORCES) | RESIDUALS | REPORT,
         ),
         # Judgements: no force estimate runs again.
         ("ur5lib/signals/imu_calibration.py", jobs(*ACCELERATIONS) | IMU | REPORT),

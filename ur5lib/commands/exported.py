@@ -1,11 +1,9 @@
 """`ur5 export`: an arm, as described or as identified, in the formats of other programs."""
 
-import json
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
 from importlib import metadata
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +11,6 @@ import numpy as np
 from scipy.optimize import nnls
 
 from ur5lib.commands.compensation import compensation
-from ur5lib.commands.live_arm import live_arm
 from ur5lib.commands.overruled import Overruled, overruled
 from ur5lib.errors import InputError, perhaps, unknown
 from ur5lib.finished import FinishedStudy
@@ -33,6 +30,7 @@ from ur5lib.tables import json_text
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import DEAD_ZONE
+from ur5lib.workspace.topics import modules_of_topics
 
 TcpPose = tuple[float, float, float, float, float, float]
 WRITERS: dict[str, Callable[[Robot, str, JointFriction | None, TcpPose | None], str]] = {
@@ -42,10 +40,13 @@ WRITERS: dict[str, Callable[[Robot, str, JointFriction | None, TcpPose | None], 
     "isaac": lambda arm, model, friction, _: isaac(arm, model, friction),
 }
 ROS_NAMES = [f"{joint}_joint" for joint in JOINTS]  # of a UR's joints, base to wrist
-LIVE_FILES = ("live.py", "live.hpp", "live.schema.json")  # what reads `--format live`
-FORMATS = (*WRITERS, "json", "sensor", "live", *LIVE_FILES)
+OF_TOPICS = {
+    name: write
+    for topic in modules_of_topics("exports").values()
+    for name, write in topic.FORMATS.items()
+}
+FORMATS = (*WRITERS, "json", "sensor", *OF_TOPICS)
 FITTED = ("constants", "currents")  # questions of verdicts.csv about what is fitted to an arm
-OF_LIVE = ("force", *FITTED)
 MIN_MOVING_SAMPLES = 100  # from which a joint's friction is determined
 UNIT_NOTE = "SI: m, kg, s, rad, N, Nm, A; joints from 1; low and high: the 95 % interval"
 BANDS = "band_moving", "band_reversing", "band_standing"
@@ -62,7 +63,7 @@ def exported(
     accept: str = "",
 ) -> str:
     """Return an arm with one of its link models, by default the chosen or the identified one, what
-    its force sensor reads without contact, or what the live estimator needs, and its files.
+    its force sensor reads without contact, or what a topic exports.
 
     results: of a study that identified it; as_in: recording of the study whose payload and mounting
     the arm has, empty for none; ros_names: whether joints of a UR are called as ROS does; accept:
@@ -72,13 +73,10 @@ def exported(
     if to not in FORMATS:
         raise unknown("format", to, FORMATS)
     study = None if results is None else FinishedStudy(results)
-    if to in LIVE_FILES:
-        return (files("ur5lib.force") / to).read_text(encoding="utf-8")
+    if to in OF_TOPICS:
+        return str(OF_TOPICS[to](study, robot, as_in, accept))
     if to == "sensor":
         return compensation(study, robot, as_in)
-    if to == "live":
-        live = json.loads(live_arm(study, robot, as_in))
-        return json_text(live | _overruled(study, robot, OF_LIVE, accept).in_json())
     arm = described(robot) if study is None else study.arm(robot)
     if as_in and study is None:
         raise InputError("--as-in names a recording of a study; name its folder by --results")

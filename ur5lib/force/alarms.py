@@ -17,10 +17,10 @@ from ur5lib.force.sensed_contact import (
     is_free,
 )
 from ur5lib.force.thresholds import alarms, force_alarms
-from ur5lib.records.contacts import Alarm, Causal, Detected, ForceClass, Matched, OnAxis
-from ur5lib.records.forces import LiveForces, SensorWrenches
+from ur5lib.records.contacts import Alarm, Detected, ForceClass, Matched, OnAxis
+from ur5lib.records.forces import SensorWrenches
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.segments import Span, inside_spans, overlap, runs, spans
+from ur5lib.timeseries.segments import Span, inside_spans, overlap, spans
 
 FORCE_CLASSES = [TOUCH_FORCE, CONTACT_FORCE, 10.0, 15.0]  # N, that a contact reaches by the sensor
 RELIABLE_FORCE_OF_THESIS = 10.0  # N; along z, detection is reliable from there on (Section 6)
@@ -109,20 +109,6 @@ def not_felt(raised: Sequence[Span], alarms: Sequence[Alarm]) -> list[Span]:
     """
     pairs = zip(raised, alarms, strict=True)
     return [span for span, one in pairs if one.kind == "load" or one.off_flange]
-
-
-def causally(
-    live: LiveForces, sensor: SensorWrenches, unfelt: Sequence[Span] = ()
-) -> Causal | None:
-    """Return the contacts that the live estimator states, and their comparison with the sensor.
-
-    unfelt: stretches of contacts that the sensor does not feel.
-    """
-    if live.contact is None or live.known is None:
-        return None
-    raised = [(first, last) for first, last in runs(live.contact).tolist()]
-    found = matched(raised, sensor, unfelt)
-    return Causal(**vars(found), unknown=float(1 - live.known.mean()))
 
 
 def by_axis(own: Alarms, sensor: SensorWrenches, axis: int) -> OnAxis:

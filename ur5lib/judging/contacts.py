@@ -1,6 +1,7 @@
 """Contacts that are found, false alarms, and the pushes that would be seen."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from datetime import date
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,6 @@ from ur5lib.records.verdicts import FalseAlarms, Noticed, Reason, Verdict, reaso
 from ur5lib.tidy.forces import STDS
 from ur5lib.timeseries.metrics import NORMAL95
 
-LIVE = "live"  # the estimate that is computed sample by sample
 EVERY_DAY, WITHOUT_FIT, FARTHEST = "all", "without fit", "farthest"  # days of a recording
 
 
@@ -48,7 +48,7 @@ def judge_contacts(study: StudyTables) -> Iterator[Verdict]:
     if len(parts) > 1:
         numbers += [number for part in parts for number in (_found(part), _found_from(part))]
     numbers += [_of_fate(rows, fate) for fate in ("missed", "merged")]
-    numbers += [*_live(study), *_peaks(rows)]
+    numbers += [*_peaks(rows)]
     for rank, number in enumerate(filter(None, numbers), start=1):
         yield Verdict(**about | number, rank=rank, reason=doubt if rank == 1 else "")
 
@@ -88,15 +88,6 @@ def _of_fate(rows: pd.DataFrame, fate: str) -> dict[str, Any]:
     return about | place | {"value": float(most["peak"]), "unit": "N"}
 
 
-def _live(study: StudyTables) -> Iterator[dict[str, Any]]:
-    """Yield how many contacts the live estimate finds."""
-    rows = detections(study)
-    rows = rows[rows["contacts"].gt(0) & rows["causal_found"].notna()]
-    if len(rows):
-        count, of = (int(rows[name].sum()) for name in ("causal_found", "contacts"))
-        yield {"quantity": "contacts found live", "count": count, "of": of}
-
-
 def _peaks(rows: pd.DataFrame) -> Iterator[dict[str, Any]]:
     """Yield by how much the peaks of found contacts are off, in the mean and at most."""
     found = rows[rows["fate"] == FATES[0]].dropna(subset="peak_error")
@@ -130,7 +121,7 @@ def noticed(study: StudyTables) -> Iterator[Noticed]:
             yield Noticed(
                 recording=name,
                 role=roles[name],
-                **_contacts_on(touched, row),
+                **_contacts_on(touched),
                 **_alarms_on(raised, row, study),
             )
 
@@ -141,19 +132,15 @@ def at_every_sensor(study: StudyTables) -> pd.DataFrame:
     return rows[(rows["peak"] >= CONTACT_FORCE) & rows["fate"].notna()]
 
 
-def _contacts_on(rows: pd.DataFrame, counts: Any) -> dict[str, Any]:
+def _contacts_on(rows: pd.DataFrame) -> dict[str, Any]:
     """Return the contacts at the sensor of a recording, by fate."""
     found, merged, missed = (rows[rows["fate"] == fate] for fate in FATES)
-    live = _count(counts.causal_found) if len(rows) else None
-    fused = _count(counts.causal_merged) if len(rows) else None
     errors = (found["peak_error"] / found["peak"]).astype(float).dropna()
     return {
         "contacts": len(rows),
         "found": len(found),
         "merged": len(merged),
         "missed": len(missed),
-        "found_live": live,
-        "missed_live": None if live is None else len(rows) - live - (fused or 0),
         "missed_s": _times(missed["start_s"]),
         "merged_s": _times(merged["start_s"]),
         "largest_missed": _end(missed["peak"], "max"),
@@ -165,7 +152,7 @@ def _contacts_on(rows: pd.DataFrame, counts: Any) -> dict[str, Any]:
 def _alarms_on(rows: pd.DataFrame, counts: Any, study: StudyTables) -> dict[str, Any]:
     """Return the alarms of a recording, those that are false, and the widest band of a contact."""
     minutes = _minutes(study)[counts.recording]
-    live, false = counts.causal_false_alarms_per_min, counts.false_alarms_per_min
+    false = counts.false_alarms_per_min
     if pd.isna(false):  # without a sensor
         false = (rows["kind"] == "false").sum() / minutes
     own = rows[rows["kind"] != OFF_FLANGE]  # whose stated forces are of the flange
@@ -174,17 +161,12 @@ def _alarms_on(rows: pd.DataFrame, counts: Any, study: StudyTables) -> dict[str,
         "alarms": len(rows),
         "alarms_per_min": len(rows) / minutes,
         "false_alarms": round(false * minutes),
-        "false_live": None if pd.isna(live) else round(live * minutes),
     }
     if len(bands):
         row = bands.loc[bands["std"].idxmax()]
         found |= {"band": NORMAL95 * row["std"], "band_axis": row["column"][1]}
         found |= {"band_s": row["peak_s"], "posture_deg": row["posture_deg"]}
     return found
-
-
-def _count(value: Any) -> int | None:
-    return None if pd.isna(value) else int(value)
 
 
 def _times(starts: "pd.Series[float]") -> str:
@@ -201,40 +183,40 @@ def _minutes(study: StudyTables) -> "pd.Series[float]":
 
 
 def false_alarms(study: StudyTables) -> Iterator[FalseAlarms]:
-    """Yield the alarms where nothing touches the arm, by role, estimate and days."""
+    """Yield the alarms where nothing touches the arm, by role and days."""
     away = days_away(study)
     for role in ("validate", "fit"):
         rows = detections(study)
         rows = rows[rows["recording"].isin(study.quiet(role))]
-        rows = rows.assign(minutes=rows["recording"].map(_minutes(study)).astype(float))
+        minutes = rows["recording"].map(_minutes(study)).astype(float)
         days = rows["recording"].map(away).astype(float)
-        parts = {EVERY_DAY: rows, WITHOUT_FIT: rows[days > 0]}
-        parts[FARTHEST] = rows[(days > 0) & (days == days.max())]
-        for estimate, of in ((LEADING, ""), (LIVE, "causal_")):
-            for when, part in parts.items():
-                yield from _counted(role, estimate, when, part, of)
+        alarms = rows["alarms_per_min"].astype(float) * minutes
+        for when, part in of_days(
+            pd.DataFrame({"alarms": alarms, "minutes": minutes, "days": days})
+        ):
+            yield FalseAlarms(role=role, estimate=LEADING, days=when, **counted(part))
 
 
-def _counted(
-    role: str, estimate: str, days: str, rows: pd.DataFrame, of: str
-) -> Iterator[FalseAlarms]:
-    """Yield the alarms on recordings; of: prefix of the columns of the estimate."""
-    counts = rows[f"{of}alarms_per_min"].astype(float) * rows["minutes"]
-    rows = rows[counts.notna()]
-    known = rows["minutes"] * (1 - rows["causal_unknown"].astype(float)) if of else rows["minutes"]
-    minutes, alarms = float(known.sum()), round(counts.sum())
-    if minutes:
-        yield FalseAlarms(
-            role=role,
-            estimate=estimate,
-            days=days,
-            recordings=len(rows),
-            minutes=minutes,
-            unknown=1 - minutes / float(rows["minutes"].sum()),
-            alarms=alarms,
-            per_min=alarms / minutes,
-            per_min_high=upper_limit(alarms) / minutes,
-        )
+def of_days(rows: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
+    """Yield rows of recordings with their `days` from a fit: of all days, of those without a fit,
+    of the farthest; parts without `minutes` are left out.
+    """
+    days = rows["days"]
+    parts = {EVERY_DAY: rows, WITHOUT_FIT: rows[days > 0]}
+    parts[FARTHEST] = rows[(days > 0) & (days == days.max())]
+    yield from ((when, part) for when, part in parts.items() if part["minutes"].sum() > 0)
+
+
+def counted(rows: pd.DataFrame) -> dict[str, Any]:
+    """Return recordings, minutes, alarms and their rate, of rows with `alarms` and `minutes`."""
+    minutes, alarms = float(rows["minutes"].sum()), round(rows["alarms"].sum())
+    return {
+        "recordings": len(rows),
+        "minutes": minutes,
+        "alarms": alarms,
+        "per_min": alarms / minutes,
+        "per_min_high": upper_limit(alarms) / minutes,
+    }
 
 
 def upper_limit(count: int) -> float:
@@ -246,48 +228,49 @@ def upper_limit(count: int) -> float:
 
 def days_away(study: StudyTables) -> dict[str, int]:
     """Return the days from each dated recording to the nearest one of its arm's fit."""
-    arms, dates, roles = study.arms(), study.dates(), study.roles()
-    dated = {name: day for name, day in dates.items() if day}
-    fitted = [name for name in dated if roles[name] == "fit"]
-    found = {}
-    for name, day in dated.items():
-        own = [abs((day - dated[other]).days) for other in fitted if arms[other] == arms[name]]
-        if own and roles[name] in ("validate", "contact"):
-            found[name] = min(own)
+    arms, roles, dates = study.arms(), study.roles(), study.dates()
+    found = dict[str, int]()
+    for robot in study.robots():
+        own = {name: day for name, day in dates.items() if arms[name] == robot}
+        found |= days_between(own, roles)
     return found
 
 
+def days_between(dates: Mapping[str, date | None], roles: Mapping[str, str]) -> dict[str, int]:
+    """Return the days from each dated recording of an arm to the nearest one of its fit."""
+    dated = {name: day for name, day in dates.items() if day}
+    fitted = [day for name, day in dated.items() if roles[name] == "fit"]
+    return {
+        name: min(abs((day - other).days) for other in fitted)
+        for name, day in dated.items()
+        if fitted and roles[name] in ("validate", "contact")
+    }
+
+
 def judge_alarms(study: StudyTables) -> Iterator[Verdict]:
-    """Yield how often an alarm is false on validate recordings, with the upper limit, also live and
-    on days without a fit, and how many are false on recordings with contacts.
+    """Yield how often an alarm is false on validate recordings, with the upper limit, also on days
+    without a fit, and how many are false on recordings with contacts.
     """
     rows = [row for row in false_alarms(study) if row.role == "validate"]
-    numbers = [number for row in rows if row.days != FARTHEST for number in _rates(row)]
+    numbers = [number for row in rows if row.days != FARTHEST for number in rates(row)]
     if not numbers and len(study.rows("detection", estimate=GATED)):
         numbers.append({"quantity": "false alarms", "reason": "no_unseen"})
     beside = [row for row in noticed(study) if row.contacts]
     if any(row.alarms for row in beside):
         count = sum(row.false_alarms for row in beside)
         numbers.append({"quantity": "false alarms on recordings with contacts", "count": count})
-        live = [row.false_live for row in beside if row.false_live is not None]
-        if live:
-            quantity = "false alarms live on recordings with contacts"
-            numbers.append({"quantity": quantity, "count": sum(live)})
     for rank, number in enumerate(numbers, start=1):
         yield Verdict(question="alarms", rank=rank, **number)
 
 
-def _rates(row: FalseAlarms) -> Iterator[dict[str, Any]]:
+def rates(row: FalseAlarms) -> Iterator[dict[str, Any]]:
     """Yield how often an alarm is false, in how many minutes."""
-    live = " live" if row.estimate == LIVE else ""
     other = " on days without a fit recording" if row.days == WITHOUT_FIT else ""
     short = row.alarms == 0 and row.per_min_high > GOOD_ALARM_RATE
     about = {"basis": "unseen", "reason": "short" if short else ""}
-    yield about | {"quantity": f"false alarms{live}{other}", "count": row.alarms}
-    stated = " in which the live estimate is stated" if live else ""
-    quantity = f"time without contact{other}{stated}"
-    yield {"quantity": quantity, "value": row.minutes, "unit": "min"}
-    quantity = f"false alarms{live}{other}, at most (95 %)"
+    yield about | {"quantity": f"false alarms{other}", "count": row.alarms}
+    yield {"quantity": f"time without contact{other}", "value": row.minutes, "unit": "min"}
+    quantity = f"false alarms{other}, at most (95 %)"
     yield {"quantity": quantity, "value": row.per_min_high, "unit": "a minute"}
 
 

@@ -81,20 +81,11 @@ class Matched:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Causal(Matched):
-    """The contacts that the live estimator states; unknown: share of time in which it does not
-    know.
-    """
-
-    unknown: float
-
-
-@dataclass(frozen=True, kw_only=True)
 class Detected(Matched):
     """The contacts that an estimate detects.
 
     time_in_alarm, free_time_in_alarm: shares of all samples and of those without contact; axes:
-    with the thesis's threshold; roc_area: under the receiver's curve; causal: live.
+    with the thesis's threshold; roc_area: under the receiver's curve.
     """
 
     threshold: float
@@ -103,4 +94,3 @@ class Detected(Matched):
     axes: dict[str, OnAxis]
     free_time_in_alarm: float | None = None
     roc_area: float | None = None
-    causal: Causal | None = None

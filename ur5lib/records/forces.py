@@ -69,21 +69,6 @@ class Forces(SegmentedTable):
 
 
 @dataclass(frozen=True, kw_only=True)
-class LiveForces(SegmentedTable):
-    """What the live estimator states of a recording, fed sample by sample; None where no force is.
-
-    wrench, std: as in `Forces`, (N, 6) [N, Nm]; evidence: (N,), log-odds of a contact; contact,
-    known: (N,), whether it states one, and whether it knows.
-    """
-
-    wrench: Array | None = channel("live", "N, Nm", WRENCH, optional=True)
-    std: Array | None = channel("live_std", "N, Nm", WRENCH, optional=True)
-    evidence: Array | None = channel("evidence", "1", optional=True)
-    contact: Mask | None = channel("contact", "1", optional=True, dtype=np.bool_)
-    known: Mask | None = channel("known", "1", optional=True, dtype=np.bool_)
-
-
-@dataclass(frozen=True, kw_only=True)
 class PublishedForces(SegmentedTable):
     """The thesis's estimates Fu, F and F*, (N, 6) [N, Nm]: as its script printed them, and by its
     equations put right; the environment acting on the arm, base axes.

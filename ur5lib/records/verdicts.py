@@ -203,9 +203,8 @@ class ModelError:
 class FalseAlarms:
     """A row of false_alarms.csv: alarms where nothing touches the arm and no load is undeclared.
 
-    role: fit or validate; estimate: the leading one, or live; days: all, without fit (without a fit
-    recording), or farthest (from one); minutes: in which the estimate can raise an alarm, a share
-    `unknown` of all left out; per_min, per_min_high: rate, and its upper limit (95 %, Poisson).
+    role: fit or validate; days: all, without fit (without a fit recording), or farthest (from one);
+    per_min, per_min_high: rate, and its upper limit (95 %, Poisson).
     """
 
     role: str
@@ -213,7 +212,6 @@ class FalseAlarms:
     days: str
     recordings: int
     minutes: float
-    unknown: float
     alarms: int
     per_min: float
     per_min_high: float
@@ -224,9 +222,9 @@ class Noticed:
     """A row of noticed.csv: contacts at the sensor of a recording, and its alarms.
 
     contacts: that reach 5 N, of which found by an alarm of their own, merged (within another one's)
-    and missed, also by the live estimate; missed_s, merged_s: their starts [s]; largest_missed,
+    and missed; missed_s, merged_s: their starts [s]; largest_missed,
     smallest_found: peaks [N]; peak_bias: mean relative error of the found peaks; alarms: all,
-    false_alarms: as in detection.csv, without a sensor those of the kind false, also live; band:
+    false_alarms: as in detection.csv, without a sensor those of the kind false; band:
     the widest 95 % band of an alarm's largest force, half of it [N] along band_axis at band_s in a
     posture [°].
     """
@@ -237,8 +235,6 @@ class Noticed:
     found: int
     merged: int
     missed: int
-    found_live: int | None = None
-    missed_live: int | None = None
     missed_s: str = ""
     merged_s: str = ""
     largest_missed: float | None = None
@@ -247,7 +243,6 @@ class Noticed:
     alarms: int
     alarms_per_min: float
     false_alarms: int
-    false_live: int | None = None
     band: float | None = None
     band_axis: str = ""
     band_s: float | None = None

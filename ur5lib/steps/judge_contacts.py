@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from ur5lib.dynamics.link_model import load_regressor
-from ur5lib.force.alarms import Named, all_alarms, causally, detected, false_per_min, not_felt
+from ur5lib.force.alarms import Named, all_alarms, detected, false_per_min, not_felt
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.estimators import LEADING, all_stated
 from ur5lib.force.external_torque import JointState
@@ -17,7 +17,7 @@ from ur5lib.force.trial_contacts import flange_speed
 from ur5lib.records.contacts import Alarm, Detected
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.forces import Forces, LiveForces, PublishedForces, SensorWrenches
+from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.premises import Premises
@@ -33,7 +33,6 @@ def judge_contacts(
     premises: Premises,
     currents: Currents,
     forces: Forces,
-    live: LiveForces,
     sensor: SensorWrenches,
     arm: Robot,
     friction: Friction,
@@ -45,8 +44,8 @@ def judge_contacts(
 ) -> dict[str, Detected]:
     """Return the contacts by each estimate that has a threshold, beside the sensor.
 
-    Of the leading one, also whether they are at the flange, and what the live estimator states.
-    arm: as fitted; gravity: in its base frame [m/s²], None as described.
+    Of the leading one, also whether they are at the flange. arm: as fitted; gravity: in its base
+    frame [m/s²], None as described.
     """
     withheld = bool(premises.contradictions.stop_signs or friction.stopped)
     others = published_or_controller(published, arm, signals, withheld)
@@ -61,13 +60,8 @@ def judge_contacts(
     prior, leading = ContactPrior(force=contact_force_n), contacts[LEADING]
     at_flange = judged_by_torques(arm, problem, forces.time, prior, leading.raised)
     raised = found[LEADING].raised
-    unfelt = not_felt(raised, at_flange)
-    leading = replace(
-        leading,
-        raised=at_flange,
-        false_per_min=false_per_min(raised, sensor, unfelt),
-        causal=causally(live, sensor, unfelt),
-    )
+    false = false_per_min(raised, sensor, not_felt(raised, at_flange))
+    leading = replace(leading, raised=at_flange, false_per_min=false)
     return contacts | {LEADING: leading}
 
 

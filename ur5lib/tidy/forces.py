@@ -94,21 +94,13 @@ def detection(detection: dict[str, Detected]) -> Iterator[Row]:
             "extra_alarms": found.extra,
             "alarms": len(found.raised),
         }
-        if causal := found.causal:
-            row["causal_false_alarms_per_min"] = causal.false_per_min
-            row["causal_alarms_per_min"] = causal.alarms_per_min
-            row["causal_unknown"] = causal.unknown
         if not found.classes:
             yield row
-        past = found.causal.classes if found.causal else [None] * len(found.classes)
-        for offline, online in zip(found.classes, past, strict=True):
+        for reached in found.classes:
             yield row | {
-                **vars(offline),
-                "force_class_n": offline.force,
-                "median_delay_s": offline.median_delay,
-                "causal_delay_s": online and online.median_delay,
-                "causal_found": online and online.found,
-                "causal_merged": online and online.merged,
+                **vars(reached),
+                "force_class_n": reached.force,
+                "median_delay_s": reached.median_delay,
             }
 
 

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.force.live_file import learned
-from ur5lib.force.live_recording import follow
 from ur5lib.timeseries.arrays import Array
+from ur5lib.topics.live.live_file import learned, numbers
+from ur5lib.topics.live.live_recording import Measured, follow
 from ur5rivals.estimator import Contender, Learned
 from ur5rivals.run import Estimate, Run
 from ur5rivals.tuning import latency
@@ -30,9 +30,10 @@ class LiveMap:
 
     def estimate(self, run: Run) -> Estimate | None:
         """Return the wrench and its deviation, None where the controller's samples are missing."""
-        if run.measured is None:
+        if (given := inputs(run)) is None:
             return None
-        followed = follow({**run.arm, **self.known}, run.measured)
+        arm, measured = given
+        followed = follow({**arm, **self.known}, measured)
         return Estimate(followed.wrench, followed.std)
 
     def torque(self, run: Run) -> Array:
@@ -43,10 +44,20 @@ class LiveMap:
         return (run.jacobian.mT @ estimate.wrench[..., None])[..., 0]
 
 
+def inputs(run: Run) -> tuple[dict[str, Any], Measured] | None:
+    """Return the numbers of a run's arm, by the fit without its path, and what its controller
+    stated.
+    """
+    if run.measured is None or run.arm is None:
+        return None
+    robot, friction, payload = run.arm
+    return numbers(robot, friction, run.name, payload), Measured(*run.measured)
+
+
 def learn(runs: Sequence[Run]) -> Learned:
     """The noise is learnt. Raises InputError without samples of a controller."""
-    known = [(run.arm, run.measured) for run in runs if run.measured is not None]
-    paths = len({run.path for run in runs if run.measured is not None})
+    given = {run: own for run in runs if (own := inputs(run)) is not None}
+    known, paths = [*given.values()], len({run.path for run in given})
     if not known:
         raise InputError("no run has what its controller stated; name others")
     live = LiveMap(learned(known, paths, FALSE_PER_MIN))

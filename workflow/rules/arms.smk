@@ -134,25 +134,6 @@ rule fit_residuals:
         run_step(rule, input, output, params, log)
 
 
-rule fit_live:
-    input:
-        signals=results_of(fitted_on, "signals.parquet"),
-        premises=results_of(fitted_on, "premises.json"),
-        friction=parameter("friction.json"),
-        residuals=parameter("residuals.json"),
-        arm=parameter("arm.yaml"),
-    output:
-        live=parameter("live.json"),
-    log:
-        **traces("fit_live", "{robot}"),
-    params:
-        code=code("fit_live"),
-        gravities=gravities_of(fitted_on),
-        false_alarms_per_min=SETTINGS.alarms.false_per_min,
-    run:
-        run_step(rule, input, output, params, log)
-
-
 rule set_threshold:
     input:
         published=further_forces,

@@ -140,27 +140,6 @@ rule estimate_forces:
         run_step(rule, input, output, params, log)
 
 
-# Beside the last: the force as it would have been stated while the arm ran.
-rule estimate_live:
-    input:
-        signals=result("signals.parquet"),
-        premises=result("premises.json"),
-        prediction=result("currents.json"),
-        friction=parameter_of("friction.json"),
-        live=parameter_of("live.json"),
-        arm=parameter_of("arm.yaml"),
-    output:
-        forces=result("live_forces.parquet"),
-    log:
-        **traces("estimate_live", "{recording}"),
-    params:
-        code=code("estimate_live"),
-        recording="{recording}",
-        gravity=of_recording(SELECTION.gravity),
-    run:
-        run_step(rule, input, output, params, log)
-
-
 # Beside forces: no step of a force needs the IMU.
 rule compare_accelerations:
     input:
@@ -228,7 +207,6 @@ rule judge_contacts:
         premises=result("premises.json"),
         currents=result("currents.parquet"),
         forces=result("forces.parquet"),
-        live=result("live_forces.parquet"),
         sensor=result("sensor.parquet"),
         arm=parameter_of("arm.yaml"),
         friction=parameter_of("friction.json"),

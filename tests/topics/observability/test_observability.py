@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.live_arm import friction, robot
 from tests.made_records import motion_of, stretch
 from tests.made_tables import gathered, record
+from tests.rubbing_arm import friction, robot
 from ur5lib.identification.currents import torque_constants
 from ur5lib.identification.validation import (
     MIN_SAMPLES,

@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 
 from ur5lib.errors import InputError, RefusalError, remark
-from ur5lib.force.live_file import LiveFit, learned, numbers
-from ur5lib.force.live_recording import Measured
 from ur5lib.force.residual_model import Residuals
 from ur5lib.records.friction import Friction
 from ur5lib.records.premises import Premises
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
+from ur5lib.topics.live.live_file import LiveFit, learned, numbers
+from ur5lib.topics.live.live_recording import Measured
 
 
 def fit_live(

@@ -1,54 +1,20 @@
-"""A UR5 for the live estimator, with made-up friction, and what its controller would state."""
+"""What a controller would state of a UR5 with made-up friction, and the live estimator's file."""
 
 from typing import Any
 
 import numpy as np
 
-from ur5lib.force.live import STATES, Live
-from ur5lib.force.live_file import CONSTANTS, numbers
-from ur5lib.force.live_recording import Measured
-from ur5lib.records.friction import CoefficientEstimate, CurrentFit, Friction, JointFit
+from tests.rubbing_arm import CONSTANT, FRICTION, HELD, OFFSET, friction, robot
 from ur5lib.robots import newton_euler
-from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.robots.friction import ROOT_LINE, friction_direction
+from ur5lib.robots.friction import friction_direction
 from ur5lib.timeseries.arrays import Array
+from ur5lib.topics.live.live import STATES, Live
+from ur5lib.topics.live.live_file import CONSTANTS, numbers
+from ur5lib.topics.live.live_recording import Measured
 
 PERIOD = 0.008  # s
-TERMS = ("coulomb", "viscous", "load", "velocity_root")
-CONSTANT = np.array([10.0, 11.0, 10.0, 8.0, 8.0, 8.0])  # Nm/A
-FRICTION = np.array([5.0, 6.0, 0.06, 1.0])  # of each joint [Nm, ...]
-# of the terms: the root's is less its line, which is in the others
-COEFFICIENTS = FRICTION + FRICTION[3] * np.array([*ROOT_LINE, 0.0, 0.0])
-HELD, OFFSET = -1.0, 0.3  # Nm
 SLOW = 0.02  # rad/s, of the dead zone
 POSTURE = np.array([0.3, -1.2, 1.4, -0.9, 1.1, 0.2])
-
-
-def robot() -> Robot:
-    """Return the arm under another gravity than upright."""
-    return load_robot(robot_path("ur5")).with_rotors().mounted([1.0, -2.0, -9.5])
-
-
-def friction(arm: Robot) -> Friction:
-    """Return its map from torque to current."""
-    nothing = np.zeros((4, 2 + len(TERMS)))
-    joints = [
-        JointFit(
-            terms=TERMS,
-            distances=(),
-            estimate=CoefficientEstimate(
-                np.array([1.0, OFFSET, *COEFFICIENTS]) / k, nothing, nothing, nothing[0]
-            ),
-            held=np.array([HELD]) / k,
-            band_moving=0.1,
-            band_reversing=0.1,
-            band_standing=0.1,
-            unseen=nothing[0],
-            remarks=(),
-        )
-        for k in CONSTANT[: len(arm.joints)]
-    ]
-    return Friction(from_=["one"], fit=CurrentFit(tuple(joints), 5))
 
 
 def arm_file(noise: float = 0.3, **constants: float) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""`ur5 export --format live`: what a causal estimate of the force needs of an arm, as JSON."""
+"""The file of an arm: all that a causal estimate of its force needs."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -8,28 +8,27 @@ import numpy as np
 from ur5lib import __version__
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
-from ur5lib.force.live_file import LiveFit, numbers
 from ur5lib.force.sensed_contact import in_contact
 from ur5lib.jobs.unreadable import reason
-from ur5lib.records.forces import LiveForces, SensorWrenches
+from ur5lib.records.forces import SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.signals import Signals
 from ur5lib.records.wording import in_words
 from ur5lib.study.model import Recording
-from ur5lib.tables import json_text
 from ur5lib.timeseries.segments import runs
+from ur5lib.topics.live.live_file import LiveFit, numbers
+from ur5lib.topics.live.rows import LiveForces
 
 FORMAT = "ur5lib live 1"
 UNITS = "SI: m, kg, s, rad, N, Nm, A; links in the axes of their joint, joints from 1"
 
 
-def live_arm(study: FinishedStudy | None, robot: str, as_in: str) -> str:
-    """Return the file of an arm; as_in: recording whose payload and mounting it has, "" for none.
+def known_of_arm(study: FinishedStudy, robot: str, as_in: str) -> dict[str, Any]:
+    """Return what the file of an arm holds; as_in: recording whose payload and mounting it has, ""
+    for none.
 
     Raises InputError where no force may be stated, with the report's reason.
     """
-    if study is None:
-        raise InputError("--format live is what a study fitted; name its folder by --results")
     arm, friction = study.arm(robot), study.parameters(Friction, robot, "friction")
     live = study.parameters(LiveFit, robot, "live")
     if live.refused is not None:
@@ -44,7 +43,7 @@ def live_arm(study: FinishedStudy | None, robot: str, as_in: str) -> str:
     payload = study.payload(as_in) if as_in else None
     others = [entry for entry in entries if entry.name not in friction.from_]
     head = {"format": FORMAT, "units": UNITS, "exported_by": f"ur5lib {__version__}"}
-    return json_text(
+    return (
         head
         | {"arm": robot, "payload": payload and payload.model_dump(mode="json")}
         | numbers(mounted, friction, "", payload)

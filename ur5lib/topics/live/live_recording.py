@@ -11,10 +11,10 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from ur5lib.force.live import MOVING, STILL, Live
 from ur5lib.records.signals import Signals
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import runs
+from ur5lib.topics.live.live import MOVING, STILL, Live
 
 CHUNK = 1024  # samples, of which what was measured is computed at once
 BLOCK = 128  # samples, that are learnt from at once
@@ -44,10 +44,6 @@ class Measured(NamedTuple):
         qd, period = self.qd, self.period * (step or 1)
         some_qd = None if qd is None else qd[rows]
         return type(self)(self.time[rows], period, self.q[rows], some_qd, self.current[rows])
-
-    def pushed(self, less: Array) -> Self:
-        """Return the same motion with less current (N, n) [A]."""
-        return self._replace(current=self.current - less)
 
 
 class Followed(NamedTuple):

@@ -12,15 +12,16 @@ import numpy as np
 import pytest
 
 from tests.conftest import PROJECT
-from tests.live_arm import PERIOD, arm_file, friction, hostile, push, robot, samples
+from tests.rubbing_arm import friction, robot
+from tests.topics.live.made_arm import PERIOD, arm_file, hostile, push, samples
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError, RefusalError
-from ur5lib.force.live import CONTACT, FREE, UNKNOWN, Answer, Live
-from ur5lib.force.live_file import MIN_LOG_ODDS, learned, numbers
-from ur5lib.force.live_recording import Measured, follow
 from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.topics.live.live import CONTACT, FREE, UNKNOWN, Answer, Live
+from ur5lib.topics.live.live_file import MIN_LOG_ODDS, learned, numbers
+from ur5lib.topics.live.live_recording import Measured, follow
 
-HEADER = PROJECT / "ur5lib" / "force"
+HEADER = PROJECT / "ur5lib" / "topics" / "live"
 AT_REST_AND_IN_MOTION = pytest.mark.parametrize("moving", [False, True])
 Sample = tuple[Any, Any, Any, Any]
 

@@ -1,4 +1,4 @@
-"""What `force/live.py` knows of an arm: its numbers, and the noise of runs without contact."""
+"""What `live.py` knows of an arm: its numbers, and the noise of runs without contact."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,8 +10,6 @@ from ur5lib.errors import InputError, RefusalError, Remark
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import MIN_STOP_DURATION, RELAXATION_TIME
 from ur5lib.force.force_input import MEAN_STICTION
-from ur5lib.force.live import STATES, STILL, TERMS
-from ur5lib.force.live_recording import Followed, Measured, follow
 from ur5lib.force.residual_model import TorqueStretch, fit_residual_model
 from ur5lib.records.friction import Friction
 from ur5lib.robots.description import Payload, Robot
@@ -25,6 +23,8 @@ from ur5lib.robots.inertia import RigidBodies, link_tail, rigid_bodies
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import DEAD_ZONE
 from ur5lib.timeseries.trajectories import REST_SPEED
+from ur5lib.topics.live.live import STATES, STILL, TERMS
+from ur5lib.topics.live.live_recording import Followed, Measured, follow
 
 PRIOR = ContactPrior()
 CONSTANTS: dict[str, Any] = {  # docs/live.md says on what they were chosen

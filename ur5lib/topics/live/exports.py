@@ -1,0 +1,40 @@
+"""Formats of `ur5 export`: what the live estimator needs of an arm, and the estimator itself."""
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ur5lib.finished import FinishedStudy
+
+HELP = (
+    "live: what the estimator of the force needs while the arm runs; live.py, live.hpp, "
+    "live.schema.json: this estimator in Python and C++, and what describes that file"
+)
+FILES = ("live.py", "live.hpp", "live.schema.json")
+QUESTIONS = ("force", "constants", "currents")  # of verdicts.csv, that forbid an export
+
+Format = Callable[["FinishedStudy | None", str, str, str], str]
+"""Returns the text of an arm; see `ur5lib.commands.exported`."""
+
+
+def arm_file(study: "FinishedStudy | None", robot: str, as_in: str, accept: str) -> str:
+    """Return the file of an arm, which states the reason if verdicts are overruled."""
+    from ur5lib.commands.overruled import overruled  # slow to import
+    from ur5lib.errors import InputError
+    from ur5lib.tables import json_text
+    from ur5lib.topics.live.arm_file import known_of_arm
+
+    if study is None:
+        raise InputError("--format live is what a study fitted; name its folder by --results")
+    known = known_of_arm(study, robot, as_in)
+    return json_text(known | overruled(study, robot, QUESTIONS, accept).in_json())
+
+
+def _text(name: str, *_: object) -> str:
+    """Return a file of the estimator."""
+    return Path(__file__).with_name(name).read_text(encoding="utf-8")
+
+
+FORMATS: dict[str, Format] = {"live": arm_file, **{name: partial(_text, name) for name in FILES}}

@@ -1,0 +1,114 @@
+"""Judge the live estimator of an arm: contacts that it finds, and its false alarms."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from datetime import date
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.force.sensed_contact import CONTACT_FORCE, touched
+from ur5lib.judging.contacts import FARTHEST, counted, days_between, of_days, rates
+from ur5lib.records.force_errors import Compared
+from ur5lib.records.prediction import Prediction
+from ur5lib.records.quality import Quality
+from ur5lib.records.verdicts import Verdict
+from ur5lib.topics.live.rows import LiveFalseAlarms
+
+QUESTION, ESTIMATE = "live", "live"
+COLUMNS = ["role", "days", "duration", "minutes", "alarms"]  # of a recording without contact
+
+
+class JudgedLive(NamedTuple):
+    """The verdicts on the live estimator, and its false alarms."""
+
+    verdicts: list[Verdict]
+    false_alarms: list[LiveFalseAlarms]
+
+
+def judge_live(
+    detection: Mapping[str, pd.DataFrame],
+    quality: Mapping[str, Quality],
+    prediction: Mapping[str, Prediction],
+    compared: Mapping[str, Compared],
+    roles: dict[str, str],
+    dates: dict[str, str],
+) -> JudgedLive:
+    """Return how many contacts it finds, and how often its alarm is false where nothing touches the
+    arm and no load is undeclared.
+
+    detection: live_detection.csv by recording; roles, dates (ISO 8601, empty where unknown): of the
+    recordings.
+    """
+    minutes = {name: own.duration_s / 60 for name, own in quality.items()}
+    counts = {name: rows.iloc[0] for name, rows in detection.items() if len(rows)}
+    quiet = [
+        name
+        for name in counts
+        if not prediction[name].is_loaded and touched(compared[name].felt, roles[name]) is None
+    ]
+    days = days_between({name: _day(own) for name, own in dates.items()}, roles)
+    free = [
+        _time(counts[name], minutes[name]) | {"role": roles[name], "days": days.get(name, np.nan)}
+        for name in quiet
+    ]
+    alarms = [*_false_alarms(pd.DataFrame(free, columns=COLUMNS))]
+    unseen = [row for row in alarms if row.role == "validate" and row.days != FARTHEST]
+    numbers = [*_found(detection.values())]
+    numbers += [number for row in unseen for number in rates(row)]
+    numbers += _beside_contacts(detection, minutes)
+    verdicts = [Verdict(question=QUESTION, rank=k, **own) for k, own in enumerate(numbers, start=1)]
+    return JudgedLive(verdicts, alarms)
+
+
+def _day(stated: str) -> date | None:
+    return date.fromisoformat(stated) if stated else None
+
+
+def _time(counts: "pd.Series[Any]", duration: float) -> dict[str, Any]:
+    """Return the duration of a recording [min], the minutes in which the estimator knows, and the
+    number of its alarms.
+    """
+    known, alarms = 1 - counts["unknown"], counts["alarms_per_min"]
+    return {"duration": duration, "minutes": known * duration, "alarms": alarms * duration}
+
+
+def _false_alarms(rows: pd.DataFrame) -> Iterator[LiveFalseAlarms]:
+    """Yield the false alarms by role and days."""
+    for role in ("validate", "fit"):
+        for when, part in of_days(rows[rows["role"] == role]):
+            unknown = 1 - part["minutes"].sum() / part["duration"].sum()
+            about: Any = {
+                "role": role,
+                "estimate": ESTIMATE,
+                "days": when,
+                "unknown": float(unknown),
+            }
+            yield LiveFalseAlarms(**about, **counted(part))
+
+
+def _of_contacts(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return the row of the contacts of 5 N at a sensor, none where there are none."""
+    return rows[(rows["force_class_n"] == CONTACT_FORCE) & (rows["contacts"] > 0)]
+
+
+def _found(detection: Iterable[pd.DataFrame]) -> Iterator[dict[str, Any]]:
+    """Yield how many contacts of 5 N at a sensor are found."""
+    rows = [*map(_of_contacts, detection)]
+    count, of = (sum(int(own[name].sum()) for own in rows) for name in ("found", "contacts"))
+    if of:
+        yield {"quantity": "contacts found", "count": count, "of": of, "basis": "real"}
+
+
+def _beside_contacts(
+    detection: Mapping[str, pd.DataFrame], minutes: Mapping[str, float]
+) -> Iterator[dict[str, Any]]:
+    """Yield how many alarms are false on recordings with contacts at a sensor."""
+    rates_of = {
+        name: own["false_alarms_per_min"].iloc[0]
+        for name, rows in detection.items()
+        if len(own := _of_contacts(rows))
+    }
+    if rates_of:
+        count = sum(round(rate * minutes[name]) for name, rate in rates_of.items())
+        yield {"quantity": "false alarms on recordings with contacts", "count": count}

@@ -1,0 +1,54 @@
+"""What the live estimator states of a recording, and the rows of its tables."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ur5lib.records.table import WRENCH, SegmentedTable, channel
+from ur5lib.records.verdicts import FalseAlarms
+from ur5lib.timeseries.arrays import Array, Mask
+
+
+@dataclass(frozen=True, kw_only=True)
+class LiveForces(SegmentedTable):
+    """What the live estimator states of a recording, fed sample by sample; None where no force is.
+
+    wrench, std: as in `Forces`, (N, 6) [N, Nm]; evidence: (N,), log-odds of a contact; contact,
+    known: (N,), whether it states one, and whether it knows.
+    """
+
+    wrench: Array | None = channel("live", "N, Nm", WRENCH, optional=True)
+    std: Array | None = channel("live_std", "N, Nm", WRENCH, optional=True)
+    evidence: Array | None = channel("evidence", "1", optional=True)
+    contact: Mask | None = channel("contact", "1", optional=True, dtype=np.bool_)
+    known: Mask | None = channel("known", "1", optional=True, dtype=np.bool_)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LiveDetection:
+    """A row of live_detection.csv: contacts at the sensor of a recording that reach a force, and
+    how many of them the live estimator finds; without a sensor, no force and no contacts.
+
+    force_class_n: [N]; merged: within the alarm of another contact; median_delay_s: [s] of the
+    found ones; false_alarms_per_min, alarms_per_min: of the whole recording; unknown: share of the
+    time in which the estimator does not know.
+    """
+
+    force_class_n: float | None = None
+    contacts: int | None = None
+    found: int | None = None
+    merged: int | None = None
+    median_delay_s: float | None = None
+    false_alarms_per_min: float | None = None
+    alarms_per_min: float
+    unknown: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class LiveFalseAlarms(FalseAlarms):
+    """A row of live_false_alarms.csv: alarms of the live estimator where nothing touches the arm.
+
+    minutes: in which it knows; unknown: share of the time in which it does not.
+    """
+
+    unknown: float
