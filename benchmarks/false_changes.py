@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.harness.options import asked
-from ur5lib.timeseries.changes import (
+from ur5lib.topics.health.changes import (
     FALSE_ALARM_PROBABILITY,
     DatedSeries,
     coloured,

@@ -104,7 +104,7 @@ def users_of(package: str) -> set[Path]:
             path
             for path in FILES.values()
             for name in imports(path)
-            if name.split(".")[0] == package or FILES.get(name) in users
+            if f"{name}.".startswith(f"{package}.") or FILES.get(name) in users
         }
         - users
     ):
@@ -170,11 +170,12 @@ GOES_WITH = re.compile(r"^\| `ur5lib/topics/(\w+)`.*?\|(.*?)\|", re.MULTILINE)
 
 
 def goes_with(topic: str) -> set[Path]:
-    """The files that docs/design.md tells to delete with a topic: of packages beside, its tests."""
+    """The files that docs/design.md tells to delete with a topic: of packages beside, its tests and
+    benchmarks."""
     listed = dict(GOES_WITH.findall((PROJECT / "docs" / "design.md").read_text()))
     named = {PROJECT / name for name in re.findall(r"`(.*?)`", listed.get(topic, ""))}
-    tests = (PROJECT / "tests" / "topics" / topic).rglob("*.py")
-    return {*named, *tests, *(PROJECT / "ur5lib" / "topics" / topic).rglob("*.py")}
+    folders = f"tests/topics/{topic}", f"ur5lib/topics/{topic}", "benchmarks"
+    return named.union(*((PROJECT / folder).rglob("*.py") for folder in folders))
 
 
 @pytest.mark.parametrize("topic", [path.name for path in TOPICS])

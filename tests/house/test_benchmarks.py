@@ -23,7 +23,6 @@ PRINTED = {  # what each prints at least
     "abb_like": ["1 seeds", "in band", "of least squares"],
     "stand_seeds": ["1 seeds", "intervals hold the truth", "wrench_rmse_in_contact"],
     "slow_presses": ["1 seeds", "with an untouched span", "twenty lines"],
-    "false_changes": ["1 seeds, 2 quantities", "| 0.5 |"],
     "false_stops": ["4 right logs", "links described wrongly", "another arm declared"],
     "wrist_sensor": ["1 seeds", "turn", "intervals hold the truth", "mass_by_currents"],
     "many_runs": ["planned", "whole study", "one more run to fit", "put in: Coulomb friction"],
@@ -32,6 +31,7 @@ PRINTED = {  # what each prints at least
 ELSEWHERE = {  # run by tests of their own, here and in tests/
     *("leaderboard", "live", "simulated_contacts", "torque_from_motion"),  # rivals/
     *("excitation", "excitation_loop"),  # lab/
+    "false_changes",  # topics/health/
     "serial_arms",  # library/test_stand_of_other_arms.py
     "pictures",  # artefacts/test_lesson.py
 }

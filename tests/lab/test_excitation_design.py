@@ -17,6 +17,7 @@ from benchmarks.excitation import (
     unseen_error,
     worth,
 )
+from tests.slow_noise import slow_noise
 from ur5lab.collisions import Box, Surroundings
 from ur5lab.excitation.design import (
     Design,
@@ -49,7 +50,6 @@ from ur5lib.identification.currents import SEASON, friction_std, parameters
 from ur5lib.report.figures.house_style import REPORT_FONT_SIZE
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.changes import coloured
 from ur5lib.timeseries.metrics import NORMAL95
 
 TABLE = -0.05  # m
@@ -231,7 +231,7 @@ def test_nominal_noise_is_as_wrong_as_errors_that_last() -> None:
     count = 600  # samples of a minute
     inflated = nominal_maps(load_robot(robot_path("ur5e"))).noise.torque[0] / TORQUE_NOISE
     similar = (CORRELATION_TIME / INDEPENDENT_STEP - 1) / (CORRELATION_TIME / INDEPENDENT_STEP + 1)
-    noise = coloured(np.random.default_rng(0).standard_normal((2000, count)), similar)
+    noise = slow_noise(0, (2000, count), similar)
     assert inflated / np.sqrt(count) == pytest.approx(noise.mean(axis=1).std(), rel=0.06)
 
 

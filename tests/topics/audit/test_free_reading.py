@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from tests.slow_noise import slow_noise
 from ur5lib.robots.description import Payload
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.changes import coloured
 from ur5lib.topics.audit.free_reading import (
     FreeReading,
     fit_free_reading,
@@ -142,8 +142,8 @@ def test_what_contacts_leave_is_found(left: float) -> None:
 
 def slowly(seed: int, seconds: float) -> Array:
     """A residual of 0.05 N and 1.5 mNm whose correlation falls to 1/e in some seconds."""
-    noise = np.random.default_rng(10_000 + seed).standard_normal((6, len(TIME)))
-    return 0.05 * coloured(noise, np.exp(-PERIOD / seconds)).T * np.array([1.0] * 3 + [0.03] * 3)
+    noise = slow_noise(10_000 + seed, (6, len(TIME)), np.exp(-PERIOD / seconds))
+    return 0.05 * noise.T * np.array([1.0] * 3 + [0.03] * 3)
 
 
 def test_intervals_of_bias_and_drift_hold_among_slow_residuals() -> None:

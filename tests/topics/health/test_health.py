@@ -25,7 +25,6 @@ from tests.made_tables import gathered
 from tests.topics.pages import filled, section, shown
 from tests.typeset_page import page_of, plain
 from ur5lib.channels import TORQUE
-from ur5lib.identification.condition import QUANTITIES, joint_conditions
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.samples import CurrentSamples, columns_of, recorded_path
 from ur5lib.records.friction import CurrentFit
@@ -35,6 +34,7 @@ from ur5lib.records.verdicts import Verdict
 from ur5lib.report.figures.house_style import REPORT_FONT_SIZE
 from ur5lib.report.results import Results
 from ur5lib.robots.friction import BASE_TERMS
+from ur5lib.topics.health.condition import QUANTITIES, joint_conditions
 from ur5lib.topics.health.examine_joints import checkup, dated
 from ur5lib.topics.health.figure import health_figure
 from ur5lib.topics.health.judge_health import judge_health
@@ -351,7 +351,7 @@ def test_its_section_is_absent_without_dates(tmp_path: Path) -> None:
 
 
 def test_another_test_of_changes_repeats_no_judge(built_workflow: Workflow, change: Change) -> None:
-    change("ur5lib/timeseries/changes.py", "\n# edited\n")
+    change("ur5lib/topics/health/changes.py", "\n# edited\n")
     planned = built_workflow.plan()
     assert planned.keys() >= {"track_health", "draw_health", "make_tables", "write_report"}
     assert planned.keys().isdisjoint({"examine_joints", "judge_recording"})

@@ -5,7 +5,6 @@ from datetime import UTC, date, datetime
 import numpy as np
 
 from ur5lib.channels import CURRENT, Effort
-from ur5lib.identification.condition import QUANTITIES, joint_conditions
 from ur5lib.identification.current_samples import Smoother, current_record
 from ur5lib.identification.samples import CurrentSamples, Smooth
 from ur5lib.records.dynamics import Torques
@@ -16,6 +15,7 @@ from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.lowpass import Butterworth
+from ur5lib.topics.health.condition import QUANTITIES, joint_conditions
 from ur5lib.topics.health.rows import Checkup
 
 

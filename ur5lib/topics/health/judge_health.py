@@ -6,7 +6,7 @@ from typing import Any
 import pandas as pd
 
 from ur5lib.records.verdicts import Reason, State, Verdict
-from ur5lib.timeseries.changes import MIN_DATES
+from ur5lib.topics.health.changes import MIN_DATES
 
 QUESTION = "drift"
 

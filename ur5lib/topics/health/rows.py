@@ -44,7 +44,7 @@ class Condition:
 @dataclass(frozen=True, kw_only=True)
 class JointChange:
     """A row of health_changes.csv: a change of a joint's quantity between two dates, as
-    `ur5lib.timeseries.changes.Change`; by_temperature: what that explains of it.
+    `ur5lib.topics.health.changes.Change`; by_temperature: what that explains of it.
     """
 
     joint: int

@@ -11,14 +11,14 @@ import numpy as np
 from ur5lib.identification.samples import path_of
 from ur5lib.records.motion import Motion
 from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.changes import (
+from ur5lib.timeseries.trajectories import PathStates, group_by_path
+from ur5lib.topics.health.changes import (
     FALSE_ALARM_PROBABILITY,
     MIN_DATES,
     DatedSeries,
     find_changes,
     over_spans,
 )
-from ur5lib.timeseries.trajectories import PathStates, group_by_path
 from ur5lib.topics.health.rows import Checkup, Condition, Health, JointChange
 
 MIN_TEMPERATURE_RANGE = 1.0  # K between dates, above which temperature is a covariate

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from tests.conftest import PROJECT
+from tests.house.test_benchmarks import run_benchmark
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.changes import (
+from ur5lib.topics.health.changes import (
     MIN_DATES,
     WORST_CORRELATION,
     DatedSeries,
@@ -46,7 +48,7 @@ def slow(seed: int, correlation: float) -> DatedSeries:
 def independent(monkeypatch: pytest.MonkeyPatch) -> None:
     """Dates are known to be independent."""
     for name in ("SEARCH_CORRELATIONS", "SIZE_CORRELATIONS"):
-        monkeypatch.setattr(f"ur5lib.timeseries.changes.{name}", np.zeros(1))
+        monkeypatch.setattr(f"ur5lib.topics.health.changes.{name}", np.zeros(1))
 
 
 def drifting(series: DatedSeries, size: float = DRIFT) -> DatedSeries:
@@ -61,7 +63,7 @@ def jumping(series: DatedSeries, size: float = JUMP) -> DatedSeries:
 def test_drifts_and_jumps_are_told_apart_and_jumps_are_dated(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("ur5lib.timeseries.changes.NOISE_DRAWS", 2000)
+    monkeypatch.setattr("ur5lib.topics.health.changes.NOISE_DRAWS", 2000)
     series = [(drifting(made_up(100 * seed)), jumping(made_up(seed))) for seed in range(20)]
     drifts, jumps = (
         [find_changes(own, LEVEL)[0] for own in kind] for kind in zip(*series, strict=True)
@@ -83,7 +85,9 @@ def test_intervals_hold_the_size_as_often_as_stated(
     among_slow_noise: bool,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("ur5lib.timeseries.changes.NOISE_DRAWS", 200 if among_slow_noise else 500)
+    monkeypatch.setattr(
+        "ur5lib.topics.health.changes.NOISE_DRAWS", 200 if among_slow_noise else 500
+    )
     if among_slow_noise:
         size, series = 0.3, [slow(seed, WORST_CORRELATION) for seed in range(100)]
     else:
@@ -100,7 +104,7 @@ def test_slow_noise_makes_false_changes_on_few_arms(
 
     With the slowest noise, that is the chance: more than ten have one of 1 %.
     """
-    monkeypatch.setattr("ur5lib.timeseries.changes.NOISE_DRAWS", 1000)
+    monkeypatch.setattr("ur5lib.topics.health.changes.NOISE_DRAWS", 1000)
     arms = [[slow(1000 + 3 * arm + k, correlation) for k in range(3)] for arm in range(100)]
     assert sum(any(find_changes(own, 0.05 / 3) for own in arm) for arm in arms) <= most
 
@@ -115,7 +119,7 @@ def test_coloured_noise_has_its_correlation_and_whitens_again() -> None:
 
 def test_what_temperature_explains_is_no_change(monkeypatch: pytest.MonkeyPatch) -> None:
     """A hundred quiet series that warm up over time: at 5 %, some five false changes."""
-    monkeypatch.setattr("ur5lib.timeseries.changes.NOISE_DRAWS", 1000)
+    monkeypatch.setattr("ur5lib.topics.health.changes.NOISE_DRAWS", 1000)
     false = 0
     for seed in range(100):
         series = made_up(seed)
@@ -144,8 +148,8 @@ def test_errors_uncertain_or_known_make_few_false_changes(
     Their noise is as slow as is guarded against. With noise that is drawn by the weights alone, 43
     of those of uncertain errors do; with equal weights, some 130 of those of known errors.
     """
-    monkeypatch.setattr("ur5lib.timeseries.changes.NOISE_DRAWS", 400)
-    monkeypatch.setattr("ur5lib.timeseries.changes.BATCH_DRAWS", 400)
+    monkeypatch.setattr("ur5lib.topics.health.changes.NOISE_DRAWS", 400)
+    monkeypatch.setattr("ur5lib.topics.health.changes.BATCH_DRAWS", 400)
     false = 0
     for seed in range(10_000, 10_400):
         random = np.random.default_rng(seed)
@@ -204,8 +208,8 @@ def test_a_drift_is_that_of_linear_regression(monkeypatch: pytest.MonkeyPatch) -
 def test_a_jump_s_dates_hold_95_percent_of_its_likelihood(monkeypatch: pytest.MonkeyPatch) -> None:
     """p ∝ S^(-(n - 2) / 2), with S the sum of squares about the means before and after."""
     independent(monkeypatch)
-    monkeypatch.setattr("ur5lib.timeseries.changes.NOISE_DRAWS", 100)
-    monkeypatch.setattr("ur5lib.timeseries.changes.MAX_CHANGES", 1)
+    monkeypatch.setattr("ur5lib.topics.health.changes.NOISE_DRAWS", 100)
+    monkeypatch.setattr("ur5lib.topics.health.changes.MAX_CHANGES", 1)
     after = np.arange(2, DATES - 1)
     for seed in range(40):
         series = replace(made_up(seed), covariate=None, std_error=np.full(DATES, 0.01))
@@ -363,3 +367,10 @@ def test_two_years_without_a_change_show_none() -> None:
 def test_few_dates_are_taken_as_they_are() -> None:
     series = made_up(0)
     assert over_spans(series) is series
+
+
+@pytest.mark.thorough
+@pytest.mark.slow
+def test_false_changes_are_counted() -> None:
+    printed = run_benchmark("false_changes", PROJECT)
+    assert all(text in printed for text in ("1 seeds, 2 quantities", "| 0.5 |")), printed
