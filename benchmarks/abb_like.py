@@ -22,7 +22,7 @@ from scipy.signal import butter, filtfilt
 
 from benchmarks.harness.abb_like import JOINTS, PERIOD, MadeUpArm, write_files
 from benchmarks.harness.options import asked
-from benchmarks.stand_seeds import CURRENTS, MOTIONS, SETTINGS
+from benchmarks.harness.stand import CURRENTS, MOTIONS, SETTINGS
 from ur5lib.identification.currents import RUN_TO_RUN_STD, SEASON, friction_std
 from ur5lib.identification.payload import PayloadEstimate
 from ur5lib.recordings.entries import ENTRY

@@ -21,7 +21,7 @@ import pandas as pd
 import torch
 
 from benchmarks.harness.options import options_of
-from benchmarks.stand_seeds import CURRENTS, SETTINGS, Taken, currents, fitted_map, simulated
+from benchmarks.harness.stand import CURRENTS, SETTINGS, Taken, currents, fitted_map, simulated
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.matching import match
 from ur5lib.force.problem import fmap_problem

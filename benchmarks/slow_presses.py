@@ -19,7 +19,7 @@ import torch
 
 from benchmarks.harness.drawn_studies import FRICTION, posture
 from benchmarks.harness.options import asked
-from benchmarks.stand_seeds import CURRENTS, Taken, currents, fitted_map, simulated
+from benchmarks.harness.stand import CURRENTS, Taken, currents, fitted_map, simulated
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.problem import fmap_problem
 from ur5lib.force.sensed_contact import TOUCH_FORCE

@@ -15,7 +15,7 @@ from ur5lib.records.contacts import Detected
 from ur5lib.records.forces import Forces
 from ur5lib.records.judgement import Judgement
 from ur5lib.records.premises import Premises
-from ur5lib.records.truth import Truth
+from ur5lib.stand.truth import Truth
 from ur5lib.steps.make_tables import rows_of_forces
 from ur5lib.tables import read_record
 from ur5lib.timeseries.sampling import interpolated

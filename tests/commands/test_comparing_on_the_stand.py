@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.stand_seeds import MOTION, fitted_map, rotors, taken
+from benchmarks.harness.stand import MOTION, fitted_map, rotors, taken
 from tests.made_tables import empty, table
 from ur5lib.commands.compare import compare
 from ur5lib.robots.description import load_robot, robot_path

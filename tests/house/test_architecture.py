@@ -35,15 +35,15 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "force": BASE | {"records", "workspace"},
     "smoothing": BASE | {"records", "signals"},
     "excitation": BASE | {"dynamics", "identification", "records"},
-    "records": BASE | {"stand"},
+    "records": BASE,
     # branches
-    "stand": BASE,
+    "stand": BASE | {"records"},
     # steps join the rooms; jobs know them by their names alone
     "steps": BASE
     | ROOMS - {"excitation"}
     | {"judging", "stand", "records", "report", "tidy", "workspace"},
     "judging": BASE | {"force", "records", "tidy"},
-    "tidy": BASE | {"stand"} | {"force", "recordings", "records", "signals"},
+    "tidy": BASE | {"force", "recordings", "records", "signals"},
     "jobs": {"errors", "records", "report", "robots", "strict", "tables", "workspace"},
     # readers
     "report": BASE
@@ -63,7 +63,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "topics": BASE
     | ROOMS
     | {"commands", "finished", "jobs", "judging", "records"}
-    | {"report", "steps", "study", "tidy"},
+    | {"report", "stand", "steps", "study", "tidy"},
 }
 MODULES = sorted((PROJECT / "ur5lib").rglob("*.py"))
 BESIDE = sorted(path.name for path in PROJECT.glob("ur5*") if path.name != "ur5lib")

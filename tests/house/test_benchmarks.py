@@ -21,7 +21,6 @@ PRINTED = {  # what each prints at least
     "motion": ["Fourier series", "within the 95 % band", "with an IMU", "bridged"],
     "long_recording": ["1 min", "processor time", "wall s"],
     "abb_like": ["1 seeds", "in band", "of least squares"],
-    "stand_seeds": ["1 seeds", "intervals hold the truth", "wrench_rmse_in_contact"],
     "slow_presses": ["1 seeds", "with an untouched span", "twenty lines"],
     "false_stops": ["4 right logs", "links described wrongly", "another arm declared"],
     "wrist_sensor": ["1 seeds", "turn", "intervals hold the truth", "mass_by_currents"],
@@ -32,6 +31,7 @@ ELSEWHERE = {  # run by tests of their own, here and in tests/
     *("leaderboard", "live", "simulated_contacts", "torque_from_motion"),  # rivals/
     *("excitation", "excitation_loop"),  # lab/
     "false_changes",  # topics/health/
+    "stand_seeds",  # topics/truth/
     "serial_arms",  # library/test_stand_of_other_arms.py
     "pictures",  # artefacts/test_lesson.py
 }

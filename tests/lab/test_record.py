@@ -30,9 +30,9 @@ from ur5lib.channels import columns
 from ur5lib.cli import app
 from ur5lib.errors import InputError
 from ur5lib.recordings.starts import place_sensors
-from ur5lib.records.truth import Truth
 from ur5lib.robots.description import Robot
 from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.truth import Truth
 from ur5lib.study.reading import read_study
 from ur5lib.tables import read_json
 

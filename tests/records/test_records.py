@@ -19,7 +19,7 @@ from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.records.motion import FusedMotion, Motion
 from ur5lib.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.records.table import SegmentedTable, Table
-from ur5lib.records.truth import Truth
+from ur5lib.stand.truth import Truth
 from ur5lib.tables import column_unit, read_table
 
 RECORDS: list[type[Table]] = [

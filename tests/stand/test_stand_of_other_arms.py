@@ -12,13 +12,13 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.recordings.entries import RtdeFiles
 from ur5lib.recordings.intake import read_and_repair
-from ur5lib.records.truth import Truth
 from ur5lib.robots.description import Robot
 from ur5lib.robots.from_urdf import robot_from_urdf
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.rig import Experiment, perform
 from ur5lib.stand.simulate import simulate
 from ur5lib.stand.torque_sensors import FRICTION_SHARE_BEHIND_SENSOR, TorqueSensors
+from ur5lib.stand.truth import Truth
 from ur5lib.study.reading import parse_study
 
 PUSH = {"kind": "push", "start_s": 0.5, "seconds": 1.0, "force": [10, -5, 8]}

@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-import pandas as pd
+import numpy as np
 import pytest
 import torch
 
-from benchmarks.stand_seeds import fitted_map, map_rows, plans, taken
+from benchmarks.harness.stand import fitted_map, plans, taken
 
 pytestmark = pytest.mark.slow
 
@@ -25,9 +25,8 @@ def test_torque_constants_are_not_missed_in_one_direction(tmp_path: Path) -> Non
     """
     drawn = enumerate(plans(seed=0, seconds=14)[:3])
     study = [taken(plan | {"noise": False}, tmp_path / str(k)) for k, plan in drawn]
-    rows = pd.DataFrame(map_rows(fitted_map(study), study[0].summary))
-    part = rows[rows["quantity"] == "torque_constant"]
-    error = (part["estimate"] / part["truth"] - 1).abs()
-    assert error.iloc[0] < 0.02
-    assert error.iloc[1:4].max() < 0.01
-    assert error.iloc[4:].max() < 0.04
+    fitted = [row.value for row in fitted_map(study).parameters if row.name == "torque_constant"]
+    error = np.abs(fitted / study[0].summary.drive.torque_constant - 1)
+    assert error[0] < 0.02
+    assert error[1:4].max() < 0.01
+    assert error[4:].max() < 0.04

@@ -12,9 +12,9 @@ from tests.steps.made_recording import known_of
 from ur5lib.identification.current_samples import current_record
 from ur5lib.records.judgement import Judgement
 from ur5lib.records.signals import Signals
-from ur5lib.records.truth import TrueParameters, Truth
 from ur5lib.robots.description import Robot
 from ur5lib.stand.plan import ForceSensor, Imu
+from ur5lib.stand.truth import TrueParameters, Truth
 from ur5lib.steps.align_recording import align_recording
 from ur5lib.steps.calibrate_imu import calibrate_imu
 from ur5lib.steps.compare_accelerations import compare_accelerations

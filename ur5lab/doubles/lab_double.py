@@ -15,7 +15,7 @@ from ur5lab.doubles.xsens_double import XsensDouble
 from ur5lib.robots.description import Robot
 from ur5lib.stand.plan import ForceSensor, Imu, SimulatedRecording
 from ur5lib.stand.rig import STEP, build_rig
-from ur5lib.stand.truth import write_truth
+from ur5lib.stand.write_truth import write_truth
 from ur5lib.study.devices import (
     ArmSettings,
     LabSettings,

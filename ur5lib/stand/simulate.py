@@ -23,7 +23,7 @@ from ur5lib.stand.layout import FORMATS_WITH_PAYLOAD
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.rig import perform
 from ur5lib.stand.sensors import force_readings, imu_readings, wrist_channels
-from ur5lib.stand.truth import write_truth
+from ur5lib.stand.write_truth import write_truth
 
 Format = Literal["thesis-csv", "realtime-stream", "rtde-csv"]
 

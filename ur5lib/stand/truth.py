@@ -1,105 +1,71 @@
-"""The truth of a simulated recording, read only by the comparison with estimates."""
+"""The truth of a simulated recording, as `write_truth` writes it: samples, and true parameters."""
 
-from collections.abc import Mapping
-from dataclasses import asdict
-from pathlib import Path
+from dataclasses import dataclass, fields
+from typing import Self
 
-import pandas as pd
+import numpy as np
 
-from ur5lib.channels import CURRENT
-from ur5lib.stand import controller_channels, sensors
-from ur5lib.stand import drive as drives
-from ur5lib.stand.plan import SimulatedRecording
-from ur5lib.stand.rig import STEP, Rig, States, step_times
-from ur5lib.stand.torque_sensors import FRICTION_SHARE_BEHIND_SENSOR, TorqueSensors
-from ur5lib.tables import named, write_json, write_table
-from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.segments import runs
-
-STATE_COLUMNS = {  # of the table: quantities of `rig.state_type`, their names and units there
-    "q": ("q", "rad"),
-    "qd": ("qd", "rad/s"),
-    "qdd": ("qdd", "rad/s2"),
-    "motor_torque": ("tau_motor", "Nm"),
-    "friction_torque": ("tau_friction", "Nm"),
-    "contact_torque": ("tau_contact", "Nm"),
-    "wrench": ("wrench", "N, Nm"),
-    "origin": ("o6", "m"),
-    "rotation": ("R6", "1"),
-}
-
-Clocks = dict[str, dict[str, float]]
+from ur5lib.records.table import JOINTS, SIX, Table, channel
+from ur5lib.robots.description import Payload, Vector3
+from ur5lib.stand.plan import Imu
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.sampling import interpolated
 
 
-def write_truth(
-    rig: Rig,
-    plan: SimulatedRecording,
-    motion: States,
-    cycle: float,
-    clocks: Clocks,
-    truth: Path,
-    frames: Mapping[str, Labels] | None = None,
-) -> None:
-    """Write truth.parquet, at the controller's frames, and truth.json, the true parameters.
-
-    Columns of the table: `time`, and those of STATE_COLUMNS. rig: simulated arm; motion: its
-    states; cycle: of the controller [s]; clocks: of the devices, counted from their first samples,
-    t_robot = offset + (1 + drift) t_device; truth: path of both files without their suffixes;
-    frames: numbers of the faulty ones by fault.
+@dataclass(frozen=True, kw_only=True)
+class Truth(Table):
+    """True motion [rad, rad/s, rad/s²], joint torques [Nm] of motors, friction and contact, and the
+    wrench of the environment on the arm [N, Nm], base axes, frame 6's origin; (N, n) each.
     """
-    every = slice(None, None, round(cycle / STEP))
-    columns, units = {"time": step_times(len(motion))[every]}, {"time": "s"}
-    for quantity, (name, unit) in STATE_COLUMNS.items():
-        channels = named(motion[quantity][every], name)
-        columns |= channels
-        units |= dict.fromkeys(channels, unit)
-    write_table(pd.DataFrame(columns), f"{truth}.parquet", units)
-    touched = runs((motion["contact_torque"] != 0).any(axis=1))  # starts and ends, by steps
-    summary = {
-        "robot": rig.robot.name,
-        "gravity": rig.robot.gravity,
-        "model": rig.model,
-        "cycle_s": cycle,
-        "plan": plan.model_dump(),
-        "drive": asdict(rig.drive),
-        "friction": asdict(rig.friction),
-        "noise": _noise_sizes() if plan.noise else None,
-        **_torque_sensor_parameters(rig),
-        "contacts": step_times(len(motion))[touched.clip(max=len(motion) - 1)],
-        "clocks": clocks,
-    } | ({} if frames is None else {"frames": frames})
-    write_json(summary, f"{truth}.json")
+
+    q: Array = channel("q", "rad", JOINTS)
+    qd: Array = channel("qd", "rad/s", JOINTS)
+    qdd: Array = channel("qdd", "rad/s2", JOINTS)
+    motor_torque: Array = channel("tau_motor", "Nm", JOINTS)
+    friction_torque: Array = channel("tau_friction", "Nm", JOINTS)
+    contact_torque: Array = channel("tau_contact", "Nm", JOINTS)
+    wrench: Array = channel("wrench", "N, Nm", SIX)
+
+    def at(self, time: Array) -> Self:
+        """Return the truth at times (N,) [s], linearly interpolated; NaN outside."""
+        arrays = {
+            own.name: interpolated(time, self.time, getattr(self, own.name), outside=np.nan)
+            for own in fields(self)
+            if own.name != "time"
+        }
+        return type(self)(time=time, **arrays)
 
 
-def _torque_sensor_parameters(rig: Rig) -> dict[str, object]:
-    """Return what takes the place of motors and gears where the joints sense torque.
+@dataclass(frozen=True)
+class TruePlan:
+    """What a simulated arm carries, its IMU, and the seed of its noise."""
 
-    With the reading y = gain τ + bias, K y = τ − offset; K is the `torque_constant` [1].
+    seed: int
+    payload: Payload | None
+    undeclared_payload: Payload | None
+    imu: Imu | None
+
+
+@dataclass(frozen=True)
+class TrueDrive:
+    """The simulated torque constants [Nm/A]; where torques are sensed, their offset [Nm]; (n,)."""
+
+    torque_constant: Array
+    offset: Array | None = None
+
+
+@dataclass(frozen=True)
+class TrueParameters:
+    """What estimates are compared with of truth.json, which `write_truth` writes.
+
+    model: simulated link model; friction: `FrictionParameters` (n,) of the stand, by name; clocks:
+    `offset_s` and `drift_ppm` by device.
     """
-    if rig.robot.measured == CURRENT:
-        return {}
-    sensor, friction = TorqueSensors.of(rig.robot), rig.friction
-    behind = {
-        name: FRICTION_SHARE_BEHIND_SENSOR * getattr(friction, name)
-        for name in ("coulomb", "viscous", "load", "periodic")
-    }
-    calibration = {"torque_constant": 1 / sensor.gain, "offset": -sensor.bias / sensor.gain}
-    return {
-        "drive": asdict(rig.drive) | calibration,
-        "friction": asdict(friction) | behind,
-        "torque_sensors": asdict(sensor),
-    }
 
-
-def _noise_sizes() -> dict[str, float | Array]:
-    """Return the sizes of all noise by quantity and unit."""
-    return {
-        "current_ripple_a": drives.CURRENT_RIPPLE,
-        "current_a": drives.CURRENT_NOISE,
-        "current_at_rest_a": drives.CURRENT_NOISE_AT_REST,
-        "position_rad": controller_channels.POSITION_NOISE,
-        "velocity_rad_s": controller_channels.VELOCITY_NOISE,
-        "force_sensor_n_nm": sensors.FORCE_NOISE,
-        "gyroscope_rad_s_sqrt_hz": sensors.GYROSCOPE_NOISE,
-        "accelerometer_m_s2_sqrt_hz": sensors.ACCELEROMETER_NOISE,
-    }
+    robot: str
+    gravity: Vector3
+    model: str
+    plan: TruePlan
+    drive: TrueDrive
+    friction: dict[str, Array]
+    clocks: dict[str, dict[str, float]]

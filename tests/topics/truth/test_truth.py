@@ -8,19 +8,23 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tests.conftest import PROJECT
+from tests.house.test_benchmarks import run_benchmark
 from tests.topics.pages import section, shown
 from ur5lib.records.clocks import SettledClock
 from ur5lib.records.forces import Forces
 from ur5lib.records.friction import Friction, Parameter
 from ur5lib.records.models import Rotors, Terms
 from ur5lib.records.motion import FusedMotion, Motion
-from ur5lib.records.truth import COLUMNS, TrueParameters, Truth
 from ur5lib.report.results import Results
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.smoothing.fused_motion import no_fused_motion
 from ur5lib.stand.plan import Imu
+from ur5lib.stand.truth import TrueParameters, Truth
 from ur5lib.tables import as_record
-from ur5lib.tidy.truth import (
+from ur5lib.timeseries.arrays import Array
+from ur5lib.topics.truth.beside import (
+    COLUMNS,
     Row,
     clock_rows,
     errors,
@@ -30,7 +34,6 @@ from ur5lib.tidy.truth import (
     values,
     wrench_rows,
 )
-from ur5lib.timeseries.arrays import Array
 from ur5lib.topics.truth.compare_with_truth import joint_acceleration_rows
 
 TRUTH = as_record(
@@ -203,3 +206,11 @@ def test_the_section_counts_and_shows_what_is_in_the_table() -> None:
 def test_its_section_is_absent_without_truth(page: str) -> None:
     assert shown("truth", compared([]), page) is None
     assert shown("truth", Results({}, {}, Path()), page) is None
+
+
+@pytest.mark.thorough
+@pytest.mark.slow
+def test_what_comes_back_from_the_stand_is_counted() -> None:
+    printed = run_benchmark("stand_seeds", PROJECT)
+    texts = ["1 seeds", "intervals hold the truth", "wrench_rmse_in_contact"]
+    assert all(text in printed for text in texts), printed

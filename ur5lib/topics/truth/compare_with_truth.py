@@ -17,11 +17,16 @@ from ur5lib.records.forces import Forces
 from ur5lib.records.friction import Friction
 from ur5lib.records.models import Identification, Rotors
 from ur5lib.records.motion import Alignment, FusedMotion, Motion
-from ur5lib.records.truth import COLUMNS, TrueParameters, Truth
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import ImuCalibration
+from ur5lib.stand.truth import TrueParameters, Truth
 from ur5lib.tables import json_text, read_record
-from ur5lib.tidy.truth import (
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.lowpass import Butterworth, inner_lowpass
+from ur5lib.timeseries.metrics import coverage
+from ur5lib.timeseries.segments import by_segment
+from ur5lib.topics.truth.beside import (
+    COLUMNS,
     Row,
     clock_rows,
     errors,
@@ -33,10 +38,6 @@ from ur5lib.tidy.truth import (
     values,
     wrench_rows,
 )
-from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.lowpass import Butterworth, inner_lowpass
-from ur5lib.timeseries.metrics import coverage
-from ur5lib.timeseries.segments import by_segment
 
 Truths = Mapping[str, TrueParameters]  # by recording
 TruthPart = TypeVar("TruthPart")

@@ -12,13 +12,17 @@ from ur5lib.records.forces import Forces
 from ur5lib.records.friction import Friction
 from ur5lib.records.models import Rotors
 from ur5lib.records.table import WRENCH, WRENCH_UNITS
-from ur5lib.records.truth import TrueDrive, TrueParameters, Truth
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.stand.plan import Imu
+from ur5lib.stand.truth import TrueDrive, TrueParameters, Truth
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import coverage, mean_absolute_error
 
 Row = dict[Hashable, Any]
+COLUMNS = [  # of truth.csv
+    *("recording", "robot", "quantity", "method", "index", "unit"),
+    *("truth", "estimate", "std_error", "within95", "zero"),
+]
 AXIS_NAMES = ["x", "y", "z"]
 JACKKNIFE_PARTS = 8  # of an only recording, in a jackknife
 
