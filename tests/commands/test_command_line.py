@@ -89,7 +89,6 @@ WRONG_CALLS = [
     ("convert mine --into logs", 2, "ur5 convert mine --output logs"),
     ("export --robot ur5 --to mjcf", 2, "ur5 export --robot ur5 --format mjcf"),
     ("fetch ur10-bag --to raw/x", 2, "ur5 fetch ur10-bag --output raw/x"),
-    ("compare a b --junit c.xml", 2, "ur5 compare a b --output c.xml"),
     ("export --robot ur5 --format urfd", 1, "did you mean `urdf`"),
     ("convert . --format matlab", 1, "did you mean `mat`"),
     ("figure . a/b --format jpg", 1, "available: pdf, svg, png"),
@@ -106,7 +105,6 @@ WRONG_CALLS = [
     ("import mine.yaml", 1, "mine.yaml is a study, no recording"),
     ("report results/built/report.html", 1, "report.html does not exist; build it: ur5 run built"),
     ("check results/no/report.html", 1, "unknown study 'no'; available: mine, other"),
-    ("compare results/a", 2, "as in: ur5 compare monday tuesday"),
     ("export ur5e", 2, "Missing option '--robot'; as in: ur5 export --robot ur5e"),
     ("import", 2, "as in: ur5 import raw/mine/*.csv"),
     ("import a.csv --rate fast", 2, "valid number"),
@@ -158,7 +156,6 @@ def test_a_shell_completes_commands() -> None:
         ("export --robot ur5 --format urfd", "urdf"),
         ("export --robot ur5 --model C+rotor", "C+rotors"),
         ("fetch tesis", "thesis"),
-        ("compare . . --fail-on forse", "force"),
     ],
 )
 def test_a_name_that_is_nearly_right_is_named(words: str, meant: str) -> None:
@@ -180,7 +177,6 @@ LONG = "a" * 300
     "words",
     [
         f"figure {LONG} torques",
-        f"compare {LONG} .",
         f"convert {LONG}",
         f"export --robot ur5 --results {LONG}",
         f"new {LONG}",
@@ -199,7 +195,7 @@ def test_a_name_that_no_file_can_have_is_told_in_a_sentence(
 
 @pytest.mark.parametrize(
     ("words", "damaged"),
-    [("compare . .", "tables/quality.csv"), ("convert .", "recordings/run/signals.parquet")],
+    [("convert .", "recordings/run/signals.parquet")],
 )
 def test_a_damaged_result_is_told_in_a_sentence(
     words: str, damaged: str, run_ur5: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

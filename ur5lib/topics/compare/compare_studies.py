@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from ur5lib.commands.compare import CHANGE_COLUMNS, compare, rows
+from ur5lib.topics.compare.comparison import CHANGE_COLUMNS, compare, rows
 
 
 def compare_studies(own: list[Path], others: list[Path]) -> pd.DataFrame:

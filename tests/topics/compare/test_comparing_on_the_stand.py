@@ -6,10 +6,10 @@ import pytest
 
 from benchmarks.harness.stand import MOTION, fitted_map, rotors, taken
 from tests.made_tables import empty, table
-from ur5lib.commands.compare import compare
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.tidy.friction import friction
 from ur5lib.tidy.models import rotor_inertia
+from ur5lib.topics.compare.comparison import compare
 
 pytestmark = [pytest.mark.slow, pytest.mark.thorough]  # ten simulated recordings
 

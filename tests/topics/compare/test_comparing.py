@@ -9,9 +9,16 @@ import pytest
 from typer.testing import CliRunner
 
 from ur5lib.cli import app
-from ur5lib.commands.compare import CHANGE_COLUMNS, TOPICS, compare, lines, rows, write_junit
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
+from ur5lib.topics.compare.comparison import (
+    CHANGE_COLUMNS,
+    TOPICS,
+    compare,
+    lines,
+    rows,
+    write_junit,
+)
 
 STD = 0.5
 PARAMETERS = ["torque_constant", "offset", "coulomb", "viscous", "load"]

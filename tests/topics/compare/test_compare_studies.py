@@ -27,7 +27,7 @@ def test_a_study_is_compared_with_another(workflow: Workflow) -> None:
 
 
 def test_another_comparison_repeats_nothing_else(built_workflow: Workflow, change: Change) -> None:
-    change("ur5lib/commands/compare.py", "\n# edited\n")
+    change("ur5lib/topics/compare/comparison.py", "\n# edited\n")
     assert built_workflow.plan() == {"compare_studies": 1} | DOCUMENT
 
 
@@ -35,7 +35,7 @@ def test_its_section_counts_what_changed_and_is_absent_without_another_study() -
     one = {"study": "be_fore", "topic": "force", "name": "a", "before": "1", "after": "2"}
     rows = [one | {"differs": "yes", "changed": flag, "name": flag} for flag in ("yes", "no")]
     results = study(changes=rows)
-    told = section("changes", results)
+    told = section("compare", results)
     assert "Compared with “be_fore”, 1 of 2 numbers changed: force." in told.text
     assert told.tables == {
         "counts-be_fore": [
@@ -43,7 +43,7 @@ def test_its_section_counts_what_changed_and_is_absent_without_another_study() -
         ],
         "changed-be_fore": [{"topic": "force", "what": "yes", "before": "1", "now": "2"}],
     }
-    assert "none of 1 numbers changed." in section("changes", study(changes=rows[1:])).text
-    assert shown("changes", study()) is None
+    assert "none of 1 numbers changed." in section("compare", study(changes=rows[1:])).text
+    assert shown("compare", study()) is None
     tables = {name: own for name, own in results.tables.items() if name != "changes"}
-    assert shown("changes", replace(results, tables=tables)) is None
+    assert shown("compare", replace(results, tables=tables)) is None
