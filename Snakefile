@@ -42,7 +42,6 @@ for rules_of_topic in sorted(PACKAGE.glob("topics/*/rules.smk")):
 
 
 include: "workflow/rules/report.smk"
-include: "workflow/rules/paper.smk"
 include: "workflow/rules/cluster.smk"
 
 

@@ -12,6 +12,8 @@ import os
 import sys
 from typing import Any
 
+from matplotlib.figure import Figure
+
 from tests.conftest import PROJECT
 
 NOTEBOOK = PROJECT / "docs" / "notebook.ipynb"
@@ -46,6 +48,9 @@ def shown(value: Any) -> dict[str, Any]:
         data["text/html"] = html.splitlines(True)
     if hasattr(value, "_repr_png_"):
         data["image/png"] = base64.b64encode(value._repr_png_()).decode()
+    elif isinstance(value, Figure):
+        value.savefig(png := io.BytesIO(), format="png")
+        data["image/png"] = base64.b64encode(png.getvalue()).decode()
     return data
 
 

@@ -454,23 +454,6 @@ def convert(
     print_lines(write_recordings(results, recordings or [], format, output))
 
 
-@app.command(rich_help_panel="Results")
-def figure(
-    results: Results,
-    figure: Annotated[str, typer.Argument(help="one in its folder figures, as pushed/torques")],
-    width: Annotated[str, typer.Option(help="width in millimetres")] = "88mm",
-    font_size: Annotated[float, typer.Option(help="size of all letters [points]")] = 8,
-    format: Annotated[Literal["pdf", "svg", "png"], typer.Option(help="of the file")] = "pdf",
-) -> None:
-    """Draw a figure of a study as a paper needs it.
-
-    Its file is printed. Example: ur5 figure mine pushed/forces_estimated --width 88mm
-    """
-    from ur5lib.study.paper_figure import paper_figure
-
-    typer.echo(paper_figure(results, figure, width, font_size, format))
-
-
 @app.command(rich_help_panel="Project")
 def schema() -> None:
     """Print the JSON schema of a study.

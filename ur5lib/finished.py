@@ -21,7 +21,6 @@ from ur5lib.records.quality import Quality
 from ur5lib.records.table import Table
 from ur5lib.robots.description import Payload, Robot, load_robot
 from ur5lib.study.model import Recording, Settings, Study
-from ur5lib.study.paper_figure import paper_figure
 from ur5lib.study.reading import parse_study, read_plain
 from ur5lib.tables import intact, read_csv, read_record
 
@@ -212,15 +211,6 @@ class FinishedStudy(Shown):
         names = [path.stem for path in (self.folder / "recordings" / own).glob("*.parquet")]
         path = self._existing("recordings", own, f"{self._known(name, names, 'file')}.parquet")
         return frame_of(path)
-
-    def figure(
-        self, name: str, width: str = "88mm", font_size: float = 8, format: str = "pdf"
-    ) -> Path:
-        """Return the file of a figure as a paper needs it, e.g. of "pushed/forces_estimated".
-
-        font_size: of all letters [points]; format: pdf, svg or png.
-        """
-        return paper_figure(self.folder, name, width, font_size, format)
 
     def start(self, recording: str) -> float | None:
         """Return time zero of a recording in seconds since 1970; None where unknown."""

@@ -17,7 +17,6 @@ from ur5lib import cli
 from ur5lib.cli import app
 from ur5lib.commands import convert, exported
 from ur5lib.errors import InputError
-from ur5lib.study import paper_figure
 
 COMMANDS = {one.name or one.callback.__name__: one.callback for one in app.registered_commands}
 
@@ -77,7 +76,6 @@ def test_choices_are_those_that_there_are() -> None:
     """Help and completion list them."""
     assert [*cli.EXPORTED] == [*exported.FORMATS]
     assert literals("convert", "format") == {*convert.WRITERS}
-    assert literals("figure", "format") == {*paper_figure.FORMATS}
     assert all(name in told("export", "-h") for name in exported.FORMATS)
 
 
@@ -91,7 +89,6 @@ WRONG_CALLS = [
     ("fetch ur10-bag --to raw/x", 2, "ur5 fetch ur10-bag --output raw/x"),
     ("export --robot ur5 --format urfd", 1, "did you mean `urdf`"),
     ("convert . --format matlab", 1, "did you mean `mat`"),
-    ("figure . a/b --format jpg", 1, "available: pdf, svg, png"),
     ("export --robto ur5", 2, "Possible options: --robot"),
     ("chek mine", 2, "Did you mean 'check'"),
     ("run", 2, "Missing argument 'STUDY | RECORDINGS'"),
@@ -176,7 +173,6 @@ LONG = "a" * 300
 @pytest.mark.parametrize(
     "words",
     [
-        f"figure {LONG} torques",
         f"convert {LONG}",
         f"export --robot ur5 --results {LONG}",
         f"new {LONG}",

@@ -49,7 +49,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "report": BASE
     | METHODS - {"signals", "dynamics"}
     | {"judging", "records", "tidy", "workspace"},
-    "study": BASE | {"stand", "recordings", "records", "workspace"},
+    "study": BASE | {"stand", "recordings", "records"},
     "chain": BASE | {"jobs", "records", "study"},
     "finished": BASE | {"chain", "jobs", "records", "study"},
     "commands": BASE

@@ -17,6 +17,7 @@ from unittest.mock import MagicMock
 import numpy as np
 import pandas as pd
 import pytest
+from pypdf import PdfReader
 from typer.testing import CliRunner
 
 from tests.conftest import PROJECT
@@ -151,6 +152,22 @@ def read(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
     exec("\n".join(line.removeprefix(">>> ") for line in code.splitlines()), {})
 
 
+def draw(code: str, _: pytest.MonkeyPatch) -> None:
+    """Of two tables; the figure has the width that the page states, and letters as outlines."""
+    waves = {"time": [0.0, 1.0], "Fmap_Fx": [0.0, 9.0], "Fmap_std_Fx": 1.0, "compensated_Fx": 0.0}
+    folder = Path("results/mine/recordings/pushed")
+    folder.mkdir(parents=True)
+    for name in ("forces", "sensor"):
+        pd.DataFrame(waves).to_parquet(folder / f"{name}.parquet")
+    Path("results/mine/tables").mkdir()
+    exec(code, {})
+    (page,) = PdfReader("force.pdf").pages
+    assert float(page.mediabox.width) / 72 * 25.4 == pytest.approx(88, abs=0.1)
+    for font in page["/Resources"]["/Font"].values():
+        described = font["/DescendantFonts"][0].get_object()["/FontDescriptor"].get_object()
+        assert "/FontFile2" in described, "TrueType, embedded"
+
+
 def extend(code: str, _: pytest.MonkeyPatch) -> None:
     """As the file that states it; tests/workflow/test_extensions.py runs a study with all."""
     [kind] = [kind for kind, own in KINDS.items() if f"{own.name} = {{" in code]
@@ -184,6 +201,7 @@ PYTHON: dict[str, Callable[[str, pytest.MonkeyPatch], None]] = {
     "import rtde_receive": record,
     ">>> import ur5lib": read,
     "from ur5lib import load": judge,
+    "import matplotlib": draw,
     "import ur5lib": fit,
     "import numpy as np": extend,
     "from live import Live": estimate_live,

@@ -41,7 +41,7 @@ study = ConfigSettings(configfiles=[Path(sys.argv[1])])
 with SnakemakeApi() as api:
     workflow = api.workflow(ResourceSettings(cores=1), study, snakefile=Path("Snakefile"))._workflow
     for rule in workflow.rules:
-        if "code" in rule.params.keys() and not rule.name.startswith("paper_"):  # as its drawing's
+        if "code" in rule.params.keys():
             print(json.dumps([rule.name, {kind: [*getattr(rule, kind).keys()] for kind in KINDS}]))
 """
 KINDS = ("input", "output", "params")

@@ -16,8 +16,6 @@ import yaml
 from tests.command import Command
 from tests.conftest import Workflow, copy_project
 from tests.corpus import rtde
-from ur5lib.errors import InputError
-from ur5lib.study.paper_figure import paper_figure
 
 TRACE = "executed"
 CODE = f"open('{TRACE}', 'w').close()"
@@ -229,15 +227,3 @@ def test_a_study_is_data_wherever_snakemake_starts(lab: Workflow, way: str) -> N
     assert ran.returncode != 0
     assert "theirs.yaml: `__use_yte__` tells Snakemake to run code" in ran.stdout
     assert not (here.folder / TRACE).exists()
-
-
-def test_a_figure_of_others_takes_no_profile_of_theirs(tmp_path: Path) -> None:
-    theirs, profile = tmp_path / "results" / "mine", tmp_path / "profiles" / "default"
-    (theirs / "figures").mkdir(parents=True)
-    (theirs / "figures" / "calibration.svg").touch()
-    (theirs / "configuration.yaml").write_text(PROGRAMS["a value"])
-    profile.mkdir(parents=True)
-    (profile / "config.yaml").write_text(f'{YTE}__definitions__: ["{CODE}"]\ncores: 1\n')
-    with pytest.raises(InputError, match="tells Snakemake to run code"):
-        paper_figure(theirs, "calibration")
-    assert not (tmp_path / TRACE).exists()

@@ -21,7 +21,6 @@ from tests.conftest import PROJECT, STUDY, Change, Workflow, copy_project
 from tests.house.test_hostile import BOMBS
 from tests.stored_files import made_up_channels, write_npz
 from tests.typeset_page import plain
-from ur5lib.errors import InputError
 from ur5lib.jobs.code import (
     all_steps,
     imported_modules,
@@ -29,7 +28,6 @@ from ur5lib.jobs.code import (
     modules_of_step,
     steps_with,
 )
-from ur5lib.study.paper_figure import paper_figure
 from ur5lib.study.turn import take_turn
 from ur5lib.tables import read_csv, read_table
 
@@ -166,47 +164,6 @@ def test_every_step_leaves_a_log_and_its_time(built_workflow: Workflow) -> None:
             assert (folder / "logs" / step / f"{recording}.log").read_text() == ""
             assert (folder / "benchmarks" / step / f"{recording}.tsv").exists()
     assert {*EACH_RECORDING} <= {*read_csv(folder / "tables" / "run_times.csv")["step"]}
-
-
-def test_a_figure_for_a_paper_is_drawn_of_the_results_as_they_are(workflow: Workflow) -> None:
-    """Nothing else is made, even if it is missing."""
-    (workflow.folder / "results" / "small" / "report.html").unlink()
-    before = {*workflow.folder.glob("results/**/*")}
-    asked = ["figure", "results/small", "pushed/torques", "--width", "120mm", "--font-size", "7"]
-    made = "results/small/paper/pushed/torques_120mm_7pt.pdf"
-    assert workflow.ur5(*asked).strip() == made
-    assert (workflow.folder / made).read_bytes().startswith(b"%PDF")
-    after = {path for path in workflow.folder.glob("results/**/*") if path.is_file()}
-    assert sorted(path.suffix for path in after - before) == [".log", ".pdf", ".tsv"]
-
-
-@pytest.mark.parametrize(
-    ("changed", "message"),
-    [
-        ({"figure": "pushed/torque"}, "did you mean `pushed/torques`"),
-        ({"figure": "forces_estimated"}, "it has pushed/forces_estimated"),
-        ({"results": Path("small")}, "name the folder results/<study>"),
-        ({"width": "3in"}, "in millimetres, as 88mm"),
-        ({"width": "8mm"}, "--width 8: state 40 to 400"),
-        ({"font_size": 80}, "--font-size 80: state 4 to 20"),
-        ({"format": "eps"}, "available: pdf, svg, png"),
-    ],
-)
-def test_a_figure_that_cannot_be_drawn_is_refused(
-    built_workflow: Workflow, changed: dict, message: str
-) -> None:
-    asked = {"results": built_workflow.folder / "results" / "small", "figure": "pushed/torques"}
-    with pytest.raises(InputError, match=message):
-        paper_figure(**asked | changed)
-
-
-def test_a_figure_of_a_run_that_was_stopped_is_refused(tmp_path: Path) -> None:
-    """It has drawings already, and no configuration yet."""
-    drawn = tmp_path / "results" / "small" / "figures" / "pushed" / "torques.svg"
-    drawn.parent.mkdir(parents=True)
-    drawn.touch()
-    with pytest.raises(InputError, match="no figures of a finished study"):
-        paper_figure(tmp_path / "results" / "small", "pushed/torques")
 
 
 # What reruns, and what does not
@@ -567,15 +524,11 @@ def test_every_rule_runs_a_step_with_its_code_and_its_log() -> None:
 
 
 def test_every_rule_of_a_loop_runs_a_step() -> None:
-    """Of a simulated recording its own, of a figure for a paper that of the report's."""
-    given = [rule for name, rule in rules() if not name]
-    assert len(given) == 2
-    for rule in given:
-        assert "**traces(" in rule
-        assert re.search(
-            r"run_step\((rule|\"\w+\"|\w+\[rule\]), input, output, params, log\)", rule
-        )
-        assert "code(" in rule or "drawing.params" in rule
+    """Of a simulated recording its own."""
+    (rule,) = [rule for name, rule in rules() if not name]
+    assert "**traces(" in rule
+    assert re.search(r"run_step\((rule|\"\w+\"|\w+\[rule\]), input, output, params, log\)", rule)
+    assert "code(" in rule
 
 
 def test_every_step_has_a_rule() -> None:

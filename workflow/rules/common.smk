@@ -243,8 +243,6 @@ def way_points(name):
 def outputs_in(folder, kind="output"):
     """Return the outputs, or the logs and benchmarks (`log`), in a folder of the results of the
     rules so far.
-
-    What is for a paper is made on demand alone.
     """
 
     def recordings(step):
@@ -257,6 +255,6 @@ def outputs_in(folder, kind="output"):
             path = re.sub(r"\{(\w+),[^}]*\}", r"{\1}", str(file))
             wildcard = next((name for name in of if name in path), None)
             names = of[wildcard](step.name) if wildcard else [""]
-            if path.startswith(f"{RESULTS}/{folder}") and "/paper/" not in path:
+            if path.startswith(f"{RESULTS}/{folder}"):
                 paths += [path.replace(wildcard, name) if wildcard else path for name in names]
     return paths

@@ -1,10 +1,6 @@
-"""The house style of all figures, and how they are written: as SVG with their data, or as a paper
-needs them.
-"""
+"""The house style of all figures, and how they are written: as SVG with their data."""
 
-import math
 import re
-import textwrap
 from base64 import b64decode, b64encode
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -16,12 +12,9 @@ from typing import Any, NamedTuple, Self
 import matplotlib
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 from matplotlib.lines import Line2D
-from matplotlib.spines import Spine
-from matplotlib.text import Text
 from matplotlib.ticker import ScalarFormatter
 from matplotlib.transforms import ScaledTranslation
 from PIL import Image
@@ -75,7 +68,6 @@ HOUSE_STYLE: Any = {
     "grid.alpha": 0.3,
     "grid.linewidth": 0.5,
     "path.simplify_threshold": 0.5,
-    "pdf.fonttype": 42,  # TrueType, which publishers ask for
     "svg.hashsalt": "ur5lib",  # the same figure gives the same file
 }
 DOT_STYLE: Any = {"markersize": 1.5, "alpha": 0.4, "rasterized": True}
@@ -86,18 +78,11 @@ PAGE_WIDTH = 7.2  # inches, of A4 between margins
 ALONE_HEIGHT = 3.6  # inches, of a panel shown alone
 LABEL_DISTANCE = 0.6  # inches from a y-axis to its label, beside tick labels such as −0.0025
 IMAGE_DPI = 130  # of images inside a figure
+LETTER_WIDTH = 0.6  # of their size
+LEGEND_LINE_LETTERS = 8  # that a line takes beside its label
 SCREEN_DPI = 100  # of a figure in a notebook
 PALETTE_SIZE = 64  # of such an image: a fourth of the size of one with all colours
 EMBEDDED_IMAGE = re.compile(rb"(?<=data:image/png;base64,)[A-Za-z0-9+/=\s]+")
-PRINTED = re.compile(
-    r"_([\d.]+)mm_([\d.]+)pt$"
-)  # name of a file for a paper: width, size of letters
-PRINT_DPI = 600  # of its images
-PRINT_MARGINS = (0, 0, 0.98, 1)  # of a figure: room for the label of the last panel
-THINNEST = 0.6  # of the widths of lines in the report
-LETTER_WIDTH = 0.6  # of their size
-LEGEND_ROW_HEIGHT = 1.7  # of the size of letters
-LEGEND_LINE_LETTERS = 8  # that a line takes beside its label
 MOST_VERTICES = 9000  # of lines kept as such; with more, an image is smaller
 
 
@@ -167,16 +152,9 @@ def save(drawing: Drawing, path: str | Path) -> None:
     """Write a figure and its numbers, byte for byte the same for the same data.
 
     SVG: many vertices become an image inside the file, which is smaller; styles of lines become
-    keywords; the numbers lie beside it as CSV. A file name such as torques_88mm_8pt.pdf asks for
-    that width and that size of letters: PDF, SVG, or PNG, for a paper, without numbers.
+    keywords; the numbers lie beside it as CSV.
     """
     path = Path(path)
-    if asked := PRINTED.search(path.stem):
-        fit_print(drawing.figure, *map(float, asked.groups()))
-        kind = path.suffix[1:]
-        dates: Any = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
-        write_bytes(_rendered(drawing, kind, dates.get(kind, {}), PRINT_DPI), path)
-        return
     axes = drawing.figure.axes
     if drawing.styles:
         _place_labels(drawing.figure)
@@ -184,8 +162,8 @@ def save(drawing: Drawing, path: str | Path) -> None:
         for artist in (artist for axis in axes for artist in [*axis.lines, *axis.collections]):
             artist.set_rasterized(True)
     keywords = [*drawing.styles] or None
-    report = _rendered(drawing, "svg", {"Date": None, "Keywords": keywords}, IMAGE_DPI)
-    write_bytes(EMBEDDED_IMAGE.sub(_with_palette, report), path)
+    drawn = _rendered(drawing, {"Date": None, "Keywords": keywords})
+    write_bytes(EMBEDDED_IMAGE.sub(_with_palette, drawn), path)
     write_csv(drawing.data, path.with_suffix(".csv"), digits=6)
 
 
@@ -199,16 +177,14 @@ def _place_labels(figure: Figure) -> None:
         axes.yaxis.set_label_coords(0, 0.5, transform=axes.transAxes + left)
 
 
-def _rendered(
-    drawing: Drawing, kind: str, metadata: dict[str, list[str] | None], dpi: int
-) -> bytes:
-    """Return a figure as a file of some kind."""
+def _rendered(drawing: Drawing, metadata: dict[str, list[str] | None]) -> bytes:
+    """Return a figure as SVG."""
     buffer = BytesIO()
     with matplotlib.rc_context(HOUSE_STYLE):
         for axis in (axis for axes in drawing.figure.axes for axis in (axes.xaxis, axes.yaxis)):
             if type(axis.get_major_formatter()) is ScalarFormatter:
                 axis.set_major_formatter(Ticks())
-        drawing.figure.savefig(buffer, format=kind, dpi=dpi, metadata=metadata)
+        drawing.figure.savefig(buffer, format="svg", dpi=IMAGE_DPI, metadata=metadata)
     return buffer.getvalue()
 
 
@@ -218,55 +194,3 @@ def _with_palette(image: re.Match[bytes]) -> bytes:
     full = Image.open(BytesIO(b64decode(image[0])))
     full.quantize(PALETTE_SIZE, Image.Quantize.FASTOCTREE).save(buffer, "PNG")
     return b64encode(buffer.getvalue())
-
-
-def fit_print(figure: Figure, width: float, size: float) -> None:
-    """Set a figure to a width [mm], with all letters of a size [points] and thinner lines.
-
-    Its height is that of the letters, as in the report; the legend's rows are added. All parts stay
-    vector graphics.
-    """
-    wide, high = figure.get_size_inches()
-    scale = width / 25.4 / wide
-    figure.set_layout_engine("constrained", w_pad=0.03, h_pad=0.02, hspace=0.03, rect=PRINT_MARGINS)
-    for artist in figure.findobj():
-        artist.set_rasterized(False)
-        if isinstance(artist, Text):
-            artist.set_fontsize(size)
-        if isinstance(artist, Line2D | Spine):
-            artist.set_linewidth(np.clip(scale, THINNEST, 1) * artist.get_linewidth())
-    letters = width / 25.4 * 72 / (LETTER_WIDTH * size)  # side by side
-    for axes in figure.axes:
-        axes.tick_params(width=0.5, length=2, pad=1.5)
-        _break_label(axes, letters)
-    rows = _narrow_legends(figure, letters, size)
-    height = high * size / REPORT_FONT_SIZE + rows * LEGEND_ROW_HEIGHT * size / 72
-    figure.set_size_inches(width / 25.4, height)
-
-
-def _break_label(axes: Axes, letters: float) -> None:
-    """Break the label of a panel's x-axis into rows no wider than the panel.
-
-    letters: side by side in the whole figure.
-    """
-    place = axes.get_subplotspec()
-    columns = place.get_gridspec().ncols if place else 1
-    room = int(letters / (columns + 1))  # beside the panels, those of the y-axes
-    axes.set_xlabel(textwrap.fill(axes.get_xlabel(), room, break_long_words=False))
-
-
-def _narrow_legends(figure: Figure, letters: float, size: float) -> int:
-    """Draw the legends of a figure and its panels anew, above them, in as many columns as fit;
-    return the number of their rows.
-    """
-    rows = 0
-    inside = [legend for axes in figure.axes if (legend := axes.get_legend())]
-    for legend in [*figure.legends, *inside]:
-        labels = [text.get_text() for text in legend.get_texts()]
-        handles = [handle for handle in legend.legend_handles if handle]
-        columns = max(1, int(letters / (max(map(len, labels)) + LEGEND_LINE_LETTERS)))
-        style: Any = {"loc": "outside upper center", "frameon": False, "fontsize": size}
-        figure.legend(handles, labels, ncols=columns, **style)
-        legend.remove()
-        rows += math.ceil(len(labels) / columns)
-    return rows
