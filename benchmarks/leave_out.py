@@ -43,7 +43,7 @@ from ur5lib.identification.samples import (
 )
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
-from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.records.forces import Forces, FurtherForces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
@@ -246,7 +246,7 @@ class Fold:
             signals=self.of_fitted(Signals, "signals.parquet"),
             arm=self.arm,
             false_alarms_per_min=self.study.settings.alarms.false_per_min,
-            published=self.of_fitted(PublishedForces, "published_forces.parquet")
+            further=self.of_fitted(FurtherForces, "published_forces.parquet")
             if all(path.exists() for path in published)
             else None,
         )

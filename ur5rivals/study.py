@@ -9,8 +9,8 @@ import numpy as np
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
+from ur5lib.force.controller import controller_estimate
 from ur5lib.force.force_input import Gears, force_input
-from ur5lib.force.published import controller_estimate
 from ur5lib.identification.current_samples import current_record
 from ur5lib.identification.currents import (
     breakaway_torque,
@@ -21,7 +21,7 @@ from ur5lib.identification.currents import (
 from ur5lib.identification.samples import path_of
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
-from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.records.forces import Forces, FurtherForces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
@@ -167,7 +167,7 @@ def ready_estimates(
     forces = study.record(Forces, name)
     published: Mapping[str, Array] = controller_estimate(robot, signals)
     if (study.folder / "recordings" / name / "published_forces.parquet").exists():
-        published = study.record(PublishedForces, name, "published_forces").corrected
+        published = study.record(FurtherForces, name, "published_forces").corrected
     return {name: Estimate(wrench) for name, wrench in published.items()} | {
         name: Estimate(wrench, forces.std.get(name)) for name, wrench in forces.wrench.items()
     }

@@ -6,12 +6,14 @@ import graphlib
 import re
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from tests.conftest import PROJECT
 from ur5lib.jobs.code import all_steps, module_of, modules_of_step
+from ur5lib.records.forces import REFERENCES
 from ur5lib.report.page.handed import ROWS
 
 BASE = {"timeseries", "robots", "channels", "errors", "strict", "tables"}  # below every room
@@ -194,6 +196,9 @@ def test_only_packages_beside_use_a_topic() -> None:
 
 
 SECTIONS = sorted((PROJECT / "ur5lib").rglob("*.typ"))
+OUTSIDE = [path for path in MODULES if "topics" not in path.parent.parts]
+RULES = sorted((PROJECT / "workflow" / "rules").glob("*.smk"))
+KEYS = {*re.findall(r'"(\w+)": ', (PROJECT / "workflow" / "study.schema.json").read_text())}
 
 
 def made_by(topic: Path) -> set[str]:
@@ -202,6 +207,44 @@ def made_by(topic: Path) -> set[str]:
     made = re.findall(r'"(\w+)\.csv"', "".join(re.findall(r"output:.*?log:", rules, re.DOTALL)))
     listed = re.findall(r"tables\(\[(.*?)\]\)", rules, re.DOTALL)
     return {topic.name, *made, *re.findall(r"\w+", " ".join(listed))}
+
+
+def files_made_by(topic: Path) -> set[str]:
+    """The names of tables and other files that a topic's rules make, and its steps."""
+    rules = (topic / "rules.smk").read_text()
+    outputs = "".join(re.findall(r"output:.*?log:", rules, re.DOTALL))
+    steps = {step for step in STEPS_OF_TOPICS if topic in module_of(step).parents}
+    files = re.findall(r"(?<![\w.])(\w+)(?:\.\w+)*\.(?:csv|json|parquet|html)\b", outputs)
+    return (made_by(topic) - {topic.name}) | {*files} | steps
+
+
+def texts_of(path: Path) -> Iterator[str]:
+    """The string literals of a module, or of rules, which are no Python."""
+    if path.suffix == ".smk":
+        yield from re.findall(r'"([^"\n]*)"', path.read_text())
+        return
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield node.value
+
+
+def read_as_tables(path: Path) -> set[str]:
+    """The tables that a module reads by name."""
+    read = r"""(?:(?:rows|table|listed)\(|tables\[)\s*"(\w+)"|"(\w+)" (?:not )?in \w+\.tables"""
+    return {name for found in re.findall(read, path.read_text()) for name in found if name}
+
+
+@pytest.mark.parametrize("topic", TOPICS, ids=lambda path: path.name)
+def test_no_file_outside_a_topic_names_what_it_makes(topic: Path) -> None:
+    """Its tables, files and steps. A key of a study, or a kind of a sensor's reading, may have the
+    same name; no table is read by it."""
+    own = files_made_by(topic)
+    assert own
+    alike = own & (KEYS | {*REFERENCES})
+    for path in OUTSIDE + RULES:
+        named = {text.rpartition("/")[2].partition(".")[0] for text in texts_of(path)}
+        assert named & (own - alike) == set(), path
+        assert read_as_tables(path) & own == set(), path
 
 
 @pytest.mark.parametrize("path", SECTIONS, ids=lambda path: f"{path.parent.name}/{path.name}")

@@ -15,7 +15,7 @@ from ur5lib.force.force_input import force_input
 from ur5lib.records.accelerations import Accelerations
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
-from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.records.forces import Forces, FurtherForces, SensorWrenches
 from ur5lib.records.motion import FusedMotion, Motion
 from ur5lib.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.records.table import SegmentedTable, Table
@@ -24,7 +24,7 @@ from ur5lib.tables import column_unit, read_table
 
 RECORDS: list[type[Table]] = [
     *(Signals, Kinematics, Motion, FusedMotion, Torques, Currents),
-    *(Forces, PublishedForces, SensorWrenches, Accelerations, Truth),
+    *(Forces, FurtherForces, SensorWrenches, Accelerations, Truth),
 ]
 KEYS = ("C", "C+rotors", "identified")  # of families that may have any; one begins as another does
 

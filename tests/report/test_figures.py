@@ -43,7 +43,7 @@ from ur5lib.report.figures.house_style import EMBEDDED_IMAGE, JOINT_COLOURS, Dra
 from ur5lib.report.figures.recording_figures import packet_figure
 from ur5lib.report.figures.traces import TORQUE_PANELS, WRENCH_PANELS, Traces, decimate, draw_traces
 from ur5lib.robots.description import Cylinder, Robot
-from ur5lib.steps.draw_filters import FILTERED, FILTERED_IN_THESIS, draw_filters
+from ur5lib.steps.draw_filters import FILTERED, draw_filters
 from ur5lib.tidy.models import is_led
 from ur5lib.timeseries.lowpass import Butterworth
 
@@ -119,12 +119,10 @@ def test_joints_have_the_same_colours_everywhere() -> None:
     assert [axis.lines[1].get_color() for axis in axes] == [*JOINT_COLOURS[:6]]
 
 
-@pytest.mark.parametrize("is_thesis", [False, True])
-def test_filters_of_the_thesis_are_drawn_in_its_study_alone(is_thesis: bool) -> None:
-    lowpass = dict.fromkeys((*FILTERED, *FILTERED_IN_THESIS), Butterworth(4, 10.0))
-    names = [*draw_filters(lowpass, is_thesis)["filters"].data]
-    causal = [name for name in names if "one way" in name]
-    assert bool(causal) == any("thesis" in name for name in names) == is_thesis
+def test_each_filter_of_the_study_is_drawn() -> None:
+    _, *names = draw_filters(dict.fromkeys(FILTERED, Butterworth(4, 10.0)))["filters"].data
+    assert len(names) == len(FILTERED)
+    assert all("order 4, 10 Hz, both ways" in name for name in names)
 
 
 def test_known_torque_constants_are_drawn_beside_the_fitted_ones() -> None:

@@ -27,7 +27,7 @@ from ur5lib.records.carried import Carried
 from ur5lib.records.contacts import Alarm, Detected
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
-from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.records.forces import Forces, FurtherForces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import JudgedLoad
@@ -374,7 +374,7 @@ def test_a_threshold_counts_minutes_of_mixed_rates(ur5: Robot, in_reference: boo
         force = 2 * np.outer(odds + 5, [0, 1, 0, 9, 9, 9])  # N, Nm
         forces[name] = Forces(**stretch(time), log_odds={"Fmap": odds})
         signals[name] = signals_of(time, 0 * force, actual_TCP_force=force)
-        published[name] = PublishedForces(**stretch(time), corrected={"Fu": force})
+        published[name] = FurtherForces(**stretch(time), corrected={"Fu": force})
     found = set_threshold(forces, signals, ur5, 1.0, published if in_reference else None)
     assert found.keys() == {"Fmap", "Fu"}
     assert 20 < found["Fu"] <= 20.5  # N, of 14, 16, 18, 20, 22, 24

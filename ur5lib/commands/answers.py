@@ -1,6 +1,7 @@
 """Answers to single questions about a study, from the tables of its last run."""
 
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
 from ur5lib.study.address import RESULTS_FOLDER
 from ur5lib.study.reading import read_study
+from ur5lib.workspace.places import PACKAGE
 
 MAX_PAYLOAD = 35.0  # kg: more than the maker's largest arm carries
 
@@ -44,13 +46,17 @@ def _payloads(study: Path) -> Iterator[tuple[str, pd.DataFrame, pd.DataFrame]]:
     """Yield each recording with its rows of the tables of payloads, and of masses on a sensor."""
     results = finished_study(study)
     loads = results.table("payload")
-    sensed = pd.DataFrame(columns=["recording", "quantity", "value", "low", "high"])
-    if "audit" in results.tables:  # which its topic makes
-        sensed = results.table("audit")
-    sensed = sensed[sensed["quantity"] == "mass"]
+    empty = pd.DataFrame(columns=["recording", "value", "low", "high"])
+    sensed = pd.concat([empty, *(topic.masses(results) for topic in _topics())])
     for recording in read_study(study).recordings:
         its = [table[table["recording"] == recording.name] for table in (loads, sensed)]
         yield recording.name, *its
+
+
+def _topics() -> Iterator[Any]:
+    """Yield the modules of topics that find the mass on the flange, too: `payload` in a folder."""
+    for path in sorted(PACKAGE.glob("topics/*/payload.py")):
+        yield import_module(f"ur5lib.topics.{path.parent.name}.payload")
 
 
 def _whole(row: Any) -> dict[str, float]:

@@ -25,7 +25,6 @@ TOUCHED = "touched"  # the finding that a sensor reads contacts where the role s
 OPTIONAL = {  # tables that not every study has
     "repetition": pd.DataFrame(columns=["robot", *(one.name for one in fields(Repeated))]),
     "pushes": pd.DataFrame(columns=["robot", *(one.name for one in fields(SmallestPush))]),
-    "printed": pd.DataFrame(columns=["table", "recording"]),
     "verdicts": pd.DataFrame(columns=[one.name for one in fields(Verdict)]),
 }
 

@@ -6,7 +6,7 @@ from ur5lib.records.table import SIX, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array
 
 ESTIMATES = ("encoders", "encoders+imu", "filterpy")
-PUBLISHED = ("euler", "euler, B corrected")
+THROUGH_ANGLES = ("euler", "euler, B corrected")
 MOTION = "m/s2, rad/s2"
 COMPONENTS = {"x": "m/s2", "y": "m/s2", "z": "m/s2", "rx": "rad/s2", "ry": "rad/s2", "rz": "rad/s2"}
 
@@ -15,14 +15,15 @@ COMPONENTS = {"x": "m/s2", "y": "m/s2", "z": "m/s2", "rx": "rad/s2", "ry": "rad/
 class Accelerations(SegmentedTable):
     """Linear and angular acceleration at the IMU's place, base frame, (N, 6) [m/s², rad/s²].
 
-    felt: by the calibrated IMU, acceleration: by estimate; published_felt, published: the same as
-    the thesis did it. None and empty where no IMU's clock could be estimated from its motion.
+    felt: by the calibrated IMU, acceleration: by estimate; causal_felt, causal: by the IMU
+    as mounted and through Euler angles, with a causal filter. None and empty where no IMU's clock
+    could be estimated from its motion.
     """
 
     felt: Array | None = channel("felt", MOTION, SIX, optional=True)
     acceleration: dict[str, Array] = channel("acceleration_{}", MOTION, SIX, keys=ESTIMATES)
-    published_felt: Array | None = channel("published_felt", MOTION, SIX, optional=True)
-    published: dict[str, Array] = channel("published_{}", MOTION, SIX, keys=PUBLISHED)
+    causal_felt: Array | None = channel("causal_felt", MOTION, SIX, optional=True)
+    causal: dict[str, Array] = channel("causal_{}", MOTION, SIX, keys=THROUGH_ANGLES)
 
 
 @dataclass(frozen=True)

@@ -69,9 +69,9 @@ class Forces(SegmentedTable):
 
 
 @dataclass(frozen=True, kw_only=True)
-class PublishedForces(SegmentedTable):
-    """The thesis's estimates Fu, F and F*, (N, 6) [N, Nm]: as its script printed them, and by its
-    equations put right; the environment acting on the arm, base axes.
+class FurtherForces(SegmentedTable):
+    """Estimates beside this study's, as of its controller or a topic, (N, 6) [N, Nm]: as printed,
+    and put right; the environment acting on the arm, base axes.
     """
 
     printed: dict[str, Array] = channel("printed_{}", "N, Nm", WRENCH)

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 from importlib import metadata
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from ur5lib.errors import InputError
@@ -20,16 +19,6 @@ MOST_SHOWN = 4  # recordings with tables and figures of their own in one section
 MOST_ROWS = 60  # of a table; of more recordings, none has a row of its own
 PACKAGES = ["snakemake", "numpy", "scipy", "pandas", "pyarrow"]
 PACKAGES += ["torch", "pytorch-kinematics", "mujoco", "matplotlib", "typst"]
-
-
-def with_zero(rows: pd.DataFrame, method: str, each: list[str]) -> pd.DataFrame:
-    """Return rows, and after each recording's its `zero` as values of a further method "zero".
-
-    method: column of the methods' names; each: columns that tell apart a method's rows.
-    """
-    zero = rows.dropna(subset="zero").drop_duplicates(["recording", *each], keep="last")
-    both = pd.concat([rows, zero.assign(**{method: "zero", "value": zero["zero"]})])
-    return both.iloc[np.argsort(pd.factorize(both["recording"])[0], kind="stable")]
 
 
 @dataclass(frozen=True)
@@ -95,15 +84,6 @@ class Results(StudyTables):
         floors = known.set_index(["robot", place])["floor"].to_dict()
         arms, places = rows["recording"].map(self.arms()), rows[place]
         return rows.assign(floor=[floors.get(key) for key in zip(arms, places, strict=True)])
-
-    def printed(self, table: str) -> list[str]:
-        """Return the names of the recordings with published values of a table."""
-        return [*self.rows("printed", table=table)["recording"].unique()]
-
-    @property
-    def of_thesis(self) -> bool:
-        """Whether the study is compared with published values."""
-        return "reference" in self.study
 
     def shown(self, names: Sequence[str], most: int = MOST_SHOWN) -> list[str]:
         """Return the first few recordings, as a report has room for, of those with figures.

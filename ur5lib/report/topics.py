@@ -1,8 +1,9 @@
-"""What the topics of a study add to its first screen, found by a loop over their folders.
+"""What the topics of a study add to its report, found by a loop over their folders.
 
-The module `found` in the folder of a topic may have three functions, of the study's results:
-`advice`, what to do next; `to_record`, what to record where nothing is more urgent; `findings`. It
-is asked where the study has the tables that its `TABLES` names.
+The module `found` in the folder of a topic may have functions of the study's results: `advice`,
+what to do next; `to_record`, what to record where nothing is more urgent; `findings`; and
+`shown_first`, the recordings with which a table's figures begin. It is asked where the study has
+the tables that its `TABLES` names.
 """
 
 from collections.abc import Iterator
@@ -29,6 +30,12 @@ def findings(results: Results) -> Iterator[tuple[str, list[str]]]:
     """Yield the findings of each topic, after the name of the table that has them all."""
     for topic in _asked(results, "findings"):
         yield topic.TABLES[0], [*topic.findings(results)]
+
+
+def shown_first(results: Results, table: str) -> list[str]:
+    """Return the recordings that topics want to be shown first, of those with rows of a table."""
+    asked = _asked(results, "shown_first")
+    return [name for topic in asked for name in topic.shown_first(results, table)]
 
 
 def _asked(results: Results, slot: str) -> Iterator[ModuleType]:

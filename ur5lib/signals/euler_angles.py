@@ -1,4 +1,4 @@
-"""The end effector's acceleration as the thesis computed it, Section 5.5."""
+"""The end effector's acceleration through Euler angles, as in Section 5.5 of the thesis."""
 
 from functools import partial
 
@@ -8,25 +8,21 @@ from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.robots.end_effector import euler_acceleration, felt_acceleration
-from ur5lib.signals.imu_calibration import (
-    NOMINAL_CALIBRATION,
-)
+from ur5lib.signals.imu_calibration import NOMINAL_CALIBRATION
 from ur5lib.signals.imu_samples import derivative, lowpassed
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.lowpass import (
-    THESIS_ACCELERATION,
-    causal_lowpass,
-)
+from ur5lib.timeseries.lowpass import Butterworth, causal_lowpass
 
+CAUSAL = Butterworth(8, 4.7)  # N_b and Ω_c of Equation 5.12, which is Hz (erratum 4)
 EULER = {"euler": True, "euler, B corrected": False}  # whether by Equation 2.33 as printed
 
 
-def as_published(
+def by_euler_angles(
     robot: Robot, signals: Signals, kinematics: Kinematics, by_stamps: Array
 ) -> tuple[Array, dict[str, Array]]:
-    """Return accelerations of IMU and Euler angles, (N, 6), as in Section 5.5: an IMU
-    without calibration at the origin of frame 6, a causal filter, and angles by Equation 2.33 as
-    printed and put right.
+    """Return accelerations of IMU and Euler angles, (N, 6): the IMU without
+    calibration at the origin of frame 6, a causal filter, and angles by Equation 2.33 as printed
+    and put right.
 
     robot: under the recording's gravity; by_stamps: the IMU's reading (N, 6), placed by its start
     stamp.
@@ -34,7 +30,7 @@ def as_published(
     up = NOMINAL_CALIBRATION.up(np.array(robot.gravity))
     turning = derivative(signals, by_stamps[:, 3:])
     felt = felt_acceleration(kinematics.rotation, by_stamps[:, :3], turning, up)
-    smooth = partial(lowpassed, signals, causal_lowpass, THESIS_ACCELERATION)
+    smooth = partial(lowpassed, signals, causal_lowpass, CAUSAL)
     angles = {
         name: smooth(through_angles(signals, kinematics, printed))
         for name, printed in EULER.items()

@@ -20,7 +20,7 @@ from ur5lib.records.motion import Alignment, FusedMotion, Motion, MotionAccount
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.robots.end_effector import felt_acceleration, point_acceleration
-from ur5lib.signals.euler_angles import as_published
+from ur5lib.signals.euler_angles import by_euler_angles
 from ur5lib.signals.imu_calibration import ImuCalibration, accelerometer_bias
 from ur5lib.signals.imu_samples import derivative, imu_samples, lowpassed
 from ur5lib.smoothing.fused_motion import fused_record, imu_model
@@ -133,16 +133,14 @@ def compared(
 ) -> tuple[Accelerations, Array]:
     """Return the accelerations by both routes, and the accelerometer's bias (3,) [m/s²]."""
     felt, ours, bias = as_calibrated(known, design)
-    published_felt, published = as_published(
-        known.robot, known.signals, known.kinematics, by_stamps
-    )
+    causal_felt, causal = by_euler_angles(known.robot, known.signals, known.kinematics, by_stamps)
     accelerations = Accelerations(
         time=known.signals.time,
         segment=known.signals.segment,
         felt=felt,
         acceleration=ours,
-        published_felt=published_felt,
-        published=published,
+        causal_felt=causal_felt,
+        causal=causal,
     )
     return accelerations, bias
 
@@ -155,10 +153,10 @@ def differences(known: BesideImu, cutoff: float) -> dict[str, Array]:
 
 def acceleration_errors(accelerations: Accelerations) -> dict[str, AccelerationErrors]:
     """Return the MAE by estimate and component against the IMU, and that of zero."""
-    published, ours = accelerations.published_felt, accelerations.felt
-    if published is None or ours is None:
+    causal, ours = accelerations.causal_felt, accelerations.felt
+    if causal is None or ours is None:
         return {}
-    return _errors(accelerations.published, published) | _errors(accelerations.acceleration, ours)
+    return _errors(accelerations.causal, causal) | _errors(accelerations.acceleration, ours)
 
 
 def _errors(estimates: Mapping[str, Array], felt: Array) -> dict[str, AccelerationErrors]:

@@ -5,19 +5,19 @@ from dataclasses import replace
 from ur5lib.dynamics.link_model import load_regressor
 from ur5lib.force.alarms import Named, all_alarms, detected, false_per_min, not_felt
 from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.controller import further_or_controller
 from ur5lib.force.estimators import LEADING, all_stated
 from ur5lib.force.external_torque import JointState
 from ur5lib.force.flange_contact import judged_by_torques
 from ur5lib.force.force_input import gears
 from ur5lib.force.grasp import grasped_load
 from ur5lib.force.problem import fmap_problem
-from ur5lib.force.published import published_or_controller
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.trial_contacts import flange_speed
 from ur5lib.records.contacts import Alarm, Detected
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.records.forces import Forces, FurtherForces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.premises import Premises
@@ -40,7 +40,7 @@ def judge_contacts(
     threshold: dict[str, float],
     contact_force_n: float,
     gravity: list[float] | None = None,
-    published: PublishedForces | None = None,
+    further: FurtherForces | None = None,
 ) -> dict[str, Detected]:
     """Return the contacts by each estimate that has a threshold, beside the sensor.
 
@@ -48,7 +48,7 @@ def judge_contacts(
     frame [m/s²], None as described.
     """
     withheld = bool(premises.contradictions.stop_signs or friction.stopped)
-    others = published_or_controller(published, arm, signals, withheld)
+    others = further_or_controller(further, arm, signals, withheld)
     found = all_alarms(all_stated(forces, others.corrected), threshold)
     loads = load_finder(arm.mounted(gravity), motion, currents, forces, friction, residuals)
     contacts = detected(

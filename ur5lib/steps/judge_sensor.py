@@ -9,9 +9,9 @@ import pandas as pd
 
 from ur5lib.channels import columns
 from ur5lib.force.contact_figures import contact_errors, figures_by_contact
+from ur5lib.force.controller import further_or_controller
 from ur5lib.force.estimators import LEADING, UNGATED, Stated, all_stated
 from ur5lib.force.plain_least_squares import plain_least_squares
-from ur5lib.force.published import published_or_controller
 from ur5lib.force.sensed_contact import sensed_contact
 from ur5lib.force.sensor import (
     measured_columns,
@@ -25,7 +25,7 @@ from ur5lib.force.sensor_reading import OwnClock, SensorReading, moved_tool, sen
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.force_errors import ByPeriod, Compared
-from ur5lib.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.records.forces import Forces, FurtherForces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Alignment, Motion
 from ur5lib.records.premises import Premises
@@ -62,7 +62,7 @@ def judge_sensor(
     min_singular_value: float,
     mounting: tuple[Vector3 | None, Vector3 | None] = (None, None),
     gravity: list[float] | None = None,
-    published: PublishedForces | None = None,
+    further: FurtherForces | None = None,
 ) -> JudgedSensor:
     """Return the force sensor's wrench, and every estimate of a recording beside it.
 
@@ -84,7 +84,7 @@ def judge_sensor(
         reading = sensor_reading(robot, signals, moved, bias_window_s, own=own)
     sensor = sensor_wrenches(robot, signals, reading, kinematics.rotation)
     withheld = bool(premises.contradictions.stop_signs or friction.stopped)
-    others = published_or_controller(published, arm, signals, withheld)
+    others = further_or_controller(further, arm, signals, withheld)
     estimates = compared_estimates(robot, signals, reading, others, forces)
     if (torque := currents.external_torque) is not None and forces.wrench:
         plain = plain_least_squares(torque, kinematics.jacobian, min_singular_value)
@@ -130,7 +130,7 @@ def compared_estimates(
     robot: Robot,
     signals: Signals,
     reading: SensorReading,
-    published: PublishedForces,
+    further: FurtherForces,
     forces: Forces,
 ) -> dict[str, dict[str, Stated]]:
     """Return the estimates that each kind of reference is compared with.
@@ -142,7 +142,7 @@ def compared_estimates(
     itself = set() if other or not robot.wrist_sensor else {"Fu"}
     printed, corrected = (
         {name: own for name, own in kind.items() if name not in itself}
-        for kind in (published.printed, published.corrected)
+        for kind in (further.printed, further.corrected)
     )
     found = {"printed": {name: Stated(own) for name, own in printed.items()}}
     found["corrected"] = all_stated(forces, corrected)

@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
+from ur5lib.force.controller import further_or_controller
 from ur5lib.force.estimators import GATED, PUBLISHED
-from ur5lib.force.published import published_or_controller
 from ur5lib.force.thresholds import alarm_threshold, force_threshold
-from ur5lib.records.forces import Forces, PublishedForces
+from ur5lib.records.forces import Forces, FurtherForces
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
@@ -22,11 +22,11 @@ def set_threshold(
     signals: Mapping[str, Signals],
     arm: Robot,
     false_alarms_per_min: float,
-    published: Mapping[str, PublishedForces] | None = None,
+    further: Mapping[str, FurtherForces] | None = None,
 ) -> dict[str, float]:
     """Return the threshold by estimate.
 
-    forces, signals, published: of the arm's `fit` recordings; without published estimates, that of
+    forces, signals, further: of the arm's `fit` recordings; without published estimates, that of
     the controller stands for them.
     """
     odds: Evidence = [(dict(one.log_odds), one.period) for one in forces.values()]
@@ -34,10 +34,10 @@ def set_threshold(
     found = thresholds(GATED, odds, alarm_threshold, rate)
     # without odds of contact, no force is stated, and nothing stands beside the published ones
     if found:
-        known = published or {}
+        known = further or {}
         sizes: Evidence = []
         for name, one in forces.items():
-            stated = published_or_controller(known.get(name), arm, signals[name])
+            stated = further_or_controller(known.get(name), arm, signals[name])
             sizes.append((force_sizes(stated.corrected), one.period))
         found |= thresholds([*PUBLISHED], sizes, force_threshold, rate)
     return found

@@ -23,11 +23,6 @@ class Butterworth(NamedTuple):
     cutoff: float
 
 
-# The thesis's N_b and Ω_c, which are Hz (erratum 4): for Equation 5.12, and of Section 6.1.
-THESIS_ACCELERATION = Butterworth(8, 4.7)
-THESIS_CURRENT = Butterworth(5, 1.454)
-
-
 def zero_phase_lowpass(values: Array, rate: float, order: int, cutoff: float) -> Array:
     """Apply a Butterworth low-pass forwards and backwards: no delay, and -6 dB at the cut-off.
 
@@ -46,7 +41,7 @@ def zero_phase_lowpass(values: Array, rate: float, order: int, cutoff: float) ->
 
 
 def causal_lowpass(values: Array, rate: float, order: int, cutoff: float) -> Array:
-    """Apply a Butterworth low-pass forwards from rest, with delay, as the thesis's scripts did.
+    """Apply a Butterworth low-pass forwards from rest, with delay.
 
     values: (N, M) without gaps; rate, cutoff: [Hz]. Raises ValueError for a cut-off not above zero.
     """

@@ -136,7 +136,7 @@ rule fit_residuals:
 
 rule set_threshold:
     input:
-        published=further_forces,
+        further=further_forces,
         forces=results_of(fitted_on, "forces.parquet"),
         signals=results_of(fitted_on, "signals.parquet"),
         arm=parameter("described.yaml"),

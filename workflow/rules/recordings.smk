@@ -171,7 +171,7 @@ rule compare_accelerations:
 
 rule judge_sensor:
     input:
-        published=further_forces,
+        further=further_forces,
         quality=result("quality.json"),
         force=result("force.parquet"),
         kinematics=result("kinematics.parquet"),
@@ -200,7 +200,7 @@ rule judge_sensor:
 
 rule judge_contacts:
     input:
-        published=further_forces,
+        further=further_forces,
         kinematics=result("kinematics.parquet"),
         signals=result("signals.parquet"),
         motion=result("motion.parquet"),

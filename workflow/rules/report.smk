@@ -84,7 +84,6 @@ rule draw_filters:
     params:
         code=code("draw_filters"),
         lowpass={name: design(one) for name, one in SETTINGS.lowpass},
-        is_thesis=bool(STUDY.reference),
     run:
         run_step(rule, input, output, params, log)
 

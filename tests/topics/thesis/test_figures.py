@@ -5,6 +5,8 @@ import pytest
 
 from tests.made_records import signals_of
 from ur5lib.records.signals import Signals
+from ur5lib.timeseries.lowpass import Butterworth
+from ur5lib.topics.thesis.draw_published_filters import draw_published_filters
 from ur5lib.topics.thesis.figure import older_torque_figure, tracking_figure
 from ur5lib.topics.thesis.records import ClosedLoop
 
@@ -43,3 +45,12 @@ def test_a_printed_mean_error_stands_beside_the_errors_of_what_can_be_rebuilt() 
     assert data["error of [21], printed mean, joint 3 [Nm]"].to_numpy() == pytest.approx(3)
     expected = 0.2 * data["controller's target_moment, joint 2 [Nm]"].to_numpy()
     assert data["error of Model C, joint 2 [Nm]"].to_numpy() == pytest.approx(expected)
+
+
+def test_filters_of_the_thesis_run_one_way() -> None:
+    _, *names = draw_published_filters(Butterworth(4, 10.0))["filters_published"].data
+    assert [name.rpartition(", ")[2].removesuffix(" [1]") for name in names] == [
+        "both ways",
+        "one way",
+        "one way",
+    ]

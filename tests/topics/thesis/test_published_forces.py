@@ -11,11 +11,11 @@ from tests.steps.made_recording import Known, aligned, known_of, premises
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import remark
-from ur5lib.force.published import published_or_controller
+from ur5lib.force.controller import further_or_controller
 from ur5lib.records.clocks import SettledClock
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.force_errors import Compared
-from ur5lib.records.forces import PublishedForces, SensorWrenches
+from ur5lib.records.forces import FurtherForces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.quality import Quality, StartOffset, contradiction
 from ur5lib.records.signals import SENSOR_COLUMNS
@@ -50,13 +50,13 @@ class Results:
     """What the steps make of it."""
 
     known: Known
-    published: PublishedForces
+    published: FurtherForces
     sensor: SensorWrenches
     compared: Compared
 
 
-def rebuilt(known: Known) -> PublishedForces:
-    published: PublishedForces = known.run(rebuild_thesis).published
+def rebuilt(known: Known) -> FurtherForces:
+    published: FurtherForces = known.run(rebuild_thesis).published
     return published
 
 
@@ -121,7 +121,7 @@ def test_no_force_is_stated_where_fit_or_recording_contradicts_the_arm(
 
 def test_without_published_values_the_controller_s_estimate_stands_alone(results: Results) -> None:
     known = results.known
-    stated = published_or_controller(None, known.arm, known.signals, withheld=False).corrected
+    stated = further_or_controller(None, known.arm, known.signals, withheld=False).corrected
     assert stated.keys() == {"Fu"}
     np.testing.assert_array_equal(stated["Fu"], results.published.corrected["Fu"])
     assert known.run(judge_sensor).compared.errors["corrected"].keys() == {"Fu"}

@@ -147,7 +147,6 @@ def study_data(results: Results) -> dict[str, Any]:
             "robots": results.robots(),
             "other_arms": sorted(results.other_arms),
             "saturated": forces.saturated(results, [*results.roles()]),
-            "of_thesis": results.of_thesis,
             "many": results.many,
             "estimates": ESTIMATES,
             "leading": ESTIMATES[LEADING],

@@ -4,6 +4,7 @@ import pandas as pd
 
 from ur5lib.force.estimators import GATED, NEW, PUBLISHED
 from ur5lib.report.results import Results
+from ur5lib.report.topics import shown_first
 
 REPORT_RANK = {
     name: place for place, name in enumerate([*NEW, *PUBLISHED])
@@ -11,10 +12,10 @@ REPORT_RANK = {
 
 
 def compared(results: Results) -> list[str]:
-    """Return recordings with printed errors, with a force sensor, then others with contact."""
+    """Return recordings of topics, with a force sensor, then others with contact."""
     touched = results.with_role("contact", searched(results)["recording"])
     beside = [*results.listed("force_mae"), *results.listed("sensed")]
-    return results.shown([*results.printed("force_mae"), *beside, *touched])
+    return results.shown([*shown_first(results, "force_mae"), *beside, *touched])
 
 
 def with_moments(results: Results) -> list[str]:

@@ -3,13 +3,15 @@
 import pandas as pd
 
 from ur5lib.report.results import Results
+from ur5lib.report.topics import shown_first
 
 
 def compared(results: Results) -> list[str]:
-    """Return recordings with a table of torques: printed errors, and validate recordings."""
+    """Return recordings with a table of torques: those of topics, and validate ones."""
     judged = [*results.tables["torque_mae"].dropna(subset="mae")["recording"].unique()]
     others = results.with_role("validate", judged)
-    return results.shown([*results.printed("torque_mae"), *others]) or results.shown(judged, 1)
+    first = shown_first(results, "torque_mae")
+    return results.shown([*first, *others]) or results.shown(judged, 1)
 
 
 def torque_errors(results: Results) -> pd.DataFrame:

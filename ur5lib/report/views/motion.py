@@ -1,16 +1,18 @@
 """End effector's accelerations compared with the IMU, its calibration, tests of the smoother."""
 
+import numpy as np
 import pandas as pd
 
-from ur5lib.report.results import Results, with_zero
+from ur5lib.report.results import Results
+from ur5lib.report.topics import shown_first
 
 COMPONENTS = ("x", "y", "z", "rx", "ry", "rz")
 
 
 def drawn(results: Results) -> list[str]:
-    """Return the recordings whose acceleration is drawn: with printed errors, or the first."""
-    printed = results.shown(results.printed("acceleration_mae"))
-    return printed or results.shown(results.listed("acceleration_mae"), 1)
+    """Return the recordings whose acceleration is drawn: those of topics, or the first."""
+    first = results.shown(shown_first(results, "acceleration_mae"))
+    return first or results.shown(results.listed("acceleration_mae"), 1)
 
 
 def errors(results: Results) -> pd.DataFrame:
@@ -36,3 +38,13 @@ def judged(results: Results) -> pd.DataFrame:
     rank = {name: place for place, name in enumerate(COMPONENTS)}
     order = rows.assign(rank=rows["component"].map(rank)).sort_values(["robot", "rank"])
     return rows.loc[order.index]
+
+
+def with_zero(rows: pd.DataFrame, method: str, each: list[str]) -> pd.DataFrame:
+    """Return rows, and after each recording's its `zero` as values of a further method "zero".
+
+    method: column of the methods' names; each: columns that tell apart a method's rows.
+    """
+    zero = rows.dropna(subset="zero").drop_duplicates(["recording", *each], keep="last")
+    both = pd.concat([rows, zero.assign(**{method: "zero", "value": zero["zero"]})])
+    return both.iloc[np.argsort(pd.factorize(both["recording"])[0], kind="stable")]

@@ -1,13 +1,13 @@
 """The published estimates of contact wrenches, as printed and corrected: Figures 6.5 to 6.9."""
 
-from ur5lib.records.forces import PublishedForces, SensorWrenches
+from ur5lib.records.forces import FurtherForces, SensorWrenches
 from ur5lib.report.figures.house_style import Drawing
 from ur5lib.topics.thesis.figure import published_force_figure
 
 WITHOUT_FRICTION, WITH_FRICTION = ("F", "Fu"), ("F*",)
 
 
-def draw_published_forces(published: PublishedForces, sensor: SensorWrenches) -> dict[str, Drawing]:
+def draw_published_forces(published: FurtherForces, sensor: SensorWrenches) -> dict[str, Drawing]:
     """Return the published estimates of a recording beside the sensor."""
     known = published, sensor
     return {

@@ -10,11 +10,11 @@ from ur5lib.records.quality import StartOffset
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Model, Robot
 from ur5lib.robots.end_effector import felt_acceleration
-from ur5lib.signals.euler_angles import through_angles
+from ur5lib.signals.euler_angles import CAUSAL, through_angles
 from ur5lib.signals.imu_samples import derivative, lowpassed
 from ur5lib.signals.resampling import by_stamps
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.lowpass import THESIS_ACCELERATION, causal_lowpass, slow_delay
+from ur5lib.timeseries.lowpass import causal_lowpass, slow_delay
 from ur5lib.timeseries.metrics import largest_error, mean_absolute_error
 from ur5lib.timeseries.sampling import interpolated
 from ur5lib.topics.thesis.closed_loop import published_gains, simulated_states, tracking_of
@@ -59,9 +59,9 @@ def explained_accelerations(
     """
 
     def smooth(values: Array) -> Array:
-        return lowpassed(signals, causal_lowpass, THESIS_ACCELERATION, values)
+        return lowpassed(signals, causal_lowpass, CAUSAL, values)
 
-    ahead = by_stamps(imu, start, signals.time + slow_delay(THESIS_ACCELERATION), "imu")
+    ahead = by_stamps(imu, start, signals.time + slow_delay(CAUSAL), "imu")
     own_axes = smooth(ahead[:, :3]), smooth(derivative(signals, ahead[:, 3:]))
     felt = felt_acceleration(kinematics.rotation, *own_axes, -np.array(robot.gravity))
     modelled = through_angles(signals, kinematics, printed=True)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ur5lib.channels import CURRENT
 from ur5lib.records.accelerations import Accelerations
-from ur5lib.records.forces import PublishedForces, SensorWrenches
+from ur5lib.records.forces import FurtherForces, SensorWrenches
 from ur5lib.records.signals import Signals
 from ur5lib.report.figures.charts import scatter_panels
 from ur5lib.report.figures.friction_figures import SYMBOLS
@@ -72,7 +72,7 @@ def older_torque_figure(
 
 
 def published_force_figure(
-    published: PublishedForces, sensor: SensorWrenches, kind: str, estimates: tuple[str, ...]
+    published: FurtherForces, sensor: SensorWrenches, kind: str, estimates: tuple[str, ...]
 ) -> Drawing:
     """Return Figures 6.4 to 6.9 of some estimates, as printed or corrected: values and errors."""
     lines: dict[str, tuple[Array | None, str]] = {

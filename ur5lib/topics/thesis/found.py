@@ -26,6 +26,11 @@ class ClaimScore(NamedTuple):
     above: float
 
 
+def shown_first(results: Results, table: str) -> list[str]:
+    """Return the recordings with printed values of a table."""
+    return [*results.rows("printed", table=table)["recording"].unique()]
+
+
 def findings(results: Results) -> Iterator[str]:
     """Report the published numbers that nothing explains, and the claim if it fails."""
     rows = results.rows("printed")
@@ -55,7 +60,7 @@ def score(results: Results, estimate: str) -> ClaimScore | None:
 
     Pushes are counted on recordings with printed errors, time above on validate recordings.
     """
-    printed, validated = results.printed("force_mae"), results.with_role("validate")
+    printed, validated = shown_first(results, "force_mae"), results.with_role("validate")
     rows = {"component": CLAIMED_COMPONENT, "estimate": estimate}
     pushed = results.rows("fixed_threshold", recording=printed, **rows)
     free = results.rows("fixed_threshold", recording=validated, **rows)

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from ur5lib.records.dynamics import Kinematics, Torques
-from ur5lib.records.forces import PublishedForces
+from ur5lib.records.forces import FurtherForces
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.premises import Premises
@@ -34,7 +34,7 @@ class RebuiltThesis(NamedTuple):
     """
 
     closed_loop: ClosedLoop
-    published: PublishedForces
+    published: FurtherForces
     errors: list[LoopError]
     gains: list[EstimatedGain]
     published_gains: list[PublishedGain]
@@ -58,7 +58,7 @@ def rebuild_thesis(
     lowpass: of the external torques; min_singular_value: the least of a usable Jacobian.
     """
     loop, gains = closed_loops(signals, arm.mounted(gravity))
-    forces = PublishedForces(time=signals.time, segment=signals.segment)
+    forces = FurtherForces(time=signals.time, segment=signals.segment)
     if not premises.contradictions.stop_signs and not friction.stopped:
         known = arm, signals, motion, torques, kinematics.jacobian
         forces = published_forces(*known, lowpass, min_singular_value)

@@ -7,7 +7,7 @@ import pandas as pd
 
 from ur5lib.force.estimators import LEADING
 from ur5lib.report.results import Results
-from ur5lib.topics.thesis.found import score
+from ur5lib.topics.thesis.found import score, shown_first
 from ur5lib.topics.thesis.printed_numbers import EQUAL, UNEXPLAINED
 
 COMPUTED_DIGITS = 4  # of computed numbers
@@ -69,7 +69,7 @@ def _in_loop(results: Results, quantity: str, recording: str) -> pd.DataFrame:
 def loop_drawn(results: Results) -> list[str]:
     """Return the recordings whose closed loop is drawn."""
     simulated = results.listed("closed_loop_mae")
-    printed = results.shown(results.printed("closed_loop_q"))
+    printed = results.shown(shown_first(results, "closed_loop_q"))
     return printed or results.shown([*results.with_role("validate", simulated), *simulated], 1)
 
 
@@ -157,7 +157,7 @@ def with_zero_error(results: Results) -> pd.DataFrame:
     return _together(
         view(results, recording)
         for table, view in views.items()
-        for recording in results.printed(table)
+        for recording in shown_first(results, table)
     )
 
 
@@ -167,13 +167,13 @@ def errors_in_loop(results: Results) -> pd.DataFrame:
     return _together(
         view(results, recording)
         for quantity, view in views.items()
-        for recording in results.printed(f"closed_loop_{quantity}")
+        for recording in shown_first(results, f"closed_loop_{quantity}")
     )
 
 
 def constants_rebuilt(results: Results) -> pd.DataFrame:
     """Return Equation 6.5 on each recording for which it is printed, as `rebuilt`."""
-    return _together(rebuilt(results, name) for name in results.printed("current_torque"))
+    return _together(rebuilt(results, name) for name in shown_first(results, "current_torque"))
 
 
 def offsets_on_runs(results: Results) -> pd.DataFrame:
@@ -214,7 +214,7 @@ def offset_correlations(results: Results) -> pd.DataFrame:
 
 def _doubted(results: Results) -> Iterator[tuple[str, int]]:
     """Yield the recordings with printed constants, and their joints whose offset is doubted."""
-    for name in results.printed("current_torque"):
+    for name in shown_first(results, "current_torque"):
         fitted = results.rows("friction", robot=results.arms()[name], parameter="offset")
         if not {*_printed_offsets(results, name).index}.isdisjoint(fitted["joint"]):
             yield name, doubted_joint(results, name)
@@ -260,3 +260,8 @@ def above_threshold(results: Results) -> pd.DataFrame:
 def _together(parts: Iterable[pd.DataFrame]) -> pd.DataFrame:
     """Return the rows of several views, none of none."""
     return pd.concat([pd.DataFrame(), *parts])
+
+
+def reference(results: Results) -> list[str]:
+    """Return the file of published values, if the study is compared with any."""
+    return [results.study["reference"]] if "reference" in results.study else []

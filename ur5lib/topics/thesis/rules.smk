@@ -82,6 +82,17 @@ if STUDY.reference:
         run:
             run_step(rule, input, output, params, log)
 
+    rule draw_published_filters:
+        output:
+            **drawn("", "filters_published"),
+        log:
+            **traces("draw_published_filters"),
+        params:
+            code=code("draw_published_filters"),
+            lowpass=design(SETTINGS.lowpass.published_forces),
+        run:
+            run_step(rule, input, output, params, log)
+
     rule draw_older_model:
         input:
             reference=STUDY.reference,
@@ -187,9 +198,12 @@ if STUDY.reference:
                 *rules.judge_study.output,
             ],
             figures=lambda wildcards: [
-                path
-                for step in STEPS_THAT_DRAW
-                for path in expand(getattr(rules, step).output, recording=RUNS_FOR[step])
+                *rules.draw_published_filters.output,
+                *(
+                    path
+                    for step in STEPS_THAT_DRAW
+                    for path in expand(getattr(rules, step).output, recording=RUNS_FOR[step])
+                ),
             ],
         output:
             html=update(f"{RESULTS}/published.html"),

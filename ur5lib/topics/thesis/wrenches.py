@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 from typing import Any
 
-from ur5lib.force.published import controller_estimate, environment_on_arm
+from ur5lib.force.controller import controller_estimate, environment_on_arm
 from ur5lib.records.dynamics import Torques
-from ur5lib.records.forces import PublishedForces
+from ur5lib.records.forces import FurtherForces
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
@@ -30,7 +30,7 @@ def published_forces(
     jacobian: Array,
     design: Butterworth,
     min_singular_value: float,
-) -> PublishedForces:
+) -> FurtherForces:
     """Return F^u, F and F*: as the published script makes them (errata 5, 6 and 13), and by the
     printed equations, at the measured motion, without delay.
 
@@ -56,7 +56,7 @@ def published_forces(
         resisted = friction_torque(motion.motor_qd, friction)
         found = wrenches(external, resisted, jacobian, zero_phase_lowpass)
         corrected |= zip(("F", "F*"), found, strict=True)
-    return PublishedForces(
+    return FurtherForces(
         time=signals.time,
         segment=signals.segment,
         printed=printed,
