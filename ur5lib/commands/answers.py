@@ -1,7 +1,6 @@
 """Answers to single questions about a study, from the tables of its last run."""
 
 from collections.abc import Iterator
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
 from ur5lib.study.address import RESULTS_FOLDER
 from ur5lib.study.reading import read_study
-from ur5lib.workspace.places import PACKAGE
+from ur5lib.workspace.topics import modules_of_topics
 
 MAX_PAYLOAD = 35.0  # kg: more than the maker's largest arm carries
 
@@ -47,16 +46,12 @@ def _payloads(study: Path) -> Iterator[tuple[str, pd.DataFrame, pd.DataFrame]]:
     results = finished_study(study)
     loads = results.table("payload")
     empty = pd.DataFrame(columns=["recording", "value", "low", "high"])
-    sensed = pd.concat([empty, *(topic.masses(results) for topic in _topics())])
+    sensed = pd.concat(
+        [empty, *(topic.masses(results) for topic in modules_of_topics("payload").values())]
+    )
     for recording in read_study(study).recordings:
         its = [table[table["recording"] == recording.name] for table in (loads, sensed)]
         yield recording.name, *its
-
-
-def _topics() -> Iterator[Any]:
-    """Yield the modules of topics that find the mass on the flange, too: `payload` in a folder."""
-    for path in sorted(PACKAGE.glob("topics/*/payload.py")):
-        yield import_module(f"ur5lib.topics.{path.parent.name}.payload")
 
 
 def _whole(row: Any) -> dict[str, float]:
