@@ -85,7 +85,7 @@ def of_right(log: RightLog) -> Iterator[dict[str, object]]:
         stops = stop_signs(own)
         doubts = [] if stops else [one for one in unchecked(own) if one.finding == DOUBT]
         counts = {"logs": 1, "stopped": int(bool(stops)), "doubted": int(bool(doubts))}
-        code = ", ".join(f"{one.code} {dict(one.values)}" for one in stops)
+        code = ", ".join(f"{one.code} ({one.detail})" for one in stops)
         yield {"arm": log.arm, "log": log.name, "as": name, **counts, "stop sign": code}
 
 
@@ -101,10 +101,7 @@ def of_faults(log: RightLog) -> Iterator[dict[str, object]]:
 
 def is_told(fault: Fault, sign: Finding) -> bool:
     """Return whether a stop sign names a fault and its joints."""
-    stated = dict(sign.values)
-    joints = {stated[key] for key in ("joint", "other") if key in stated}
-    named_ones = {*stated["joints"]} if "joints" in stated else joints  # type: ignore[misc]
-    right = not fault.joints or named_ones == fault.joints
+    right = not fault.joints or {*sign.joints} == fault.joints
     return right and any(word in sign.code for word in fault.words)
 
 

@@ -18,7 +18,6 @@ from tests import warm_snakemake
 from tests.command import Command
 from tests.synthetic import write_recording
 from ur5lib.records.quality import Finding
-from ur5lib.records.wording import worded
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.tables import read_csv
 
@@ -85,7 +84,7 @@ def run_ur5(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture) -> C
 
 def said(finding: Finding) -> str:
     """The sentence of the report and of `ur5 check` about a finding."""
-    return str(worded(finding)["detail"])
+    return finding.sentence()
 
 
 def table_of_topic(results: Path, name: str) -> pd.DataFrame:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any
 
+OVERRULED_BY = "; if the study is right, `"  # between a stop sign and the line that overrules it
 SEPARATOR_CATEGORIES = {"Zl", "Zp"}  # beside "C…": controls, marks of direction, surrogates
 
 
@@ -60,6 +61,11 @@ def reason(error: ValueError) -> Remark:
     if isinstance(error, RefusalError):
         return error.remark
     return remark("other reason", reason=str(error))
+
+
+def overrulable(sign: str, kind: str) -> str:
+    """Return a stop sign with how a study overrules it; kind: under which, empty if it cannot."""
+    return f"{sign}{OVERRULED_BY}accept: {{{kind}: the reason}}` overrules this" if kind else sign
 
 
 def unknown(kind: str, name: str, known: Iterable[str]) -> InputError:

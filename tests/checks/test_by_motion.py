@@ -19,6 +19,7 @@ from ur5lib.channels import CURRENT
 from ur5lib.checks.block_means import block_means
 from ur5lib.checks.by_motion import MotionChecks, are_exchanged
 from ur5lib.checks.checked import Checked
+from ur5lib.checks.contacts import FeltContact
 from ur5lib.checks.delays import Delays, delayed_currents
 from ur5lib.checks.doubts import DOUBT, doubts_by_joint
 from ur5lib.checks.findings import contacts_felt, contradictions
@@ -207,20 +208,17 @@ def test_a_joint_whose_links_are_in_doubt_is_told_before_a_contact(sensed: Robot
     whole, sprung = log(sensed), log(sensed, spring=40.0)
     found = {}
     for name, own, joint in [("right", whole, 2), ("sprung", sprung, 2), ("other", sprung, 4)]:
-        felt = {"joint": joint, "torque": 11.0, "at_s": 0.2}
-        contact = Finding("robot", "contact", "warning", 1, felt, "felt contact")
-        own.__dict__["contact"] = contact  # as if it were cached
+        own.__dict__["contact"] = FeltContact(joint, 11.0, 0.2)  # as if it were cached
         (found[name],) = (said(one) for one in contacts_felt(own, sensed=False))
     assert ["in doubt" in one for one in found.values()] == [False, True, False]
 
 
 def test_the_likeliest_doubt_heals_the_description() -> None:
     codes = ["doubtful links", "doubtful links", "missing load", "missing spring", "missing spring"]
-    values = {"arm": "baxter", "joints": [2]}
-    found = [Finding("robot", DOUBT, "note", 1, values, code) for code in codes]
+    found = [Finding("robot", DOUBT, "note", 1, "so", code=code, joints=(2,)) for code in codes]
     assert {k: one.code for k, one in doubts_by_joint(found).items()} == {2: "missing spring"}
     assert doubts_by_joint(found[:2])[2].code == "doubtful links"
-    assert doubts_by_joint([Finding("robot", "contact", "note", 1, {"joint": 2})]) == {}
+    assert doubts_by_joint([Finding("robot", "contact", "note", 1, "so", joints=(2,))]) == {}
 
 
 def test_a_run_finds_what_a_check_finds(sensed: Robot, tmp_path: Path) -> None:

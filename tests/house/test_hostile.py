@@ -49,7 +49,8 @@ def test_control_characters_become_visible(text: str) -> None:
     for shown in (
         printable(text),
         str(InputError(f"a {text} b")),
-        said(Finding("robot", "torn", "note", 1, {"error": text}, "unusable")),
+        said(Finding("robot", "torn", "note", 1, text)),
+        Finding("robot", "torn", "note", 1, "", place=text).place,
     ):
         assert shown.isprintable()
         assert "\\" in shown

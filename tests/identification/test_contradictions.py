@@ -33,7 +33,6 @@ from ur5lib.identification.validation import (
 )
 from ur5lib.records.friction import CurrentFit, Friction
 from ur5lib.records.quality import Contradictions, Quality, contradiction
-from ur5lib.records.wording import worded
 from ur5lib.report.found import findings, left_out
 from ur5lib.report.results import Results
 from ur5lib.steps.fit_friction import (
@@ -45,7 +44,7 @@ from ur5lib.steps.fit_friction import (
     with_unproven,
 )
 from ur5lib.steps.fit_residuals import residual_models
-from ur5lib.tidy import models
+from ur5lib.tidy import files, models
 from ur5lib.timeseries.arrays import Array
 
 WRONG = "another arm"
@@ -90,7 +89,7 @@ def test_nothing_is_fitted_to_a_recording_with_a_stop_sign() -> None:
     require_no_stop_sign({"a": Contradictions()})
     with pytest.raises(ContradictionError) as sign:
         require_no_stop_sign(
-            {"a": Contradictions(), "b": Contradictions([contradiction("unusable")])}
+            {"a": Contradictions(), "b": Contradictions([contradiction("order", "", "wrong")])}
         )
     assert sign.value.remark == remark("contradicting recordings", names=["b"])
 
@@ -161,7 +160,7 @@ def test_explained_shares_are_those_of_a_constant_and_of_the_truth() -> None:
 
 
 def results(signs: int, stopped: str | None) -> Results:
-    sign = worded(contradiction("unusable", error=WRONG))
+    sign = files.row(contradiction("order", "", WRONG))
     rows = [{"recording": f"run_{k}"} | sign for k in range(signs)]
     key, why = ("stopped", stopped) if stopped else ("refused", "too short")
     friction = {"from": [], key: asdict(remark("other reason", reason=why))}

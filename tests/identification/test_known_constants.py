@@ -14,9 +14,8 @@ def test_no_constant_is_taken_from_a_target_that_is_none() -> None:
     time, still = np.arange(9) * 0.008, np.zeros((9, 6))
     targets = {"target_moment": still + 20.0, "target_current": still + 2.0}
     signals, motion = signals_of(time, still, **targets), motion_of(time, still, still)
-    contradictions = Contradictions(
-        findings=[Finding("robot", ODD_TARGET, "warning", 1, {"joint": 2})]
-    )
+    odd = Finding("robot", ODD_TARGET, "warning", 1, "it is odd", joints=(2,))
+    contradictions = Contradictions(findings=[odd])
     ratio = controllers_ratio(signals, motion, contradictions.odd_targets())
     assert np.isnan(ratio).tolist() == [False, True, False, False, False, False]
     np.testing.assert_allclose(ratio[0], 10.0)

@@ -153,9 +153,7 @@ def test_an_opposite_sign_is_named_with_its_remedy(arm: Robot) -> None:
 
 def test_the_cause_that_the_checks_found_is_named(arm: Robot) -> None:
     friction = fitted(arm, gains=np.array([1, -1, 1, 1, 1, 1.0]))
-    spring = Finding(
-        "robot", DOUBT, "note", 1, {"arm": arm.name, "joints": [2, 3]}, "missing spring"
-    )
+    spring = Finding("robot", DOUBT, "note", 1, "so", code="missing spring", joints=(2, 3))
     (remark,) = with_causes(friction.fit, {2: spring, 3: spring}, arm).joints[1].remarks
     assert "`balanced_joints: [2]`" in in_words(remark)
     assert "column" not in in_words(remark)

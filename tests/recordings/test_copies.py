@@ -116,7 +116,7 @@ def test_a_spare_copy_is_left_out_and_costs_nothing_else(ur5: Robot) -> None:
     judgements = {
         row.recording: Judgement(
             {"sensed": [{"contacts": 1}]},
-            [Finding("robot", "same run", "note", 0, {"rows": row.detail}, "fingerprint")],
+            [Finding("robot", "same run", "note", 0, row.detail)],
         )
         for row in quality.itertuples()
     }

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.conftest import said
 from tests.entries import read_and_check
 from ur5lib.importing.contents import UserStatement
 from ur5lib.importing.files import import_files
 from ur5lib.recordings.wraps import TURN, unwrapped, without_wraps
-from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Robot
 from ur5lib.tables import channel, named
 from ur5lib.timeseries.arrays import Array
@@ -147,7 +147,8 @@ def robot_rows(low: float, targets: bool | None) -> pd.DataFrame:
 def test_positions_and_targets_are_in_one_turn(low: float) -> None:
     for targets, turn in ((None, 0.0), (True, 0.0), (False, TURN)):
         table, (note,) = without_wraps(robot_rows(low, targets))
-        assert note == Finding("robot", "wrapped angles", "note", note.count, {"joints": [1]})
+        assert (note.finding, note.severity) == ("wrapped angles", "note")
+        assert said(note) == "angles that wrap around by a whole turn, of joint 1; made continuous"
         q = channel(table, "actual_q")
         assert q[0, 0] == pytest.approx(START[0] + turn)
         assert np.abs(np.diff(q, axis=0)).max() < 0.05

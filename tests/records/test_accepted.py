@@ -21,7 +21,6 @@ from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
 from ur5lib.records.accepted import ACCEPTED, accepting, up_to_first_standing
 from ur5lib.records.quality import Contradictions, contradiction
-from ur5lib.records.wording import worded
 from ur5lib.report.found import findings
 from ur5lib.report.results import Results
 from ur5lib.robots.description import Robot
@@ -77,8 +76,8 @@ def test_other_kinds_and_empty_reasons_are_errors(accept: dict[str, str], told: 
 
 
 ORDER, LATE = (
-    contradiction("exchanged joints", "order", joint=1, other=3),
-    contradiction("late current", "delay", name="actual_current", seconds=0.3),
+    contradiction("exchanged joints", "order", "joints 1 and 3 are exchanged"),
+    contradiction("late current", "delay", "actual_current comes later"),
 )
 
 
@@ -87,7 +86,7 @@ def test_an_accepted_stop_sign_is_a_warning_and_others_stand() -> None:
     assert found.stop_signs == [LATE]
     (warning,) = found.findings
     assert (warning.finding, warning.severity) == (ACCEPTED, "warning")
-    rows = pd.DataFrame(map(worded, files.findings(files.Quality(), found)))
+    rows = pd.DataFrame(map(files.row, files.findings(files.Quality(), found)))
     told = rows.loc[rows["finding"] == ACCEPTED, "detail"].item()
     assert told.startswith(f"accepted by the study: {REASON}")
     assert "joints 1 and 3" in told
@@ -103,7 +102,7 @@ def test_a_reason_that_nothing_needs_is_a_note() -> None:
 
 
 def test_behind_an_accepted_stop_sign_others_are_looked_for() -> None:
-    signs = [ORDER, LATE, contradiction("undeclared load", "payload", mass=2.0)]
+    signs = [ORDER, LATE, contradiction("undeclared load", "payload", "2 kg more")]
     assert [*up_to_first_standing(signs, [])] == signs[:1]
     assert [*up_to_first_standing(signs, ["order"])] == signs[:2]
 

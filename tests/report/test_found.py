@@ -19,20 +19,26 @@ from ur5lib.force.estimators import LEADING
 from ur5lib.records.accepted import accepting
 from ur5lib.records.quality import Contradictions, Finding, contradiction
 from ur5lib.records.verdicts import Advice
-from ur5lib.records.wording import templates, worded
+from ur5lib.records.wording import templates
 from ur5lib.report.found import MOST_FINDINGS, findings, left_out
 from ur5lib.report.next_steps import ASKED, MORE, next_steps
 from ur5lib.report.results import Results
 from ur5lib.report.stated import Step, claim, joints, line, listed, overruled, remedy, with_error
+from ur5lib.tidy import files
 
 SENSED = {"recording": "pushed", "largest_force_n": 106.0, "at_s": 3.0}
 SENSED |= {"share_in_contact": 0.4, "contacts": 5}
-EXCHANGED = contradiction("exchanged joints", "order", joint=2, other=3)
+EXCHANGED = contradiction(
+    "exchanged joints",
+    "order",
+    "joints 2 and 3 are exchanged: their motion explains the currents or torques far better with "
+    "all their columns swapped; correct the columns",
+)
 OTHER_ARM = contradiction(
     "other arm's currents",
     "robot",
-    arm="ur5",
-    causes=[{"code": "robot as cause", "values": {"value": "ur10"}}],
+    "the currents are not those of ur5: the motion of `robot: ur10` explains them far better; "
+    "correct `robot`, or columns and units",
 )
 UNREAD = finding("stop", "unreadable", detail="a.csv: it has no rows; record it again")
 LOAD = {"recording": "seen", "mass": 2.0, "std_error": 0.1, "configured": 0.5, "taken": "yes"}
@@ -43,7 +49,7 @@ COMMANDS = {*typer.main.get_command(app).commands}  # type: ignore[attr-defined]
 
 def quality(*found: Finding) -> list[dict[str, Any]]:
     """Rows of quality.csv of findings about `pushed`."""
-    return [{"recording": "pushed", **worded(one)} for one in found]
+    return [{"recording": "pushed", **files.row(one)} for one in found]
 
 
 def sentences(results: Results) -> list[str]:
@@ -60,7 +66,7 @@ def advised(results: Results, **row: Any) -> Results:
 
 
 def test_parts_of_a_finding_are_what_is_wrong_its_remedy_and_a_line() -> None:
-    told = str(worded(OTHER_ARM)["detail"])
+    told = OTHER_ARM.sentence()
     sign, accept = overruled(told)
     assert accept == "accept: {robot: the reason}"
     assert claim(sign) == "the currents are not those of ur5"

@@ -207,7 +207,7 @@ def test_a_load_that_is_certain_is_taken_into_the_prediction(
 def test_nothing_is_predicted_beside_a_stop_sign(
     loaded: Loaded, friction: Friction, ur5: Robot
 ) -> None:
-    made = predicted(loaded, friction, ur5, signs=[contradiction("unusable")])
+    made = predicted(loaded, friction, ur5, signs=[contradiction("order", "", "wrong")])
     assert made.load is None
     assert made.currents.external_torque is None
 
@@ -442,7 +442,7 @@ def test_a_push_on_the_forearm_is_no_false_alarm(ur5: Robot) -> None:
         (Friction(refused=remark("no currents")), [], False),
         (Friction(from_=["free"]), [], True),
         (Friction(stopped=remark("wrong constants")), [], True),
-        (Friction(), [contradiction("unusable")], True),
+        (Friction(), [contradiction("order", "", "wrong")], True),
     ],
 )
 def test_a_stop_sign_withholds_the_static_estimate_too(

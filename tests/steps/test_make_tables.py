@@ -39,10 +39,7 @@ def made(arm: Robot, judgements: dict[str, Judgement], **more: Any) -> dict[str,
 
 
 def judged(*findings: str) -> Judgement:
-    about = {"error": DETAIL}
-    return Judgement(
-        findings=[Finding("robot", name, "note", 1, about, "unusable") for name in findings]
-    )
+    return Judgement(findings=[Finding("robot", name, "note", 1, DETAIL) for name in findings])
 
 
 def test_rows_of_recordings_and_of_arms_make_one_table_each(ur5: Robot) -> None:
@@ -134,8 +131,8 @@ def test_a_sensor_that_reads_contacts_beats_the_role(ur5: Robot) -> None:
     """As an error, which takes the place of the warning of its raw readings, not of the robot's."""
     raw = Judgement(
         findings=[
-            Finding("force", "contact", "warning", 9, {"force_n": 42.0}),
-            Finding("robot", "contact", "warning", 1, {"force_n": 42.0}),
+            Finding("force", "contact", "warning", 9, "up to 42 N"),
+            Finding("robot", "contact", "warning", 1, "up to 42 N"),
         ]
     )
     judgements = dict.fromkeys(ROLES, raw)
@@ -157,7 +154,7 @@ def test_a_sensor_that_reads_contacts_beats_the_role(ur5: Robot) -> None:
 @pytest.mark.parametrize("others", [{"beside_sensor": dict.fromkeys(ROLES, sensed(0))}, {}])
 def test_a_raw_contact_alone_stays_a_warning(ur5: Robot, others: dict[str, Any]) -> None:
     """As of an undeclared load that turns."""
-    raw = Judgement(findings=[Finding("force", "contact", "warning", 9, {"force_n": 42.0})])
+    raw = Judgement(findings=[Finding("force", "contact", "warning", 9, "up to 42 N")])
     found = of_roles(ur5, judgements=dict.fromkeys(ROLES, raw), **others)["quality"]
     assert [*found["finding"]] == ["contact"] * 3
 

@@ -18,7 +18,7 @@ from ur5lib.jobs.job import step_named
 from ur5lib.jobs.memory import Contents, call, record_of, text_of
 from ur5lib.records.friction import Friction
 from ur5lib.records.premises import Premises
-from ur5lib.records.wording import in_words, worded
+from ur5lib.records.wording import in_words
 from ur5lib.robots.description import Robot
 from ur5lib.robots.friction import PARAMETER_UNITS
 from ur5lib.study.model import Settings, Study
@@ -299,7 +299,7 @@ def load_model(path: str | Path) -> Model:
 def expect_no_stop_sign(files: Mapping[str, Files]) -> None:
     """Raise InputError, with all of them, where recordings have stop signs."""
     signs = [
-        f"{name}: {worded(sign)['detail']}"
+        f"{name}: {sign.sentence()}"
         for name, own in files.items()
         for sign in record_of(Premises, own["premises"]).contradictions.stop_signs
     ]

@@ -13,7 +13,6 @@ from ur5lib.channels import MOST_JOINTS, RECORDED_CHANNELS, columns
 from ur5lib.errors import InputError, perhaps, unknown
 from ur5lib.jobs.memory import Content
 from ur5lib.records.quality import Finding, Quality
-from ur5lib.records.wording import worded
 from ur5lib.robots.description import Robot
 from ur5lib.strict import explain
 from ur5lib.study.accept import Accept, joined
@@ -136,7 +135,7 @@ class Recordings(Shown):
     def findings(self) -> pd.DataFrame:
         """Return what was found in the files: recording, severity, and the sentence."""
         rows = [
-            {"recording": name, "severity": one.severity, "detail": worded(one)["detail"]}
+            {"recording": name, "severity": one.severity, "detail": one.sentence()}
             for name in self.names
             for one in self.qualities[name].findings
         ]
@@ -215,7 +214,7 @@ class Recordings(Shown):
                     "duration [s]": round(quality.duration_s, 1),
                     "rate [Hz]": round(1 / quality.period_s) if quality.period_s > 0 else None,
                     "devices": " ".join(quality.devices),
-                    "found": str(worded(worst[0])["detail"]) if worst else minor or "nothing",
+                    "found": worst[0].sentence() if worst else minor or "nothing",
                 }
             )
         return pd.DataFrame(rows)

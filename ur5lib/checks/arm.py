@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ur5lib.channels import Effort
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.currents import (
     MAX_SHARE_UNEXPLAINED,
@@ -23,7 +24,7 @@ from ur5lib.checks.currents import (
     moving_joints,
 )
 from ur5lib.checks.readings import in_order, readings
-from ur5lib.errors import remark
+from ur5lib.records.phrases import as_written, number
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import STANDARD_GRAVITY
@@ -92,10 +93,35 @@ def foreign_mountings(means: BlockMeans, arm: Robot, driven: bool) -> Iterator[C
         likely = [one for one in likely if one not in turned]
     if likely:
         by_sign = turned and not any(one > MIN_ERRORS_OF_FRICTION for one in friction)
-        code = "other mounting or sign" if by_sign else "other mounting"
-        fitting = [remark("mounting as cause", value=[*one]) for one in likely]
-        finding = contradiction(code, "mounting", causes=fitting, **means.measured._asdict())
+        finding = _other_mounting(likely, bool(by_sign), means.measured)
         yield Cause(finding, gains[likely[0]], means, arm.mounted(likely[0]))
+
+
+def _other_mounting(likely: Sequence[Gravity], by_sign: bool, measured: Effort) -> Finding:
+    """Return the stop sign of mountings that fit; by_sign: the opposite sign would, too."""
+    causes = " or ".join(map(mounting_as_cause, likely))
+    if not by_sign:
+        detail = (
+            f"the {measured.quantity}s contradict the mounting: gravity explains them far better "
+            f"with {causes}; correct `gravity`"
+        )
+        return contradiction("other mounting", "mounting", detail)
+    detail = (
+        f"gravity in {measured.channel} comes from the other side than declared: give the mounting "
+        f"that fits, {causes}, or, if its sign is reversed, `{measured.channel}: opposite` under "
+        "`units`"
+    )
+    return contradiction("other mounting or sign", "mounting", detail)
+
+
+def mounting_as_cause(gravity: Gravity) -> str:
+    """Return the line of a study that gives a mounting."""
+    return f"`gravity: [{as_written(gravity, 'g')}]`"
+
+
+def robots_as_cause(names: Iterable[str]) -> list[str]:
+    """Return the lines of a study that name arms."""
+    return [f"`robot: {name}`" for name in names]
 
 
 def gains_of_mountings(means: BlockMeans, arm: Robot) -> dict[Gravity, float]:
@@ -166,13 +192,26 @@ def foreign_constants(
     off = {joint: ratio for joint, ratio in by_gravity.foreign().items() if fitted or ratio > 1}
     if off:
         joint = max(off, key=by_gravity.away)
-        makers = by_gravity.known[joint]
-        fitting = [
-            remark("robot as cause", value=name) for name in fitting_arms(means, arm, others)
-        ]
-        code = "foreign constant of known cause" if fitting else "foreign constant"
-        values = {"joint": joint + 1, "constant": off[joint] * makers, "known": makers}
-        yield contradiction(code, "constants", arm=arm.name, causes=fitting, **values)
+        yield foreign_constant(
+            joint, off[joint], by_gravity.known[joint], arm, fitting_arms(means, arm, others)
+        )
+
+
+def foreign_constant(
+    joint: int, ratio: float, known: float, arm: Robot, fitting: Sequence[str] = ()
+) -> Finding:
+    """Return the stop sign of a joint's torque constant.
+
+    joint: from 0; ratio: to the known one [Nm/A]; fitting: arms that would fit.
+    """
+    cause = f"; {' or '.join(robots_as_cause(fitting))} would fit" if fitting else ""
+    detail = (
+        f"gravity's torque on joint {joint + 1} is {number(ratio * known, '.3g')} Nm per A of "
+        f"actual_current, but the motors of {arm.name} have {number(known, '.3g')} Nm/A{cause}; "
+        "correct `robot`, `payload`, or columns and units"
+    )
+    code = "foreign constant of known cause" if fitting else "foreign constant"
+    return contradiction(code, "constants", detail, [joint + 1])
 
 
 def fitting_arms(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> list[str]:

@@ -14,12 +14,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.channels import CURRENT
-from ur5lib.checks.arm import Cause, Pair, torque_constants
+from ur5lib.checks.arm import Cause, Pair, foreign_constant, robots_as_cause, torque_constants
 from ur5lib.checks.block_means import BlockMeans
-from ur5lib.checks.currents import moving_joints, rubbing_joints
+from ur5lib.checks.currents import exchanged_efforts, moving_joints, rubbing_joints
 from ur5lib.checks.readings import exchanged_order, in_order
 from ur5lib.checks.whole_motion import Explained, Lead, Misfit, WholeMotion, lead
-from ur5lib.errors import remark
+from ur5lib.records.phrases import numbered
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
@@ -127,16 +127,23 @@ class MotionChecks:
         for pair, other in self.exchanged_joints.items():
             if are_exchanged(other, self.declared, pair):
                 means = self.means.part(columns=self._order(pair))
-                yield self._change("exchanged joints", other, means, pair)
+                detail = (
+                    f"joints {pair[0] + 1} and {pair[1] + 1} are exchanged: their motion explains "
+                    "the currents or torques far better with all their columns swapped; correct "
+                    "the columns"
+                )
+                joints = [pair[0] + 1, pair[1] + 1]
+                finding = contradiction("exchanged joints", "order", detail, joints)
+                yield Cause(finding, self.gain(other), means, self.arm)
 
     def exchanges_of_efforts(self) -> Iterator[Cause]:
         """Yield pairs of joints whose motion explains each other's efforts better."""
         for pair, other in self.exchanged_efforts.items():
             if is_likelier(other, self.declared, pair, OF_EFFORTS):
                 efforts = self.means.effort[:, self._order(pair)]
-                yield self._change(
-                    "exchanged currents", other, self.means.with_efforts(efforts), pair
-                )
+                means = self.means.with_efforts(efforts)
+                finding = exchanged_efforts(pair, self.means.measured)
+                yield Cause(finding, self.gain(other), means, self.arm)
 
     def turned_by_links(self) -> Iterator[Cause]:
         """Yield the joints whose turned efforts the declared links explain better, or, where nobody
@@ -152,14 +159,13 @@ class MotionChecks:
             signs = self._signs(joints)
             other = self.motion.explained(self.motion.torque * signs)
             means = self.means.with_efforts(self.means.effort * signs)
-            codes = "turned torques by links", "turned current by links"
-            yield Cause(self._as_turned(joints, *codes), self.gain(other), means, self.arm)
+            yield Cause(self._as_turned(joints, by_links=True), self.gain(other), means, self.arm)
 
     def turned_by_friction(self) -> Iterator[Finding]:
         """Find efforts whose friction drives the motion instead of braking it."""
         joints = [j for j, own in self.friction.items() if own < -MIN_ERRORS_OF_FRICTION]
         if joints:
-            yield self._as_turned(joints, "turned torques", "turned current")
+            yield self._as_turned(joints, by_links=False)
 
     def weak_currents(self) -> Iterator[Finding]:
         """Find a current of a UR's motor that is too small for what it holds: gears win no torque.
@@ -181,12 +187,7 @@ class MotionChecks:
         for joint in sorted(weak, key=lambda own: -shown.ratio[own])[:1]:
             ahead = declared and lead(self.declared.by_any_links, declared, [joint])
             if ahead and ahead.size < MAX_LEAD_OF_ANY_LINKS:
-                known = shown.known[joint]
-                values = {"joint": joint + 1, "constant": shown.ratio[joint] * known}
-                arm = self.arm.name
-                yield contradiction(
-                    "foreign constant", "constants", arm=arm, causes=[], known=known, **values
-                )
+                yield foreign_constant(joint, shown.ratio[joint], shown.known[joint], self.arm)
 
     def other_arms(self, others: Sequence[Robot]) -> Iterator[Cause]:
         """Yield the arm that explains the efforts best, also if each carried any load, with those
@@ -197,10 +198,12 @@ class MotionChecks:
         if ahead and tells:
             first, *names = sorted(ahead, key=lambda name: -ahead[name])
             alike = [name for name in names if ahead[first] - ahead[name] < MAX_LEAD_AGAINST]
-            causes = [remark("robot as cause", value=name) for name in (first, *alike)]
-            finding = contradiction(
-                "other arm's currents", "robot", arm=self.arm.name, causes=causes
+            causes = " or ".join(robots_as_cause((first, *alike)))
+            detail = (
+                f"the currents are not those of {self.arm.name}: the motion of {causes} explains "
+                "them far better; correct `robot`, or columns and units"
             )
+            finding = contradiction("other arm's currents", "robot", detail)
             (best,) = (arm for arm in others if arm.name == first)
             yield Cause(finding, ahead[first], self.means, best)
 
@@ -241,11 +244,30 @@ class MotionChecks:
         own = self.turned.get(joint)
         return known and own is not None and is_turned(self.declared, own, joint)
 
-    def _as_turned(self, joints: list[int], of_torques: str, of_current: str) -> Finding:
+    def _as_turned(self, joints: list[int], by_links: bool) -> Finding:
+        """Return the stop sign of turned efforts; by_links: by these, or by friction."""
         if self.arm.measured == CURRENT:
-            return contradiction(of_current, "sign", joint=joints[0] + 1)
-        numbers, signs = [joint + 1 for joint in joints], self._signs(joints).astype(int).tolist()
-        return contradiction(of_torques, "sign", joints=numbers, signs=str(signs))
+            why = (
+                "with its sign turned, the motion explains the currents far better"
+                if by_links
+                else "friction would drive its motion"
+            )
+            sign = f"the sign of the current of joint {joints[0] + 1} is reversed"
+            detail = f"{sign}: {why}; correct the column"
+            return contradiction("turned current", "sign", detail, [joints[0] + 1])
+        why = (
+            "turned, links explain the torques of all joints far better"
+            if by_links
+            else "friction would drive their motion"
+        )
+        beside = "" if by_links else " (`directions` would turn their positions, too)"
+        numbers = [joint + 1 for joint in joints]
+        detail = (
+            f"the sign of actual_torque is reversed on {numbered(numbers)}; {why}; "
+            "correct the columns, or turn them in the entry by `units: {actual_torque: "
+            f"{self._signs(joints).astype(int).tolist()}}}`{beside}"
+        )
+        return contradiction("turned torques", "sign", detail, numbers)
 
     def _signs(self, joints: list[int]) -> Array:
         """Return -1 for some joints, 1 for others (n,)."""
@@ -253,11 +275,6 @@ class MotionChecks:
 
     def _gain_of_sign(self, joint: int) -> float:
         return self.gain(self.turned[joint])
-
-    def _change(self, code: str, other: Explained, means: BlockMeans, pair: Pair) -> Cause:
-        joints = {"joint": pair[0] + 1, "other": pair[1] + 1}
-        finding = contradiction(code, "order", **joints, **means.measured._asdict())
-        return Cause(finding, self.gain(other), means, self.arm)
 
     def _order(self, pair: Pair) -> list[int]:
         """Return the columns of all joints, of which those of two are exchanged."""

@@ -1,7 +1,6 @@
 """Checks that the channels of a recording agree with one another and with the arm."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -9,7 +8,7 @@ import pandas as pd
 from scipy.interpolate import make_interp_spline
 
 from ur5lib.channels import joint_count
-from ur5lib.errors import remark
+from ur5lib.records.phrases import number, numbered
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.tables import channel, unit
 from ur5lib.timeseries.arrays import Array, Labels
@@ -81,8 +80,11 @@ def unfiltered(cutoffs_hz: Mapping[str, float], period: float) -> Iterator[Findi
     """
     nyquist = 0.5 / period
     if beyond := [name for name, cutoff in cutoffs_hz.items() if cutoff >= nyquist]:
-        values = {"names": beyond, "nyquist_hz": nyquist}
-        yield Finding("robot", "unfiltered", "note", len(beyond), values)
+        detail = (
+            f"`cutoff_hz` of {', '.join(beyond)} is not below {number(nyquist, 'g')} Hz, half the "
+            "rate of this recording, so that these filters are not applied"
+        )
+        yield Finding("robot", "unfiltered", "note", len(beyond), detail)
 
 
 def too_short(segment: Labels, period: float, cutoff: float) -> list[Finding]:
@@ -94,8 +96,12 @@ def too_short(segment: Labels, period: float, cutoff: float) -> list[Finding]:
     least = 2 * extrapolated_samples(cutoff, period) + 1
     if longest >= least:
         return []
-    values = {"seconds": longest * period, "samples": longest, "least_s": least * period}
-    return [Finding("robot", "too short", "warning", 1, values)]
+    detail = (
+        f"no more than {longest} samples, {number(longest * period, '.2g')} s, without a gap: the "
+        f"low-pass filter `currents` needs {number(least * period, '.2g')} s, so that no contact "
+        "force is estimated; record several seconds"
+    )
+    return [Finding("robot", "too short", "warning", 1, detail)]
 
 
 def fast_between_samples(
@@ -108,8 +114,12 @@ def fast_between_samples(
     fast = _untold_joints(q, segment, period, velocity_max, MAX_MISSED_SHARE)
     if not fast or any(untold_motion(q, segment, period, velocity_max)):
         return []
-    values = {"joints": fast, "period_s": period}
-    return [Finding("robot", "fast between samples", "warning", len(fast), values)]
+    detail = (
+        f"the motion of {numbered(fast)} is faster than samples {number(period, 'g')} s apart "
+        "tell: accelerations, and with them torques, err by more than the bands say; record at a "
+        "higher rate, or move more slowly"
+    )
+    return [Finding("robot", "fast between samples", "warning", len(fast), detail)]
 
 
 def untold_motion(
@@ -117,12 +127,17 @@ def untold_motion(
 ) -> Iterator[Finding]:
     """Find joints whose accelerations the samples of a slow log do not tell; arguments as above."""
     if joints := _untold_joints(q, segment, period, velocity_max, MAX_UNTOLD_SHARE):
-        yield contradiction("untold motion", "sampling", joints=joints, period_s=period)
+        detail = (
+            f"samples {number(period, 'g')} s apart do not tell the motion of {numbered(joints)} "
+            "between them, so that accelerations are unknown; record at a higher rate, or move "
+            "more slowly"
+        )
+        yield contradiction("untold motion", "sampling", detail)
 
 
 def _untold_joints(
     q: Array, segment: Labels, period: float, velocity_max: Sequence[float], share: float
-) -> list[str]:
+) -> list[int]:
     """Return the joints, from 1, whose samples miss more than a share of their curvature.
 
     A spline through every second sample misses the one between by little where it tells the motion,
@@ -139,7 +154,7 @@ def _untold_joints(
         for own in zip(*map(_missed_and_bent, parts), strict=True)
     )
     untold = np.flatnonzero(missed > share * bent + MAX_MISSED_ANGLE)
-    return [str(joint + 1) for joint in untold]
+    return (untold + 1).tolist()
 
 
 def slow_samples(
@@ -154,11 +169,20 @@ def slow_samples(
     moves = bool((np.mean(steps**2, axis=0) > (MIN_MOVING_SPEED * period) ** 2).any())
     if not moves or period <= 1 / (2 * cutoff) / MIN_SAMPLES_OF_LOWPASS:
         return []
+    apart = f"samples {number(period, 'g')} s apart"
     if of_fit is None:
-        return [Finding("robot", "slow samples", "note", 1, {"period_s": period})]
-    values = {"period_s": period, "of_fit_s": of_fit}
+        detail = (
+            f"{apart}: the low-pass filter `currents` leaves their noise, so that contact forces "
+            "take recordings to fit that are as slow"
+        )
+        return [Finding("robot", "slow samples", "note", 1, detail)]
+    detail = (
+        f"{apart}, and {number(of_fit, 'g')} s in the recordings to fit: the low-pass filter "
+        "`currents` leaves noise in motion that the bands of these do not hold, so that no contact "
+        "force is estimated; record at their rate"
+    )
     slower = period > MAX_PERIOD_RATIO * of_fit
-    return [Finding("robot", "slower than fit", "warning", 1, values)] * slower
+    return [Finding("robot", "slower than fit", "warning", 1, detail)] * slower
 
 
 def slower_than_fit(
@@ -181,14 +205,17 @@ def _derivatives(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
         if are_recorded(robot, below, above):
             slopes = _slopes(robot, below, above, period)
             if slopes and not channel(robot, above).any():
-                names = {"name": above, "position": below}
-                yield Finding("robot", "silent channel", "warning", len(slopes), names)
+                detail = f"{above} is zero while {below} changes, as in an arm that is led by hand"
+                yield Finding("robot", "silent channel", "warning", len(slopes), detail)
                 continue
             wrong = [joint for joint, slope in slopes.items() if not 0.9 <= slope <= 1.1]
             if wrong:
-                ratios = [remark("ratio", joint=j + 1, value=slopes[j]) for j in wrong]
-                values = {"name": above, "position": below, "ratios": ratios}
-                yield _inconsistent(len(wrong), values, "no derivative")
+                ratios = [f"joint {j + 1}: {number(slopes[j], '.3g')}" for j in wrong]
+                detail = (
+                    f"{above} is not the derivative of {below} ({', '.join(ratios)}, where the "
+                    "ratio should be 1); check columns and units"
+                )
+                yield _inconsistent(len(wrong), detail)
 
 
 def misread_velocities(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
@@ -199,8 +226,11 @@ def misread_velocities(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
             low, high = MIN_VELOCITY_RATIO, MAX_VELOCITY_RATIO
             wrong = [slope for slope in slopes if slope <= low or slope >= high]
             if len(wrong) > len(slopes) / 2:
-                values = {"name": above, "position": below, "ratio": float(np.median(wrong))}
-                yield contradiction("no velocity", "velocity", **values)
+                detail = (
+                    f"{above} is not the velocity of {below}: the slopes of {below} are "
+                    f"{number(np.median(wrong), '.3g')} times as large; correct columns and units"
+                )
+                yield contradiction("no velocity", "velocity", detail)
 
 
 def _slopes(robot: pd.DataFrame, below: str, above: str, period: float) -> dict[int, float]:
@@ -228,8 +258,10 @@ def _twins(robot: pd.DataFrame) -> Iterator[Finding]:
             apart = np.nanmedian(np.abs(channel(robot, one) - channel(robot, other)), axis=0)
             wrong = np.flatnonzero(apart > bound)
             if len(wrong):
-                values = {"one": one, "other": other, "joints": (wrong + 1).tolist()}
-                yield _inconsistent(len(wrong), values, "apart")
+                detail = (
+                    f"{one} and {other} differ on {numbered(wrong + 1)}; check columns and units"
+                )
+                yield _inconsistent(len(wrong), detail)
 
 
 def _ratios(robot: pd.DataFrame) -> Iterator[Finding]:
@@ -238,8 +270,12 @@ def _ratios(robot: pd.DataFrame) -> Iterator[Finding]:
         if are_recorded(robot, one, other):
             level, its = _level(robot, one), _level(robot, other)
             if max(level, its) > MIN_LEVEL and not least * its <= level <= most * its:
-                values = {"one": one, "level": level, "other": other, "its": its}
-                yield _inconsistent(joint_count(robot), values, "levels")
+                detail = (
+                    f"the root mean square of {one} is {number(level, '.3g')} and that of {other} "
+                    f"{number(its, '.3g')} (SI units), which do not fit together; check columns "
+                    "and units"
+                )
+                yield _inconsistent(joint_count(robot), detail)
 
 
 def _swapped(robot: pd.DataFrame, one: str, other: str) -> Iterator[Finding]:
@@ -253,36 +289,55 @@ def _swapped(robot: pd.DataFrame, one: str, other: str) -> Iterator[Finding]:
     for j, k in combinations(range(values.shape[1]), 2):
         uncrossed, crossed = apart[j, j] + apart[k, k], apart[j, k] + apart[k, j]
         if uncrossed > MIN_LEVEL and crossed < MAX_SWAPPED_DEVIATION * uncrossed:
-            joints = {"one": one, "other": other, "joint": j + 1, "its": k + 1}
-            yield _inconsistent(2, joints, "swapped")
+            detail = (
+                f"{one} of joint {j + 1} follows {other} of joint {k + 1} and vice versa; the "
+                "columns are probably swapped"
+            )
+            yield _inconsistent(2, detail)
 
 
 def _miscounted(robot: pd.DataFrame, positions: Sequence[tuple[float, float]]) -> list[Finding]:
     """Return a warning of joints that cannot be where they are by how their controller counts."""
     wider = [(low - MAX_EXCESS, high + MAX_EXCESS) for low, high in positions]
-    far = _limits(robot, "actual_q", wider)
-    return [replace(one, finding="joints beyond their range", severity="warning") for one in far]
+    if (found := _excess(robot, "actual_q", wider)) is None:
+        return []
+    count, each = found
+    detail = (
+        f"actual_q leaves the range of the arm's description ({each}): correct `home_deg`, "
+        "`directions`, `coupling` or `gear_ratio`, or the limits of its `motors`"
+    )
+    return [Finding("robot", "joints beyond their range", "warning", count, detail)]
 
 
 def _limits(
     robot: pd.DataFrame, name: str, bounds: Sequence[tuple[float, float]]
 ) -> Iterator[Finding]:
+    if (found := _excess(robot, name, bounds)) is not None:
+        count, each = found
+        detail = f"{name} exceeds the joints' limits ({each})"
+        yield Finding("robot", "joint limits", "note", count, detail)
+
+
+def _excess(
+    robot: pd.DataFrame, name: str, bounds: Sequence[tuple[float, float]]
+) -> tuple[int, str] | None:
+    """Return in how many rows joints exceed bounds, and how far each does; None where none do."""
     if not are_recorded(robot, name):
-        return
+        return None
     values, (low, high) = channel(robot, name), np.transpose(bounds)
     values = np.where(low == -high, np.abs(values), values)
     excess = np.maximum(low - values, values - high)
     beyond = excess > 0
-    if beyond.any():
-        wrong = np.flatnonzero(beyond.any(axis=0)).tolist()
-        worst = values[np.nanargmax(excess[:, wrong], axis=0), wrong].tolist()
-        most = [remark("most", joint=j + 1, value=v) for j, v in zip(wrong, worst, strict=True)]
-        count, limits = int(beyond.any(axis=1).sum()), {"name": name, "each": most}
-        yield Finding("robot", "joint limits", "note", count, limits | {"unit": unit(name)})
+    if not beyond.any():
+        return None
+    wrong = np.flatnonzero(beyond.any(axis=0)).tolist()
+    worst = values[np.nanargmax(excess[:, wrong], axis=0), wrong].tolist()
+    each = [f"joint {j + 1}: up to {number(v, '.3g')}" for j, v in zip(wrong, worst, strict=True)]
+    return int(beyond.any(axis=1).sum()), f"{', '.join(each)} {unit(name)}"
 
 
-def _inconsistent(count: int, values: Mapping[str, object], code: str) -> Finding:
-    return Finding("robot", "inconsistent channels", "warning", count, values, code)
+def _inconsistent(count: int, detail: str) -> Finding:
+    return Finding("robot", "inconsistent channels", "warning", count, detail)
 
 
 def are_recorded(robot: pd.DataFrame, *channels: str) -> bool:

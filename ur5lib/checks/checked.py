@@ -10,7 +10,7 @@ import pandas as pd
 from ur5lib.channels import TORQUE
 from ur5lib.checks.block_means import BlockMeans, block_means
 from ur5lib.checks.by_motion import MotionChecks
-from ur5lib.checks.contacts import felt_contact
+from ur5lib.checks.contacts import FeltContact, felt_contact
 from ur5lib.checks.currents import Answers, answers, is_driven, moving_joints
 from ur5lib.checks.delays import Delays, delays_by_motion
 from ur5lib.checks.doubts import doubted_links
@@ -118,7 +118,7 @@ class Checked:
         return odd_targets(self.means, self.loaded) if comparable else {}
 
     @cached_property
-    def contact(self) -> Finding | None:
+    def contact(self) -> FeltContact | None:
         """Return a warning of the strongest contact that the currents show."""
         known = self.shows_currents() and self.arm.tells_gravity()
         return felt_contact(self.means, self.loaded) if known else None

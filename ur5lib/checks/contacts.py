@@ -5,12 +5,15 @@ motor's largest torque. While the arm rests, friction may hold any part of gravi
 hardly changes. What lasts for half a second and exceeds that is a contact, or a load.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 import pandas as pd
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ur5lib.checks.block_means import FULL_FRICTION_SPEED, BlockMeans
 from ur5lib.checks.channels import MIN_MOVING_SPEED
+from ur5lib.records.phrases import as_written, number
 from ur5lib.records.quality import CONTACT_TORQUE_SHARE, Finding
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import STANDARD_GRAVITY
@@ -40,12 +43,42 @@ def sensed_contacts(table: pd.DataFrame, mass: float) -> list[Finding]:
     beyond = size > CONTACT_FORCE + 2 * STANDARD_GRAVITY * mass
     if not beyond.sum() * np.median(np.diff(time)) > CONTACT_TIME:
         return []
-    force_n = {"force_n": float(np.nanmax(size))}
-    return [Finding("force", CONTACT, "warning", int(beyond.sum()), force_n)]
+    detail = (
+        f"the force differs from its median by up to {number(np.nanmax(size), '.0f')} N, but the "
+        "recording's role means that nothing touches the arm; give it the role contact, or declare "
+        "`payload`"
+    )
+    return [Finding("force", CONTACT, "warning", int(beyond.sum()), detail)]
 
 
-def felt_contact(means: BlockMeans, arm: Robot) -> Finding | None:
-    """Return a warning of the strongest contact; None where there is none.
+class FeltContact(NamedTuple):
+    """A contact that motors feel: when, from the start [s], and its torque [Nm] on a joint, from 1,
+    on which it is strongest.
+    """
+
+    joint: int
+    torque: float
+    at: float
+
+    def finding(self, is_doubted: bool) -> Finding:
+        """Return the warning of it; is_doubted: the links of the joint may be the cause."""
+        differs = (
+            f"{number(self.at, '.1f')} s after the start, the torque of joint {self.joint} differs "
+            f"by {number(self.torque, '.2g')} Nm from what gravity, friction and inertia explain"
+        )
+        detail = (
+            f"{differs}; the likely cause is the description of this joint, whose links are in "
+            "doubt: correct it first. If this finding stays, something touches the arm: give the "
+            "recording the role contact"
+            if is_doubted
+            else f"{differs}, but the recording's role means that nothing touches the arm; give it "
+            "the role contact, cut the contact off by `from_s` and `to_s`, or declare `payload`"
+        )
+        return Finding("robot", CONTACT, "warning", 1, detail)
+
+
+def felt_contact(means: BlockMeans, arm: Robot) -> FeltContact | None:
+    """Return the strongest contact; None where there is none.
 
     means: of a recording, with currents; arm: with what it carries.
     """
@@ -57,14 +90,17 @@ def felt_contact(means: BlockMeans, arm: Robot) -> Finding | None:
     window, joint = np.unravel_index(np.nanargmax(shares), shares.shape)
     torque = float(shares[window, joint] * largest[joint])
     at = float(means.time[window] - means.time[0])
-    values = {"joint": int(joint) + 1, "torque": torque, "at_s": at}
-    return Finding("robot", CONTACT, "warning", 1, values, "felt contact")
+    return FeltContact(int(joint) + 1, torque, at)
 
 
 def unfelt_contacts(arm: Robot) -> Finding:
     """Return a note of the contacts that would not be felt."""
-    torques = [CONTACT_TORQUE_SHARE * torque for torque in arm.torque_limits()]
-    return Finding("robot", "contact not checked", "note", 1, {"torques": torques})
+    torques = as_written([CONTACT_TORQUE_SHARE * torque for torque in arm.torque_limits()], ".2g")
+    detail = (
+        f"contacts that change the motors' torques by less than {torques} Nm could not be noticed; "
+        "the report finds weaker ones"
+    )
+    return Finding("robot", "contact not checked", "note", 1, detail)
 
 
 def deviations(means: BlockMeans, arm: Robot) -> Array:

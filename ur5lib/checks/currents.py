@@ -13,11 +13,12 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import nnls
 
-from ur5lib.channels import CURRENT, MEASURED_CURRENT, TARGET_CURRENT, TORQUE
+from ur5lib.channels import CURRENT, MEASURED_CURRENT, TARGET_CURRENT, TORQUE, Effort
 from ur5lib.checks.block_means import BlockMeans, combination, fitted_load, size
 from ur5lib.checks.channels import MIN_MOVING_SPEED
 from ur5lib.checks.delays import CURRENT_NOISE, Delays, delays_by_motion
 from ur5lib.checks.innovations import innovation_likelihoods
+from ur5lib.records.phrases import number
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_columns, load_torque
@@ -35,13 +36,12 @@ MIN_GRAVITY_TORQUE = 3.0
 MIN_CONSTANT, MAX_CONSTANT = 2.5, 40.0  # Nm/A; the torque constants of all arms lie between
 MILLIAMPERE_CODES = ("current in mA", "current not in mA")
 OPPOSITE_CODE = "opposite current"
-CONSTANTS_OF_UNITS = {  # Nm per “A” of what is no current in A, by the code of its sentence
+CONSTANTS_OF_UNITS = {  # Nm per “A” of what is no current in A, by the code of the stop sign
     "torque as current": (0.5, 2.0),
     MILLIAMPERE_CODES[0]: (1e-3 * MIN_CONSTANT, 1e-3 * MAX_CONSTANT),
     MILLIAMPERE_CODES[1]: (1e3 * MIN_CONSTANT, 1e3 * MAX_CONSTANT),
     OPPOSITE_CODE: (-MAX_CONSTANT, -MIN_CONSTANT),
 }
-OTHER_UNIT_CODE = "no current"  # the code of any other unit
 MIN_STANDARD_ERRORS = 5.0  # standard errors that are no chance
 # Gravity, friction and inertia may leave this share of a current's square.
 MAX_SHARE_UNEXPLAINED = 0.5
@@ -103,8 +103,16 @@ def exchanged_currents(answers: Answers) -> Iterator[Finding]:
     gains = np.triu(ahead + ahead.T, 1)
     j, k = np.argwhere(gains == gains.max())[0].tolist()
     if gains[j, k] > MIN_LEAD_OF_EXCHANGE:
-        joints = {"joint": j + 1, "other": k + 1}
-        yield contradiction("exchanged currents", "order", **joints, **CURRENT._asdict())
+        yield exchanged_efforts((j, k), CURRENT)
+
+
+def exchanged_efforts(pair: tuple[int, int], measured: Effort) -> Finding:
+    """Return the stop sign of two joints, from 0, whose efforts are exchanged."""
+    detail = (
+        f"the {measured.quantity}s of joints {pair[0] + 1} and {pair[1] + 1} are exchanged: each "
+        f"follows the motion of the other joint; correct the columns of {measured.channel}"
+    )
+    return contradiction("exchanged currents", "order", detail, [pair[0] + 1, pair[1] + 1])
 
 
 def rubbing_joints(arm: Robot) -> Mask:
@@ -191,8 +199,34 @@ def foreign_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
             constant = 1 / (held.slope or 1e-9)
             shown = CONSTANTS_OF_UNITS if abs(held.slope) > away else {}
             codes = (c for c, (low, high) in shown.items() if low <= constant <= high)
-            code = next(codes, OTHER_UNIT_CODE)
-            yield contradiction(code, "unit", name=name, joint=joint + 1, constant=constant)
+            code = next(codes, "no current")
+            detail = _unit_in_words(code, name, joint, number(constant, ".3g"))
+            yield contradiction(code, "unit", detail, [joint + 1])
+
+
+def _unit_in_words(code: str, name: str, joint: int, constant: str) -> str:
+    """Return in what unit a channel is; code: of CONSTANTS_OF_UNITS; constant: [Nm/A]."""
+    holds = f"gravity's torque on joint {joint + 1} is {constant} Nm per A of"
+    if code == "torque as current":
+        return (
+            f"{name} is a torque in Nm, not a current in A ({holds} {name}); record currents, and "
+            "name this column actual_current_as_torque"
+        )
+    if code == MILLIAMPERE_CODES[0]:
+        return (
+            f"{name} is in mA, not in A ({holds} {name}); give its unit, `{name}: mA`, under "
+            "`units`"
+        )
+    if code == MILLIAMPERE_CODES[1]:
+        return f"{name} is in A, not in mA ({holds} {name} as declared); correct its unit"
+    if code == OPPOSITE_CODE:
+        return (
+            f"{name} has the opposite sign ({holds} it, and motors have 2.5 to 40 Nm/A); give its "
+            f"unit, `{name}: opposite`, under `units`, or correct `gravity`"
+        )
+    return (
+        f"{holds} {name}, but motors have 2.5 to 40 Nm/A; correct its unit or column, or `gravity`"
+    )
 
 
 def undeclared_load(
@@ -212,7 +246,11 @@ def undeclared_load(
         _, error = combination(columns, torque, [1.0])  # large where only a wrist moves
         explained = left**2 < (1 - MIN_SHARE_EXPLAINED_BY_LOAD) * size(torque) ** 2
         if mass > max(MIN_UNDECLARED_LOAD, MIN_STANDARD_ERRORS * error) and explained:
-            yield contradiction("undeclared load", "payload", mass=mass)
+            detail = (
+                f"by the currents, the arm carries {number(mass, '.1f')} kg more than the study "
+                "declares; declare it as `payload`, or fit to recordings without a load"
+            )
+            yield contradiction("undeclared load", "payload", detail)
 
 
 def held_gravity(means: BlockMeans, gravity: Array, current: Array, joint: int) -> Held:

@@ -61,8 +61,12 @@ def delayed_currents(delays: Delays, driven: bool, name: str) -> Iterator[Findin
     least = MIN_LEAD_BEFORE_SHORTER if driven else MIN_LEAD_OF_DELAY_BY_HAND
     if most < -MIN_LEAD_OF_DELAY and shorter - most > least:
         delay = float(delays.seconds[late][np.argmin(behind[late])])
-        code = "late current" if delay > 0 else "early current"
-        yield contradiction(code, "delay", name=name, seconds=abs(delay))
+        code, side = ("late current", "later") if delay > 0 else ("early current", "earlier")
+        detail = (
+            f"{name} comes {abs(delay):.2f} s {side} than the motion; record both with one clock, "
+            "or correct the time of one"
+        )
+        yield contradiction(code, "delay", detail)
 
 
 def delays_by_motion(robot: pd.DataFrame, arm: Robot, step: float, cutoff: float) -> Delays:

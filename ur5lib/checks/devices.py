@@ -9,6 +9,7 @@ import pandas as pd
 
 from ur5lib.checks.channels import check_robot
 from ur5lib.recordings.intake import Intake
+from ur5lib.records.phrases import number
 from ur5lib.records.quality import Device, Finding
 from ur5lib.robots.description import FullScale, Robot
 
@@ -57,8 +58,11 @@ def _saturation(table: pd.DataFrame) -> Iterator[Finding]:
     }
     saturated = {name: count for name, count in stuck.items() if count >= MIN_SATURATED_SAMPLES}
     if saturated:
-        names = {"names": [*saturated]}
-        yield Finding("force", "saturation", "warning", max(saturated.values()), names)
+        count, channels = max(saturated.values()), (*map(str, saturated),)
+        detail = (
+            f"{', '.join(channels)} stay at their largest value; larger forces are not recorded"
+        )
+        yield Finding("force", "saturation", "warning", count, detail, channels=channels)
 
 
 def _looks_like_imu(table: pd.DataFrame) -> Iterator[Finding]:
@@ -69,8 +73,12 @@ def _looks_like_imu(table: pd.DataFrame) -> Iterator[Finding]:
     low, high = np.quantile(np.linalg.norm(force, axis=1), [0.05, 0.95])
     turns = np.ptp(force, axis=0).max() > MIN_GRAVITY_CHANGE
     if low >= MIN_GRAVITY and high <= MAX_GRAVITY and turns:
-        force_n = {"force_n": float(low + high) / 2}
-        yield Finding("force", "size of gravity", "warning", len(table), force_n)
+        detail = (
+            f"the force keeps a magnitude of {number((low + high) / 2, '.3g')} N while it rotates, "
+            "like the acceleration from an IMU or the weight of 1 kg; check which file the study "
+            "names"
+        )
+        yield Finding("force", "size of gravity", "warning", len(table), detail)
 
 
 def _clipped(table: pd.DataFrame, full_scale: FullScale) -> Iterator[Finding]:
@@ -80,13 +88,13 @@ def _clipped(table: pd.DataFrame, full_scale: FullScale) -> Iterator[Finding]:
     channels = {name: limits[name[:5]] for name in table if name[:5] in limits}
     reached = table[[*channels]].abs() >= CLIPPING_SHARE * pd.Series(channels, dtype=float)
     if reached.any(axis=None):
-        values = {
-            "names": [*reached.columns[reached.any()]],
-            "acceleration": full_scale.acceleration,
-            "angular_rate_deg": full_scale.angular_rate_deg,
-        }
+        detail = (
+            f"{', '.join(reached.columns[reached.any()])} reach the IMU's full scale "
+            f"({number(full_scale.acceleration, 'g')} m/s², "
+            f"{number(full_scale.angular_rate_deg, 'g')} °/s); larger values are not recorded"
+        )
         count = int(reached.any(axis=1).sum())
-        yield Finding("imu", "saturation", "warning", count, values, "full scale")
+        yield Finding("imu", "saturation", "warning", count, detail)
 
 
 def _gravity(table: pd.DataFrame) -> Iterator[Finding]:
@@ -94,4 +102,8 @@ def _gravity(table: pd.DataFrame) -> Iterator[Finding]:
         return
     norm = float(np.median(np.linalg.norm(table[["imu_ax", "imu_ay", "imu_az"]], axis=1)))
     if not MIN_GRAVITY <= norm <= MAX_GRAVITY:
-        yield Finding("imu", "no gravity", "warning", len(table), {"specific_force": norm})
+        detail = (
+            f"the median specific force is {number(norm, '.3g')} m/s² instead of 9.8 m/s²; check "
+            "which file the study names, its columns and its units"
+        )
+        yield Finding("imu", "no gravity", "warning", len(table), detail)

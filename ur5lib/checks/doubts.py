@@ -1,12 +1,13 @@
 """What a description lacks whose links explain an arm's motion far worse than any links do."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
 
 import numpy as np
 
 from ur5lib.checks.by_motion import MAX_LEAD_OF_ANY_LINKS, MIN_ERRORS, MotionChecks
 from ur5lib.checks.whole_motion import STRETCHES, Misfit, Regression, WholeMotion, lead
+from ur5lib.records.phrases import numbered
 from ur5lib.records.quality import Finding
 from ur5lib.robots.inertia import inertial_parameters, rigid_bodies
 from ur5lib.timeseries.arrays import Array
@@ -40,8 +41,7 @@ def doubts_by_joint(findings: Iterable[Finding]) -> dict[int, Finding]:
     """
     found: dict[int, list[Finding]] = {}
     for one in findings:
-        joints = one.values["joints"] if one.finding == DOUBT else []
-        for joint in joints if isinstance(joints, list) else ():
+        for joint in one.joints if one.finding == DOUBT else ():
             found.setdefault(joint, []).append(one)
     return {joint: max(own, key=partial(_weight, own)) for joint, own in found.items()}
 
@@ -57,8 +57,36 @@ def _is_worse(misfit: Misfit, by_any_links: Misfit, joint: int) -> bool:
 
 
 def _doubt(code: str, arm: str, joints: list[int]) -> Finding:
-    values = {"arm": arm, "joints": [joint + 1 for joint in joints]}
-    return Finding("robot", DOUBT, "note", len(joints), values, code)
+    numbers = tuple(joint + 1 for joint in joints)
+    detail = doubt_in_words(code, arm, numbers)
+    return Finding("robot", DOUBT, "note", len(joints), detail, code=code, joints=numbers)
+
+
+def doubt_in_words(code: str, arm: str, joints: Sequence[int]) -> str:
+    """Return what the torques of joints, from 1, show of an arm's description."""
+    named = f"{numbered(joints)} of {arm}"
+    return {
+        "missing rotors": (
+            f"the torques of {named} show rotors of motors that its description lacks; give their "
+            "`rotor_inertia` and `gear_ratio` in `motors`"
+        ),
+        "surplus rotors": (
+            f"the torques of {named} show less inertia than its description has there, as if "
+            "without the motors' rotors; correct `rotor_inertia` in `motors`"
+        ),
+        "missing load": (
+            f"the torques of {named} show a load on the flange that nothing declares; declare it "
+            "as `payload`"
+        ),
+        "missing spring": (
+            f"the torques of {named} show a spring or a counterbalance; write `balanced_joints: "
+            f"[{', '.join(map(str, joints))}]` into its description"
+        ),
+        OTHER_LINKS: (
+            f"other links would explain the torques of {numbered(joints)} far better than those "
+            f"that the description of {arm} has; correct them, or say `links: unknown` there"
+        ),
+    }[code]
 
 
 def _remedies(motion: WholeMotion, joints: list[int]) -> Iterator[tuple[str, Misfit, list[int]]]:

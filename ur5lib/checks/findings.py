@@ -1,7 +1,6 @@
 """All that a recording shows beside what the study declares of it, to `ur5 check` and to a run."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 
 from ur5lib.checks.channels import fast_between_samples, too_short, unfiltered
 from ur5lib.checks.checked import Checked
@@ -54,7 +53,6 @@ def contacts_felt(checked: Checked, sensed: bool) -> Iterator[Finding]:
         return
     contact = checked.contact
     if contact is not None:
-        is_doubted = contact.values["joint"] in doubts_by_joint(checked.doubted_links)
-        yield replace(contact, code="contact or links") if is_doubted else contact
+        yield contact.finding(contact.joint in doubts_by_joint(checked.doubted_links))
     elif not sensed and checked.arm.tells_gravity():
         yield unfelt_contacts(checked.arm)

@@ -6,15 +6,15 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import EFFORT_CHANNELS
+from ur5lib.channels import EFFORT_CHANNELS, Effort
 from ur5lib.checks.arm import MAX_CONSTANT_RATIO, MIN_LEAD_OF_ARM, gains_of_arms, of_measured
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.checked import MIN_BLOCKS, arms_alike
 from ur5lib.checks.currents import foreign_currents
 from ur5lib.checks.readings import exchanged_order, in_order, readings
 from ur5lib.checks.torques import foreign_torque
-from ur5lib.errors import Remark, remark
 from ur5lib.records.accepted import up_to_first_standing
+from ur5lib.records.phrases import number, numbered
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.tables import channel
@@ -73,18 +73,19 @@ def _contradictions(
     # of a smaller correlation, friction may be the cause
     turned = _correlation(means, loaded) < -np.sqrt(MAX_VARIANCE_UNEXPLAINED)
     for joint in np.flatnonzero(turned).tolist():
-        yield contradiction(
-            "turned current at rest", "sign", joint=joint + 1, **means.measured._asdict()
+        detail = (
+            f"the sign of the {means.measured.quantity} of joint {joint + 1} is reversed: it would "
+            "drive the joint with gravity; correct the column, or `directions`"
         )
+        yield contradiction("turned current at rest", "sign", detail)
     yield from foreign_currents(means, loaded)
     yield from _exchanged_joints(means, loaded)
     yield from _unexplained(means, loaded)
     yield from _foreign_arm(means, loaded, arms_alike(arm, declared))
     small = [one for smaller, one in _unlike_constants(means, loaded) if smaller]
     if small:
-        yield contradiction(
-            "contradicting constants", "constants", each=small, **means.measured._asdict()
-        )
+        detail = contradicting_constants(small, means.measured)
+        yield contradiction("contradicting constants", "constants", detail)
 
 
 def _exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
@@ -96,10 +97,11 @@ def _exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
     best = max(pairs, key=lambda pair: scores[exchanged_order(in_place, *pair)])
     gain = scores[exchanged_order(in_place, *best)] - scores[in_place]
     if gain > MIN_LEAD_OF_EXCHANGED_JOINTS:
-        joints = {"joint": best[0] + 1, "other": best[1] + 1}
-        yield contradiction(
-            "exchanged joints at rest", "order", **joints, **means.measured._asdict()
+        detail = (
+            f"joints {best[0] + 1} and {best[1] + 1} are exchanged: gravity explains the "
+            f"{means.measured.quantity}s far better with their columns swapped; correct the columns"
         )
+        yield contradiction("exchanged joints at rest", "order", detail)
 
 
 def _foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iterator[Finding]:
@@ -107,10 +109,11 @@ def _foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iter
     gains = gains_of_arms(of_measured(means), arm, others)
     best = max(gains, key=lambda name: gains[name], default=arm.name)
     if best in gains and gains[best] > MIN_LEAD_OF_ARM:
-        names = {"arm": arm.name, "other": best}
-        yield contradiction(
-            "other arm's currents at rest", "robot", **names, **means.measured._asdict()
+        detail = (
+            f"the {means.measured.quantity}s are not those of {arm.name}: the gravity of `robot: "
+            f"{best}` explains them far better; correct `robot`, or columns and units"
         )
+        yield contradiction("other arm's currents at rest", "robot", detail)
 
 
 def what_gravity_shows(means: BlockMeans, arm: Robot, payload: Payload | None) -> list[Finding]:
@@ -118,28 +121,42 @@ def what_gravity_shows(means: BlockMeans, arm: Robot, payload: Payload | None) -
 
     payload: on the arm's flange.
     """
-    correlation = _correlation(means, arm.carrying(payload))
-    shown = np.flatnonzero(np.isfinite(correlation))
-    shares = [remark("share", joint=j + 1, value=correlation[j] ** 2) for j in shown.tolist()]
-    others = (np.flatnonzero(np.isnan(correlation)) + 1).tolist()
-    alike = _arms_alike(means, arm, payload)
-    values = {
-        "shares": shares,
-        "joints": [remark("unchecked joints", joints=others)] if others else [],
-        "arms": [remark("arms alike", arms=alike)] if alike else [],
-        **means.measured._asdict(),
-    }
-    code = "postures" if shares else "postures without gravity"
-    few = "few postures" if len(means.q) < MIN_BLOCKS else ""
-    return [Finding("robot", "postures", "note", len(means.q), values, few or code)]
+    correlation, measured = _correlation(means, arm.carrying(payload)), means.measured
+    shown = np.flatnonzero(np.isfinite(correlation)).tolist()
+    others = np.flatnonzero(np.isnan(correlation)) + 1
+    if len(means.q) < MIN_BLOCKS:
+        told = "too few to check arm, units and the joints' order, for which 30 are needed"
+    elif not shown:
+        told = (
+            f"gravity explains no {measured.quantity}, so that nothing can be checked and no "
+            f"{measured.constant} be determined; record postures in which gravity on the joints "
+            "differs"
+        )
+    else:
+        shares = ", ".join(f"joint {j + 1}: {correlation[j] ** 2:.0%}" for j in shown)
+        hidden = f"; {numbered(others)}, on which gravity hardly shows" if len(others) else ""
+        told = (
+            f"of the variance of the {measured.quantity}s, gravity explains {shares}; could not be "
+            f"checked: friction, velocities, delays{hidden}{_alike_in_words(means, arm, payload)}"
+        )
+    detail = f"postures at rest, without time: {told}"
+    return [Finding("robot", "postures", "note", len(means.q), detail)]
+
+
+def _alike_in_words(means: BlockMeans, arm: Robot, payload: Payload | None) -> str:
+    alike = ", ".join(_arms_alike(means, arm, payload))
+    return f"; whether the arm is one of {alike}, whose gravity is alike" if alike else ""
 
 
 def large_constants(means: BlockMeans, arm: Robot) -> list[Finding]:
     """Return a warning of torque constants far above the known ones; arm: with what it carries."""
     each = [one for smaller, one in _unlike_constants(means, arm) if not smaller]
-    values = {"each": each, **means.measured._asdict()}
-    warning = Finding("robot", "torque constants", "warning", len(each), values)
-    return [warning] if each else []
+    detail = (
+        f"gravity gives {means.measured.constant}s far above the known ones ({', '.join(each)}): "
+        f"the {means.measured.quantity} lacks torque, or `robot`, `payload`, columns or units are "
+        "wrong"
+    )
+    return [Finding("robot", "torque constants", "warning", len(each), detail)] if each else []
 
 
 def _arms_alike(means: BlockMeans, arm: Robot, payload: Payload | None) -> list[str]:
@@ -172,11 +189,15 @@ def _unexplained(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
     joint = int(np.argmax(heavy))
     share = np.nan_to_num(_correlation(means, arm)[joint]) ** 2
     if heavy[joint] > MIN_GRAVITY_SHARE and share < 1 - MAX_VARIANCE_UNEXPLAINED:
-        values = {"joint": joint + 1, "share": float(share)}
-        yield contradiction("gravity unexplained", "robot", **values, **means.measured._asdict())
+        detail = (
+            f"gravity explains {share:.0%} of the variance of the {means.measured.quantity} of "
+            f"joint {joint + 1}, which should hold little else; correct `robot`, `gravity`, "
+            "`payload`, or columns and units"
+        )
+        yield contradiction("gravity unexplained", "robot", detail)
 
 
-def _unlike_constants(means: BlockMeans, arm: Robot) -> Iterator[tuple[bool, Remark]]:
+def _unlike_constants(means: BlockMeans, arm: Robot) -> Iterator[tuple[bool, str]]:
     """Yield joints whose torque constant by gravity is far from the known one, and whether it is
     smaller, which no lost torque explains: a unit, the arm or its load is wrong.
 
@@ -194,6 +215,18 @@ def _unlike_constants(means: BlockMeans, arm: Robot) -> Iterator[tuple[bool, Rem
         slope = correlation[joint] * current[:, joint].std() / torque[:, joint].std()
         ratio = 1 / slope / makers[joint]
         if error < MAX_CONSTANT_ERROR and not 1 / MAX_CONSTANT_RATIO < ratio < MAX_CONSTANT_RATIO:
-            values = {"fitted": float(1 / slope), "known": float(makers[joint])}
             unit = means.measured.constant_unit
-            yield ratio < 1, remark("other constant", joint=joint + 1, unit=unit, **values)
+            yield ratio < 1, other_constant(joint + 1, 1 / slope, makers[joint], unit)
+
+
+def other_constant(joint: int, fitted: float, known: float, unit: str) -> str:
+    """Return a constant of a joint, from 1, that contradicts the known one, in words."""
+    return f"joint {joint} with {number(fitted, '.3g')} instead of {number(known, '.3g')} {unit}"
+
+
+def contradicting_constants(each: Sequence[str], measured: Effort) -> str:
+    """Return the stop sign of constants in words; each: as of `other_constant`."""
+    return (
+        f"{measured.constant}s contradict the known values ({', '.join(each)}); correct `robot`, "
+        "`payload`, or columns and units"
+    )

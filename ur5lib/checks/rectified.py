@@ -7,6 +7,7 @@ import numpy as np
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.channels import MIN_MOVING_SPEED
 from ur5lib.checks.delays import CURRENT_NOISE
+from ur5lib.records.phrases import numbered
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_columns
@@ -22,8 +23,12 @@ MIN_UNSIGNED_JOINTS = 2  # one alone may be its offset
 def rectified_efforts(means: BlockMeans, arm: Robot, name: str) -> Iterator[Finding]:
     """Find efforts without sign. arm: with what it carries; name: of their channel."""
     if joints := unsigned_joints(means, means.effort, arm):
-        numbers = [joint + 1 for joint in joints]
-        yield contradiction("rectified efforts", "rectified", name=name, joints=numbers)
+        detail = (
+            f"{name} holds sizes without a sign: motion and friction of "
+            f"{numbered(joint + 1 for joint in joints)} change their direction, but no value its "
+            "sign; record it with its sign"
+        )
+        yield contradiction("rectified efforts", "rectified", detail)
 
 
 def unsigned_joints(means: BlockMeans, effort: Array, arm: Robot) -> list[int]:

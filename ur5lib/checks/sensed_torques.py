@@ -6,6 +6,7 @@ import numpy as np
 
 from ur5lib.checks.block_means import BlockMeans, size
 from ur5lib.checks.currents import moving_joints
+from ur5lib.records.phrases import number, numbered
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
 from ur5lib.robots.inertia import link_tail
@@ -26,10 +27,23 @@ def foreign_size(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
     ratio, known = size_ratio(means, arm), arm.tells_gravity()
     most = MAX_SIZE_RATIO_OF_LINKS if known else MAX_SIZE_RATIO
     if ratio is not None and not 1 / most < ratio < most:
-        code, weight = "foreign size", arm.weight
-        if known:
-            code, weight = "foreign size of links", sum(arm.masses)
-        yield contradiction(code, "unit", arm=arm.name, weight=weight, ratio=ratio)
+        yield _foreign_size(ratio, arm, known)
+
+
+def _foreign_size(ratio: float, arm: Robot, by_links: bool) -> Finding:
+    sized = f"actual_torque is {number(ratio, '.2g')} times what would hold"
+    if by_links:
+        detail = (
+            f"{sized} the {number(sum(arm.masses), '.3g')} kg of the links of {arm.name}; correct "
+            "its unit or columns, or say `links: unknown` in the description if the masses there "
+            "are guesses"
+        )
+        return contradiction("foreign size of links", "unit", detail)
+    detail = (
+        f"{sized} an arm of {number(arm.weight, 'g')} kg; correct its unit or columns, "
+        f"`gear_ratio` and `effort` of {arm.name}, or its `weight`"
+    )
+    return contradiction("foreign size", "unit", detail)
 
 
 def size_ratio(means: BlockMeans, arm: Robot) -> float | None:
@@ -55,4 +69,8 @@ def constant_torques(means: BlockMeans) -> Iterator[Finding]:
     """Find torques that stay the same while their joints move."""
     changes = np.ptp(means.effort, axis=0) > SMALLEST_CHANGE
     if still := (1 + np.flatnonzero(moving_joints(means) & ~changes)).tolist():
-        yield contradiction("constant torques", "torques", joints=still)
+        detail = (
+            f"actual_torque does not change on {numbered(still)} while the motion does; correct "
+            "the columns, or leave actual_torque out"
+        )
+        yield contradiction("constant torques", "torques", detail)

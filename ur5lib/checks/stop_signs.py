@@ -1,6 +1,6 @@
 """Stop signs: what in a recording contradicts the study so much that no forces may be stated."""
 
-from collections.abc import Container, Iterator
+from collections.abc import Container, Iterator, Sequence
 
 from ur5lib.channels import CURRENT, MOST_JOINTS, TORQUE, columns
 from ur5lib.checks.arm import (
@@ -33,7 +33,7 @@ from ur5lib.checks.targets import scaled_currents
 from ur5lib.checks.tool import tool_off_flange
 from ur5lib.checks.torques import foreign_torque
 from ur5lib.records.accepted import up_to_first_standing
-from ur5lib.records.quality import Finding, contradiction, kind_of
+from ur5lib.records.quality import Finding, contradiction
 from ur5lib.tables import channel
 
 CHECKED_COLUMNS = {"time", "segment", "interpolated"}.union(  # columns, as far as recorded
@@ -50,17 +50,33 @@ def stop_signs(checked: Checked, accepted: Container[str] = ()) -> list[Finding]
     accepted: kinds of stop signs that the study accepts, behind which others are looked for.
     """
     copied = [*names_equal_to_targets(checked.robot, checked.step)]
-    simulated = [contradiction("simulated", "targets", names=copied)] if copied else []
-    if simulated and kind_of(simulated[0]) not in accepted:
+    simulated = [_simulated(copied)] if copied else []
+    if simulated and simulated[0].kind not in accepted:
         return simulated  # nothing else follows from it
     smooth = [*exchanged_current(checked.robot)]  # or smoothed by whoever wrote the log
     channels = [
         *exchanged_motion(checked.robot),
         *(smooth if smooth and follows_its_model(checked.means, checked.loaded) else []),
     ]
-    of_channels = [contradiction("exchanged channels", "targets", name=name) for name in channels]
     of_arm = up_to_first_standing(_contradictions(checked), accepted)
-    return [*simulated, *of_channels, *of_arm]
+    return [*simulated, *map(_exchanged_channels, channels), *of_arm]
+
+
+def _simulated(names: Sequence[str]) -> Finding:
+    detail = (
+        f"{' and '.join(names)} equals its target to the last bit, as a simulator's log has it and "
+        "no real arm's, so that nothing about an arm follows from this; take a recording of the "
+        "arm itself, or correct the columns"
+    )
+    return contradiction("simulated", "targets", detail)
+
+
+def _exchanged_channels(name: str) -> Finding:
+    detail = (
+        f"actual_{name} and target_{name} are exchanged: actual_{name} has no noise, like a "
+        "target; correct the columns"
+    )
+    return contradiction("exchanged channels", "targets", detail)
 
 
 def _contradictions(checked: Checked) -> Iterator[Finding]:

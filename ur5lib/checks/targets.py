@@ -8,9 +8,10 @@ from collections.abc import Container, Iterator
 import numpy as np
 
 from ur5lib.channels import MEASURED_CURRENT, TARGET_CURRENT
-from ur5lib.checks.arm import torque_constants
+from ur5lib.checks.arm import Constants, torque_constants
 from ur5lib.checks.block_means import BlockMeans, combination
 from ur5lib.checks.currents import moving_joints
+from ur5lib.records.phrases import number
 from ur5lib.records.quality import ODD_TARGET, Finding, contradiction
 from ur5lib.robots.description import Robot
 
@@ -26,7 +27,11 @@ def scaled_currents(means: BlockMeans, odd: Container[int]) -> Iterator[Finding]
     """
     for joint, ratio in unlike_targets(means):
         if joint not in odd:
-            yield contradiction("scaled current", "unit", joint=joint + 1, ratio=ratio)
+            detail = (
+                f"the current of joint {joint + 1} is {number(ratio, '.2f')} times its target; "
+                "correct its unit or column, or declare the load as `payload`"
+            )
+            yield contradiction("scaled current", "unit", detail, [joint + 1])
 
 
 def odd_targets(means: BlockMeans, arm: Robot) -> dict[int, Finding]:
@@ -41,22 +46,23 @@ def odd_targets(means: BlockMeans, arm: Robot) -> dict[int, Finding]:
     both = measured.ratio.keys() & targeted.ratio.keys()
     nearer = {joint for joint in both if measured.away(joint) < targeted.away(joint)}
     return {
-        joint: Finding(
-            "robot",
-            ODD_TARGET,
-            "warning",
-            1,
-            {
-                "joint": joint + 1,
-                "ratio": 1 / ratio,
-                "measured": measured.ratio[joint] * measured.known[joint],
-                "target": targeted.ratio[joint] * targeted.known[joint],
-                "known": measured.known[joint],
-            },
-        )
+        joint: _odd_target(joint, 1 / ratio, measured, targeted)
         for joint, ratio in unlike.items()
         if joint in nearer - measured.foreign().keys()
     }
+
+
+def _odd_target(joint: int, ratio: float, measured: Constants, targeted: Constants) -> Finding:
+    """Return the warning of a joint, from 0, by constants as multiples of the known one."""
+    known = measured.known[joint]
+    by_gravity, by_target = (one.ratio[joint] * known for one in (measured, targeted))
+    detail = (
+        f"target_current of joint {joint + 1} is {number(ratio, '.2f')} times actual_current, "
+        f"which gravity confirms ({number(by_gravity, '.3g')} Nm/A, by the target "
+        f"{number(by_target, '.3g')}; known: {number(known, '.3g')}): the target is not that of "
+        "this motor, and the fit takes no torque constant from it"
+    )
+    return Finding("robot", ODD_TARGET, "warning", 1, detail, joints=(joint + 1,))
 
 
 def unlike_targets(means: BlockMeans) -> Iterator[tuple[int, float]]:

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.channels import columns, joint_count
+from ur5lib.records.phrases import number
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import link_frames
@@ -22,7 +23,11 @@ def tool_off_flange(robot: pd.DataFrame, arm: Robot) -> Iterator[Finding]:
         return
     distance = tool_distance(*tool_and_angles(robot), arm)
     if distance > MAX_TOOL_DISTANCE:
-        yield contradiction("tool off flange", "robot", arm=arm.name, distance_mm=1000 * distance)
+        detail = (
+            f"by actual_TCP_pose, the tool moves by {number(1000 * distance, '.0f')} mm (median) "
+            f"on the flange of {arm.name}; correct `robot`, or columns and units"
+        )
+        yield contradiction("tool off flange", "robot", detail)
 
 
 def tool_and_angles(robot: pd.DataFrame) -> tuple[Array, Array]:

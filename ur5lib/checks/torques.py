@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from ur5lib.checks.arm import MIN_LEAD_OF_ARM, MOUNTINGS
+from ur5lib.checks.arm import MIN_LEAD_OF_ARM, MOUNTINGS, mounting_as_cause, robots_as_cause
 from ur5lib.checks.block_means import BlockMeans, fitted_load, size
 from ur5lib.checks.checked import MIN_BLOCKS, Checked, arms_alike
-from ur5lib.errors import Remark, remark
+from ur5lib.records.phrases import number
 from ur5lib.records.quality import GIVEN_LOAD, MAX_SHARE_UNMODELLED, Finding, contradiction
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.robots.statics import load_torque
@@ -35,13 +35,23 @@ def foreign_torque(
     share = size(residual) / size(torque)
     foreign = share > MAX_SHARE_UNMODELLED
     if foreign:
-        arms = [*_fitting_arms(means, torque, arm)]
+        arms = _fitting_arms(means, torque, arm)
     else:
         arms = [*_likelier_arms(means, torque, arm, payloads)]
     if foreign or arms:
         fitting = [*arms, *_other_causes(means, torque, residual, arm)]
-        code = "other torque of known cause" if fitting else "other torque"
-        yield contradiction(code, "robot", arm=arm.name, share=share, causes=fitting)
+        yield _other_torque(arm, share, fitting)
+
+
+def _other_torque(arm: Robot, share: float, fitting: Sequence[str]) -> Finding:
+    """Return the stop sign; share: of the torque's size; fitting: causes that would explain it."""
+    cause = f", where {' or '.join(fitting)} would fit" if fitting else ""
+    detail = (
+        f"target_moment differs from the torque of {arm.name} by {number(share, '.0%')} of its "
+        f"size{cause}; correct `robot`, `gravity`, `payload`, or columns and units"
+    )
+    code = "other torque of known cause" if fitting else "other torque"
+    return contradiction(code, "robot", detail)
 
 
 def is_foreign(
@@ -59,7 +69,12 @@ def given_load(checked: Checked) -> Iterator[Finding]:
         mass, left = _as_load(means, residual, checked.arm)
         explained = left**2 < (1 - MIN_SHARE_EXPLAINED_BY_GIVEN_LOAD) * size(residual) ** 2
         if MIN_GIVEN_LOAD < mass < MAX_LOAD and explained:
-            yield Finding("robot", GIVEN_LOAD, "warning", 1, {"mass": mass})
+            detail = (
+                f"target_moment contains a load of {mass:.2f} kg that neither the study nor the "
+                "recording names: declare it as `payload` if the arm carries it; link models are "
+                "compared without it"
+            )
+            yield Finding("robot", GIVEN_LOAD, "warning", 1, detail)
 
 
 def _as_load(means: BlockMeans, residual: Array, arm: Robot) -> tuple[float, float]:
@@ -87,7 +102,7 @@ def _fits(means: BlockMeans, torque: Array, arm: Robot) -> bool:
 
 def _likelier_arms(
     means: BlockMeans, torque: Array, arm: Robot, payloads: Sequence[Payload | None]
-) -> Iterator[Remark]:
+) -> Iterator[str]:
     """Yield the described arm that explains the torque best, if it is likelier by far."""
     others = [other for other in arms_alike(arm, None) if other.name != arm.name]
     likelihoods = [
@@ -96,7 +111,7 @@ def _likelier_arms(
     ]
     best = int(np.argmax(likelihoods))
     if likelihoods[best] - likelihoods[0] > MIN_LEAD_OF_ARM:
-        yield remark("robot as cause", value=others[best - 1].name)
+        yield from robots_as_cause([others[best - 1].name])
 
 
 def _likelihood(means: BlockMeans, torque: Array, arm: Robot) -> float:
@@ -105,29 +120,26 @@ def _likelihood(means: BlockMeans, torque: Array, arm: Robot) -> float:
     return float(means.log_likelihood(variance).sum())
 
 
-def _fitting_arms(means: BlockMeans, torque: Array, arm: Robot) -> Iterator[Remark]:
-    """Yield the described arms whose torque it is."""
-    for other in arms_alike(arm, None):
-        if _fits(means, torque, other):
-            yield remark("robot as cause", value=other.name)
+def _fitting_arms(means: BlockMeans, torque: Array, arm: Robot) -> list[str]:
+    """Return the described arms whose torque it is."""
+    fitting = (one for one in arms_alike(arm, None) if _fits(means, torque, one))
+    return robots_as_cause(one.name for one in fitting)
 
 
-def _other_causes(
-    means: BlockMeans, torque: Array, residual: Array, arm: Robot
-) -> Iterator[Remark]:
+def _other_causes(means: BlockMeans, torque: Array, residual: Array, arm: Robot) -> Iterator[str]:
     """Yield the payload, mounting, unit of positions and currents with which a torque is the arm's.
 
     residual: (M, 6) [Nm], what the arm leaves of the torque.
     """
     mass, left = _as_load(means, residual, arm)
     if MIN_LOAD < mass < MAX_LOAD and left < MAX_SHARE_LEFT_BY_CAUSE * size(torque):
-        yield remark("load as cause", value=mass)
+        yield f"a payload of {mass:.1f} kg"
     for gravity in MOUNTINGS:
         if _fits(means, torque, arm.mounted(gravity)):
-            yield remark("mounting as cause", value=[*gravity])
+            yield mounting_as_cause(gravity)
     for unit, factor in (("rad", DEGREES_PER_RADIAN), ("deg", 1 / DEGREES_PER_RADIAN)):
         if _fits(replace(means, q=factor * means.q), torque, arm):
-            yield remark("unit as cause", value=unit)
+            yield f"actual_q in {unit}"
     for name, current in means.currents.items():
         if _fits(means, current, arm):
-            yield remark("column as cause", value=name)
+            yield f"the column of {name}"

@@ -1,6 +1,6 @@
 """Mistakes that the checks of a recording would not notice: one note each, with the reason."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator
 from itertools import combinations
 
 from ur5lib.channels import TARGET_CURRENT, TORQUE
@@ -16,6 +16,7 @@ from ur5lib.checks.tool import (
     tool_off_flange,
 )
 from ur5lib.checks.torques import is_foreign
+from ur5lib.records.phrases import number, numbered
 from ur5lib.records.quality import Finding, Severity
 
 POSE, MOMENT = "actual_TCP_pose", "target_moment"
@@ -25,12 +26,14 @@ MAX_NAMED = 3  # other arms
 def unchecked(checked: Checked) -> list[Finding]:
     """Return what would not be noticed in a recording without a stop sign."""
     if len(checked.means.q) < MIN_BLOCKS:
-        return [_note("nothing checked", seconds=len(checked.robot) * checked.step)]
+        seconds = number(len(checked.robot) * checked.step, ".1f")
+        detail = f"arm, columns, units and clocks could not be checked: {seconds} s are too short"
+        return [_note("nothing checked", detail)]
     return [*_arm(checked), *_order(checked), *_currents(checked), *checked.doubted_links]
 
 
-def _note(finding: str, **values: object) -> Finding:
-    return Finding("robot", finding, "note", 1, values)
+def _note(finding: str, detail: str) -> Finding:
+    return Finding("robot", finding, "note", 1, detail)
 
 
 def _arm(checked: Checked) -> Iterator[Finding]:
@@ -49,7 +52,11 @@ def _arm(checked: Checked) -> Iterator[Finding]:
         absent = [name for name in telling if f"{name}_0" not in checked.robot]
         names, more = [one.name for one in others[:MAX_NAMED]], len(others[MAX_NAMED:])
         names += [f"{more} more"] * bool(more)
-        yield _note("arm not checked", arm=checked.arm.name, others=names, absent=absent)
+        detail = (
+            f"`robot: {checked.arm.name}` could not be told from {' or '.join(names)}: "
+            f"{' or '.join(absent)} would tell"
+        )
+        yield _note("arm not checked", detail)
 
 
 def _order(checked: Checked) -> Iterator[Finding]:
@@ -61,12 +68,16 @@ def _order(checked: Checked) -> Iterator[Finding]:
     }
     open_pairs = [pair for pair in combinations(in_order(checked.arm), 2) if pair not in shown]
     if open_pairs:
-        yield _note("order not checked", pairs=_named(open_pairs))
+        detail = (
+            f"exchanged columns of joints {_named(open_pairs)} could not be noticed: neither pose, "
+            "torque nor current tells these joints apart"
+        )
+        yield _note("order not checked", detail)
 
 
-def _named(pairs: Iterable[Pair]) -> list[str]:
+def _named(pairs: Iterable[Pair]) -> str:
     """Return pairs of joints, which count from 0, as written."""
-    return [f"{j + 1}-{k + 1}" for j, k in pairs]
+    return ", ".join(f"{j + 1}-{k + 1}" for j, k in pairs)
 
 
 def _pairs_shown_by_pose(checked: Checked) -> Iterator[Pair]:
@@ -100,32 +111,76 @@ def _pairs_shown_by_motion(checked: Checked) -> Iterator[Pair]:
 
 def _currents(checked: Checked) -> Iterator[Finding]:
     """Yield what is open about the columns of currents, their units, signs and clock."""
-    means, motion = checked.means, checked.motion
+    means, sensed = checked.means, checked.arm.measured == TORQUE
     if not means.has_efforts():
-        severity: Severity = "warning" if checked.fitted else "note"
-        values = checked.arm.measured._asdict()
-        yield Finding("robot", "no currents", severity, 1, values, "currents missing")
+        yield _no_currents(checked)
         return
-    told, sensed = checked.arm.tells_gravity(), checked.arm.measured == TORQUE
-    bearing = torque_constants(means, checked.loaded).ratio if told and not sensed else {}
-    if told and not sensed and not bearing and TARGET_CURRENT not in means.currents:
-        yield _note("unit not checked", torque=MIN_GRAVITY_TORQUE)
+    told = checked.arm.tells_gravity() and not sensed
+    bearing = torque_constants(means, checked.loaded).ratio if told else {}
+    if told and not bearing and TARGET_CURRENT not in means.currents:
+        detail = (
+            "the unit of actual_current could not be checked: gravity bears less than "
+            f"{MIN_GRAVITY_TORQUE:g} Nm on every joint, or does not explain the currents"
+        )
+        yield _note("unit not checked", detail)
     if sensed and size_ratio(means, checked.loaded) is None:
-        yield _note("size not checked", arm=checked.arm.name)
+        detail = (
+            f"the unit of actual_torque could not be checked: {checked.arm.name} has no `weight` "
+            "[kg], or bears little here"
+        )
+        yield _note("size not checked", detail)
     if checked.answers is None and not sensed:
-        yield _note("currents not checked")
+        detail = (
+            "order, sign and delay of actual_current could not be checked: no motor moves its "
+            "joint against friction"
+        )
+        yield _note("currents not checked", detail)
         return
-    joints = range(len(checked.arm.joints))
-    shown = {*bearing} | {j for j in joints if motion is not None and motion.tells_sign(j)}
-    if signs := [j + 1 for j in joints if j not in shown]:
-        yield _note("sign not checked", joints=signs)
+    yield from _by_motion(checked, bearing)
+
+
+def _no_currents(checked: Checked) -> Finding:
+    severity: Severity = "warning" if checked.fitted else "note"
+    measured = checked.arm.measured
+    detail = (
+        f"no {measured.channel}: without {measured.quantity}s, there are no friction, no "
+        f"{measured.constant}s and no contact forces; record them, or name their columns"
+    )
+    return Finding("robot", "no currents", severity, 1, detail)
+
+
+def _by_motion(checked: Checked, bearing: Container[int]) -> Iterator[Finding]:
+    """Yield what the motion leaves open about efforts; bearing: joints, from 0, with constants."""
+    joints, motion = range(len(checked.arm.joints)), checked.motion
+    open_signs = [
+        j + 1
+        for j in joints
+        if j not in bearing and not (motion is not None and motion.tells_sign(j))
+    ]
+    if open_signs:
+        detail = (
+            f"the sign of the current or torque of {numbered(open_signs)} could not be checked: "
+            "too little is borne, moved or rubbed there"
+        )
+        yield _note("sign not checked", detail)
     if pairs := [*_pairs_alike(checked)]:
-        yield _note("columns not checked", pairs=_named(pairs))
+        detail = (
+            f"exchanged currents or torques of joints {_named(pairs)} could not be noticed: one of "
+            "the two moves too little, or as the other"
+        )
+        yield _note("columns not checked", detail)
     if checked.delays is None:
-        yield _note("torques not checked")
-        return
-    if (delay := checked.delays.longest_unnoticed()) >= checked.delays.shortest:
-        yield _note("clock not checked", seconds=delay)
+        detail = (
+            "sign and delay of actual_torque could not be checked by friction, as those of motor "
+            "currents are"
+        )
+        yield _note("torques not checked", detail)
+    elif (delay := checked.delays.longest_unnoticed()) >= checked.delays.shortest:
+        detail = (
+            f"delays of up to {delay:.2f} s between the motion and its motors could not be "
+            "noticed: the arm moves too little"
+        )
+        yield _note("clock not checked", detail)
 
 
 def _pairs_alike(checked: Checked) -> Iterator[Pair]:

@@ -27,7 +27,6 @@ from ur5lib.records.carried import carried, disagreements
 from ur5lib.records.clocks import OwnClock, SettledClock
 from ur5lib.records.quality import UNCHECKED, Finding, Quality
 from ur5lib.records.signals import Signals
-from ur5lib.records.wording import worded
 from ur5lib.report.page.findings import MAX_NAMED_PLACES, by_finding, group_findings
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import geometric_jacobian, link_frames
@@ -120,7 +119,7 @@ def print_tables(
     named: recordings all of whose findings and clocks are printed, as of a single one; none: each
     finding once, and the least certain clock of each device; roles: of all.
     """
-    findings = {name: map(worded, files.findings(own)) for name, own in qualities.items()}
+    findings = {name: map(files.row, files.findings(own)) for name, own in qualities.items()}
     quality = files.name_copies(table("quality", findings), roles)
     offsets = table("clocks", {name: files.clocks(own) for name, own in clocks.items()})
     names = [name for name in qualities if name in named] if named else [*qualities]
@@ -143,8 +142,7 @@ def print_tables(
 
 def severe(quality: Quality) -> list[str]:
     """Return the stop signs and errors of a recording, a sentence each."""
-    errors = (finding for finding in quality.findings if finding.severity in ERROR_SEVERITIES)
-    return [str(worded(finding)["detail"]) for finding in errors]
+    return [one.sentence() for one in quality.findings if one.severity in ERROR_SEVERITIES]
 
 
 def is_there(recording: Recording) -> bool:
@@ -202,7 +200,7 @@ def look_through_postures(recording: Recording, arm: Robot) -> Quality:
 
 def unusable(error: InputError) -> Quality:
     """Return the quality of a recording that cannot be read."""
-    return Quality(findings=[Finding("robot", "unusable", "error", 1, {"error": str(error)})])
+    return Quality(findings=[Finding("robot", "unusable", "error", 1, str(error))])
 
 
 def _clocks_of(intake: Intake, arm: Robot) -> dict[str, OwnClock]:

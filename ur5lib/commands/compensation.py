@@ -13,7 +13,6 @@ from ur5lib.records.force_errors import OffsetAccount
 from ur5lib.records.quality import Finding, Quality
 from ur5lib.records.signals import Signals
 from ur5lib.records.table import WRENCH
-from ur5lib.records.wording import worded
 from ur5lib.robots.description import Robot
 from ur5lib.study.model import Recording
 from ur5lib.tables import json_text
@@ -67,7 +66,7 @@ def _recording(study: FinishedStudy, arm: Robot, entry: Recording) -> dict[str, 
         "start": _start(quality, entry),
         "duration_s": quality.duration_s,
         "temperature": _last_temperature(study.record(Signals, entry.name)),
-        "remarks": [str(worded(one)["detail"]) for one in found if _is_doubt(one)],
+        "remarks": [one.sentence() for one in found if _is_doubt(one)],
         "reading": _reading(quality),
         "gravity": [*arm.mounted(entry.known_gravity()).gravity],
         "position": [*place.force_sensor],
@@ -139,8 +138,8 @@ def _is_doubt(one: Finding) -> bool:
 
 def _reading(quality: Quality) -> str:
     """Return the channel that was read: of a sensor in the arm's wrist, else `ft`."""
-    own = (f.values["name"] for f in quality.findings if f.finding == "wrist sensor" and not f.code)
-    return str(next(own, "ft"))
+    own = (name for f in quality.findings if f.finding == "wrist sensor" for name in f.channels)
+    return next(own, "ft")
 
 
 def _center(offset: OffsetAccount) -> tuple[Array, Array]:

@@ -4,6 +4,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d
 
 from ur5lib.records.force_errors import Felt
+from ur5lib.records.phrases import number
 from ur5lib.records.quality import Finding
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import Span, spans
@@ -45,8 +46,11 @@ def touched(felt: Felt | None, role: str) -> Finding | None:
     if felt is None or not felt.contacts or role not in FREE_ROLES:
         return None
     count = f"{felt.contacts} contact{'s' * (felt.contacts > 1)}"
-    values = {"force_n": felt.largest, "contacts": count, "role": role}
-    return Finding("force", TOUCHED, "error", felt.contacts, values)
+    detail = (
+        f"the sensor reads up to {number(felt.largest, '.0f')} N in {count}, although the role "
+        f"{role} means that nothing touches the arm; give it the role contact"
+    )
+    return Finding("force", TOUCHED, "error", felt.contacts, detail)
 
 
 def is_free(force: Array, period: float) -> Mask:

@@ -11,6 +11,7 @@ from ur5lib.force.external_torque import finite_rows, is_still, joint_states, wi
 from ur5lib.force.sensed_contact import CONTACT_FORCE
 from ur5lib.records.currents import Currents
 from ur5lib.records.motion import Motion
+from ur5lib.records.phrases import as_written, number
 from ur5lib.records.quality import CONTACT_TORQUE_SHARE, Finding, StartOffset
 from ur5lib.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.robots.description import Robot
@@ -43,14 +44,7 @@ def tare_doubts(
     known = finite_rows(without_edges(np.zeros_like(signals.actual_q), signals.segment, unknown))
     known &= is_still(joint_states(qd, signals.segment, period, cutoff)) & inside(span, time)
     if (rest := float(known.sum() * period)) < MIN_REST_DURATION:
-        values = {
-            "span": [*span],
-            "rest_s": rest,
-            "least_s": MIN_REST_DURATION,
-            "whole_s": time[-1],
-        }
-        values |= {"unknown_s": unknown * period}
-        yield Finding("robot", "unusable tare", "error", 1, values)
+        yield _unusable(span, rest, time[-1], unknown * period)
         return
     if signals.effort is not None:
         yield from _touched_by_currents(span, time, signals.effort, arm)
@@ -58,11 +52,28 @@ def tare_doubts(
         yield from touched_by_sensor(span, time, signals.force_sensor)
 
 
+def _unusable(span: Span, rest: float, whole: float, unknown: float) -> Finding:
+    """Return the error of a tare; rest: in it, whole: recording, unknown: of its ends [s]."""
+    detail = (
+        f"`untouched` [{as_written(span, 'g')}] is no tare, and forces are estimated without it: "
+        f"the arm rests in it with a known torque for {number(rest, '.2g')} s, where "
+        f"{MIN_REST_DURATION:g} s are needed (the recording lasts {number(whole, '.4g')} s, and "
+        f"its first and last {number(unknown, '.2g')} s are unknown); give a longer span at rest, "
+        "or remove the key"
+    )
+    return Finding("robot", "unusable tare", "error", 1, detail)
+
+
 def touched_by_sensor(span: Span, time: Array, reading: Array) -> Iterator[Finding]:
     """Yield a warning where a sensor's reading (M, 6) [N, Nm] changes in an untouched span."""
     force = float(np.linalg.norm(_changes(span, time, reading[:, :3]), axis=1).max(initial=0))
     if force > CONTACT_FORCE:
-        yield Finding("force", "touched tare", "warning", 1, {"span": [*span], "force_n": force})
+        detail = (
+            f"the sensor's reading changes by {number(force, '.0f')} N in `untouched` "
+            f"[{as_written(span, 'g')}], whose torque the tare takes for zero: give a span in "
+            "which nothing touches the arm"
+        )
+        yield Finding("force", "touched tare", "warning", 1, detail)
 
 
 def touched_by_own_clock(span: Span, sensor: pd.DataFrame, start: StartOffset) -> Iterator[Finding]:
@@ -76,8 +87,13 @@ def _touched_by_currents(span: Span, time: Array, current: Array, arm: Robot) ->
     shares = (torque / np.array(arm.torque_limits())).max(axis=0, initial=0)
     if (shares > CONTACT_TORQUE_SHARE).any():
         joint = int(np.nanargmax(shares))
-        values = {"span": [*span], "joint": joint + 1, "torque": float(torque[:, joint].max())}
-        yield Finding("robot", "touched tare", "warning", 1, values, "tare touched by currents")
+        change = number(torque[:, joint].max(), ".2g")
+        detail = (
+            f"by its current, the torque of joint {joint + 1} changes by {change} Nm in "
+            f"`untouched` [{as_written(span, 'g')}], which the tare takes for zero: give a span in "
+            "which nothing touches the arm"
+        )
+        yield Finding("robot", "touched tare", "warning", 1, detail)
 
 
 def _changes(span: Span, time: Array, values: Array) -> Array:

@@ -196,9 +196,9 @@ def _together(run: PartedRun, findings: list[Finding], account: Account) -> dict
 def _state_unread(findings: Iterable[Finding], account: Account) -> None:
     """State what of a file its reader left out."""
     for finding in findings:
-        names = finding.values.get("names") if finding.finding == UNREAD else None
-        for name in names if isinstance(names, list) else ():
-            account.state("left out", (name,), name, "name", str(finding.values["why"]))
+        for name in finding.channels if finding.finding == UNREAD else ():
+            why = finding.detail.rpartition(": ")[2]
+            account.state("left out", (name,), name, "name", why)
 
 
 def _clocks(

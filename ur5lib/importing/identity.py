@@ -212,7 +212,8 @@ def names_order(moving: ImportedMotion) -> bool:
     first_name = block.names[0]
     if file.format == "rosbag":
         unnamed = [f for f in file.findings if f.finding == UNNAMED_JOINTS_FINDING]
-        return not any(first_name.startswith(f"{f.values['topic']}/") for f in unnamed)
+        topics = (topic for finding in unnamed for topic in finding.channels)
+        return not any(first_name.startswith(f"{topic}/") for topic in topics)
     if file.header.entry or (block.stated and len(block.names) > 1):
         return True
     rtde = re.search(r"(actual|act)_?q", first_name, re.IGNORECASE)

@@ -77,7 +77,8 @@ def array_format(
 def report_unread(path: Path, names: Iterable[str], why: str, findings: list[Finding]) -> None:
     """Add what of a file is not read to the findings; import gives each a row in its account."""
     listed = sorted({*names})
-    Log(path, "robot", findings).add(UNREAD, "note", len(listed), "", names=listed, why=why)
+    meaning = f"{', '.join(listed)}: {why}"
+    Log(path, "robot", findings).add(UNREAD, "note", len(listed), meaning, channels=listed)
 
 
 @array_format("parquet", "a Parquet file", ".parquet")

@@ -10,6 +10,7 @@ import pandas as pd
 from ur5lib.channels import joint_count
 from ur5lib.recordings.host_clock import MIN_STAMPS, least_delayed
 from ur5lib.recordings.plausibility import MIN_STEP
+from ur5lib.records.phrases import number
 from ur5lib.records.quality import Finding, add_finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
@@ -29,8 +30,12 @@ def evenly_stamped(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFram
     if not close.any() or not _are_new(frames, close):
         return frames
     even = even_times(time, close)
-    values = {"step_ms": 1000 * float(np.median(np.diff(even)))}
-    add_finding(findings, "robot", "bunched stamps", "warning", close.sum(), "", **values)
+    step = number(1000 * np.median(np.diff(even)), ".3g")
+    detail = (
+        "rows share the stamp of the row before, or follow it at once; put at equal steps of "
+        f"{step} ms, so that single lost rows cannot be noticed"
+    )
+    add_finding(findings, "robot", "bunched stamps", "warning", close.sum(), detail)
     return frames.assign(time=even)
 
 

@@ -99,7 +99,8 @@ def read_rows(log: Log, names: list[str] | None) -> tuple[pd.DataFrame, Labels]:
 def drop_untimed(table: pd.DataFrame, log: Log) -> pd.DataFrame:
     """Return the rows that have a `time`."""
     timed = np.isfinite(table["time"].to_numpy(float))
-    log.add("missing times", "warning", np.count_nonzero(~timed))
+    meaning = "rows without a time are discarded"
+    log.add("missing times", "warning", np.count_nonzero(~timed), meaning)
     return table if timed.all() else table[timed].reset_index(drop=True)
 
 
@@ -202,9 +203,9 @@ def _with_points(block: bytes, form: Form, log: Log) -> bytes:
     """Return a block of lines with points for decimal commas."""
     if form.delimiter not in SEPARATORS_BESIDE_COMMAS or b"," not in block:
         return block
-    note = Finding(log.device, "decimal commas", "note", 1, {"file": log.path.name})
-    if note not in log.findings:  # once for all blocks
-        log.findings.append(note)
+    own: list[Finding] = []
+    Log(log.path, log.device, own).add("decimal commas", "note", 1, "read as decimal points")
+    log.findings.extend(note for note in own if note not in log.findings)  # once for all blocks
     return block.replace(b",", b".")
 
 
@@ -225,7 +226,8 @@ def _end_of_rows(data: bytes, top: int, line: int, form: Form, log: Log) -> int:
     last = max(top, data.rfind(b"\n") + 1)
     if last == len(data) or _ends_whole(data[top:last], data[last:], form.delimiter):
         return len(data)
-    log.add("torn last line", "note", line=line + data.count(b"\n", 0, last))
+    number = str(line + data.count(b"\n", 0, last))
+    log.add("torn last line", "note", 1, "last line is cut off, skipped", number)
     return last
 
 
@@ -375,10 +377,10 @@ def _report_damaged(log: Log, damaged: Labels, fault: str, table: pd.DataFrame, 
             f"{log.path}, line {first}: expected {width} numbers ({fault}); {count} of "
             f"{len(table) + count} lines do not fit; correct the file, or `columns` in the study"
         )
-    values = {"lines": damaged[:MAX_NAMED_LINES].tolist(), "fault": fault, "width": width}
-    more = {"more": count - MAX_NAMED_LINES} if count > MAX_NAMED_LINES else {}
-    code = "more damaged lines" if more else "damaged lines"
-    log.add("damaged lines", "warning", count, code, **values, **more)
+    named = ", ".join(map(str, damaged[:MAX_NAMED_LINES]))
+    more = f" and {count - MAX_NAMED_LINES} more" if count > MAX_NAMED_LINES else ""
+    place = f"{named}{more} ({fault})"
+    log.add("damaged lines", "warning", count, f"expected {width} numbers, skipped", place)
 
 
 def number_in(cell: bytes) -> float | None:

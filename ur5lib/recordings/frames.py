@@ -9,11 +9,12 @@ import pandas as pd
 from scipy.interpolate import PchipInterpolator
 
 from ur5lib.channels import SIX_SUFFIXES, joint_count, suffixes
-from ur5lib.errors import InputError, remark
+from ur5lib.errors import InputError
 from ur5lib.recordings.bunched_stamps import evenly_stamped
 from ur5lib.recordings.frozen import without_frozen
-from ur5lib.recordings.ordering import in_order
+from ur5lib.recordings.ordering import in_order, report_crowded
 from ur5lib.recordings.plausibility import MIN_STEP, drop_implausible
+from ur5lib.records.phrases import number
 from ur5lib.records.quality import Finding, add_finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.sampling import interpolated
@@ -89,16 +90,19 @@ def repair_frames(
     del frames
     table, lost, slow = _on_grid(arrays, vectors, stretches, timing, max_gap)
     _expect_frames(table, source)
-    add_finding(findings, "robot", "slow channels", "note", len(slow), names=slow)
+    detail = (
+        f"{' and '.join(slow)} were logged less often than the positions; they are interpolated "
+        "between their samples"
+    )
+    add_finding(findings, "robot", "slow channels", "note", len(slow), detail)
     _report_lost(steps, table, timing, len(vectors), findings)
-    counts = {
-        "missing cells": holes,
-        "split": int(table["segment"].max()),
-        "incomplete frames": lost,
-        "crowded frames": sum(stretch.crowded for stretch in stretches),
-    }
-    for name, count in counts.items():
-        add_finding(findings, "robot", name, "warning", count)
+    detail = "some channels have missing cells; they are interpolated"
+    add_finding(findings, "robot", "missing cells", "warning", holes, detail)
+    detail = "gaps are too long to fill; the recording is split, nothing is computed across them"
+    add_finding(findings, "robot", "split", "warning", int(table["segment"].max()), detail)
+    detail = "a channel is missing for too long, or at the start or end; frames discarded"
+    add_finding(findings, "robot", "incomplete frames", "warning", lost, detail)
+    report_crowded(findings, sum(stretch.crowded for stretch in stretches))
     return table, timing, findings
 
 
@@ -119,7 +123,8 @@ def _whole_channels(frames: pd.DataFrame, findings: list[Finding], source: str) 
     ]
     if "actual_q" in absent or "actual_q_0" not in frames:
         raise no_positions(frames, joint_count(frames) or len(SIX_SUFFIXES), source)
-    add_finding(findings, "robot", "incomplete channels", "warning", len(absent), names=absent)
+    detail = f"{', '.join(absent)}: columns are missing or empty; the channel is ignored"
+    add_finding(findings, "robot", "incomplete channels", "warning", len(absent), detail)
     columns = _vectors(frames)
     dropped = [column for name in absent for column in columns[name]]
     return frames.drop(columns=dropped)
@@ -303,14 +308,21 @@ def _vectors(frames: pd.DataFrame) -> dict[str, list[str]]:
 
 
 def _report_steps(timing: Timing, findings: list[Finding]) -> None:
-    values = {
-        "grid_ms": 1000 * timing.period,
-        "median_ms": 1000 * timing.jitter_median,
-        "most_ms": 1000 * timing.jitter_99,
-    }
-    if not timing.regular or timing.jitter_99 > MIN_REPORTED_JITTER:
-        name = "jitter" if timing.regular else "irregular steps"
-        add_finding(findings, "robot", name, "note", 1, "", **values)
+    grid = number(1000 * timing.period, "g")
+    median = number(1000 * timing.jitter_median, ".2g")
+    most = f"{number(1000 * timing.jitter_99, '.2g')} ms (99 %)"
+    if not timing.regular:
+        detail = (
+            f"time steps vary by {most} around {grid} ms; signals are interpolated onto a uniform "
+            "grid"
+        )
+        findings.append(Finding("robot", "irregular steps", "note", 1, detail))
+    elif timing.jitter_99 > MIN_REPORTED_JITTER:
+        detail = (
+            f"timestamps deviate from the {grid} ms grid by {median} ms (median), {most}; snapped "
+            "to the grid"
+        )
+        findings.append(Finding("robot", "jitter", "note", 1, detail))
 
 
 def _report_lost(
@@ -323,11 +335,9 @@ def _report_lost(
         lost = int(flags.all(axis=1).sum()) if flags.shape[1] == channels else 0
     if lost:
         common = pd.Series(1000 * timing.period * np.rint(steps / timing.period)).value_counts()
-        values = {
-            "steps": [
-                remark("steps", count=count, step_ms=step) for step, count in common.head(3).items()
-            ],
-            "longest_ms": 1000 * timing.longest_step,
-            "filled": filled,
-        }
-        add_finding(findings, "robot", "lost frames", "warning", lost, "", **values)
+        each = (f"{count} of {number(step, 'g')} ms" for step, count in common.head(3).items())
+        detail = (
+            f"most frequent steps: {', '.join(each)}; longest "
+            f"{number(1000 * timing.longest_step, '.0f')} ms; {filled} frames interpolated"
+        )
+        findings.append(Finding("robot", "lost frames", "warning", lost, detail))

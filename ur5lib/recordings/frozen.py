@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.channels import joint_count
+from ur5lib.records.phrases import number
 from ur5lib.records.quality import Device, Finding
 from ur5lib.timeseries.arrays import Array
 
@@ -122,9 +123,10 @@ def _lasting(values: Array, time: Array) -> Iterator[slice]:
 
 def _report(findings: list[Finding], device: Device, frozen: list[Frozen], time: Array) -> None:
     since, until = min(one.rows.start for one in frozen), max(one.rows.stop for one in frozen)
-    values = {
-        "names": sorted({one.column for one in frozen}),
-        "since_s": float(time[since] - time[0]),
-        "seconds": float(np.ptp(time[since:until])),
-    }
-    findings.append(Finding(device, "frozen channel", "warning", until - since, values))
+    names = ", ".join(sorted({one.column for one in frozen}))
+    detail = (
+        f"{names}: one value is repeated to the last bit from "
+        f"{number(time[since] - time[0], '.4g')} s on, for "
+        f"{number(np.ptp(time[since:until]), '.3g')} s: it was not measured, and is not used"
+    )
+    findings.append(Finding(device, "frozen channel", "warning", until - since, detail))

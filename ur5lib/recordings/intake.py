@@ -3,6 +3,7 @@
 import math
 import re
 import warnings
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -35,6 +36,7 @@ from ur5lib.recordings.sensors import FORCE_CHANNELS, FORCES, on_robot_clock, re
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.recordings.wraps import without_wraps
 from ur5lib.recordings.zeroings import on_one_zero
+from ur5lib.records.phrases import as_written
 from ur5lib.records.quality import Device, Finding, Log, Quality, StartOffset, add_finding
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque, link_frames
@@ -75,9 +77,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     raw = replace(raw, robot=replace(raw.robot, table=whole))
     frames, findings = known_frames(raw, counted_as(recording, arm))
     raw, frames = with_slow_sensor(raw, frames, findings)
-    if "actual_q_0" in frames and "actual_qd_0" not in frames:  # they are found from the positions
-        findings.append(Finding("robot", "no velocities", "note", len(frames)))
-    findings += raw.findings + wrapped
+    findings += [*_no_velocities(frames), *raw.findings, *wrapped]
     contents = fingerprint(frames)
     remarks: list[Finding] = []
     placed = place_sensors(raw, remarks)
@@ -91,7 +91,10 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     robot = _on_one_zero(robot, placed, arm, findings)
     sensed = placed["force"][0].table if "force" in placed else robot
     if "ft_fx" in sensed and "ft_tx" not in sensed:
-        add_finding(findings, "force", "no moments", "note", len(sensed))
+        detail = (
+            "it has forces alone: moments are not measured, and only forces are compared with it"
+        )
+        add_finding(findings, "force", "no moments", "note", len(sensed), detail)
     quality = Quality(
         rows=rows,
         frames=len(robot),
@@ -108,6 +111,13 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
         account=recording.account,
     )
     return Intake(robot, {device: record.table for device, (record, _) in placed.items()}, quality)
+
+
+def _no_velocities(frames: pd.DataFrame) -> Iterator[Finding]:
+    """Yield a note on frames whose velocities are found from the positions."""
+    if "actual_q_0" in frames and "actual_qd_0" not in frames:
+        detail = "no actual_qd: velocities are the slopes of actual_q, with the noise of these"
+        yield Finding("robot", "no velocities", "note", len(frames), detail)
 
 
 def known_frames(raw: RawRecording, arm: Robot) -> tuple[pd.DataFrame, list[Finding]]:
@@ -191,12 +201,23 @@ def _known_channels(table: pd.DataFrame, other: bool) -> tuple[pd.DataFrame, lis
     misspelt = {name: near for name, near in nearest.items() if near is not None}
     unknown = [name for name in others if name not in unused and name not in misspelt]
     notes: list[Finding] = []
-    add_finding(notes, "force", "assumed frame", "note", sensor)
-    add_finding(notes, "robot", "unused wrench", "warning", len(unread), names=some(unread))
-    near = {"names": some([*misspelt]), "near": ", ".join(sorted({*misspelt.values()}))}
-    add_finding(notes, "robot", "misspelt channels", "warning", len(misspelt), "", **near)
-    for kind, names in (("unused channels", unused), ("unknown channels", unknown)):
-        add_finding(notes, "robot", kind, "note", len(names), names=some(names))
+    detail = (
+        "ft_f… in the robot's file are taken as the force sensor; assumed: force of the "
+        "surroundings on the arm, in the axes of frame 6"
+    )
+    add_finding(notes, "force", "assumed frame", "note", sensor, detail)
+    detail = (
+        f"{some(unread)}: a wrench in the robot's file that is not used; name its columns ft_fx to "
+        "ft_tz (or to ft_fz, without moments), or declare `force_sensor`"
+    )
+    add_finding(notes, "robot", "unused wrench", "warning", len(unread), detail)
+    near = ", ".join(sorted({*misspelt.values()}))
+    detail = f"{some([*misspelt])}: left out; rename them if {near} is meant"
+    add_finding(notes, "robot", "misspelt channels", "warning", len(misspelt), detail)
+    detail = f"{some(unused)}: RTDE channels that are not used; left out"
+    add_finding(notes, "robot", "unused channels", "note", len(unused), detail)
+    detail = f"{some(unknown)}: not channels of RTDE; ignored"
+    add_finding(notes, "robot", "unknown channels", "note", len(unknown), detail)
     return table.drop(columns=[*others, *unread]), notes
 
 
@@ -231,8 +252,11 @@ def with_wrist_sensor(
     if named_reading is None:
         return robot
     name, reading = named_reading
-    code = "other force sensor" if other else ""
-    add_finding(findings, "force", "wrist sensor", "note", 1, code, name=name)
+    detail = f"{name} of the arm is the force sensor of this recording, on the robot's clock"
+    if other:
+        detail = f"{name} is not compared: the study names another force sensor"
+    used = () if other else (name,)
+    add_finding(findings, "force", "wrist sensor", "note", 1, detail, used)
     return robot if other else robot.assign(**dict(zip(FORCE_CHANNELS, reading.T, strict=True)))
 
 
@@ -267,9 +291,9 @@ def _with_torques_named(table: pd.DataFrame, arm: Robot, findings: list[Finding]
         return table
     found = [name for name in (*EFFORT_CHANNELS, MOTOR_TORQUE) if f"{name}_0" in table]
     given = next((name for name in NAMES_OF_TORQUES if name in found), SENSED_TORQUE)
-    add_finding(
-        findings, "robot", "torques by another name", "note", given != SENSED_TORQUE, name=given
-    )
+    detail = f"{given} is read as actual_torque [Nm], which the arm measures"
+    is_other = given != SENSED_TORQUE
+    add_finding(findings, "robot", "torques by another name", "note", is_other, detail)
     others = [own for name in found if name != given for own in columns(name, MOST_JOINTS)]
     renamed = dict(
         zip(columns(given, MOST_JOINTS), columns(SENSED_TORQUE, MOST_JOINTS), strict=True)
@@ -289,7 +313,8 @@ def with_efforts(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> pd
     if f"{TORQUE_LESS_GRAVITY}_0" in table and f"{whole}_0" not in table:
         gravity = gravity_torque(arm, arm.chosen_model, channel(table, "actual_q"))
         table = table.assign(**named(channel(table, TORQUE_LESS_GRAVITY) + gravity, whole))
-        add_finding(findings, "robot", "gravity added", "note", len(table), arm=arm.name)
+        detail = f"actual_torque_less_gravity: the gravity torque of {arm.name} is added again"
+        add_finding(findings, "robot", "gravity added", "note", len(table), detail)
     return table if arm.measured == TORQUE else _with_currents(table, arm, findings)
 
 
@@ -301,10 +326,17 @@ def _with_currents(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> 
         return table.drop(columns=sensed)
     constants = np.array(arm.maker_torque_constants())
     if np.isnan(constants).any():
-        add_finding(findings, "robot", "no currents", "warning", len(table), arm=arm.name)
+        detail = (
+            "actual_current_as_torque without actual_current: the torque constants of "
+            f"{arm.name} are unknown"
+        )
+        add_finding(findings, "robot", "no currents", "warning", len(table), detail)
         return table.drop(columns=sensed)
     if name == MOTOR_TORQUE:
-        values = {"constants": constants.tolist(), "arm": arm.name}
-        add_finding(findings, "robot", "currents from torques", "note", len(table), **values)
+        detail = (
+            "actual_current is actual_current_as_torque divided by "
+            f"{as_written(constants, '.3g')} Nm/A, the torque constants of {arm.name}"
+        )
+        add_finding(findings, "robot", "currents from torques", "note", len(table), detail)
     currents = named(channel(table, name) / constants, MEASURED_CURRENT)
     return table.assign(**currents).drop(columns=sensed)

@@ -27,11 +27,16 @@ def in_order(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
     sent = ["time", *(name for name in frames if joint_count([name]))]
     frames = drop_repeats(frames, "robot", findings, sent)
     epoch = epochs(frames["time"].to_numpy())
-    add_finding(findings, "robot", "clock reset", "warning", epoch.max())
+    detail = (
+        "the controller's clock restarts; the recording is split there and goes on one step later, "
+        "since nothing tells how long the clock stood still"
+    )
+    add_finding(findings, "robot", "clock reset", "warning", epoch.max(), detail)
     ordered = frames.assign(epoch=epoch)
     backwards = int((frames["time"].diff() < 0).sum()) - int(epoch.max())
     if backwards > 0:
-        add_finding(findings, "robot", "frames out of order", "note", backwards)
+        detail = "frames come after later ones; sorted by time"
+        add_finding(findings, "robot", "frames out of order", "note", backwards, detail)
         ordered = ordered.sort_values(["epoch", "time"], kind="stable", ignore_index=True)
     ordered = _nudge_stale_stamps(ordered, findings)
     ordered = _return_lost_data(_drop_stale_data(ordered, findings), findings)
@@ -81,7 +86,8 @@ def drop_repeats(
     repeated = data.duplicated()
     if epochs(time[~repeated]).max() > 0:  # after a reset, timestamps may legitimately recur
         repeated = data.assign(epoch=epochs(time)).duplicated()
-    add_finding(findings, device, "repeated frames", "note", repeated.sum())
+    detail = "rows that repeat an earlier one, as a recorder does that is faster; discarded"
+    add_finding(findings, device, "repeated frames", "note", repeated.sum(), detail)
     return frames[~repeated].reset_index(drop=True)
 
 
@@ -93,7 +99,8 @@ def _nudge_stale_stamps(frames: pd.DataFrame, findings: list[Finding]) -> pd.Dat
     stale = frames.duplicated(["epoch", "time"]).to_numpy()
     if not stale.any():
         return frames
-    add_finding(findings, "robot", "stale stamps", "warning", stale.sum())
+    detail = "new data with an old timestamp; moved to the next slot"
+    add_finding(findings, "robot", "stale stamps", "warning", stale.sum(), detail)
     time, stamp = frames["time"].to_numpy(), np.cumsum(~stale) - 1
     steps = np.append(np.diff(time[~stale]), np.inf)  # from each stamp to the next
     steps[np.flatnonzero(np.diff(frames["epoch"].to_numpy()[~stale]))] = np.inf
@@ -105,8 +112,14 @@ def _nudge_stale_stamps(frames: pd.DataFrame, findings: list[Finding]) -> pd.Dat
     moved = frames.assign(time=np.where(stale, next_slot[stamp], time))
     moved = moved.sort_values(["epoch", "time"], kind="stable", ignore_index=True)
     crowded = moved.duplicated(["epoch", "time"])
-    add_finding(findings, "robot", "crowded frames", "warning", crowded.sum())
+    report_crowded(findings, int(crowded.sum()))
     return moved[~crowded].reset_index(drop=True)
+
+
+def report_crowded(findings: list[Finding], count: int) -> None:
+    """Add how many frames were discarded, since others fall into their cycle."""
+    detail = "several frames fall into one cycle; only the first is kept"
+    add_finding(findings, "robot", "crowded frames", "warning", count, detail)
 
 
 def _drop_stale_data(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
@@ -121,7 +134,8 @@ def _drop_stale_data(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFr
     noisy = (frames[efforts].diff().abs() > 0).any(axis="columns").mean() > 0.9
     if not (same.any() and noisy):
         return frames
-    add_finding(findings, "robot", "stale data", "warning", same.sum())
+    detail = "data of the previous frame with a new timestamp; treated as lost frames"
+    add_finding(findings, "robot", "stale data", "warning", same.sum(), detail)
     return frames[~same].reset_index(drop=True)
 
 
@@ -137,7 +151,8 @@ def _return_lost_data(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataF
     late = after_gap[_one_cycle_late(after_gap, time, q, qd, cycle)]
     if not len(late):
         return frames
-    add_finding(findings, "robot", "late data", "warning", len(late))
+    detail = "data of a lost frame with the next timestamp; moved back to their own time"
+    add_finding(findings, "robot", "late data", "warning", len(late), detail)
     time = time.copy()
     time[late] -= cycle
     return frames.assign(time=time)

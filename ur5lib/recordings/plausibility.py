@@ -58,7 +58,8 @@ def drop_implausible(
     wrong[~wrong] = stray_times(time[~wrong])
     name = "impossible frames" if device == "robot" else "impossible samples"
     row = int(np.argmax(wrong)) + 1 if len(wrong) else 0
-    add_finding(findings, device, name, "warning", wrong.sum(), "impossible", row=row)
+    detail = f"first in row {row}: physically impossible values or times, discarded"
+    add_finding(findings, device, name, "warning", wrong.sum(), detail)
     check_pace(time[_with_positions(frames) & ~wrong], source)
     return frames[~wrong].reset_index(drop=True) if wrong.any() else frames
 
@@ -152,7 +153,8 @@ def drop_unwritten(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame
         channels[re.sub(r"_\d+$", "", name)].append(name)
     silent = [n for n, names in channels.items() if is_silent(table[names].to_numpy(float))]
     names = [name for name in silent if np.nan_to_num(table[channels[name]].to_numpy(float)).any()]
-    add_finding(findings, "robot", "unwritten channels", "warning", len(names), names=some(names))
+    detail = f"{some(names)}: numbers that were never written, all but zero; not recorded"
+    add_finding(findings, "robot", "unwritten channels", "warning", len(names), detail)
     unwritten = [column for name in names for column in channels[name]]
     return table.drop(columns=unwritten) if unwritten else table
 
@@ -175,7 +177,8 @@ def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
         wrong[:, noisy] |= _dead(values[:, noisy])
     if not wrong.any():
         return table
-    add_finding(findings, "robot", "zeroed cells", "warning", wrong.any(axis=1).sum())
+    detail = "values drop to exactly zero, as where a file lost a block; not used"
+    add_finding(findings, "robot", "zeroed cells", "warning", wrong.any(axis=1).sum(), detail)
     return table.mask(wrong)
 
 

@@ -68,7 +68,8 @@ def _complete(
             f"{source}: contains only {whole.sum()} rows with positions and {effort.quantity}s; "
             "record more"
         )
-    add_finding(findings, "robot", "missing cells", "warning", (~whole).sum(), "incomplete rows")
+    detail = "rows with empty cells; discarded"
+    add_finding(findings, "robot", "missing cells", "warning", (~whole).sum(), detail)
     return frames[whole].reset_index(drop=True)
 
 

@@ -22,6 +22,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.errors import InputError
+from ur5lib.records.phrases import number
 from ur5lib.records.quality import Finding, add_finding
 from ur5lib.robots.realtime_message import SOFTWARE_BY_SIZE, fields
 from ur5lib.strict import expect_file
@@ -147,8 +148,8 @@ def read_stream(path: Path) -> tuple[pd.DataFrame, list[Finding]]:
         ) from error
     findings: list[Finding] = []
     if damaged:
-        damage = len(damaged), "no messages"
-        add_finding(findings, "robot", "damaged lines", "warning", *damage, line=damaged[0])
+        detail = f"lines that are not “number,hex”; skipped, the first is line {damaged[0]}"
+        findings.append(Finding("robot", "damaged lines", "warning", len(damaged), detail))
     if not messages.runs:
         raise InputError(
             f"{path} has no complete message of a known layout ({min(SOFTWARE_BY_SIZE)} to "
@@ -278,8 +279,9 @@ def _layout(counts: dict[int, int], findings: list[Finding]) -> int:
     size = max(counts, key=counts.__getitem__)
     if others := sorted(counts.keys() - {size}):
         count = sum(counts[other] for other in others)
-        sizes = {"others": others, "bytes": size}
-        add_finding(findings, "robot", "other layouts", "warning", count, "", **sizes)
+        named = ", ".join(map(str, others))
+        detail = f"messages of {named} bytes among those of {size} bytes; skipped"
+        add_finding(findings, "robot", "other layouts", "warning", count, detail)
     return size
 
 
@@ -294,12 +296,21 @@ def _skipped(messages: _Messages, size: int) -> list[Finding]:
     findings: list[Finding] = []
     if skipped:
         since = float(messages.received_until(skipped[0][0] + 1) - messages.received[0])
-        where = {"places": len(skipped), "seconds": since}
         count = sum(end - start for start, end in skipped)
-        code = "bytes skipped" if len(skipped) == 1 else "bytes skipped often"
-        add_finding(findings, "robot", "bytes skipped", "warning", count, code, **where)
-    add_finding(findings, "robot", "incomplete message", "note", len(partial))
+        detail = _skipped_words(len(skipped), since)
+        findings.append(Finding("robot", "bytes skipped", "warning", count, detail))
+    detail = "the capture begins or ends within a message; skipped"
+    add_finding(findings, "robot", "incomplete message", "note", len(partial), detail)
     return findings
+
+
+def _skipped_words(places: int, since: float) -> str:
+    """Return the words on bytes outside messages; since: to the first, from the start [s]."""
+    where = "1 place," if places == 1 else f"{places} places, the first"
+    return (
+        f"bytes outside complete messages (lost, cut or foreign data) in {where} "
+        f"{number(since, '.3g')} s after the start of the capture"
+    )
 
 
 def _frame(messages: _Messages, size: int) -> pd.DataFrame:

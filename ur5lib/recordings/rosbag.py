@@ -128,7 +128,8 @@ def rosbag_arrays(path: Path, wanted: Collection[str] | None, findings: list[Fin
     failures = [_read_part(file, wanted, topics, findings) for file in files]
     if not topics and (failure := next(filter(None, failures), None)):
         raise failure
-    Log(path, "robot", findings).add("damaged messages", "warning", missing, "missing parts")
+    lacking = "parts that metadata.yaml lists, but that the folder lacks"
+    Log(path, "robot", findings).add("damaged messages", "warning", missing, lacking)
     arrays: Arrays = {}
     for topic, messages in topics.items():
         arrays |= _topic_arrays(topic, messages, path, findings)
@@ -157,10 +158,10 @@ def _read_part(
     except InputError:
         raise
     except Exception as error:  # of damaged files, the library may raise anything
-        lost["unreadable end"] += 1
+        lost["the end of the file cannot be read"] += 1
         failure = error
-    for code, count in lost.items():
-        Log(path, "robot", findings).add("damaged messages", "warning", count, code)
+    for meaning, count in lost.items():
+        Log(path, "robot", findings).add("damaged messages", "warning", count, meaning)
     return failure
 
 
@@ -200,9 +201,9 @@ def _collect(
         except InputError:
             raise
         except Exception:  # of damaged messages, the library may raise anything
-            lost["undecodable messages"] += 1
+            lost["messages that cannot be decoded as their type; skipped"] += 1
     if missing > 0:
-        lost["missing messages"] += missing
+        lost["messages of the index that the bag does not contain"] += missing
 
 
 def _joints_of(message: Any) -> Joints:
@@ -230,11 +231,14 @@ def _topic_arrays(topic: str, messages: Messages, path: Path, findings: list[Fin
     usual = messages.usual_joints()
     kept = messages.about(usual)
     log = Log(path, "robot", findings)
-    about = {"topic": topic, "joints": usual.names or f"the {usual.width} of most"}
-    log.add("other messages", "note", np.count_nonzero(~kept), "", **about)
+    joints = ", ".join(usual.names) or f"the {usual.width} of most"
+    others = f"messages on {topic} about other joints than {joints}; left out"
+    log.add("other messages", "note", np.count_nonzero(~kept), others)
     if joint_order(usual.names) is None:
-        code = "" if usual.names else "nameless joints"
-        log.add("unnamed joints", "note", usual.width, code, **about)
+        named = f"{joints} on {topic} are not the names of an arm's joints; kept in order"
+        nameless = f"the messages on {topic} name no joints; kept in order"
+        meaning = named if usual.names else nameless
+        log.add("unnamed joints", "note", usual.width, meaning, channels=[topic])
     arrays = {
         f"{topic}/stamp": np.array(messages.stamps)[kept],
         f"{topic}/bag_stamp": np.array(messages.received)[kept],

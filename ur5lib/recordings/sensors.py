@@ -17,6 +17,7 @@ from ur5lib.recordings.host_clock import without_delays
 from ur5lib.recordings.ordering import drop_repeats, epochs
 from ur5lib.recordings.plausibility import drop_implausible, first_time
 from ur5lib.recordings.recording import DeviceRecord, Stamp
+from ur5lib.records.phrases import number
 from ur5lib.records.quality import Device, Finding, Log, add_finding
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
@@ -59,9 +60,8 @@ def read_device(
     unusable; only an invalid unit in the study raises InputError.
     """
     clocked.in_si(pd.DataFrame(columns=names, dtype=float))
-    absence = _absence(log.path)
-    if absence is not None:
-        log.add("no sensor", "note", 1, absence)
+    if (absent := _absence(log)) is not None:
+        log.findings.append(absent)
         return None
     return log.unless_unusable(
         lambda: repair_samples(without_delays(clocked.in_si(*read_rows(log, names))), log)
@@ -105,16 +105,22 @@ def on_robot_clock(sensor: DeviceRecord) -> DeviceRecord:
     return replace(sensor, start=replace(sensor.start, std=late, drift_std=0.0))
 
 
-def _absence(path: Path) -> str | None:
+def _absence(log: Log) -> Finding | None:
+    """Return that a sensor has no file, or an empty one."""
+    path, name = log.path, log.path.name
     if not path.exists():
-        return "no file"
+        return Finding(log.device, "no sensor", "note", 1, f"{name} does not exist")
     if not path.is_file():
         return None  # what it is instead is reported when it is read
     with path.open("rb") as stream:
         head = stream.read(100)
     if b"no values recorded" in head or not head.strip():
-        return "empty file"
+        return _unconnected(log, f"{name} is empty", "no values were recorded")
     return None
+
+
+def _unconnected(log: Log, place: str, meaning: str) -> Finding:
+    return Finding(log.device, "no sensor", "note", 1, f"{place}: {meaning}", place)
 
 
 def repair_samples(table: pd.DataFrame, log: Log) -> SensorSamples | None:
@@ -123,16 +129,14 @@ def repair_samples(table: pd.DataFrame, log: Log) -> SensorSamples | None:
     Raises InputError for wrong units.
     """
     table = drop_untimed(table, log)
-    absence = _nothing(table, log.device)
-    if absence is not None:
-        log.add("no sensor", "note", 1, absence, columns=len(table.columns))
+    if (absent := _nothing(table, log)) is not None:
+        log.findings.append(absent)
         return None
     table = drop_implausible(table, str(log.path), log.device, log.findings)
     # a sensor samples fast enough to do without rows with empty cells
     complete = np.isfinite(table.to_numpy()).all(axis=1)
-    add_finding(
-        log.findings, log.device, "missing cells", "warning", (~complete).sum(), "missing samples"
-    )
+    detail = "samples with empty cells; discarded"
+    add_finding(log.findings, log.device, "missing cells", "warning", (~complete).sum(), detail)
     whole = _in_order(table[complete].reset_index(drop=True), log.device, log.findings)
     whole = _without_held(_until_frozen(whole, log), log)
     if len(whole) < 2:
@@ -159,28 +163,36 @@ def _without_held(table: pd.DataFrame, log: Log) -> pd.DataFrame:
     if fresh is None:
         return table
     rate = float((fresh.sum() - 1) / np.ptp(table["time"][fresh]))
-    log.add("held samples", "warning", (~fresh).sum(), "", rate_hz=rate, period_s=1 / rate)
+    meaning = (
+        f"the sensor measures at {number(rate, '.3g')} Hz, and its values are repeated in faster "
+        f"rows: only new ones count, so that contacts of less than {number(1 / rate, '.2g')} s may "
+        "be missed"
+    )
+    log.add("held samples", "warning", (~fresh).sum(), meaning)
     return table[fresh].reset_index(drop=True)
 
 
-def _nothing(table: pd.DataFrame, device: Device) -> str | None:
+def _nothing(table: pd.DataFrame, log: Log) -> Finding | None:
     """Return why a sensor's rows are unusable, or None if they can be used."""
-    whole = table.dropna()
+    whole, name = table.dropna(), log.path.name
     if len(whole) < 2:
-        return "no rows"
+        detail = f"{name} has fewer than two complete rows of {len(table.columns)} numbers"
+        return Finding(log.device, "no sensor", "note", 1, detail)
     readings = whole.drop(columns="time").abs()
-    if device == "force" and (readings <= UNCONNECTED_READING).all(axis=None):
-        return "only zeros"
+    if log.device == "force" and (readings <= UNCONNECTED_READING).all(axis=None):
+        return _unconnected(log, f"{name} contains only zeros", "no sensor was connected")
     return None
 
 
 def _in_order(table: pd.DataFrame, device: Device, findings: list[Finding]) -> pd.DataFrame:
     table = drop_repeats(table, device, findings)
     later = epochs(table["time"].to_numpy()) > 0
-    add_finding(findings, device, "clock reset", "warning", later.sum(), "sensor's reset")
+    detail = "the device's clock restarts; the samples after that are discarded"
+    add_finding(findings, device, "clock reset", "warning", later.sum(), detail)
     table = table[~later]
     backwards = (table["time"].diff() < 0).sum()
-    add_finding(findings, device, "samples out of order", "note", backwards)
+    detail = "samples come after later ones; sorted by time"
+    add_finding(findings, device, "samples out of order", "note", backwards, detail)
     return table.sort_values("time", kind="stable", ignore_index=True)
 
 
@@ -190,11 +202,15 @@ def _report_timing(time: Array, device: Device, findings: list[Finding]) -> None
     usual, median = np.quantile(steps, [0.25, 0.5])
     lost = int(np.rint(steps[steps > GAP_STEPS * usual] / median - 1).clip(min=0).sum())
     if lost > MAX_SHARE_LOST * len(time) or steps.max() > LONG_GAP_STEPS * median:
-        values = {"longest_ms": 1000 * float(steps.max()), "median_ms": 1000 * float(median)}
-        add_finding(findings, device, "lost samples", "warning", max(lost, 1), "", **values)
+        detail = (
+            f"longest step {number(1000 * steps.max(), '.0f')} ms, "
+            f"median step {number(1000 * median, '.1f')} ms"
+        )
+        add_finding(findings, device, "lost samples", "warning", max(lost, 1), detail)
     still = int((steps == 0).sum())
     if still > MAX_SHARE_LOST * len(time):
-        add_finding(findings, device, "stale stamps", "warning", still, "stale samples")
+        detail = "samples with the timestamp of the previous one"
+        add_finding(findings, device, "stale stamps", "warning", still, detail)
 
 
 def read_sensor(

@@ -5,6 +5,7 @@ from dataclasses import replace
 from ur5lib.recordings.ordering import epochs
 from ur5lib.recordings.plausibility import before_reset
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
+from ur5lib.records.phrases import number
 from ur5lib.records.quality import Device, Finding, StartOffset, add_finding
 
 MAX_MISSING_TIME = 2.0  # s that a device may lack at the start and the end together
@@ -25,11 +26,14 @@ def sensor_coverage(device: Device, span: Span, robot: Span, std: float) -> list
     whole = robot[1] - robot[0]
     if late + early <= MAX_MISSING_TIME + MAX_CLOCK_DRIFT * whole + START_STAMP_SPREAD * std:
         return []
-    lacks = {(True, False): "start missing", (False, True): "end missing"}
-    values = {"covered_s": whole - late - early, "whole_s": whole, "late_s": late, "early_s": early}
+    covered = f"covers only {number(whole - late - early, '.1f')} of {number(whole, '.1f')} s"
+    starts = f"it starts {number(late, '.1f')} s after the robot"
+    ends = f"ends {number(early, '.1f')} s before"
+    lacks = {(True, False): starts, (False, True): f"it {ends} the robot"}
     reported = late >= MIN_REPORTED_TIME, early >= MIN_REPORTED_TIME
-    code = lacks.get(reported, "start and end missing")
-    return [Finding(device, PART_MISSING, "warning", 1, values, code)]
+    lacking = lacks.get(reported, f"{starts} and {ends} it")
+    detail = f"{covered}: {lacking}; nothing is compared with it there"
+    return [Finding(device, PART_MISSING, "warning", 1, detail)]
 
 
 def robot_coverage(robot: Span, sensors: Span) -> list[Finding]:
@@ -41,8 +45,11 @@ def robot_coverage(robot: Span, sensors: Span) -> list[Finding]:
     covered, total = robot[1] - robot[0], whole[1] - whole[0]
     if total - covered <= MAX_MISSING_TIME + MAX_CLOCK_DRIFT * total:
         return []
-    values = {"covered_s": covered, "whole_s": total}
-    return [Finding("robot", PART_MISSING, "warning", 1, values, "robot missing")]
+    detail = (
+        f"covers only {number(covered, '.1f')} of the {number(total, '.1f')} s that the sensors "
+        "recorded; there is no estimate for the rest"
+    )
+    return [Finding("robot", PART_MISSING, "warning", 1, detail)]
 
 
 def place_sensors(
@@ -57,11 +64,16 @@ def place_sensors(
     for device, record in recording.sensors.items():
         offset = _offset(recording.robot, record)
         if offset is None:
-            add_finding(findings, device, "no start stamp", "warning")
+            detail = "start stamp missing or incomplete: the clock cannot be aligned; not used"
+            findings.append(Finding(device, "no start stamp", "warning", 1, detail))
             continue
         begin, end = (offset.seconds + edge for edge in _span(record))
         if max(robot[0], begin) >= min(robot[1], end):
-            add_finding(findings, device, "stale copy", "warning", seconds=offset.seconds)
+            detail = (
+                f"started {number(offset.seconds, '+.0f')} s from the robot and has no data during "
+                "the recording: probably a file of another run; not used"
+            )
+            findings.append(Finding(device, "stale copy", "warning", 1, detail))
         else:
             if was_reset:
                 record = _until(record, robot[1] - offset.seconds, device, findings)
@@ -92,5 +104,9 @@ def _until(
 ) -> DeviceRecord:
     """Return a sensor's record up to a time of its clock [s]."""
     later = record.table["time"] > end
-    add_finding(findings, device, "clock reset", "warning", later.sum(), "robot's reset")
+    detail = (
+        "samples after the restart of the controller's clock, discarded: nothing tells when they "
+        "were"
+    )
+    add_finding(findings, device, "clock reset", "warning", later.sum(), detail)
     return replace(record, table=record.table[~later])

@@ -44,11 +44,11 @@ def text_blocks(log: Log) -> Iterator[bytes]:
 def _blocks(log: Log) -> Iterator[bytes]:
     with log.path.open("rb") as plain:
         packed = plain.read(2) == GZIP_SIGNATURE
-    log.add("compressed file", "note", packed)
+    log.add("compressed file", "note", packed, "decompressed")
     with gzip.open(log.path) if packed else log.path.open("rb") as stream:
         block = _lines(stream, log.path)
         if block.startswith(BYTE_ORDER_MARK):
-            log.add("byte-order mark", "note")
+            log.add("byte-order mark", "note", 1, "ignored")
             block = block[len(BYTE_ORDER_MARK) :]
         # Zeros further down may be a lost disk block: that is a damaged line.
         if block[:2] in (b"\xff\xfe", b"\xfe\xff") or b"\0" in block[:1000]:

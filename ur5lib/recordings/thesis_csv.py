@@ -71,7 +71,8 @@ def _read_robot(csv: Path, findings: list[Finding]) -> pd.DataFrame:
         robot = pd.merge_asof(robot, rows, on="clock", direction="nearest", tolerance=CYCLE / 4)
     shared = robot[robot["clock"].between(start, end)].drop(columns="clock")
     lost = len(longest) - len(shared)
-    add_finding(findings, "robot", "channels of unequal length", "note", lost)
+    detail = "channels end at different frames; cut to the shortest"
+    add_finding(findings, "robot", "channels of unequal length", "note", lost, detail)
     return shared.reset_index(drop=True)
 
 
@@ -87,12 +88,14 @@ def _read_channel(path: Path, name: str, findings: list[Finding]) -> pd.DataFram
         )
     # strays are dropped here because joining loses the file's order
     stray = stray_times(rows["time"].to_numpy())
-    log.add("impossible times", "warning", np.count_nonzero(stray))
+    meaning = "rows far from all others in time; discarded"
+    log.add("impossible times", "warning", np.count_nonzero(stray), meaning)
     if len(rows) > 1:
         check_pace(rows["time"].to_numpy()[~stray], str(path), CYCLE / 2)
     rows = rows[~stray].reset_index(drop=True)
     rows["clock"] = rows["time"] + EPOCH_SPACING * epochs(rows["time"].to_numpy())
     rows = rows.sort_values("clock", kind="stable", ignore_index=True)
     repeated = rows.duplicated("clock")
-    log.add("repeated stamps", "warning", repeated.sum())
+    meaning = "rows with a timestamp that was used before; discarded"
+    log.add("repeated stamps", "warning", repeated.sum(), meaning)
     return rows[~repeated].reset_index(drop=True)

@@ -4,15 +4,15 @@ A zeroing shifts the reading to zero from one sample to the next, and nothing el
 of a contact takes longer, lets the arm ring, or shows in the motor currents.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
 from ur5lib.channels import columns
-from ur5lib.errors import remark
 from ur5lib.recordings.starts import MAX_CLOCK_DRIFT
+from ur5lib.records.phrases import number
 from ur5lib.records.quality import Finding, StartOffset
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import geometric_jacobian, gravity_torque, link_frames
@@ -88,9 +88,17 @@ def on_one_zero(
     for one in zeroings:
         reading[: one.row] += one.change
         reading[one.row] = (reading[one.row - 1] + reading[one.row + 1]) / 2
-    each = [remark("zeroing", time_s=one.time, force_n=one.size()) for one in zeroings]
-    zeroed = Finding("force", "zeroed", "warning", len(each), {"each": each})
+    zeroed = Finding("force", "zeroed", "warning", len(zeroings), _words(zeroings))
     return sensor.assign(**dict(zip(names, reading.T, strict=True))), [zeroed]
+
+
+def _words(zeroings: Sequence[Zeroing]) -> str:
+    each = (f"at {number(one.time, '.3f')} s by {number(one.size(), '.1f')} N" for one in zeroings)
+    return (
+        "the reading falls to zero from one sample to the next, and the motors show no contact "
+        f"that ends: {', '.join(each)}; the sensor was zeroed there, and all samples before are "
+        "put on the last zero"
+    )
 
 
 def _sudden_zeros(reading: Array, time: Array, late: float) -> Iterator[Zeroing]:

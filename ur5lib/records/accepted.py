@@ -2,7 +2,7 @@
 
 from collections.abc import Container, Iterable, Iterator, Mapping
 
-from ur5lib.records.quality import Contradictions, Finding, kind_of
+from ur5lib.records.quality import Contradictions, Finding
 
 ACCEPTED = "accepted stop sign"  # the finding that the study overrules a stop sign
 
@@ -11,7 +11,7 @@ def up_to_first_standing(signs: Iterable[Finding], accepted: Container[str]) -> 
     """Yield stop signs up to the first of a kind that is not accepted: others follow from it."""
     for sign in signs:
         yield sign
-        if kind_of(sign) not in accepted:
+        if sign.kind not in accepted:
             return
 
 
@@ -20,17 +20,20 @@ def accepting(found: Contradictions, accepted: Mapping[str, str]) -> Contradicti
 
     accepted: the study's reasons by kind.
     """
-    kinds = {kind_of(sign) for sign in found.stop_signs}
-    standing = [sign for sign in found.stop_signs if kind_of(sign) not in accepted]
-    overruled = (sign for sign in found.stop_signs if sign not in standing)
-    findings = [_warning(sign, accepted[kind_of(sign)]) for sign in overruled]
-    needless = [kind for kind in accepted if kind not in kinds]
-    if needless:
-        values = {"kinds": needless}
-        findings.append(Finding("robot", "needless reason", "note", len(needless), values))
+    kinds = {sign.kind for sign in found.stop_signs}
+    standing = [sign for sign in found.stop_signs if sign.kind not in accepted]
+    findings = [
+        Finding("robot", ACCEPTED, "warning", 1, overruled(sign.detail, accepted[sign.kind]))
+        for sign in found.stop_signs
+        if sign not in standing
+    ]
+    if needless := [kind for kind in accepted if kind not in kinds]:
+        named = " and ".join(needless)
+        detail = f"`accept` names {named}, which nothing in this recording contradicts"
+        findings.append(Finding("robot", "needless reason", "note", len(needless), detail))
     return Contradictions(standing, [*findings, *found.findings])
 
 
-def _warning(sign: Finding, reason: str) -> Finding:
-    shown = {"code": sign.code, "values": sign.values}
-    return Finding("robot", ACCEPTED, "warning", 1, {"reason": reason, "found": shown})
+def overruled(sign: str, reason: str) -> str:
+    """Return the words of a stop sign that the study accepts, and why."""
+    return f"accepted by the study: {reason}; found: {sign}"

@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ur5lib.errors import Remark, remark
+from ur5lib.records.phrases import as_written, number
 from ur5lib.records.quality import Finding
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload
@@ -81,38 +81,49 @@ def disagreements(declared: Payload | None, tcp: Six | None, signals: Signals) -
     return [Finding("robot", name, "warning", 1, its) for name, its in found.items() if its]
 
 
-def _other_payload(declared: Payload | None, signals: Signals) -> dict[str, object]:
+def _other_payload(declared: Payload | None, signals: Signals) -> str:
     if declared is None or signals.payload is None:
-        return {}
+        return ""
     known = configured_payload(signals)
     apart = declared.mass - (known.mass if known else 0.0)
     away = np.subtract(declared.center_of_mass, known.center_of_mass if known else 0.0)
     if abs(apart) <= MASS and (known is None or np.linalg.norm(away) * declared.mass <= MOMENT):
-        return {}
-    return {"declared": _remark(declared), "configured": _remark(known)}
+        return ""
+    return (
+        f"the study declares {_in_words(declared)}, but {_in_words(known)} is configured at the "
+        "controller; the declared payload is used for the currents, the configured one for "
+        "`target_moment`"
+    )
 
 
-def _remark(payload: Payload | None) -> Remark:
-    """Return a payload as a part of a sentence."""
+def _in_words(payload: Payload | None) -> str:
     if payload is None:
-        return remark("no payload")
-    return remark("a payload", mass=payload.mass, place=[*payload.center_of_mass])
+        return "no payload"
+    return f"{number(payload.mass, '.3g')} kg at ({as_written(payload.center_of_mass, '.3g')}) m"
 
 
-def _changing_payload(signals: Signals) -> dict[str, object]:
+def _changing_payload(signals: Signals) -> str:
     if (
         signals.payload is None
         or np.ptp(mass := signals.payload[np.isfinite(signals.payload)]) == 0
     ):
-        return {}
-    return {"least": float(mass.min()), "most": float(mass.max())}
+        return ""
+    return (
+        f"the payload configured at the controller changes from {number(mass.min(), '.3g')} to "
+        f"{number(mass.max(), '.3g')} kg in the recording; its median is used throughout: cut the "
+        "recording where it changes"
+    )
 
 
-def _other_tcp(tcp: Six | None, signals: Signals) -> dict[str, object]:
+def _other_tcp(tcp: Six | None, signals: Signals) -> str:
     if tcp is None or signals.tcp_offset is None:
-        return {}
+        return ""
     configured = np.array(_medians(signals.tcp_offset, 6))
     apart = np.abs(np.array(tcp) - configured)
     if apart[:3].max() <= PLACE and apart[3:].max() <= TURN:
-        return {}
-    return {"declared": [*tcp], "configured": configured.tolist()}
+        return ""
+    return (
+        f"the study declares [{as_written(tcp, 'g')}] (m, rad), but "
+        f"[{as_written(configured, '.4g')}] is configured at the controller; correct the study, or "
+        "the installation of the arm"
+    )

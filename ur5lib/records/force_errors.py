@@ -1,11 +1,12 @@
 """What a force sensor shows of the estimates, and of itself."""
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ur5lib.errors import Remark
 from ur5lib.records.quality import Finding
+from ur5lib.records.wording import in_words
 from ur5lib.timeseries.arrays import Array, Six
 
 WHOLE = "norm"  # the component of all three axes together
@@ -116,9 +117,14 @@ class Compared:
 
     def findings(self) -> list[Finding]:
         """Return why the sensor's mounting and bias may be wrong."""
-        doubts = {"mounting": self.mounting_doubt, "offset": self.offset_doubt}
-        return [
-            Finding("force", name, "warning", 1, {"doubt": asdict(doubt)})
-            for name, doubt in doubts.items()
-            if doubt is not None
-        ]
+        found = []
+        if self.mounting_doubt is not None:
+            detail = in_words(self.mounting_doubt)
+            found.append(Finding("force", "mounting", "warning", 1, detail))
+        if self.offset_doubt is not None:
+            detail = (
+                f"{in_words(self.offset_doubt)}: a steady push may have been taken for bias; "
+                "record some seconds in which nothing touches the tool"
+            )
+            found.append(Finding("force", "offset", "warning", 1, detail))
+        return found

@@ -1,11 +1,11 @@
 """Findings about the quality of a recording."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal, SupportsInt, TypeVar
 
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, overrulable, printable
 from ur5lib.records.account import AccountRow
 
 T = TypeVar("T")
@@ -43,17 +43,32 @@ class Finding:
     """One kind of defect in one device's files.
 
     severity: stop (the recording contradicts the study), error (the device is unusable), warning
-    (results may suffer), note (harmless); count: number of samples, rows or files; values: numbers
-    and names in the sentence about it, which stands beside the module that finds it, in
-    `<module>.words.yaml`, under its code, or else under the finding's name.
+    (results may suffer), note (harmless); count: number of samples, rows or files; detail: the
+    sentence about it, made printable, since it quotes hostile files; place: where in a file it is,
+    with which that sentence starts; kind: under which a study accepts a stop sign, empty if it
+    cannot; code: which of several causes it is, where that decides; joints: from 1, and channels
+    that it is about, where these decide.
     """
 
     device: Device
     finding: str
     severity: Severity
     count: int
-    values: Mapping[str, object] = field(default_factory=dict)
+    detail: str
+    place: str = ""
+    kind: str = ""
     code: str = ""
+    joints: tuple[int, ...] = ()
+    channels: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Make the words printable."""
+        object.__setattr__(self, "detail", printable(self.detail))
+        object.__setattr__(self, "place", printable(self.place))
+
+    def sentence(self) -> str:
+        """Return the sentence about it, of a stop sign with how a study overrules it."""
+        return overrulable(self.detail, self.kind)
 
 
 @dataclass(frozen=True)
@@ -74,13 +89,14 @@ def add_finding(
     device: Device,
     finding: str,
     severity: Severity,
-    count: SupportsInt = 1,
-    code: str = "",
-    **values: object,
+    count: SupportsInt,
+    detail: str,
+    channels: Sequence[str] = (),
 ) -> None:
     """Add a finding if it counts anything."""
     if count:
-        findings.append(Finding(device, finding, severity, int(count), values, code))
+        found = Finding(device, finding, severity, int(count), detail, channels=(*channels,))
+        findings.append(found)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,12 +126,12 @@ class Quality:
 
     def saturated_channels(self) -> list[str]:
         """Return the force sensor's channels that stay at their largest value."""
-        names = [
-            one.values["names"]
+        return [
+            name
             for one in self.findings
             if (one.device, one.finding) == ("force", "saturation")
+            for name in one.channels
         ]
-        return [str(name) for channels in names if isinstance(channels, list) for name in channels]
 
 
 @dataclass(frozen=True)
@@ -131,8 +147,7 @@ class Contradictions:
 
     def odd_targets(self) -> list[int]:
         """Return the joints, from 1, whose `target_current` is not that of their motors."""
-        odd = (one.values["joint"] for one in self.findings if one.finding == ODD_TARGET)
-        return [joint for joint in odd if isinstance(joint, int)]
+        return [joint for one in self.findings if one.finding == ODD_TARGET for joint in one.joints]
 
 
 @dataclass(frozen=True)
@@ -147,31 +162,34 @@ class Log:
         self,
         finding: str,
         severity: Severity,
-        count: SupportsInt = 1,
-        code: str = "",
-        **values: object,
+        count: SupportsInt,
+        meaning: str,
+        line: str = "",
+        channels: Sequence[str] = (),
     ) -> None:
-        """Add a finding with the file's name, if it counts anything."""
-        named = {"file": self.path.name} | values
-        add_finding(self.findings, self.device, finding, severity, count, code, **named)
+        """Add a finding behind the file's name, if it counts anything; line: where in the file."""
+        if count:
+            place = f"{self.path.name}, line {line}" if line else self.path.name
+            told = f"{place}: {meaning}", place
+            found = Finding(
+                self.device, finding, severity, int(count), *told, channels=(*channels,)
+            )
+            self.findings.append(found)
 
     def unless_unusable(self, read: Callable[[], T | None]) -> T | None:
         """Return what a function reads of a sensor; None, and a finding, for an InputError."""
         try:
             return read()
         except InputError as error:
-            add_finding(self.findings, self.device, "unusable sensor", "error", error=str(error))
+            detail = f"{error}; not used"
+            self.findings.append(Finding(self.device, "unusable sensor", "error", 1, detail))
             return None
 
 
-def contradiction(code: str, kind: str = "", /, **values: object) -> Finding:
+def contradiction(code: str, kind: str, detail: str, joints: Sequence[int] = ()) -> Finding:
     """Return a stop sign: what contradicts the study so much that no forces may be stated.
 
-    kind: under which a study accepts it (`Accept`), empty if it cannot.
+    kind: under which a study accepts it (`Accept`); joints: from 1, that it names.
     """
-    return Finding("robot", "contradiction", "stop", 1, {**values, "kind": kind}, code)
-
-
-def kind_of(sign: Finding) -> str:
-    """Return the kind under which a study accepts a stop sign, empty if it cannot."""
-    return str(sign.values.get("kind", ""))
+    named = (*joints,)
+    return Finding("robot", "contradiction", "stop", 1, detail, "", kind, code, named)

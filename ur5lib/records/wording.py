@@ -12,7 +12,6 @@ import numpy as np
 
 from ur5lib.channels import CURRENT, Effort
 from ur5lib.errors import Remark, printable
-from ur5lib.records.quality import Finding
 from ur5lib.records.verdicts import REASONS
 from ur5lib.strict import read_yaml
 
@@ -97,18 +96,3 @@ def reason_in_words(cell: object, effort: Effort = CURRENT) -> str:
     if cell not in REASONS:
         return printable(cell)
     return REASONS[cell].format(quantity=effort.quantity, constant=effort.constant)
-
-
-def worded(finding: Finding) -> dict[str, str | int]:
-    """Return a finding as a row whose code and values are replaced by the sentence `detail`.
-
-    `place`: where in a file it is, with which that sentence starts.
-    """
-    row = asdict(finding)
-    code, values = row.pop("code") or finding.finding, row.pop("values")
-    place, _, meaning = templates()[code].partition(": ")
-    located = meaning and place.startswith(("{file}", "{columns}"))
-    return row | {
-        "place": _filled(place, values) if located else "",
-        "detail": _with_remedy(values, sentence(code, values)),
-    }

@@ -7,7 +7,7 @@ from itertools import chain
 import numpy as np
 
 from ur5lib.channels import TORQUE, Effort
-from ur5lib.checks.doubts import doubts_by_joint
+from ur5lib.checks.doubts import doubt_in_words, doubts_by_joint
 from ur5lib.errors import RefusalError, Remark, reason, remark
 from ur5lib.identification.at_rest import AtRest
 from ur5lib.identification.current_regression import (
@@ -111,8 +111,8 @@ def with_causes(fit: CurrentFit, doubts: Mapping[int, Finding], arm: Robot) -> C
     def caused(joint: int, one: Remark) -> Remark:
         if joint not in doubts or one.code not in UNEXPLAINED:
             return one
-        cause = remark(doubts[joint].code, arm=arm.name, joints=[joint])
-        return remark("explained contradiction", **one.values, **unit, cause=asdict(cause))
+        cause = doubt_in_words(doubts[joint].code, arm.name, [joint])
+        return remark("explained contradiction", **one.values, **unit, cause=cause)
 
     return replace(
         fit,

@@ -42,8 +42,7 @@ def judge_recording(
         signals.actual_q, signals.segment, signals.period, cutoff_hz, friction.period
     )
     share = unusual_friction(motion, currents, residuals)
-    unusual = Finding("robot", UNUSUAL_FRICTION, "warning", 1, {"share": share})
-    doubts = slower if share is None else [*slower, unusual]
+    doubts = slower if share is None else [*slower, _unusual(share)]
     known = premises.contradictions
     contradictions = replace(known, findings=[*known.findings, *doubts])
     return Judgement(rows, files.findings(quality, contradictions, alignment.clocks))
@@ -66,3 +65,13 @@ def of_models(signals: Signals, torques: Torques, prediction: Prediction) -> dic
         current_rmse=friction.current_rmse(prediction),
         payload=friction.payload(prediction),
     )
+
+
+def _unusual(share: float) -> Finding:
+    """Return the warning of a recording with a share of the usual friction."""
+    detail = (
+        f"the currents show {share:.0%} of the friction that such a motion usually has, as where a "
+        "hand leads the arm; since nothing was fitted, its contact force cannot be told from that, "
+        "and none is stated: record motion without contact with the role fit"
+    )
+    return Finding("robot", UNUSUAL_FRICTION, "warning", 1, detail)

@@ -15,7 +15,6 @@ from ur5lib.records.friction import Friction
 from ur5lib.records.judgement import Judgement
 from ur5lib.records.models import Identification, Rotors
 from ur5lib.records.quality import Finding
-from ur5lib.records.wording import worded
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.tables import read_cells
@@ -123,7 +122,7 @@ def rows_of_recordings(
         name: beside_sensor_findings(found[name], one, roles.get(name, ""))
         for name, one in compared.items()
     }
-    rows["quality"] = {name: map(worded, own) for name, own in found.items()}
+    rows["quality"] = {name: map(files.row, own) for name, own in found.items()}
     rows["quality"] |= {name: [files.unreadable(why)] for name, why in unreadable.items()}
     return rows
 

@@ -1,7 +1,6 @@
 """Rows of tables about the recordings' files: their size, clocks and findings."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import asdict
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, cast
 
 import numpy as np
@@ -10,6 +9,7 @@ import pandas as pd
 from ur5lib.recordings.copies import same_runs, spare_copy
 from ur5lib.records.account import NOTHING
 from ur5lib.records.clocks import SettledClock
+from ur5lib.records.phrases import number
 from ur5lib.records.quality import (
     SAME_RUN,
     UNREADABLE,
@@ -19,7 +19,7 @@ from ur5lib.records.quality import (
     Quality,
 )
 from ur5lib.records.signals import Signals
-from ur5lib.records.wording import sentence
+from ur5lib.records.wording import in_words
 from ur5lib.tidy import Row
 
 UNUSED = "columns not used"  # the finding that import left them out
@@ -86,18 +86,33 @@ def findings(
     found = [*contradictions.stop_signs, *quality.findings, *contradictions.findings]
     for row in quality.account:
         for columns in row.subject.split(", ") if row.taken_for == NOTHING else ():
-            values = {"columns": columns, "reason": row.reason}
-            found.append(Finding("robot", UNUSED, "note", 1, values))
+            found.append(Finding("robot", UNUSED, "note", 1, f"{columns}: {row.reason}", columns))
     for device, checksum in quality.files.items():
-        used = int(device in quality.devices)
-        found.append(Finding(device, SAME, "note", used, {"checksum": checksum}, "checksum"))
-    rows = {"rows": " ".join(map(str, quality.fingerprint))}
-    found.append(Finding("robot", SAME_RUN, "note", 0, rows, "fingerprint"))
+        found.append(Finding(device, SAME, "note", int(device in quality.devices), checksum))
+    found.append(Finding("robot", SAME_RUN, "note", 0, " ".join(map(str, quality.fingerprint))))
     for sensor, clock in (clocks or {}).items():
-        doubt = "clock by stamps alone" if clock.warning else "unknown drift"
-        if clock.warning or clock.drift is None:
-            found.append(Finding(cast(Device, sensor), doubt, "warning", 1, asdict(clock)))
+        found += _doubts_of(cast(Device, sensor), clock)
     return found
+
+
+def _doubts_of(device: Device, clock: SettledClock) -> Iterator[Finding]:
+    """Yield a warning of a clock without a measured drift."""
+    start, end = number(clock.offset_std, ".2g"), number(clock.end_std, ".2g")
+    accurate = f"accurate to {start} s at the start and {end} s at the end"
+    if clock.warning is not None:
+        detail = f"{in_words(clock.warning)}; {accurate}"
+        yield Finding(device, "clock by stamps alone", "warning", 1, detail)
+    elif clock.drift is None:
+        detail = (
+            f"its clock is known from its start stamp only, {accurate}; if one computer timestamps "
+            "both this device and an IMU, list both under `hosts`"
+        )
+        yield Finding(device, "unknown drift", "warning", 1, detail)
+
+
+def row(finding: Finding) -> Row:
+    """Return a finding as a row of quality.csv."""
+    return vars(finding) | {"detail": finding.sentence()}
 
 
 def unreadable(reason: str) -> Row:
@@ -151,16 +166,27 @@ def _repeated(runs: pd.DataFrame, roles: Mapping[str, str]) -> dict[Any, Row]:
         own = row["recording"]
         names = [name for name in holders if name in holders[own]]
         if len(names) > 1:
-            values = {"names": names, "spare": [name for name in names if name in spare]}
-            code, severity = (SAME_RUN, "stop") if own in standing else ("spare copy", "warning")
-            told = {"severity": severity, "detail": sentence(code, values)}
-            repeated[at] = {**row, **told, "count": len(names) - 1}
+            left_out = [name for name in names if name in spare]
+            repeated[at] = {**row, **_run(names, left_out, own in standing)}
     return repeated
+
+
+def _run(names: Sequence[str], spare: Sequence[str], standing: bool) -> Row:
+    """Return what is found of recordings of one run; standing: none of them is left out."""
+    same = f"{', '.join(names)} are one run: their rows are equal"
+    detail = (
+        f"{same}, so that it would count twice; keep one of them in the study"
+        if standing
+        else f"{same}, and {' and '.join(spare)} would count twice: left out of the results; "
+        "remove it from the study, or name its own file"
+    )
+    severity = "stop" if standing else "warning"
+    return {"count": len(names) - 1, "severity": severity, "detail": detail}
 
 
 def _copy(row: pd.Series, alike: pd.DataFrame) -> Row:
     """Return the finding of a file that is the same in several recordings."""
     others = [name for name in alike["recording"] if name != row["recording"]]
     used = "used" if int(row["count"]) else "not used"
-    detail = sentence(SAME, {"others": others, "used": used})
+    detail = f"identical to the file of {', '.join(others)}; {used} here"
     return {**row, "count": len(others), "detail": detail}

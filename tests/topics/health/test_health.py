@@ -42,7 +42,7 @@ from ur5lib.topics.health.rows import Checkup, Condition, Health, JointChange
 from ur5lib.topics.health.track_health import health_of, together
 
 START = date(2026, 3, 3)
-QUALITY = Quality(frames=1000, findings=[Finding("robot", "lost frames", "warning", 20)])
+QUALITY = Quality(frames=1000, findings=[Finding("robot", "lost frames", "warning", 20, "lost")])
 NOISE = 0.05  # A
 TAKEN = JudgedLoad(2.0, 0.1, (1.8, 2.2), True, 0.0, 2.0, True, np.zeros(3), np.zeros(3))
 

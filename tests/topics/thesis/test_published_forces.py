@@ -105,7 +105,7 @@ def test_the_corrected_estimate_finds_the_force(results: Results) -> None:
     "contradicting",
     [
         {"friction": Friction(stopped=remark("contradicting constants"))},
-        {"premises": premises(contradiction("unusable"))},
+        {"premises": premises(contradiction("order", "", "wrong"))},
     ],
 )
 def test_no_force_is_stated_where_fit_or_recording_contradicts_the_arm(
