@@ -51,7 +51,6 @@ from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.records.table import Table
-from ur5lib.records.wording import in_words
 from ur5lib.robots.description import load_robot
 from ur5lib.steps.estimate_forces import estimate_forces
 from ur5lib.steps.estimate_load import estimate_load
@@ -364,7 +363,8 @@ def refusal(fold: Fold, tested: list[Recording]) -> str | None:
         return str(error)
     friction = read_record(Friction, fold.shared("friction.json"))
     residuals = read_record(Residuals, fold.shared("residuals.json"))
-    return next(map(in_words, filter(None, (friction.refused, residuals.refused))), None)
+    refusals = (friction.refused, residuals.refused)
+    return next((one.sentence() for one in refusals if one is not None), None)
 
 
 def built_folds(

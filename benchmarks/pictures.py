@@ -18,7 +18,7 @@ from benchmarks.harness.markdown import markdown, replaced, section
 from benchmarks.harness.options import built, options_of
 from ur5lib.errors import InputError
 from ur5lib.jobs import files
-from ur5lib.records.wording import reason_in_words
+from ur5lib.records.verdicts import reason_in_words
 from ur5lib.report.page.handed import handed_over
 from ur5lib.report.page.typeset import said
 from ur5lib.report.results import Results

@@ -4,9 +4,8 @@ import unicodedata
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import Any
 
-OVERRULED_BY = "; if the study is right, `"  # between a stop sign and the line that overrules it
+OVERRULED_BY = "; if the study is right, "  # between a stop sign and the line that overrules it
 SEPARATOR_CATEGORIES = {"Zl", "Zp"}  # beside "C…": controls, marks of direction, surrogates
 
 
@@ -33,39 +32,47 @@ class UnreadableError(InputError):
 
 @dataclass(frozen=True)
 class Remark:
-    """A remark of a step, by the code of its sentence in `<module>.words.yaml`.
+    """A remark of a step.
 
-    values: numbers and names in the sentence, or further remarks.
+    code: by which tables and other steps know it; text: the sentence, made printable; kind: under
+    which a study accepts a stop sign, empty if it cannot; motion: that it advises; constants: the
+    fitted and the known one of a joint [Nm/A, or Nm/Nm], where they contradict each other.
     """
 
     code: str
-    values: dict[str, Any]
+    text: str
+    kind: str = ""
+    motion: str = ""
+    constants: tuple[float, float] | None = None
 
+    def __post_init__(self) -> None:
+        """Make the sentence printable."""
+        object.__setattr__(self, "text", printable(self.text))
 
-def remark(code: str, **values: Any) -> Remark:
-    """Return the remark of a code with the values of its sentence."""
-    return Remark(code, values)
+    def sentence(self) -> str:
+        """Return the sentence, of a stop sign with how a study overrules it."""
+        return overrulable(self.text, self.kind)
 
 
 class RefusalError(ValueError):
-    """The recordings do not allow a fit, for the reason in a remark."""
+    """The recordings do not allow a fit, for the reason in a remark; arguments as of `Remark`."""
 
-    def __init__(self, code: str, **values: Any) -> None:
-        """Keep the remark as plain data."""
-        super().__init__(code)
-        self.remark = remark(code, **values)
+    def __init__(self, code: str, text: str, kind: str = "") -> None:
+        """Keep the remark."""
+        super().__init__(f"{code}: {text}")
+        self.remark = Remark(code, text, kind)
 
 
 def reason(error: ValueError) -> Remark:
     """Return the reason of a failed computation as a remark."""
     if isinstance(error, RefusalError):
         return error.remark
-    return remark("other reason", reason=str(error))
+    return Remark("other reason", str(error))
 
 
 def overrulable(sign: str, kind: str) -> str:
     """Return a stop sign with how a study overrules it; kind: under which, empty if it cannot."""
-    return f"{sign}{OVERRULED_BY}accept: {{{kind}: the reason}}` overrules this" if kind else sign
+    return f"{sign}{OVERRULED_BY}`accept: {{{kind}: the reason}}` overrules this" if kind else sign
 
 
 def unknown(kind: str, name: str, known: Iterable[str]) -> InputError:

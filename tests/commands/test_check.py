@@ -28,7 +28,7 @@ from ur5lib.commands.check import (
     unusable,
 )
 from ur5lib.commands.console import announced, text_console
-from ur5lib.errors import InputError, printable, remark
+from ur5lib.errors import InputError, Remark, printable
 from ur5lib.records.account import NOTHING, UNKNOWN_NAME, AccountRow
 from ur5lib.records.clocks import SettledClock
 from ur5lib.records.force_errors import Compared
@@ -272,7 +272,7 @@ def test_a_wrong_study_is_named(
     assert words(f"{study} {named}") <= words(result.err)
 
 
-REST = asdict(remark("other reason", reason="the arm rests"))
+REST = asdict(Remark("other reason", "the arm rests"))
 
 
 def torn_line(file: Path, line: str) -> Finding:

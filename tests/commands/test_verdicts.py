@@ -19,8 +19,7 @@ from ur5lib.commands.overruled import Overruled, overruled
 from ur5lib.commands.verdicts import card_states, lines
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
-from ur5lib.records.verdicts import Verdict
-from ur5lib.records.wording import reason_in_words
+from ur5lib.records.verdicts import Verdict, reason_in_words
 from ur5lib.robots.description import load_robot, robot_path, robot_yaml
 from ur5lib.tables import write_rows, write_text
 

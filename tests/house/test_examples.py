@@ -28,8 +28,7 @@ from tests.in_memory import put_recordings
 from ur5lib.cli import app
 from ur5lib.commands.exported import exported
 from ur5lib.finished import FinishedStudy
-from ur5lib.records.verdicts import RecordingUse, Verdict
-from ur5lib.records.wording import reason_in_words
+from ur5lib.records.verdicts import RecordingUse, Verdict, reason_in_words
 from ur5lib.robots.description import robot_path, robot_yaml
 from ur5lib.tables import write_rows, write_table
 from ur5lib.workspace.extensions import ENTRY_POINT_GROUP, KINDS

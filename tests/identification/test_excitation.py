@@ -36,12 +36,9 @@ def check(*motion: Array, noise: float = 0.01) -> Excitation:
 
 def told(advice: list[Remark]) -> set[tuple[str, str]]:
     """Owner and name of the parameters that motions would determine."""
-    return {
-        (own.values["owner"], name)
-        for one in advice
-        for own in one.values["parameters"]
-        for name in own.values["names"]
-    }
+    owned = [own for one in advice for own in one.text.partition("would determine ")[2].split("; ")]
+    parts = (own.rpartition(" of ") for own in owned)
+    return {(owner, name) for names, _, owner in parts for name in names.split(", ")}
 
 
 def test_candidates_fill_the_range_and_no_more() -> None:
@@ -94,7 +91,7 @@ def test_a_standstill_tells_only_its_gravity_torques() -> None:
     assert found.combinations == 5  # joint 1 is vertical
     assert len(found.undetermined) == 40
     assert ("joint 6", "rotor inertia") in told(found.advice)
-    assert f"{found.advice[0].values['motion']}".startswith("Moving")
+    assert found.advice[0].motion.startswith("Moving")
 
 
 @pytest.mark.parametrize("joint", range(6))
@@ -104,7 +101,7 @@ def test_the_joint_that_rested_is_the_one_to_move(joint: int) -> None:
     assert f"{own} {joint + 1}" in found.undetermined
     missing = f"{own.split(' of ')[1]} {joint + 1}", own.split(" of ")[0]
     advice = next(one for one in found.advice if missing in told([one]))
-    assert f"joint {joint + 1}" in f"{advice.values['motion']}"
+    assert f"joint {joint + 1}" in advice.motion
 
 
 def test_hopeless_noise_is_called_hopeless() -> None:
@@ -118,7 +115,7 @@ def test_advice_keeps_its_promise(ur5: Robot) -> None:
     """With the advised motion added, the parameters that it was to tell are determined in a fit."""
     rows = columns("ur5", *sines(60, still=(5,)))
     before = check(*sines(60, still=(5,)))
-    advised = [f"{one.values['motion']}" for one in before.advice]
+    advised = [one.motion for one in before.advice]
     more = np.concatenate([rows, *(candidates()[name] for name in advised)])
     noise = np.random.default_rng(0).normal(0, 0.01, more.shape[:2])
     truth, prior = parameters(ur5, "C+rotors"), parameters(ur5, "C")

@@ -2,6 +2,7 @@
 in Nm has a gain of 1, or the description is wrong.
 """
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -17,7 +18,6 @@ from ur5lib.records.carried import Carried
 from ur5lib.records.friction import Friction, Parameter
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Contradictions, Finding, Quality
-from ur5lib.records.wording import in_words
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.steps.fit_friction import fit_friction, with_causes
 from ur5lib.steps.identify_model import with_fitted
@@ -137,26 +137,26 @@ def test_friction_without_a_sure_sign_is_not_determined(right: Friction) -> None
 def test_torques_of_another_side_are_a_stop_sign(arm: Robot, gear: float) -> None:
     sign = stop_sign(fitted(arm, gains=gear))
     assert sign.code == "contradicting gains"
-    assert {2, 3} <= {each.values["joint"] for each in sign.values["each"]}
-    assert all(name in in_words(sign) for name in ("gear_ratio", "rotors", "links"))
+    assert {"2", "3"} <= {*re.findall(r"Nm/Nm on joint (\d)", sign.text)}
+    assert all(name in sign.sentence() for name in ("gear_ratio", "rotors", "links"))
 
 
 def test_an_opposite_sign_is_named_with_its_remedy(arm: Robot) -> None:
     """Of one joint, which a column may have, the known gain stands in."""
     sign = stop_sign(fitted(arm, gains=np.array([1, -1, -1, 1, 1, 1.0])))
-    assert [each.values["joint"] for each in sign.values["each"]] == [2, 3]
-    assert "units" in in_words(sign)
+    assert re.findall(r"Nm/Nm on joint (\d)", sign.text) == ["2", "3"]
+    assert "units" in sign.sentence()
     (remark,) = fitted(arm, gains=np.array([1, -1, 1, 1, 1, 1.0])).fit.joints[1].remarks
-    assert "rotor" not in in_words(remark)
-    assert "units" in in_words(remark)
+    assert "rotor" not in remark.text
+    assert "units" in remark.text
 
 
 def test_the_cause_that_the_checks_found_is_named(arm: Robot) -> None:
     friction = fitted(arm, gains=np.array([1, -1, 1, 1, 1, 1.0]))
     spring = Finding("robot", DOUBT, "note", 1, "so", code="missing spring", joints=(2, 3))
     (remark,) = with_causes(friction.fit, {2: spring, 3: spring}, arm).joints[1].remarks
-    assert "`balanced_joints: [2]`" in in_words(remark)
-    assert "column" not in in_words(remark)
+    assert "`balanced_joints: [2]`" in remark.text
+    assert "column" not in remark.text
     assert with_causes(friction.fit, {3: spring}, arm) == friction.fit
 
 
@@ -175,7 +175,7 @@ def test_links_found_from_torques_need_the_side_of_these(
     friction = fitted(arm.model_copy(update={"links": "fitted", "weight": None} | told))
     assert (friction.stopped is not None) == stops
     if stops:
-        assert "`effort: " in in_words(stop_sign(friction))
+        assert "`effort: " in stop_sign(friction).sentence()
 
 
 def test_all_torques_times_a_number_leave_the_gains_of_unknown_links_unmoved(arm: Robot) -> None:

@@ -21,7 +21,7 @@ from tests.made_study import finding, judged_anew, study
 from tests.made_tables import table
 from tests.report.illustrated import EVERY, illustrated
 from tests.typeset_page import page_of, plain, sources, tables_of
-from ur5lib.errors import InputError, remark
+from ur5lib.errors import InputError, Remark
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.signals import Signals
 from ur5lib.records.verdicts import REASONS
@@ -338,7 +338,7 @@ def test_what_a_run_carries_is_in_a_table() -> None:
 
 
 def test_remarks_of_fits_are_on_the_page_and_why_one_made_nothing() -> None:
-    odd, little = (asdict(remark("other reason", reason=why)) for why in ("odd", "too little"))
+    odd, little = (asdict(Remark("other reason", why)) for why in ("odd", "too little"))
     fitted = {"fit": {"joints": [{"remarks": [odd]}, {"remarks": []}, {"remarks": [odd]}]}}
     rows = table(models.remarks, {"ur5": ({"refused": little}, fitted, None)})
     made = study(**EVERY)

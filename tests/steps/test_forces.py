@@ -13,7 +13,7 @@ from tests.made_up_torques import MODEL, Free, between, free_run
 from tests.steps.made_recording import CURRENTS_LOWPASS, NO_LOAD, Known, known_of, premises
 from ur5lib.channels import TORQUE
 from ur5lib.dynamics.link_model import LinkModel, load_regressor
-from ur5lib.errors import remark
+from ur5lib.errors import Remark
 from ur5lib.force.estimators import GATED
 from ur5lib.force.flange_contact import place_jacobian
 from ur5lib.force.problem import is_fitted
@@ -316,7 +316,7 @@ def test_residuals_of_few_paths_are_wider(ur5: Robot, friction: Friction) -> Non
     assert (models[1].spread >= models[2].spread).all()
     assert (models[2].spread >= models[5].spread).all()
     assert (models[1].spread > models[5].spread).any()
-    assert found[1].remarks[0] == remark("one path of all")
+    assert found[1].remarks[0].code == "one path of all"
     assert [len(found[paths].remarks) for paths in (1, 2, 5)] == [2, 1, 0]
     np.testing.assert_array_equal(models[5].breakaway, breakaway_torque(friction.fit))
 
@@ -342,9 +342,10 @@ def test_few_paths_that_hardly_rest_ask_for_rest(
 def test_of_a_joint_that_never_moves_other_arms_tell(ur5: Robot, friction: Friction) -> None:
     run = free_run(ur5, 4, period=PERIOD)
     still = replace(run, qd=run.qd * [1, 1, 1, 1, 1, 0])
-    reason = remark("still joints", joints=[6])
     found = residuals_of(ur5, friction, 5, still)
-    assert found.remarks == (reason,)
+    (reason,) = found.remarks
+    assert reason.code == "still joints"
+    assert "moves joint 6:" in reason.text
     np.testing.assert_array_equal(
         torque_model(found).spread, torque_model(usual_residuals(friction.fit, 2.0)).spread
     )
@@ -439,9 +440,9 @@ def test_a_push_on_the_forearm_is_no_false_alarm(ur5: Robot) -> None:
     ("friction", "signs", "withheld"),
     [
         (Friction(), [], False),
-        (Friction(refused=remark("no currents")), [], False),
+        (Friction(refused=Remark("no currents", "no currents")), [], False),
         (Friction(from_=["free"]), [], True),
-        (Friction(stopped=remark("wrong constants")), [], True),
+        (Friction(stopped=Remark("wrong constants", "wrong")), [], True),
         (Friction(), [contradiction("order", "", "wrong")], True),
     ],
 )

@@ -112,7 +112,7 @@ def test_rows_are_written_plainly(tmp_path: Path) -> None:
 # A sensor, and a role that says whether anything touches the arm
 
 ERRORS = {"mae": {"Fx": 2.0, "nx": 0.1}}
-DOUBT = {"code": "disputed bias", "values": {"share": 0.3}}
+DOUBT = {"code": "disputed bias", "text": "only 30% of the samples agree"}
 ROLES = {"fitted": "fit", "seen": "validate", "pushed": "contact"}
 
 

@@ -26,7 +26,7 @@ def parameter(name: str = "torque_constant", **given: Any) -> Parameter:
 
 def fit(*codes: str, **given: Any) -> Friction:
     """The fit of one joint with remarks of these codes."""
-    joint = {"remarks": [{"code": code, "values": {}} for code in codes]}
+    joint = {"remarks": [{"code": code, "text": code} for code in codes]}
     joint |= {"estimate": {"coefficients": [0.1]}, "alone": given.pop("alone", None)}
     whole = {"from": ["one"], "fit": {"joints": [joint]}, "known_constants": KNOWN} | given
     made: Friction = record(Friction, whole)
@@ -35,7 +35,7 @@ def fit(*codes: str, **given: Any) -> Friction:
 
 OPEN = {"determined": False, "prior_share": SOME_PRIOR}
 OF_OTHERS = {"determined": False, "prior_share": MOSTLY_PRIOR}
-STOPPED = {"stopped": {"code": "contradicting constants", "values": {}}}
+STOPPED = {"stopped": {"code": "contradicting constants", "text": "wrong"}}
 OBSTACLES: list[tuple[Friction, dict[str, Any], str]] = [  # the worst first
     (fit(**STOPPED), {}, "stopped"),
     (fit("unlikely constant"), {}, "unlikely"),

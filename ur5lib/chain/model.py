@@ -18,7 +18,6 @@ from ur5lib.jobs.job import step_named
 from ur5lib.jobs.memory import Contents, call, record_of, text_of
 from ur5lib.records.friction import Friction
 from ur5lib.records.premises import Premises
-from ur5lib.records.wording import in_words
 from ur5lib.robots.description import Robot
 from ur5lib.robots.friction import PARAMETER_UNITS
 from ur5lib.study.model import Settings, Study
@@ -279,7 +278,7 @@ def fit(recordings: Recordings, accept: Mapping[str, str] | None = None) -> Mode
     model = Model(recordings.study.settings, chain.robot, chain.arm, fitted)
     refused = model.friction.stopped or model.friction.refused
     if refused is not None:
-        raise InputError(f"{chain.robot}: {in_words(refused)}")
+        raise InputError(f"{chain.robot}: {refused.sentence()}")
     each("estimate_load", "predict_currents")
     chain.run("fit_residuals")
     each("estimate_forces")

@@ -31,17 +31,17 @@ def foreign_size(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
 
 
 def _foreign_size(ratio: float, arm: Robot, by_links: bool) -> Finding:
-    sized = f"actual_torque is {number(ratio, '.2g')} times what would hold"
     if by_links:
         detail = (
-            f"{sized} the {number(sum(arm.masses), '.3g')} kg of the links of {arm.name}; correct "
-            "its unit or columns, or say `links: unknown` in the description if the masses there "
-            "are guesses"
+            f"actual_torque is {number(ratio, '.2g')} times what would hold the "
+            f"{number(sum(arm.masses), '.3g')} kg of the links of {arm.name}; correct its unit or "
+            "columns, or say `links: unknown` in the description if the masses there are guesses"
         )
         return contradiction("foreign size of links", "unit", detail)
     detail = (
-        f"{sized} an arm of {number(arm.weight, 'g')} kg; correct its unit or columns, "
-        f"`gear_ratio` and `effort` of {arm.name}, or its `weight`"
+        f"actual_torque is {number(ratio, '.2g')} times what would hold an arm of "
+        f"{number(arm.weight, 'g')} kg; correct its unit or columns, `gear_ratio` and `effort` of "
+        f"{arm.name}, or its `weight`"
     )
     return contradiction("foreign size", "unit", detail)
 

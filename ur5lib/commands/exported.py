@@ -21,7 +21,6 @@ from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import CurrentFit, Friction, Parameter
 from ur5lib.records.models import BaseParameter, Identification, Rotors
 from ur5lib.records.motion import Motion
-from ur5lib.records.wording import in_words
 from ur5lib.robots.description import Robot, load_robot, no_description, robot_names, robot_path
 from ur5lib.robots.exports import JointFriction, isaac, sdf, urdf
 from ur5lib.robots.inertia import rigid_bodies, written_bodies
@@ -225,7 +224,7 @@ def identified_parameters(
         "known_constants": currents.known_constants,
         "current_model": [
             {name: getattr(joint, name) for name in FITTED_FIELDS}
-            | {"remarks": [*map(in_words, joint.remarks)]}
+            | {"remarks": [one.sentence() for one in joint.remarks]}
             for joint in currents.fit.joints
         ],
         "simulator_friction": None if friction is None else asdict(friction),

@@ -8,7 +8,7 @@ from typing import Any
 from ur5lib.commands.verdicts import CardState, card_states
 from ur5lib.errors import InputError, printable
 from ur5lib.finished import FinishedStudy, no_verdicts
-from ur5lib.records.wording import reason_in_words
+from ur5lib.records.verdicts import reason_in_words
 
 FORBIDDEN = "do not use"
 

@@ -8,7 +8,7 @@ from typing import Any
 from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.errors import printable
 from ur5lib.finished import FinishedStudy
-from ur5lib.records.wording import reason_in_words
+from ur5lib.records.verdicts import reason_in_words
 
 
 @dataclass(frozen=True)

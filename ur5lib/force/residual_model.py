@@ -141,10 +141,18 @@ def fit_residual_model(
         _moments(parts, joints) for parts in (stretches, short, long)
     )
     if not np.isfinite(long_variogram).any():
-        raise RefusalError("short recordings", seconds=LONG_LAG)
+        text = (
+            f"no contact-free recording has {LONG_LAG:g} s without a gap; add a longer recording "
+            "with the role “fit”"
+        )
+        raise RefusalError("short recordings", text)
     still = (np.flatnonzero(np.isnan(mean_square[JointState.MOVING])) + 1).tolist()
     if still:
-        raise RefusalError("still joints", joints=still)
+        text = (
+            f"no contact-free recording moves joint {', '.join(map(str, still))}: its friction in "
+            "motion is known from other arms at best; record a motion of all joints"
+        )
+        raise RefusalError("still joints", text)
     change = np.sqrt(_filled_moments(short_variogram))
     return ResidualModel(
         spread=np.maximum(np.sqrt(_filled_moments(mean_square)), change),

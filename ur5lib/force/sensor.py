@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ur5lib.errors import Remark, remark
+from ur5lib.errors import Remark
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.free_fit import (
     CONTACT_DEVIATIONS,
@@ -22,6 +22,7 @@ from ur5lib.force.free_fit import (
     settle,
 )
 from ur5lib.records.force_errors import Offset
+from ur5lib.records.phrases import number
 from ur5lib.timeseries.arrays import Array, Mask
 
 MAX_OFFSET_SAMPLES = 20_000  # for a fit
@@ -117,14 +118,15 @@ def offset_doubt(offset: SensorOffset, repeats: float = 1.0) -> Remark | None:
     rival = offset.rival
     free_readings = round(offset.free.sum() / repeats)
     if rival > MAX_RIVAL_SHARE * agreeing:
-        return remark("two biases", share=agreeing, other=rival)
+        text = f"{agreeing:.0%} of the samples have one bias, {rival:.0%} another"
+        return Remark("two biases", text)
     if agreeing < MIN_AGREEING_SHARE:
-        return remark("disputed bias", share=agreeing)
-    return (
-        remark("few free samples", count=free_readings)
-        if free_readings < MIN_FREE_SAMPLES
-        else None
-    )
+        agree = f"only {agreeing:.0%} of the samples agree on one bias"
+        return Remark("disputed bias", f"{agree}, the others count as contact")
+    if free_readings < MIN_FREE_SAMPLES:
+        few = f"only {free_readings} samples are without contact"
+        return Remark("few free samples", f"{few}, too few for a reliable bias")
+    return None
 
 
 def _settled_agreement(record: SensorReadings, offsets: Array, tolerance: Array) -> Iterator[Fit]:
@@ -241,7 +243,15 @@ def mounting_doubt(offset: SensorOffset, opposite: list[str]) -> Remark | None:
     """Return why the sensor's mounting is doubtful: turned or of opposite sign; else None."""
     reasons = []
     if opposite:
-        reasons.append(remark("opposite force", axes=opposite))
+        along = f"the sensor's force along {', '.join(opposite)} of frame 6"
+        reasons.append(f"{along} is opposite to that from the motors")
     if offset.mass < -max(NEGATIVE_MASS_TOLERANCE, 3 * offset.mass_std):
-        reasons.append(remark("negative weight", mass=offset.mass, std=offset.mass_std))
-    return remark("turned sensor", reasons=reasons) if reasons else None
+        mass, std = number(offset.mass, ".2g"), number(offset.mass_std, ".1g")
+        reasons.append(f"the weight of the sensor's tool points upwards ({mass} ± {std} kg)")
+    if not reasons:
+        return None
+    text = (
+        f"{' and '.join(reasons)}: it may be mounted upside down or have the opposite sign; rotate "
+        "its readings into the axes of frame 6"
+    )
+    return Remark("turned sensor", text)

@@ -157,7 +157,8 @@ def stack(blocks: Blocks) -> Stack:
             factors[i : i + 2] = [_triangle(np.concatenate(factors[i : i + 2], axis=1))]
             samples[i : i + 2] = [sum(samples[i : i + 2])]
     if not samples:
-        raise RefusalError("no known torque")
+        text = "no recording has both a complete motion and target_moment"
+        raise RefusalError("no known torque", text)
     return Stack(np.stack(factors), np.array(samples))
 
 
@@ -180,7 +181,11 @@ def identify(data: Stack, prior: Array, width: Array) -> InertialEstimate:
     Raises RefusalError for a single block, which determines no standard errors.
     """
     if len(data.samples) < 2:
-        raise RefusalError("one block")
+        text = (
+            "standard errors need two blocks of samples or more; record a longer motion with "
+            "target_moment"
+        )
+        raise RefusalError("one block", text)
     rows, count = total_factors(data), data.samples.sum()
     # alternate π and the noise of each joint, n - tr(S Sᵀ Yᵀ Y) / σ² degrees of freedom
     noise = _noise(rows, prior, np.full(len(rows), count))

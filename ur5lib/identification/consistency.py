@@ -85,7 +85,11 @@ def nearest_bodies(estimate: Array, spread: Array, bounds: LinkBounds | None = N
     with warnings.catch_warnings(action="ignore", category=UserWarning):
         problem.solve(solver=cp.CLARABEL)
     if problem.status not in SOLVED:
-        raise RefusalError("no bodies", solver=problem.status)
+        text = (
+            "no physically consistent inertial parameters explain the torques (solver: "
+            f"{problem.status}); check their units, the robot and its weight"
+        )
+        raise RefusalError("no bodies", text)
     return np.asarray(parameters.value, dtype=np.float64)
 
 

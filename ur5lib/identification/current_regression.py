@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ur5lib.channels import TORQUE
-from ur5lib.errors import Remark, remark
+from ur5lib.channels import TORQUE, Effort
+from ur5lib.errors import Remark
 from ur5lib.identification.currents import (
     constants_band,
     constants_doubt,
@@ -41,6 +41,7 @@ from ur5lib.identification.samples import (
 )
 from ur5lib.identification.selection import in_units, with_shown_terms
 from ur5lib.records.friction import CoefficientEstimate, CurrentFit, JointFit
+from ur5lib.records.phrases import number
 from ur5lib.robots.friction import (
     BASE_TERMS,
     CONSIDERED_OF_TORQUES,
@@ -127,11 +128,31 @@ def _with_known_where_lost(
     joints = list(fit.joints)
     for joint in np.flatnonzero(lost).tolist():
         coefficients = contradicted_joints[joint].estimate.coefficients
-        constants = {"alone": float(1 / coefficients[0]), "known": float(known_constants[joint])}
-        code = "torque against gain" if sensed else "current against constant"
-        remarks = *joints[joint].remarks, remark(code, **constants)
+        doubt = _against(float(1 / coefficients[0]), float(known_constants[joint]), sensed)
+        remarks = *joints[joint].remarks, doubt
         joints[joint] = replace(joints[joint], alone=coefficients, remarks=remarks)
     return replace(fit, joints=tuple(joints)), known
+
+
+def _against(alone: float, known: float, sensed: bool) -> Remark:
+    """Return the remark on a joint that by itself would have another constant, or gain, than the
+    known one.
+    """
+    by_itself = f"by itself, it would give {number(alone, '.3g')}"
+    if sensed:
+        text = (
+            f"the measured torque contradicts its gain of 1 ({by_itself} Nm/Nm), which is used "
+            "instead: a link or a column may be wrong, a spring be missing (`balanced_joints`), "
+            "or, of a negative gain, the sign be reversed (`units`); record faster and loaded "
+            "motions"
+        )
+        return Remark("torque against gain", text, constants=(alone, known))
+    text = (
+        f"the motor contradicts its known torque constant ({by_itself} instead of "
+        f"{number(known, '.3g')}), which is used instead: the inertia of the rotor may be missing, "
+        "or a column be wrong; record faster and loaded motions"
+    )
+    return Remark("current against constant", text, constants=(alone, known))
 
 
 def expected_fit(prior: Prior, seed: int = 0) -> CurrentFit:
@@ -318,19 +339,40 @@ def _remarks(
     samples: JointSamples, estimate: CoefficientEstimate, prior: Prior
 ) -> tuple[Remark, ...]:
     """Return the doubts about the fit of a joint."""
-    moved = len(np.unique(samples.path[samples.moving]))
-    remarks = []
-    if moved < MIN_UNITS:
-        code = {0: "no motion", 1: "one path"}.get(moved, "few paths")
-        remarks.append(remark(code, paths=moved, constant=prior.measured.constant))
+    remarks = [*_few_paths(len(np.unique(samples.path[samples.moving])), prior.measured)]
     inverse, known_inverse = float(estimate.coefficients[0]), float(prior.inverse_constant.mean[0])
     deviations = abs(inverse - known_inverse) / float(prior.std()[0])
     if (
         deviations > DOUBTFUL_DEVIATIONS
         and not known_inverse / DOUBTFUL_RATIO < inverse < known_inverse * DOUBTFUL_RATIO
     ):
-        names = {"constant": prior.measured.constant, "unit": prior.measured.constant_unit}
         known_std = float(prior.std()[0]) / known_inverse**2
-        values = {"fitted": 1 / inverse, "known": 1 / known_inverse, "known_std": known_std} | names
-        remarks.append(remark("unlikely constant", **values))
+        text = (
+            f"{prior.measured.constant} contradicts the known one, {number(1 / inverse, '.3g')} "
+            f"instead of {number(1 / known_inverse, '.3g')} ± {number(known_std, '.2g')} "
+            f"{prior.measured.constant_unit}: check columns, units and robot"
+        )
+        remarks.append(Remark("unlikely constant", text))
     return tuple(remarks)
+
+
+def _few_paths(moved: int, measured: Effort) -> Iterator[Remark]:
+    """Yield what the number of paths on which a joint moves leaves open."""
+    if moved == 0:
+        text = (
+            f"does not move: its friction is unknown and its {measured.constant} is that of the "
+            "prior; record a motion of this joint"
+        )
+        yield Remark("no motion", text)
+    elif moved == 1:
+        text = (
+            "moves along one path only: no further friction term is selected, and the error bars "
+            "are untested; record another path"
+        )
+        yield Remark("one path", text)
+    elif moved < MIN_UNITS:
+        text = (
+            f"moves along {moved} paths only: the variation between paths is hardly known; record "
+            "more paths"
+        )
+        yield Remark("few paths", text)

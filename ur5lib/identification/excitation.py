@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 from scipy.linalg import eigh
 
-from ur5lib.errors import Remark, remark
+from ur5lib.errors import Remark
 from ur5lib.identification.base_parameters import (
     MAX_PRIOR_VARIANCE_SHARE,
     BaseParameters,
@@ -116,17 +116,18 @@ def _advice(base: BaseParameters, unknown: Mask, determined: dict[str, Mask]) ->
         motion = max(determined, key=lambda name: int(np.sum(undetermined & determined[name])))
         gained = undetermined & determined[motion]
         if not gained.any():
-            yield remark("no motion determines", parameters=_by_owner(base, undetermined))
+            none = "at this noise, none of the motions tried would determine"
+            yield Remark("no motion determines", f"{none} {_by_owner(base, undetermined)}")
             return
-        finding = {"motion": motion, "parameters": _by_owner(base, gained)}
-        yield remark("motion determines", **finding)
+        text = f"{motion} in many poses would determine {_by_owner(base, gained)}"
+        yield Remark("motion determines", text, motion=motion)
         undetermined = undetermined & ~gained
 
 
-def _by_owner(base: BaseParameters, members: Mask) -> list[Remark]:
+def _by_owner(base: BaseParameters, members: Mask) -> str:
     """Return the chosen base parameters (B,), grouped by link or joint."""
     owners: dict[str, list[str]] = defaultdict(list)
     for column in base.columns[members]:
         name, owner = base.parameters[column].split(" of ")
         owners[owner].append(name)
-    return [remark("parameters of", names=names, owner=owner) for owner, names in owners.items()]
+    return "; ".join(f"{', '.join(names)} of {owner}" for owner, names in owners.items())

@@ -30,6 +30,7 @@ from ur5lib.identification.consistency import (
 from ur5lib.identification.current_samples import Smoother
 from ur5lib.identification.selection import is_less
 from ur5lib.identification.torque_rows import MeasuredRun, TorqueRows, torque_rows
+from ur5lib.records.phrases import numbered
 from ur5lib.robots.description import Robot
 from ur5lib.robots.drives import shaft_matrix
 from ur5lib.robots.friction import SPEED_TERMS
@@ -147,7 +148,12 @@ class ArmFit:
         any_numbers, bodies = (self.unseen_errors(places, own) for own in (None, self.bounds))
         far = 1 + np.flatnonzero(ratio(bodies, any_numbers) > MAX_ERROR_OF_BODIES)
         if len(far):
-            raise RefusalError("foreign bodies", joints=[str(joint) for joint in far])
+            text = (
+                f"bodies explain the torques of {numbered(far)} far worse than any numbers would: "
+                "check the signs of torques and joints (`directions`), `home_deg`, the robot and "
+                "its `weight`"
+            )
+            raise RefusalError("foreign bodies", text)
 
 
 def ratio(errors: Array, others: Array) -> Array:

@@ -217,7 +217,11 @@ def makers_covariance(
     same = np.array([[size == other_size for other_size in motors] for size in motors])
     has_constant = np.isfinite(maker)
     if not all((has_constant | np.isfinite(controller))[row].any() for row in same):
-        raise RefusalError("unknown constant")
+        text = (
+            "the torque constant of a motor size is unknown: neither the robot's description nor "
+            "target_moment and target_current at standstill determine it"
+        )
+        raise RefusalError("unknown constant", text)
     wide = np.where(has_constant, shared, 10.0)  # without a manufacturer's value, any constant
     covariance: Array = same * np.outer(wide, wide) + np.eye(len(motors)) * spread**2
     return covariance

@@ -18,6 +18,7 @@ from ur5lib.identification.samples import (
     blocks,
     record_paths,
 )
+from ur5lib.records.phrases import numbered
 from ur5lib.robots.drives import coupled_motors
 from ur5lib.robots.friction import coefficient_names, friction_columns
 from ur5lib.timeseries.arrays import Array, Labels, Mask
@@ -99,7 +100,8 @@ def torque_rows(
     rows_of = ((run.samples, *run_rows(run, terms, smooth, shafts)) for run in runs)
     filled = [own for own in rows_of if len(own[-1])]
     if not filled:
-        raise RefusalError("no fit torques")
+        text = "no recording with the role “fit” has actual_torque in motion"
+        raise RefusalError("no fit torques", text)
     samples, regressor, torque, block = zip(*filled, strict=True)
     paths = record_paths(samples)
     path = np.repeat(paths, [len(rows) for rows in torque])
@@ -111,7 +113,9 @@ def torque_rows(
     unit = next((part for part in parts if len(np.unique(part)) >= MIN_UNITS), whole) % MAX_BLOCKS
     rows, torques = np.concatenate(regressor), np.concatenate(torque)
     if len(still := 1 + np.flatnonzero(np.ptp(torques, axis=0) == 0)):
-        raise RefusalError("no torque of joints", joints=[str(joint) for joint in still])
+        torque_of = f"the torque of {numbered(still)}"
+        text = f"{torque_of} does not change in any recording with the role “fit”"
+        raise RefusalError("no torque of joints", text)
     units = [(rows[unit == label], torques[unit == label]) for label in np.unique(unit)]
     motors = [*(1 + np.flatnonzero(coupled_motors(shafts)))]
     return TorqueRows(units, [*terms], motors)

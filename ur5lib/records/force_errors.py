@@ -6,7 +6,6 @@ import numpy as np
 
 from ur5lib.errors import Remark
 from ur5lib.records.quality import Finding
-from ur5lib.records.wording import in_words
 from ur5lib.timeseries.arrays import Array, Six
 
 WHOLE = "norm"  # the component of all three axes together
@@ -119,11 +118,11 @@ class Compared:
         """Return why the sensor's mounting and bias may be wrong."""
         found = []
         if self.mounting_doubt is not None:
-            detail = in_words(self.mounting_doubt)
+            detail = self.mounting_doubt.text
             found.append(Finding("force", "mounting", "warning", 1, detail))
         if self.offset_doubt is not None:
             detail = (
-                f"{in_words(self.offset_doubt)}: a steady push may have been taken for bias; "
+                f"{self.offset_doubt.text}: a steady push may have been taken for bias; "
                 "record some seconds in which nothing touches the tool"
             )
             found.append(Finding("force", "offset", "warning", 1, detail))

@@ -3,6 +3,9 @@
 from dataclasses import dataclass
 from typing import Literal, cast, get_args
 
+from ur5lib.channels import CURRENT, Effort
+from ur5lib.errors import printable
+
 State = Literal["good", "usable", "do not use", "not determined"]
 Use = Literal["yes", "no"]
 Reason = Literal[
@@ -94,6 +97,18 @@ assert {"", *REASONS} == {*get_args(Reason)}
 def reason_in(cell: object) -> Reason:
     """Return the reason in a cell of a table, which may be empty."""
     return cast("Reason", cell) if isinstance(cell, str) else ""
+
+
+def reason_in_words(cell: object, effort: Effort = CURRENT) -> str:
+    """Return the sentence of a reason in a table's cell, empty of an empty cell.
+
+    effort: that the arm measures. An unknown reason, as of a later version, stays a code.
+    """
+    if not isinstance(cell, str):  # NaN
+        return ""
+    if cell not in REASONS:
+        return printable(cell)
+    return REASONS[cell].format(quantity=effort.quantity, constant=effort.constant)
 
 
 @dataclass(frozen=True, kw_only=True)

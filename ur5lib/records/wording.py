@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict
 from functools import cache
 from pathlib import Path
 from string import Formatter
@@ -10,9 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.channels import CURRENT, Effort
-from ur5lib.errors import Remark, printable
-from ur5lib.records.verdicts import REASONS
+from ur5lib.errors import printable
 from ur5lib.strict import read_yaml
 
 LIBRARY = Path(__file__).parents[1]
@@ -72,27 +69,3 @@ def sentence(code: str, values: Mapping[str, Any]) -> str:
 
 def _filled(template: str, values: Mapping[str, Any]) -> str:
     return printable(Words().vformat(template, (), values))
-
-
-def in_words(remark: Remark) -> str:
-    """Return the sentence of a remark."""
-    return _with_remedy(remark.values, sentence(**asdict(remark)))
-
-
-def _with_remedy(values: Mapping[str, Any], stated: str) -> str:
-    """Return the sentence of a stop sign with how a study overrules it; others as they are."""
-    if not (kind := values.get("kind")):
-        return stated
-    return sentence("overruled by", {"sign": stated, "kind": kind})
-
-
-def reason_in_words(cell: object, effort: Effort = CURRENT) -> str:
-    """Return the sentence of a reason in a table's cell, empty of an empty cell.
-
-    effort: that the arm measures. An unknown reason, as of a later version, stays a code.
-    """
-    if not isinstance(cell, str):  # NaN
-        return ""
-    if cell not in REASONS:
-        return printable(cell)
-    return REASONS[cell].format(quantity=effort.quantity, constant=effort.constant)

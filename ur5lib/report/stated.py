@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from datetime import date
 from typing import Any
 
+from ur5lib.errors import OVERRULED_BY
 from ur5lib.records.wording import sentence, templates
 from ur5lib.report.results import Results
 
@@ -110,8 +111,7 @@ def line(text: str) -> str:
 
 def overruled(text: str) -> tuple[str, str]:
     """Return a stop sign, and the line with which a study overrules it, empty if none does."""
-    before, _, _ = templates()["overruled by"].removeprefix("{sign}").partition("`")
-    sign, _, after = text.partition(before)
+    sign, _, after = text.partition(OVERRULED_BY)
     return sign, line(after)
 
 

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ur5lib.errors import Remark, remark
+from ur5lib.errors import Remark
 from ur5lib.records.clocks import ClockRelation
+from ur5lib.records.phrases import number
 from ur5lib.signals.clock import CLOCK_WANDER, MOTION_METHOD, STAMPS_METHOD
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.lowpass import inner_lowpass
@@ -50,13 +51,16 @@ def clock_from_rotation(
     CLOCK_WANDER.
     """
     if min(len(time), len(device_time)) < MIN_BLOCK_SAMPLES * JACKKNIFE_BLOCKS:
-        return stamps, remark("short record")
+        text = "the record is too short to determine its clock from motion"
+        return stamps, Remark("short record", text)
     if max(np.diff(time).mean(), np.diff(device_time).mean()) > 1 / (4 * BAND_LIMIT):
-        return stamps, remark("slow record")
+        text = "the sampling rate is too low to determine the clock from motion"
+        return stamps, Remark("slow record", text)
     pair = _compare(time, rate, segment, device_time, gyroscope)
     starts = _search(pair, stamps)
     if not starts:
-        return stamps, remark("little overlap")
+        text = "the records of the device and the robot hardly overlap without gaps"
+        return stamps, Remark("little overlap", text)
     # best clock, its standard errors, and the share of variance it explains
     (offset, drift), columns, residual = _choose(pair, starts, stamps)
     offset_std, drift_std = _jackknife(columns, residual)
@@ -230,12 +234,24 @@ def _objection(clock: ClockRelation, stamps: ClockRelation, explained: float) ->
     """Return why the motion does not determine the clock; None if it does."""
     difference, drift = clock.offset - stamps.offset, clock.drift or 0.0
     if explained < MIN_EXPLAINED_SHARE:
-        return remark("unexplained rotation", share=max(explained, 0.0))
+        text = (
+            f"the joints explain only {max(explained, 0.0):.0%} of the gyroscope's variance: the "
+            "arm hardly turned, the IMU is turned, or its file belongs to another recording"
+        )
+        return Remark("unexplained rotation", text)
     if abs(difference) > PLAUSIBLE_DEVIATIONS * stamps.offset_std or abs(drift) > MAX_DRIFT:
-        return remark("implausible clock", apart_s=difference, drift=drift)
+        text = (
+            f"the gyroscope implies a start {number(difference, '+.2f')} s from the start stamps "
+            f"and a drift of {number(drift, '+.2%')}, which is implausible: its file may belong to "
+            "another recording"
+        )
+        return Remark("implausible clock", text)
     if clock.offset_std > stamps.offset_std:
-        stds = {"std_s": clock.offset_std, "stamps_std_s": stamps.offset_std}
-        return remark("uncertain clock", **stds)
+        text = (
+            f"the gyroscope determines the offset to ±{number(clock.offset_std, '.2g')} s, no "
+            f"better than the start stamps (±{number(stamps.offset_std, '.2g')} s)"
+        )
+        return Remark("uncertain clock", text)
     return None
 
 

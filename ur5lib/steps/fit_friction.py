@@ -1,14 +1,15 @@
 """The map from motion to motor current: torque constants and friction, from `fit` recordings."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from itertools import chain
 
 import numpy as np
 
 from ur5lib.channels import TORQUE, Effort
 from ur5lib.checks.doubts import doubt_in_words, doubts_by_joint
-from ur5lib.errors import RefusalError, Remark, reason, remark
+from ur5lib.checks.postures import contradicting_constants, other_constant
+from ur5lib.errors import RefusalError, Remark, reason
 from ur5lib.identification.at_rest import AtRest
 from ur5lib.identification.current_regression import (
     fit_currents,
@@ -33,10 +34,11 @@ from ur5lib.identification.validation import (
     with_rotors_that_show,
 )
 from ur5lib.recordings.copies import same_runs
-from ur5lib.records.accepted import ACCEPTED
+from ur5lib.records.accepted import ACCEPTED, overruled
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import CurrentFit, Friction, KnownConstants, LeftOut
 from ur5lib.records.motion import Motion
+from ur5lib.records.phrases import number
 from ur5lib.records.postures import Postures
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Contradictions, Finding, Quality
@@ -72,7 +74,7 @@ def fit_friction(
     former, ISO 8601 or empty; accepted: why the study overrules stop signs of the arm, by kind.
     """
     if arm.links == "unknown":
-        return Friction(refused=remark("unknown links", arm=arm.name))
+        return Friction(refused=_unknown_links(arm))
     model, smooth = arm.fullest_model(), Smoother(*lowpass)
     contradictions = {name: one.contradictions for name, one in premises.items()}
     records, ratios = [], []
@@ -102,17 +104,30 @@ def fit_friction(
         return Friction(refused=reason(error))
 
 
+def _unknown_links(arm: Robot) -> Remark:
+    text = (
+        f"the links of {arm.name} are unknown, and its recordings with the role “fit” do not tell "
+        "them: record actual_torque on several paths, or describe masses, centres of mass and "
+        "inertias"
+    )
+    return Remark("unknown links", text)
+
+
 def with_causes(fit: CurrentFit, doubts: Mapping[int, Finding], arm: Robot) -> CurrentFit:
     """Return a fit that names the cause of known constants that joints contradict, where the checks
     of its recordings name one; doubts: about the arm's links, by joint from 1.
     """
-    unit = {"constant": arm.measured.constant, "unit": arm.measured.constant_unit}
 
     def caused(joint: int, one: Remark) -> Remark:
-        if joint not in doubts or one.code not in UNEXPLAINED:
+        if joint not in doubts or one.code not in UNEXPLAINED or one.constants is None:
             return one
-        cause = doubt_in_words(doubts[joint].code, arm.name, [joint])
-        return remark("explained contradiction", **one.values, **unit, cause=cause)
+        alone, known = (number(value, ".3g") for value in one.constants)
+        text = (
+            f"{doubt_in_words(doubts[joint].code, arm.name, [joint])} (by itself, this joint would "
+            f"have a {arm.measured.constant} of {alone} instead of {known} "
+            f"{arm.measured.constant_unit}, which is used)"
+        )
+        return replace(one, code="explained contradiction", text=text)
 
     return replace(
         fit,
@@ -171,10 +186,15 @@ def fitted_friction(
 def _expected_friction(prior: Prior, model: str, accepted: Mapping[str, str]) -> Friction:
     """Return what is known without motion: without typical friction, torque constants alone."""
     if not prior.typical and prior.at_rest is None:
-        raise RefusalError("no fit recording", channel=prior.measured.channel)
+        text = f"no recording with the role “fit” has {prior.measured.channel}"
+        raise RefusalError("no fit recording", text)
     fit = fit_postures(prior)
     doubts = accepted_doubts(fit, prior, accepted)
     found, known = parameters(fit), known_constants(prior)
+    text = (
+        f"no recording in motion has the role “fit”: {prior.measured.constant}s are known by "
+        "gravity, friction is not"
+    )
     if prior.typical:
         return Friction(
             fit=fit, parameters=found, known_constants=known, model=model, remarks=doubts
@@ -184,7 +204,7 @@ def _expected_friction(prior: Prior, model: str, accepted: Mapping[str, str]) ->
         parameters=[row for row in found if row.name == "torque_constant"],
         known_constants=known,
         model=model,
-        refused=remark("no fit in motion", constant=prior.measured.constant),
+        refused=Remark("no fit in motion", text),
     )
 
 
@@ -214,7 +234,11 @@ def with_unproven(fit: CurrentFit, explained: Array | None, measured: Effort) ->
     than a constant does; explained: as of `explained_by_others`.
     """
     shares = np.full(len(fit.joints), np.inf) if explained is None else explained
-    unproven = remark("unproven fit", quantity=measured.quantity)
+    text = (
+        f"fits to the other paths predict its {measured.quantity} worse than a constant does: "
+        "record contact-free motion along several paths"
+    )
+    unproven = Remark("unproven fit", text)
     joints = [
         own
         if share > 0 or "no motion" in (one.code for one in own.remarks)
@@ -235,7 +259,11 @@ def require_no_stop_sign(contradictions: Mapping[str, Contradictions]) -> None:
     """Raise ContradictionError for stop signs; contradictions: by recording."""
     stopped = [name for name, found in contradictions.items() if found.stop_signs]
     if stopped:
-        raise ContradictionError("contradicting recordings", names=stopped)
+        text = (
+            f"recordings to fit on have stop signs ({', '.join(stopped)}); correct them, or remove "
+            "them from the study"
+        )
+        raise ContradictionError("contradicting recordings", text)
 
 
 def require_single_runs(qualities: Mapping[str, Quality]) -> None:
@@ -244,7 +272,11 @@ def require_single_runs(qualities: Mapping[str, Quality]) -> None:
     qualities: by recording.
     """
     for pair in same_runs({name: one.fingerprint for name, one in qualities.items()}):
-        raise ContradictionError("copied recordings", names=[*pair])
+        text = (
+            f"recordings to fit on are one run: {' and '.join(pair)}; remove one of them from the "
+            "study"
+        )
+        raise ContradictionError("copied recordings", text)
 
 
 def accepted_doubts(fit: CurrentFit, prior: Prior, accepted: Mapping[str, str]) -> list[Remark]:
@@ -258,9 +290,9 @@ def accepted_doubts(fit: CurrentFit, prior: Prior, accepted: Mapping[str, str]) 
         else:
             require_known_constants(fit, prior)
     except ContradictionError as sign:
-        if (kind := str(sign.remark.values["kind"])) not in accepted:
+        if sign.remark.kind not in accepted:
             raise
-        return [remark(ACCEPTED, reason=accepted[kind], found=asdict(sign.remark))]
+        return [Remark(ACCEPTED, overruled(sign.remark.text, accepted[sign.remark.kind]))]
     return []
 
 
@@ -270,7 +302,12 @@ def require_known_side(arm: Robot) -> None:
     """
     is_scaled = arm.links == "known" or arm.weight is not None
     if arm.effort == "torque" and not is_scaled:
-        raise ContradictionError("unknown side", kind="side", arm=arm.name)
+        text = (
+            f"the links of {arm.name} are found from torques that may be those of its motors or of "
+            "its joints; write `effort: joint_torque`, or `effort: motor_torque` with each "
+            "`gear_ratio`, into its description, or its `weight`"
+        )
+        raise ContradictionError("unknown side", text, "side")
 
 
 def require_gains_of_one(fit: CurrentFit) -> None:
@@ -280,12 +317,24 @@ def require_gains_of_one(fit: CurrentFit) -> None:
     """
     gains = [joint.contradicted for joint in fit.joints]
     each = [
-        remark("other gain" if gain > 0 else "opposite gain", joint=number, gain=gain)
-        for number, gain in enumerate(gains, start=1)
-        if gain is not None
+        _other_gain(joint, gain) for joint, gain in enumerate(gains, start=1) if gain is not None
     ]
     if len(each) > MAX_JOINTS_OF_OTHER_GAIN or any(0 < (gain or 0) < MIN_GAIN for gain in gains):
-        raise ContradictionError("contradicting gains", kind="constants", each=each)
+        text = (
+            "the description or the side of the torques is wrong: the gain of a measured torque is "
+            f"1, but these would need {', '.join(each)}; look at the side (`effort: motor_torque` "
+            "with each `gear_ratio`, or `joint_torque`), at the rotors and at the links"
+        )
+        raise ContradictionError("contradicting gains", text, "constants")
+
+
+def _other_gain(joint: int, gain: float) -> str:
+    told = f"{number(gain, '.3g')} Nm/Nm on joint {joint}"
+    turned = (
+        " (the sign is reversed: write -1 for this joint into a list of all joints under "
+        "`units: actual_torque`)"
+    )
+    return told if gain > 0 else told + turned
 
 
 def require_known_constants(fit: CurrentFit, prior: Prior) -> None:
@@ -301,17 +350,9 @@ def require_known_constants(fit: CurrentFit, prior: Prior) -> None:
         found = [joint.contradicted for joint in fit.joints]
         fitted = np.where(lost, np.array(found, dtype=float), torque_constants(fit))
         known = 1 / prior.inverse_constant.mean
+        unit = prior.measured.constant_unit
         each = [
-            remark(
-                "other constant",
-                joint=j + 1,
-                fitted=float(fitted[j]),
-                known=float(known[j]),
-                unit=prior.measured.constant_unit,
-            )
-            for j in np.flatnonzero(wrong).tolist()
+            other_constant(j + 1, fitted[j], known[j], unit) for j in np.flatnonzero(wrong).tolist()
         ]
-        constant = prior.measured.constant
-        raise ContradictionError(
-            "contradicting constants", kind="constants", each=each, constant=constant
-        )
+        text = contradicting_constants(each, prior.measured)
+        raise ContradictionError("contradicting constants", text, "constants")

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ur5lib.channels import CURRENT, TORQUE
-from ur5lib.errors import RefusalError, Remark, remark
+from ur5lib.errors import RefusalError, Remark
 from ur5lib.force.external_torque import (
     RELAXATION_TIME,
     finite_rows,
@@ -25,6 +25,7 @@ from ur5lib.identification.samples import MIN_PATHS
 from ur5lib.records.currents import Currents
 from ur5lib.records.friction import CurrentFit, Friction
 from ur5lib.records.motion import Motion
+from ur5lib.records.phrases import numbered
 from ur5lib.timeseries.segments import unbroken
 
 MIN_REST_DURATION = 10.0  # s, below which hardly anything shows what friction holds at rest
@@ -66,7 +67,7 @@ def residual_models(
     if friction.explained is not None:
         unknown = np.flatnonzero(~(friction.explained > 0)) + 1
         if len(friction.explained) - len(unknown) < min(FORCE_DIRECTIONS, len(friction.explained)):
-            return Residuals(refused=remark("unknown torques", joints=unknown.tolist()))
+            return Residuals(refused=_unknown_torques(unknown.tolist()))
     try:
         model = _residual_model(inputs(recordings, cutoff), friction, cutoff)
     except RefusalError as refusal:
@@ -74,6 +75,15 @@ def residual_models(
             return replace(usual_residuals(friction.fit, cutoff), remarks=(refusal.remark,))
         return Residuals(refused=refusal.remark)
     return Residuals(model, remarks=tuple(_remarks(friction.paths, recordings, cutoff)))
+
+
+def _unknown_torques(joints: Sequence[int]) -> Remark:
+    text = (
+        f"fits to other paths predict {numbered(joints)} worse than a constant, or nothing tests "
+        "them, so that the torque of a contact is unknown; record contact-free motions along "
+        "several paths"
+    )
+    return Remark("unknown torques", text)
 
 
 def usual_model(fit: CurrentFit, cutoff: float) -> ResidualModel:
@@ -122,13 +132,21 @@ def _remarks(
 ) -> Iterator[Remark]:
     """Say what so few paths, and so little rest, do not show."""
     if paths == 1:
-        yield remark("one path of all")
+        text = (
+            "all fit recordings follow one path, which does not show how the torque varies between "
+            "paths, so that nothing tests the bands; record another path"
+        )
+        yield Remark("one path of all", text)
     if paths < MIN_PATHS:
         runs = inputs(recordings, cutoff)
         still = [is_still(one.states) & finite_rows(one.torque) for one in runs]
         rest = sum(float(own.sum() * one.period) for own, one in zip(still, runs, strict=True))
         if rest < MIN_REST_DURATION:
-            yield remark("little rest", seconds=rest)
+            text = (
+                f"the arm rests for {rest:.0f} s of the fit recordings only, so that pushes at "
+                "rest may remain unnoticed; record half a minute at rest, in several poses"
+            )
+            yield Remark("little rest", text)
 
 
 def _residual_model(runs: Sequence[ForceInput], friction: Friction, cutoff: float) -> ResidualModel:

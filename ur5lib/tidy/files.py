@@ -19,7 +19,6 @@ from ur5lib.records.quality import (
     Quality,
 )
 from ur5lib.records.signals import Signals
-from ur5lib.records.wording import in_words
 from ur5lib.tidy import Row
 
 UNUSED = "columns not used"  # the finding that import left them out
@@ -100,7 +99,7 @@ def _doubts_of(device: Device, clock: SettledClock) -> Iterator[Finding]:
     start, end = number(clock.offset_std, ".2g"), number(clock.end_std, ".2g")
     accurate = f"accurate to {start} s at the start and {end} s at the end"
     if clock.warning is not None:
-        detail = f"{in_words(clock.warning)}; {accurate}"
+        detail = f"{clock.warning.text}; {accurate}"
         yield Finding(device, "clock by stamps alone", "warning", 1, detail)
     elif clock.drift is None:
         detail = (

@@ -11,7 +11,6 @@ from ur5lib.records.friction import Friction
 from ur5lib.records.models import Identification, Rotors
 from ur5lib.records.quality import STOP
 from ur5lib.records.signals import Signals, slowly
-from ur5lib.records.wording import in_words
 from ur5lib.tidy import Column, Row, by_joint
 from ur5lib.timeseries.metrics import mean_absolute_error
 
@@ -76,8 +75,8 @@ def excitation(identification: Identification) -> Iterator[Row]:
             "combinations": found.combinations,
             "undetermined": len(found.undetermined),
             **found.condition,
-            "advice": "; ".join(map(in_words, found.advice)),
-            "motion": found.advice[0].values.get("motion") if found.advice else None,
+            "advice": "; ".join(one.text for one in found.advice),
+            "motion": (found.advice[0].motion or None) if found.advice else None,
         }
 
 
@@ -105,4 +104,4 @@ def _remarks_of_joints(friction: Friction) -> Iterator[Row]:
 
 
 def _remark(step: str, remark: Remark) -> Row:
-    return {"step": step, "code": remark.code, "remark": in_words(remark)}
+    return {"step": step, "code": remark.code, "remark": remark.sentence()}

@@ -41,7 +41,7 @@ def test_what_the_live_estimator_needs_is_exported(results: Path, tmp_path: Path
     for part in ("tables", "recordings", "configuration.yaml"):
         (tmp_path / part).symlink_to(results / part)
     path = tmp_path / "parameters" / "ur5" / "live.json"
-    refused = {"refused": {"code": "short recordings", "values": {"seconds": 2}}}
+    refused = {"refused": {"code": "short recordings", "text": "too short"}}
     path.write_text(json.dumps(read_json(path) | refused))
     with pytest.raises(InputError, match="no force of ur5 is stated: "):
         exported("ur5", None, "live", tmp_path, "")

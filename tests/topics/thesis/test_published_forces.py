@@ -10,7 +10,7 @@ from tests.made_records import motion_of, signals_of, torques_of
 from tests.steps.made_recording import Known, aligned, known_of, premises
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.errors import remark
+from ur5lib.errors import Remark
 from ur5lib.force.controller import further_or_controller
 from ur5lib.records.clocks import SettledClock
 from ur5lib.records.dynamics import Kinematics
@@ -104,7 +104,7 @@ def test_the_corrected_estimate_finds_the_force(results: Results) -> None:
 @pytest.mark.parametrize(
     "contradicting",
     [
-        {"friction": Friction(stopped=remark("contradicting constants"))},
+        {"friction": Friction(stopped=Remark("contradicting constants", "wrong"))},
         {"premises": premises(contradiction("order", "", "wrong"))},
     ],
 )

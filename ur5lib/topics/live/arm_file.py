@@ -13,7 +13,6 @@ from ur5lib.jobs.unreadable import reason
 from ur5lib.records.forces import SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.signals import Signals
-from ur5lib.records.wording import in_words
 from ur5lib.study.model import Recording
 from ur5lib.timeseries.segments import runs
 from ur5lib.topics.live.live_file import LiveFit, numbers
@@ -32,7 +31,7 @@ def known_of_arm(study: FinishedStudy, robot: str, as_in: str) -> dict[str, Any]
     arm, friction = study.arm(robot), study.parameters(Friction, robot, "friction")
     live = study.parameters(LiveFit, robot, "live")
     if live.refused is not None:
-        raise InputError(f"no force of {robot} is stated: {in_words(live.refused)}")
+        raise InputError(f"no force of {robot} is stated: {live.refused.sentence()}")
     if not live.known:
         raise InputError(
             f"{study.folder} has no recording without contact that {robot} was fitted to; add one "

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from ur5lib.errors import InputError, RefusalError, remark
+from ur5lib.errors import InputError, RefusalError, Remark
 from ur5lib.force.residual_model import Residuals
 from ur5lib.records.friction import Friction
 from ur5lib.records.premises import Premises
@@ -42,4 +42,4 @@ def fit_live(
     except RefusalError as refusal:
         return LiveFit(refused=refusal.remark)
     except InputError as error:  # friction that is not of one joint alone
-        return LiveFit(refused=remark("other reason", reason=str(error)))
+        return LiveFit(refused=Remark("other reason", str(error)))

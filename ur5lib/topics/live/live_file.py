@@ -166,7 +166,11 @@ def learned(
     """
     period = float(np.median([run.period for _, run in runs]))
     if period > RAREST:
-        raise RefusalError("rare samples live", period=period, most=RAREST)
+        text = (
+            f"samples of the recordings without contact lie {period:.3f} s apart, while the live "
+            f"estimator needs one each {RAREST:g} s; record faster"
+        )
+        raise RefusalError("rare samples live", text)
     thinned = [(arm, _thinned(run)) for arm, run in runs]
     speeds = [np.nanquantile(np.abs(velocity(run)), 0.999, axis=0) for _, run in thinned]
     breakaway = np.median([arm["breakaway"] for arm, _ in runs], axis=0)

@@ -5,8 +5,7 @@ import math
 import pytest
 
 from ur5lib.channels import CURRENT, TORQUE, Effort
-from ur5lib.records.verdicts import REASONS
-from ur5lib.records.wording import reason_in_words
+from ur5lib.records.verdicts import REASONS, reason_in_words
 
 
 @pytest.mark.parametrize("effort", [CURRENT, TORQUE])
