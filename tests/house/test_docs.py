@@ -11,7 +11,6 @@ import pytest
 from benchmarks.pictures import with_columns
 from tests.conftest import PROJECT
 from ur5lib.jobs.code import all_steps
-from ur5lib.records.wording import templates
 
 OTHERS = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "raw/README.md", "config/README.md")
 PAGES = [*(PROJECT / name for name in OTHERS), *sorted((PROJECT / "docs").glob("*.md"))]
@@ -76,7 +75,6 @@ def texts() -> Iterator[str]:
                 yield "".join(map(str, parts))
             elif isinstance(node, ast.Constant) and isinstance(node.value, str):
                 yield node.value
-    yield from templates().values()
     for path in [PROJECT / "Makefile", PROJECT / "Snakefile", *PROJECT.rglob("workflow/*/*.smk")]:
         yield re.sub(r'"\s*f?"', "", path.read_text())
 

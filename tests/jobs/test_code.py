@@ -73,13 +73,13 @@ def test_editing_a_module_changes_the_steps_that_use_it_and_no_other(
 
 
 def test_a_file_that_a_step_reads_counts_too(package: Path) -> None:
-    words = package / "words.yaml"
-    words.write_text("a: b")
+    columns = package / "columns.yaml"
+    columns.write_text("a: b")
     forget()
-    before, without = checksum_of_step("detect", [words]), checksum_of_step("detect")
-    words.write_text("a: c")
+    before, without = checksum_of_step("detect", [columns]), checksum_of_step("detect")
+    columns.write_text("a: c")
     forget()
-    assert checksum_of_step("detect", [words]) != before
+    assert checksum_of_step("detect", [columns]) != before
     assert checksum_of_step("detect") == without
 
 

@@ -180,10 +180,10 @@ def test_every_step_leaves_a_log_and_its_time(built_workflow: Workflow) -> None:
         # Judgements: no force estimate runs again.
         ("ur5lib/signals/imu_calibration.py", jobs(*ACCELERATIONS) | IMU | REPORT),
         ("ur5lib/force/flange_contact.py", jobs("judge_contacts") | REPORT),
-        # The wording of a warning; words, pictures and layout of the page.
-        ("ur5lib/checks/channels.words.yaml", REPORT),
-        ("ur5lib/report/found.words.yaml", DOCUMENTED),
-        ("ur5lib/report/next_steps.words.yaml", DOCUMENTED),
+        # The words of a judge's warning; words, pictures and layout of the page.
+        ("ur5lib/steps/judge_recording.py", jobs("judge_recording") | REPORT),
+        ("ur5lib/report/found.py", DOCUMENTED),
+        ("ur5lib/report/next_steps.py", DOCUMENTED),
         ("ur5lib/report/views/contacts.py", DOCUMENTED),
         ("ur5lib/report/page/sections/currents.typ", DOCUMENTED),
         ("ur5lib/report/page/kit/numbers.typ", DOCUMENTED),
@@ -228,10 +228,10 @@ def test_a_module_is_a_part_of_the_steps_that_use_it(module: str, first: str, ke
 
 
 def test_the_page_of_a_recording_is_made_anew_for_what_it_shows(workflow: Workflow) -> None:
-    """Its layout and its numbers; it lists no findings."""
+    """Its layout and its numbers; not for what the report alone has."""
     page = "results/small/runs/pushed.html"
     workflow.build("--", page)
-    append(workflow.folder / "ur5lib/report/found.words.yaml", "\n# edited\n")
+    append(workflow.folder / "ur5lib/steps/write_report.py", "\n# edited\n")
     assert workflow.plan("--", page) == {}
     append(workflow.folder / "ur5lib/report/page/sections/force.typ", "\n// edited\n")
     assert workflow.plan("--", page) == {"write_run": 1}

@@ -5,10 +5,12 @@ from collections.abc import Iterator
 
 import pandas as pd
 
+from ur5lib.errors import printable
 from ur5lib.force.estimators import LEADING
 from ur5lib.records.accepted import ACCEPTED
 from ur5lib.records.account import NOTHING
 from ur5lib.records.contacts import OF_CONTACTS, OFF_FLANGE
+from ur5lib.records.phrases import as_written, number
 from ur5lib.records.quality import SAME_RUN, STOP, UNREADABLE, UNUSUAL_FRICTION
 from ur5lib.report import topics
 from ur5lib.report.results import Results
@@ -19,7 +21,6 @@ from ur5lib.report.stated import (
     listed,
     overruled,
     quoted,
-    stated,
     with_error,
 )
 from ur5lib.report.views.forces import leading, searched
@@ -44,11 +45,11 @@ def findings(results: Results) -> list[str]:
     ]
     shown = [one for one in every if one[1] < MOST_OF_A_KIND]
     if len(shown) == len(every) <= MOST_FINDINGS:
-        return [told for *_, told in every] or [*_unsearched(results)]
+        return [printable(told) for *_, told in every] or [*_unsearched(results)]
     shown = shown[: MOST_FINDINGS - 1]
     tables = dict.fromkeys(f"{one[0]}.csv" for one in every if one not in shown)
-    words = {"count": len(every) - len(shown), "tables": listed([*tables])}
-    return [*(told for *_, told in shown), stated(results, "other findings", **words)]
+    more = f"{len(every) - len(shown)} more in {listed([*tables])}."
+    return [*(printable(told) for *_, told in shown), more]
 
 
 def _kinds(results: Results) -> Iterator[Found]:
@@ -74,17 +75,21 @@ def _stopped_recordings(results: Results) -> Iterator[str]:
     """Report recordings that contradict the study or cannot be read."""
     for row in results.rows("quality", severity="stop").itertuples():
         sign, line = overruled(row.detail)
-        known = {UNREADABLE: "unread recording", SAME_RUN: "repeated run"}
-        code = known.get(row.finding, "overrulable stop sign" if line else "stop sign")
-        yield stated(results, code, recording=row.recording, sign=sign, line=line)
+        stop = f"Stop sign on “{row.recording}”: {sign}."
+        known = {UNREADABLE: f"“{row.recording}” is left out: {sign}.", SAME_RUN: stop}
+        yield known.get(row.finding) or _without_forces(stop, line)
 
 
 def _stopped_arms(results: Results) -> Iterator[str]:
     """Report the arms of which no forces are stated."""
     for row in results.rows("remarks", step=STOP).itertuples():
         sign, line = overruled(row.remark)
-        code = "overrulable stop sign of an arm" if line else "stop sign of an arm"
-        yield stated(results, code, robot=row.robot, sign=sign, line=line)
+        yield _without_forces(f"Stop sign on {row.robot}: {sign}.", line)
+
+
+def _without_forces(stop: str, line: str) -> str:
+    """Return what follows from a stop sign, and the line that overrules it, if one does."""
+    return f"{stop} No forces are stated." + (f" If the study is right: `{line}`." if line else "")
 
 
 def _accepted(results: Results) -> Iterator[str]:
@@ -93,15 +98,13 @@ def _accepted(results: Results) -> Iterator[str]:
     arms = results.rows("remarks", code=ACCEPTED).groupby("remark", sort=False)["robot"]
     for detail, names in (*rows, *arms):
         reason, _, sign = str(detail).partition(": ")[2].partition("; found: ")
-        words = {"names": quoted(names), "reason": reason, "claim": claim(sign)}
-        yield stated(results, "accepted by a study", **words)
+        yield f"On {quoted(names)}, the study accepts a stop sign ({reason}): {claim(sign)}."
 
 
 def _errors(results: Results) -> Iterator[str]:
     """Report recordings with an error: a sensor or a tare is ignored, or a role is wrong."""
     for row in results.rows("quality", severity="error").itertuples():
-        words = {"recording": row.recording, "claim": claim(row.detail)}
-        yield stated(results, "recording with an error", **words)
+        yield f"On “{row.recording}”, {claim(row.detail)}."
 
 
 def _contradictions(results: Results) -> Iterator[str]:
@@ -111,26 +114,30 @@ def _contradictions(results: Results) -> Iterator[str]:
         numbers = group["joint"].dropna()
         place = f"{joints(numbers)} of {robot}" if len(numbers) else robot
         aside = ASIDE.search(remark)
-        told = aside[1] if aside else claim(remark)
-        yield stated(results, "contradicting constant", place=capital(place), claim=told)
+        yield f"{capital(place)}: {aside[1] if aside else claim(remark)}."
 
 
 def _undeclared_loads(results: Results) -> Iterator[str]:
-    """Report the loads that are certain by the {quantity}s, and that nothing declares."""
+    """Report the loads that are certain by currents or torques, and that nothing declares."""
     rows = results.rows("payload", taken="yes")
-    names = [*rows["recording"]]
+    names, show = [*rows["recording"]], f"The {results.effort.quantity}s show"
     if len(names) == 1:
-        yield stated(results, "undeclared load on a recording", **rows.iloc[0].to_dict())
+        mass, low, high = (number(rows[name].iloc[0], ".3g") for name in ("mass", "low", "high"))
+        load = f"an undeclared load of {mass} kg on “{names[0]}”"
+        yield f"{show} {load} (95 %: {low} to {high})."
     elif names:
-        ends = {"least": rows["mass"].min(), "most": rows["mass"].max()}
-        words = {"count": len(names), "names": quoted(names)}
-        yield stated(results, "undeclared loads", **ends, **words)
+        least, most = (number(end, ".3g") for end in (rows["mass"].min(), rows["mass"].max()))
+        loads = f"undeclared loads of {least} to {most} kg"
+        yield f"{show} {loads} on {len(names)} recordings: {quoted(names)}."
 
 
 def _felt(results: Results) -> Iterator[str]:
     """Report fit recordings with more contacts than false alarms explain."""
     if names := [*results.rows("uses", purpose="fit", reason="felt")["recording"]]:
-        yield stated(results, "felt contacts", names=quoted(names))
+        yield (
+            f"{quoted(names)}, role fit: more contacts are found than false alarms explain; "
+            "something touches the arm, or friction changed."
+        )
 
 
 def _without_a_sensor(results: Results) -> dict[str, pd.DataFrame]:
@@ -145,8 +152,10 @@ def _off_flange(results: Results) -> Iterator[str]:
     """Report the contacts that are not on the flange: stated forces hold only for the flange."""
     for name, rows in _without_a_sensor(results).items():
         if times := [*rows.loc[rows["kind"] == OFF_FLANGE, "peak_s"]]:
-            words = {"count": len(times), "of": len(rows), "times": times}
-            yield stated(results, "contacts off the flange", recording=name, **words)
+            yield (
+                f"{len(times)} of {len(rows)} contacts on “{name}” are off the flange, so that "
+                f"their forces are wrong: at {as_written(times, '.1f')} s."
+            )
 
 
 def _without_sensor(results: Results) -> Iterator[str]:
@@ -154,14 +163,13 @@ def _without_sensor(results: Results) -> Iterator[str]:
     counts = {name: len(rows) for name, rows in _without_a_sensor(results).items()}
     if counts:
         each = [f"{count or 'none'} on “{name}”" for name, count in counts.items()]
-        yield stated(results, "contacts without a sensor", each=listed(each))
+        yield f"Contacts found without a force sensor: {listed(each)}."
 
 
 def _withheld(results: Results) -> Iterator[str]:
     """Report recordings without a stated force, because friction hides it."""
     for row in results.rows("quality", finding=UNUSUAL_FRICTION).itertuples():
-        words = {"recording": row.recording, "claim": claim(row.detail)}
-        yield stated(results, "withheld force", **words)
+        yield f"No force is stated on “{row.recording}”: {claim(row.detail)}."
 
 
 def _unused_wrenches(results: Results) -> Iterator[str]:
@@ -169,7 +177,7 @@ def _unused_wrenches(results: Results) -> Iterator[str]:
     rows = results.rows("account", taken_for=NOTHING)
     named = rows["subject"].astype(str).str.contains(WRENCH_NAME)
     if names := sorted({*rows.loc[named, "recording"]}):
-        yield stated(results, "wrench without use", names=quoted(names))
+        yield f"The wrench in the files of {quoted(names)} is not used; account.csv says why."
 
 
 def _undetermined_moments(results: Results) -> Iterator[str]:
@@ -178,38 +186,43 @@ def _undetermined_moments(results: Results) -> Iterator[str]:
     moments = rows[rows["component"].str.startswith("n")]
     determined = {*moments.loc[moments["determined"] == "yes", "component"]}
     if names := [name for name in moments["component"].unique() if name not in determined]:
-        yield stated(results, "undetermined moments", names=listed(names))
+        moments_of = f"Do not use the moments {listed(names)}"
+        yield f"{moments_of}: on no recording are they reliably better than zero."
 
 
 def _taken_up(results: Results) -> Iterator[str]:
     """Report loads that the arm takes up."""
     for row in results.rows("contacts", estimate=LEADING, kind="load").itertuples():
         mass = with_error(row.load_mass, row.load_mass_std)
-        yield stated(results, "load taken up", mass=mass, recording=row.recording)
+        yield f"The arm takes up a load of {mass} kg on “{row.recording}”."
 
 
 def _readings(results: Results) -> Iterator[str]:
     """Report largest force and share in contact by sensor, where no friction was fitted."""
     if len(results.tables["friction"]):
         return
-    for row in results.tables["sensed"].to_dict("records"):
-        percent = 100 * row["share_in_contact"]
-        yield stated(results, "reading of a sensor", percent=percent, **row)
+    for row in results.tables["sensed"].itertuples():
+        yield (
+            f"The force sensor on “{row.recording}” reads at most "
+            f"{number(row.largest_force_n, '.1f')} N, and contacts in "
+            f"{100 * row.share_in_contact:.0f} % of the time."
+        )
 
 
 def _unsearched(results: Results) -> Iterator[str]:
     """Say that no contact was searched for, so that none is denied."""
     if searched(results).empty and results.tables["sensed"].empty:
-        yield stated(results, "no search for contacts")
+        yield ("No contact was searched for: no friction was fitted, and no force sensor recorded.")
 
 
 def left_out(results: Results) -> list[str]:
     """Return results that the study's data do not allow or leave in doubt, with the reasons."""
-    reasons = [*_left_out_fits(results)]
+    reasons = [*map(printable, _left_out_fits(results))]
     if len(results.tables["friction"]) and not results.with_role("validate"):
-        reasons.append(stated(results, "no prediction"))
+        quantity = results.effort.quantity
+        reasons.append(f"Prediction of {quantity}s: no recording has the role validate.")
     if len(searched(results)) and results.tables["sensed"].empty:
-        reasons.append(stated(results, "no force to compare with"))
+        reasons.append("Errors of the force: no recording has a working force sensor.")
     return reasons
 
 
@@ -217,5 +230,5 @@ def _left_out_fits(results: Results) -> Iterator[str]:
     """Report the fits that were not possible or are in doubt."""
     remarks = results.tables["remarks"]
     for row in remarks[remarks["joint"].isna() & (remarks["step"] != STOP)].itertuples():
-        words = {"robot": row.robot, "claim": claim(row.remark).partition(", which ")[0]}
-        yield stated(results, "fit left out", fit=capital(row.step), **words)
+        why = claim(row.remark).partition(", which ")[0]
+        yield f"{capital(row.step)} of {row.robot}: {why}."

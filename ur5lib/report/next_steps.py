@@ -1,15 +1,18 @@
 """What to do next: the rows of advice.csv and what the topics propose, the most urgent first."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from itertools import chain, islice
-from typing import Any
+from typing import Any, NamedTuple
 
 import pandas as pd
 
+from ur5lib.records.phrases import number
 from ur5lib.report import topics
 from ur5lib.report.results import Results
 from ur5lib.report.stated import (
     Step,
+    capital,
     claim,
     designing,
     joints,
@@ -17,41 +20,37 @@ from ur5lib.report.stated import (
     overruled,
     quoted,
     remedy,
-    step,
 )
 
 MAX_STEPS = 3  # that a reader remembers
-DESIGN = "ur5 excite"  # in the place of a command: the one that designs a recording
-ASKED = {  # of the codes of advice.csv: the sentence, and the command or line that does it
-    "stop_recording": ("wrong recording", "check of a recording"),
-    "stop_arm": ("wrong arm", "check of a study"),
-    "touched": ("touched, whatever its role", "role of contact"),
-    "felt": ("felt, whatever its role", "role of contact"),
-    "payload": ("load to weigh", "payload of an entry"),
-    "explained": ("known cause", "check of a study"),
-    "contradiction": ("constants to check", "check of a study"),
-    "lossy": ("logging to repair", "check of a recording"),
-    "doubted": ("bias to determine", ""),
-    "unknown_links": ("torques for links", "role of fit"),
-    "no_motion": ("joints to move", DESIGN),
-    "one_path": ("another path", DESIGN),
-    "few_paths": ("more paths", DESIGN),
-    "fit": ("motions to fit", "role of fit"),
-    "validate": ("motion to validate", "role of validate"),
-    "advised": ("motion for links", DESIGN),
-    "light": ("faster joints", DESIGN),
-    "pushes": ("pushes to record", "role of contact"),
-}
-MORE = {  # of codes: the sentence where a value is known
-    "payload": ("several", "loads to weigh"),
-    "stop_recording": ("remedy", "remedy of a recording"),
-    "stop_arm": ("remedy", "remedy of an arm"),
-    "explained": ("remedy", "remedy of a cause"),
-    "unknown_links": ("detail", "links to describe"),
-    "fit": ("detail", "motions to fit friction"),
-    "light": ("value", "loaded joints"),
-}
 NO_PLACE = "[x, y, z]"  # of loads whose centres of mass are to be measured
+
+
+class Asked(NamedTuple):
+    """Advice as the words of a step take it.
+
+    detail: what was found, without how a study overrules it; recordings: the first, and how many
+    others; several: whether there are others; value: as of the row, 0 where it has none; place: the
+    centre of mass of a load.
+    """
+
+    results: Results
+    robot: str
+    recording: str
+    recordings: str
+    several: bool
+    joints: str
+    detail: str
+    value: float
+    place: str
+
+    def check(self, recording: str = "") -> str:
+        """Return the command that shows what is wrong with the study or a recording."""
+        return f"ur5 check {self.results.study.get('study', '')} {recording}".strip()
+
+    def design(self) -> str:
+        """Return the command that designs the next recording."""
+        return designing(self.results, self.robot, self.value or None)
 
 
 def next_steps(results: Results) -> list[Step]:
@@ -74,31 +73,22 @@ def _of_study(results: Results, kind: str) -> Iterator[Step]:
 
 
 def _step(results: Results, row: dict[str, Any]) -> Step:
-    """Return the step of a row of advice.csv."""
-    told, command = ASKED[row["code"]]
-    known, instead = MORE.get(row["code"], ("", ""))
-    words = _words(results, row)
-    if command == DESIGN:
-        command = designing(results, row["robot"], row["value"])
-    return step(results, instead if words.get(known) else told, words["line"] or command, **words)
-
-
-def _words(results: Results, row: dict[str, Any]) -> dict[str, Any]:
-    """Return the values in the sentences of a row of advice.csv."""
+    """Return the step of a row of advice.csv; a line that its detail proposes is what does it."""
     detail, _ = overruled(row["detail"] or "")
-    recording = row["recording"] or ""
-    return row | {
-        "detail": detail,
-        "several": row["recordings"] > 1,
-        "motion": f"{detail[:1].lower()}{detail[1:]}",
-        "claim": claim(detail),
-        "remedy": remedy(detail),
-        "line": line(detail),
-        "recordings": quoted([recording], row["recordings"]),
-        "joints": _joints(results, row["robot"], row["joints"] or ""),
-        "percent": 100 * (row["value"] or 0.0),
-        "place": _center_of_mass(results, recording) if row["recordings"] == 1 else NO_PLACE,
-    }
+    recording, count = row["recording"] or "", row["recordings"]
+    asked = Asked(
+        results,
+        robot=row["robot"] or "",
+        recording=recording,
+        recordings=quoted([recording], count),
+        several=count > 1,
+        joints=_joints(results, row["robot"], row["joints"] or ""),
+        detail=detail,
+        value=row["value"] or 0.0,
+        place=_center_of_mass(results, recording) if count == 1 else NO_PLACE,
+    )
+    told = ASKED[row["code"]](asked)
+    return replace(told, command=line(detail) or told.command)
 
 
 def _joints(results: Results, robot: str | None, numbers: str) -> str:
@@ -114,3 +104,160 @@ def _center_of_mass(results: Results, recording: str) -> str:
     rows = results.rows("payload", recording=recording, taken="yes", configured=0)
     places = rows[[f"center_of_mass_{axis}" for axis in "xyz"]].dropna().to_numpy()
     return f"[{', '.join(f'{part:.3f}' for part in places[0])}]" if len(places) else NO_PLACE
+
+
+def _stop_recording(asked: Asked) -> Step:
+    wrong = f"Correct “{asked.recording}” or its entry"
+    if known := remedy(asked.detail):
+        wrong = f"On “{asked.recording}”, {known}"
+    return Step(f"{wrong}: {claim(asked.detail)}.", asked.check(asked.recording))
+
+
+def _stop_arm(asked: Asked) -> Step:
+    wrong = f"Correct the recordings or the description of {asked.robot}"
+    if known := remedy(asked.detail):
+        wrong = f"For {asked.robot}, {known}"
+    return Step(f"{wrong}: {claim(asked.detail)}.", asked.check())
+
+
+def _touched(asked: Asked) -> Step:
+    sentence = (
+        f"Give {asked.recordings} the role contact and record untouched motion instead: the force "
+        "sensor reads contacts."
+    )
+    return Step(sentence, "role: contact")
+
+
+def _felt(asked: Asked) -> Step:
+    sentence = (
+        f"If something touches the arm on {asked.recordings}, give it the role contact: the fit "
+        "takes pushes for noise."
+    )
+    return Step(sentence, "role: contact")
+
+
+def _payload(asked: Asked) -> Step:
+    show = f"the {asked.results.effort.quantity}s show {number(asked.value, '.2g')} kg"
+    sentence = (
+        f"Weigh the loads on {asked.recordings} and declare each: {show} on the first."
+        if asked.several
+        else f"Weigh the load on {asked.recordings} and declare it: {show}."
+    )
+    mass = number(asked.value, ".3g")
+    return Step(sentence, f"payload: {{mass: {mass}, center_of_mass: {asked.place}}}")
+
+
+def _explained(asked: Asked) -> Step:
+    known = remedy(asked.detail)
+    sentence = f"{known}: {claim(asked.detail)}." if known else f"{claim(asked.detail)}."
+    return Step(capital(sentence), asked.check())
+
+
+def _contradiction(asked: Asked) -> Step:
+    sentence = (
+        f"Check columns, units, payload and `robot` of {asked.robot}: the "
+        f"{asked.results.effort.constant} of {asked.joints} contradicts the known one."
+    )
+    return Step(sentence, asked.check())
+
+
+def _lossy(asked: Asked) -> Step:
+    sentence = (
+        f"Record {asked.recordings} anew with a repaired logger, or leave them out: up to "
+        f"{100 * asked.value:.0f} % of the frames are missing."
+    )
+    return Step(sentence, asked.check(asked.recording))
+
+
+def _doubted(asked: Asked) -> Step:
+    sentence = (
+        "Leave the tool untouched for some seconds of each recording: the sensor's bias is "
+        f"uncertain on {asked.recordings}."
+    )
+    return Step(sentence)
+
+
+def _unknown_links(asked: Asked) -> Step:
+    sentence = (
+        f"Describe the links of {asked.robot}, which its recordings do not determine: "
+        f"{claim(asked.detail)}."
+        if asked.detail
+        else f"Record actual_torque of {asked.robot} on several paths, or describe its links: "
+        "without them, nothing else is computed."
+    )
+    return Step(sentence, "role: fit")
+
+
+def _no_motion(asked: Asked) -> Step:
+    record = f"Record a motion of {asked.joints} of {asked.robot}"
+    return Step(f"{record}: without motion, friction is unknown.", asked.design())
+
+
+def _one_path(asked: Asked) -> Step:
+    record = f"Record {asked.joints} of {asked.robot} on another path"
+    return Step(f"{record}: on one path, nothing tests the error bars.", asked.design())
+
+
+def _few_paths(asked: Asked) -> Step:
+    record = f"Record {asked.joints} of {asked.robot} on more paths"
+    return Step(f"{record}: few paths leave the error bars uncertain.", asked.design())
+
+
+def _fit(asked: Asked) -> Step:
+    unknown = (
+        "friction is" if asked.detail else f"{asked.results.effort.constant}s and friction are"
+    )
+    sentence = (
+        "Record three to five motions without contact, each on another path: "
+        f"{unknown} known from other arms only."
+    )
+    return Step(sentence, "role: fit")
+
+
+def _validate(asked: Asked) -> Step:
+    record = "Record a motion without contact for the role validate"
+    return Step(f"{record}: nothing tests the fit.", "role: validate")
+
+
+def _advised(asked: Asked) -> Step:
+    motion = f"{asked.detail[:1].lower()}{asked.detail[1:]}"
+    sentence = f"Record {asked.robot} {motion} in many poses: this determines more of its links."
+    return Step(sentence, asked.design())
+
+
+def _light(asked: Asked) -> Step:
+    joints_of = f"{asked.joints} of {asked.robot}"
+    record = (
+        f"Record {joints_of} faster, or with {number(asked.value, '.3g')} kg off the axis"
+        if asked.value
+        else f"Record faster motions of {joints_of}"
+    )
+    tested = f"gravity is too weak there to test the {asked.results.effort.constant}"
+    return Step(f"{record}: {tested}.", asked.design())
+
+
+def _pushes(asked: Asked) -> Step:
+    record = "Record pushes with a force sensor"
+    return Step(f"{record}: without one, the error of the force is unknown.", "role: contact")
+
+
+ASKED: dict[str, Callable[[Asked], Step]] = {  # of the codes of advice.csv
+    "stop_recording": _stop_recording,
+    "stop_arm": _stop_arm,
+    "touched": _touched,
+    "felt": _felt,
+    "payload": _payload,
+    "explained": _explained,
+    "contradiction": _contradiction,
+    "lossy": _lossy,
+    "doubted": _doubted,
+    "unknown_links": _unknown_links,
+    "no_motion": _no_motion,
+    "one_path": _one_path,
+    "few_paths": _few_paths,
+    "fit": _fit,
+    "validate": _validate,
+    "advised": _advised,
+    "light": _light,
+    "pushes": _pushes,
+}

@@ -5,10 +5,8 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import date
-from typing import Any
 
-from ur5lib.errors import OVERRULED_BY
-from ur5lib.records.wording import sentence, templates
+from ur5lib.errors import OVERRULED_BY, printable
 from ur5lib.report.results import Results
 
 MOST_NAMED = 3  # recordings that a sentence names
@@ -29,19 +27,10 @@ class Step:
     sentence: str
     command: str = ""
 
-
-def stated(results: Results, code: str, /, **values: Any) -> str:
-    """Return the sentence of a code, with `{quantity}`, `{constant}` and `{study}` of the study."""
-    known = results.effort._asdict() | {"study": results.study.get("study", "")}
-    return capital(sentence(code, known | values))
-
-
-def step(results: Results, code: str, command: str = "", /, **values: Any) -> Step:
-    """Return the step of a code; command: itself, or the code of its words."""
-    if command not in templates():
-        return Step(stated(results, code, **values), command)
-    known = {"study": results.study.get("study", "")}
-    return Step(stated(results, code, **values), sentence(command, known | values))
+    def __post_init__(self) -> None:
+        """Make the words printable."""
+        object.__setattr__(self, "sentence", printable(self.sentence))
+        object.__setattr__(self, "command", printable(self.command))
 
 
 def designing(results: Results, robot: str, load: float | None = None) -> str:
@@ -49,8 +38,10 @@ def designing(results: Results, robot: str, load: float | None = None) -> str:
     height = (results.study.get("devices") or {}).get("table_m")
     options = f" --payload {load:g} {LOAD_BESIDE_AXIS}" if load else ""
     options += f" --table {height:g}" if height else ""
-    known = {"robot": robot, "options": options, "name": "loaded" if load else "next"}
-    return sentence("designed recording", {"study": results.study.get("study", "")} | known)
+    study, name = results.study.get("study", ""), "loaded" if load else "next"
+    return (
+        f"ur5 excite --robot {robot} --results results/{study}{options} --output raw/{study}/{name}"
+    )
 
 
 def capital(text: str) -> str:

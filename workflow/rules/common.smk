@@ -53,9 +53,6 @@ JUDGED = [  # tables that judge_study writes
     "false_alarms",
     "advice",
 ]
-WORDS = sorted(PACKAGE.rglob("*.words.yaml"))
-WORDS_OF_PAGE = [path for path in WORDS if {"report", "topics"} & {*path.parts}]
-WORDS_OF_FINDINGS = [path for path in WORDS if path not in WORDS_OF_PAGE]
 PAGE = sorted(PACKAGE.glob("report/page/**/*.*")) + sorted(PACKAGE.glob("topics/*/section.typ"))
 PAGE = [path for path in PAGE if path.suffix in (".typ", ".css", ".js", ".LICENSE")]
 

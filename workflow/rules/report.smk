@@ -108,7 +108,7 @@ rule make_tables:
     log:
         **traces("make_tables"),
     params:
-        code=code("make_tables", COLUMNS, *WORDS_OF_FINDINGS),
+        code=code("make_tables", COLUMNS),
         roles=lambda wildcards: {name: one.role for name, one in RECORDINGS.items()},
     run:
         run_step(rule, input, output, params, log)
@@ -176,7 +176,7 @@ rule write_report:
     log:
         **traces("write_report"),
     params:
-        code=code("write_report", *PAGE, *WORDS_OF_PAGE),
+        code=code("write_report", *PAGE),
         last=lambda wildcards, output: output.results,
         study=lambda wildcards: STUDY_TEXT,
     run:

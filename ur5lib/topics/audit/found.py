@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from ur5lib.report.results import Results
-from ur5lib.report.stated import Step, listed, quoted, stated, step
+from ur5lib.report.stated import Step, listed, quoted
 
 TABLES = ("audit",)
 NAMES = {  # of quantities that are not named by themselves
@@ -23,7 +23,7 @@ def findings(results: Results) -> Iterator[str]:
     rows = results.rows("audit", verdict="wrong")
     for quantity, part in rows.groupby("quantity", sort=False):
         names = quoted(part["recording"].unique())
-        yield stated(results, "wrong wrist sensor", name=_name(str(quantity)), names=names)
+        yield f"The wrist sensor on {names} has a wrong {_name(str(quantity))}."
 
 
 def advice(results: Results) -> Iterator[Step]:
@@ -32,7 +32,8 @@ def advice(results: Results) -> Iterator[Step]:
     if len(rows):
         kinds = listed([*map(_name, rows["quantity"].unique())])
         names = quoted(rows["recording"].unique())
-        yield step(results, "sensor to correct", "remedies", kinds=kinds, names=names)
+        sentence = f"Correct the wrist sensor on {names}: wrong {kinds}."
+        yield Step(sentence, f"ur5 audit {results.study.get('study', '')}")
 
 
 def _name(quantity: str) -> str:

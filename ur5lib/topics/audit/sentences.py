@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from ur5lib.records.wording import sentence
+from ur5lib.records.phrases import number
 from ur5lib.report.stated import with_error
 from ur5lib.topics.audit.report import is_to_declare
 
@@ -23,7 +23,11 @@ def verdicts(rows: pd.DataFrame) -> Iterator[str]:
     filled = words.fillna({"component": "", "verdict": ""}).set_index("component")
     audit = dict([*filled.groupby("quantity")])
     if len(filled) == 1:
-        yield sentence("audit too short", {"seconds": filled["value"].iloc[0]})
+        yield (
+            f"{number(filled['value'].iloc[0], '.1f')} s without contact, and of the controller's "
+            "force also in slow motion, are too few to judge the sensor: record ten or more in "
+            "which nothing touches the tool, the flange turning slowly to different sides"
+        )
         return
     if "mass" in audit:
         yield from _sensor(audit)
@@ -36,23 +40,40 @@ def _sensor(audit: AuditRows) -> Iterator[str]:
     for axis in "xyz":
         components = {"scale": axis, "drift": f"F{axis}", "shift": f"F{axis}"}
         rows = {name: audit[name].loc[part] for name, part in components.items() if name in audit}
-        parts = "; ".join(_judged(name, row) for name, row in rows.items())
-        yield sentence("audit axis", {"axis": axis, "parts": parts})
-    for name in ("scale", "shift"):
-        if name not in audit:
-            yield sentence(f"audit without {name}", {})
-    turn = audit["turn"]
-    found = next(own for own in ("unknown", "wrong", "right") if own in {*turn["verdict"], "right"})
-    size = float((turn["value"] ** 2).sum() ** 0.5)
-    yield sentence(f"audit turn {found}", {"size": size, "vector": _vector(turn["value"])})
+        yield f"along {axis}, {'; '.join(_judged(name, row) for name, row in rows.items())}"
+    if "scale" not in audit:
+        yield "its scale is unknown without a declared payload that agrees with it"
+    if "shift" not in audit:
+        yield (
+            "its shift by a contact is unknown without two contacts and a free second around each"
+        )
+    yield _turn(audit["turn"])
     yield from _payload(audit)
+
+
+def _turn(turn: pd.DataFrame) -> str:
+    """Return the verdict on the axes' turn against frame 6."""
+    verdicts, vector = {*turn["verdict"]}, _vector(turn["value"])
+    if "unknown" in verdicts:
+        return "the turn of its axes against frame 6 is undetermined by these orientations"
+    if "wrong" not in verdicts:
+        return f"its axes are turned against frame 6 as declared, by ({vector})°"
+    size = float((turn["value"] ** 2).sum() ** 0.5)
+    return (
+        f"its axes are turned by {size:.1f}° against frame 6, by the rotation vector ({vector})°: "
+        f"declare override: {{mounting: {{force_sensor_turn_deg: [{vector}]}}}} in robot"
+    )
 
 
 def _judged(name: str, row: pd.Series) -> str:
     """Return the verdict on one quantity along one axis."""
     word, limit = JUDGED[name]
-    words = {"word": word, "value": _with_error(row), "limit": limit}
-    return sentence(f"audit {row.verdict}", words)
+    judged = {
+        "right": f"right within {limit}",
+        "wrong": f"wrong by more than {limit}",
+        "unknown": "undetermined",
+    }
+    return f"{word} is {_with_error(row)}, {judged[row.verdict]}"
 
 
 def _payload(audit: AuditRows) -> Iterator[str]:
@@ -61,23 +82,34 @@ def _payload(audit: AuditRows) -> Iterator[str]:
     """
     mass = audit["mass"].loc[""]
     declared = "none is" if pd.isna(mass.expected) else f"{mass.expected:g} kg are"
-    words = {"mass": _with_error(mass), "declared": declared, "kg": mass.value}
+    carries = f"the sensor carries {_with_error(mass)}; {declared} declared"
     if is_to_declare(audit):
         place = ", ".join(f"{value:.3f}" for value in audit["center_of_mass"]["value"])
-        yield sentence("audit other payload", words | {"place": place})
+        yield f"{carries}: set_payload({number(mass.value, '.3f')}, [{place}])"
     else:
-        yield sentence("audit payload", words)
+        yield carries
     if "mass_by_currents" in audit:
         own = audit["mass_by_currents"].loc[""]
-        yield sentence("audit mass by currents", {"low": own.low, "high": own.high})
+        yield f"the motors show {number(own.low, '.2f')} to {number(own.high, '.2f')} kg (95 %)"
 
 
 def _controllers(zero: pd.DataFrame, remaining: pd.Series) -> Iterator[str]:
     """Yield sentences about the controller's force without contact."""
-    found = next(own for own in ("unknown", "wrong", "right") if own in {*zero["verdict"], "right"})
-    yield sentence(f"audit zero {found}", {"force": _vector(zero["value"][:3])})
+    if "unknown" in {*zero["verdict"]}:
+        yield (
+            "what actual_TCP_force reads when nothing touches the arm, and the mass that it still "
+            "contains, are undetermined: turn the flange to different sides without contact"
+        )
+    else:
+        force = _vector(zero["value"][:3])
+        reads = f"when nothing touches the arm, actual_TCP_force reads ({force}) N"
+        yield f"{reads}: call zero_ftsensor() then" if "wrong" in {*zero["verdict"]} else reads
     if remaining.verdict == "wrong":
-        yield sentence("audit mass left", {"left": _with_error(remaining)})
+        yield (
+            "the controller's actual_TCP_force varies as if it still contained "
+            f"{_with_error(remaining)}: the configured payload is off by this amount, or the "
+            "sensor's scale or axes are wrong"
+        )
 
 
 def _vector(values: pd.Series) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from ur5lib.report.results import Results
-from ur5lib.report.stated import listed, stated
+from ur5lib.report.stated import listed
 
 TABLES = ("changes",)
 
@@ -13,7 +13,6 @@ def findings(results: Results) -> Iterator[str]:
     for study in results.listed("changes", "study"):
         rows = results.rows("changes", study=study)
         changed = rows[rows["changed"] == "yes"]
-        words = {"other": study, "changed": len(changed), "count": len(rows)}
         if len(changed):
             topics = listed([*changed["topic"].unique()])
-            yield stated(results, "changed numbers", topics=topics, **words)
+            yield f"{len(changed)} of {len(rows)} numbers changed since {study}: {topics}."

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pandas as pd
 
 from ur5lib.report.results import Results
-from ur5lib.report.stated import Step, day, step
+from ur5lib.report.stated import Step, day
 
 TABLES = ("health_changes",)
 
@@ -13,10 +13,13 @@ TABLES = ("health_changes",)
 def advice(results: Results) -> Iterator[Step]:
     """Ask for a fit to the recordings after the largest change."""
     rows = ranked(results)
-    for row in rows[rows["share"] > 0][:1].to_dict("records"):
-        words = row | {"day": day(row["last"]), "name": _name(results, row["quantity"])}
-        code = "fit since a jump" if row["kind"] == "jump" else "fit of late"
-        yield step(results, code, "role of older recordings", **words)
+    for row in rows[rows["share"] > 0][:1].itertuples():
+        quantity = f"{_name(results, row.quantity)} of joint {row.joint}"
+        since, changed = "the latest recordings", "drifts"
+        if row.kind == "jump":
+            since, changed = f"recordings since {day(row.last)}", "changed"
+        sentence = f"Fit {row.robot} only to {since}: {quantity} {changed}."
+        yield Step(sentence, "role: validate")
 
 
 def ranked(results: Results) -> pd.DataFrame:

@@ -4,8 +4,9 @@ from collections.abc import Iterator
 
 import pandas as pd
 
+from ur5lib.records.phrases import number
 from ur5lib.report.results import Results
-from ur5lib.report.stated import Step, designing, step
+from ur5lib.report.stated import Step, designing
 
 TABLES = ("next_recordings",)
 NOW = "now"  # without another recording
@@ -20,11 +21,18 @@ def to_record(results: Results) -> Iterator[Step]:
     for robot, now, best in known:
         if best["worthwhile"] == "yes":
             load = results.loads.get(robot) if " with " in best["after"] else None
-            words = {"robot": robot, "after": best["after"], **_bands(now, best)}
-            yield step(results, "narrowing recording", designing(results, robot, load), **words)
+            bands = (number(one["force"], ".3g") for one in (now, best))
+            narrows = f"this narrows the 95 % band of forces from ± {' to ± '.join(bands)} N"
+            sentence = f"Record {best['after']}, with {robot}: {narrows}."
+            yield Step(sentence, designing(results, robot, load))
     for robot, now, best in known:
         if best["worthwhile"] == "no" and not _rests(results, robot):
-            yield step(results, "limit of recordings", "tare", robot=robot, **_bands(now, best))
+            sentence = (
+                f"Let {robot} rest untouched for 1 s before contacts, and declare this span: "
+                f"further motion would narrow the ± {number(now['force'], '.2g')} N of its forces "
+                "by less than a tenth."
+            )
+            yield Step(sentence, "untouched: [0, 1]")
 
 
 def outlooks(results: Results) -> Iterator[Outlook]:
@@ -32,10 +40,6 @@ def outlooks(results: Results) -> Iterator[Outlook]:
     for robot, rows in results.rows("next_recordings").groupby("robot", sort=False):
         now = rows[rows["after"] == NOW].iloc[0]
         yield str(robot), now, rows.sort_values("force", kind="stable").iloc[0]
-
-
-def _bands(now: pd.Series, best: pd.Series) -> dict[str, float]:
-    return {"now": now["force"], "best": best["force"]}
 
 
 def _rests(results: Results, robot: str) -> bool:

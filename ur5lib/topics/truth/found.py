@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from ur5lib.records.phrases import number
 from ur5lib.report.results import Results
-from ur5lib.report.stated import stated
 
 TABLES = ("truth",)
 REMARKABLE_CHANCE = 0.025  # below it, the count of intervals that contain the truth is remarkable
@@ -28,9 +28,10 @@ def findings(results: Results) -> Iterator[str]:
     """Report intervals that contain the truth too often or too seldom, as of independent values."""
     count = counted(results)
     if count and count.too:
-        words = {"inside": count.inside, "count": count.values, "right": count.expected}
-        code = "wide intervals" if count.too == "wide" else "narrow intervals"
-        yield stated(results, code, **words)
+        yield (
+            f"Intervals are too {count.too}: {count.inside} of {count.values} contain the truth of "
+            f"the simulation, where {number(count.expected, '.0f')} would be right."
+        )
 
 
 def counted(results: Results) -> Count | None:
