@@ -11,8 +11,9 @@ import pytest
 from tests.command import SECONDS, Command, time_limit
 from tests.conftest import said
 from tests.corpus import rtde
-from ur5lib.errors import InputError, printable
+from ur5lib.errors import InputError, Remark, printable
 from ur5lib.records.quality import Finding
+from ur5lib.report.stated import Step
 from ur5lib.stand.trajectories import read_way_points
 from ur5lib.study.reading import parse_study
 
@@ -51,6 +52,8 @@ def test_control_characters_become_visible(text: str) -> None:
         str(InputError(f"a {text} b")),
         said(Finding("robot", "torn", "note", 1, text)),
         Finding("robot", "torn", "note", 1, "", place=text).place,
+        Remark("other reason", text).sentence(),
+        Step(text).sentence,
     ):
         assert shown.isprintable()
         assert "\\" in shown
