@@ -23,7 +23,7 @@ def accepting(found: Contradictions, accepted: Mapping[str, str]) -> Contradicti
     kinds = {sign.kind for sign in found.stop_signs}
     standing = [sign for sign in found.stop_signs if sign.kind not in accepted]
     findings = [
-        Finding("robot", ACCEPTED, "warning", 1, overruled(sign.detail, accepted[sign.kind]))
+        Finding("robot", ACCEPTED, "warning", 1, accepted_sign(sign.detail, accepted[sign.kind]))
         for sign in found.stop_signs
         if sign not in standing
     ]
@@ -34,6 +34,6 @@ def accepting(found: Contradictions, accepted: Mapping[str, str]) -> Contradicti
     return Contradictions(standing, [*findings, *found.findings])
 
 
-def overruled(sign: str, reason: str) -> str:
+def accepted_sign(sign: str, reason: str) -> str:
     """Return the words of a stop sign that the study accepts, and why."""
     return f"accepted by the study: {reason}; found: {sign}"

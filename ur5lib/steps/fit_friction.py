@@ -34,7 +34,7 @@ from ur5lib.identification.validation import (
     with_rotors_that_show,
 )
 from ur5lib.recordings.copies import same_runs
-from ur5lib.records.accepted import ACCEPTED, overruled
+from ur5lib.records.accepted import ACCEPTED, accepted_sign
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import CurrentFit, Friction, KnownConstants, LeftOut
 from ur5lib.records.motion import Motion
@@ -292,7 +292,7 @@ def accepted_doubts(fit: CurrentFit, prior: Prior, accepted: Mapping[str, str]) 
     except ContradictionError as sign:
         if sign.remark.kind not in accepted:
             raise
-        return [Remark(ACCEPTED, overruled(sign.remark.text, accepted[sign.remark.kind]))]
+        return [Remark(ACCEPTED, accepted_sign(sign.remark.text, accepted[sign.remark.kind]))]
     return []
 
 
