@@ -11,7 +11,7 @@ import json
 import math
 import os
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from functools import cache, partial
 from io import BytesIO, StringIO
@@ -219,10 +219,33 @@ def _write_numbers(table: pd.DataFrame, digits: int, path: Path) -> None:
             file.writelines((line % tuple(row)).replace("nan", "") for row in rows)
 
 
-def write_rows(kind: type, rows: Sequence[object], path: str | Path) -> None:
-    """Write records of one kind as CSV, a column for each field; infinity becomes an empty cell."""
-    table = pd.DataFrame([*map(vars, rows)], columns=[field.name for field in fields(kind)])
-    write_csv(table.replace([math.inf, -math.inf], math.nan), path)
+def write_rows(kind: type, rows: Iterable[object], path: str | Path) -> None:
+    """Write rows of a table as CSV; infinity becomes an empty cell."""
+    write_csv(table_of(kind, rows).replace([math.inf, -math.inf], math.nan), path)
+
+
+def table_of(kind: type, rows: Iterable[object]) -> pd.DataFrame:
+    """Return rows as a table with a column for each field of their class; True and False are yes
+    and no.
+    """
+    names = [field.name for field in fields(kind)]
+    cells = [[_cell(getattr(row, name)) for name in names] for row in rows]
+    return pd.DataFrame(cells, columns=names)
+
+
+def table_by_owner(
+    kind: type, rows: Mapping[str, Iterable[object]], owner: str = "recording"
+) -> pd.DataFrame:
+    """Return the table of the rows of several recordings or arms (`robot`), with these first."""
+    each = [*((of, row) for of, own in rows.items() for row in own)]
+    table = table_of(kind, (row for _, row in each))
+    table.insert(0, owner, pd.Series([of for of, _ in each], dtype=object))
+    return table
+
+
+def _cell(value: object) -> object:
+    value = value.item() if isinstance(value, np.generic) else value
+    return ("no", "yes")[value] if isinstance(value, bool) else value
 
 
 def read_csv(path: str | Path) -> pd.DataFrame:

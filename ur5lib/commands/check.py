@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table
 
+from ur5lib.checks import files
 from ur5lib.checks.channels import slow_samples
 from ur5lib.checks.checked import Checked
 from ur5lib.checks.contacts import sensed_contacts
@@ -24,8 +25,8 @@ from ur5lib.force.tare import tare_doubts, touched_by_own_clock
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.records.account import UNKNOWN_NAME
 from ur5lib.records.carried import carried, disagreements
-from ur5lib.records.clocks import OwnClock, SettledClock
-from ur5lib.records.quality import UNCHECKED, Finding, Quality
+from ur5lib.records.clocks import ClockRow, OwnClock, SettledClock
+from ur5lib.records.quality import UNCHECKED, Finding, Quality, QualityRow
 from ur5lib.records.signals import Signals
 from ur5lib.report.page.findings import MAX_NAMED_PLACES, by_finding, group_findings
 from ur5lib.robots.description import Robot
@@ -35,8 +36,7 @@ from ur5lib.signals.own_clocks import own_clocks
 from ur5lib.steps.read_postures import checked_postures
 from ur5lib.study.model import Recording, Study, arms_without_fit
 from ur5lib.study.reading import read_study
-from ur5lib.tables import json_text
-from ur5lib.tidy import files, table
+from ur5lib.tables import json_text, table_by_owner
 from ur5lib.timeseries.segments import in_chunks
 from ur5lib.workspace.extensions import take_up_all
 
@@ -119,9 +119,13 @@ def print_tables(
     named: recordings all of whose findings and clocks are printed, as of a single one; none: each
     finding once, and the least certain clock of each device; roles: of all.
     """
-    findings = {name: map(files.row, files.findings(own)) for name, own in qualities.items()}
-    quality = files.name_copies(table("quality", findings), roles)
-    offsets = table("clocks", {name: files.clocks(own) for name, own in clocks.items()})
+    findings = {
+        name: map(files.quality_row, files.findings(own)) for name, own in qualities.items()
+    }
+    quality = files.name_copies(table_by_owner(QualityRow, findings), roles)
+    offsets = table_by_owner(
+        ClockRow, {name: files.clock_rows(own) for name, own in clocks.items()}
+    )
     names = [name for name in qualities if name in named] if named else [*qualities]
     quality, offsets = (own[own["recording"].isin(names)] for own in (quality, offsets))
     severe_ones = int(quality["severity"].isin(ERROR_SEVERITIES).sum())

@@ -1,8 +1,8 @@
 """The alarms of an estimate, and their comparison with the contacts at a force sensor."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -17,15 +17,57 @@ from ur5lib.force.sensed_contact import (
     is_free,
 )
 from ur5lib.force.thresholds import alarms, force_alarms
-from ur5lib.records.contacts import Alarm, Detected, ForceClass, Matched, OnAxis
+from ur5lib.records.contacts import Detection, FixedThreshold
 from ur5lib.records.forces import SensorWrenches
+from ur5lib.records.table import WRENCH
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import Span, inside_spans, overlap, spans
 
 FORCE_CLASSES = [TOUCH_FORCE, CONTACT_FORCE, 10.0, 15.0]  # N, that a contact reaches by the sensor
 RELIABLE_FORCE_OF_THESIS = 10.0  # N; along z, detection is reliable from there on (Section 6)
 
+
+@dataclass(frozen=True)
+class Alarm:
+    """An alarm: start, end and time of the largest force [s], this force (3,) [N] and its standard
+    deviation, and the joints (n,) [rad] there; the flange's mean speed [m/s]; whether it is a
+    contact or a load, and the mass of a load [kg]; whether the torques exclude that the contact is
+    at the flange; at_sensor: whether it overlaps a touch at the force sensor, None without one.
+    """
+
+    start: float
+    end: float
+    peak: float
+    force: Array
+    force_std: Array
+    q: Array
+    flange_speed: float = float("nan")
+    kind: Literal["contact", "load"] = "contact"
+    load_mass: float | None = None
+    load_mass_std: float | None = None
+    off_flange: bool = False
+    at_sensor: bool | None = None
+
+
 Named = Callable[[Span, Alarm], Alarm]
+
+
+@dataclass(frozen=True)
+class Matched:
+    """How alarms match the contacts at a sensor, under the names of `Detection`; classes: of the
+    contacts that reach each force, none without a sensor.
+    """
+
+    alarms_per_min: float
+    precision: float = float("nan")
+    false_alarms_per_min: float | None = None
+    extra_alarms: int | None = None
+    classes: list[dict[str, Any]] = field(default_factory=list)
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return its numbers with those of each class, alone without any."""
+        whole = {name: value for name, value in vars(self).items() if name != "classes"}
+        return [whole | own for own in self.classes or [{}]]
 
 
 class Alarms(NamedTuple):
@@ -64,43 +106,39 @@ def all_alarms(
     }
 
 
-def detected(
-    found: Mapping[str, Alarms],
-    sensor: SensorWrenches,
-    q: Array,
-    speed: Array,
-    thresholds: Mapping[str, float],
-    named: Named,
-) -> dict[str, Detected]:
-    """Return the alarms of each estimate, and their comparison with the sensor.
+def raised(
+    own: Alarms, sensor: SensorWrenches, q: Array, speed: Array, named: Named
+) -> list[Alarm]:
+    """Return the alarms of an estimate, each with the largest force in it.
 
     q: (N, n) [rad]; speed: of the flange (N,) [m/s]; named: returns an alarm with its kind, a
     contact or a load.
     """
     felt = touches(sensor)
-    raised = {
-        name: [
-            replace(
-                named(span, strongest(span, sensor.time, q, own)),
-                flange_speed=float(speed[slice(*span)].mean()),
-                at_sensor=None if felt is None else overlaps(span, felt),
-            )
-            for span in own.raised
-        ]
-        for name, own in found.items()
-    }
-    return {
-        name: Detected(
-            **vars(matched(own.raised, sensor, not_felt(own.raised, raised[name]))),
-            threshold=thresholds[name],
-            raised=raised[name],
-            time_in_alarm=float(inside_spans(own.raised, len(sensor.time)).mean()),
-            axes={axis: by_axis(own, sensor, i) for i, axis in enumerate("xyz")},
-            free_time_in_alarm=free_time_in_alarm(own, sensor),
-            roc_area=roc_area(own, sensor),
+    return [
+        replace(
+            named(span, strongest(span, sensor.time, q, own)),
+            flange_speed=float(speed[slice(*span)].mean()),
+            at_sensor=None if felt is None else overlaps(span, felt),
         )
-        for name, own in found.items()
+        for span in own.raised
+    ]
+
+
+def detections(
+    estimate: str, own: Alarms, alarms: Sequence[Alarm], sensor: SensorWrenches, threshold: float
+) -> Iterator[Detection]:
+    """Yield how the alarms of an estimate match the contacts at the sensor."""
+    about: dict[str, Any] = {
+        "estimate": estimate,
+        "threshold": threshold,
+        "alarms": len(alarms),
+        "time_in_alarm": float(inside_spans(own.raised, len(sensor.time)).mean()),
+        "free_time_in_alarm": free_time_in_alarm(own, sensor),
+        "roc_area": roc_area(own, sensor),
     }
+    for row in matched(own.raised, sensor, not_felt(own.raised, alarms)).rows():
+        yield Detection(**about, **row)
 
 
 def not_felt(raised: Sequence[Span], alarms: Sequence[Alarm]) -> list[Span]:
@@ -111,18 +149,24 @@ def not_felt(raised: Sequence[Span], alarms: Sequence[Alarm]) -> list[Span]:
     return [span for span, one in pairs if one.kind == "load" or one.off_flange]
 
 
-def by_axis(own: Alarms, sensor: SensorWrenches, axis: int) -> OnAxis:
-    """Return how an estimate does with the fixed threshold that the thesis claims, on one axis."""
-    force = own.wrench[:, axis]
-    above = float(np.mean(np.nan_to_num(np.abs(force)) >= RELIABLE_FORCE_OF_THESIS))
-    if "compensated" not in sensor.wrench:
-        return OnAxis(RELIABLE_FORCE_OF_THESIS, above)
-    sensed = sensor.wrench["compensated"][:, axis]
-    return OnAxis(
-        RELIABLE_FORCE_OF_THESIS,
-        above,
-        *pushes_above(force, sensed, RELIABLE_FORCE_OF_THESIS, sensor.period),
-    )
+def fixed_thresholds(
+    estimate: str, own: Alarms, sensor: SensorWrenches
+) -> Iterator[FixedThreshold]:
+    """Yield how an estimate does with the fixed threshold that the thesis claims, by axis."""
+    for axis, component in enumerate(WRENCH[:3]):
+        force, least = own.wrench[:, axis], RELIABLE_FORCE_OF_THESIS
+        pushes = found = None
+        if "compensated" in sensor.wrench:
+            sensed = sensor.wrench["compensated"][:, axis]
+            pushes, found = pushes_above(force, sensed, least, sensor.period)
+        yield FixedThreshold(
+            estimate=estimate,
+            component=component,
+            force_n=least,
+            pushes=pushes,
+            found=found,
+            time_above=float(np.mean(np.nan_to_num(np.abs(force)) >= least)),
+        )
 
 
 def strongest(span: Span, time: Array, q: Array, own: Alarms) -> Alarm:
@@ -206,21 +250,27 @@ def matched(raised: list[Span], sensor: SensorWrenches, unfelt: Sequence[Span] =
     any_contact = compare(raised, contacts(force), step)
     return Matched(
         alarms_per_min=len(raised) / minutes,
-        classes=[by_class(least, force, raised, step) for least in FORCE_CLASSES],
         precision=any_contact.precision(),
-        false_per_min=false_per_min(raised, sensor, unfelt),
-        extra=any_contact.extra,
+        false_alarms_per_min=false_per_min(raised, sensor, unfelt),
+        extra_alarms=any_contact.extra,
+        classes=[by_class(least, force, raised, step) for least in FORCE_CLASSES],
     )
 
 
-def by_class(least: float, force: Array, raised: list[Span], step: float) -> ForceClass:
+def by_class(least: float, force: Array, raised: list[Span], step: float) -> dict[str, Any]:
     """Return how many contacts that reach a force are found, each by its own alarm, and when.
 
     force: (N,) [N], of the sensor; step: [s].
     """
     found = compare(raised, contacts(force, least), step)
-    late = float(np.median(found.delays)) if len(found.delays) else None
-    return ForceClass(least, found.contacts, found.found, found.recall(), late, found.merged)
+    return {
+        "force_class_n": least,
+        "contacts": found.contacts,
+        "found": found.found,
+        "merged": found.merged,
+        "recall": found.recall(),
+        "median_delay_s": float(np.median(found.delays)) if len(found.delays) else None,
+    }
 
 
 def pushes_above(force: Array, sensed: Array, least_force: float, period: float) -> tuple[int, int]:

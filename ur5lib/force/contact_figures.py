@@ -1,11 +1,14 @@
 """Errors of a contact wrench estimate against the force sensor: in contact, free, overall."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
 from ur5lib.force.sensed_contact import CONTACT_FORCE, contacts, in_contact, is_free
-from ur5lib.records.force_errors import WHOLE, ContactErrors
+from ur5lib.records.contacts import WHOLE, ContactError
+from ur5lib.records.force_errors import ForceError
+from ur5lib.records.table import WRENCH
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import (
     NORMAL95,
@@ -171,35 +174,60 @@ def resampled_means(values: Array, force: Array) -> Array | None:
     )
 
 
+def force_errors(
+    kind: str, estimate: str, figures: Mapping[str, Mapping[str, Array]]
+) -> Iterator[ForceError]:
+    """Yield figures, (6,) or of the force (3,), by period as rows; kind: of the reference."""
+    contact = figures.get("contact", {})
+    skills = contact.get("skill_low", contact.get("skill", np.zeros(0)))
+    determined = dict(zip(WRENCH, (skills > 0).tolist(), strict=False))
+    for during, values in figures.items():
+        for k, component in enumerate(WRENCH[: len(values["mae"])]):
+            own: Any = {name: float(each[k]) for name, each in values.items()}
+            yield ForceError(
+                kind=kind,
+                estimate=estimate,
+                during=during,
+                component=component,
+                determined=determined.get(component),
+                **own,
+            )
+
+
 def contact_errors(
-    estimate: Array, reference: Array, force: Array, time: Array
-) -> Iterator[ContactErrors]:
+    name: str, estimate: Array, reference: Array, force: Array, time: Array
+) -> Iterator[ContactError]:
     """Yield the errors of each contact at the sensor along each axis, and of all three.
 
-    estimate, reference: forces (N, 3) [N], the latter NaN where the sensor is saturated; force:
-    (N,) [N], of the sensor, which defines contacts; time: (N,) [s].
+    name: of the estimate; estimate, reference: forces (N, 3) [N], the latter NaN where the sensor
+    is saturated; force: (N,) [N], of the sensor, which defines contacts; time: (N,) [s].
     """
     estimated_contacts = contacts(np.linalg.norm(estimate, axis=1), CONTACT_FORCE)
     parts = error_parts(estimate, reference, force)
     for number, span in enumerate(contacts(force, CONTACT_FORCE), start=1):
         first, last = span
         e, f = estimate[first:last], reference[first:last]
-        place = number, time[first], time[last - 1]
-        step = (time[last - 1] - time[first]) / max(last - first - 1, 1)
-        for axis, name in enumerate(("Fx", "Fy", "Fz")):
-            yield ContactErrors(*place, name, *_peak_and_impulse(e[:, [axis]], f[:, [axis]], step))
+        start, end = float(time[first]), float(time[last - 1])
+        step = (end - start) / max(last - first - 1, 1)
+        about: Any = {"estimate": name, "contact": number, "start_s": start, "end_s": end}
+        for axis, component in enumerate(WRENCH[:3]):
+            own = _peak_and_impulse(e[:, [axis]], f[:, [axis]], step)
+            yield ContactError(**about, component=component, **own)
         onset = next(
-            (start for start, end in estimated_contacts if overlap((start, end), span)), None
+            (begin for begin, stop in estimated_contacts if overlap((begin, stop), span)), None
         )
-        late = None if onset is None else time[onset] - time[first]
         means = mean_parts(parts, slice(*span))
-        own = [float(means[name].mean()) for name in ("mae", "mae_shut", "mae_gain")]
-        yield ContactErrors(*place, WHOLE, *_peak_and_impulse(e, f, step), late, *own)
+        own = {name: float(means[name].mean()) for name in ("mae", "mae_shut", "mae_gain")}
+        yield ContactError(
+            **about,
+            component=WHOLE,
+            **_peak_and_impulse(e, f, step),
+            onset_error_s=None if onset is None else float(time[onset]) - start,
+            **own,
+        )
 
 
-def _peak_and_impulse(
-    estimate: Array, reference: Array, step: float
-) -> tuple[float, float, float, float]:
+def _peak_and_impulse(estimate: Array, reference: Array, step: float) -> dict[str, Any]:
     """Return peak and impulse of a contact, each with its error along the sensor's direction.
 
     estimate, reference: (M, D) [N]; step: [s]. Of what the sensor does not tell, all but the
@@ -213,5 +241,9 @@ def _peak_and_impulse(
     pushed = (
         step * estimate.sum(axis=0) @ (step * reference.sum(axis=0) / max(impulse, MIN_DIVISOR))
     )
-    errors = along.max() - peak, pushed - impulse
-    return float(peak), float(errors[0]), float(impulse), float(errors[1])
+    return {
+        "peak": float(peak),
+        "peak_error": float(along.max() - peak),
+        "impulse": float(impulse),
+        "impulse_error": float(pushed - impulse),
+    }

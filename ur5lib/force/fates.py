@@ -4,14 +4,24 @@ A contact is found by an alarm of its own, merged within that of another one, or
 found + merged + missed is the number of contacts, as `matching.compare` counts them.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
+from ur5lib.force.alarms import Alarm
 from ur5lib.force.matching import match
-from ur5lib.records.contacts import OFF_FLANGE, SPEEDS, Alarm, Cause, Fate, Kind
-from ur5lib.records.force_errors import ContactErrors
+from ur5lib.records.contacts import (
+    OFF_FLANGE,
+    SPEEDS,
+    WHOLE,
+    Cause,
+    Contact,
+    ContactError,
+    Fate,
+    Kind,
+)
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import Span, overlap
 
@@ -29,7 +39,42 @@ class Outcome(NamedTuple):
     band: float | None = None
 
 
-def outcomes(contacts: Sequence[ContactErrors], alarms: Sequence[Alarm]) -> list[Outcome]:
+def with_fates(rows: Iterable[ContactError], alarms: Sequence[Alarm]) -> list[ContactError]:
+    """Return the rows of an estimate's contacts, those of all three axes with what became of them.
+
+    alarms: that the estimate raises.
+    """
+    rows = [*rows]
+    whole = [one for one in rows if one.component == WHOLE]
+    met = dict(zip((one.contact for one in whole), outcomes(whole, alarms), strict=True))
+    return [
+        replace(one, **met[one.contact]._asdict()) if one.component == WHOLE else one
+        for one in rows
+    ]
+
+
+def contact_rows(estimate: str, alarms: Iterable[Alarm], is_free: bool) -> Iterator[Contact]:
+    """Yield the alarms of an estimate as rows; is_free: see `kind_of`."""
+    for alarm in alarms:
+        force = dict(zip(("Fx", "Fy", "Fz"), alarm.force.tolist(), strict=True))
+        std = dict(zip(("Fx_std", "Fy_std", "Fz_std"), alarm.force_std.tolist(), strict=True))
+        yield Contact(
+            estimate=estimate,
+            start_s=alarm.start,
+            end_s=alarm.end,
+            peak_s=alarm.peak,
+            **force,
+            **std,
+            posture_deg=" ".join(f"{angle:z.1f}" for angle in np.degrees(alarm.q)),
+            flange_speed=alarm.flange_speed,
+            kind=kind_of(alarm, is_free),
+            load_mass=alarm.load_mass,
+            load_mass_std=alarm.load_mass_std,
+            off_flange=alarm.off_flange,
+        )
+
+
+def outcomes(contacts: Sequence[ContactError], alarms: Sequence[Alarm]) -> list[Outcome]:
     """Return what became of each contact at a sensor; contacts: of the component "norm"."""
     raised = [stretch(one.start, one.end) for one in alarms]
     touches = [stretch(one.start_s, one.end_s) for one in contacts]
@@ -62,7 +107,7 @@ def band_of(alarm: Alarm) -> float | None:
     return NORMAL95 * std if np.isfinite(std) else None
 
 
-def cause_of(contact: ContactErrors, alarm: Alarm) -> Cause | None:
+def cause_of(contact: ContactError, alarm: Alarm) -> Cause | None:
     """Return what makes most of the error of a contact that an alarm finds, None without an error.
 
     What neither a late alarm nor a gain explains is friction, of a resting flange stiction.

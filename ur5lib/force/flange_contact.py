@@ -13,12 +13,12 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import logsumexp, softmax
 
+from ur5lib.force.alarms import Alarm
 from ur5lib.force.contact_prior import ContactPrior, wrench_covariance
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.gate import TorqueVariances, diagonal, log_density
 from ur5lib.force.problem import Problem
-from ur5lib.records.contacts import Alarm
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array, Labels

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
-from ur5lib.records.force_errors import Felt
+from ur5lib.records.force_errors import Sensed
 from ur5lib.records.phrases import number
 from ur5lib.records.quality import Finding
 from ur5lib.timeseries.arrays import Array, Mask
@@ -29,7 +29,7 @@ def in_contact(force: Array) -> Mask:
     return np.asarray(force > CONTACT_FORCE)
 
 
-def sensed_contact(force: Array, time: Array) -> Felt | None:
+def sensed_contact(force: Array, time: Array) -> Sensed | None:
     """Return what a sensor reads, None if it has no reading.
 
     force: (N,) [N], of the sensor, NaN where unknown; time: (N,) [s].
@@ -38,17 +38,23 @@ def sensed_contact(force: Array, time: Array) -> Felt | None:
         return None
     peak = int(np.nanargmax(force))
     share = float(in_contact(force).mean())
-    return Felt(float(force[peak]), float(time[peak]), share, len(contacts(force, CONTACT_FORCE)))
+    return Sensed(
+        largest_force_n=float(force[peak]),
+        at_s=float(time[peak]),
+        share_in_contact=share,
+        contacts=len(contacts(force, CONTACT_FORCE)),
+    )
 
 
-def touched(felt: Felt | None, role: str) -> Finding | None:
+def touched(felt: Sensed | None, role: str) -> Finding | None:
     """Return an error where a sensor reads contacts on a recording that should be free of them."""
     if felt is None or not felt.contacts or role not in FREE_ROLES:
         return None
     count = f"{felt.contacts} contact{'s' * (felt.contacts > 1)}"
+    largest = number(felt.largest_force_n, ".0f")
     detail = (
-        f"the sensor reads up to {number(felt.largest, '.0f')} N in {count}, although the role "
-        f"{role} means that nothing touches the arm; give it the role contact"
+        f"the sensor reads up to {largest} N in {count}, although the role {role} "
+        f"means that nothing touches the arm; give it the role contact"
     )
     return Finding("force", TOUCHED, "error", felt.contacts, detail)
 

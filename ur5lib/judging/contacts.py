@@ -14,7 +14,6 @@ from ur5lib.judging.limits import GOOD_ALARM_RATE, UPPER_LIMIT
 from ur5lib.judging.study import AT_REST, IN_MOTION, StudyTables
 from ur5lib.records.contacts import FATES, OFF_FLANGE
 from ur5lib.records.verdicts import FalseAlarms, Noticed, Reason, Verdict, reason_in
-from ur5lib.tidy.forces import STDS
 from ur5lib.timeseries.metrics import NORMAL95
 
 EVERY_DAY, WITHOUT_FIT, FARTHEST = "all", "without fit", "farthest"  # days of a recording
@@ -156,7 +155,9 @@ def _alarms_on(rows: pd.DataFrame, counts: Any, study: StudyTables) -> dict[str,
     if pd.isna(false):  # without a sensor
         false = (rows["kind"] == "false").sum() / minutes
     own = rows[rows["kind"] != OFF_FLANGE]  # whose stated forces are of the flange
-    bands = own.melt(["peak_s", "posture_deg"], [*STDS], "column", "std").dropna(subset="std")
+    bands = own.melt(
+        ["peak_s", "posture_deg"], ["Fx_std", "Fy_std", "Fz_std"], "column", "std"
+    ).dropna(subset="std")
     found: dict[str, Any] = {
         "alarms": len(rows),
         "alarms_per_min": len(rows) / minutes,

@@ -20,7 +20,6 @@ from ur5lib.judging.limits import (
 )
 from ur5lib.judging.study import AT_REST, IN_MOTION, StudyTables
 from ur5lib.records.verdicts import ErrorParts, Reason, State, Verdict
-from ur5lib.tidy.forces import FORCES
 from ur5lib.timeseries.metrics import NORMAL95
 
 QUESTION = "force"
@@ -38,7 +37,7 @@ def in_contact(study: StudyTables) -> pd.DataFrame:
     """Return the leading estimate's errors along x, y, z on recordings that no fit has used, with
     those of plain least squares (`plain`) and the repeatability.
     """
-    about: Any = {"kind": "compensated", "during": "contact", "component": [*FORCES]}
+    about: Any = {"kind": "compensated", "during": "contact", "component": ["Fx", "Fy", "Fz"]}
     every = study.rows("force_mae", **about)
     every = every[every["reason"] != "fitted"]
     key = ["recording", "component"]

@@ -11,7 +11,7 @@ UNKNOWN_NAME = "no channel is named so; if it is one, write its name in the entr
 
 @dataclass(frozen=True)
 class AccountRow:
-    """A row of an account.
+    """A row of account.csv.
 
     subject: columns of the file, or what is told of it as a whole: robot, rate, role; taken_for:
     the channel and its unit, or what was decided; evidence: the user's option, the name, the

@@ -3,94 +3,130 @@
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
-from ur5lib.timeseries.arrays import Array
-
 SPEEDS = {0.0: "at rest", 0.01: "slow", 0.25: "fast"}  # of the flange, from [m/s] on
 Fate = Literal["found", "merged", "missed"]  # by an alarm of its own, within another one's, by none
 FATES: tuple[Fate, ...] = get_args(Fate)
 Cause = Literal["late_alarm", "constants", "stiction", "friction"]  # of an error in contact
 Kind = Literal["contact", "load", "off_flange", "false"]  # of an alarm
 OFF_FLANGE: Kind = "off_flange"
+WHOLE = "norm"  # the component of all three axes together
 OF_CONTACTS: list[Kind] = ["contact", OFF_FLANGE]  # neither loads nor false
 
 
-@dataclass(frozen=True)
-class Alarm:
-    """An alarm: start, end and time of the largest force [s], this force (3,) [N] and its standard
-    deviation, and the joints (n,) [rad] there; the flange's mean speed [m/s]; whether it is a
-    contact or a load, and the mass of a load [kg]; whether the torques exclude that the contact is
-    at the flange; at_sensor: whether it overlaps a touch at the force sensor, None without one.
+@dataclass(frozen=True, kw_only=True)
+class ContactError:
+    """A row of contact_errors.csv: peak, impulse and onset of a contact at the sensor, and an
+    estimate's errors.
+
+    component: an axis, or "norm" for all three; peak: the largest force [N]; impulse: the magnitude
+    of the force's integral [N s]; errors: the estimate's component along the sensor's direction
+    minus the sensor's value, negative if the estimate is too small, NaN if it is unknown or the
+    sensor saturated in part of the contact; onset_error_s: of all three, delay with which the
+    estimate passes the sensor's levels; mae: of all three, mean over the axes [N], of which
+    mae_shut while no alarm is raised, and mae_gain that another gain of the whole recording would
+    take off; fate, cause, band: of all three and an estimate that raises alarms, see `Outcome`.
     """
 
-    start: float
-    end: float
+    estimate: str
+    contact: int
+    start_s: float
+    end_s: float
+    component: str
     peak: float
-    force: Array
-    force_std: Array
-    q: Array
-    flange_speed: float = float("nan")
-    kind: Literal["contact", "load"] = "contact"
+    peak_error: float
+    impulse: float
+    impulse_error: float
+    onset_error_s: float | None = None
+    mae: float | None = None
+    mae_shut: float | None = None
+    mae_gain: float | None = None
+    fate: Fate | None = None
+    cause: Cause | None = None
+    band: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Detection:
+    """A row of detection.csv: the contacts at a sensor that reach a force, and how many of them an
+    estimate finds; without a sensor, no force and no contacts.
+
+    threshold: of its odds, or of the force [N] where it states none; force_class_n: [N]; merged:
+    within the alarm of another contact; precision: share of alarms that are contacts; recall: found
+    of contacts; false_alarms_per_min: alarms in no contact, or that go on long after it, without
+    loads and contacts off the flange, which the sensor does not feel; extra_alarms: further ones in
+    a contact; time_in_alarm, free_time_in_alarm: shares of all samples and of those without
+    contact; median_delay_s: of the found ones [s]; roc_area: under the receiver's curve.
+    """
+
+    estimate: str
+    threshold: float
+    force_class_n: float | None = None
+    contacts: int | None = None
+    found: int | None = None
+    merged: int | None = None
+    precision: float = float("nan")
+    recall: float | None = None
+    false_alarms_per_min: float | None = None
+    extra_alarms: int | None = None
+    time_in_alarm: float
+    free_time_in_alarm: float | None = None
+    median_delay_s: float | None = None
+    alarms: int
+    alarms_per_min: float
+    roc_area: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class FixedThreshold:
+    """A row of fixed_threshold.csv: an estimate with the thesis's fixed threshold on one axis.
+
+    force_n: the threshold [N]; pushes: that reach it at the sensor, None without one; found: of
+    these; time_above: share of the recording.
+    """
+
+    estimate: str
+    component: str
+    force_n: float
+    pushes: int | None = None
+    found: int | None = None
+    time_above: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contact:
+    """A row of contacts.csv: an alarm of an estimate.
+
+    start_s, end_s, peak_s: of the largest force [s]; Fx to Fz: this force and its standard
+    deviations [N]; posture_deg: the joints there [°]; flange_speed: mean [m/s]; kind: see
+    `force.fates.kind_of`; load_mass: of a load [kg]; off_flange: whether the torques exclude that
+    the contact is at the flange.
+    """
+
+    estimate: str
+    start_s: float
+    end_s: float
+    peak_s: float
+    Fx: float
+    Fx_std: float
+    Fy: float
+    Fy_std: float
+    Fz: float
+    Fz_std: float
+    posture_deg: str
+    flange_speed: float
+    kind: Kind
     load_mass: float | None = None
     load_mass_std: float | None = None
     off_flange: bool = False
-    at_sensor: bool | None = None
-
-
-@dataclass(frozen=True)
-class OnAxis:
-    """An estimate with the thesis's fixed threshold on one axis.
-
-    force: the threshold [N]; time_above: share of the recording; pushes: that reach the threshold
-    at the sensor; found: of these. None without a sensor.
-    """
-
-    force: float
-    time_above: float
-    pushes: int | None = None
-    found: int | None = None
-
-
-@dataclass(frozen=True)
-class ForceClass:
-    """The contacts that reach a force at the sensor [N], how many are found, how late [s], and how
-    many more lie within the alarm of another one.
-    """
-
-    force: float
-    contacts: int
-    found: int
-    recall: float
-    median_delay: float | None
-    merged: int = 0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Matched:
-    """Alarms a minute, and how they match the contacts at a sensor; None without one.
-
-    classes: by the force that a contact reaches; precision: share of alarms that are contacts;
-    false_per_min: alarms in no contact, or that go on long after it, without loads and contacts off
-    the flange, which the sensor does not feel; extra: further alarms in a contact.
+class Contacts:
+    """contacts.json: the contacts by each estimate, as rows of contact_errors.csv, detection.csv,
+    fixed_threshold.csv and contacts.csv.
     """
 
-    alarms_per_min: float
-    classes: list[ForceClass] = field(default_factory=list)
-    precision: float = float("nan")
-    false_per_min: float | None = None
-    extra: int | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class Detected(Matched):
-    """The contacts that an estimate detects.
-
-    time_in_alarm, free_time_in_alarm: shares of all samples and of those without contact; axes:
-    with the thesis's threshold; roc_area: under the receiver's curve.
-    """
-
-    threshold: float
-    raised: list[Alarm]
-    time_in_alarm: float
-    axes: dict[str, OnAxis]
-    free_time_in_alarm: float | None = None
-    roc_area: float | None = None
+    errors: list[ContactError] = field(default_factory=list)
+    detections: list[Detection] = field(default_factory=list)
+    fixed_thresholds: list[FixedThreshold] = field(default_factory=list)
+    contacts: list[Contact] = field(default_factory=list)

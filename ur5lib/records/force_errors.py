@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ur5lib.errors import Remark
+from ur5lib.records.contacts import ContactError
 from ur5lib.records.quality import Finding
+from ur5lib.records.verdicts import Reason, Use
 from ur5lib.timeseries.arrays import Array, Six
-
-WHOLE = "norm"  # the component of all three axes together
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,43 +33,76 @@ class Offset:
     rival: float
 
 
-@dataclass(frozen=True)
-class ContactErrors:
-    """Peak, impulse and onset of a contact at the sensor, and the estimate's errors.
+@dataclass(frozen=True, kw_only=True)
+class ForceError:
+    """A row of force_mae.csv: the error of one component of an estimate of the contact wrench
+    beside the force sensor [N, Nm].
 
-    component: an axis, or "norm" for all three; peak: the largest force [N]; impulse: the magnitude
-    of the force's integral [N s]; errors: the estimate's component along the sensor's direction
-    minus the sensor's value, negative if the estimate is too small, NaN if it is unknown or the
-    sensor saturated in part of the contact; onset_error_s: of all three, delay with which the
-    estimate passes the sensor's levels; mae: of all three, mean over the axes [N], of which
-    mae_shut while no alarm is raised, and mae_gain that another gain of the whole recording would
-    take off.
+    kind: of the sensor's wrench, see `SensorWrenches`; during: all samples, in contact, free, or
+    in contacts that no part of the estimate shows (missed); mae, max: mean absolute and largest
+    error, with those of an estimate of zero; slope: estimate over sensor; skill: 1 - mae / zero's;
+    coverage50 to coverage95: shares in its bands; interval_score95: of the 95 % band, and of zero;
+    band_factor95: multiple of this band that contains 95 %; zero_in_band95: share of the time in
+    which it contains zero on all axes; mae_missed, mae_shut, mae_gain: parts of `mae`; mae_low,
+    mae_high: its 95 % interval; skill_low: lower end of the skill's; determined: whether the skill
+    in contact is above zero; use, reason: whether an error of a force in contact may be relied on,
+    and why not, or with which doubt.
     """
 
-    contact: int
-    start_s: float
-    end_s: float
+    kind: str
+    estimate: str
+    during: str
     component: str
-    peak: float
-    peak_error: float
-    impulse: float
-    impulse_error: float
-    onset_error_s: float | None = None
     mae: float | None = None
+    max: float | None = None
+    zero_mae: float | None = None
+    zero_max: float | None = None
+    mean_force: float | None = None
+    slope: float | None = None
+    skill: float | None = None
+    correlation: float | None = None
+    coverage50: float | None = None
+    coverage80: float | None = None
+    coverage95: float | None = None
+    interval_score95: float | None = None
+    zero_interval_score95: float | None = None
+    band_factor95: float | None = None
+    zero_in_band95: float | None = None
+    mae_missed: float | None = None
     mae_shut: float | None = None
     mae_gain: float | None = None
+    mae_low: float | None = None
+    mae_high: float | None = None
+    skill_low: float | None = None
+    determined: bool | None = None
+    use: Use | None = None
+    reason: Reason = ""
 
 
-@dataclass(frozen=True)
-class Felt:
-    """What a force sensor reads: largest [N], at_s: the time of the largest force [s]; contact: the
-    share of the recording in contact; contacts: their number.
+@dataclass(frozen=True, kw_only=True)
+class Sensed:
+    """A row of sensed.csv: what a force sensor reads.
+
+    largest_force_n: [N], at_s: its time [s]; share_in_contact: of the recording; contacts: their
+    number; bias, drift: without contact, x, y, z [N, N/min], with standard errors.
     """
 
-    largest: float
+    largest_force_n: float
     at_s: float
-    contact: float
+    share_in_contact: float
     contacts: int
+    bias_x: float | None = None
+    bias_y: float | None = None
+    bias_z: float | None = None
+    bias_std_x: float | None = None
+    bias_std_y: float | None = None
+    bias_std_z: float | None = None
+    drift_x: float | None = None
+    drift_y: float | None = None
+    drift_z: float | None = None
+    drift_std_x: float | None = None
+    drift_std_y: float | None = None
+    drift_std_z: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,26 +126,22 @@ class OffsetAccount(Offset):
     drift_std: Array = field(default_factory=lambda: np.full(3, np.nan))
 
 
-Figures = dict[str, dict[str, float]]  # by name, then by component
-ByPeriod = dict[str, Figures]  # in contact, free and all
-
-
 @dataclass(frozen=True, kw_only=True)
 class Compared:
     """beside_sensor.json: every estimate of the contact wrench beside the force sensor; empty
     without one.
 
-    errors: by kind of reference, estimate and period; contacts: errors of each contact by estimate;
-    felt: what the sensor felt; offset_doubt: why its bias may be a push; mounting_doubt: why its
-    mounting may be wrong.
+    errors: rows of force_mae.csv; contacts: of contact_errors.csv, without fate; sensed: what the
+    sensor reads; offset_doubt: why its bias may be a push; mounting_doubt: why its mounting may be
+    wrong.
     """
 
     offset: OffsetAccount | None = None
     offset_doubt: Remark | None = None
     mounting_doubt: Remark | None = None
-    felt: Felt | None = None
-    errors: dict[str, dict[str, ByPeriod]] = field(default_factory=dict)
-    contacts: dict[str, list[ContactErrors]] = field(default_factory=dict)
+    sensed: Sensed | None = None
+    errors: list[ForceError] = field(default_factory=list)
+    contacts: list[ContactError] = field(default_factory=list)
 
     def findings(self) -> list[Finding]:
         """Return why the sensor's mounting and bias may be wrong."""

@@ -80,3 +80,56 @@ class Identification:
     smallest_eigenvalues: dict[str, Array] = field(default_factory=dict)
     excitation: Excitation | None = None
     refused: Remark | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class RotorRow:
+    """A row of rotor_inertia.csv: the inertia of a joint's rotor [kg m²], and further fitted terms
+    that should be zero [Nm, Nm, Nm s/rad], with standard errors.
+    """
+
+    joint: int
+    value: float
+    std_error: float
+    offset: float
+    offset_std_error: float
+    coulomb: float
+    coulomb_std_error: float
+    viscous: float
+    viscous_std_error: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class ParameterRow:
+    """A row of parameters.csv: a base parameter of the identified model, see `BaseParameter`."""
+
+    parameter: str
+    value: float
+    std_error: float
+    determined: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExcitationRow:
+    """A row of excitation.csv: what an arm's recordings determine, see `Excitation`; motion: that
+    the first advice names.
+    """
+
+    combinations: int
+    undetermined: int
+    gravity: float | None = None
+    inertia: float | None = None
+    rotors: float | None = None
+    all: float | None = None
+    advice: str
+    motion: str | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class RemarkRow:
+    """A row of remarks.csv: a remark of a fit, on a joint or the whole arm."""
+
+    step: str
+    joint: int | None = None
+    remark: str
+    code: str

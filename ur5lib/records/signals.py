@@ -14,6 +14,8 @@ from ur5lib.timeseries.segments import by_segment
 # Above it, measured accelerations are noise, the controller's are not; no setting changes it.
 ACCELERATION_ORDER, ACCELERATION_CUTOFF = 4, 2.0  # Hz
 
+MIN_TARGET_TRAVEL, MIN_LED_TRAVEL = 0.01, 0.1  # rad, of a target that moves, of a joint that is led
+
 SENSOR_COLUMNS = {  # of force [N] and torque [Nm], of acceleration [m/s²] and rate [rad/s]
     "force": columns("ft"),
     "imu": [*columns("imu_a"), *columns("imu_g")],
@@ -88,3 +90,14 @@ def slowly(
 ) -> Array:
     """Return torques or currents (N, n), low-passed; lowpass: order and cut-off [Hz]."""
     return by_segment(zero_phase_lowpass, values, signals.segment, 1 / signals.period, *lowpass)
+
+
+def is_led(signals: Signals) -> bool:
+    """Return whether a joint moves while its target rests: a hand leads the arm, and the torque of
+    the target is not that of the motion.
+    """
+    if signals.target_q is None:
+        return False
+    rests = np.ptp(signals.target_q, axis=0) < MIN_TARGET_TRAVEL
+    moves = np.ptp(signals.actual_q, axis=0) > MIN_LED_TRAVEL
+    return bool((rests & moves).any())

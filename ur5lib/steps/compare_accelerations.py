@@ -1,12 +1,13 @@
 """Acceleration of the end effector: from joints, through Euler angles, and from an IMU."""
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import pandas as pd
 
-from ur5lib.records.accelerations import Accelerations, ImuComparison
+from ur5lib.records.accelerations import AccelerationError, Accelerations, ImuComparison
 from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.motion import Alignment, FusedMotion, Motion, MotionAccount
+from ur5lib.records.motion import Alignment, FusedMotion, Innovation, Motion, MotionAccount
 from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
@@ -15,21 +16,20 @@ from ur5lib.signals.imu_samples import has_valid_imu
 from ur5lib.signals.resampling import by_stamps
 from ur5lib.smoothing.beside_imu import beside_imu, fuse_imu, judged
 from ur5lib.smoothing.fused_motion import no_fused_motion
-from ur5lib.tidy import part
-from ur5lib.tidy.accelerations import acceleration_mae, innovations
 from ur5lib.timeseries.lowpass import Butterworth
+
+CHANNELS = [f"q_{joint}" for joint in range(1, 7)] + [f"qd_{joint}" for joint in range(1, 7)]
+CHANNELS += [f"imu_{sensor}{axis}" for sensor in "ag" for axis in "xyz"]
 
 
 class ComparedMotion(NamedTuple):
-    """A recording's motion beside its IMU; errors, innovations: its rows of the tables
-    `acceleration_mae` and `innovations`.
-    """
+    """A recording's motion beside its IMU, with its errors and the test of the smoother."""
 
     fused: FusedMotion
     accelerations: Accelerations
     comparison: ImuComparison
-    errors: pd.DataFrame
-    innovations: pd.DataFrame
+    errors: list[AccelerationError]
+    innovations: list[Innovation]
 
 
 def compare_accelerations(
@@ -63,7 +63,38 @@ def compare_accelerations(
         motions = {"encoders": motion, "encoders+imu": fused}
         own = beside_imu(robot, kinematics, signals, motions, unseen)
         accelerations, comparison = judged(own, lowpass, placed, motion.qd)
-    encoders = {"encoders": alignment.encoders}
-    errors = part("acceleration_mae", acceleration_mae(comparison))
-    tests = part("innovations", innovations(encoders, account))
-    return ComparedMotion(fused, accelerations, comparison, errors, tests)
+    tests = {"encoders": alignment.encoders} | account
+    return ComparedMotion(
+        fused,
+        accelerations,
+        comparison,
+        errors=[*acceleration_errors(comparison)],
+        innovations=[row for name, own in tests.items() for row in innovation_rows(name, own)],
+    )
+
+
+def acceleration_errors(comparison: ImuComparison) -> Iterator[AccelerationError]:
+    """Yield the MAE of the end effector's acceleration against the IMU."""
+    for estimate, errors in comparison.errors.items():
+        for component, mae in errors.mae.items():
+            zero = errors.zero_mae[component]
+            yield AccelerationError(estimate=estimate, component=component, mae=mae, zero_mae=zero)
+
+
+def innovation_rows(estimate: str, account: MotionAccount) -> Iterator[Innovation]:
+    """Yield whether the smoother's innovations are as wide as stated, and white, by channel."""
+    test = account.innovations
+    for k, channel in enumerate(CHANNELS[: len(test.variance)]):
+        low, high = test.variance_limits[k]
+        yield Innovation(
+            estimate=estimate,
+            channel=channel,
+            variance=float(test.variance[k]),
+            variance_low=float(low),
+            variance_high=float(high),
+            portmanteau=float(test.portmanteau[k]),
+            portmanteau_limit=test.portmanteau_limit,
+            consistent=bool(test.consistent[k]),
+            white=bool(test.white[k]),
+            colour=float(test.colour[k]),
+        )

@@ -1,25 +1,32 @@
 """Contacts by each estimate, beside the sensor; which of them are loads, or off the flange."""
 
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import groupby
+from operator import attrgetter
 
 from ur5lib.dynamics.link_model import load_regressor
-from ur5lib.force.alarms import Named, all_alarms, detected, false_per_min, not_felt
+from ur5lib.force.alarms import Alarm, Named, all_alarms, detections, fixed_thresholds, raised
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.controller import further_or_controller
 from ur5lib.force.estimators import LEADING, all_stated
 from ur5lib.force.external_torque import JointState
+from ur5lib.force.fates import contact_rows, with_fates
 from ur5lib.force.flange_contact import judged_by_torques
 from ur5lib.force.force_input import gears
 from ur5lib.force.grasp import grasped_load
 from ur5lib.force.problem import fmap_problem
 from ur5lib.force.residual_model import Residuals
+from ur5lib.force.sensed_contact import FREE_ROLES
 from ur5lib.force.trial_contacts import flange_speed
-from ur5lib.records.contacts import Alarm, Detected
+from ur5lib.records.contacts import ContactError, Contacts
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.force_errors import Compared
 from ur5lib.records.forces import Forces, FurtherForces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
+from ur5lib.records.prediction import Prediction
 from ur5lib.records.premises import Premises
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
@@ -32,37 +39,57 @@ def judge_contacts(
     motion: Motion,
     premises: Premises,
     currents: Currents,
+    prediction: Prediction,
     forces: Forces,
     sensor: SensorWrenches,
+    compared: Compared,
     arm: Robot,
     friction: Friction,
     residuals: Residuals,
     threshold: dict[str, float],
+    role: str,
     contact_force_n: float,
     gravity: list[float] | None = None,
     further: FurtherForces | None = None,
-) -> dict[str, Detected]:
+) -> Contacts:
     """Return the contacts by each estimate that has a threshold, beside the sensor.
 
-    Of the leading one, also whether they are at the flange. arm: as fitted; gravity: in its base
-    frame [m/s²], None as described.
+    Of the leading one, also whether they are at the flange. compared: with the errors of each
+    contact at the sensor; arm: as fitted; role: of the recording, which says whether anything
+    touches the arm; gravity: in its base frame [m/s²], None as described.
     """
     withheld = bool(premises.contradictions.stop_signs or friction.stopped)
     others = further_or_controller(further, arm, signals, withheld)
     found = all_alarms(all_stated(forces, others.corrected), threshold)
     loads = load_finder(arm.mounted(gravity), motion, currents, forces, friction, residuals)
-    contacts = detected(
-        found, sensor, motion.q, flange_speed(kinematics.jacobian, motion.qd), threshold, loads
-    )
+    speed = flange_speed(kinematics.jacobian, motion.qd)
+    alarms = {name: raised(own, sensor, motion.q, speed, loads) for name, own in found.items()}
     problem = fmap_problem(motion, currents, residuals)
-    if problem is None or LEADING not in contacts:
-        return contacts
-    prior, leading = ContactPrior(force=contact_force_n), contacts[LEADING]
-    at_flange = judged_by_torques(arm, problem, forces.time, prior, leading.raised)
-    raised = found[LEADING].raised
-    false = false_per_min(raised, sensor, not_felt(raised, at_flange))
-    leading = replace(leading, raised=at_flange, false_per_min=false)
-    return contacts | {LEADING: leading}
+    if problem is not None and LEADING in alarms:
+        prior = ContactPrior(force=contact_force_n)
+        alarms[LEADING] = judged_by_torques(arm, problem, forces.time, prior, alarms[LEADING])
+    is_free = role in FREE_ROLES and not prediction.is_loaded
+    return Contacts(
+        errors=[*errors_with_fates(compared.contacts, alarms)],
+        detections=[
+            row
+            for name, own in found.items()
+            for row in detections(name, own, alarms[name], sensor, threshold[name])
+        ],
+        fixed_thresholds=[
+            row for name, own in found.items() for row in fixed_thresholds(name, own, sensor)
+        ],
+        contacts=[row for name, own in alarms.items() for row in contact_rows(name, own, is_free)],
+    )
+
+
+def errors_with_fates(
+    errors: Iterable[ContactError], alarms: Mapping[str, Sequence[Alarm]]
+) -> Iterator[ContactError]:
+    """Yield the errors of contacts by estimate, with fates of those that raise alarms."""
+    for name, rows in groupby(errors, key=attrgetter("estimate")):
+        own = [*rows]
+        yield from with_fates(own, alarms[name]) if name in alarms else own
 
 
 def load_finder(

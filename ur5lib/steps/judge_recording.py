@@ -1,20 +1,25 @@
 """Judge a recording by itself: findings, and its rows of the study's tables."""
 
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
+import numpy as np
+
+from ur5lib.checks import files
 from ur5lib.checks.channels import slower_than_fit
 from ur5lib.force.problem import unusual_friction
 from ur5lib.force.residual_model import Residuals
 from ur5lib.records.currents import Currents
-from ur5lib.records.dynamics import Torques
+from ur5lib.records.dynamics import TorqueError, Torques
 from ur5lib.records.friction import Friction
-from ur5lib.records.judgement import Judgement, Rows
+from ur5lib.records.judgement import Judgement
 from ur5lib.records.motion import Alignment, Motion
-from ur5lib.records.prediction import Prediction
+from ur5lib.records.prediction import CurrentError, JudgedLoad, LoadRow, Prediction
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import UNUSUAL_FRICTION, Finding, Quality
-from ur5lib.records.signals import Signals
-from ur5lib.tidy import files, friction, models, written
+from ur5lib.records.signals import Signals, is_led, slowly
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import mean_absolute_error
 
 
 def judge_recording(
@@ -34,10 +39,6 @@ def judge_recording(
 
     cutoff_hz: of the currents' low-pass [Hz].
     """
-    rows = {
-        **of_files(quality, signals, alignment),
-        **of_models(signals, torques, prediction),
-    }
     slower = slower_than_fit(
         signals.actual_q, signals.segment, signals.period, cutoff_hz, friction.period
     )
@@ -45,25 +46,15 @@ def judge_recording(
     doubts = slower if share is None else [*slower, _unusual(share)]
     known = premises.contradictions
     contradictions = replace(known, findings=[*known.findings, *doubts])
-    return Judgement(rows, files.findings(quality, contradictions, alignment.clocks))
-
-
-def of_files(quality: Quality, signals: Signals, alignment: Alignment) -> dict[str, Rows]:
-    """Return the rows about the recording's files."""
-    return written(
-        recordings=files.recordings(quality, signals),
-        files=files.files(quality),
-        account=files.account(quality),
-        clocks=files.clocks(alignment.clocks),
-    )
-
-
-def of_models(signals: Signals, torques: Torques, prediction: Prediction) -> dict[str, Rows]:
-    """Return the rows about link models, and about currents and the load that they show."""
-    return written(
-        torque_mae=models.torque_mae(signals, torques),
-        current_rmse=friction.current_rmse(prediction),
-        payload=friction.payload(prediction),
+    return Judgement(
+        findings=files.findings(quality, contradictions, alignment.clocks),
+        recordings=[files.summary(quality, signals)],
+        files=files.files_read(quality),
+        account=quality.account,
+        clocks=files.clock_rows(alignment.clocks),
+        torque_mae=[*torque_errors(signals, torques)],
+        current_rmse=[*current_errors(prediction)],
+        payload=[load_row(prediction.load)] if prediction.load else [],
     )
 
 
@@ -75,3 +66,63 @@ def _unusual(share: float) -> Finding:
         "and none is stated: record motion without contact with the role fit"
     )
     return Finding("robot", UNUSUAL_FRICTION, "warning", 1, detail)
+
+
+def torque_errors(signals: Signals, torques: Torques) -> Iterator[TorqueError]:
+    """Yield the MAE of torques by motion and link model against `target_moment`, below 2 Hz, too,
+    and that of zero torque; interpolated frames are left out.
+    """
+    if signals.target_moment is None or is_led(signals):
+        return
+    received = ~signals.interpolated
+    moment = signals.target_moment[received]
+    slow = slowly(signals.target_moment, signals)[received]
+    zero = {
+        "zero_mae": mean_absolute_error(np.zeros_like(moment), moment),
+        "zero_mae_2hz": mean_absolute_error(np.zeros_like(slow), slow),
+    }
+    motions = {"target": torques.target, "measured": torques.measured}
+    for model in torques.measured:
+        for motion, known in motions.items():
+            if model in known:
+                errors = zero | {
+                    "mae": mean_absolute_error(known[model][received], moment),
+                    "mae_2hz": mean_absolute_error(slowly(known[model], signals)[received], slow),
+                }
+                for joint, values in by_joint(errors):
+                    yield TorqueError(motion=motion, model=model, joint=joint, **values)
+
+
+def current_errors(prediction: Prediction) -> Iterator[CurrentError]:
+    """Yield the errors of each model's prediction of the currents."""
+    for model, scores in prediction.scores.items():
+        errors = vars(scores) | {"zero_rmse_lowpassed": scores.zero_rmse_lowpassed}
+        errors["coverage95"] = errors.pop("coverage")
+        for joint, values in by_joint(errors):
+            yield CurrentError(model=model, fitted=prediction.fitted, joint=joint, **values)
+
+
+def by_joint(columns: Mapping[str, Array]) -> Iterator[tuple[int, dict[str, float]]]:
+    """Yield each joint, from 1, with its values of columns (n,)."""
+    names = [*columns]
+    for joint, values in enumerate(zip(*columns.values(), strict=True), start=1):
+        yield joint, dict(zip(names, map(float, values), strict=True))
+
+
+def load_row(load: JudgedLoad) -> LoadRow:
+    """Return an undeclared load as a row."""
+    low, high = load.interval
+    places = {
+        f"{name}_{axis}": float(value)
+        for name in ("center_of_mass", "center_of_mass_std")
+        for axis, value in zip("xyz", getattr(load, name), strict=True)
+    }
+    return LoadRow(
+        mass=load.mass,
+        std_error=load.std_error,
+        low=low,
+        high=high,
+        configured=load.configured,
+        taken=load.taken,
+        **places,
+    )

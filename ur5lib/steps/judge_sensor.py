@@ -1,16 +1,16 @@
 """The force sensor's wrench, and every estimate of the contact wrench beside it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from ur5lib.channels import columns
-from ur5lib.force.contact_figures import contact_errors, figures_by_contact
+from ur5lib.force.contact_figures import contact_errors, figures_by_contact, force_errors
 from ur5lib.force.controller import further_or_controller
-from ur5lib.force.estimators import LEADING, UNGATED, Stated, all_stated
+from ur5lib.force.estimators import LEADING, STATIC, UNGATED, Stated, all_stated
 from ur5lib.force.plain_least_squares import plain_least_squares
 from ur5lib.force.sensed_contact import sensed_contact
 from ur5lib.force.sensor import (
@@ -24,7 +24,7 @@ from ur5lib.force.sensor import (
 from ur5lib.force.sensor_reading import OwnClock, SensorReading, moved_tool, sensor_reading
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.force_errors import ByPeriod, Compared
+from ur5lib.records.force_errors import Compared, ForceError, OffsetAccount, Sensed
 from ur5lib.records.forces import Forces, FurtherForces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Alignment, Motion
@@ -32,10 +32,12 @@ from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.records.table import WRENCH
+from ur5lib.records.verdicts import Reason
 from ur5lib.robots.description import Robot, Vector3
 from ur5lib.signals.resampling import by_stamps
 from ur5lib.timeseries.arrays import Array, Mask
 
+JUDGED = ("contact", "missed")  # periods by which a force is judged
 SATURATED_SHARE = 0.999  # of a channel's largest value, which is this value
 
 
@@ -58,6 +60,7 @@ def judge_sensor(
     forces: Forces,
     arm: Robot,
     friction: Friction,
+    role: str,
     bias_window_s: float,
     min_singular_value: float,
     mounting: tuple[Vector3 | None, Vector3 | None] = (None, None),
@@ -66,7 +69,8 @@ def judge_sensor(
 ) -> JudgedSensor:
     """Return the force sensor's wrench, and every estimate of a recording beside it.
 
-    force: the sensor's samples on its own clock; arm: as fitted; bias_window_s: at the start, free
+    force: the sensor's samples on its own clock; arm: as fitted; role: of the recording, whose
+    errors are of no use where a fit has used it; bias_window_s: at the start, free
     of contact; mounting: place [m] and turn [°] of the sensor as the study states them; gravity: in
     the arm's base frame [m/s²], None as described.
     """
@@ -92,7 +96,8 @@ def judge_sensor(
         sensor = replace(sensor, plain=plain)
     at_limit = saturated(signals.force_sensor, force, quality.saturated_channels())
     compared = beside_sensor(reading, sensor, estimates, kinematics.rotation, at_limit)
-    return JudgedSensor(sensor, compared)
+    errors = [used(row, role, compared.offset_doubt is not None) for row in compared.errors]
+    return JudgedSensor(sensor, replace(compared, errors=errors))
 
 
 def saturated(reading: Array, force: pd.DataFrame, channels: Sequence[str]) -> Mask:
@@ -174,30 +179,54 @@ def beside_sensor(
     def told(reference: Array) -> Array:
         return np.where(at_limit[:, None], np.nan, reference)
 
-    def errors(own: Stated, reference: Array) -> ByPeriod:
+    def errors(kind: str, name: str, own: Stated) -> Iterator[ForceError]:
         band = None if own.std is None else own.std[:, measured]
-        given = own.wrench[:, measured], band, told(reference)[:, measured]
-        return by_component(figures_by_contact(*given, force, sensor.period))
+        given = own.wrench[:, measured], band, told(sensor.wrench[kind])[:, measured]
+        yield from force_errors(kind, name, figures_by_contact(*given, force, sensor.period))
 
+    account = reading.account()
     return Compared(
-        offset=reading.account(),
+        offset=account,
         offset_doubt=offset_doubt(reading.offset, reading.each),
         mounting_doubt=mounting_doubt(reading.offset, opposite),
-        felt=sensed_contact(force, sensor.time),
-        errors={
-            kind: {name: errors(own, reference) for name, own in compared[kind].items()}
-            for kind, reference in sensor.wrench.items()
-        },
-        contacts={
-            name: [*contact_errors(own.wrench[:, :3], told(best)[:, :3], force, sensor.time)]
+        sensed=with_bias(sensed_contact(force, sensor.time), account),
+        errors=[
+            row
+            for kind in sensor.wrench
+            for name, own in compared[kind].items()
+            for row in errors(kind, name, own)
+        ],
+        contacts=[
+            row
             for name, own in compared["compensated"].items()
-        },
+            for row in contact_errors(
+                name, own.wrench[:, :3], told(best)[:, :3], force, sensor.time
+            )
+        ],
     )
 
 
-def by_component(figures: dict[str, dict[str, Array]]) -> ByPeriod:
-    """Return figures, (6,) or of the force (3,), with the names of their components, by period."""
-    return {
-        during: {name: dict(zip(WRENCH, values, strict=False)) for name, values in part.items()}
-        for during, part in figures.items()
+def with_bias(sensed: Sensed | None, account: OffsetAccount) -> Sensed | None:
+    """Return what a sensor reads with its bias and drift without contact."""
+    if sensed is None:
+        return None
+    known: dict[str, Any] = {
+        f"{name}_{axis}": float(value)
+        for name in ("bias", "bias_std", "drift", "drift_std")
+        for axis, value in zip("xyz", getattr(account, name), strict=False)
     }
+    return replace(sensed, **known)
+
+
+def used(row: ForceError, role: str, is_doubted: bool) -> ForceError:
+    """Return an error with whether it may be relied on, if it is of a force in contact, and why
+    not, or with which doubt; is_doubted: whether the sensor's bias is uncertain.
+    """
+    if row.kind != "compensated" or row.during not in JUDGED or row.component not in WRENCH[:3]:
+        return row
+    reason: Reason = "uncalibrated" if row.estimate == STATIC else ""
+    if role == "fit":
+        reason = "fitted"
+    elif is_doubted:
+        reason = "sensor_bias"
+    return replace(row, use="yes" if reason in ("", "uncalibrated") else "no", reason=reason)

@@ -1,33 +1,78 @@
 """The study's tables of results, from the results of all recordings and arms."""
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
+from ur5lib.checks import files
 from ur5lib.checks.contacts import CONTACT
+from ur5lib.errors import Remark
 from ur5lib.force.residual_model import Residuals
-from ur5lib.force.sensed_contact import FREE_ROLES, touched
-from ur5lib.records.accelerations import ImuComparison
-from ur5lib.records.contacts import Detected
-from ur5lib.records.force_errors import Compared
-from ur5lib.records.friction import Friction
+from ur5lib.force.sensed_contact import touched
+from ur5lib.judging.may_be_used import friction_rows, torque_constants
+from ur5lib.records.accelerations import AccelerationBand, CalibratedQuantity, ImuComparison
+from ur5lib.records.account import AccountRow
+from ur5lib.records.clocks import ClockRow
+from ur5lib.records.contacts import Contact, ContactError, Contacts, Detection, FixedThreshold
+from ur5lib.records.dynamics import TorqueError
+from ur5lib.records.force_errors import Compared, ForceError, Sensed
+from ur5lib.records.friction import CrossValidation, Friction, FrictionRow, TorqueConstant
 from ur5lib.records.judgement import Judgement
-from ur5lib.records.models import Identification, Rotors
-from ur5lib.records.quality import Finding
+from ur5lib.records.models import (
+    ExcitationRow,
+    Identification,
+    ParameterRow,
+    RemarkRow,
+    RotorRow,
+    Rotors,
+    Terms,
+)
+from ur5lib.records.prediction import CurrentError, LoadRow
+from ur5lib.records.quality import STOP, FileRead, Finding, QualityRow, RecordingSummary
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import ImuCalibration
-from ur5lib.tables import read_cells
-from ur5lib.tidy import WORDS, Row, accelerations, columns, files, forces, friction, models, table
+from ur5lib.smoothing.acceleration_bands import acceleration_bands
+from ur5lib.tables import read_cells, table_by_owner
 
-RowsByTable = dict[str, dict[str, Iterable[Row]]]  # by table, then by recording
+OF_RECORDINGS = {
+    "recordings": RecordingSummary,
+    "files": FileRead,
+    "account": AccountRow,
+    "quality": QualityRow,
+    "clocks": ClockRow,
+    "acceleration_bands": AccelerationBand,
+    "torque_mae": TorqueError,
+    "current_rmse": CurrentError,
+    "payload": LoadRow,
+    "force_mae": ForceError,
+    "contact_errors": ContactError,
+    "sensed": Sensed,
+    "detection": Detection,
+    "fixed_threshold": FixedThreshold,
+    "contacts": Contact,
+}
+OF_ARMS = {
+    "imu_calibration": CalibratedQuantity,
+    "rotor_inertia": RotorRow,
+    "parameters": ParameterRow,
+    "excitation": ExcitationRow,
+    "remarks": RemarkRow,
+    "friction": FrictionRow,
+    "torque_constants": TorqueConstant,
+    "cross_validation": CrossValidation,
+}
+
+Rows = Mapping[str, Iterable[object]]  # of a table, by recording or arm
 
 
 def make_tables(
     judgements: Mapping[str, Judgement],
     beside_imu: Mapping[str, ImuComparison],
     beside_sensor: Mapping[str, Compared],
-    contacts: Mapping[str, dict[str, Detected]],
+    contacts: Mapping[str, Contacts],
     arm: Mapping[str, Robot],
     rotors: Mapping[str, Rotors],
     identification: Mapping[str, Identification],
@@ -46,85 +91,71 @@ def make_tables(
     each with the reason; roles: of all, by which a copy of another recording is left out, and which
     say where nothing touches the arm.
     """
-    judged, compared, roles = dict(judgements), dict(beside_sensor), roles or {}
-    rows = rows_of_recordings(judged, compared, unreadable, roles)
-    rows |= rows_of_forces(compared, dict(contacts), roles, loaded(judged))
-    written = joined(parts) | {"acceleration_bands": bands_of_accelerations(dict(beside_imu))}
-    tables = {name: table(name, own) for name, own in rows.items()} | written
-    tables = without_copies(tables, roles)
-
-    def of_arms(name: str, rows: Callable[[str], Iterable[Row]]) -> None:
-        tables[name] = table(name, {robot: rows(robot) for robot in arm}, "robot")
-
-    of_arms("imu_calibration", lambda robot: accelerations.imu_calibration(calibration[robot]))
-    of_arms("rotor_inertia", lambda robot: models.rotor_inertia(rotors[robot]))
-    of_arms("parameters", lambda robot: models.parameters(identification[robot]))
-    of_arms("excitation", lambda robot: models.excitation(identification[robot]))
-    of_arms("friction", lambda robot: friction.friction(fitted[robot], arm[robot]))
-    of_arms("torque_constants", lambda robot: friction.torque_constants(fitted[robot], arm[robot]))
-    of_arms("cross_validation", lambda robot: friction.cross_validation(fitted[robot]))
-    of_arms(
-        "remarks",
-        lambda robot: models.remarks(identification[robot], fitted[robot], residuals[robot]),
-    )
-    return tables
-
-
-def rows_of_forces(
-    compared: Mapping[str, Compared],
-    contacts: Mapping[str, dict[str, Detected]],
-    roles: Mapping[str, str] | None = None,
-    loaded: Collection[str] = (),
-) -> RowsByTable:
-    """Return the rows about forces and contacts; loaded: recordings with an undeclared load."""
     roles = roles or {}
-    free = {name for name, role in roles.items() if role in FREE_ROLES} - {*loaded}
-    return {
-        "force_mae": {
-            name: forces.force_mae(one, roles.get(name, "")) for name, one in compared.items()
+    rows = rows_of_recordings(
+        dict(judgements), dict(beside_sensor), dict(contacts), dict(beside_imu)
+    )
+    rows["quality"] = found_of_recordings(dict(judgements), dict(beside_sensor), unreadable, roles)
+    of_arms: dict[str, Rows] = {
+        "imu_calibration": {robot: calibrated(own) for robot, own in calibration.items()},
+        "rotor_inertia": {robot: rotor_rows(own) for robot, own in rotors.items()},
+        "parameters": {robot: own.parameters for robot, own in identification.items()},
+        "excitation": {robot: excited(own) for robot, own in identification.items()},
+        "friction": {robot: friction_rows(own, arm[robot]) for robot, own in fitted.items()},
+        "torque_constants": {
+            robot: torque_constants(own, arm[robot]) for robot, own in fitted.items()
         },
-        "contact_errors": {
-            name: forces.contact_errors(one, contacts.get(name)) for name, one in compared.items()
+        "cross_validation": {robot: cross_validated(own) for robot, own in fitted.items()},
+        "remarks": {
+            robot: remarks(identification[robot], own, residuals[robot])
+            for robot, own in fitted.items()
         },
-        "sensed": {name: forces.sensed(one) for name, one in compared.items()},
-        "detection": {name: forces.detection(one) for name, one in contacts.items()},
-        "fixed_threshold": {name: forces.fixed_threshold(one) for name, one in contacts.items()},
-        "contacts": {name: forces.contacts(one, name in free) for name, one in contacts.items()},
     }
-
-
-def loaded(judgements: Mapping[str, Judgement]) -> set[str]:
-    """Return the recordings whose currents show for certain a load that nobody declared."""
-    return {
-        name
-        for name, one in judgements.items()
-        if any(row.get("taken") == WORDS[True] for row in one.rows.get("payload", ()))
+    tables = joined(parts) | {
+        name: table_by_owner(kind, rows[name]) for name, kind in OF_RECORDINGS.items()
+    }
+    return without_copies(tables, roles) | {
+        name: table_by_owner(kind, of_arms[name], "robot") for name, kind in OF_ARMS.items()
     }
 
 
 def rows_of_recordings(
-    judgements: Mapping[str, Judgement],
+    judged: Mapping[str, Judgement],
+    compared: Mapping[str, Compared],
+    contacts: Mapping[str, Contacts],
+    imu: Mapping[str, ImuComparison],
+) -> dict[str, Rows]:
+    """Return the rows that recordings have, by themselves and beside their sensors, by table."""
+    return {
+        **{
+            field.name: {name: getattr(one, field.name) for name, one in judged.items()}
+            for field in fields(Judgement)
+            if field.name in OF_RECORDINGS
+        },
+        "acceleration_bands": {name: acceleration_bands(one, imu) for name, one in imu.items()},
+        "force_mae": {name: one.errors for name, one in compared.items()},
+        "sensed": {name: [one.sensed] for name, one in compared.items() if one.sensed},
+        "contact_errors": {name: one.errors for name, one in contacts.items()},
+        "detection": {name: one.detections for name, one in contacts.items()},
+        "fixed_threshold": {name: one.fixed_thresholds for name, one in contacts.items()},
+        "contacts": {name: one.contacts for name, one in contacts.items()},
+    }
+
+
+def found_of_recordings(
+    judged: Mapping[str, Judgement],
     compared: Mapping[str, Compared],
     unreadable: Mapping[str, str],
-    roles: Mapping[str, str] | None = None,
-) -> RowsByTable:
-    """Return the rows that recordings' judgements hold, and all findings; of recordings that cannot
-    be read, a stop sign.
-    """
-    roles = roles or {}
-    rows: RowsByTable = {
-        name: {recording: one.rows.get(name, ()) for recording, one in judgements.items()}
-        for name, own in columns().items()
-        if "recording" in own
-    }
-    found = {name: one.findings for name, one in judgements.items()}
+    roles: Mapping[str, str],
+) -> Rows:
+    """Return the rows of all findings; of recordings that cannot be read, a stop sign."""
+    found = {name: one.findings for name, one in judged.items()}
     found |= {
         name: beside_sensor_findings(found[name], one, roles.get(name, ""))
         for name, one in compared.items()
     }
-    rows["quality"] = {name: map(files.row, own) for name, own in found.items()}
-    rows["quality"] |= {name: [files.unreadable(why)] for name, why in unreadable.items()}
-    return rows
+    rows = {name: [*map(files.quality_row, own)] for name, own in found.items()}
+    return rows | {name: [files.unreadable(why)] for name, why in unreadable.items()}
 
 
 def beside_sensor_findings(own: list[Finding], compared: Compared, role: str) -> list[Finding]:
@@ -132,7 +163,7 @@ def beside_sensor_findings(own: list[Finding], compared: Compared, role: str) ->
 
     own: by its files, whose warning of a contact in the raw readings says less than the error.
     """
-    if (touch := touched(compared.felt, role)) is not None:
+    if (touch := touched(compared.sensed, role)) is not None:
         raw = ("force", CONTACT)
         own = [one for one in own if (one.device, one.finding) != raw] + [touch]
     return own + compared.findings()
@@ -151,10 +182,72 @@ def without_copies(
     return kept | {"quality": files.name_copies(quality, roles)}
 
 
-def bands_of_accelerations(imu: Mapping[str, ImuComparison]) -> pd.DataFrame:
-    """Return the table of the bands of accelerations, each from the other recordings."""
-    rows = {name: accelerations.acceleration_bands(one, imu) for name, one in imu.items()}
-    return table("acceleration_bands", rows)
+def calibrated(calibration: Mapping[str, ImuCalibration]) -> Iterator[CalibratedQuantity]:
+    """Yield the calibration of an arm's IMU from all `fit` recordings, nothing without one."""
+    if (fit := calibration.get("all")) is not None:
+        yield from fit.rows()
+
+
+def rotor_rows(rotors: Rotors) -> Iterator[RotorRow]:
+    """Yield rotor inertias, and further fitted terms that should be zero."""
+    if rotors.value is None or rotors.std_error is None:
+        return
+    pairs = zip(_by_joint(rotors.value), _by_joint(rotors.std_error), strict=True)
+    for joint, (value, std) in enumerate(pairs, start=1):
+        terms = {"value": value.pop("inertia"), "std_error": std.pop("inertia")}
+        errors = {f"{name}_std_error": error for name, error in std.items()}
+        yield RotorRow(joint=joint, **terms, **value, **errors)
+
+
+def _by_joint(terms: Terms) -> Iterator[dict[str, float]]:
+    """Yield the terms of each joint."""
+    for values in zip(*vars(terms).values(), strict=True):
+        yield dict(zip(vars(terms), map(float, values), strict=True))
+
+
+def excited(identification: Identification) -> Iterator[ExcitationRow]:
+    """Yield the excitation of an arm's parameters by the recordings, and advice."""
+    if (found := identification.excitation) is not None:
+        yield ExcitationRow(
+            combinations=found.combinations,
+            undetermined=len(found.undetermined),
+            **found.condition,
+            advice="; ".join(one.text for one in found.advice),
+            motion=(found.advice[0].motion or None) if found.advice else None,
+        )
+
+
+def cross_validated(friction: Friction) -> Iterator[CrossValidation]:
+    """Yield the RMSE of a fit to one recording, tested on another."""
+    names, tested = friction.from_, friction.cross_validation
+    for fitted_on, errors in zip(names, tested, strict=True):
+        for tested_on, each in zip(names, errors, strict=True):
+            about: dict[str, Any] = {"fitted_on": fitted_on, "tested_on": tested_on}
+            for joint, rmse in enumerate(each.tolist(), start=1):
+                yield CrossValidation(**about, joint=joint, rmse_lowpassed=rmse)
+
+
+def remarks(
+    identification: Identification, friction: Friction, residuals: Residuals
+) -> Iterator[RemarkRow]:
+    """Yield remarks of the fits to an arm by joint, and reasons of fits that failed."""
+    fits = {"identification": identification, "friction": friction, "contact forces": residuals}
+    for step, fitted in fits.items():
+        refused = filter(None, [getattr(fitted, "refused", None)])
+        yield from (_remark(step, one) for one in [*getattr(fitted, "remarks", ()), *refused])
+        if isinstance(fitted, Friction):
+            yield from _remarks_of_joints(fitted)
+
+
+def _remarks_of_joints(friction: Friction) -> Iterator[RemarkRow]:
+    if friction.stopped is not None:
+        yield _remark(STOP, friction.stopped)
+    for joint, fit in enumerate(friction.fit.joints, start=1):
+        yield from (_remark("friction", one, joint) for one in fit.remarks)
+
+
+def _remark(step: str, remark: Remark, joint: int | None = None) -> RemarkRow:
+    return RemarkRow(step=step, joint=joint, remark=remark.sentence(), code=remark.code)
 
 
 def joined(parts: Iterable[Path]) -> dict[str, pd.DataFrame]:

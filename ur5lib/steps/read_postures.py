@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ur5lib.checks import files
 from ur5lib.checks.channels import check_robot
 from ur5lib.checks.postures import (
     large_constants,
@@ -25,7 +26,6 @@ from ur5lib.records.quality import Contradictions, Quality
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.tables import checksum
-from ur5lib.tidy import files, written
 from ur5lib.timeseries.arrays import Six
 
 
@@ -56,13 +56,13 @@ def read_postures(
     except InputError as error:
         raise UnreadableError(str(error)) from None
     quality = replace(quality, read={str(path): checksum(path) for path in raw})
-    rows = written(
-        recordings=files.recordings(quality, None),
-        files=files.files(quality),
-        account=files.account(quality),
+    judgement = Judgement(
+        findings=files.findings(quality, postures.contradictions),
+        recordings=[files.summary(quality, None)],
+        files=files.files_read(quality),
+        account=quality.account,
     )
-    found = files.findings(quality, postures.contradictions)
-    return ReadPostures(postures, Judgement(rows, found))
+    return ReadPostures(postures, judgement)
 
 
 def checked_postures(

@@ -11,7 +11,6 @@ from ur5lib.jobs.code import checksum_of_step, in_library, of_study
 from ur5lib.jobs.unreadable import unreadable
 from ur5lib.jobs.workers import FAILED, end_beside_the_schedule, run_step
 from ur5lib.robots.description import JOINT_SIZES_FILE, robot_path
-from ur5lib.strict import read_yaml
 from ur5lib.study.given import STEPS, design
 from ur5lib.study.reading import parse_study, study_text
 from ur5lib.study.selection import Selection
@@ -42,7 +41,31 @@ RECORDINGS = SELECTION.recordings
 TRUTHS = SELECTION.truths(RESULTS)
 ARMS = STUDY.arms()
 ROBOTS = sorted(ARMS)
-COLUMNS = PACKAGE / "tidy" / "columns.yaml"
+TABLES = [  # that make_tables writes, besides those of which steps write parts
+    "recordings",
+    "files",
+    "account",
+    "quality",
+    "clocks",
+    "acceleration_bands",
+    "torque_mae",
+    "current_rmse",
+    "payload",
+    "force_mae",
+    "contact_errors",
+    "sensed",
+    "detection",
+    "fixed_threshold",
+    "contacts",
+    "imu_calibration",
+    "rotor_inertia",
+    "parameters",
+    "excitation",
+    "remarks",
+    "friction",
+    "torque_constants",
+    "cross_validation",
+]
 JUDGED = [  # tables that judge_study writes
     "verdicts",
     "uses",

@@ -161,7 +161,7 @@ rule compare_accelerations:
     log:
         **traces("compare_accelerations", "{recording}"),
     params:
-        code=code("compare_accelerations", COLUMNS),
+        code=code("compare_accelerations"),
         recording="{recording}",
         gravity=of_recording(SELECTION.gravity),
         lowpass=design(SETTINGS.lowpass.accelerations),
@@ -190,6 +190,7 @@ rule judge_sensor:
         **traces("judge_sensor", "{recording}"),
     params:
         code=code("judge_sensor"),
+        role=lambda wildcards: RECORDINGS[wildcards.recording].role,
         gravity=of_recording(SELECTION.gravity),
         mounting=of_recording(SELECTION.sensor_mounting),
         bias_window_s=SETTINGS.sensor.bias_window_s,
@@ -208,6 +209,8 @@ rule judge_contacts:
         currents=result("currents.parquet"),
         forces=result("forces.parquet"),
         sensor=result("sensor.parquet"),
+        prediction=result("currents.json"),
+        compared=result("beside_sensor.json"),
         arm=parameter_of("arm.yaml"),
         friction=parameter_of("friction.json"),
         residuals=parameter_of("residuals.json"),
@@ -218,6 +221,7 @@ rule judge_contacts:
         **traces("judge_contacts", "{recording}"),
     params:
         code=code("judge_contacts"),
+        role=lambda wildcards: RECORDINGS[wildcards.recording].role,
         gravity=of_recording(SELECTION.gravity),
         contact_force_n=SETTINGS.contact.force_n,
     run:
@@ -241,7 +245,7 @@ rule judge_recording:
     log:
         **traces("judge_recording", "{recording}"),
     params:
-        code=code("judge_recording", COLUMNS),
+        code=code("judge_recording"),
         cutoff_hz=SETTINGS.lowpass.currents.cutoff_hz,
     run:
         run_step(rule, input, output, params, log)

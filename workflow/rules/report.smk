@@ -104,11 +104,11 @@ rule make_tables:
         residuals=parameters("residuals.json"),
         parts=lambda wildcards: PARTS,
     output:
-        **tables([*read_yaml(COLUMNS), *sorted({Path(path).stem for path in PARTS})]),
+        **tables([*TABLES, *sorted({Path(path).stem for path in PARTS})]),
     log:
         **traces("make_tables"),
     params:
-        code=code("make_tables", COLUMNS),
+        code=code("make_tables"),
         roles=lambda wildcards: {name: one.role for name, one in RECORDINGS.items()},
     run:
         run_step(rule, input, output, params, log)

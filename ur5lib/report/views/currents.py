@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pandas as pd
 
+from ur5lib.records.friction import without_totals
 from ur5lib.report.figures.thinned import by_position, by_velocity
 from ur5lib.report.results import Results
-from ur5lib.tidy.friction import without_totals
 
 CONSTANTS = ["torque_constant", "gain"]  # the parameter, of currents and of measured torques
 UNMOVED = "no_motion"  # reason against a parameter of a joint that did not move

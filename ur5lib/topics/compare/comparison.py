@@ -11,8 +11,8 @@ from scipy.stats import norm
 
 from ur5lib.finished import FinishedStudy
 from ur5lib.force.estimators import LEADING
+from ur5lib.records.friction import without_totals
 from ur5lib.tables import write_text
-from ur5lib.tidy.friction import without_totals
 from ur5lib.timeseries.metrics import NORMAL95
 
 ERROR_CHANCE = 0.05  # of any false change in a topic, and of a miss of a single interval

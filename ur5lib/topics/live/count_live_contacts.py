@@ -1,21 +1,22 @@
 """The contacts that the live estimator states in a recording, beside those at the sensor."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
+from dataclasses import fields
 
 import numpy as np
 
-from ur5lib.force.alarms import matched, not_felt
+from ur5lib.force.alarms import matched
 from ur5lib.force.estimators import LEADING
-from ur5lib.records.contacts import Alarm, Detected, Matched
+from ur5lib.records.contacts import Contact, Contacts
 from ur5lib.records.forces import SensorWrenches
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import Span, runs
 from ur5lib.topics.live.rows import LiveDetection, LiveForces
 
+NAMES = [field.name for field in fields(LiveDetection)]
+
 
 def count_live_contacts(
-    live: LiveForces, sensor: SensorWrenches, contacts: Mapping[str, Detected]
+    live: LiveForces, sensor: SensorWrenches, contacts: Contacts
 ) -> list[LiveDetection]:
     """Return how many contacts at the sensor are found, by the force that they reach.
 
@@ -24,29 +25,19 @@ def count_live_contacts(
     """
     if live.contact is None or live.known is None:
         return []
-    alarms = contacts[LEADING].raised if LEADING in contacts else []
-    unfelt = not_felt([*_spans(alarms, live.time)], alarms)
+    unfelt = [
+        samples_of(one, live.time)
+        for one in contacts.contacts
+        if one.estimate == LEADING and (one.kind == "load" or one.off_flange)
+    ]
     raised = [(first, last) for first, last in runs(live.contact).tolist()]
-    return [*_rows(matched(raised, sensor, unfelt), 1.0 - float(live.known.mean()))]
+    unknown = 1.0 - float(live.known.mean())
+    return [
+        LiveDetection(**{name: row[name] for name in NAMES if name in row}, unknown=unknown)
+        for row in matched(raised, sensor, unfelt).rows()
+    ]
 
 
-def _spans(alarms: Iterable[Alarm], time: Array) -> Iterator[Span]:
-    """Yield the samples of alarms; time: (N,) [s]."""
-    for alarm in alarms:
-        yield int(np.searchsorted(time, alarm.start)), int(np.searchsorted(time, alarm.end)) + 1
-
-
-def _rows(found: Matched, unknown: float) -> Iterator[LiveDetection]:
-    rates: Any = {"alarms_per_min": found.alarms_per_min, "unknown": unknown}
-    rates |= {"false_alarms_per_min": found.false_per_min}
-    if not found.classes:
-        yield LiveDetection(**rates)
-    for reached in found.classes:
-        yield LiveDetection(
-            force_class_n=reached.force,
-            contacts=reached.contacts,
-            found=reached.found,
-            merged=reached.merged,
-            median_delay_s=reached.median_delay,
-            **rates,
-        )
+def samples_of(alarm: Contact, time: Array) -> Span:
+    """Return the stretch of an alarm in samples; time: (N,) [s]."""
+    return int(np.searchsorted(time, alarm.start_s)), int(np.searchsorted(time, alarm.end_s)) + 1

@@ -45,7 +45,7 @@ def judge_live(
     quiet = [
         name
         for name in counts
-        if not prediction[name].is_loaded and touched(compared[name].felt, roles[name]) is None
+        if not prediction[name].is_loaded and touched(compared[name].sensed, roles[name]) is None
     ]
     days = days_between({name: _day(own) for name, own in dates.items()}, roles)
     free = [

@@ -2,9 +2,9 @@
 
 import pandas as pd
 
+from ur5lib.records.friction import without_totals
 from ur5lib.report.results import Results
 from ur5lib.report.stated import designing
-from ur5lib.tidy.friction import without_totals
 from ur5lib.topics.next_recordings.found import outlooks
 
 MAX_NAMED_PARAMETERS = 3  # parameters that the next recording is designed for

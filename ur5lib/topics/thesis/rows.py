@@ -6,10 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ur5lib.records.friction import Friction
-from ur5lib.records.signals import Signals
+from ur5lib.records.signals import Signals, is_led
 from ur5lib.robots.description import Robot
-from ur5lib.tidy import WORDS
-from ur5lib.tidy.models import is_led
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import largest_error, mean_absolute_error
 from ur5lib.topics.thesis.records import ClosedLoop, GainSummary
@@ -48,7 +46,7 @@ class EstimatedGain:
     std_error: float | None = None
     low: float | None
     high: float | None
-    determined: str
+    determined: bool
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +60,7 @@ class PublishedGain:
     cost: float
     least_cost: float
     limit: float
-    fits: str
+    fits: bool
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,7 +139,7 @@ def estimated_gains(gains: GainSummary) -> Iterator[EstimatedGain]:
                 std_error=gain.std_error if gain.determined else None,
                 low=None if gain.low in bounds else gain.low,
                 high=None if gain.high in bounds else gain.high,
-                determined=WORDS[gain.determined],
+                determined=gain.determined,
             )
 
 
@@ -156,7 +154,7 @@ def published_gains(gains: GainSummary) -> Iterator[PublishedGain]:
                     cost=cost,
                     least_cost=found.cost,
                     limit=found.limit,
-                    fits=WORDS[bool(cost <= found.limit)],
+                    fits=bool(cost <= found.limit),
                 )
 
 

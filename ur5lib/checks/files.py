@@ -1,4 +1,4 @@
-"""Rows of tables about the recordings' files: their size, clocks and findings."""
+"""What tables tell of a recording's files: their size, clocks and findings, and copies of files."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, cast
@@ -8,36 +8,41 @@ import pandas as pd
 
 from ur5lib.recordings.copies import same_runs, spare_copy
 from ur5lib.records.account import NOTHING
-from ur5lib.records.clocks import SettledClock
+from ur5lib.records.clocks import ClockRow, SettledClock
 from ur5lib.records.phrases import number
 from ur5lib.records.quality import (
     SAME_RUN,
     UNREADABLE,
     Contradictions,
     Device,
+    FileRead,
     Finding,
     Quality,
+    QualityRow,
+    RecordingSummary,
 )
 from ur5lib.records.signals import Signals
-from ur5lib.tidy import Row
 
 UNUSED = "columns not used"  # the finding that import left them out
 SAME = "same file"  # the finding that a device's file is a copy of another recording's
 TRAVEL = 0.02  # rad, between the ends of the path of a joint that moves
 
 
-def recordings(quality: Quality, signals: Signals | None) -> Iterator[Row]:
-    """Yield a recording's size, duration, time steps, devices and moving joints.
+def summary(quality: Quality, signals: Signals | None) -> RecordingSummary:
+    """Return a recording's size, duration, time steps, devices and moving joints.
 
     Postures at rest have no signals.
     """
     moving = moving_joints(signals) if signals else []
-    yield vars(quality) | {
-        "rows_read": quality.rows,
-        "jitter_s": quality.jitter_s["99 %"],
-        "devices": " ".join(quality.devices),
-        "moving_joints": " ".join(map(str, moving)),
-    }
+    return RecordingSummary(
+        duration_s=quality.duration_s,
+        rows_read=quality.rows,
+        frames=quality.frames,
+        longest_step_s=quality.longest_step_s,
+        jitter_s=quality.jitter_s["99 %"],
+        devices=" ".join(quality.devices),
+        moving_joints=" ".join(map(str, moving)),
+    )
 
 
 def moving_joints(signals: Signals) -> list[int]:
@@ -46,29 +51,25 @@ def moving_joints(signals: Signals) -> list[int]:
     return [int(joint) + 1 for joint in np.flatnonzero(travel > TRAVEL)]
 
 
-def files(quality: Quality) -> Iterator[Row]:
-    """Yield the files that a recording was read from."""
-    for file, checksum in quality.read.items():
-        yield {"file": file, "sha256": checksum}
+def files_read(quality: Quality) -> list[FileRead]:
+    """Return the files that a recording was read from."""
+    return [FileRead(file=file, sha256=checksum) for file, checksum in quality.read.items()]
 
 
-def account(quality: Quality) -> Iterator[Row]:
-    """Yield what import took each column of a recording's file for."""
-    yield from map(vars, quality.account)
-
-
-def clocks(clocks: Mapping[str, SettledClock]) -> Iterator[Row]:
-    """Yield offset and drift of each device's clock against the robot's."""
-    for device, clock in clocks.items():
-        yield {
-            "device": device,
-            "offset_s": clock.offset,
-            "offset_std_s": clock.offset_std,
-            "drift_ppm": clock.drift and 1e6 * clock.drift,
-            "drift_std_ppm": clock.drift_std and 1e6 * clock.drift_std,
-            "method": clock.method,
-            "end_std_s": clock.end_std,
-        }
+def clock_rows(clocks: Mapping[str, SettledClock]) -> list[ClockRow]:
+    """Return offset and drift of each device's clock against the robot's."""
+    return [
+        ClockRow(
+            device=device,
+            offset_s=clock.offset,
+            offset_std_s=clock.offset_std,
+            drift_ppm=clock.drift and 1e6 * clock.drift,
+            drift_std_ppm=clock.drift_std and 1e6 * clock.drift_std,
+            method=clock.method,
+            end_std_s=clock.end_std,
+        )
+        for device, clock in clocks.items()
+    ]
 
 
 def findings(
@@ -109,15 +110,16 @@ def _doubts_of(device: Device, clock: SettledClock) -> Iterator[Finding]:
         yield Finding(device, "unknown drift", "warning", 1, detail)
 
 
-def row(finding: Finding) -> Row:
+def quality_row(finding: Finding) -> QualityRow:
     """Return a finding as a row of quality.csv."""
-    return vars(finding) | {"detail": finding.sentence()}
+    names = ("device", "finding", "severity", "count", "place")
+    return QualityRow(**{name: getattr(finding, name) for name in names}, detail=finding.sentence())
 
 
-def unreadable(reason: str) -> Row:
+def unreadable(reason: str) -> QualityRow:
     """Return the stop sign of a recording that cannot be read."""
-    about: Row = {"device": "robot", "finding": UNREADABLE, "severity": "stop"}
-    return about | {"count": 1, "detail": reason}
+    about: dict[str, Any] = {"device": "robot", "finding": UNREADABLE, "severity": "stop"}
+    return QualityRow(**about, count=1, detail=reason)
 
 
 def spare_copies(quality: pd.DataFrame, roles: Mapping[str, str]) -> list[str]:
@@ -150,7 +152,7 @@ def _same_runs(runs: pd.DataFrame) -> Iterator[tuple[str, str]]:
     yield from same_runs({name: [*map(int, rows.split())] for name, rows in by_name})
 
 
-def _repeated(runs: pd.DataFrame, roles: Mapping[str, str]) -> dict[Any, Row]:
+def _repeated(runs: pd.DataFrame, roles: Mapping[str, str]) -> dict[Any, dict[str, Any]]:
     """Return the findings of the runs that several recordings hold, by their places."""
     holders: dict[str, set[str]] = {name: {name} for name in runs["recording"]}
     spare, standing = list[str](), set[str]()
@@ -170,7 +172,7 @@ def _repeated(runs: pd.DataFrame, roles: Mapping[str, str]) -> dict[Any, Row]:
     return repeated
 
 
-def _run(names: Sequence[str], spare: Sequence[str], standing: bool) -> Row:
+def _run(names: Sequence[str], spare: Sequence[str], standing: bool) -> dict[str, Any]:
     """Return what is found of recordings of one run; standing: none of them is left out."""
     same = f"{', '.join(names)} are one run: their rows are equal"
     detail = (
@@ -183,7 +185,7 @@ def _run(names: Sequence[str], spare: Sequence[str], standing: bool) -> Row:
     return {"count": len(names) - 1, "severity": severity, "detail": detail}
 
 
-def _copy(row: pd.Series, alike: pd.DataFrame) -> Row:
+def _copy(row: pd.Series, alike: pd.DataFrame) -> dict[str, Any]:
     """Return the finding of a file that is the same in several recordings."""
     others = [name for name in alike["recording"] if name != row["recording"]]
     used = "used" if int(row["count"]) else "not used"

@@ -1,9 +1,10 @@
 """Whether a fitted parameter may be used: from the fit, its remarks and the arm alone."""
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from operator import attrgetter
+from typing import Any, NamedTuple
 
-from ur5lib.records.friction import Friction, Parameter
+from ur5lib.records.friction import Friction, FrictionRow, Parameter, TorqueConstant
 from ur5lib.records.verdicts import Reason, Use
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.metrics import NORMAL95
@@ -78,3 +79,38 @@ def _is_far(constant: Parameter, fitted: Friction) -> bool:
     if known is None:
         return False
     return bool(abs(constant.value - known.value[joint]) > NORMAL95 * known.std_error[joint])
+
+
+def friction_rows(fitted: Friction, arm: Robot) -> list[FrictionRow]:
+    """Return torque constants, offsets and friction, by its terms and in total at a load; of a
+    torque constant, also the prior one, and the fitted one where that contradicts it.
+    """
+    loads = {} if fitted.load is None else dict(enumerate(fitted.load.tolist(), start=1))
+    rows = [FrictionRow(**_values(row, fitted, arm)) for row in fitted.parameters]
+    rows += [
+        FrictionRow(**_values(row, fitted, arm), load=loads[row.joint]) for row in fitted.totals
+    ]
+    return sorted(rows, key=attrgetter("joint"))
+
+
+def torque_constants(fitted: Friction, arm: Robot) -> Iterator[TorqueConstant]:
+    """Yield the torque constants of these alone, a row for each joint of motors with currents."""
+    for own in fitted.parameters:
+        row = FrictionRow(**_values(own, fitted, arm))
+        if row.parameter == CONSTANT:
+            names = TorqueConstant.__dataclass_fields__.keys() - {"torque_constant"}
+            same = {name: getattr(row, name) for name in names}
+            yield TorqueConstant(torque_constant=row.value, **same)
+
+
+def _values(row: Parameter, fitted: Friction, arm: Robot) -> dict[str, Any]:
+    """Return the cells of a parameter, and whether it may be used."""
+    (low, high), joint, known = row.interval, row.joint - 1, fitted.known_constants
+    names = ["joint", "value", "std_error", "determined"]
+    names += ["prior_share", "arm_share", "day_share", "run_share"]
+    found: dict[str, Any] = {name: getattr(row, name) for name in names}
+    found |= {"parameter": arm.measured.parameter(row.name), "low": low, "high": high}
+    if row.name == CONSTANT and known is not None:
+        found |= {"known": float(known.value[joint]), "known_std": float(known.std_error[joint])}
+        found |= {"contradicted": contradicted(fitted, row.joint)}
+    return found | may_be_used(row, fitted, arm)._asdict()
