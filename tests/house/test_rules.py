@@ -16,7 +16,7 @@ from tests.synthetic import write_recording
 from ur5lib.jobs.code import all_steps, imported_modules
 from ur5lib.jobs.job import load_step
 from ur5lib.report.figures.house_style import Drawing
-from ur5lib.tidy import columns
+from ur5lib.steps.make_tables import OF_ARMS, OF_RECORDINGS
 
 EVERYTHING = """\
 study: everything
@@ -79,14 +79,11 @@ def declared(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Names]:
 
 
 def parameters(step: str) -> dict[str, bool]:
-    """What a step takes, alone or as the fields of one tuple, and whether it must be given.
+    """What a step takes, and whether it must be given.
 
     What could not be read is no file: whoever runs the step knows it.
     """
-    function = load_step(step)
-    (first, *_), kinds = signature(function).parameters, get_type_hints(function)
-    whole = kinds[first]
-    taken = signature(whole if hasattr(whole, "_fields") else function).parameters
+    taken = signature(load_step(step)).parameters
     needed = {name: own.default is Parameter.empty for name, own in taken.items()}
     return {name: need for name, need in needed.items() if name != "unreadable"}
 
@@ -134,7 +131,7 @@ def keys_of(function: Callable[..., Any], kind: Any, rule: str) -> set[str]:
     With the numbers of a figure, and the tables of arms, whose steps write their rows.
     """
     if rule == "make_tables":
-        return {*columns(), *PARTS}
+        return {*OF_RECORDINGS, *OF_ARMS, *PARTS}
     path = Path(function.__code__.co_filename)
     used = [path, *imported_modules(path)]
     words = {word for file in used for word in re.findall(r'"(\w+)"', file.read_text())}
