@@ -12,6 +12,7 @@ from ur5lib.checks.contacts import CONTACT
 from ur5lib.errors import Remark
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.sensed_contact import touched
+from ur5lib.judging.acceleration_bands import acceleration_bands
 from ur5lib.judging.may_be_used import friction_rows, torque_constants
 from ur5lib.records.accelerations import AccelerationBand, CalibratedQuantity, ImuComparison
 from ur5lib.records.account import AccountRow
@@ -34,7 +35,6 @@ from ur5lib.records.prediction import CurrentError, LoadRow
 from ur5lib.records.quality import STOP, FileRead, Finding, QualityRow, RecordingSummary
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import ImuCalibration
-from ur5lib.smoothing.acceleration_bands import acceleration_bands
 from ur5lib.tables import read_cells, table_by_owner
 
 OF_RECORDINGS = {

@@ -1,4 +1,4 @@
-"""Bands of the end effector's acceleration, and the bands of the joints on the stand."""
+"""Bands of the end effector's acceleration, from the other recordings."""
 
 from dataclasses import replace
 
@@ -6,14 +6,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.motion import judged, simulated, with_imu
-from ur5lib.records.accelerations import ImuComparison
+from tests.made_tables import table
+from ur5lib.judging.acceleration_bands import acceleration_bands
+from ur5lib.records.accelerations import AccelerationBand, ImuComparison
 from ur5lib.smoothing.beside_imu import by_range
-from ur5lib.smoothing.encoders import widening
-from ur5lib.tidy import table
-from ur5lib.tidy.accelerations import acceleration_bands
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.kalman import innovation_test
 
 SAMPLES = 20_000
 
@@ -38,7 +35,7 @@ def bands(own: ImuComparison, *others: ImuComparison) -> pd.DataFrame:
     """Rows of the first recording, calibrated on all."""
     every = {str(k): summary for k, summary in enumerate((own, *others))}
     calibrated = {name: replace(summary, calibrated_on=[*every]) for name, summary in every.items()}
-    return table("acceleration_bands", {"0": acceleration_bands(calibrated["0"], calibrated)})
+    return table(AccelerationBand, {"0": acceleration_bands(calibrated["0"], calibrated)})
 
 
 def test_a_band_is_that_of_the_other_recordings() -> None:
@@ -59,28 +56,3 @@ def test_a_band_is_that_of_the_other_recordings() -> None:
 def test_a_recording_alone_has_no_band() -> None:
     assert bands(of_noise(0.1, 1)).empty
     assert bands(ImuComparison(), of_noise(0.1, 1)).empty
-
-
-def test_colour_widens_by_what_averages_out_less() -> None:
-    """Of an autoregressive series, 1 + 2 Σ ρ is (1 + a)/(1 − a); white and restless ones do not."""
-    random = np.random.default_rng(0)
-    white = random.normal(size=(40_000, 12))
-    share = np.zeros(12)
-    share[3], share[10], share[5] = 0.5, 0.3, -0.5
-    series = white.copy()
-    for k in range(1, len(series)):
-        series[k] = share * series[k - 1] + white[k]
-    test = innovation_test(series, np.zeros(len(series), np.int64))
-    expected = np.sqrt([1, 1, 1, 3, 1.3 / 0.7, 1])
-    np.testing.assert_allclose(widening(test, joints=6), expected, rtol=0.05)
-
-
-def test_bands_hold_the_true_motion_and_an_imu_halves_the_shaking() -> None:
-    own = simulated("moves", 0, 12.0)
-    moving, _, ratios = judged(own)
-    assert (moving > 0.92).all()
-    assert (moving < 0.985).all()
-    assert np.mean(ratios) < 0.85
-    shaken, bridged, alone = with_imu(own)
-    assert shaken < 0.6
-    assert bridged < 1e-3 < alone
