@@ -14,7 +14,12 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.force.sensed_contact import touched
 from ur5lib.judging.acceleration_bands import acceleration_bands
 from ur5lib.judging.may_be_used import friction_rows, torque_constants
-from ur5lib.records.accelerations import AccelerationBand, CalibratedQuantity, ImuComparison
+from ur5lib.records.accelerations import (
+    AccelerationBand,
+    AccelerationError,
+    CalibratedQuantity,
+    ImuComparison,
+)
 from ur5lib.records.account import AccountRow
 from ur5lib.records.clocks import ClockRow
 from ur5lib.records.contacts import Contact, ContactError, Contacts, Detection, FixedThreshold
@@ -31,6 +36,7 @@ from ur5lib.records.models import (
     Rotors,
     Terms,
 )
+from ur5lib.records.motion import Innovation
 from ur5lib.records.prediction import CurrentError, LoadRow
 from ur5lib.records.quality import STOP, FileRead, Finding, QualityRow, RecordingSummary
 from ur5lib.robots.description import Robot
@@ -63,6 +69,11 @@ OF_ARMS = {
     "friction": FrictionRow,
     "torque_constants": TorqueConstant,
     "cross_validation": CrossValidation,
+}
+
+OF_MOTION = {  # of recordings, by another step; empty where all are at rest
+    "acceleration_mae": AccelerationError,
+    "innovations": Innovation,
 }
 
 Rows = Mapping[str, Iterable[object]]  # of a table, by recording or arm
@@ -111,9 +122,8 @@ def make_tables(
             for robot, own in fitted.items()
         },
     }
-    tables = joined(parts) | {
-        name: table_by_owner(kind, rows[name]) for name, kind in OF_RECORDINGS.items()
-    }
+    tables = {name: table_by_owner(kind, {}) for name, kind in OF_MOTION.items()} | joined(parts)
+    tables |= {name: table_by_owner(kind, rows[name]) for name, kind in OF_RECORDINGS.items()}
     return without_copies(tables, roles) | {
         name: table_by_owner(kind, of_arms[name], "robot") for name, kind in OF_ARMS.items()
     }

@@ -41,13 +41,15 @@ RECORDINGS = SELECTION.recordings
 TRUTHS = SELECTION.truths(RESULTS)
 ARMS = STUDY.arms()
 ROBOTS = sorted(ARMS)
-TABLES = [  # that make_tables writes, besides those of which steps write parts
+TABLES = [  # that make_tables writes for every study, besides those of which steps write parts
     "recordings",
     "files",
     "account",
     "quality",
     "clocks",
+    "acceleration_mae",
     "acceleration_bands",
+    "innovations",
     "torque_mae",
     "current_rmse",
     "payload",
