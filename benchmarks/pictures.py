@@ -24,8 +24,8 @@ from ur5lib.report.page.typeset import said
 from ur5lib.report.results import Results
 from ur5lib.report.summary import page_data
 from ur5lib.robots.description import Robot
+from ur5lib.steps.make_tables import OF_ARMS, OF_MOTION, OF_RECORDINGS
 from ur5lib.tables import write_text
-from ur5lib.tidy import columns
 
 RESULTS_FOLDER = Path("results")
 LIBRARY = Path(__file__).parents[1] / "ur5lib"
@@ -88,12 +88,15 @@ def main() -> None:
 
 def with_columns(page: str) -> str:
     """Return the report's page with the columns of each table."""
-    rows = [[f"`{name}`", ", ".join(own)] for name, own in sorted((columns() | declared()).items())]
+    rows = [[f"`{name}`", ", ".join(own)] for name, own in sorted(declared().items())]
     return replaced(page, "Columns of the tables", markdown(["table", "columns"], rows))
 
 
 def declared() -> dict[str, list[str]]:
-    """Return the fields of each class of the library that is `A row of <table>.csv`."""
+    """Return the columns of each table: the fields of the class that is `A row of <table>.csv`,
+    after the recording or arm, … where its step names it.
+    """
+    owners = dict.fromkeys(OF_RECORDINGS | OF_MOTION, "recording") | dict.fromkeys(OF_ARMS, "robot")
     found = {}
     for path in sorted(LIBRARY.rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text())):
@@ -101,7 +104,7 @@ def declared() -> dict[str, list[str]]:
                 continue
             if table := re.match(r"A row of (\w+)\.csv", ast.get_docstring(node) or ""):
                 fields = [part.target for part in node.body if isinstance(part, ast.AnnAssign)]
-                found[table[1]] = ["…", *map(ast.unparse, fields)]
+                found[table[1]] = [owners.get(table[1], "…"), *map(ast.unparse, fields)]
     return found
 
 

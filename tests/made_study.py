@@ -7,16 +7,16 @@ from typing import Any, get_args
 import numpy as np
 import pandas as pd
 
+from tests import made_tables
 from ur5lib.judging.study import StudyTables
 from ur5lib.records.pushes import SmallestPush
 from ur5lib.records.verdicts import Verdict
 from ur5lib.report.results import Results
 from ur5lib.steps.judge_study import Judged, judged
 from ur5lib.study.model import Settings
-from ur5lib.tidy import columns
 
 EVERY_JOINT = "1 2 3 4 5 6"
-COLUMNS = columns() | {  # and of steps
+COLUMNS = made_tables.COLUMNS | {  # and of steps
     "next_recordings": ["robot", "after", "force", "current", "mass", "worthwhile"],
     "changes": ["study", "topic", "name", "before", "after", "differs", "changed"],
     "repetition": ["robot", "quantity", "joint", "component", "floor", "error"],

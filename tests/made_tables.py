@@ -1,6 +1,6 @@
 """Tables of results from summaries that a test makes up."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import MISSING, fields, is_dataclass
 from pathlib import Path
 from types import UnionType
@@ -9,32 +9,20 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 import numpy as np
 import pandas as pd
 
-from ur5lib import tidy
-from ur5lib.steps.make_tables import joined
-from ur5lib.tables import as_record, key, read_csv, write_csv, write_rows
-from ur5lib.tidy import Row, columns
+from ur5lib.steps.make_tables import OF_ARMS, OF_MOTION, OF_RECORDINGS, joined
+from ur5lib.tables import as_record, key, read_csv, table_by_owner, write_csv, write_rows
 
+COLUMNS = {
+    name: [owner, *(field.name for field in fields(kind))]
+    for owner, tables in (("recording", OF_RECORDINGS | OF_MOTION), ("robot", OF_ARMS))
+    for name, kind in tables.items()
+}
 NOTHING: dict[Any, Any] = {float: np.nan, int: 0, str: "", bool: False}
 
 
-def table(rows: Callable[..., Iterator[Row]], found: Mapping[str, Any]) -> pd.DataFrame:
-    """The table of the name of its rows, from what these take, by recording or arm.
-
-    Several arguments are a tuple. Each is a record, or the part of its plain data that is read.
-    """
-    name = rows.__name__
-    kinds = [*get_type_hints(rows).values()]
-    each = {of: one if type(one) is tuple else (one,) for of, one in found.items()}
-    made = {
-        of: rows(*(given(*pair) for pair in zip(kinds, one, strict=False)))
-        for of, one in each.items()
-    }
-    return tidy.table(name, made, "recording" if "recording" in columns()[name] else "robot")
-
-
-def given(kind: Any, value: Any) -> Any:
-    """An argument, which may be a part of its plain data."""
-    return record(kind, value) if isinstance(value, Mapping) else value
+def table(kind: type, rows: Mapping[str, Iterable[object]]) -> pd.DataFrame:
+    """The table of rows by recording or arm."""
+    return table_by_owner(kind, rows, "robot" if kind in OF_ARMS.values() else "recording")
 
 
 def gathered(kind: type, rows: Sequence[object], folder: Path) -> pd.DataFrame:
@@ -83,4 +71,4 @@ def nothing(kind: Any) -> Any:
 
 
 def empty(name: str) -> pd.DataFrame:
-    return pd.DataFrame(columns=columns()[name])
+    return pd.DataFrame(columns=COLUMNS[name])

@@ -40,9 +40,9 @@ from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
 from ur5lib.importing.contents import UserStatement
 from ur5lib.importing.files import import_files
+from ur5lib.records.friction import without_totals
 from ur5lib.records.verdicts import Verdict
 from ur5lib.tables import read_csv, read_json, write_rows
-from ur5lib.records.friction import without_totals
 
 FRICTION = ["torque_constant", "offset", "coulomb", "viscous", "load"]
 NOTICE = "Simulated: all recordings of this study are of the virtual test stand"

@@ -9,15 +9,14 @@ import pytest
 import yaml
 
 from tests.conftest import Workflow, copy_project
-from ur5lib import tidy
 from ur5lib.force.estimators import GATED
-from ur5lib.records.contacts import Detected
+from ur5lib.records.contacts import Contacts
 from ur5lib.records.forces import Forces
 from ur5lib.records.judgement import Judgement
 from ur5lib.records.premises import Premises
 from ur5lib.stand.truth import Truth
-from ur5lib.steps.make_tables import rows_of_forces
-from ur5lib.tables import read_record
+from ur5lib.steps.make_tables import OF_RECORDINGS, rows_of_recordings
+from ur5lib.tables import read_record, table_by_owner
 from ur5lib.timeseries.sampling import interpolated
 
 pytestmark = pytest.mark.slow
@@ -66,10 +65,9 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def table(results: Path, name: str, recording: str) -> pd.DataFrame:
     """As the report's."""
     folder = results / "recordings" / recording
-    judged = read_record(Judgement, folder / "judgement.json").rows
-    contacts = {recording: read_record(dict[str, Detected], folder / "contacts.json")}
-    rows = {name: {recording: own} for name, own in judged.items()}
-    return tidy.table(name, (rows | rows_of_forces({}, contacts))[name])
+    judged = {recording: read_record(Judgement, folder / "judgement.json")}
+    contacts = {recording: read_record(Contacts, folder / "contacts.json")}
+    return table_by_owner(OF_RECORDINGS[name], rows_of_recordings(judged, {}, contacts, {})[name])
 
 
 def gated(results: Path, name: str, recording: str) -> pd.DataFrame:

@@ -23,7 +23,6 @@ from ur5lib.chain.shown import Shown
 from ur5lib.importing.in_memory import Role
 from ur5lib.records.verdicts import REASONS
 from ur5lib.tables import write_table
-from ur5lib.tidy import columns
 
 FREE = ["free1.csv", "free2.csv"]
 SCREEN = 26  # lines
@@ -132,7 +131,6 @@ def test_a_joint_s_panel_is_that_of_the_whole_figure(model: ur5lib.Model) -> Non
         np.testing.assert_array_equal(own.get_xydata(), one.get_xydata())
 
 
-@pytest.mark.skipif("use" not in columns()["friction"], reason="friction.csv states no use yet")
 def test_each_parameter_may_be_used_or_not(model: ur5lib.Model) -> None:
     table, use = model.table("friction"), model.use
     assert [*use] == ["joint", "parameter", "use", "reason"]

@@ -15,10 +15,11 @@ import pytest
 
 from tests.command import Command, words
 from tests.conftest import PROJECT, said
-from tests.made_tables import record
+from tests.made_tables import record, table
 from tests.synthetic import write_recording
-from ur5lib import tidy
+from ur5lib.checks import files
 from ur5lib.checks.channels import unfiltered
+from ur5lib.checks.files import name_copies
 from ur5lib.commands.check import (
     FOLDED,
     MAX_NAMED,
@@ -32,14 +33,12 @@ from ur5lib.errors import InputError, Remark, printable
 from ur5lib.records.account import NOTHING, UNKNOWN_NAME, AccountRow
 from ur5lib.records.clocks import SettledClock
 from ur5lib.records.force_errors import Compared
-from ur5lib.records.quality import UNCHECKED, Finding, Log, Quality
+from ur5lib.records.quality import UNCHECKED, Finding, Log, Quality, QualityRow
 from ur5lib.report.page.findings import by_finding, group_findings
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.study.model import Settings
 from ur5lib.tables import named
-from ur5lib.tidy import files
-from ur5lib.tidy.files import name_copies
 
 
 @pytest.fixture
@@ -300,7 +299,7 @@ def test_copies_and_poor_clocks_are_findings() -> None:
         + record(Compared, forces[name]).findings()
         for name, own in qualities.items()
     }
-    rows = tidy.table("quality", {name: map(files.row, own) for name, own in found.items()})
+    rows = table(QualityRow, {name: map(files.quality_row, own) for name, own in found.items()})
     grouped = group_findings(name_copies(rows))
     assert {*grouped.loc[grouped["severity"] == "warning", "count"]} == {1}
     reported = grouped.set_index(["recording", "finding"])["detail"].to_dict()

@@ -15,7 +15,7 @@ from ur5lib.force.contact_figures import (
     resampled_figures,
 )
 from ur5lib.force.sensed_contact import contacts, is_free
-from ur5lib.records.force_errors import ContactErrors
+from ur5lib.records.contacts import ContactError
 from ur5lib.timeseries.metrics import NORMAL95
 
 PERIOD = 0.01
@@ -129,10 +129,10 @@ def test_three_contacts_tell_an_interval(count: int, told: list[str]) -> None:
     assert [*resampled_figures(0.9 * reference, reference, norm(reference))] == told
 
 
-def rows_of(estimate: np.ndarray, reference: np.ndarray) -> list[ContactErrors]:
+def rows_of(estimate: np.ndarray, reference: np.ndarray) -> list[ContactError]:
     """Errors of an estimated force by contact and component."""
     time = PERIOD * np.arange(len(reference))
-    return [*contact_errors(estimate, reference, norm(reference), time)]
+    return [*contact_errors("F", estimate, reference, norm(reference), time)]
 
 
 @given(st.floats(0.1, 2.0))
@@ -184,7 +184,8 @@ def test_a_saturated_sensor_is_no_truth() -> None:
     limited = true.clip(max=12.0)
     force, at_limit = norm(limited), limited[:, 0] == 12.0
     reference = np.where(at_limit[:, None], np.nan, limited)
-    rows = contact_errors(true[:, :3], reference[:, :3], force, PERIOD * np.arange(len(force)))
+    time = PERIOD * np.arange(len(force))
+    rows = contact_errors("F", true[:, :3], reference[:, :3], force, time)
     for row in rows:
         assert np.isnan(row.peak_error)
         assert np.isnan(row.impulse_error)

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from itertools import product
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,15 +10,30 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.made_records import stretch
-from ur5lib.force.alarms import Alarms, detected, false_per_min, not_felt
+from ur5lib.force.alarms import (
+    Alarm,
+    Alarms,
+    detections,
+    false_per_min,
+    fixed_thresholds,
+    not_felt,
+    raised,
+)
 from ur5lib.force.contact_figures import contact_errors
-from ur5lib.force.fates import Outcome, cause_of, fates, kind_of, outcomes
+from ur5lib.force.fates import (
+    Outcome,
+    cause_of,
+    contact_rows,
+    fates,
+    kind_of,
+    outcomes,
+    with_fates,
+)
 from ur5lib.force.matching import compare
 from ur5lib.force.sensed_contact import CONTACT_FORCE, TOUCH_FORCE, touched
-from ur5lib.records.contacts import FATES, Alarm, Detected
-from ur5lib.records.force_errors import WHOLE, Compared, ContactErrors, Felt
+from ur5lib.records.contacts import FATES, WHOLE, ContactError, Detection
+from ur5lib.records.force_errors import Sensed
 from ur5lib.records.forces import SensorWrenches
-from ur5lib.tidy import forces
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import Span, inside_spans
@@ -33,8 +49,10 @@ def alarm(start: float = 1.0, end: float = 2.0, **more: object) -> Alarm:
     return Alarm(start, end, start, *force, np.zeros(6), **more)  # type: ignore[arg-type]
 
 
-def contact(start: float, end: float, **more: float | None) -> ContactErrors:
-    return ContactErrors(1, start, end, WHOLE, 20.0, -2.0, 10.0, -1.0, **more)
+def contact(start: float, end: float, **more: float | None) -> ContactError:
+    about: dict[str, Any] = {"estimate": "Fmap", "contact": 1, "component": WHOLE} | more
+    sizes = {"peak": 20.0, "peak_error": -2.0, "impulse": 10.0, "impulse_error": -1.0}
+    return ContactError(start_s=start, end_s=end, **about, **sizes)
 
 
 def sensor_of(force: Array, period: float) -> SensorWrenches:
@@ -43,25 +61,29 @@ def sensor_of(force: Array, period: float) -> SensorWrenches:
     return SensorWrenches(**stretch(period * np.arange(len(force))), wrench={"compensated": wrench})
 
 
-def found(raised: list[Span], sensor: SensorWrenches) -> Detected:
-    """What an estimate detects that raises these alarms; nothing is a load."""
+def found(stretches: list[Span], sensor: SensorWrenches) -> tuple[list[Alarm], list[Detection]]:
+    """The alarms of an estimate at these stretches, of which nothing is a load, and how they match
+    the contacts at the sensor.
+    """
     still = np.zeros((len(sensor.time), 6))
-    own = Alarms(0 * sensor.time, raised, still, still)
-    about = sensor, still, 0 * sensor.time, {"Fmap": 0.0}
-    return detected({"Fmap": own}, *about, lambda _, one: one)["Fmap"]
+    own = Alarms(0 * sensor.time, stretches, still, still)
+    alarms = raised(own, sensor, still, 0 * sensor.time, lambda _, one: one)
+    return alarms, [*detections("Fmap", own, alarms, sensor, 0.0)]
 
 
 @given(SPANS, SPANS)
-def test_every_contact_is_found_merged_or_missed(raised: list[Span], touches: list[Span]) -> None:
-    told = fates(raised, touches)
-    counted = compare(raised, touches, 0.1)
+def test_every_contact_is_found_merged_or_missed(
+    stretches: list[Span], touches: list[Span]
+) -> None:
+    told = fates(stretches, touches)
+    counted = compare(stretches, touches, 0.1)
     numbers = counted.found, counted.merged, counted.contacts - counted.found - counted.merged
     assert [told.count(fate) for fate in FATES] == [*numbers]
 
 
 @given(SPANS, SPANS, PERIODS, st.data())
 def test_tables_agree_on_the_fates_of_contacts(
-    raised: list[Span], touches: list[Span], period: float, data: st.DataObject
+    stretches: list[Span], touches: list[Span], period: float, data: st.DataObject
 ) -> None:
     """contact_errors.csv and detection.csv, also where an alarm and a contact share one sample."""
     height = np.zeros(COUNT)
@@ -69,28 +91,26 @@ def test_tables_agree_on_the_fates_of_contacts(
         height[first:last] = data.draw(st.sampled_from([2.5, 4.0, 6.0, 30.0]))
     sensor = sensor_of(height, period)
     reading = sensor.wrench["compensated"][:, :3]
-    errors = [*contact_errors(0 * reading, reading, height, sensor.time)]
-    own = {"Fmap": found(raised, sensor)}
-    rows = [*forces.contact_errors(Compared(contacts={"Fmap": errors, "other": errors}), own)]
-    (row,) = (one for one in forces.detection(own) if one["force_class_n"] == CONTACT_FORCE)
-    told = [one["fate"] for one in rows if "fate" in one]
-    assert len(told) == row["contacts"]
-    assert (told.count("found"), told.count("merged")) == (row["found"], row["merged"])
-    assert {(one["estimate"], one["component"]) for one in rows if "fate" in one} <= {
-        ("Fmap", WHOLE)
-    }
+    errors = contact_errors("Fmap", 0 * reading, reading, height, sensor.time)
+    alarms, rates = found(stretches, sensor)
+    rows = [one for one in with_fates(errors, alarms) if one.fate is not None]
+    (row,) = (one for one in rates if one.force_class_n == CONTACT_FORCE)
+    told = [one.fate for one in rows]
+    assert len(told) == row.contacts
+    assert (told.count("found"), told.count("merged")) == (row.found, row.merged)
+    assert {one.component for one in rows} <= {WHOLE}
 
 
 @given(SPANS, SPANS, PERIODS)
 def test_tables_agree_on_false_alarms(
-    raised: list[Span], touches: list[Span], period: float
+    stretches: list[Span], touches: list[Span], period: float
 ) -> None:
     """Alarms that are shorter than half a second."""
     sensor = sensor_of(20.0 * inside_spans(touches, COUNT), period)
-    own = {"Fmap": found([(a, min(b, a + 40)) for a, b in raised], sensor)}
-    kinds = [row["kind"] for row in forces.contacts(own)]
+    alarms, (rates, *_) = found([(a, min(b, a + 40)) for a, b in stretches], sensor)
+    kinds = [row.kind for row in contact_rows("Fmap", alarms, is_free=False)]
     assert {*kinds} <= {"contact", "false"}
-    rate = own["Fmap"].false_per_min
+    rate = rates.false_alarms_per_min
     assert rate is not None
     assert kinds.count("false") == pytest.approx(rate * COUNT * period / 60)
 
@@ -169,7 +189,7 @@ def seconds(*ends: float) -> list[Span]:
 
 
 @pytest.mark.parametrize(
-    ("raised", "false"),
+    ("times", "false"),
     [
         ([9.5, 11.5], 0),
         ([10.2, 11.9], 0),  # an alarm may end late
@@ -181,12 +201,12 @@ def seconds(*ends: float) -> list[Span]:
         ([], 0),
     ],
 )
-def test_an_alarm_that_outlasts_its_contact_is_false_too(raised: list[float], false: int) -> None:
+def test_an_alarm_that_outlasts_its_contact_is_false_too(times: list[float], false: int) -> None:
     """As a rate a minute."""
-    sensor, spans = sensor_of(MINUTE, 0.01), seconds(*raised)
-    told = found(spans, sensor)
-    assert told.false_per_min == pytest.approx(false)
-    assert told.alarms_per_min == pytest.approx(len(spans))
+    sensor, spans = sensor_of(MINUTE, 0.01), seconds(*times)
+    for told in found(spans, sensor)[1]:
+        assert told.false_alarms_per_min == pytest.approx(false)
+        assert told.alarms_per_min == pytest.approx(len(spans))
 
 
 @pytest.mark.parametrize("more", [{"off_flange": True}, {"kind": "load"}])
@@ -209,19 +229,33 @@ def test_without_a_sensor_no_rate_is_known() -> None:
         sensor_of(np.full(100, np.nan), 0.01),
     ):
         assert false_per_min([(1, 5)], nothing) is None
-        assert found([(1, 5)], nothing).raised[0].at_sensor is None
+        (own,), (rates,) = found([(1, 5)], nothing)
+        assert own.at_sensor is rates.false_alarms_per_min is rates.force_class_n is None
+
+
+def test_the_fixed_threshold_has_time_above_and_pushes_found() -> None:
+    """Of four pushes along x, three are in the estimate; a sensor is needed to count them."""
+    pushes = np.tile(np.repeat([0.0, 12.0, 0.0], 4), 4)  # N
+    shown = np.outer(np.where(np.arange(48) < 36, pushes, 0.0), np.eye(6)[0])
+    own = Alarms(shown[:, 0], [], shown, 0 * shown)
+    nothing = SensorWrenches(**stretch(0.01 * np.arange(48)))
+    for sensor, counted in ((sensor_of(pushes, 0.01), (4, 3)), (nothing, (None, None))):
+        rows = [*fixed_thresholds("F*", own, sensor)]
+        assert [row.component for row in rows] == ["Fx", "Fy", "Fz"]
+        assert [row.time_above for row in rows] == [0.25, 0.0, 0.0]
+        assert (rows[0].pushes, rows[0].found) == counted
 
 
 # A sensor that reads contacts, although the role means that nothing touches the arm
 
 
-def felt(contacts: int) -> Felt:
-    return Felt(largest=33.4, at_s=1.0, contact=0.1, contacts=contacts)
+def sensed(contacts: int) -> Sensed:
+    return Sensed(largest_force_n=33.4, at_s=1.0, share_in_contact=0.1, contacts=contacts)
 
 
 @pytest.mark.parametrize(("role", "contacts"), [*product(["fit", "validate"], [1, 2])])
 def test_contacts_against_the_role_are_an_error(role: str, contacts: int) -> None:
-    error = touched(felt(contacts), role)
+    error = touched(sensed(contacts), role)
     assert error is not None
     assert (error.device, error.finding, error.severity) == ("force", "touched", "error")
     assert error.count == contacts
@@ -229,9 +263,9 @@ def test_contacts_against_the_role_are_an_error(role: str, contacts: int) -> Non
 
 @pytest.mark.parametrize(
     ("role", "reading"),
-    [("contact", felt(2)), ("fit", felt(0)), ("validate", None), ("", felt(2))],
+    [("contact", sensed(2)), ("fit", sensed(0)), ("validate", None), ("", sensed(2))],
 )
-def test_where_a_sensor_agrees_nothing_is_found(role: str, reading: Felt | None) -> None:
+def test_where_a_sensor_agrees_nothing_is_found(role: str, reading: Sensed | None) -> None:
     assert touched(reading, role) is None
 
 
@@ -239,7 +273,7 @@ def test_a_touch_below_a_contact_spares_an_alarm_alone() -> None:
     """At 4 N, between what is touched and what is a contact."""
     assert TOUCH_FORCE < 4.0 < CONTACT_FORCE
     sensor = sensor_of(np.where(MINUTE > 0, 4.0, 0.0), 0.01)
-    own = found(seconds(10.2, 10.8), sensor)
-    assert [one.at_sensor for one in own.raised] == [True]
-    assert own.false_per_min == 0
-    assert {one.force: one.contacts for one in own.classes}[CONTACT_FORCE] == 0
+    alarms, rates = found(seconds(10.2, 10.8), sensor)
+    assert [one.at_sensor for one in alarms] == [True]
+    assert {one.false_alarms_per_min for one in rates} == {0}
+    assert {one.force_class_n: one.contacts for one in rates}[CONTACT_FORCE] == 0

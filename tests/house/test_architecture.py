@@ -41,23 +41,18 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     # branches
     "stand": BASE | {"records"},
     # steps join the rooms; jobs know them by their names alone
-    "steps": BASE
-    | ROOMS - {"excitation"}
-    | {"judging", "stand", "records", "report", "tidy", "workspace"},
-    "judging": BASE | {"force", "records", "tidy"},
-    "tidy": BASE | {"force", "recordings", "records", "signals"},
+    "steps": BASE | ROOMS - {"excitation"} | {"judging", "stand", "records", "report", "workspace"},
+    "judging": BASE | {"force", "records"},
     "jobs": {"errors", "records", "report", "robots", "strict", "tables", "workspace"},
     # readers
-    "report": BASE
-    | METHODS - {"signals", "dynamics"}
-    | {"judging", "records", "tidy", "workspace"},
+    "report": BASE | METHODS - {"signals", "dynamics"} | {"judging", "records", "workspace"},
     "study": BASE | {"stand", "recordings", "records"},
     "chain": BASE | {"jobs", "records", "study"},
     "finished": BASE | {"chain", "jobs", "records", "study"},
     "commands": BASE
     | METHODS - {"dynamics"}
     | {"checks", "finished", "jobs", "recordings"}
-    | {"records", "report", "steps", "study", "tidy", "workspace"},
+    | {"records", "report", "steps", "study", "workspace"},
     "importing": BASE
     | {"chain", "checks", "commands", "recordings", "records", "study", "workspace"},
     "cli": BASE | {"commands", "datasets", "importing", "study", "workspace"},
@@ -65,7 +60,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "topics": BASE
     | ROOMS
     | {"commands", "finished", "jobs", "judging", "records"}
-    | {"report", "stand", "steps", "study", "tidy"},
+    | {"report", "stand", "steps", "study"},
 }
 MODULES = sorted((PROJECT / "ur5lib").rglob("*.py"))
 BESIDE = sorted(path.name for path in PROJECT.glob("ur5*") if path.name != "ur5lib")

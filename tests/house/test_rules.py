@@ -16,7 +16,7 @@ from tests.synthetic import write_recording
 from ur5lib.jobs.code import all_steps, imported_modules
 from ur5lib.jobs.job import load_step
 from ur5lib.report.figures.house_style import Drawing
-from ur5lib.steps.make_tables import OF_ARMS, OF_RECORDINGS
+from ur5lib.steps.make_tables import OF_ARMS, OF_MOTION, OF_RECORDINGS
 
 EVERYTHING = """\
 study: everything
@@ -131,7 +131,7 @@ def keys_of(function: Callable[..., Any], kind: Any, rule: str) -> set[str]:
     With the numbers of a figure, and the tables of arms, whose steps write their rows.
     """
     if rule == "make_tables":
-        return {*OF_RECORDINGS, *OF_ARMS, *PARTS}
+        return {*OF_RECORDINGS, *OF_MOTION, *OF_ARMS, *PARTS}
     path = Path(function.__code__.co_filename)
     used = [path, *imported_modules(path)]
     words = {word for file in used for word in re.findall(r'"(\w+)"', file.read_text())}

@@ -17,8 +17,9 @@ from tests.current_study import (
     with_noise,
 )
 from tests.made_study import study
-from tests.made_tables import table
+from tests.made_tables import record, table
 from ur5lib.channels import CURRENT
+from ur5lib.checks.files import quality_row
 from ur5lib.errors import Remark
 from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.current_regression import fit_currents, fit_without_each_path
@@ -32,6 +33,7 @@ from ur5lib.identification.validation import (
     least_squares_coefficients,
 )
 from ur5lib.records.friction import CurrentFit, Friction
+from ur5lib.records.models import Identification, RemarkRow
 from ur5lib.records.quality import Contradictions, Quality, contradiction
 from ur5lib.report.found import findings, left_out
 from ur5lib.report.results import Results
@@ -44,7 +46,7 @@ from ur5lib.steps.fit_friction import (
     with_unproven,
 )
 from ur5lib.steps.fit_residuals import residual_models
-from ur5lib.tidy import files, models
+from ur5lib.steps.make_tables import remarks
 from ur5lib.timeseries.arrays import Array
 
 WRONG = "another arm"
@@ -162,12 +164,13 @@ def test_explained_shares_are_those_of_a_constant_and_of_the_truth() -> None:
 
 
 def results(signs: int, stopped: str | None) -> Results:
-    sign = files.row(contradiction("order", "", WRONG))
-    rows = [{"recording": f"run_{k}"} | sign for k in range(signs)]
+    sign = quality_row(contradiction("order", "", WRONG))
+    rows = [{"recording": f"run_{k}"} | vars(sign) for k in range(signs)]
     key, why = ("stopped", stopped) if stopped else ("refused", "too short")
-    friction = {"from": [], key: asdict(Remark("other reason", why))}
-    remarks = table(models.remarks, {"ur5": (None, friction, None)}).to_dict("records")
-    return study(quality=rows, remarks=remarks, sensed=[{"recording": "seen", "contacts": 0}])
+    friction = record(Friction, {key: asdict(Remark("other reason", why))})
+    told = remarks(Identification(), friction, Residuals())
+    rows_of_arm = table(RemarkRow, {"ur5": told}).to_dict("records")
+    return study(quality=rows, remarks=rows_of_arm, sensed=[{"recording": "seen", "contacts": 0}])
 
 
 def test_stop_signs_are_reported_first() -> None:

@@ -3,11 +3,12 @@
 import numpy as np
 
 from tests.made_records import motion_of, signals_of
-from tests.made_tables import table
+from tests.made_tables import record, table
 from ur5lib.identification.current_samples import controllers_ratio
+from ur5lib.judging.may_be_used import friction_rows, torque_constants
+from ur5lib.records.friction import Friction, FrictionRow, TorqueConstant
 from ur5lib.records.quality import ODD_TARGET, Contradictions, Finding
 from ur5lib.robots.description import Robot
-from ur5lib.tidy import friction
 
 
 def test_no_constant_is_taken_from_a_target_that_is_none() -> None:
@@ -25,10 +26,10 @@ def test_fitted_constants_have_a_table_of_their_own(ur5: Robot) -> None:
     """Those of the table of friction, a row for each joint."""
     rows = [("torque_constant", 10.7), ("coulomb", 6.0)]
     given = {"std_error": 0.1, "interval": [10.5, 10.9]}
-    fitted = {"parameters": [given | {"joint": 2, "name": name, "value": v} for name, v in rows]}
-    own, all_rows = (
-        table(of, {"ur5": (fitted, ur5)}) for of in (friction.torque_constants, friction.friction)
-    )
+    values = [given | {"joint": 2, "name": name, "value": v} for name, v in rows]
+    fitted = record(Friction, {"parameters": values})
+    own = table(TorqueConstant, {"ur5": torque_constants(fitted, ur5)})
+    all_rows = table(FrictionRow, {"ur5": friction_rows(fitted, ur5)})
     assert own[["robot", "joint", "torque_constant"]].to_numpy().tolist() == [["ur5", 2, 10.7]]
     among = all_rows[all_rows["parameter"] == "torque_constant"]
     columns = ["std_error", "low", "high"]

@@ -14,6 +14,7 @@ from ur5lib.checks.doubts import DOUBT
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import Remark
 from ur5lib.identification.measured_torques import fit_arm
+from ur5lib.judging.may_be_used import friction_rows
 from ur5lib.records.carried import Carried
 from ur5lib.records.friction import Friction, Parameter
 from ur5lib.records.premises import Premises
@@ -21,7 +22,6 @@ from ur5lib.records.quality import Contradictions, Finding, Quality
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.steps.fit_friction import fit_friction, with_causes
 from ur5lib.steps.identify_model import with_fitted
-from ur5lib.tidy import friction as tidy
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
 
@@ -195,11 +195,10 @@ def test_all_torques_times_a_number_leave_the_gains_of_unknown_links_unmoved(arm
     np.testing.assert_allclose(totals[1.1], 1.1 * totals[1.0], rtol=1e-2)
     for found, friction in fits.values():
         assert any(row.determined for row in rows(friction, "torque_constant"))
-        table = [*tidy.friction(friction, found)]
-        named = [row for row in table if row["parameter"] == "gain"]
-        assert [(row["use"], row["reason"]) for row in named] == [("no", "unknown_links")] * 6
-        friction_rows = [row for row in table if row["parameter"] == "total_0.5"]
-        assert {row["use"] for row in friction_rows} == {"yes"}
+        table = friction_rows(friction, found)
+        named = [row for row in table if row.parameter == "gain"]
+        assert [(row.use, row.reason) for row in named] == [("no", "unknown_links")] * 6
+        assert {row.use for row in table if row.parameter == "total_0.5"} == {"yes"}
 
 
 def with_links_of_torques(arm: Robot, scale: float) -> tuple[Robot, Friction]:

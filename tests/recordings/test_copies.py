@@ -9,16 +9,22 @@ import pytest
 
 from tests.command import Command
 from tests.made_study import study as results_of
+from tests.made_tables import record, table
 from tests.synthetic import poor_log
 from ur5lib.channels import columns
+from ur5lib.checks.files import name_copies
 from ur5lib.recordings.copies import MAX_ROWS_KEPT, MIN_ROWS_COMPARED, fingerprint
+from ur5lib.records.force_errors import Compared
 from ur5lib.records.judgement import Judgement
 from ur5lib.records.quality import Finding
 from ur5lib.report.page.findings import by_finding
 from ur5lib.robots.description import Robot
-from ur5lib.steps.make_tables import rows_of_recordings, without_copies
-from ur5lib.tidy import table
-from ur5lib.tidy.files import name_copies
+from ur5lib.steps.make_tables import (
+    OF_RECORDINGS,
+    found_of_recordings,
+    rows_of_recordings,
+    without_copies,
+)
 
 STUDY = """
 study: mine
@@ -114,14 +120,14 @@ def test_a_spare_copy_is_left_out_and_costs_nothing_else(ur5: Robot) -> None:
     roles = {"fit": "fit", "pushed": "contact"}
     roles |= dict.fromkeys(("seen", "again", "third", "seen_fit"), "validate")
     judgements = {
-        row.recording: Judgement(
-            {"sensed": [{"contacts": 1}]},
-            [Finding("robot", "same run", "note", 0, row.detail)],
-        )
+        row.recording: Judgement(findings=[Finding("robot", "same run", "note", 0, row.detail)])
         for row in quality.itertuples()
     }
-    rows = rows_of_recordings(judgements, {}, {})
-    tables = without_copies({name: table(name, own) for name, own in rows.items()}, roles)
+    sensed = dict.fromkeys(judgements, record(Compared, {"sensed": {"contacts": 1}}))
+    rows = rows_of_recordings(judgements, sensed, {}, {})
+    rows["quality"] = found_of_recordings(judgements, {}, {}, roles)
+    tables = {name: table(OF_RECORDINGS[name], own) for name, own in rows.items()}
+    tables = without_copies(tables, roles)
     assert [*tables["sensed"]["recording"]] == ["fit", "seen", "pushed"]
     found = tables["quality"].set_index("recording")["severity"]
     assert found.to_dict() == dict.fromkeys(roles.keys() - {"pushed"}, "warning")

@@ -16,20 +16,23 @@ from tests.made_study import study as results_of
 from tests.synthetic import poor_log
 from tests.typeset_page import page_of, plain
 from ur5lib.channels import columns
+from ur5lib.checks import files
 from ur5lib.errors import InputError
+from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
 from ur5lib.records.accepted import ACCEPTED, accepting, up_to_first_standing
+from ur5lib.records.models import Identification
 from ur5lib.records.quality import Contradictions, contradiction
 from ur5lib.report.found import findings
 from ur5lib.report.results import Results
 from ur5lib.robots.description import Robot
 from ur5lib.steps.compute_torques import compute_torques
 from ur5lib.steps.fit_friction import ContradictionError, fitted_friction, require_no_stop_sign
+from ur5lib.steps.make_tables import remarks
 from ur5lib.study.accept import Accept
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import write_table
-from ur5lib.tidy import files, models
 
 REASON = "as in the maker's manual"
 STUDY = """
@@ -86,7 +89,7 @@ def test_an_accepted_stop_sign_is_a_warning_and_others_stand() -> None:
     assert found.stop_signs == [LATE]
     (warning,) = found.findings
     assert (warning.finding, warning.severity) == (ACCEPTED, "warning")
-    rows = pd.DataFrame(map(files.row, files.findings(files.Quality(), found)))
+    rows = pd.DataFrame(map(files.quality_row, files.findings(files.Quality(), found)))
     told = rows.loc[rows["finding"] == ACCEPTED, "detail"].item()
     assert told.startswith(f"accepted by the study: {REASON}")
     assert "joints 1 and 3" in told
@@ -168,8 +171,9 @@ def test_accepted_torque_constants_are_fitted_and_remarked() -> None:
     fitted = fitted_friction(records, other, smooth, "", {"constants": REASON})
     assert len(fitted.fit.joints) == 6
     assert fitted.stopped is None
-    (row,) = (row for row in models.remarks(None, fitted, None) if row["code"] == ACCEPTED)
-    assert REASON in row["remark"]
+    told = remarks(Identification(), fitted, Residuals())
+    (row,) = (row for row in told if row.code == ACCEPTED)
+    assert REASON in row.remark
     assert fitted_friction(records, prior(), smooth, "", {"constants": REASON}).remarks == []
 
 

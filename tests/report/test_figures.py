@@ -22,7 +22,7 @@ from ur5lib.identification.currents import band, parameters, predict
 from ur5lib.identification.steady_friction import friction_curve, mean_load
 from ur5lib.records.currents import Currents
 from ur5lib.records.friction import Friction
-from ur5lib.records.signals import Signals
+from ur5lib.records.signals import Signals, is_led
 from ur5lib.report.figures import house_style
 from ur5lib.report.figures.arm_figures import (
     UPRIGHT_POSTURE,
@@ -44,7 +44,6 @@ from ur5lib.report.figures.recording_figures import packet_figure
 from ur5lib.report.figures.traces import TORQUE_PANELS, WRENCH_PANELS, Traces, decimate, draw_traces
 from ur5lib.robots.description import Cylinder, Robot
 from ur5lib.steps.draw_filters import FILTERED, draw_filters
-from ur5lib.tidy.models import is_led
 from ur5lib.timeseries.lowpass import Butterworth
 
 LONG = 20_000

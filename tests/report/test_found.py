@@ -14,6 +14,7 @@ import yaml
 from tests.conftest import PROJECT
 from tests.made_study import RESTING, finding, judged_anew, rates, study, touched
 from ur5lib.channels import TORQUE
+from ur5lib.checks.files import quality_row
 from ur5lib.cli import app
 from ur5lib.force.estimators import LEADING
 from ur5lib.records.accepted import accepting
@@ -23,7 +24,6 @@ from ur5lib.report.found import MOST_FINDINGS, findings, left_out
 from ur5lib.report.next_steps import ASKED, next_steps
 from ur5lib.report.results import Results
 from ur5lib.report.stated import Step, claim, joints, line, listed, overruled, remedy, with_error
-from ur5lib.tidy import files
 
 SENSED = {"recording": "pushed", "largest_force_n": 106.0, "at_s": 3.0}
 SENSED |= {"share_in_contact": 0.4, "contacts": 5}
@@ -48,7 +48,7 @@ COMMANDS = {*typer.main.get_command(app).commands}  # type: ignore[attr-defined]
 
 def quality(*found: Finding) -> list[dict[str, Any]]:
     """Rows of quality.csv of findings about `pushed`."""
-    return [{"recording": "pushed", **files.row(one)} for one in found]
+    return [{"recording": "pushed", **vars(quality_row(one))} for one in found]
 
 
 def sentences(results: Results) -> list[str]:

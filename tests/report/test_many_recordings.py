@@ -6,13 +6,12 @@ import pandas as pd
 import pytest
 
 from tests.made_study import judged_anew, predicted
-from tests.made_tables import empty
+from tests.made_tables import COLUMNS, empty
 from tests.typeset_page import page_of, tables_of
 from ur5lib.errors import InputError
 from ur5lib.judging.recordings import judge_recordings
 from ur5lib.report.results import MOST_ROWS, Results
 from ur5lib.study.model import Settings
-from ur5lib.tidy import columns
 
 MANY = 2 * (MOST_ROWS + 1)
 DAYS = pd.date_range("2026-01-30", periods=MANY, freq="D")
@@ -33,7 +32,7 @@ def made(count: int = MANY) -> Results:
         "current_rmse": predicted(0.1)[0] | {"recording": None},
         "detection": {"estimate": "Fmap", "alarms_per_min": 2.0},
     }
-    tables = {name: empty(name).astype(object) for name in columns()} | {
+    tables = {name: empty(name).astype(object) for name in COLUMNS} | {
         name: pd.DataFrame(row, used.index).assign(**used).reindex(columns=empty(name).columns)
         for name, row in filled.items()
     }

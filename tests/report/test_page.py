@@ -10,12 +10,12 @@ import pytest
 
 from tests.conftest import PROJECT, Workflow
 from tests.made_study import finding, judged_anew, study
+from tests.made_tables import COLUMNS
 from tests.typeset_page import cards_of, page_of, plain, sources, text_of
 from ur5lib.errors import InputError
 from ur5lib.report.page.handed import SOURCES, WORDS, rows_of, rows_read, views
 from ur5lib.report.page.typeset import html_page, pdf_document
 from ur5lib.report.results import Results
-from ur5lib.tidy import columns
 
 PAGES = ("report", "details", "run", "published")
 
@@ -64,7 +64,7 @@ def test_results_without_anything_have_a_page() -> None:
 
 def test_every_view_that_a_section_reads_exists() -> None:
     rules = [*PROJECT.glob("workflow/rules/*.smk"), *PROJECT.glob("ur5lib/topics/*/rules.smk")]
-    made = {*re.findall(r"\w+", "".join(path.read_text() for path in rules)), *columns()}
+    made = {*re.findall(r"\w+", "".join(path.read_text() for path in rules)), *COLUMNS}
     for name in rows_read():
         module, _, function = name.rpartition(".")
         if module:

@@ -18,20 +18,30 @@ from lxml.html import HtmlElement, fromstring
 
 from tests.artefacts.documents import check_digits
 from tests.made_study import finding, judged_anew, study
-from tests.made_tables import table
+from tests.made_tables import record, table
 from tests.report.illustrated import EVERY, illustrated
 from tests.typeset_page import page_of, plain, sources, tables_of
 from ur5lib.errors import InputError, Remark
-from ur5lib.records.dynamics import Torques
+from ur5lib.force.alarms import Alarm, Matched
+from ur5lib.force.contact_figures import force_errors
+from ur5lib.force.fates import contact_rows
+from ur5lib.force.residual_model import Residuals
+from ur5lib.records.contacts import Contact, Detection
+from ur5lib.records.dynamics import TorqueError, Torques
+from ur5lib.records.force_errors import ForceError
+from ur5lib.records.friction import Friction
+from ur5lib.records.models import Identification, RemarkRow
+from ur5lib.records.prediction import JudgedLoad, LoadRow
 from ur5lib.records.signals import Signals
 from ur5lib.records.verdicts import REASONS
 from ur5lib.report.figures.house_style import save
 from ur5lib.report.figures.traces import TORQUE_PANELS, Traces, draw_traces
 from ur5lib.report.page.typeset import html_page, pdf_document
 from ur5lib.report.results import Results
+from ur5lib.steps.judge_recording import load_row, torque_errors
+from ur5lib.steps.make_tables import remarks
 from ur5lib.steps.write_report import archived
 from ur5lib.tables import write_text
-from ur5lib.tidy import forces, friction, models
 
 HOSTILE = '<script>alert("x")</script> & #set page(width: 1mm) $x$ *y* \\ {{ 7 * 7 }} </table> <b>'
 TEXTS = ["p", "li", "td", "th", "figcaption", "caption", "h2", "h3"]
@@ -187,12 +197,8 @@ def torque_tables() -> tuple[Signals, Torques]:
     )
 
 
-def torque_errors() -> pd.DataFrame:
-    return table(models.torque_mae, {"seen": torque_tables()})
-
-
 def test_torque_errors_leave_out_invented_frames() -> None:
-    rows = torque_errors()
+    rows = table(TorqueError, {"seen": torque_errors(*torque_tables())})
     mae = rows.groupby("model")["mae"]
     assert mae.max().to_dict() == {"A": 0.0, "B": 0.5}
     assert rows["zero_mae"].eq(1.0).all()
@@ -208,15 +214,15 @@ def with_rows(**tables: pd.DataFrame) -> Results:
     return judged_anew(made, tables={**made.tables, **whole})
 
 
-def alarm(start: float, force: list[float], **more: Any) -> dict[str, Any]:
+def alarm(start: float, force: list[float], **more: Any) -> Alarm:
     """An alarm of 1 s, its largest force in the middle."""
-    times = {"start": start, "end": start + 1, "peak": start + 0.5}
-    return times | {"force": force, "force_std": [1, 2, 3], "q": [0.0, 1.0]} | more
+    at_peak = np.array(force), np.array([1.0, 2.0, 3.0]), np.array([0.0, 1.0])
+    return Alarm(start, start + 1, start + 0.5, *at_peak, **more)
 
 
-def contacts_of(alarms: list[dict[str, Any]]) -> list[dict[str, str]]:
+def contacts_of(alarms: list[Alarm]) -> list[dict[str, str]]:
     """The table of contacts on a recording without a force sensor."""
-    found = table(forces.contacts, {"pushed": {"Fmap": {"raised": alarms}}})
+    found = table(Contact, {"pushed": contact_rows("Fmap", alarms, is_free=False)})
     detection = pd.DataFrame([{"recording": "pushed", "estimate": "Fmap"}])
     shown = tables_of(with_rows(contacts=found, detection=detection), "details")
     return shown["contacts-pushed"]
@@ -246,26 +252,26 @@ def test_a_load_taken_up_is_no_contact() -> None:
 WRENCH = ["Fx", "Fy", "Fz", "nx", "ny", "nz"]
 
 
-def force_summary() -> dict:
+def force_summary() -> list[ForceError]:
     """Errors of 4 N in contact and 0.1 N free; of moments, only nx is told."""
 
-    def figures(mae: float, mean: float, **more: float) -> dict:
+    def figures(mae: float, mean: float, **more: float) -> dict[str, np.ndarray]:
         same = {"mae": mae, "zero_mae": mean, "mean_force": mean, "slope": 0.9, "skill": 0.6}
         same |= {"coverage95": 0.9, "interval_score95": 30.0, "zero_interval_score95": 50.0}
-        return {name: dict.fromkeys(WRENCH, value) for name, value in (same | more).items()}
+        return {name: np.full(6, value) for name, value in (same | more).items()}
 
     contact = figures(4.0, 10.0, mae_low=3.0, mae_high=5.0, skill_low=0.5)
-    contact["skill_low"] |= {"ny": -0.1, "nz": 0.0}
+    contact["skill_low"][4:] = -0.1, 0.0
     during = {"all": figures(1.0, 2.5), "contact": contact, "free": figures(0.1, 0.1)}
-    kinds = {
-        "compensated": {"Fmap": during, "Fu": {"all": figures(9.0, 2.5)}},
-        "printed": {"Fu": during},
-    }
-    return {"errors": kinds}
+    return [
+        *force_errors("compensated", "Fmap", during),
+        *force_errors("compensated", "Fu", {"all": figures(9.0, 2.5)}),
+        *force_errors("printed", "Fu", during),
+    ]
 
 
 def test_what_is_not_certainly_better_than_none_is_undetermined() -> None:
-    results = with_rows(force_mae=table(forces.force_mae, {"pushed": force_summary()}))
+    results = with_rows(force_mae=table(ForceError, {"pushed": force_summary()}))
     rows = results.rows("force_mae", kind="compensated").set_index("estimate")
     known = rows.loc["Fmap"].groupby("component")["determined"].unique().map(list)
     assert {name for name, told in known.items() if told == ["no"]} == {"ny", "nz"}
@@ -277,12 +283,13 @@ def test_what_is_not_certainly_better_than_none_is_undetermined() -> None:
 
 
 def test_contacts_are_counted_by_their_force() -> None:
-    part = {"contacts": 4, "found": 3, "recall": 0.75, "median_delay": 0.1}
-    found = {"raised": [], "alarms_per_min": 1.0, "time_in_alarm": 0.5, "extra": 2}
-    found |= {"threshold": 8.5}
-    found |= {"false_per_min": 0.5, "free_time_in_alarm": 0.25}
-    found |= {"classes": [{"force": 3.0, **part}, {"force": 15.0, **part, "found": 4}]}
-    rows = table(forces.detection, {"pushed": {"Fmap": found, "Fu": found}})
+    part = {"contacts": 4, "found": 3, "recall": 0.75, "median_delay_s": 0.1}
+    classes = [{"force_class_n": 3.0, **part}, {"force_class_n": 15.0, **part, "found": 4}]
+    found = Matched(1.0, false_alarms_per_min=0.5, extra_alarms=2, classes=classes).rows()
+    same: dict[str, Any] = {"threshold": 8.5, "alarms": 0, "time_in_alarm": 0.5}
+    same |= {"free_time_in_alarm": 0.25}
+    own = [Detection(estimate=name, **same, **row) for name in ("Fmap", "Fu") for row in found]
+    rows = table(Detection, {"pushed": own})
     assert rows["force_class_n"].tolist() == [3, 15] * 2
     assert rows["extra_alarms"].eq(2).all()
     first, _ = tables_of(with_rows(detection=rows), "details")["detections"]
@@ -291,27 +298,16 @@ def test_contacts_are_counted_by_their_force() -> None:
     assert (first["false [1/min]"], first["extra"]) == ("0.5", "2")
 
 
-def test_the_fixed_threshold_has_time_above_and_pushes_found() -> None:
-    axes = {"z": {"force": 10.0, "time_above": 0.25, "pushes": 4, "found": 3}}
-    free = {"z": {"force": 10.0, "time_above": 0.0}}
-    rows = table(
-        forces.fixed_threshold, {"run": {"F*": {"axes": axes}}, "free": {"F*": {"axes": free}}}
-    )
-    assert rows["time_above"].tolist() == [0.25, 0.0]
-    assert rows["found"].tolist()[0] == 3
-    assert rows["pushes"].isna().tolist() == [False, True]
-
-
 # Loads and fits
 
 
 def payloads() -> pd.DataFrame:
-    loads = [load_of("fitted", 0.02, taken=False), load_of("seen", 2.75, taken=True)]
-    return table(friction.payload, dict(loads))
+    loads = {"fitted": load_of(0.02, taken=False), "seen": load_of(2.75, taken=True)}
+    return table(LoadRow, {name: [load_row(own)] for name, own in loads.items()})
 
 
-def load_of(name: str, mass: float, taken: bool) -> tuple[str, dict]:
-    """A recording's name and what currents.json says of its load."""
+def load_of(mass: float, taken: bool) -> JudgedLoad:
+    """What currents.json says of a load."""
     load = {
         "mass": mass,
         "std_error": 0.03,
@@ -323,7 +319,8 @@ def load_of(name: str, mass: float, taken: bool) -> tuple[str, dict]:
         "center_of_mass": [0.0, 0.01, 0.05] if taken else [None] * 3,
         "center_of_mass_std": [0.01] * 3 if taken else [None] * 3,
     }
-    return name, {"load": load}
+    made: JudgedLoad = record(JudgedLoad, load)
+    return made
 
 
 def test_what_a_run_carries_is_in_a_table() -> None:
@@ -334,13 +331,13 @@ def test_what_a_run_carries_is_in_a_table() -> None:
     heavy = payloads().set_index("recording").loc["seen"]
     assert heavy["low"] < heavy["mass"] < heavy["high"]
     assert heavy["center_of_mass_z"] == 0.05
-    assert table(friction.payload, {"at rest": {"load": None}, "no currents": {}}).empty
 
 
 def test_remarks_of_fits_are_on_the_page_and_why_one_made_nothing() -> None:
     odd, little = (asdict(Remark("other reason", why)) for why in ("odd", "too little"))
     fitted = {"fit": {"joints": [{"remarks": [odd]}, {"remarks": []}, {"remarks": [odd]}]}}
-    rows = table(models.remarks, {"ur5": ({"refused": little}, fitted, None)})
+    whole = record(Identification, {"refused": little}), record(Friction, fitted), Residuals()
+    rows = table(RemarkRow, {"ur5": remarks(*whole)})
     made = study(**EVERY)
     page = page_of(judged_anew(made, tables={**made.tables, "remarks": rows}))
     told = plain(page.get_element_by_id("constants").text_content())

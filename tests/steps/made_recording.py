@@ -11,6 +11,7 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.records.carried import Carried
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.force_errors import Compared
 from ur5lib.records.forces import Forces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Alignment, Motion
@@ -53,6 +54,7 @@ def known_of(
     grid = stretch(signals.time)
     usual: dict[str, Any] = {
         "recording": "made",
+        "role": "contact",
         "quality": Quality(),
         "force": NO_SAMPLES,
         "alignment": aligned(),
@@ -62,6 +64,7 @@ def known_of(
         "prediction": Prediction(False),
         "forces": Forces(**grid),
         "sensor": SensorWrenches(**grid),
+        "compared": Compared(),
         "friction": Friction(),
         "residuals": Residuals(),
         "threshold": {},

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from tests.current_study import make_record, prior, smooth, with_current, with_noise
 from tests.made_records import motion_of, signals_of, stretch, torques_of
+from tests.made_tables import record
 from tests.made_up_torques import MODEL, Free, between, free_run
 from tests.steps.made_recording import CURRENTS_LOWPASS, NO_LOAD, Known, known_of, premises
 from ur5lib.channels import TORQUE
@@ -24,13 +26,13 @@ from ur5lib.identification.payload import SCALED_TORQUE_ERROR, PayloadEstimate, 
 from ur5lib.identification.samples import CurrentSamples
 from ur5lib.identification.validation import least_squares_coefficients
 from ur5lib.records.carried import Carried
-from ur5lib.records.contacts import Alarm, Detected
+from ur5lib.records.contacts import Contact, Contacts
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces, FurtherForces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
-from ur5lib.records.prediction import JudgedLoad
+from ur5lib.records.prediction import JudgedLoad, Prediction
 from ur5lib.records.quality import Contradictions, Finding, contradiction
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot
@@ -382,12 +384,12 @@ def test_a_threshold_counts_minutes_of_mixed_rates(ur5: Robot, in_reference: boo
     assert 5.0 < found["Fmap"] < 5.01  # two minutes allow two alarms: 6 and 7
 
 
-def raised(run: Free, ur5: Robot) -> list[Alarm]:
+def raised(run: Free, ur5: Robot) -> list[Contact]:
     """The alarms of F̂ᵐᵃᵖ."""
     known = recording(ur5, run)
     known = known.but(forces=forces_of(known), threshold={"Fmap": 0.0, "F*": 15.0})
-    contacts: dict[str, Detected] = known.run(judge_contacts)
-    return contacts["Fmap"].raised
+    found: Contacts = known.run(judge_contacts)
+    return [one for one in found.contacts if one.estimate == "Fmap"]
 
 
 @pytest.mark.parametrize("mass", [2.0, 4.0])
@@ -398,8 +400,8 @@ def test_a_load_picked_up_on_the_way_is_named(ur5: Robot, mass: float) -> None:
     found = raised(replace(run, torque=run.torque + taken), ur5)
     (load,) = [own for own in found if own.kind == "load"]
     assert load.load_mass == pytest.approx(mass, rel=0.1)
-    assert load.start == pytest.approx(8.0, abs=0.5)
-    assert load.end > 17
+    assert load.start_s == pytest.approx(8.0, abs=0.5)
+    assert load.end_s > 17
 
 
 def test_a_push_is_no_load(ur5: Robot) -> None:
@@ -407,7 +409,7 @@ def test_a_push_is_no_load(ur5: Robot) -> None:
     force = 40.0 * between(run.time, 6.0, 11.0)[:, None] * np.array([[0.6, 0.8, 0.0]])
     (found,) = raised(run.pushed(run.wrench(force)), ur5)
     assert found.kind == "contact"
-    assert np.linalg.norm(found.force) == pytest.approx(40, rel=0.25)
+    assert np.linalg.norm([found.Fx, found.Fy, found.Fz]) == pytest.approx(40, rel=0.25)
     assert not found.off_flange
 
 
@@ -431,9 +433,23 @@ def test_a_push_on_the_forearm_is_no_false_alarm(ur5: Robot) -> None:
     known = recording(ur5, replace(run, torque=run.torque + touched))
     silent = SensorWrenches(**stretch(run.time), wrench={"compensated": 0 * run.q})
     known = known.but(forces=forces_of(known), threshold={"Fmap": 0.0}, sensor=silent)
-    (found,) = known.run(judge_contacts).values()
-    assert [(own.off_flange, own.at_sensor) for own in found.raised] == [(True, False)] * 2
-    assert found.false_per_min == 0
+    known = known.but(role="validate")  # without the sensor, they would be false
+    found: Contacts = known.run(judge_contacts)
+    assert [(own.off_flange, own.kind) for own in found.contacts] == [(True, "off_flange")] * 2
+    assert {own.false_alarms_per_min for own in found.detections} == {0}
+
+
+def test_without_a_sensor_role_and_load_tell_false_alarms(ur5: Robot) -> None:
+    """Not where the currents show a load, which an alarm may be."""
+    run = free_run(ur5, 6, seconds=16, period=PERIOD, scale=0.2)
+    force = 40.0 * between(run.time, 6.0, 11.0)[:, None] * np.array([[0.6, 0.8, 0.0]])
+    known = recording(ur5, run.pushed(run.wrench(force)))
+    known = known.but(forces=forces_of(known), threshold={"Fmap": 0.0})
+    for role, taken in product(("fit", "validate", "contact", ""), (False, True)):
+        load = record(JudgedLoad, {"mass": 2.0, "taken": taken})
+        own = known.but(role=role, prediction=Prediction(False, load=load))
+        (found,) = own.run(judge_contacts).contacts
+        assert found.kind == ("false" if role in ("fit", "validate") and not taken else "contact")
 
 
 @pytest.mark.parametrize(

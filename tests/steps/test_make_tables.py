@@ -1,6 +1,8 @@
 """The study's tables from the rows of its recordings and arms."""
 
-from dataclasses import replace
+import re
+from ast import literal_eval
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -8,19 +10,20 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.made_tables import record
+from tests.conftest import PROJECT
+from tests.made_tables import COLUMNS, record, table
 from ur5lib.force.residual_model import Residuals
 from ur5lib.records.accelerations import Difference, ImuComparison
-from ur5lib.records.contacts import Detected
+from ur5lib.records.contacts import Contacts
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.friction import Friction
 from ur5lib.records.judgement import Judgement
 from ur5lib.records.models import Identification, Rotors
+from ur5lib.records.prediction import CurrentError
 from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Robot
-from ur5lib.steps.make_tables import bands_of_accelerations, joined, make_tables
+from ur5lib.steps.make_tables import OF_ARMS, OF_MOTION, OF_RECORDINGS, joined, make_tables
 from ur5lib.tables import read_csv, write_csv
-from ur5lib.tidy import columns, rows_of, table
 
 DETAIL = 'x, "y"'
 PARAMETER = {"joint": 2, "name": "coulomb", "value": 6.0, "std_error": 0.1, "interval": [5, 7]}
@@ -45,7 +48,7 @@ def judged(*findings: str) -> Judgement:
 def test_rows_of_recordings_and_of_arms_make_one_table_each(ur5: Robot) -> None:
     """All tables are there, with all their columns, whether a recording has a row or none."""
     found = made(ur5, {"a": judged("one", "two"), "b": Judgement(), "c": judged("one")})
-    assert {name: [*own] for name, own in found.items()} == columns()
+    assert {name: [*own] for name, own in found.items()} == COLUMNS
     rows = found["quality"]
     assert [*zip(rows["recording"], rows["finding"], strict=True)] == [
         ("a", "one"),
@@ -77,9 +80,13 @@ def test_bands_of_acceleration_are_of_the_other_recordings(ur5: Robot) -> None:
     imu = ImuComparison(
         calibrated_on=["a", "b", "gone"], ranges=difference, plain_ranges=difference
     )
-    bands = bands_of_accelerations({name: replace(imu) for name in "ab"})
-    assert {*bands["recording"]} == {"a", "b"}
-    assert bands_of_accelerations({"a": imu}).empty
+    judgements = dict.fromkeys("ab", Judgement())
+    both, alone = (
+        made(ur5, judgements, beside_imu={name: replace(imu) for name in names})
+        for names in ("ab", "a")
+    )
+    assert {*both["acceleration_bands"]["recording"]} == {"a", "b"}
+    assert alone["acceleration_bands"].empty
 
 
 def test_what_steps_have_written_for_each_arm_is_joined_as_it_is(tmp_path: Path) -> None:
@@ -98,33 +105,40 @@ def test_what_steps_have_written_for_each_arm_is_joined_as_it_is(tmp_path: Path)
 
 
 def test_rows_are_written_plainly(tmp_path: Path) -> None:
-    """As yes and no, Python's own numbers, and nothing that is no column."""
-    row = {"fitted": np.bool_(True), "joint": np.int64(2), "rmse": np.float32(0.5), "grid": []}
-    (plain,) = rows_of("current_rmse", [row])
-    assert plain == {"fitted": "yes", "joint": 2, "rmse": 0.5}
-    assert [type(value) for value in plain.values()] == [str, int, float]
-    write_csv(table("current_rmse", {"a": [row], "b": []}), tmp_path / "current_rmse.csv")
+    """As yes and no, and Python's own numbers; of a recording without a row, nothing."""
+    numbers = dict.fromkeys(COLUMNS["current_rmse"][4:], np.float32(0.5))
+    row = CurrentError(model="fitted", fitted=np.bool_(True), joint=np.int64(2), **numbers)
+    plain = table(CurrentError, {"a": [row], "b": []})
+    cells = [plain[name].item() for name in ("fitted", "joint", "rmse")]
+    assert cells == ["yes", 2, 0.5]
+    assert [type(cell) for cell in cells] == [str, int, float]
+    write_csv(plain, tmp_path / "current_rmse.csv")
     back = read_csv(tmp_path / "current_rmse.csv")
-    assert [*back] == columns()["current_rmse"]
+    assert [*back] == COLUMNS["current_rmse"]
     assert back["recording"].tolist() == ["a"]
+
+
+def test_the_rule_names_the_tables_that_the_step_makes() -> None:
+    """As the workflow knows them without the library's classes."""
+    rules = (PROJECT / "workflow" / "rules" / "common.smk").read_text()
+    (named,) = re.findall(r"^TABLES = (\[.*?\])", rules, re.MULTILINE | re.DOTALL)
+    assert sorted(literal_eval(named)) == sorted(OF_RECORDINGS | OF_MOTION | OF_ARMS)
 
 
 # A sensor, and a role that says whether anything touches the arm
 
-ERRORS = {"mae": {"Fx": 2.0, "nx": 0.1}}
-DOUBT = {"code": "disputed bias", "text": "only 30% of the samples agree"}
 ROLES = {"fitted": "fit", "seen": "validate", "pushed": "contact"}
 
 
 def sensed(contacts: int = 0, **more: Any) -> Compared:
-    felt = {"largest": 33.4, "at_s": 1.0, "contact": 0.1, "contacts": contacts}
-    found: Compared = record(Compared, {"felt": felt, **more})
+    reading = {"largest_force_n": 33.4, "at_s": 1.0, "contacts": contacts}
+    found: Compared = record(Compared, {"sensed": reading, **more})
     return found
 
 
-def of_roles(arm: Robot, roles: dict[str, str] | None = ROLES, **more: Any) -> dict[str, Any]:
+def of_roles(arm: Robot, **more: Any) -> dict[str, pd.DataFrame]:
     names = {"judgements": dict.fromkeys(ROLES, Judgement())} | more
-    return made(arm, **names, roles=roles)
+    return made(arm, **names, roles=ROLES)
 
 
 def test_a_sensor_that_reads_contacts_beats_the_role(ur5: Robot) -> None:
@@ -159,61 +173,15 @@ def test_a_raw_contact_alone_stays_a_warning(ur5: Robot, others: dict[str, Any])
     assert [*found["finding"]] == ["contact"] * 3
 
 
-def detected_by(*alarms: dict[str, Any]) -> dict[str, Detected]:
-    same = {"force": [3.0, 0.0, 4.0], "force_std": [1.0] * 3, "q": [0.0]}
-    raised = [same | one for one in alarms]
-    found: dict[str, Detected] = record(dict[str, Detected], {"Fmap": {"raised": raised}})
-    return found
-
-
-def loaded(taken: str) -> Judgement:
-    return Judgement({"payload": [{"mass": 2.0, "taken": taken}]})
-
-
-@pytest.mark.parametrize(
-    ("roles", "own", "taken", "kinds"),
-    [
-        (ROLES, {}, "no", ["false", "false", "contact"]),
-        (None, {}, "no", ["contact"] * 3),
-        (ROLES, {}, "yes", ["contact"] * 3),
-        (ROLES, {"off_flange": True}, "no", ["false", "false", "off_flange"]),
-        (ROLES, {"kind": "load"}, "no", ["load"] * 3),
-        (ROLES, {"at_sensor": True}, "no", ["contact"] * 3),
-        (ROLES, {"at_sensor": False}, "no", ["false"] * 3),
-    ],
-)
-def test_the_kinds_of_alarms_by_role_load_and_sensor(
-    ur5: Robot, roles: dict[str, str] | None, own: dict[str, Any], taken: str, kinds: list[str]
-) -> None:
-    contacts = dict.fromkeys(ROLES, detected_by(own))
-    judgements = dict.fromkeys(ROLES, loaded(taken))
-    found = of_roles(ur5, roles, judgements=judgements, contacts=contacts)
-    assert dict(found["contacts"][["recording", "kind"]].to_numpy()) == dict(
-        zip(ROLES, kinds, strict=True)
+def test_what_sensor_and_contacts_tell_is_in_the_tables(ur5: Robot) -> None:
+    beside = record(Compared, {"sensed": {}, "errors": [{}]})
+    contacts = record(Contacts, {field.name: [{}] for field in fields(Contacts)})
+    found = made(
+        ur5,
+        dict.fromkeys("ab", Judgement()),
+        beside_sensor={"a": Compared(), "b": beside},
+        contacts={"a": Contacts(), "b": contacts},
     )
-
-
-@pytest.mark.parametrize(
-    ("doubt", "estimate", "uses"),
-    [
-        (None, "Fmap", [("no", "fitted"), ("yes", ""), ("yes", "")]),
-        (None, "static", [("no", "fitted"), *[("yes", "uncalibrated")] * 2]),
-        (DOUBT, "Fmap", [("no", "fitted"), *[("no", "sensor_bias")] * 2]),
-        (DOUBT, "static", [("no", "fitted"), *[("no", "sensor_bias")] * 2]),
-    ],
-)
-def test_which_errors_of_the_force_may_be_relied_on(
-    ur5: Robot, doubt: dict[str, Any] | None, estimate: str, uses: list[tuple[str, str]]
-) -> None:
-    """Of forces in contact, also in those that are missed; nothing is said of other errors."""
-    periods = dict.fromkeys(["contact", "missed", "free", "all"], ERRORS)
-    errors = {kind: {estimate: periods} for kind in ("compensated", "corrected")}
-    own = sensed(errors=errors, offset_doubt=doubt)
-    rows = of_roles(ur5, beside_sensor=dict.fromkeys(ROLES, own))["force_mae"]
-    judged = (rows["kind"] == "compensated") & rows["during"].isin(["contact", "missed"])
-    judged &= rows["component"] == "Fx"
-    assert rows.loc[~judged, ["use", "reason"]].isna().all(axis=None)
-    assert {*rows.loc[judged, "during"]} == {"contact", "missed"}
-    for name, use in zip(ROLES, uses, strict=True):
-        told = rows[judged & (rows["recording"] == name)]
-        assert {*zip(told["use"], told["reason"], strict=True)} == {use}
+    filled = {name for name, rows in found.items() if [*rows.get("recording", ())] == ["b"]}
+    tables = {"sensed", "force_mae", "contact_errors", "detection", "fixed_threshold", "contacts"}
+    assert filled == tables

@@ -21,12 +21,11 @@ from ur5lib.steps.compare_accelerations import compare_accelerations
 from ur5lib.steps.compute_torques import compute_torques
 from ur5lib.steps.judge_recording import judge_recording
 from ur5lib.steps.judge_sensor import judge_sensor
-from ur5lib.steps.make_tables import rows_of_forces
+from ur5lib.steps.make_tables import OF_RECORDINGS, rows_of_recordings
 from ur5lib.steps.read_recording import read_recording
 from ur5lib.steps.simulate_recording import simulate_recording
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import read_record, write_table
-from ur5lib.tidy import columns
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
 
@@ -175,17 +174,17 @@ def test_sensor_and_currents_tell_the_pushes(
 def test_a_judged_recording_has_rows_of_the_tables_of_recordings(
     arm: Callable[[str], Mounted],
 ) -> None:
-    """But of those beside sensor and IMU, which other steps have, and of findings, which
-    `make_tables` words.
-    """
+    """But of findings, which `make_tables` words; other steps have those beside sensor and IMU."""
     judgement: Judgement = arm("floor").known.run(judge_recording)
-    of_recordings = {name for name, own in columns().items() if "recording" in own}
-    others = {"acceleration_bands", "acceleration_mae", "innovations", "quality"}
-    assert judgement.rows.keys() == of_recordings - rows_of_forces({}, {}).keys() - others
+    tables = rows_of_recordings({"made": judgement}, {}, {}, {})
+    assert tables.keys() == OF_RECORDINGS.keys() - {"quality"}
+    own = {name: rows["made"] for name, rows in tables.items() if "made" in rows}
+    assert own.keys() | {"findings"} == vars(judgement).keys()
     assert judgement.findings
-    for name, rows in judgement.rows.items():
-        assert all(row.keys() <= {*columns()[name]} for row in rows), name
-    assert {row["device"] for row in judgement.rows["clocks"]} == {"force", "imu"}
+    assert judgement.payload == []  # without currents
+    for name, rows in own.items():
+        assert {*map(type, rows)} <= {OF_RECORDINGS[name]}, name
+    assert {row.device for row in judgement.clocks} == {"force", "imu"}
     beside = arm("floor").beside
-    assert {*beside.innovations["estimate"]} == {"encoders", "encoders+imu"}
-    assert {*beside.errors["estimate"]} >= {"encoders", "encoders+imu", "filterpy"}
+    assert {row.estimate for row in beside.innovations} == {"encoders", "encoders+imu"}
+    assert {row.estimate for row in beside.errors} >= {"encoders", "encoders+imu", "filterpy"}

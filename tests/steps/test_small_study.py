@@ -7,12 +7,12 @@ import pytest
 
 from tests.conftest import Workflow
 from tests.in_memory import assert_draws_as_in_report
+from tests.made_tables import COLUMNS
 from ur5lib.force.estimators import NEW, UNGATED
 from ur5lib.records.motion import Alignment
 from ur5lib.records.quality import Quality
 from ur5lib.robots.description import Robot
 from ur5lib.tables import read_csv, read_record, read_table
-from ur5lib.tidy import columns
 
 
 @pytest.fixture(scope="module")
@@ -42,8 +42,8 @@ def test_its_model_draws_what_the_report_shows(results: Path, tmp_path: Path) ->
 
 def test_tables_have_a_row_for_each_value(results: Path, ur5: Robot) -> None:
     """Without published values, of the controller's force alone beside the project's own."""
-    tables = {name: read_csv(results / "tables" / f"{name}.csv") for name in columns()}
-    assert {name: [*own] for name, own in tables.items()} == columns()
+    tables = {name: read_csv(results / "tables" / f"{name}.csv") for name in COLUMNS}
+    assert {name: [*own] for name, own in tables.items()} == COLUMNS
     torque = tables["torque_mae"]
     models = {*ur5.models, "identified"}
     assert len(torque) == 2 * 2 * len(models) * 6  # recordings, targets and motion, ..., joints

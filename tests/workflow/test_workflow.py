@@ -215,7 +215,7 @@ def test_editing_code_reruns_its_users(
         ("smoothing/imu_fusion.py", "compare_accelerations", "calibrate_imu"),
         ("force/sensor.py", "judge_sensor", "estimate_forces"),
         ("steps/judge_contacts.py", "judge_contacts", "judge_sensor"),
-        ("tidy/friction.py", "judge_recording", "estimate_forces"),
+        ("judging/may_be_used.py", "make_tables", "estimate_forces"),
         ("report/views/contacts.py", "write_report", "judge_study"),
         ("judging/limits.py", "judge_study", "make_tables"),
     ],

@@ -6,9 +6,11 @@ import pytest
 
 from benchmarks.harness.stand import MOTION, fitted_map, rotors, taken
 from tests.made_tables import empty, table
+from ur5lib.judging.may_be_used import friction_rows
+from ur5lib.records.friction import FrictionRow
+from ur5lib.records.models import RotorRow
 from ur5lib.robots.description import load_robot, robot_path
-from ur5lib.tidy.friction import friction
-from ur5lib.tidy.models import rotor_inertia
+from ur5lib.steps.make_tables import rotor_rows
 from ur5lib.topics.compare.comparison import compare
 
 pytestmark = [pytest.mark.slow, pytest.mark.thorough]  # ten simulated recordings
@@ -23,8 +25,8 @@ def study(folder: Path, seed: int, coulomb_3: float = 1.0) -> Path:
     ]
     robot = load_robot(robot_path("ur5"))
     known = {
-        "friction": table(friction, {"ur5": (fitted_map(recordings), robot)}),
-        "rotor_inertia": table(rotor_inertia, {"ur5": rotors(recordings)}),
+        "friction": table(FrictionRow, {"ur5": friction_rows(fitted_map(recordings), robot)}),
+        "rotor_inertia": table(RotorRow, {"ur5": rotor_rows(rotors(recordings))}),
     }
     (folder / "tables").mkdir(parents=True)
     for name in (*known, "parameters", "payload", "current_rmse", "force_mae", "quality"):

@@ -9,11 +9,12 @@ import pytest
 
 from tests.made_records import stretch
 from tests.made_study import study
+from tests.made_tables import record
 from tests.topics.pages import section, shown
 from ur5lib.force.estimators import LEADING
 from ur5lib.force.sensed_contact import sensed_contact
 from ur5lib.judging.contacts import upper_limit
-from ur5lib.records.contacts import Alarm, Detected
+from ur5lib.records.contacts import Contacts
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.forces import SensorWrenches
 from ur5lib.records.prediction import Prediction
@@ -27,6 +28,7 @@ from ur5lib.topics.live.rows import LiveDetection, LiveForces
 STEP = 0.01  # s
 TIME = STEP * np.arange(6000)
 COLUMNS = [one.name for one in fields(LiveDetection)]
+NONE = Contacts()
 PUSH = np.where((TIME >= 10) & (TIME < 11), 20.0, 0.0)  # N
 
 
@@ -42,16 +44,15 @@ def live(*spans: tuple[float, float], known: Mask | None = None) -> LiveForces:
     return LiveForces(**stretch(TIME), contact=inside_spans(samples, len(TIME)), known=known)
 
 
-def detected(*alarms: tuple[float, float], **more: Any) -> dict[str, Detected]:
+def detected(*alarms: tuple[float, float], **more: Any) -> Contacts:
     """The leading estimate raises alarms between times [s]."""
-    nothing = np.zeros(3)
-    raised = [Alarm(*own, own[0], nothing, nothing, np.zeros(6), **more) for own in alarms]
-    rates = {"alarms_per_min": 0.0, "time_in_alarm": 0.0, "axes": {}}
-    return {LEADING: Detected(threshold=0.0, raised=raised, **rates)}
+    each = [{"estimate": LEADING, "start_s": a, "end_s": b} | more for a, b in alarms]
+    found: Contacts = record(Contacts, {"contacts": each})
+    return found
 
 
 def test_contacts_are_counted_by_their_force() -> None:
-    rows = count_live_contacts(live((10.3, 11.2), (30, 31)), sensor(), {})
+    rows = count_live_contacts(live((10.3, 11.2), (30, 31)), sensor(), NONE)
     assert [(row.force_class_n, row.contacts, row.found) for row in rows] == [
         (force, 1, 1) for force in (3.0, 5.0, 10.0, 15.0)
     ]
@@ -62,10 +63,10 @@ def test_contacts_are_counted_by_their_force() -> None:
 
 def test_without_a_sensor_alarms_are_counted_and_without_a_fit_nothing() -> None:
     known = TIME >= 15
-    (row,) = count_live_contacts(live((30, 31), known=known), sensor(None), {})
+    (row,) = count_live_contacts(live((30, 31), known=known), sensor(None), NONE)
     assert (row.force_class_n, row.contacts, row.false_alarms_per_min) == (None, None, None)
     assert (row.alarms_per_min, row.unknown) == pytest.approx((1, 0.25))
-    assert count_live_contacts(LiveForces(**stretch(TIME)), sensor(), {}) == []
+    assert count_live_contacts(LiveForces(**stretch(TIME)), sensor(), NONE) == []
 
 
 @pytest.mark.parametrize("more", [{"off_flange": True}, {"kind": "load"}])
@@ -73,7 +74,7 @@ def test_what_a_sensor_does_not_feel_makes_no_false_alarm(more: dict[str, Any]) 
     """A push at the elbow, or a load, that the estimate of the whole recording tells apart."""
     stated = live((20.5, 21.7), (30, 31))
     elbow = detected((20.0, 21.49), **more)
-    assert count_live_contacts(stated, sensor(), {})[0].false_alarms_per_min == pytest.approx(2)
+    assert count_live_contacts(stated, sensor(), NONE)[0].false_alarms_per_min == pytest.approx(2)
     assert count_live_contacts(stated, sensor(), elbow)[0].false_alarms_per_min == pytest.approx(1)
 
 
@@ -85,7 +86,7 @@ def judged(rows: dict[str, list[LiveDetection]], **dates: str) -> JudgedLive:
         tables,
         dict.fromkeys(rows, Quality(duration_s=60.0)),
         dict.fromkeys(rows, Prediction(False)),
-        {name: Compared(felt=sensed_contact(PUSH, TIME) if "touched" in name else None)
+        {name: Compared(sensed=sensed_contact(PUSH, TIME) if "touched" in name else None)
          for name in rows},
         roles,
         dict.fromkeys(rows, "") | dates,

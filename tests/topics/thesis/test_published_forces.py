@@ -14,7 +14,7 @@ from ur5lib.errors import Remark
 from ur5lib.force.controller import further_or_controller
 from ur5lib.records.clocks import SettledClock
 from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.force_errors import Compared
+from ur5lib.records.force_errors import Compared, ForceError
 from ur5lib.records.forces import FurtherForces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.quality import Quality, StartOffset, contradiction
@@ -54,6 +54,16 @@ class Results:
     sensor: SensorWrenches
     compared: Compared
 
+    def error(self, kind: str, estimate: str, component: str = "Fx") -> ForceError:
+        """Over all samples."""
+        about = kind, estimate, "all", component
+        (row,) = (
+            row
+            for row in self.compared.errors
+            if (row.kind, row.estimate, row.during, row.component) == about
+        )
+        return row
+
 
 def rebuilt(known: Known) -> FurtherForces:
     published: FurtherForces = known.run(rebuild_thesis).published
@@ -91,7 +101,7 @@ def results(ur5: Robot) -> Results:
         lowpass=LOWPASS,
     )
     published = rebuilt(known)
-    return Results(known, published, *known.but(published=published).run(judge_sensor))
+    return Results(known, published, *known.but(further=published).run(judge_sensor))
 
 
 def test_the_corrected_estimate_finds_the_force(results: Results) -> None:
@@ -116,7 +126,7 @@ def test_no_force_is_stated_where_fit_or_recording_contradicts_the_arm(
     withheld = rebuilt(known)
     assert withheld.corrected == withheld.printed == {}
     beside = known.run(judge_sensor).compared.errors
-    assert all(estimates == {} for estimates in beside.values())
+    assert beside == []
 
 
 def test_without_published_values_the_controller_s_estimate_stands_alone(results: Results) -> None:
@@ -124,11 +134,21 @@ def test_without_published_values_the_controller_s_estimate_stands_alone(results
     stated = further_or_controller(None, known.arm, known.signals, withheld=False).corrected
     assert stated.keys() == {"Fu"}
     np.testing.assert_array_equal(stated["Fu"], results.published.corrected["Fu"])
-    assert known.run(judge_sensor).compared.errors["corrected"].keys() == {"Fu"}
+    rows = known.run(judge_sensor).compared.errors
+    assert {row.estimate for row in rows if row.kind == "corrected"} == {"Fu"}
 
 
 def test_without_friction_the_estimate_is_off(results: Results) -> None:
-    assert results.compared.errors["corrected"]["F"]["all"]["mae"]["Fx"] > 5
+    assert results.error("corrected", "F").mae > 5
+
+
+def test_errors_in_contact_are_of_use_but_where_a_fit_has_used_the_recording(
+    results: Results,
+) -> None:
+    known = results.known.but(further=results.published)
+    for role, use in (("contact", {("yes", "")}), ("fit", {("no", "fitted")})):
+        rows = known.but(role=role).run(judge_sensor).compared.errors
+        assert {(row.use, row.reason) for row in rows if row.use is not None} == use
 
 
 def test_the_sensor_is_put_right(results: Results) -> None:
@@ -145,7 +165,7 @@ def test_the_sensor_is_put_right(results: Results) -> None:
 
 def test_the_printed_kind_keeps_the_bias_and_the_delay(results: Results) -> None:
     published = results.published
-    assert results.compared.errors["printed"]["Fu"]["all"]["zero_mae"]["Fx"] > 1
+    assert results.error("printed", "Fu").zero_mae > 1
     rising = np.argmax(published.corrected["F*"][:, 2] > 4) * PERIOD
     late = np.argmax(published.printed["F*"][125:, 2] > 4) * PERIOD + 1
     assert late - rising == pytest.approx(0.35, abs=0.1)
@@ -153,6 +173,6 @@ def test_the_printed_kind_keeps_the_bias_and_the_delay(results: Results) -> None
 
 def test_an_estimate_of_zero_stands_beside(results: Results) -> None:
     expected = np.abs(truth()[3]).mean(0)[:3]
-    figures = results.compared.errors["corrected"]["F*"]["all"]["zero_mae"]
-    np.testing.assert_allclose([figures[c] for c in ("Fx", "Fy", "Fz")], expected, rtol=2e-3)
-    assert results.compared.errors["corrected"]["Fu"]["all"]["mae"]["Fx"] == pytest.approx(1.0)
+    zeros = [results.error("corrected", "F*", axis).zero_mae for axis in ("Fx", "Fy", "Fz")]
+    np.testing.assert_allclose(zeros, expected, rtol=2e-3)
+    assert results.error("corrected", "Fu").mae == pytest.approx(1.0)

@@ -7,11 +7,10 @@ import pytest
 
 from tests.current_study import noisy, prior, smooth
 from tests.made_tables import record, table
-from ur5lib.records.friction import Friction, Parameter
+from ur5lib.judging.may_be_used import MayBeUsed, friction_rows, may_be_used, torque_constants
+from ur5lib.records.friction import Friction, FrictionRow, Parameter, TorqueConstant
 from ur5lib.robots.description import Robot
 from ur5lib.steps.fit_friction import fitted_friction
-from ur5lib.tidy import friction
-from ur5lib.tidy.may_be_used import MayBeUsed, may_be_used
 
 USED, MOSTLY_PRIOR, SOME_PRIOR = MayBeUsed("yes", ""), 0.9, 0.1
 KNOWN = {"value": [10.0], "std_error": [0.5]}
@@ -107,8 +106,8 @@ def test_the_tables_say_what_may_be_used(ur5: Robot) -> None:
     ]
     total = {"joint": 1, "name": "total_0", "value": 8.0, "determined": True}
     given = {"parameters": rows, "totals": [total], "load": [5.5, None]}
-    fitted = {"from": ["one"], **given}
-    found = table(friction.friction, {"ur5": (fitted, ur5)})
+    fitted = record(Friction, {"from": ["one"], **given})
+    found = table(FrictionRow, {"ur5": friction_rows(fitted, ur5)})
     columns = ["joint", "parameter", "use", "reason"]
     assert found[columns].to_numpy().tolist() == [
         [1, "torque_constant", "yes", ""],
@@ -117,7 +116,7 @@ def test_the_tables_say_what_may_be_used(ur5: Robot) -> None:
         [2, "coulomb", "yes", ""],
     ]
     assert found["load"].dropna().to_dict() == {2: 5.5}
-    constants = table(friction.torque_constants, {"ur5": (fitted, ur5)})
+    constants = table(TorqueConstant, {"ur5": torque_constants(fitted, ur5)})
     assert constants[["joint", "use", "reason"]].to_numpy().tolist() == [[1, "yes", ""]]
 
 
@@ -126,7 +125,8 @@ def test_a_single_path_and_a_joint_at_rest_are_named(ur5: Robot) -> None:
     (whole,) = noisy([1])
     still = replace(whole, q=whole.q * [1, 1, 1, 1, 0, 1], qd=whole.qd * [1, 1, 1, 1, 0, 1])
     fitted = fitted_friction([still], prior(), smooth)
-    found = table(friction.friction, {"ur5": (fitted, ur5)}).set_index(["joint", "parameter"])
+    found = table(FrictionRow, {"ur5": friction_rows(fitted, ur5)})
+    found = found.set_index(["joint", "parameter"])
     assert tuple(found.loc[(2, "torque_constant"), ["use", "reason"]]) == ("yes", "one_path")
     assert tuple(found.loc[(2, "total_0.1"), ["use", "reason"]]) == ("yes", "one_path")
     assert tuple(found.loc[(5, "coulomb"), ["use", "reason"]]) == ("no", "no_motion")
