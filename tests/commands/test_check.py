@@ -33,7 +33,8 @@ from ur5lib.errors import InputError, Remark, printable
 from ur5lib.records.account import NOTHING, UNKNOWN_NAME, AccountRow
 from ur5lib.records.clocks import SettledClock
 from ur5lib.records.force_errors import Compared
-from ur5lib.records.quality import UNCHECKED, Finding, Log, Quality, QualityRow
+from ur5lib.records.judgement import QualityRow
+from ur5lib.records.quality import UNCHECKED, Finding, Log, Quality
 from ur5lib.report.page.findings import by_finding, group_findings
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque

@@ -20,8 +20,8 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
-from ur5lib.records.force_errors import OffsetAccount
 from ur5lib.records.motion import Motion
+from ur5lib.records.sensor_offset import OffsetAccount
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.exports import JointFriction, isaac, sdf, urdf
 from ur5lib.robots.from_urdf import robot_from_urdf

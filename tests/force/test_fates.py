@@ -30,7 +30,8 @@ from ur5lib.force.fates import (
     with_fates,
 )
 from ur5lib.force.matching import compare
-from ur5lib.force.sensed_contact import CONTACT_FORCE, TOUCH_FORCE, touched
+from ur5lib.force.sensed_contact import CONTACT_FORCE, TOUCH_FORCE
+from ur5lib.force.touched import touched
 from ur5lib.records.contacts import FATES, WHOLE, ContactError, Detection
 from ur5lib.records.force_errors import Sensed
 from ur5lib.records.forces import SensorWrenches

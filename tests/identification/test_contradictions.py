@@ -32,8 +32,9 @@ from ur5lib.identification.validation import (
     explained_share,
     least_squares_coefficients,
 )
+from ur5lib.records.fits import RemarkRow
 from ur5lib.records.friction import CurrentFit, Friction
-from ur5lib.records.models import Identification, RemarkRow
+from ur5lib.records.models import Identification
 from ur5lib.records.quality import Contradictions, Quality, contradiction
 from ur5lib.report.found import findings, left_out
 from ur5lib.report.results import Results

@@ -6,7 +6,8 @@ from tests.made_records import motion_of, signals_of
 from tests.made_tables import record, table
 from ur5lib.identification.current_samples import controllers_ratio
 from ur5lib.judging.may_be_used import friction_rows, torque_constants
-from ur5lib.records.friction import Friction, FrictionRow, TorqueConstant
+from ur5lib.records.fits import FrictionRow, TorqueConstant
+from ur5lib.records.friction import Friction
 from ur5lib.records.quality import ODD_TARGET, Contradictions, Finding
 from ur5lib.robots.description import Robot
 

@@ -8,7 +8,8 @@ import pytest
 
 from tests.made_tables import table
 from ur5lib.judging.acceleration_bands import acceleration_bands
-from ur5lib.records.accelerations import AccelerationBand, ImuComparison
+from ur5lib.records.acceleration_errors import AccelerationBand
+from ur5lib.records.accelerations import ImuComparison
 from ur5lib.smoothing.beside_imu import by_range
 from ur5lib.timeseries.arrays import Array
 

@@ -8,7 +8,8 @@ import pytest
 from tests.current_study import noisy, prior, smooth
 from tests.made_tables import record, table
 from ur5lib.judging.may_be_used import MayBeUsed, friction_rows, may_be_used, torque_constants
-from ur5lib.records.friction import Friction, FrictionRow, Parameter, TorqueConstant
+from ur5lib.records.fits import FrictionRow, TorqueConstant
+from ur5lib.records.friction import Friction, Parameter
 from ur5lib.robots.description import Robot
 from ur5lib.steps.fit_friction import fitted_friction
 

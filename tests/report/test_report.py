@@ -27,11 +27,13 @@ from ur5lib.force.contact_figures import force_errors
 from ur5lib.force.fates import contact_rows
 from ur5lib.force.residual_model import Residuals
 from ur5lib.records.contacts import Contact, Detection
-from ur5lib.records.dynamics import TorqueError, Torques
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.fits import RemarkRow
 from ur5lib.records.force_errors import ForceError
 from ur5lib.records.friction import Friction
-from ur5lib.records.models import Identification, RemarkRow
-from ur5lib.records.prediction import JudgedLoad, LoadRow
+from ur5lib.records.judgement import LoadRow, TorqueError
+from ur5lib.records.models import Identification
+from ur5lib.records.prediction import JudgedLoad
 from ur5lib.records.signals import Signals
 from ur5lib.records.verdicts import REASONS
 from ur5lib.report.figures.house_style import save

@@ -17,9 +17,8 @@ from ur5lib.records.accelerations import Difference, ImuComparison
 from ur5lib.records.contacts import Contacts
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.friction import Friction
-from ur5lib.records.judgement import Judgement
+from ur5lib.records.judgement import CurrentError, Judgement
 from ur5lib.records.models import Identification, Rotors
-from ur5lib.records.prediction import CurrentError
 from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Robot
 from ur5lib.steps.make_tables import OF_ARMS, OF_MOTION, OF_RECORDINGS, joined, make_tables

@@ -8,19 +8,10 @@ import pandas as pd
 
 from ur5lib.recordings.copies import same_runs, spare_copy
 from ur5lib.records.account import NOTHING
-from ur5lib.records.clocks import ClockRow, SettledClock
+from ur5lib.records.clocks import SettledClock
+from ur5lib.records.judgement import ClockRow, FileRead, QualityRow, RecordingSummary
 from ur5lib.records.phrases import number
-from ur5lib.records.quality import (
-    SAME_RUN,
-    UNREADABLE,
-    Contradictions,
-    Device,
-    FileRead,
-    Finding,
-    Quality,
-    QualityRow,
-    RecordingSummary,
-)
+from ur5lib.records.quality import SAME_RUN, UNREADABLE, Contradictions, Device, Finding, Quality
 from ur5lib.records.signals import Signals
 
 UNUSED = "columns not used"  # the finding that import left them out

@@ -25,8 +25,9 @@ from ur5lib.force.tare import tare_doubts, touched_by_own_clock
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.records.account import UNKNOWN_NAME
 from ur5lib.records.carried import carried, disagreements
-from ur5lib.records.clocks import ClockRow, OwnClock, SettledClock
-from ur5lib.records.quality import UNCHECKED, Finding, Quality, QualityRow
+from ur5lib.records.clocks import OwnClock, SettledClock
+from ur5lib.records.judgement import ClockRow, QualityRow
+from ur5lib.records.quality import UNCHECKED, Finding, Quality
 from ur5lib.records.signals import Signals
 from ur5lib.report.page.findings import MAX_NAMED_PLACES, by_finding, group_findings
 from ur5lib.robots.description import Robot

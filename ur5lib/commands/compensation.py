@@ -9,8 +9,8 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
-from ur5lib.records.force_errors import OffsetAccount
 from ur5lib.records.quality import Finding, Quality
+from ur5lib.records.sensor_offset import OffsetAccount
 from ur5lib.records.signals import Signals
 from ur5lib.records.table import WRENCH
 from ur5lib.robots.description import Robot

@@ -17,9 +17,9 @@ from scipy.io.matlab import MatWriteError
 from ur5lib.commands.foxglove import Stream, drawn
 from ur5lib.errors import InputError, unknown
 from ur5lib.finished import FinishedStudy
-from ur5lib.records.contacts import SPEEDS
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
+from ur5lib.records.pushes import SPEEDS
 from ur5lib.tables import write_aside, write_csv
 
 CSV_DIGITS = 12

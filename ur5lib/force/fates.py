@@ -12,16 +12,8 @@ import numpy as np
 
 from ur5lib.force.alarms import Alarm
 from ur5lib.force.matching import match
-from ur5lib.records.contacts import (
-    OFF_FLANGE,
-    SPEEDS,
-    WHOLE,
-    Cause,
-    Contact,
-    ContactError,
-    Fate,
-    Kind,
-)
+from ur5lib.records.contacts import OFF_FLANGE, WHOLE, Cause, Contact, ContactError, Fate, Kind
+from ur5lib.records.pushes import SPEEDS
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import Span, overlap
 

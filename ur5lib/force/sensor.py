@@ -21,8 +21,8 @@ from ur5lib.force.free_fit import (
     quiet_stretches,
     settle,
 )
-from ur5lib.records.force_errors import Offset
 from ur5lib.records.phrases import number
+from ur5lib.records.sensor_offset import Offset
 from ur5lib.timeseries.arrays import Array, Mask
 
 MAX_OFFSET_SAMPLES = 20_000  # for a fit

@@ -9,8 +9,8 @@ from scipy.spatial.transform import Rotation
 from ur5lib.force.sensor import SensorOffset, fit_offset, initial_bias
 from ur5lib.force.sensor_drift import force_drift
 from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.force_errors import OffsetAccount
 from ur5lib.records.motion import Motion
+from ur5lib.records.sensor_offset import OffsetAccount
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.robots.end_effector import ToolMotion, expected_values, tool_motion

@@ -4,7 +4,8 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from ur5lib.records.accelerations import COMPONENTS, AccelerationBand, Difference, ImuComparison
+from ur5lib.records.acceleration_errors import AccelerationBand
+from ur5lib.records.accelerations import COMPONENTS, Difference, ImuComparison
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 

@@ -4,7 +4,8 @@ from collections.abc import Iterator
 from operator import attrgetter
 from typing import Any, NamedTuple
 
-from ur5lib.records.friction import Friction, FrictionRow, Parameter, TorqueConstant
+from ur5lib.records.fits import FrictionRow, TorqueConstant
+from ur5lib.records.friction import Friction, Parameter
 from ur5lib.records.verdicts import Reason, Use
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.metrics import NORMAL95

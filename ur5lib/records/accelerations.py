@@ -26,53 +26,6 @@ class Accelerations(SegmentedTable):
     causal: dict[str, Array] = channel("causal_{}", MOTION, SIX, keys=THROUGH_ANGLES)
 
 
-@dataclass(frozen=True, kw_only=True)
-class AccelerationError:
-    """A row of acceleration_mae.csv: MAE of the end effector's acceleration beside the IMU, and
-    that of zero [m/s², rad/s²].
-    """
-
-    estimate: str
-    component: str
-    mae: float
-    zero_mae: float
-
-
-@dataclass(frozen=True, kw_only=True)
-class AccelerationBand:
-    """A row of acceleration_bands.csv: RMS difference from the IMU in a range of frequency, in
-    motion or at rest, of encoders and of filterpy's plain smoother.
-
-    std: of the other recordings; held: share of the samples within its 95 % band.
-    """
-
-    range: str
-    during: str
-    component: str
-    unit: str
-    rms: float
-    std: float
-    held: float
-    filterpy_rms: float
-
-
-@dataclass(frozen=True, kw_only=True)
-class CalibratedQuantity:
-    """A row of imu_calibration.csv: the calibration of an arm's IMU by all `fit` recordings.
-
-    described: place by the arm's description; held_out: error on recordings left out with the
-    estimated place, divided by that with the described one; below 1, the estimate is used.
-    """
-
-    quantity: str
-    axis: str
-    unit: str
-    value: float
-    std_error: float
-    described: float | None = None
-    held_out: float | None = None
-
-
 @dataclass(frozen=True)
 class AccelerationErrors:
     """MAE of an estimate beside the IMU by component, and that of zero [m/s², rad/s²]."""

@@ -62,19 +62,6 @@ class SettledClock(ClockRelation):
     end_std: float
 
 
-@dataclass(frozen=True, kw_only=True)
-class ClockRow:
-    """A row of clocks.csv: the clock of a device, as `SettledClock`; drift in ppm."""
-
-    device: str
-    offset_s: float
-    offset_std_s: float
-    drift_ppm: float | None
-    drift_std_ppm: float | None
-    method: str
-    end_std_s: float
-
-
 @dataclass(frozen=True)
 class HostDrift:
     """Drift and start of a host's clock relative to the robot's.

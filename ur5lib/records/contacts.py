@@ -3,7 +3,6 @@
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
-SPEEDS = {0.0: "at rest", 0.01: "slow", 0.25: "fast"}  # of the flange, from [m/s] on
 Fate = Literal["found", "merged", "missed"]  # by an alarm of its own, within another one's, by none
 FATES: tuple[Fate, ...] = get_args(Fate)
 Cause = Literal["late_alarm", "constants", "stiction", "friction"]  # of an error in contact

@@ -53,20 +53,3 @@ class Torques(SegmentedTable):
     target: dict[str, Array] = channel("tau_target_{}", "Nm", JOINTS)
     measured: dict[str, Array] = channel("tau_measured_{}", "Nm", JOINTS)
     payload_torque: Array = channel("payload_torque", "Nm", JOINTS)
-
-
-@dataclass(frozen=True, kw_only=True)
-class TorqueError:
-    """A row of torque_mae.csv: MAE of a joint's torque [Nm] by a link model against
-    `target_moment`, all of it and below 2 Hz, and that of zero torque.
-
-    motion: target or measured.
-    """
-
-    motion: str
-    model: str
-    joint: int
-    mae: float
-    mae_2hz: float
-    zero_mae: float
-    zero_mae_2hz: float

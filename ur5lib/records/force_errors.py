@@ -2,35 +2,11 @@
 
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from ur5lib.errors import Remark
 from ur5lib.records.contacts import ContactError
 from ur5lib.records.quality import Finding
+from ur5lib.records.sensor_offset import OffsetAccount
 from ur5lib.records.verdicts import Reason, Use
-from ur5lib.timeseries.arrays import Array, Six
-
-
-@dataclass(frozen=True, kw_only=True)
-class Offset:
-    """Bias and tool of a force sensor, as its reading without contact shows them.
-
-    bias: (6,) [N, Nm]; mass [kg]; moment_arm: mass times centre of mass, (3,) [kg m], sensor
-    frame; *_std: their standard errors; mass and arm are NaN if the arm turned too little to
-    separate weight from bias (the bias then contains both); noise: (6,), standard deviation of a
-    free sample; agreeing: share of the samples that agree with this offset; rival: largest share
-    of the others that agree on another offset. Of a sensor without moments, what needs them is NaN.
-    """
-
-    bias: Array
-    bias_std: Array
-    mass: float
-    mass_std: float
-    moment_arm: Array
-    moment_arm_std: Array
-    noise: Array
-    agreeing: float
-    rival: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,27 +79,6 @@ class Sensed:
     drift_std_x: float | None = None
     drift_std_y: float | None = None
     drift_std_z: float | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class OffsetAccount(Offset):
-    """What was subtracted from a force sensor's reading.
-
-    pull_at: (3,) [m], the point of frame 6 whose acceleration pulls on the tool: its centre of
-    mass, the sensor where that is unknown; clock_std: [s], error of the sensor's clock, over which
-    this pull is averaged; inertia: of the tool, xx yy zz xy xz yz [kg m²], None where it was
-    neglected; free: share of the samples that are free of contact; start_bias: (6,) [N, Nm], mean
-    at the start; drift: (3,) [N/min], of the bias of the forces, and drift_std, its standard error,
-    NaN where they are unknown.
-    """
-
-    pull_at: Array
-    clock_std: float
-    inertia: Six | None
-    free: float
-    start_bias: Array
-    drift: Array = field(default_factory=lambda: np.full(3, np.nan))
-    drift_std: Array = field(default_factory=lambda: np.full(3, np.nan))
 
 
 @dataclass(frozen=True, kw_only=True)

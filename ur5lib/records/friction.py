@@ -7,7 +7,6 @@ import pandas as pd
 
 from ur5lib.channels import CURRENT, EFFORTS, Effort
 from ur5lib.errors import Remark
-from ur5lib.records.verdicts import Reason, Use
 from ur5lib.robots.friction import coefficient_names
 from ur5lib.tables import BY_KEY
 from ur5lib.timeseries.arrays import Array
@@ -109,59 +108,6 @@ class Parameter:
     def rests_on_prior(self) -> bool:
         """Return whether it is known by other arms more than by these recordings."""
         return self.prior_share > MAX_PRIOR_SHARE
-
-
-@dataclass(frozen=True, kw_only=True)
-class FrictionRow:
-    """A row of friction.csv: a fitted value of a joint, as `Parameter`, or its total friction at a
-    load [Nm]; known: the prior constant, contradicted: the fitted one that contradicts it; use,
-    reason: whether it may be used, and why not, or with which doubt.
-    """
-
-    joint: int
-    parameter: str
-    value: float
-    std_error: float
-    prior_share: float
-    known: float | None = None
-    known_std: float | None = None
-    contradicted: float | None = None
-    low: float
-    high: float
-    determined: bool
-    arm_share: float
-    day_share: float
-    run_share: float
-    load: float | None = None
-    use: Use
-    reason: Reason
-
-
-@dataclass(frozen=True, kw_only=True)
-class TorqueConstant:
-    """A row of torque_constants.csv: a torque constant [Nm/A] alone, see `FrictionRow`."""
-
-    joint: int
-    torque_constant: float
-    std_error: float
-    low: float
-    high: float
-    known: float | None
-    known_std: float | None
-    contradicted: float | None
-    determined: bool
-    use: Use
-    reason: Reason
-
-
-@dataclass(frozen=True, kw_only=True)
-class CrossValidation:
-    """A row of cross_validation.csv: RMSE of a fit to one recording, tested on another [A]."""
-
-    fitted_on: str
-    tested_on: str
-    joint: int
-    rmse_lowpassed: float
 
 
 NO_FIT = CurrentFit((), 0)

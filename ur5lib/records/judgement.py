@@ -3,10 +3,108 @@
 from dataclasses import dataclass, field
 
 from ur5lib.records.account import AccountRow
-from ur5lib.records.clocks import ClockRow
-from ur5lib.records.dynamics import TorqueError
-from ur5lib.records.prediction import CurrentError, LoadRow
-from ur5lib.records.quality import FileRead, Finding, RecordingSummary
+from ur5lib.records.quality import Finding
+
+
+@dataclass(frozen=True, kw_only=True)
+class QualityRow:
+    """A row of quality.csv: a finding, with its whole sentence as `detail`."""
+
+    device: str
+    finding: str
+    severity: str
+    count: int
+    detail: str
+    place: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordingSummary:
+    """A row of recordings.csv: rows that were read, frames after the repair, times [s]; jitter_s:
+    99 % of the deviations of time stamps; devices, moving_joints (from 1): between spaces.
+    """
+
+    duration_s: float
+    rows_read: int
+    frames: int
+    longest_step_s: float
+    jitter_s: float
+    devices: str
+    moving_joints: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class FileRead:
+    """A row of files.csv: a file that a recording was read from, and its SHA-256."""
+
+    file: str
+    sha256: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClockRow:
+    """A row of clocks.csv: the clock of a device, as `SettledClock`; drift in ppm."""
+
+    device: str
+    offset_s: float
+    offset_std_s: float
+    drift_ppm: float | None
+    drift_std_ppm: float | None
+    method: str
+    end_std_s: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class TorqueError:
+    """A row of torque_mae.csv: MAE of a joint's torque [Nm] by a link model against
+    `target_moment`, all of it and below 2 Hz, and that of zero torque.
+
+    motion: target or measured.
+    """
+
+    motion: str
+    model: str
+    joint: int
+    mae: float
+    mae_2hz: float
+    zero_mae: float
+    zero_mae_2hz: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class CurrentError:
+    """A row of current_rmse.csv: the errors of a model's prediction at a joint, as `Scores`;
+    fitted: whether it is a recording of the fit; zero_rmse_lowpassed: of a constant.
+    """
+
+    model: str
+    fitted: bool
+    joint: int
+    rmse: float
+    rmse_lowpassed: float
+    mae: float
+    r2: float
+    coverage95: float
+    band_factor95: float
+    zero_rmse_lowpassed: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoadRow:
+    """A row of payload.csv: an undeclared load on the flange, as `JudgedLoad` [kg, m]."""
+
+    mass: float
+    std_error: float
+    low: float
+    high: float
+    center_of_mass_x: float
+    center_of_mass_y: float
+    center_of_mass_z: float
+    configured: float
+    taken: bool
+    center_of_mass_std_x: float
+    center_of_mass_std_y: float
+    center_of_mass_std_z: float
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -57,22 +57,6 @@ class MotionAccount:
     innovations: InnovationTest
 
 
-@dataclass(frozen=True, kw_only=True)
-class Innovation:
-    """A row of innovations.csv: the test of a channel's innovations, see `InnovationTest`."""
-
-    estimate: str
-    channel: str
-    variance: float
-    variance_low: float
-    variance_high: float
-    portmanteau: float
-    portmanteau_limit: float
-    consistent: bool
-    white: bool
-    colour: float
-
-
 @dataclass(frozen=True)
 class Alignment:
     """alignment.json: the clocks of the devices, by which the signals are aligned, and how well the

@@ -30,24 +30,6 @@ class Scores:
         return zero
 
 
-@dataclass(frozen=True, kw_only=True)
-class CurrentError:
-    """A row of current_rmse.csv: the errors of a model's prediction at a joint, as `Scores`;
-    fitted: whether it is a recording of the fit; zero_rmse_lowpassed: of a constant.
-    """
-
-    model: str
-    fitted: bool
-    joint: int
-    rmse: float
-    rmse_lowpassed: float
-    mae: float
-    r2: float
-    coverage95: float
-    band_factor95: float
-    zero_rmse_lowpassed: float
-
-
 @dataclass(frozen=True)
 class LoadEstimate:
     """A load: mass, std_error [kg]; interval: 95 % [kg]; certain: significant in all parts."""
@@ -71,24 +53,6 @@ class JudgedLoad(LoadEstimate):
     taken: bool
     center_of_mass: Array
     center_of_mass_std: Array
-
-
-@dataclass(frozen=True, kw_only=True)
-class LoadRow:
-    """A row of payload.csv: an undeclared load on the flange, as `JudgedLoad` [kg, m]."""
-
-    mass: float
-    std_error: float
-    low: float
-    high: float
-    center_of_mass_x: float
-    center_of_mass_y: float
-    center_of_mass_z: float
-    configured: float
-    taken: bool
-    center_of_mass_std_x: float
-    center_of_mass_std_y: float
-    center_of_mass_std_z: float
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,13 @@ Basis = Literal["unseen", "fit"]
 Reason = Literal["", "one_path", "fitted", "undetermined"]  # codes of verdicts
 
 
+SPEEDS = {
+    0.0: "at rest",
+    0.01: "slow",
+    0.25: "fast",
+}  # of the flange, from [m/s] on
+
+
 @dataclass(frozen=True, kw_only=True)
 class SmallestPush:
     """A row of pushes.csv: the push along an axis that the leading estimate detects with 95 %.

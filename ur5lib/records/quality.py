@@ -71,41 +71,6 @@ class Finding:
         return overrulable(self.detail, self.kind)
 
 
-@dataclass(frozen=True, kw_only=True)
-class QualityRow:
-    """A row of quality.csv: a finding, with its whole sentence as `detail`."""
-
-    device: str
-    finding: str
-    severity: str
-    count: int
-    detail: str
-    place: str = ""
-
-
-@dataclass(frozen=True, kw_only=True)
-class RecordingSummary:
-    """A row of recordings.csv: rows that were read, frames after the repair, times [s]; jitter_s:
-    99 % of the deviations of time stamps; devices, moving_joints (from 1): between spaces.
-    """
-
-    duration_s: float
-    rows_read: int
-    frames: int
-    longest_step_s: float
-    jitter_s: float
-    devices: str
-    moving_joints: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class FileRead:
-    """A row of files.csv: a file that a recording was read from, and its SHA-256."""
-
-    file: str
-    sha256: str
-
-
 @dataclass(frozen=True)
 class StartOffset:
     """How much later a device's clock started than the robot's, by the start stamps [s].

@@ -1,13 +1,12 @@
 """Calibration of an IMU against the joints: mounting, place, tilt of the base, and biases."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ur5lib.records.accelerations import CalibratedQuantity
 from ur5lib.tables import BY_KEY
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.sampling import differentiate
@@ -16,7 +15,6 @@ from ur5lib.timeseries.segments import BLOCK_DURATION, by_segment
 RECORDING_PARAMETERS = (
     4  # parameters of a recording: the accelerometer's bias and a remaining clock error
 )
-QUANTITIES = {"mounting": "rad", "tilt": "rad", "gyroscope_bias": "rad/s", "place": "m"}
 PLACE_COLUMNS = slice(8, 11)  # of the IMU, after mounting, tilt and gyroscope's bias
 
 
@@ -67,22 +65,6 @@ class ImuCalibration:
     described: Array
     held_out: float
     from_: tuple[str, ...] = ()
-
-    def rows(self) -> Iterator[CalibratedQuantity]:
-        """Yield its values with their standard errors."""
-        for quantity, unit in QUANTITIES.items():
-            values, errors = getattr(self, quantity), getattr(self, f"{quantity}_std")
-            for i, (axis, value, std) in enumerate(zip("xyz", values, errors, strict=False)):
-                place = quantity == "place"
-                yield CalibratedQuantity(
-                    quantity=quantity,
-                    axis=axis,
-                    unit=unit,
-                    value=float(value),
-                    std_error=float(std),
-                    described=float(self.described[i]) if place else None,
-                    held_out=self.held_out if place else None,
-                )
 
     def shift(self) -> Array:
         """Return by how much the IMU's place differs (3,) [m] from the arm's description."""

@@ -5,9 +5,10 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from ur5lib.records.accelerations import AccelerationError, Accelerations, ImuComparison
+from ur5lib.records.acceleration_errors import AccelerationError, Innovation
+from ur5lib.records.accelerations import Accelerations, ImuComparison
 from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.motion import Alignment, FusedMotion, Innovation, Motion, MotionAccount
+from ur5lib.records.motion import Alignment, FusedMotion, Motion, MotionAccount
 from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot

@@ -10,11 +10,11 @@ from ur5lib.checks.channels import slower_than_fit
 from ur5lib.force.problem import unusual_friction
 from ur5lib.force.residual_model import Residuals
 from ur5lib.records.currents import Currents
-from ur5lib.records.dynamics import TorqueError, Torques
+from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import Friction
-from ur5lib.records.judgement import Judgement
+from ur5lib.records.judgement import CurrentError, Judgement, LoadRow, TorqueError
 from ur5lib.records.motion import Alignment, Motion
-from ur5lib.records.prediction import CurrentError, JudgedLoad, LoadRow, Prediction
+from ur5lib.records.prediction import JudgedLoad, Prediction
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import UNUSUAL_FRICTION, Finding, Quality
 from ur5lib.records.signals import Signals, is_led, slowly

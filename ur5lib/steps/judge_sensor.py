@@ -12,7 +12,6 @@ from ur5lib.force.contact_figures import contact_errors, figures_by_contact, for
 from ur5lib.force.controller import further_or_controller
 from ur5lib.force.estimators import LEADING, STATIC, UNGATED, Stated, all_stated
 from ur5lib.force.plain_least_squares import plain_least_squares
-from ur5lib.force.sensed_contact import sensed_contact
 from ur5lib.force.sensor import (
     measured_columns,
     mounting_doubt,
@@ -22,14 +21,16 @@ from ur5lib.force.sensor import (
     wrench_of_environment,
 )
 from ur5lib.force.sensor_reading import OwnClock, SensorReading, moved_tool, sensor_reading
+from ur5lib.force.touched import sensed_contact
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.force_errors import Compared, ForceError, OffsetAccount, Sensed
+from ur5lib.records.force_errors import Compared, ForceError, Sensed
 from ur5lib.records.forces import Forces, FurtherForces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Alignment, Motion
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Quality
+from ur5lib.records.sensor_offset import OffsetAccount
 from ur5lib.records.signals import Signals
 from ur5lib.records.table import WRENCH
 from ur5lib.records.verdicts import Reason

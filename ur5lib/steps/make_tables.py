@@ -11,34 +11,37 @@ from ur5lib.checks import files
 from ur5lib.checks.contacts import CONTACT
 from ur5lib.errors import Remark
 from ur5lib.force.residual_model import Residuals
-from ur5lib.force.sensed_contact import touched
+from ur5lib.force.touched import touched
 from ur5lib.judging.acceleration_bands import acceleration_bands
 from ur5lib.judging.may_be_used import friction_rows, torque_constants
-from ur5lib.records.accelerations import (
-    AccelerationBand,
-    AccelerationError,
-    CalibratedQuantity,
-    ImuComparison,
-)
+from ur5lib.records.acceleration_errors import AccelerationBand, AccelerationError, Innovation
+from ur5lib.records.accelerations import ImuComparison
 from ur5lib.records.account import AccountRow
-from ur5lib.records.clocks import ClockRow
 from ur5lib.records.contacts import Contact, ContactError, Contacts, Detection, FixedThreshold
-from ur5lib.records.dynamics import TorqueError
-from ur5lib.records.force_errors import Compared, ForceError, Sensed
-from ur5lib.records.friction import CrossValidation, Friction, FrictionRow, TorqueConstant
-from ur5lib.records.judgement import Judgement
-from ur5lib.records.models import (
+from ur5lib.records.fits import (
+    CalibratedQuantity,
+    CrossValidation,
     ExcitationRow,
-    Identification,
+    FrictionRow,
     ParameterRow,
     RemarkRow,
     RotorRow,
-    Rotors,
-    Terms,
+    TorqueConstant,
 )
-from ur5lib.records.motion import Innovation
-from ur5lib.records.prediction import CurrentError, LoadRow
-from ur5lib.records.quality import STOP, FileRead, Finding, QualityRow, RecordingSummary
+from ur5lib.records.force_errors import Compared, ForceError, Sensed
+from ur5lib.records.friction import Friction
+from ur5lib.records.judgement import (
+    ClockRow,
+    CurrentError,
+    FileRead,
+    Judgement,
+    LoadRow,
+    QualityRow,
+    RecordingSummary,
+    TorqueError,
+)
+from ur5lib.records.models import Identification, Rotors, Terms
+from ur5lib.records.quality import STOP, Finding
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.tables import read_cells, table_by_owner
@@ -75,6 +78,7 @@ OF_MOTION = {  # of recordings, by another step; empty where all are at rest
     "acceleration_mae": AccelerationError,
     "innovations": Innovation,
 }
+CALIBRATED = {"mounting": "rad", "tilt": "rad", "gyroscope_bias": "rad/s", "place": "m"}
 
 Rows = Mapping[str, Iterable[object]]  # of a table, by recording or arm
 
@@ -194,8 +198,21 @@ def without_copies(
 
 def calibrated(calibration: Mapping[str, ImuCalibration]) -> Iterator[CalibratedQuantity]:
     """Yield the calibration of an arm's IMU from all `fit` recordings, nothing without one."""
-    if (fit := calibration.get("all")) is not None:
-        yield from fit.rows()
+    if (fit := calibration.get("all")) is None:
+        return
+    for quantity, unit in CALIBRATED.items():
+        values, errors = getattr(fit, quantity), getattr(fit, f"{quantity}_std")
+        for k, (axis, value, std) in enumerate(zip("xyz", values, errors, strict=False)):
+            of_place = quantity == "place"
+            yield CalibratedQuantity(
+                quantity=quantity,
+                axis=axis,
+                unit=unit,
+                value=float(value),
+                std_error=float(std),
+                described=float(fit.described[k]) if of_place else None,
+                held_out=fit.held_out if of_place else None,
+            )
 
 
 def rotor_rows(rotors: Rotors) -> Iterator[RotorRow]:

@@ -21,14 +21,13 @@ from ur5lib.force.trial_contacts import (
     smallest_force,
     try_each_place,
 )
-from ur5lib.records.contacts import SPEEDS
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.forces import Forces
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
-from ur5lib.records.pushes import Basis, Reason, SmallestPush
+from ur5lib.records.pushes import SPEEDS, Basis, Reason, SmallestPush
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import STANDARD_GRAVITY
 from ur5lib.timeseries.arrays import Array

@@ -7,8 +7,7 @@ import pytest
 from benchmarks.harness.stand import MOTION, fitted_map, rotors, taken
 from tests.made_tables import empty, table
 from ur5lib.judging.may_be_used import friction_rows
-from ur5lib.records.friction import FrictionRow
-from ur5lib.records.models import RotorRow
+from ur5lib.records.fits import FrictionRow, RotorRow
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.steps.make_tables import rotor_rows
 from ur5lib.topics.compare.comparison import compare

@@ -12,7 +12,7 @@ from tests.made_study import study
 from tests.made_tables import record
 from tests.topics.pages import section, shown
 from ur5lib.force.estimators import LEADING
-from ur5lib.force.sensed_contact import sensed_contact
+from ur5lib.force.touched import sensed_contact
 from ur5lib.judging.contacts import upper_limit
 from ur5lib.records.contacts import Contacts
 from ur5lib.records.force_errors import Compared

@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from ur5lib.force.sensed_contact import CONTACT_FORCE, touched
+from ur5lib.force.sensed_contact import CONTACT_FORCE
+from ur5lib.force.touched import touched
 from ur5lib.judging.contacts import FARTHEST, counted, days_between, of_days, rates
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.prediction import Prediction
