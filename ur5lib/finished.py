@@ -14,7 +14,7 @@ from ur5lib.chain.shown import Shown
 from ur5lib.chain.steps import Files
 from ur5lib.errors import InputError, unknown
 from ur5lib.jobs.unreadable import reason
-from ur5lib.records.force_errors import Compared
+from ur5lib.records.force_errors import SensorAccount
 from ur5lib.records.judgement import Judgement
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Quality
@@ -142,9 +142,9 @@ class FinishedStudy(Shown):
         """Return what is judged of a recording by itself."""
         return self.record(Judgement, recording)
 
-    def beside_sensor(self, recording: str) -> Compared:
-        """Return the estimates of a recording beside its force sensor, and this one's offset."""
-        return self.record(Compared, recording, "beside_sensor")
+    def beside_sensor(self, recording: str) -> SensorAccount:
+        """Return bias and tool of a recording's force sensor."""
+        return self.record(SensorAccount, recording, "beside_sensor")
 
     def payload(self, recording: str) -> Payload | None:
         """Return the payload of the arm."""

@@ -302,10 +302,10 @@ def json_text(data: object) -> str:
     return json.dumps(_plain(data), indent=2, allow_nan=False) + "\n"
 
 
-def read_json(path: str | Path) -> Any:
-    """Read a summary."""
+def read_json(path: str | Path, of_object: Callable[[dict[str, Any]], Any] | None = None) -> Any:
+    """Read a summary; of_object: what becomes of each of its objects."""
     with intact(path):
-        return json.loads(Path(path).read_text(encoding="utf-8"))
+        return json.loads(Path(path).read_text(encoding="utf-8"), object_hook=of_object)
 
 
 def read_record(kind: type[Record], path: str | Path) -> Record:
@@ -314,12 +314,27 @@ def read_record(kind: type[Record], path: str | Path) -> Record:
     Raises InputError where its fields differ, as those of another version.
     """
     try:
-        return as_record(kind, read_json(path))
+        return as_record(kind, read_json(path, _with_sentence))
     except ValidationError as error:
         place = " → ".join(map(str, error.errors()[0]["loc"]))
         raise InputError(
             f"{path}: {place} is not as this version writes it; `ur5 run` the study again"
         ) from None
+
+
+def _with_sentence(data: dict[str, Any]) -> dict[str, Any]:
+    """Return a part of a summary; a finding or remark of version 0.2, which had values in place of
+    its sentence, with its code as such.
+    """
+    if not data.keys() >= {"code", "values"}:
+        return data
+    values, sentence = data["values"], data["code"] or data.get("finding", "")
+    joints = values.get("joints", [values["joint"]] if "joint" in values else [])
+    channels = values.get("names", [values["name"]] if "name" in values else [])
+    said = {name: values.get(name) or "" for name in ("kind", "motion")}
+    return (
+        data | said | {"detail": sentence, "text": sentence, "joints": joints, "channels": channels}
+    )
 
 
 def as_record(kind: type[Record], data: object) -> Record:

@@ -82,21 +82,15 @@ class Sensed:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Compared:
-    """beside_sensor.json: every estimate of the contact wrench beside the force sensor; empty
-    without one.
+class SensorAccount:
+    """What was subtracted from a force sensor's reading, None without a sensor.
 
-    errors: rows of force_mae.csv; contacts: of contact_errors.csv, without fate; sensed: what the
-    sensor reads; offset_doubt: why its bias may be a push; mounting_doubt: why its mounting may be
-    wrong.
+    offset_doubt: why its bias may be a push; mounting_doubt: why its mounting may be wrong.
     """
 
     offset: OffsetAccount | None = None
     offset_doubt: Remark | None = None
     mounting_doubt: Remark | None = None
-    sensed: Sensed | None = None
-    errors: list[ForceError] = field(default_factory=list)
-    contacts: list[ContactError] = field(default_factory=list)
 
     def findings(self) -> list[Finding]:
         """Return why the sensor's mounting and bias may be wrong."""
@@ -111,3 +105,17 @@ class Compared:
             )
             found.append(Finding("force", "offset", "warning", 1, detail))
         return found
+
+
+@dataclass(frozen=True, kw_only=True)
+class Compared(SensorAccount):
+    """beside_sensor.json: every estimate of the contact wrench beside the force sensor; empty
+    without one.
+
+    sensed: what the sensor reads; errors: rows of force_mae.csv; contacts: of contact_errors.csv,
+    without fate.
+    """
+
+    sensed: Sensed | None = None
+    errors: list[ForceError] = field(default_factory=list)
+    contacts: list[ContactError] = field(default_factory=list)
