@@ -1,0 +1,80 @@
+"""Results of version 0.2 are read: findings had values, rows were nested, live had columns here."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from ur5lib.finished import FinishedStudy
+from ur5lib.records.friction import Friction
+
+FINDINGS = [
+    {"device": "robot", "finding": "lost frames", "severity": "warning", "count": 2}
+    | {"values": {"steps": [{"code": "steps", "values": {"count": 2}}]}, "code": ""},
+    {"device": "force", "finding": "saturation", "severity": "warning", "count": 3}
+    | {"values": {"names": ["ft_fx"]}, "code": ""},
+    {"device": "robot", "finding": "contradiction", "severity": "stop", "count": 1}
+    | {"values": {"joint": 2, "kind": "order"}, "code": "exchanged joints"},
+]
+OFFSET = dict.fromkeys(["bias", "bias_std", "noise", "start_bias"], [0.1] * 6)
+OFFSET |= dict.fromkeys(
+    ["moment_arm", "moment_arm_std", "pull_at", "drift", "drift_std"], [0.0] * 3
+)
+OFFSET |= dict.fromkeys(["mass", "mass_std", "agreeing", "rival", "clock_std", "free"], 0.5)
+SENSOR = {
+    "offset": OFFSET | {"inertia": None},
+    "offset_doubt": {"code": "two biases", "values": {"share": 0.5, "other": 0.4}},
+    "mounting_doubt": None,
+    "felt": {"largest": 20.0, "at_s": 1.0, "contact": 0.1, "contacts": 2},
+    "errors": {"compensated": {"Fmap": {"contact": {"mae": {"Fx": 1.0}}}}},
+    "contacts": {"Fmap": []},
+}
+JUDGEMENT = {"rows": {"files": [{"file": "a.csv", "sha256": "f"}]}, "findings": FINDINGS}
+FRICTION = {"from": ["free"], "refused": {"code": "no fit recording", "values": {"channel": "x"}}}
+
+
+@pytest.fixture
+def results(tmp_path: Path) -> FinishedStudy:
+    """A folder as 0.2 wrote it."""
+    recording, arm = tmp_path / "recordings" / "pushed", tmp_path / "parameters" / "ur5"
+    for folder in (recording, arm, tmp_path / "tables"):
+        folder.mkdir(parents=True)
+    for path, data in (
+        (recording / "quality.json", {"findings": FINDINGS, "frames": 9}),
+        (recording / "judgement.json", JUDGEMENT),
+        (recording / "beside_sensor.json", SENSOR),
+        (arm / "friction.json", FRICTION),
+    ):
+        path.write_text(json.dumps(data))
+    detection = {"recording": ["pushed"], "estimate": ["Fmap"], "found": [3], "causal_found": [2]}
+    pd.DataFrame(detection).to_csv(tmp_path / "tables" / "detection.csv", index=False)
+    return FinishedStudy(tmp_path)
+
+
+def test_findings_have_their_codes_as_sentences(results: FinishedStudy) -> None:
+    quality = results.quality("pushed")
+    assert quality.frames == 9
+    assert quality.saturated_channels() == ["ft_fx"]
+    lost, _, sign = quality.findings
+    assert lost.sentence() == "lost frames"
+    assert (sign.joints, sign.kind) == ((2,), "order")
+    assert sign.sentence().startswith("exchanged joints")
+    assert results.judgement("pushed").findings == quality.findings
+
+
+def test_what_was_fitted_and_the_account_of_a_sensor_are_read(results: FinishedStudy) -> None:
+    friction = results.parameters(Friction, "ur5", "friction")
+    assert friction.from_ == ["free"]
+    assert friction.refused is not None
+    assert friction.refused.sentence() == "no fit recording"
+    sensor = results.beside_sensor("pushed")
+    assert sensor.offset is not None
+    np.testing.assert_array_equal(sensor.offset.bias, [0.1] * 6)
+    (doubt,) = sensor.findings()
+    assert doubt.finding == "offset"
+
+
+def test_a_table_has_the_columns_that_it_had(results: FinishedStudy) -> None:
+    assert results.table("detection")["causal_found"].tolist() == [2]
