@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from importlib import metadata
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from ur5lib.errors import InputError
@@ -19,6 +20,16 @@ MOST_SHOWN = 4  # recordings with tables and figures of their own in one section
 MOST_ROWS = 60  # of a table; of more recordings, none has a row of its own
 PACKAGES = ["snakemake", "numpy", "scipy", "pandas", "pyarrow"]
 PACKAGES += ["torch", "pytorch-kinematics", "mujoco", "matplotlib", "typst"]
+
+
+def with_zero(rows: pd.DataFrame, method: str, each: list[str]) -> pd.DataFrame:
+    """Return rows, and after each recording's its `zero` as values of a further method "zero".
+
+    method: column of the methods' names; each: columns that tell apart a method's rows.
+    """
+    zero = rows.dropna(subset="zero").drop_duplicates(["recording", *each], keep="last")
+    both = pd.concat([rows, zero.assign(**{method: "zero", "value": zero["zero"]})])
+    return both.iloc[np.argsort(pd.factorize(both["recording"])[0], kind="stable")]
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,6 @@ import pytest
 
 from tests.made_records import signals_of
 from ur5lib.records.signals import Signals
-from ur5lib.timeseries.lowpass import Butterworth
 from ur5lib.topics.thesis.draw_published_filters import draw_published_filters
 from ur5lib.topics.thesis.figure import older_torque_figure, tracking_figure
 from ur5lib.topics.thesis.records import ClosedLoop
@@ -48,7 +47,7 @@ def test_a_printed_mean_error_stands_beside_the_errors_of_what_can_be_rebuilt() 
 
 
 def test_filters_of_the_thesis_run_one_way() -> None:
-    _, *names = draw_published_filters(Butterworth(4, 10.0))["filters_published"].data
+    _, *names = draw_published_filters(4, 10.0)["filters_published"].data
     assert [name.rpartition(", ")[2].removesuffix(" [1]") for name in names] == [
         "both ways",
         "one way",

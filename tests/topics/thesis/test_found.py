@@ -55,6 +55,6 @@ def test_a_claim_is_a_finding_where_it_fails(missed: int, above: float, said: st
 
 
 def test_nothing_is_said_without_published_numbers() -> None:
-    assert [*found.findings(study())] == []
+    assert [*found.findings(compared())] == []
     tables = {name: own for name, own in study().tables.items() if name != "printed"}
     assert not any("published" in one for one in findings(replace(study(), tables=tables)))

@@ -1,9 +1,8 @@
 """End effector's accelerations compared with the IMU, its calibration, tests of the smoother."""
 
-import numpy as np
 import pandas as pd
 
-from ur5lib.report.results import Results
+from ur5lib.report.results import Results, with_zero
 from ur5lib.report.topics import shown_first
 
 COMPONENTS = ("x", "y", "z", "rx", "ry", "rz")
@@ -38,13 +37,3 @@ def judged(results: Results) -> pd.DataFrame:
     rank = {name: place for place, name in enumerate(COMPONENTS)}
     order = rows.assign(rank=rows["component"].map(rank)).sort_values(["robot", "rank"])
     return rows.loc[order.index]
-
-
-def with_zero(rows: pd.DataFrame, method: str, each: list[str]) -> pd.DataFrame:
-    """Return rows, and after each recording's its `zero` as values of a further method "zero".
-
-    method: column of the methods' names; each: columns that tell apart a method's rows.
-    """
-    zero = rows.dropna(subset="zero").drop_duplicates(["recording", *each], keep="last")
-    both = pd.concat([rows, zero.assign(**{method: "zero", "value": zero["zero"]})])
-    return both.iloc[np.argsort(pd.factorize(both["recording"])[0], kind="stable")]

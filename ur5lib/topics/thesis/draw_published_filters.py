@@ -11,17 +11,16 @@ SAMPLING_RATE = 125.0  # Hz, of the thesis's controller
 CURRENT_LOWPASS = Butterworth(5, 1.454)  # N_b and Ω_c of Section 6.1, which is Hz (erratum 4)
 
 
-def draw_published_filters(lowpass: Butterworth) -> dict[str, Drawing]:
-    """Return the figure of the filters; lowpass: of the external torques, run both ways here."""
+def draw_published_filters(order: int, cutoff: float) -> dict[str, Drawing]:
+    """Return the figure of the filters; order, cutoff [Hz]: of the external torques here."""
     frequency = np.geomspace(0.1, 0.49 * SAMPLING_RATE, 300)
 
     def response(order: int, cutoff: float) -> np.ndarray:
         return frequency_response(frequency, SAMPLING_RATE, order, cutoff)
 
-    order, cutoff = lowpass
-    gains = {f"external torques: order {order}, {cutoff:g} Hz, both ways": response(*lowpass) ** 2}
-    gains |= {
-        f"thesis: order {order}, {cutoff:g} Hz, one way": response(order, cutoff)
-        for order, cutoff in (CAUSAL, CURRENT_LOWPASS)
+    ours = f"external torques: order {order}, {cutoff:g} Hz, both ways"
+    gains = {ours: response(order, cutoff) ** 2} | {
+        f"thesis: order {design.order}, {design.cutoff:g} Hz, one way": response(*design)
+        for design in (CAUSAL, CURRENT_LOWPASS)
     }
     return {"filters_published": response_panel(frequency, gains)}

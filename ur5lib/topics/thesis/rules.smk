@@ -89,7 +89,8 @@ if STUDY.reference:
             **traces("draw_published_filters"),
         params:
             code=code("draw_published_filters"),
-            lowpass=design(SETTINGS.lowpass.published_forces),
+            order=SETTINGS.lowpass.published_forces.order,
+            cutoff=SETTINGS.lowpass.published_forces.cutoff_hz,
         run:
             run_step(rule, input, output, params, log)
 

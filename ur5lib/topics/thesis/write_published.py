@@ -1,7 +1,6 @@
 """The page of the published numbers beside the rebuilt ones, as HTML."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 
 from ur5lib.report.page.handed import handed_over
@@ -14,10 +13,9 @@ from ur5lib.robots.description import Robot
 def write_published(
     study: str, tables: list[Path], figures: list[Path], described: Mapping[str, Robot]
 ) -> str:
-    """Return the page; study: its configuration as YAML; figures: of recordings, in a folder each;
-    described: its arms.
+    """Return the page; study: its configuration as YAML; figures: of the study, and of
+    recordings in a folder each; described: its arms.
     """
     results = Results.read(study, tables, figures, [*described.values()])
-    results = replace(results, figures=figures[0].parents[1])  # the folder of those of all
     with handed_over(results, {"verdicts": verdict_rows(results)}) as root:
         return html_page(root, "published")
