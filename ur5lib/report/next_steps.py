@@ -30,8 +30,8 @@ class Asked(NamedTuple):
     """Advice as the words of a step take it.
 
     detail: what was found, without how a study overrules it; recordings: the first, and how many
-    others; several: whether there are others; value: as of the row, 0 where it has none; place: the
-    centre of mass of a load.
+    others; several: whether there are others; value: the number of the row; place: the centre of
+    mass of a load.
     """
 
     results: Results
@@ -41,7 +41,7 @@ class Asked(NamedTuple):
     several: bool
     joints: str
     detail: str
-    value: float
+    value: float | None
     place: str
 
     def check(self, recording: str = "") -> str:
@@ -50,7 +50,7 @@ class Asked(NamedTuple):
 
     def design(self) -> str:
         """Return the command that designs the next recording."""
-        return designing(self.results, self.robot, self.value or None)
+        return designing(self.results, self.robot, self.value)
 
 
 def next_steps(results: Results) -> list[Step]:
@@ -84,7 +84,7 @@ def _step(results: Results, row: dict[str, Any]) -> Step:
         several=count > 1,
         joints=_joints(results, row["robot"], row["joints"] or ""),
         detail=detail,
-        value=row["value"] or 0.0,
+        value=row["value"],
         place=_center_of_mass(results, recording) if count == 1 else NO_PLACE,
     )
     told = ASKED[row["code"]](asked)
@@ -164,7 +164,7 @@ def _contradiction(asked: Asked) -> Step:
 def _lossy(asked: Asked) -> Step:
     sentence = (
         f"Record {asked.recordings} anew with a repaired logger, or leave them out: up to "
-        f"{100 * asked.value:.0f} % of the frames are missing."
+        f"{100 * (asked.value or 0.0):.0f} % of the frames are missing."
     )
     return Step(sentence, asked.check(asked.recording))
 
