@@ -2,11 +2,8 @@
 
 from pathlib import Path
 
-import pytest
-
-from ur5lib.errors import InputError
 from ur5lib.records.quality import Finding, Log, Quality, contradiction
-from ur5lib.tables import json_text, read_record, write_json
+from ur5lib.tables import read_record, write_json
 
 SIGN = contradiction("exchanged joints", "order", "joints 2 and 3 are exchanged", [2, 3])
 SATURATED = Finding("force", "saturation", "warning", 9, "ft_fx stays", channels=("ft_fx",))
@@ -18,16 +15,6 @@ def test_findings_come_back(tmp_path: Path) -> None:
     read = read_record(Quality, path)
     assert read.findings == quality.findings
     assert read.saturated_channels() == ["ft_fx"]
-
-
-def test_findings_of_an_older_version_ask_for_another_run(tmp_path: Path) -> None:
-    """They have a code and values instead of a sentence."""
-    path = tmp_path / "quality.json"
-    text = json_text(Quality(findings=[SIGN]))
-    path.write_text(text.replace(f'"detail": "{SIGN.detail}"', '"values": {"joint": 2}'))
-    with pytest.raises(InputError, match="`ur5 run` the study again") as told:
-        read_record(Quality, path)
-    assert "\n" not in str(told.value)
 
 
 def test_a_finding_about_a_file_begins_with_its_place() -> None:
