@@ -8,9 +8,10 @@ are built, docs/gallery.md; the columns of tables go into docs/report.md. `make 
 first two studies before, `make gallery` all. `--quick` leaves out the photograph.
 """
 
-import ast
 import re
 import shutil
+from dataclasses import fields, is_dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -99,12 +100,13 @@ def declared() -> dict[str, list[str]]:
     owners = dict.fromkeys(OF_RECORDINGS | OF_MOTION, "recording") | dict.fromkeys(OF_ARMS, "robot")
     found = {}
     for path in sorted(LIBRARY.rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text())):
-            if not isinstance(node, ast.ClassDef):
-                continue
-            if table := re.match(r"A row of (\w+)\.csv", ast.get_docstring(node) or ""):
-                fields = [part.target for part in node.body if isinstance(part, ast.AnnAssign)]
-                found[table[1]] = [owners.get(table[1], "…"), *map(ast.unparse, fields)]
+        if "A row of" not in path.read_text():
+            continue
+        module = import_module(".".join(path.relative_to(LIBRARY.parent).with_suffix("").parts))
+        for kind in filter(is_dataclass, vars(module).values()):
+            if told := re.match(r"A row of (\w+)\.csv[:.]", kind.__doc__ or ""):
+                names = [field.name for field in fields(kind)]
+                found[told[1]] = [owners.get(told[1], "…"), *names]
     return found
 
 
