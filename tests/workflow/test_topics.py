@@ -20,6 +20,7 @@ OF_A_RUN = {
     "Snakefile",
     "report.pdf",
 }
+VERDICTS = "tables/verdicts.csv"
 OF_ALL = {"What was found", "Provenance"}  # sections that name what all others have
 NUMBERED = re.compile(r"(Table|Figure)[ \xa0]\d+")
 
@@ -64,8 +65,12 @@ def test_a_deleted_topic_changes_no_other_result(whole: Path, tmp_path: Path, to
     assert after.keys() <= before.keys()
     gone = {Path(name).stem for name in before.keys() - after.keys()}
     assert {name for name in gone if name not in rules + section} == set()
-    told = {"results.json"}  # findings and steps, its own among them
+    told = {"results.json", VERDICTS}  # findings, steps and verdicts, its own among them
     assert [name for name in after if after[name] != before[name] and name not in told] == []
+    own = b"".join(before[name] for name in before.keys() - after.keys() if "verdicts" in name)
+    questions = {line.partition(b",")[0] for line in own.splitlines()[1:]}
+    kept = [one for one in before[VERDICTS].splitlines() if one.partition(b",")[0] not in questions]
+    assert after[VERDICTS].splitlines() == kept
     for name in ("report.html", "details.html"):
         kept, all_of_them = sections(without / name), sections(whole / name)
         assert all_of_them.keys() - kept.keys() <= titles
