@@ -223,6 +223,12 @@ def contact_free(robot):
     return SELECTION.of_arm(robot, "fit", "validate")
 
 
+@cache
+def recordings_of(robot):
+    """Return the names of an arm's recordings in motion."""
+    return [name for name in RECORDINGS if SELECTION.arm(name) == robot]
+
+
 def further_forces(wildcards):
     """Return the files of estimates beside this study's of a recording or an arm's `fit` ones."""
     of = dict(wildcards)

@@ -1,7 +1,4 @@
 # The force as it would have been stated while the arm ran, and the contacts that it finds.
-def recordings_of(robot):
-    """Return the names of an arm's recordings in motion."""
-    return [name for name in RECORDINGS if SELECTION.arm(name) == robot]
 
 
 rule fit_live:
