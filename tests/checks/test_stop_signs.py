@@ -504,6 +504,25 @@ def test_the_unit_of_a_current_is_told_by_what_holds_gravity(
     assert all(str(sentence) in said(one) for one in found)
 
 
+@pytest.mark.parametrize(
+    ("described", "constant", "told"),
+    [(46.0, 46.0, False), (46.0, 82.0, True), (2.3, 2.3, False), (2.3, 1.2, True)],
+)
+def test_a_motor_may_have_the_constant_of_its_description(
+    ur5: Robot, described: float, constant: float, told: bool
+) -> None:
+    """Beyond those of known arms, up to a factor of 1.75."""
+    motors = {
+        name: motor.model_copy(update={"torque_constant": described / (motor.gear_ratio or 1.0)})
+        for name, motor in ur5.motors.items()
+    }
+    arm = ur5.model_copy(update={"motors": motors})
+    q, (qd, qdd) = np.random.default_rng(0).uniform(-2, 2, (100, 6)), np.zeros((2, 100, 6))
+    still = BlockMeans(q, qd, qdd, None, {})
+    means = BlockMeans(q, qd, qdd, None, {"actual_current": still.gravity(arm) / constant})
+    assert bool([*foreign_currents(means, arm)]) is told
+
+
 @pytest.mark.parametrize(("most", "told"), [(2.9, False), (3.1, True)])
 def test_joints_that_bear_little_tell_no_unit(ur5: Robot, most: float, told: bool) -> None:
     """most: root mean square of the joint [Nm] that bears most, under less gravity."""

@@ -15,6 +15,7 @@ import numpy as np
 from ur5lib.channels import Effort
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.currents import (
+    MAX_CONSTANT_RATIO,
     MAX_SHARE_UNEXPLAINED,
     MIN_ERRORS_OF_FRICTION,
     MIN_GRAVITY_TORQUE,
@@ -31,9 +32,6 @@ from ur5lib.robots.statics import STANDARD_GRAVITY
 
 # A difference of log-likelihoods. In right recordings of four arms, it is at most 31.
 MIN_LEAD_OF_ARM = 40.0
-# To the maker's torque constant, or its inverse. Beyond all errors, right recordings need a
-# factor of 1.51, without the worst arm 1.34.
-MAX_CONSTANT_RATIO = 1.75
 MIN_SLOPE = 1e-3  # slope of a current that gravity does not show, relative to the maker's
 STICTION_SHARE = 0.1  # share of a motor's largest torque that friction may hold at rest
 # Another mounting whose gain is this share of the largest is not excluded.

@@ -33,7 +33,10 @@ MIN_ERRORS_OF_FRICTION = 4.0
 MIN_GEAR_RATIO = 20.0  # of smaller ones, friction may be less than what links leave unexplained
 # Nm; a joint with less gravity torque does not show the unit of its current
 MIN_GRAVITY_TORQUE = 3.0
-MIN_CONSTANT, MAX_CONSTANT = 2.5, 40.0  # Nm/A; the torque constants of all arms lie between
+MIN_CONSTANT, MAX_CONSTANT = 2.5, 40.0  # Nm/A; the torque constants of known arms lie between
+# To the maker's torque constant, or its inverse. Beyond all errors, right recordings need a
+# factor of 1.51, without the worst arm 1.34.
+MAX_CONSTANT_RATIO = 1.75
 MILLIAMPERE_CODES = ("current in mA", "current not in mA")
 OPPOSITE_CODE = "opposite current"
 CONSTANTS_OF_UNITS = {  # Nm per “A” of what is no current in A, by the code of the stop sign
@@ -190,21 +193,32 @@ def foreign_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
     joint = int(np.argmax((gravity**2).mean(axis=0)))
     if np.sqrt((gravity[:, joint] ** 2).mean()) < MIN_GRAVITY_TORQUE:
         return
+    least, most = possible_constants(arm, joint)
     for name, current in means.currents.items():
         held = held_gravity(means, gravity, current, joint)
         away = MIN_STANDARD_ERRORS * held.error
         if held.unexplained < MAX_SHARE_UNEXPLAINED and not (
-            held.slope + away > 1 / MAX_CONSTANT and held.slope - away < 1 / MIN_CONSTANT
+            held.slope + away > 1 / most and held.slope - away < 1 / least
         ):
             constant = 1 / (held.slope or 1e-9)
             shown = CONSTANTS_OF_UNITS if abs(held.slope) > away else {}
             codes = (c for c, (low, high) in shown.items() if low <= constant <= high)
             code = next(codes, "no current")
-            detail = _unit_in_words(code, name, joint, number(constant, ".3g"))
+            motors = f"motors have {number(least, '.3g')} to {number(most, '.3g')} Nm/A"
+            detail = _unit_in_words(code, name, joint, number(constant, ".3g"), motors)
             yield contradiction(code, "unit", detail, [joint + 1])
 
 
-def _unit_in_words(code: str, name: str, joint: int, constant: str) -> str:
+def possible_constants(arm: Robot, joint: int) -> tuple[float, float]:
+    """Return the torque constants [Nm/A] between which that of a joint lies: those of known arms,
+    or that of the arm's description, where this is beyond; joint: from 0.
+    """
+    described = arm.maker_torque_constants()[joint]
+    least = np.fmin(MIN_CONSTANT, described / MAX_CONSTANT_RATIO)
+    return float(least), float(np.fmax(MAX_CONSTANT, described * MAX_CONSTANT_RATIO))
+
+
+def _unit_in_words(code: str, name: str, joint: int, constant: str, motors: str) -> str:
     """Return in what unit a channel is; code: of CONSTANTS_OF_UNITS; constant: [Nm/A]."""
     holds = f"gravity's torque on joint {joint + 1} is {constant} Nm per A of"
     if code == "torque as current":
@@ -221,12 +235,10 @@ def _unit_in_words(code: str, name: str, joint: int, constant: str) -> str:
         return f"{name} is in A, not in mA ({holds} {name} as declared); correct its unit"
     if code == OPPOSITE_CODE:
         return (
-            f"{name} has the opposite sign ({holds} it, and motors have 2.5 to 40 Nm/A); give its "
+            f"{name} has the opposite sign ({holds} it, and {motors}); give its "
             f"unit, `{name}: opposite`, under `units`, or correct `gravity`"
         )
-    return (
-        f"{holds} {name}, but motors have 2.5 to 40 Nm/A; correct its unit or column, or `gravity`"
-    )
+    return f"{holds} {name}, but {motors}; correct its unit or column, or `gravity`"
 
 
 def undeclared_load(
@@ -281,7 +293,8 @@ def _unexpected_torque(
         if joint in odd or np.count_nonzero(moves) < MIN_MOVING_BLOCKS:
             continue
         held = held_gravity(means, gravity, target, joint)
-        in_amperes = 1 / MAX_CONSTANT < held.slope < 1 / MIN_CONSTANT
+        least, most = possible_constants(arm, joint)
+        in_amperes = 1 / most < held.slope < 1 / least
         if held.unexplained < MAX_SHARE_UNEXPLAINED and in_amperes:
             torque = (measured - target)[moves, joint] / held.slope - declared[moves, joint]
             pair = np.column_stack([loads[moves, joint], torque])

@@ -7,10 +7,10 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.channels import EFFORT_CHANNELS, Effort
-from ur5lib.checks.arm import MAX_CONSTANT_RATIO, MIN_LEAD_OF_ARM, gains_of_arms, of_measured
+from ur5lib.checks.arm import MIN_LEAD_OF_ARM, gains_of_arms, of_measured
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.checked import MIN_BLOCKS, arms_alike
-from ur5lib.checks.currents import foreign_currents
+from ur5lib.checks.currents import MAX_CONSTANT_RATIO, foreign_currents
 from ur5lib.checks.readings import exchanged_order, in_order, readings
 from ur5lib.checks.torques import foreign_torque
 from ur5lib.records.accepted import up_to_first_standing

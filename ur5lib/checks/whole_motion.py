@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.channels import TORQUE
-from ur5lib.checks.arm import MAX_CONSTANT_RATIO
 from ur5lib.checks.block_means import FULL_FRICTION_SPEED, BlockMeans
+from ur5lib.checks.currents import MAX_CONSTANT_RATIO
 from ur5lib.robots.description import Robot
 from ur5lib.robots.drives import shaft_matrix
 from ur5lib.robots.inertia import inertial_parameters, rigid_bodies
