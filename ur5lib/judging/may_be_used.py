@@ -1,6 +1,7 @@
 """Whether a fitted parameter may be used: from the fit, its remarks and the arm alone."""
 
 from collections.abc import Iterator
+from dataclasses import fields
 from operator import attrgetter
 from typing import Any, NamedTuple
 
@@ -96,10 +97,9 @@ def friction_rows(fitted: Friction, arm: Robot) -> list[FrictionRow]:
 
 def torque_constants(fitted: Friction, arm: Robot) -> Iterator[TorqueConstant]:
     """Yield the torque constants of these alone, a row for each joint of motors with currents."""
-    for own in fitted.parameters:
-        row = FrictionRow(**_values(own, fitted, arm))
+    names = [field.name for field in fields(TorqueConstant) if field.name != CONSTANT]
+    for row in friction_rows(fitted, arm):
         if row.parameter == CONSTANT:
-            names = TorqueConstant.__dataclass_fields__.keys() - {"torque_constant"}
             same = {name: getattr(row, name) for name in names}
             yield TorqueConstant(torque_constant=row.value, **same)
 
