@@ -22,6 +22,7 @@ import torch
 from benchmarks.harness.drawn_pushes import drawn_pushes
 from benchmarks.harness.options import arm_options, built
 from ur5lib.errors import InputError
+from ur5lib.records.measured import Measured
 from ur5lib.robots.description import load_robot
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
@@ -31,7 +32,7 @@ from ur5lib.timeseries.segments import runs as stretches
 from ur5lib.timeseries.trajectories import REST_SPEED
 from ur5lib.topics.live.live import Live
 from ur5lib.topics.live.live_file import learned
-from ur5lib.topics.live.live_recording import Followed, Measured, follow
+from ur5lib.topics.live.live_recording import Followed, follow
 from ur5rivals.estimators.ours_live import inputs
 from ur5rivals.run import Run
 from ur5rivals.study import read_arms

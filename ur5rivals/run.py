@@ -9,6 +9,7 @@ from ur5lib.force.external_torque import States, finite_rows
 from ur5lib.force.force_input import Gears
 from ur5lib.identification.currents import torque_constants
 from ur5lib.records.friction import Friction
+from ur5lib.records.measured import Measured
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import unbroken
@@ -21,21 +22,6 @@ class Estimate(NamedTuple):
 
     wrench: Array
     std: Array | None = None
-
-
-class Measured(NamedTuple):
-    """What a controller states: time (N,) [s], q, qd, current (N, 6); qd None where it does not."""
-
-    time: Array
-    period: float
-    q: Array
-    qd: Array | None
-    current: Array
-
-    def at(self, rows: slice) -> Self:
-        """Return some samples."""
-        qd = None if self.qd is None else self.qd[rows]
-        return type(self)(self.time[rows], self.period, self.q[rows], qd, self.current[rows])
 
 
 class FittedArm(NamedTuple):

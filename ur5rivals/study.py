@@ -23,6 +23,7 @@ from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces, FurtherForces, SensorWrenches
 from ur5lib.records.friction import Friction
+from ur5lib.records.measured import Measured
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.signals import Signals
@@ -31,7 +32,7 @@ from ur5lib.study.model import Recording
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.trajectories import group_by_path
 from ur5rivals.momentum import momentum_rate
-from ur5rivals.run import Estimate, FittedArm, Measured, Run
+from ur5rivals.run import Estimate, FittedArm, Run
 
 JOINT_COUNT = 6  # of the arms that estimators are written for
 
@@ -143,19 +144,11 @@ def read_run(
             record.torque, load_loss(fit, record), constant * friction_current(fit, record)
         ),
         position_error=None if signals.target_q is None else signals.target_q - signals.actual_q,
-        measured=measured(signals),
+        measured=Measured.of(signals),
         arm=FittedArm(robot, fitted, payload),
         ready=ready_estimates(study, name, robot, signals),
         sensor=study.record(SensorWrenches, name, "sensor").wrench.get("compensated"),
     )
-
-
-def measured(signals: Signals) -> Measured | None:
-    """Return what the controller stated, None without positions or efforts."""
-    if signals.actual_q is None or signals.effort is None:
-        return None
-    own = signals.actual_q, signals.actual_qd, signals.effort
-    return Measured(signals.time, signals.period, *own)
 
 
 def ready_estimates(

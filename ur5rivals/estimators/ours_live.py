@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 
 from ur5lib.errors import InputError
+from ur5lib.records.measured import Measured
 from ur5lib.timeseries.arrays import Array
 from ur5lib.topics.live.live_file import learned, numbers
-from ur5lib.topics.live.live_recording import Measured, follow
+from ur5lib.topics.live.live_recording import follow
 from ur5rivals.estimator import Contender, Learned
 from ur5rivals.run import Estimate, Run
 from ur5rivals.tuning import latency
@@ -51,7 +52,7 @@ def inputs(run: Run) -> tuple[dict[str, Any], Measured] | None:
     if run.measured is None or run.arm is None:
         return None
     robot, friction, payload = run.arm
-    return numbers(robot, friction, run.name, payload), Measured(*run.measured)
+    return numbers(robot, friction, run.name, payload), run.measured
 
 
 def learn(runs: Sequence[Run]) -> Learned:

@@ -5,12 +5,12 @@ from typing import Any
 import numpy as np
 
 from tests.rubbing_arm import CONSTANT, FRICTION, HELD, OFFSET, friction, robot
+from ur5lib.records.measured import Measured
 from ur5lib.robots import newton_euler
 from ur5lib.robots.friction import friction_direction
 from ur5lib.timeseries.arrays import Array
 from ur5lib.topics.live.live import STATES, Live
 from ur5lib.topics.live.live_file import CONSTANTS, numbers
-from ur5lib.topics.live.live_recording import Measured
 
 PERIOD = 0.008  # s
 SLOW = 0.02  # rad/s, of the dead zone

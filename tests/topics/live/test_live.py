@@ -16,10 +16,11 @@ from tests.rubbing_arm import friction, robot
 from tests.topics.live.made_arm import PERIOD, arm_file, hostile, push, samples
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError, RefusalError
+from ur5lib.records.measured import Measured
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.topics.live.live import CONTACT, FREE, UNKNOWN, Answer, Live
 from ur5lib.topics.live.live_file import MIN_LOG_ODDS, learned, numbers
-from ur5lib.topics.live.live_recording import Measured, follow
+from ur5lib.topics.live.live_recording import follow
 
 HEADER = PROJECT / "ur5lib" / "topics" / "live"
 AT_REST_AND_IN_MOTION = pytest.mark.parametrize("moving", [False, True])

@@ -1,12 +1,13 @@
 """The force of a recording as the live estimator states it, sample by sample."""
 
 from ur5lib.records.friction import Friction
+from ur5lib.records.measured import Measured
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.premises import Premises
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.topics.live.live_file import LiveFit, numbers
-from ur5lib.topics.live.live_recording import Measured, follow
+from ur5lib.topics.live.live_recording import follow
 from ur5lib.topics.live.rows import LiveForces
 
 

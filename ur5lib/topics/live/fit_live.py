@@ -5,11 +5,11 @@ from collections.abc import Mapping
 from ur5lib.errors import InputError, RefusalError, Remark
 from ur5lib.force.residual_model import Residuals
 from ur5lib.records.friction import Friction
+from ur5lib.records.measured import Measured
 from ur5lib.records.premises import Premises
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.topics.live.live_file import LiveFit, learned, numbers
-from ur5lib.topics.live.live_recording import Measured
 
 
 def fit_live(

@@ -12,6 +12,7 @@ from ur5lib.force.external_torque import MIN_STOP_DURATION, RELAXATION_TIME
 from ur5lib.force.force_input import MEAN_STICTION
 from ur5lib.force.residual_model import TorqueStretch, fit_residual_model
 from ur5lib.records.friction import Friction
+from ur5lib.records.measured import Measured
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.robots.friction import (
     BASE_TERMS,
@@ -24,7 +25,7 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import DEAD_ZONE
 from ur5lib.timeseries.trajectories import REST_SPEED
 from ur5lib.topics.live.live import STATES, STILL, TERMS
-from ur5lib.topics.live.live_recording import Followed, Measured, follow
+from ur5lib.topics.live.live_recording import Followed, follow
 
 PRIOR = ContactPrior()
 CONSTANTS: dict[str, Any] = {  # docs/live.md says on what they were chosen

@@ -11,39 +11,13 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from ur5lib.records.signals import Signals
+from ur5lib.records.measured import Measured
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import runs
 from ur5lib.topics.live.live import MOVING, STILL, Live
 
 CHUNK = 1024  # samples, of which what was measured is computed at once
 BLOCK = 128  # samples, that are learnt from at once
-
-
-class Measured(NamedTuple):
-    """What a controller states: time (N,) [s], q, qd, current (N, n); qd None where it does not."""
-
-    time: Array
-    period: float
-    q: Array
-    qd: Array | None
-    current: Array
-
-    @classmethod
-    def of(cls, signals: Signals) -> "Measured | None":
-        """Return a recording, None without positions or efforts."""
-        if signals.actual_q is None or signals.effort is None:
-            return None
-        return cls(
-            signals.time, signals.period, signals.actual_q, signals.actual_qd, signals.effort
-        )
-
-    def at(self, rows: Any) -> Self:
-        """Return some samples."""
-        step = rows.step if isinstance(rows, slice) else 1
-        qd, period = self.qd, self.period * (step or 1)
-        some_qd = None if qd is None else qd[rows]
-        return type(self)(self.time[rows], period, self.q[rows], some_qd, self.current[rows])
 
 
 class Followed(NamedTuple):
