@@ -114,7 +114,7 @@ def estimate(own: Taken, untouched: tuple[float, float] | None) -> WrenchEstimat
         known = tared(known, own.motion, untouched, CURRENTS.cutoff)
     problem = fmap_problem(own.motion, known, usual_residuals(friction.fit, CURRENTS.cutoff))
     assert problem is not None
-    return problem.solve(own.kinematics.jacobian[problem.rows], ContactPrior())
+    return problem.solve(own.kinematics.jacobian[problem.rows], ContactPrior(15.0))
 
 
 def twenty_lines(own: Taken) -> Array:

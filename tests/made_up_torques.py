@@ -22,7 +22,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
 PERIOD = 0.032  # s, at which the estimate weighs samples, so that none is weighed in vain
-PRIOR = ContactPrior()
+PRIOR = ContactPrior(15.0)
 MODEL = ResidualModel(  # of the size found on the thesis's UR5
     spread=np.array(
         [
@@ -139,7 +139,7 @@ def unnoticed(
 
     A push that is there, and is missed, is none of the mixture of which the band holds 95 %.
     """
-    noise = TorqueVariances.of(states, model, PRIOR, np.zeros(states.shape))
+    noise = TorqueVariances.of(states, model, np.zeros(states.shape))
     hidden, nothing = diagonal(MISSED_DEVIATIONS**2 * noise.hiding()), np.zeros(states.shape)
     missed = regularised_wrench(nothing, jacobian, hidden, PRIOR.unknown()).covariance
     shut = (estimate.wrench == 0).all(axis=1)[:, None]

@@ -55,7 +55,7 @@ from ur5lib.tables import read_record, write_json
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
 
-PRIOR = ContactPrior()
+PRIOR = ContactPrior(15.0)
 
 
 @dataclass(frozen=True)

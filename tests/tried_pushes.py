@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ur5lib.force.trial_contacts import MIN_LARGEST_PUSH, Trials, Untouched, try_each_place
+from ur5lib.force.trial_contacts import Trials, Untouched, try_each_place
 from ur5lib.timeseries.arrays import Array, Mask
 
 PERIOD, COUNT = 0.01, 30_000  # s, samples: five minutes
@@ -14,13 +14,13 @@ def is_resting() -> Mask:
     return np.arange(COUNT) < COUNT / 2
 
 
-def detected_above(limit: Array, most: float = MIN_LARGEST_PUSH, seed: int = 0) -> Trials:
-    """Return trials, of up to a push [N], of a detector whose odds turn where a torque exceeds a
-    limit (N,) [Nm]; none during an alarm of the first half minute.
+def detected_above(limit: Array, typical: float = 15.0, seed: int = 0) -> Trials:
+    """Return trials, about a typical contact [N], of a detector whose odds turn where a torque
+    exceeds a limit (N,) [Nm]; none during an alarm of the first half minute.
     """
 
     def log_odds_of(torque: Array) -> Array:
         return 10 * (np.abs(torque).max(axis=1) - limit)
 
     run = Untouched(EYE, np.where(is_resting(), 0.0, 0.6), PERIOD, [(0, 3000)])
-    return try_each_place(log_odds_of, run, 0.0, np.random.default_rng(seed), most)
+    return try_each_place(log_odds_of, run, 0.0, np.random.default_rng(seed), typical)

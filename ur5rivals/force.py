@@ -9,6 +9,7 @@ from ur5lib.force.contact_wrench import least_squares_wrench
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.residual_model import ResidualModel, TorqueStretch, few_paths, fit_residual_model
 from ur5lib.force.wrench_estimate import estimate_wrench, used_rows
+from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import unbroken
 from ur5rivals.run import Estimate, Run
@@ -18,6 +19,7 @@ TorqueEstimate = Callable[[Run], Array]
 
 NO_TORQUE = np.zeros(6)  # Nm
 CUTOFF_HZ = 2.0  # of the study's low-pass
+TYPICAL_FORCE = 15.0  # N, of contacts with an arm that is not known
 
 
 def learned_noise(
@@ -66,6 +68,11 @@ def most_probable(run: Run, torque: Array, noise: ResidualModel) -> Estimate:
     noise: of that torque without contact, with the breakaway torque.
     """
     inputs = run.q, run.qd, torque, run.states, run.segment, run.period, None, run.gears
-    jacobian = run.jacobian[used_rows(run.segment, run.period, noise.cutoff)]
-    estimate = estimate_wrench(ForceInput(*inputs), jacobian, noise, ContactPrior())
+    rows = used_rows(run.segment, run.period, noise.cutoff)
+    prior, place = ContactPrior(TYPICAL_FORCE), None
+    if run.arm is not None:
+        rotation, _ = link_frames(run.arm.robot, run.q[rows])
+        prior = ContactPrior.of(run.arm.robot, None, run.arm.place)
+        place = run.arm.place.on(rotation[:, -1])
+    estimate = estimate_wrench(ForceInput(*inputs), run.jacobian[rows], noise, prior, place)
     return Estimate(estimate.wrench, estimate.std)

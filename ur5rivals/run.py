@@ -8,6 +8,7 @@ import numpy as np
 from ur5lib.force.external_torque import States, finite_rows
 from ur5lib.force.force_input import Gears
 from ur5lib.identification.currents import torque_constants
+from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.friction import Friction
 from ur5lib.records.measured import Measured
 from ur5lib.robots.description import Payload, Robot
@@ -25,11 +26,14 @@ class Estimate(NamedTuple):
 
 
 class FittedArm(NamedTuple):
-    """The arm of a recording as mounted, what was fitted to it, and its payload."""
+    """The arm of a recording as mounted, what was fitted to it, its payload, and where contacts
+    are assumed.
+    """
 
     robot: Robot
     friction: Friction
     payload: Payload | None
+    place: ContactPlace
 
 
 @dataclass(frozen=True, eq=False)  # equal only to itself, so that results can be kept by run

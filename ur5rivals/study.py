@@ -26,6 +26,7 @@ from ur5lib.records.friction import Friction
 from ur5lib.records.measured import Measured
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
+from ur5lib.records.premises import Premises
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.study.model import Recording
@@ -121,8 +122,9 @@ def read_run(
     constant = torque_constants(fit)
     assert currents.predicted is not None
     torque = constant * (currents.predicted - record.current)
-    payload = study.payload(name)
-    weightless = LinkModel(robot.mounted([0, 0, 0]).carrying(payload), robot.fullest_model())
+    premises = study.record(Premises, name)
+    bare = robot.mounted([0, 0, 0])
+    weightless = LinkModel(bare.carrying(premises.load.payload), robot.fullest_model())
     return Run(
         name=name,
         path=0,
@@ -145,7 +147,7 @@ def read_run(
         ),
         position_error=None if signals.target_q is None else signals.target_q - signals.actual_q,
         measured=Measured.of(signals),
-        arm=FittedArm(robot, fitted, payload),
+        arm=FittedArm(robot, fitted, premises.load.payload, premises.place),
         ready=ready_estimates(study, name, robot, signals),
         sensor=study.record(SensorWrenches, name, "sensor").wrench.get("compensated"),
     )

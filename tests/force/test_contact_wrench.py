@@ -19,7 +19,6 @@ from tests.made_up_torques import (
 from ur5lib.force.contact_wrench import (
     BREAKAWAY_SHARE,
     STATIC_SPEED,
-    TYPICAL_LEVER_WEIGHT,
     at_rest,
     contact_wrench,
     learned_size,
@@ -192,9 +191,7 @@ def near_singularities(
         yield force, (torque, J, np.tile(np.diag(noise**2 + taken**2), (COUNT, 1, 1)))
 
 
-def test_near_singularities_no_constant_of_the_prior_decides(
-    ur5: Robot, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_near_singularities_no_constant_of_the_prior_decides(ur5: Robot) -> None:
     """Each doubled and halved moves no force by more than half of its band. It holds fewer than
     95 %: errors that last are taken for independent ones, and the contact's size for learnt.
     """
@@ -206,16 +203,9 @@ def test_near_singularities_no_constant_of_the_prior_decides(
         for factor in (0.5, 2.0):
             priors = [
                 replace(PRIOR, **{name: factor * getattr(PRIOR, name)})
-                for name in ("force", "lever", "load_friction")
+                for name in ("force", "lever", "lever_weight", "load_friction")
             ]
-            others = [contact_wrench(*own, WORTH, prior) for prior in priors]
-            with monkeypatch.context() as changed:
-                changed.setattr(
-                    "ur5lib.force.contact_wrench.TYPICAL_LEVER_WEIGHT",
-                    factor * TYPICAL_LEVER_WEIGHT,
-                )
-                others.append(contact_wrench(*own, WORTH, PRIOR))
-            for other in others:
+            for other in (contact_wrench(*own, WORTH, prior) for prior in priors):
                 assert (np.abs(other.mean - told.mean)[middle, :3] <= half).all()
     assert np.mean(inside) >= 0.82
 
@@ -262,28 +252,28 @@ def regular_jacobians(count: int) -> np.ndarray:
 def test_the_force_is_exact_without_friction_and_with_right_constants() -> None:
     jacobian, wrench = regular_jacobians(50), np.tile([60.0, -80.0, 30.0, 1.0, -2.0, 0.5], (50, 1))
     torque = (jacobian.mT @ wrench[..., None])[..., 0]
-    found, std = static_wrench(torque, np.full((50, 6), 1e-4), jacobian)
+    found, std = static_wrench(torque, np.full((50, 6), 1e-4), jacobian, 15.0)
     assert np.abs(found - wrench).max() < 1e-2
     assert (std[:, :3] < 1).all()
 
 
 def test_without_any_torque_known_the_prior_is_left() -> None:
-    _, std = static_wrench(np.zeros((1, 6)), np.full((1, 6), 1e9), regular_jacobians(1))
-    assert std[0] == pytest.approx([100.0] * 3 + [10.0] * 3)
+    _, std = static_wrench(np.zeros((1, 6)), np.full((1, 6), 1e9), regular_jacobians(1), 15.0)
+    assert std[0] == pytest.approx([105.0] * 3 + [10.5] * 3)
 
 
 def test_the_band_holds_under_any_friction_and_wrong_constants() -> None:
     """Friction anywhere within the breakaway torque, constants that are off by 30 % (one std)."""
     rng = np.random.default_rng(2)
     count, jacobian = 4000, regular_jacobians(4000)
-    wrench = rng.normal(size=(count, 6)) * np.array([100.0] * 3 + [10.0] * 3)
+    wrench = rng.normal(size=(count, 6)) * np.array([105.0] * 3 + [10.5] * 3)
     external = (jacobian.mT @ wrench[..., None])[..., 0]
     gravity = rng.uniform(-0.3, 0.3, (count, 6)) * TORQUE_MAX
     friction = rng.uniform(-BREAKAWAY_SHARE, BREAKAWAY_SHARE, (count, 6)) * TORQUE_MAX
     motor = gravity - external + friction
     measured = motor * (1 + 0.3 * rng.normal(size=(count, 6)))
     std = torque_std(motor, np.full(6, 0.3), TORQUE_MAX)
-    found, deviation = static_wrench(gravity - measured, std, jacobian)
+    found, deviation = static_wrench(gravity - measured, std, jacobian, 15.0)
     held = (np.abs(found - wrench) <= 1.96 * deviation).mean(axis=0)
     assert ((held > 0.93) & (held < 0.97)).all(), held
 
@@ -294,6 +284,6 @@ def test_motion_is_no_rest_and_unknown_torque_is_no_force() -> None:
     assert at_rest(qd).tolist() == [True, False, True]
     torque = np.zeros((3, 6))
     torque[1, 0] = np.nan
-    found, std = static_wrench(torque, np.ones((3, 6)), regular_jacobians(3))
+    found, std = static_wrench(torque, np.ones((3, 6)), regular_jacobians(3), 15.0)
     assert np.isfinite(found).all(axis=1).tolist() == [True, False, True]
     assert np.isnan(std[1]).all()

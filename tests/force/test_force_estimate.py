@@ -5,10 +5,10 @@ import pytest
 
 from tests.made_up_torques import ELBOW, MODEL, PRIOR, REGULAR, WRIST, jacobians
 from ur5lib.force.background import smooth
-from ur5lib.force.contact_prior import ContactPrior, wrench_covariance
+from ur5lib.force.contact_prior import ContactPrior, typical_force, wrench_covariance
 from ur5lib.force.contact_wrench import regularised_wrench
 from ur5lib.force.wrench_estimate import smoothed
-from ur5lib.robots.description import Robot
+from ur5lib.robots.description import Robot, load_robot, robot_path
 
 RANDOM = np.random.default_rng(0)
 
@@ -75,25 +75,32 @@ def test_near_a_singularity_the_band_widens_and_nothing_jumps(ur5: Robot) -> Non
 def test_a_prior_says_how_large_a_force_and_its_moment_are() -> None:
     covariance = wrench_covariance(20.0, 0.1)
     np.testing.assert_allclose(np.sqrt(np.diag(covariance)), [20, 20, 20, 2, 2, 2])
-    assert np.linalg.eigvalsh(wrench_covariance(20.0, 0.0)).min() > 0  # so that it can be inverted
-    prior = ContactPrior()
-    sizes = [np.sqrt(own[0, 0]) for own in (prior.when_free(), prior.usual(), prior.unknown())]
-    assert sizes == sorted(sizes)
-    bank = [np.sqrt(own[0, 0]) for own in prior.bank()]
-    assert bank == pytest.approx(prior.sizes)
-    assert min(bank) <= 5 <= 80 <= max(bank)  # N: what a contact may be without a setting
-    levers = [np.sqrt(own[3, 3] / own[0, 0]) for own in prior.bank()]  # m
-    assert levers == pytest.approx([prior.lever] * len(bank))
+    prior = ContactPrior(15.0)
+    forces = [np.sqrt(own[0, 0]) for own in (prior.usual(), prior.unknown())]
+    assert forces == pytest.approx([15.0, 45.0])
+    levers = [np.sqrt(own[3, 3] / own[0, 0]) for own in (prior.usual(), prior.unknown())]  # m
+    assert levers == pytest.approx([prior.lever] * 2)
+
+
+@pytest.mark.parametrize(
+    ("arm", "force"), [("ur3", 9), ("ur5", 15), ("ur10e", 37), ("ur16e", 47), ("ur20", 59)]
+)
+def test_a_typical_contact_grows_with_the_payload(arm: str, force: float) -> None:
+    """Of an arm without one, with its links' mass."""
+    robot = load_robot(robot_path(arm))
+    assert typical_force(robot) == pytest.approx(force, abs=0.5)
+    unrated = typical_force(robot.model_copy(update={"rated_payload": None}))
+    assert 0.5 < unrated / force < 2
 
 
 def test_a_force_is_averaged_where_the_arm_rests_alone() -> None:
     """A constant one stays, up to the ends of the rest; what moves is no part of the mean."""
-    resting, period = np.zeros(500, bool), 0.02
+    resting, samples = np.zeros(500, bool), 5.0
     resting[100:300] = True
     wrench = np.where(resting[:, None], 30.0, -80.0) * np.ones(6)
-    np.testing.assert_allclose(smoothed(wrench, resting, period), wrench)
+    np.testing.assert_allclose(smoothed(wrench, resting, samples), wrench)
     noisy = wrench + RANDOM.normal(size=wrench.shape)
-    found = smoothed(noisy, resting, period)
+    found = smoothed(noisy, resting, samples)
     np.testing.assert_array_equal(found[~resting], noisy[~resting])
     # white noise under a normal weight of 5 samples: 1 / sqrt(2 √π 5)
     assert (found - wrench)[120:280].std() == pytest.approx(0.24, abs=0.05)

@@ -110,7 +110,7 @@ def test_the_band_holds_what_stiction_takes_of_a_push(
     run = free_run(ur5, seed=90, moving=False, scale=0.05)
     wrench = push(run, axis, 60.0, 8.0, 11.0)
     whole = torque_of(run.jacobian, wrench)
-    most = PRIOR.stiction * MODEL.breakaway
+    most = MODEL.stiction * MODEL.breakaway
     felt = replace(run, torque=run.torque + whole - np.clip(whole, -most, most))
     estimate = felt.estimate(model=repeats)
     during = (run.time > 8.2) & (run.time < 10.8)
@@ -127,8 +127,8 @@ def test_what_stiction_may_take_varies_about_its_mean(ur5: Robot) -> None:
         Observations.of(run.input(), run.jacobian, MODEL, PRIOR),
     )
     _, background = find_contacts(observations)
-    largest = mean_stiction_torque(np.full(6, np.inf), MODEL.breakaway, PRIOR.stiction)
-    taken = (PRIOR.stiction * MODEL.breakaway) ** 2 - largest**2
+    largest = mean_stiction_torque(np.full(6, np.inf), MODEL.breakaway, MODEL.stiction)
+    taken = (MODEL.stiction * MODEL.breakaway) ** 2 - largest**2
     during = (run.time > 8.2) & (run.time < 10.8)
     slow = np.linalg.diagonal(background.covariance)[during]
     variance = observations.noise.quick[during] + slow + taken
@@ -168,17 +168,16 @@ def test_a_release_makes_no_contact_of_its_own(ur5: Robot, share: float) -> None
 
 
 def test_noise_is_the_sum_of_what_makes_it() -> None:
-    """Of the model, of what dry friction holds at rest, and of what a load was misjudged by."""
+    """Of the model, and of what a load was misjudged by."""
     states = np.array([[JointState.MOVING] * 6, [JointState.STILL] * 6])
     doubt = np.arange(12.0).reshape(2, 6)
-    noise = TorqueVariances.of(states, MODEL, PRIOR, doubt)
+    noise = TorqueVariances.of(states, MODEL, doubt)
     still = np.array([[0.0], [1.0]])
     quick, spread, hidden = noise.quick, noise.spread, noise.hidden
     rows = [JointState.MOVING, JointState.STILL]
     np.testing.assert_allclose(quick, MODEL.change[rows] ** 2 + 0.3 * doubt**2)
-    held = still * (0.3 * MODEL.breakaway) ** 2
-    np.testing.assert_allclose(spread, MODEL.spread[rows] ** 2 + held + doubt**2)
-    taken = np.where(still, PRIOR.stiction, PRIOR.rubbing) * MODEL.breakaway
+    np.testing.assert_allclose(spread, MODEL.spread[rows] ** 2 + doubt**2)
+    taken = np.where(still, MODEL.stiction, MODEL.rubbing) * MODEL.breakaway
     np.testing.assert_allclose(hidden, taken**2)
     np.testing.assert_array_equal(noise.still, np.repeat(still > 0, 6, axis=1))
 
@@ -403,11 +402,12 @@ def test_the_band_of_a_shut_gate_is_that_of_a_mixture(ur5: Robot) -> None:
     for found in (0, 60):
         estimate = run.pushed(push(run, 2, 60.0, 1.0, 1.0 + found * PERIOD)).estimate()
         shut = (estimate.wrench == 0).all(axis=1)
-        hiding = TorqueVariances.of(run.states, MODEL, PRIOR, np.zeros(run.torque.shape)).hiding()
+        hiding = TorqueVariances.of(run.states, MODEL, np.zeros(run.torque.shape)).hiding()
         share, variance = missed_contacts(run.jacobian, MISSED_DEVIATIONS**2 * hiding, PRIOR)
+        quiet = Observations.of(run.input(), run.jacobian, MODEL, PRIOR).quiet
         chance = probability_while_shut(share, ~shut, PERIOD, PRIOR)
         drawn = random.uniform(size=(400, *chance.shape)) < chance
-        std = np.where(drawn, np.sqrt(variance), np.sqrt(np.diag(PRIOR.when_free())))
+        std = np.where(drawn, np.sqrt(variance), np.sqrt(np.diag(quiet)))
         force = std * random.normal(size=drawn.shape)
         inside = np.abs(force) <= 1.96 * estimate.std
         np.testing.assert_allclose(inside[:, shut].mean(axis=(0, 1)), 0.95, atol=0.005)
@@ -417,7 +417,7 @@ def test_where_contacts_are_found_more_are_missed(ur5: Robot) -> None:
     """The band of a shut gate widens with the time in contact, and is a free arm's without any."""
     run = free_run(ur5, seed=83, moving=False, scale=0.1)
     free = run.estimate().std[-100:, :3]
-    np.testing.assert_array_less(free, 2.0 * PRIOR.quiet)
+    np.testing.assert_array_less(free, PRIOR.force / 5)
     wrench = sum(push(run, 2, 60.0, start, start + 2.0) for start in (3.0, 8.0, 13.0))
     touched = run.pushed(np.asarray(wrench)).estimate()
     assert len(contacts(touched)) == 3

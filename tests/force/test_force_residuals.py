@@ -16,7 +16,7 @@ from ur5lib.force.external_torque import (
     without_edges,
 )
 from ur5lib.force.residual_model import (
-    MIN_TORQUE_STD,
+    MIN_STD_SHARE,
     ResidualModel,
     Residuals,
     TorqueStretch,
@@ -211,8 +211,8 @@ def test_a_state_never_seen_is_the_least_certain() -> None:
 def test_no_joint_repeats_without_any_error() -> None:
     """A recording without noise leaves a numerical floor, and no zero to divide by."""
     model = fitted(moving_stretch(1e-9 * drift(2000, np.ones(6), 1.0, seed=5)))
-    assert (model.spread >= MIN_TORQUE_STD).all()
-    assert (model.change >= MIN_TORQUE_STD).all()
+    assert (model.spread >= MIN_STD_SHARE * BREAKAWAY).all()
+    assert (model.change >= MIN_STD_SHARE * BREAKAWAY).all()
     assert np.isfinite(model.rate).all()
 
 
@@ -291,9 +291,30 @@ def test_what_few_paths_do_not_show_is_as_usual(share: float) -> None:
 
 @pytest.mark.parametrize("paths", [1, 2, 3, 5, 10, 100])
 def test_few_paths_widen_a_band_as_students_t_does(paths: int) -> None:
-    """One path counts as two."""
-    expected = stats.t.ppf(0.975, max(paths, 2) - 1) / stats.norm.ppf(0.975)
+    """One path counts as two; each shows the errors of two joints."""
+    expected = stats.t.ppf(0.975, 2 * (max(paths, 2) - 1)) / stats.norm.ppf(0.975)
     assert few_paths(paths) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("seconds", [0.0, 10.0, 1000.0])
+def test_rest_that_is_hardly_shown_is_as_usual(seconds: float) -> None:
+    """Deviations there mix with the usual ones, by how long the arm rests; in motion, none does."""
+    moving = moving_stretch(drift(4000, 0.1 * BREAKAWAY, 1.0, seed=9))
+    count = round(seconds / PERIOD)
+    still = np.full((count, 6), JointState.STILL, np.int8)
+    resting = TorqueStretch(drift(count, 0.02 * BREAKAWAY, 1.0, seed=10), still, PERIOD)
+    stretches = [moving, resting] if count else [moving]
+    shown = fitted(*stretches)
+    model, of_all = shown.with_usual_rest(stretches), 10 / (10 + seconds)
+    np.testing.assert_array_equal(model.spread[JointState.MOVING], shown.spread[JointState.MOVING])
+    own = shown.spread[JointState.STILL] ** 2
+    usual = np.maximum(own, (0.3 * BREAKAWAY) ** 2)
+    mixed = np.sqrt(own + of_all * (usual - own))
+    np.testing.assert_allclose(model.spread[JointState.STILL], mixed)
+    half = np.sqrt(np.mean(own / BREAKAWAY**2)) / 2
+    assert model.stiction == pytest.approx(of_all * 0.45 + (1 - of_all) * half)
+    rubs = np.sqrt(np.mean((shown.spread[JointState.MOVING] / BREAKAWAY) ** 2))
+    assert model.rubbing == pytest.approx(rubs)
 
 
 def test_a_model_survives_json(tmp_path: Path) -> None:

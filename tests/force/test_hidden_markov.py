@@ -69,17 +69,16 @@ def test_log_odds_are_those_of_the_probability() -> None:
 
 
 def test_the_gates_chain_goes_from_free_to_contact_to_hunting_to_free() -> None:
-    """Each at its rate; shared evenly by the kinds of contacts and of hunting."""
-    prior = ContactPrior(pause=20.0, duration=2.0, settling=5.0, unprovoked=1e-3)
-    transitions, start = state_chain(4, 6, 0.01, prior)
+    """Each at its rate; shared evenly by the sizes of contacts."""
+    prior = ContactPrior(15.0, pause=20.0, duration=2.0, settling=5.0)
+    transitions, start = state_chain(6, 0.01, prior)
     np.testing.assert_allclose(transitions.sum(axis=1), 1)
     rates = transitions / 0.01
-    np.testing.assert_allclose(rates[:4, 4:], 1 / 20 / 6)
-    np.testing.assert_allclose(rates[0, 1:4], 1e-3 / 3)
-    np.testing.assert_allclose(rates[1:4, 0], 1 / 5)
-    np.testing.assert_allclose(rates[4:, 1:4], 1 / 2 / 3)
-    for same in (slice(1, 4), slice(4, 10)):  # no kind becomes another
-        block = transitions[same, same]
-        np.testing.assert_array_equal(block, np.diag(np.diag(block)))
-    np.testing.assert_array_equal(transitions[4:, 0], 0)
-    np.testing.assert_allclose(start, [0.6, *[0.1] * 3, *[0.1 / 6] * 6])
+    np.testing.assert_allclose(rates[:2, 2:], 1 / 20 / 6)
+    np.testing.assert_array_equal(rates[0, 1], 0)
+    np.testing.assert_allclose(rates[1, 0], 1 / 5)
+    np.testing.assert_allclose(rates[2:, 1], 1 / 2)
+    block = transitions[2:, 2:]  # no size becomes another
+    np.testing.assert_array_equal(block, np.diag(np.diag(block)))
+    np.testing.assert_array_equal(transitions[2:, 0], 0)
+    np.testing.assert_allclose(start, [0.6, 0.3, *[0.1 / 6] * 6])

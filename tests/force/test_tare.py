@@ -50,13 +50,13 @@ def test_the_torque_of_the_span_is_zero_until_the_arm_is_elsewhere() -> None:
     np.testing.assert_array_equal(torque[TIME > 8.1], np.tile(OFFSET, (689, 1)))
 
 
-@pytest.mark.parametrize(("usual", "state"), [(True, JointState.TARED), (False, JointState.STILL)])
-def test_a_background_that_no_recording_shows_is_held(usual: bool, state: int) -> None:
+@pytest.mark.parametrize("usual", [True, False])
+def test_a_tared_background_stays_with_fits_as_without(usual: bool) -> None:
     known, motion = resting(moves_at=8.0)
     found = tared(known, motion, (0.0, 1.5), 2.0)
     problem = fmap_problem(motion, found, Residuals(tau_ext=replace(MODEL, usual=usual)))
     assert problem is not None
-    assert (problem.input.states[TIME < 5] == state).all()
+    assert (problem.input.states[TIME < 5] == JointState.TARED).all()
     assert (problem.input.states[TIME > 12] == JointState.STILL).all()
 
 

@@ -8,10 +8,9 @@ from tests.tried_pushes import detected_above, is_resting
 from ur5lib.force.external_torque import JointState
 from ur5lib.force.force_input import Gears
 from ur5lib.force.trial_contacts import (
-    MIN_LARGEST_PUSH,
-    MIN_TRIAL_FORCE,
     PAUSE_DURATION,
     PUSH_DURATION,
+    TRIAL_SIZES,
     Untouched,
     felt_push,
     smallest_force,
@@ -24,8 +23,7 @@ def test_a_push_is_found_from_the_limit_of_its_place_on() -> None:
     trials = detected_above(np.where(is_resting(), 40.0, 10.0))
     assert (len(trials.force), trials.force.min(), trials.force.max()) == (
         89,
-        pytest.approx(MIN_TRIAL_FORCE),
-        pytest.approx(MIN_LARGEST_PUSH),
+        *(pytest.approx(15.0 * size) for size in TRIAL_SIZES),
     )
     for low, high, limit in ((0.0, 0.1, 40.0), (0.5, 1.0, 10.0)):
         part = trials.within(low, high)
@@ -57,5 +55,5 @@ def test_without_a_place_nothing_is_tried() -> None:
     jacobian = np.broadcast_to(np.eye(6), (50, 6, 6))
     run = Untouched(jacobian, np.zeros(50), 0.01, [])
     random = np.random.default_rng(0)
-    trials = try_each_place(lambda torque: -np.ones(len(torque)), run, 0.0, random)
+    trials = try_each_place(lambda torque: -np.ones(len(torque)), run, 0.0, random, 15.0)
     assert len(trials.force) == len(trials.found) == 0

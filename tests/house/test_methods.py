@@ -8,6 +8,7 @@ import pytest
 from tests.conftest import PROJECT
 from ur5lib.force import (
     contact_figures,
+    contact_prior,
     contact_wrench,
     external_torque,
     force_input,
@@ -20,7 +21,7 @@ from ur5lib.force import (
     thresholds,
     wrench_estimate,
 )
-from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.contact_prior import ContactPrior, typical_force
 from ur5lib.identification import (
     base_parameters,
     current_regression,
@@ -32,14 +33,15 @@ from ur5lib.identification import (
     samples,
     selection,
 )
-from ur5lib.records import clocks
+from ur5lib.records import clocks, contact_place
 from ur5lib.robots import friction
+from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.signals import clock, device_clock
 from ur5lib.smoothing import noise
 from ur5lib.timeseries import segments
 from ur5lib.timeseries.arrays import Array
 
-PRIOR = ContactPrior()
+PRIOR = ContactPrior(15.0)
 COUNTED = {10: "ten", 8: "eight", 5: "five", 4: "four", 3: "three", 2: "two"}
 
 
@@ -100,39 +102,54 @@ def statements() -> Iterator[str]:
     )
     # residuals
     five, three, one = (f"{residual_model.few_paths(paths):.2g}" for paths in (5, 3, 1))
-    yield f"the number of paths: {five} for five, {three} for three."
+    joints = COUNTED[residual_model.JOINTS_OF_A_FORCE]
+    yield f"Since {joints} joints decide a component of a force"
+    yield f"{five} for five paths, {three} for three."
     yield f"multiply its bands by {one},"
     yield f"**One or two paths** count as {COUNTED[samples.MIN_PATHS]};"
     # contacts
-    yield f"| typical contact | {PRIOR.force:g} N |"
-    yield f"| its lever | {100 * PRIOR.lever:g} cm |"
-    yield f"| magnitudes of the gate | {listed(PRIOR.sizes)} N |"
+    typical = contact_prior.TYPICAL_LOAD_SHARE
+    yield f"A typical contact has {typical:g} of the weight of the rated payload"
+    forces = [typical_force(load_robot(robot_path(name))) for name in ("ur3", "ur5", "ur10e")]
+    yield "a UR3 {:.0f} N, a UR5 {:.0f} N, a UR10e {:.0f} N".format(*forces)
+    yield f"| typical contact | {typical:g} of the rated payload |"
+    yield f"| its lever, place unknown | {100 * contact_place.WRIST_RADIUS:g} cm |"
+    yield f"| its weight | {contact_place.WRIST_WEIGHT:g} sample |"
+    yield f"| its lever, place known | {100 * contact_place.TOOL_RADIUS:g} cm |"
+    yield f"| weight of a known place | {contact_place.TOOL_WEIGHT:g} samples |"
+    small, large = contact_prior.GATE_SIZES
+    yield f"| magnitudes of the gate (typical forces) | 1/{1 / small:g}, {large:g} |"
+    yield f"| a force that is no contact (fast errors) | {gate.QUIET_SHARE:g} |"
     yield f"| duration of contacts | {PRIOR.duration:g} s |"
+    yield f"| of those that the gate may miss | {PRIOR.unseen_duration:g} s |"
     yield f"| of pauses | {PRIOR.pause:g} s |"
     yield f"| load friction besides the fit's | {percent(PRIOR.load_friction)} |"
     yield f"| friction of a run | {percent(PRIOR.friction_std)} |"
-    yield f"(share of the breakaway torque) | {PRIOR.stiction:g} |"
-    yield f"| in motion | {PRIOR.rubbing:g} |"
-    yield f"| hunting (shares) | {listed(PRIOR.hunting)} |"
+    yield f"(share of the breakaway torque) | {residual_model.USUAL_STICTION:g} |"
+    rest = residual_model.USUAL_REST_STD
+    yield f"| deviation of a joint that settles or rests, likewise | {rest:g} |"
+    yield f"| rest and stops that count as much | {residual_model.SHOWN_DURATION:g} s |"
+    yield f"| in motion, where nothing was fitted to | {residual_model.USUAL_RUBBING:g} |"
+    yield f"| hunting (share) | {PRIOR.hunting:g} |"
     yield f"| settling | {PRIOR.settling:g} s |"
     yield f"| mean of what stiction takes | 1/{1 / force_input.MEAN_STICTION:g} |"
-    yield f"| least deviation at rest | {gate.MIN_REST_STD:g} |"
-    yield f"| weight of the typical lever | {contact_wrench.TYPICAL_LEVER_WEIGHT:g} samples |"
     yield f"| weight of the typical contact | {contact_wrench.TYPICAL_SIZE_WEIGHT:g} |"
     opening, closing = wrench_estimate.OPENING_PROBABILITY, wrench_estimate.CLOSING_PROBABILITY
     yield f"| gate closes (opens at {opening:g}) | {closing:g} |"
     yield f"| margin | {wrench_estimate.CONTACT_MARGIN:g} s |"
     yield f"| κ | {missed_contacts.MISSED_DEVIATIONS:g} |"
-    yield f"| smoothing at rest | {wrench_estimate.REST_SMOOTHING:g} s |"
+    smoothing = wrench_estimate.REST_SMOOTHING_PERIODS
+    yield f"| smoothing at rest (periods of the low-pass) | {smoothing:g} |"
+    yield f"a normal weight of {smoothing:g} periods of the low-pass"
     yield f"κ is {missed_contacts.MISSED_DEVIATIONS:g}."
-    yield f"a force that does not count as contact ({PRIOR.quiet:g} N)"
+    yield f"as contact (its torque is {gate.QUIET_SHARE:g} of the fast error)"
+    yield f"the prior P is 0 ± {contact_wrench.STATIC_FORCE:g} typical forces"
     yield (
         f"(a stop counts after {external_torque.MIN_STOP_DURATION:g} s and relaxes for "
         f"{external_torque.RELAXATION_TIME:g} s, friction of a stopped joint renews within "
         f"{external_torque.RELAXATION_TIME:g} s)"
     )
     yield f"contain a lever of {100 * contact_wrench.UNRESOLVED_LEVER:g} cm"
-    yield f"counts as {contact_wrench.TYPICAL_LEVER_WEIGHT:g} independent samples"
     yield f"the prior standard deviation is {percent(PRIOR.friction_std)}"
     yield (
         "changes within half a second"

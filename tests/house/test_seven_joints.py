@@ -205,7 +205,7 @@ def test_a_wrench_is_estimated() -> None:
     used = jacobian[used_rows(segment, PERIOD, model.cutoff)]
     states = np.full(q.shape, JointState.MOVING, np.int8)
     run = ForceInput(q, 0 * q, torque, states, segment, PERIOD)
-    found = estimate_wrench(run, used, model, ContactPrior())
+    found = estimate_wrench(run, used, model, ContactPrior(15.0))
     inner = slice(pushed.start + 50, pushed.stop - 50)
     error = np.abs(found.wrench - wrench)
     assert found.background.shape == q.shape

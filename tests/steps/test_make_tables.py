@@ -183,4 +183,5 @@ def test_what_sensor_and_contacts_tell_is_in_the_tables(ur5: Robot) -> None:
     )
     filled = {name for name, rows in found.items() if [*rows.get("recording", ())] == ["b"]}
     tables = {"sensed", "force_mae", "contact_errors", "detection", "fixed_threshold", "contacts"}
+    tables |= {"contact_place"}
     assert filled == tables

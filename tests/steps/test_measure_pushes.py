@@ -51,7 +51,7 @@ def test_the_table_has_each_motion_and_axis(tmp_path: Path) -> None:
     assert {*table["robot"]} == {"ur5"}
     assert [*table["motion"]] == ["at rest"] * 3 + ["fast"] * 3
     assert [*table["axis"]] == AXES * 2
-    assert table["value"].to_numpy() == pytest.approx([40.0] * 3 + [10.0] * 3, rel=0.5)
+    assert table["value"].to_numpy() == pytest.approx([40.0] * 3 + [10.0] * 3, rel=0.6)
     assert (table["low"] > 0).all()
     assert ((table["low"] < table["value"]) & (table["value"] < table["high"])).all()
     assert (table["std_error"] > 0).all()
@@ -62,27 +62,27 @@ def test_the_table_has_each_motion_and_axis(tmp_path: Path) -> None:
     assert table[["bound", "reason"]].isna().all(axis=None)
 
 
-@pytest.mark.parametrize(("limits", "most"), [(150.0, 100.0), (95.0, 100.0), (4000.0, 2943.0)])
+@pytest.mark.parametrize(("limits", "typical"), [(150.0, 15.0), (100.0, 15.0), (8000.0, 883.0)])
 def test_a_push_beyond_the_trials_is_the_largest_one_and_said_to_be_beyond(
-    limits: float, most: float
+    limits: float, typical: float
 ) -> None:
     """Before, the files had 10,355 N, or nothing where none was found; the report, above 100 N."""
-    pushes = stated(detected_above(np.full(COUNT, limits), most))
+    pushes = stated(detected_above(np.full(COUNT, limits), typical))
     assert len(pushes) > 1
     for row in pushes:
-        assert (row.bound, row.value) == (">", pytest.approx(most))
+        assert (row.bound, row.value) == (">", pytest.approx(7 * typical))
         assert (row.std_error, row.low, row.high) == (None, None, None)
 
 
 def test_a_strong_arm_is_pushed_harder() -> None:
     """Before, each push of a KR300, which carries 300 kg, was beyond 100 N."""
-    rounds = [detected_above(np.full(COUNT, 400.0), 2943.0, seed) for seed in range(4)]
+    rounds = [detected_above(np.full(COUNT, 900.0), 883.0, seed) for seed in range(4)]
     pushes = stated(Trials.joined(rounds))
     assert {row.bound for row in pushes} == {""}
     for row in pushes:
         assert row.value is not None
-        assert 200.0 < row.value < 1500.0
-        assert row.largest_tried == pytest.approx(2943.0)
+        assert 450.0 < row.value < 3000.0
+        assert row.largest_tried == pytest.approx(7 * 883.0)
 
 
 def test_no_push_is_stated_whose_error_exceeds_it() -> None:
@@ -156,6 +156,7 @@ def known(ur5: Robot) -> dict[str, Any]:
         made[name] |= {
             "forces": one.run(estimate_forces),
             "predictions": Prediction(name == "seen"),
+            "premises": one.premises,
         }
     return made
 
@@ -163,7 +164,7 @@ def known(ur5: Robot) -> dict[str, Any]:
 def measured(
     known: dict[str, Any], names: Sequence[str], ur5: Robot, paths: int
 ) -> list[SmallestPush]:
-    keys = ("motion", "currents", "kinematics", "forces", "predictions")
+    keys = ("motion", "currents", "kinematics", "forces", "predictions", "premises")
     return measure_pushes(
         **{key: {name: known[name][key] for name in names} for key in keys},
         friction=Friction(paths=paths),

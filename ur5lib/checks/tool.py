@@ -41,11 +41,29 @@ def tool_and_angles(robot: pd.DataFrame) -> tuple[Array, Array]:
     return channel(frames, "actual_TCP_pose")[:, :3], channel(frames, "actual_q")
 
 
+def shown_tool_center(robot: pd.DataFrame, arm: Robot) -> list[float] | None:
+    """Return the tool centre point [m] in the last frame, by `actual_TCP_pose`; None where it
+    was not recorded, or moves on the flange.
+    """
+    if "actual_TCP_pose_0" not in robot:
+        return None
+    tool, q = tool_and_angles(robot)
+    if not len(q) or tool_distance(tool, q, arm) > MAX_TOOL_DISTANCE:
+        return None
+    center: list[float] = np.median(on_flange(tool, q, arm), axis=0).tolist()
+    return center
+
+
+def on_flange(tool: Array, q: Array, arm: Robot) -> Array:
+    """Return places (N, 3) [m] in the last frame; arguments as below."""
+    rotation, origin = link_frames(arm, q)
+    return np.einsum("nij,ni->nj", rotation[:, -1], tool - origin[:, -1])
+
+
 def tool_distance(tool: Array, q: Array, arm: Robot) -> float:
     """Return how far the tool is from its place on the flange (median) [m].
 
     tool: positions (N, 3) [m]; q: angles (N, n) [rad].
     """
-    rotation, origin = link_frames(arm, q)
-    place = np.einsum("nij,ni->nj", rotation[:, -1], tool - origin[:, -1])
+    place = on_flange(tool, q, arm)
     return float(np.median(np.linalg.norm(place - np.median(place, axis=0), axis=1)))

@@ -1,63 +1,73 @@
-"""Prior assumptions about contacts."""
+"""Prior assumptions about contacts: how large they are, where, and how long they last."""
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
+from ur5lib.records.contact_place import ContactPlace
+from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import STANDARD_GRAVITY
 from ur5lib.timeseries.arrays import Array
+
+TYPICAL_LOAD_SHARE = 0.3  # weight of a typical contact, in the rated payload
+PAYLOAD_SHARE = 0.3  # of the links' mass: the payload of an arm for which none is described
+# Magnitudes among which the gate chooses, in typical forces.
+GATE_SIZES = (1 / 3, 3.0)
+
+
+def typical_force(arm: Robot) -> float:
+    """Return the magnitude [N] of a typical contact with an arm: 15 N for a UR5."""
+    payload = arm.rated_payload or PAYLOAD_SHARE * sum(arm.masses)
+    return TYPICAL_LOAD_SHARE * STANDARD_GRAVITY * payload
 
 
 @dataclass(frozen=True)
 class ContactPrior:
     """Magnitudes and durations of contacts, and losses between the contact and the motors.
 
-    Contacts: force [N] and lever [m], magnitude of a typical contact and its distance from the
-    origin of frame 6, both refined by each contact's own data; sizes: the magnitudes [N] among
-    which the gate chooses, whatever is typical; quiet [N]: forces that do not count as contact,
-    such as a hose's; duration, pause: mean duration of contacts and of the
-    pauses between them [s].
+    Contacts: force [N], magnitude of a typical contact; lever [m], usual distance of a contact
+    from the place where contacts are assumed; lever_weight: samples for which that distance counts
+    beside the contact's own; duration, pause: mean duration of contacts and of the pauses between
+    them [s]; unseen_duration: likewise of those that the gate may miss.
 
     Gears: load_friction: relative deviation of each joint's torque, or of joints 1 to 6 (6,), from
     the part of a contact that gears transmit according to the fit; friction_std: relative deviation
-    of each joint's friction in one run from that of the fit; stiction, rubbing: part of a contact
-    that dry friction may absorb at rest and in motion, as shares of the breakaway torque.
+    of each joint's friction in one run from that of the fit.
 
-    Rest: hunting: amplitudes of a joint's wandering after it was touched, as shares of the
-    breakaway torque; settling: its time constant [s]; unprovoked: rate [1/s] of hunting that
-    follows no contact.
+    Rest: hunting: amplitude of a joint's wandering after it was touched, as a share of the
+    breakaway torque; settling: its time constant [s].
     """
 
-    force: float = 15.0
-    lever: float = 0.03
-    sizes: tuple[float, ...] = (5.0, 15.0, 45.0, 135.0)
-    quiet: float = 1.0
+    force: float
+    lever: float = ContactPlace.within
+    lever_weight: float = ContactPlace.weight
     duration: float = 1.0
     pause: float = 10.0
+    unseen_duration: float = 3.0
     load_friction: float | Array = 0.1
     friction_std: float = 0.2
-    stiction: float = 0.45
-    rubbing: float = 0.2
-    hunting: tuple[float, ...] = (0.1, 0.3, 0.9)
+    hunting: float = 0.3
     settling: float = 3.0
-    unprovoked: float = 1e-4
+
+    @classmethod
+    def of(cls, arm: Robot, force: float | None, place: ContactPlace) -> Self:
+        """Return the prior of contacts with an arm; force: typical [N], None: by its payload."""
+        return cls(force or typical_force(arm), place.within, place.weight)
 
     def usual(self) -> Array:
-        """Return the covariance (6, 6) of the wrench of a typical contact."""
+        """Return the covariance (6, 6) of the wrench of a typical contact, at its place."""
         return wrench_covariance(self.force, self.lever)
 
     def unknown(self) -> Array:
         """Return the covariance (6, 6) of an unknown contact: three times the typical force."""
         return wrench_covariance(3 * self.force, self.lever)
 
-    def when_free(self) -> Array:
-        """Return the covariance (6, 6) of the wrench on an arm that counts as free."""
-        return wrench_covariance(self.quiet, self.lever)
-
-    def bank(self) -> list[Array]:
-        """Return the covariances (6, 6) of all kinds of contacts among which the gate chooses."""
-        return [wrench_covariance(size, self.lever) for size in self.sizes]
+    def sizes(self) -> list[float]:
+        """Return the magnitudes [N] among which the gate chooses."""
+        return [share * self.force for share in GATE_SIZES]
 
 
 def wrench_covariance(force: float, lever: float) -> Array:
     """Return the covariance (6, 6) of a force [N] in any direction and a moment by a lever [m]."""
-    return np.diag([force**2] * 3 + [max(lever * force, 1e-6) ** 2] * 3)
+    return np.diag([force**2] * 3 + [(lever * force) ** 2] * 3)

@@ -14,13 +14,12 @@ STATIC_SPEED = 0.05  # rad/s, below which the torques of motion are far below fr
 # Breakaway torque over a motor's largest; Coulomb friction of UR5 and UR10e is 0.04 to 0.06.
 BREAKAWAY_SHARE = 0.1
 MIN_CONSTANT_ERROR = 0.3  # relative, of a torque constant that nothing was fitted for
-STATIC_FORCE_STD = 100.0  # N, of the prior
+STATIC_FORCE = 7.0  # standard deviation of the prior, in typical forces
 STATIC_LEVER = 0.1  # m, of its moment
 # The wrench of a contact.
 # Weight of the typical covariance, as one sample: with 1, small changes decide.
 TYPICAL_SIZE_WEIGHT = 2.0
-TYPICAL_LEVER_WEIGHT = 20.0  # of the typical lever, in samples
-EM_ROUNDS = 30  # of expectation-maximisation; most contacts converge in ten
+EM_ROUNDS = 15  # of expectation-maximisation; most contacts converge in ten
 UNRESOLVED_LEVER = 0.05  # m, of a force in the moments that are stated
 
 
@@ -64,13 +63,16 @@ def torque_std(motor_torque: Array, constant_error: Array, torque_max: Array) ->
     return np.hypot(constant_error * motor_torque, friction)
 
 
-def static_wrench(torque: Array, std: Array, jacobian: Array) -> tuple[Array, Array]:
+def static_wrench(
+    torque: Array, std: Array, jacobian: Array, typical_force: float
+) -> tuple[Array, Array]:
     """Return the most probable wrench [F, n] and its standard deviation, (N, 6) [N, Nm].
 
-    torque: external (N, 6) [Nm], J^T F, NaN where unknown; std: of it; jacobian: (N, 6, 6). The
-    prior is 0 ± STATIC_FORCE_STD, with a moment over STATIC_LEVER.
+    torque: external (N, 6) [Nm], J^T F, NaN where unknown; std: of it; jacobian: (N, 6, 6);
+    typical_force: of contacts [N]. The prior is 0 ± STATIC_FORCE times it, with a moment over
+    STATIC_LEVER.
     """
-    prior = wrench_covariance(STATIC_FORCE_STD, STATIC_LEVER)
+    prior = wrench_covariance(STATIC_FORCE * typical_force, STATIC_LEVER)
     estimate = regularised_wrench(torque, jacobian, diagonal(std**2), prior)
     error = np.sqrt(np.linalg.diagonal(estimate.covariance))
     finite = finite_rows(torque + error)[:, None]
@@ -113,9 +115,9 @@ def learned_size(
     P maximises the evidence by expectation-maximisation, a contact of twice the typical covariance
     counting as one independent sample: P = (Σ w E[F Fᵀ] + 2 P_usual) / (w n + 1). Near a
     singularity, little else tells how large the part is that torques do not show. The force part is
-    a full matrix; the moment part is isotropic and tied to the force: its lever is the typical one,
-    which counts as 20 independent samples. Otherwise a moment explains what friction took of a
-    short contact, and a small change of the prior gives another force.
+    a full matrix; the moment part is isotropic and tied to the force by the prior's lever, which
+    counts for as many samples as the place is known. Otherwise a moment explains what friction took
+    of a short contact, and a small change of the prior gives another force.
     """
     measured = finite_rows(torque)
     torque, jacobian, noise = torque[measured], jacobian[measured], noise[measured]
@@ -129,9 +131,7 @@ def learned_size(
         size = np.zeros((6, 6))
         size[:3, :3] = square[:3, :3]
         usual_moment, moment = prior.lever**2 * np.trace(square[:3, :3]), np.trace(square[3:, 3:])
-        moment = (TYPICAL_LEVER_WEIGHT * usual_moment + count * moment) / (
-            TYPICAL_LEVER_WEIGHT + count
-        )
+        moment = (prior.lever_weight * usual_moment + count * moment) / (prior.lever_weight + count)
         size[3:, 3:] = np.eye(3) * moment / 3
     return size
 

@@ -107,7 +107,7 @@ def is_off_flange(
     rows = middle_half(run, time, alarm.start, alarm.end)
     if alarm.kind != "contact" or not len(rows):
         return False
-    noise = TorqueVariances.of(run.states[rows], model, prior, run.load_std()[rows])
+    noise = TorqueVariances.of(run.states[rows], model, run.load_std()[rows])
     spread = diagonal(noise.spread + noise.hidden)
     frames = link_frames(robot, run.q[rows])
     levers = {
@@ -115,7 +115,7 @@ def is_off_flange(
         for link, along in places(*frames).items()
     }
     return (
-        1 - flange_probability(run.torque[rows], levers, spread, prior.sizes)
+        1 - flange_probability(run.torque[rows], levers, spread, prior.sizes())
         >= MIN_PROBABILITY_ELSEWHERE
     )
 

@@ -8,11 +8,12 @@ computing the probabilities of the states alternate.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from ur5lib.force.background import smooth
-from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.contact_prior import ContactPrior, wrench_covariance
 from ur5lib.force.external_torque import JointState, States, finite_rows
 from ur5lib.force.force_input import ForceInput, Gears
 from ur5lib.force.residual_model import ResidualModel
@@ -26,7 +27,7 @@ BACKGROUND_COVARIANCE_FACTORS = (0.0, 0.5, 1.0, 1.0, 1.0)
 # Probability of contact above which a sample is no measurement of the background, and its weight.
 EXCLUSION_PROBABILITY = 0.5
 CONTACT_SAMPLE_WEIGHT = 1e-4
-MIN_REST_STD = 0.3  # of a joint at rest, in breakaway torques
+QUIET_SHARE = 0.2  # of the fast error: a force that does not count as contact
 FAST_LOAD_ERROR_SHARE = 0.3  # of a load's error, which changes within half a push
 
 
@@ -81,16 +82,13 @@ class TorqueVariances:
     still: Mask
 
     @classmethod
-    def of(
-        cls, states: States, model: ResidualModel, prior: ContactPrior, doubt: Array
-    ) -> "TorqueVariances":
+    def of(cls, states: States, model: ResidualModel, doubt: Array) -> "TorqueVariances":
         """Return the noise of samples in joint states (N, n); doubt: (N, n) [Nm], of a load."""
         still = states >= JointState.STILL
-        rest_variance = np.where(still, MIN_REST_STD * model.breakaway, 0.0) ** 2
-        absorbed = np.where(still, prior.stiction, prior.rubbing) * model.breakaway
+        absorbed = np.where(still, model.stiction, model.rubbing) * model.breakaway
         return cls(
             quick=model.variance(model.change, states) + FAST_LOAD_ERROR_SHARE * doubt**2,
-            spread=model.variance(model.spread, states) + rest_variance + doubt**2,
+            spread=model.variance(model.spread, states) + doubt**2,
             hidden=absorbed**2,
             still=still,
         )
@@ -132,7 +130,7 @@ class Observations:
             posed=posed,
             states=run.states,
             period=run.period,
-            noise=TorqueVariances.of(run.states, model, prior, run.load_std()),
+            noise=TorqueVariances.of(run.states, model, run.load_std()),
             model=model,
             prior=prior,
             gears=gears.where_moving(run.states),
@@ -143,20 +141,32 @@ class Observations:
         """Return the number of independent values per sample, at most 1."""
         return min(1.0, self.period / self.model.independent)
 
+    @cached_property
+    def quiet(self) -> Array:
+        """Return the covariance (6, 6) of a wrench that does not count as contact."""
+        return wrench_covariance(quiet_force(self.jacobian, self.noise.quick), self.prior.lever)
+
     def free_covariances(self) -> list[Array]:
         """Return the covariances (N, n, n) of a free arm's torque: undisturbed, then hunting."""
-        quiet = self.jacobian.mT @ self.prior.when_free() @ self.jacobian
-        hunts = self.noise.still * self.model.breakaway**2
-        return [
-            quiet + diagonal(self.noise.quick + share**2 * hunts)
-            for share in (0.0, *self.prior.hunting)
-        ]
+        quiet = self.jacobian.mT @ self.quiet @ self.jacobian
+        hunts = self.noise.still * (self.prior.hunting * self.model.breakaway) ** 2
+        return [quiet + diagonal(self.noise.quick + wandering) for wandering in (0.0, hunts)]
 
     def contact_covariances(self) -> Iterator[Array]:
         """Yield the covariances Jᵀ P J (N, n, n) of the torque of each kind of contact."""
         by_force, by_moment = (half.mT @ half for half in np.split(self.jacobian, 2, axis=1))
-        for contact in self.prior.bank():  # isotropic, both in force and moment
-            yield contact[0, 0] * by_force + contact[-1, -1] * by_moment
+        for size in self.prior.sizes():  # isotropic, both in force and moment
+            yield size**2 * (by_force + self.prior.lever**2 * by_moment)
+
+
+def quiet_force(jacobian: Array, variance: Array) -> float:
+    """Return the size [N] of a force that does not count as contact, such as a hose's.
+
+    It is QUIET_SHARE of one that exceeds the fast error by one standard deviation in half of the
+    samples. jacobian: (N, 6, n); variance: of the fast error (N, n) [Nm²].
+    """
+    information = (jacobian[:, :3] ** 2 / variance[:, None]).sum(axis=2).mean(axis=1)
+    return float(QUIET_SHARE * np.median(information) ** -0.5)
 
 
 def find_contacts(observations: Observations) -> tuple[Array, Gaussians]:
@@ -165,7 +175,7 @@ def find_contacts(observations: Observations) -> tuple[Array, Gaussians]:
     measured_rows = finite_rows(observations.torque)
     filled = np.where(measured_rows[:, None], observations.torque, 0.0)
     free_covariances = observations.free_covariances()
-    transitions, start = state_chain(len(free_covariances), len(prior.bank()), period, prior)
+    transitions, start = state_chain(len(prior.sizes()), period, prior)
     slow = rest_background = Gaussians(np.zeros_like(filled), diagonal(noise.spread))
     last_round = len(BACKGROUND_COVARIANCE_FACTORS) - 1
     for number, share in enumerate(BACKGROUND_COVARIANCE_FACTORS):
@@ -223,28 +233,22 @@ def measurement_noise(
     return np.asarray(mean / free_weight[:, None, None])
 
 
-def state_chain(
-    free_states: int, contact_states: int, period: float, prior: ContactPrior
-) -> tuple[Array, Array]:
+def state_chain(sizes: int, period: float, prior: ContactPrior) -> tuple[Array, Array]:
     """Return transition (S, S) and start (S,) probabilities of the states.
 
-    They are `free_states` ones, undisturbed and then hunting, and some contacts; period: [s].
-    free → contact → hunting → free; a free arm rarely hunts, and one that hunts may be touched.
+    They are free, hunting, and contacts of some sizes; period: [s].
+    free → contact → hunting → free; an arm that hunts may be touched, and a free one never hunts.
     """
     # probabilities per sample of leaving a state
     begins, ends = period / prior.pause, period / prior.duration
-    settles, wanders = period / prior.settling, period * prior.unprovoked
-    hunting = free_states - 1
-    steps = np.zeros((free_states + contact_states, free_states + contact_states))
-    steps[:free_states, free_states:] = begins / contact_states
-    steps[0, 0], steps[0, 1:free_states] = 1 - begins - wanders, wanders / hunting
-    steps[1:free_states, 1:free_states] = np.eye(hunting) * (1 - begins - settles)
-    steps[1:free_states, 0] = settles
-    steps[free_states:, free_states:] = np.eye(contact_states) * (1 - ends)
-    steps[free_states:, 1:free_states] = ends / hunting
-    return steps, np.array(
-        [0.6, *[0.3 / hunting] * hunting, *[0.1 / contact_states] * contact_states]
-    )
+    settles = period / prior.settling
+    steps = np.zeros((2 + sizes, 2 + sizes))
+    steps[:2, 2:] = begins / sizes
+    steps[0, 0] = 1 - begins
+    steps[1, :2] = settles, 1 - begins - settles
+    steps[2:, 2:] = np.eye(sizes) * (1 - ends)
+    steps[2:, 1] = ends
+    return steps, np.array([0.6, 0.3, *[0.1 / sizes] * sizes])
 
 
 def diagonal(variance: Array) -> Array:

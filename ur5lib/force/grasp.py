@@ -42,9 +42,9 @@ def grasped_load(
     columns = terms.reshape(-1, 4)
     information, right = columns.T @ columns, columns.T @ target.ravel()
     mass = right[0] / information[0, 0]
-    lever_precision = (
-        len(target) * np.array([0.0, 1, 1, 1]) / max(USUAL_LOAD_LEVER * abs(mass), 1e-3) ** 2
-    )
+    if mass <= 0:
+        return None
+    lever_precision = len(target) * np.array([0.0, 1, 1, 1]) / (USUAL_LOAD_LEVER * mass) ** 2
     information += np.diag(LEVER_PRIOR_WEIGHT * lever_precision)
     parameters = np.linalg.solve(information, right)
     residual = target - terms @ parameters

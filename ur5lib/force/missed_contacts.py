@@ -40,7 +40,8 @@ def probability_while_shut(
     together with one usual contact and pause: where some contacts are found, more are missed. Each
     axis reckons with contacts along it alone, since no direction is known.
     """
-    contact, cycle = prior.duration / period, (prior.duration + prior.pause) / period
+    contact = prior.unseen_duration / period
+    cycle = contact + prior.pause / period
     # c = (s + n) / (d + m): s samples in contact, d detectable on average, n and m of one cycle
     detectable = (1 - missed[:, :3]).mean(axis=1).sum()
     share = min(1.0, float((in_contact.sum() + contact) / (detectable + cycle)))

@@ -32,9 +32,11 @@ class Problem(NamedTuple):
         """Return the rows (M,) of the samples that the estimate uses."""
         return used_rows(self.input.segment, self.input.period, self.model.cutoff)
 
-    def solve(self, jacobian: Array, prior: ContactPrior) -> WrenchEstimate:
-        """Return the contact wrench; jacobian: (M, 6, 6), at `rows`."""
-        return estimate_wrench(self.input, jacobian, self.model, prior)
+    def solve(
+        self, jacobian: Array, prior: ContactPrior, place: Array | None = None
+    ) -> WrenchEstimate:
+        """Return the contact wrench; arguments as of `estimate_wrench`, at `rows`."""
+        return estimate_wrench(self.input, jacobian, self.model, prior, place)
 
     def contact_log_odds(self, jacobian: Array, prior: ContactPrior) -> Array:
         """Return the log-odds (N,) of contact alone; jacobian: as of `solve`."""
@@ -43,10 +45,8 @@ class Problem(NamedTuple):
     def held(self, tared: Mask) -> "Problem":
         """Return the problem in which joints at rest keep their background since a tare.
 
-        tared: (N,). Where recordings without contact show how it changes, it may change so.
+        tared: (N,).
         """
-        if not self.model.usual:
-            return self
         states = self.input.states.copy()
         states[tared & is_still(states)] = JointState.TARED
         return Problem(replace(self.input, states=states), self.model.with_tare())

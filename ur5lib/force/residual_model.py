@@ -15,9 +15,13 @@ from ur5lib.timeseries.arrays import Array
 SHORT_LAG = 0.5  # s: half the duration of a push by hand
 LONG_LAG = 2.0  # s: twice its duration
 MIN_RENEWAL_RATE = 1 / 30  # 1/s, of the background
-MAX_RENEWAL_RATE = 2.0  # 1/s
+USUAL_STICTION = 0.45  # in breakaway torques, where no recording rests
+USUAL_RUBBING = 0.2  # likewise, in motion, where no recording was fitted to
+USUAL_REST_STD = 0.3  # likewise: deviation of a joint that settles or rests, where none does
+JOINTS_OF_A_FORCE = 2  # whose torques decide a component of a force
+SHOWN_DURATION = 10.0  # s at rest, or settling, that count as much as what is usual
 GATE_PATHS = 5  # from which on the gate is as unsure as the bands
-MIN_TORQUE_STD = 1e-3  # Nm
+MIN_STD_SHARE = 1e-3  # of breakaway: least standard deviation of a torque
 # Of a joint that rests since a tare: most standard deviation of its background, in breakaway
 # torques, and rate of renewal, which is that of a joint that nobody touches.
 TARED_SPREAD_SHARE = 0.15
@@ -55,6 +59,8 @@ class ResidualModel:
     constants_doubt: Array | float = 0.0
     sensed: bool = False
     usual: bool = False
+    stiction: float = USUAL_STICTION
+    rubbing: float = USUAL_RUBBING
 
     @property
     def cutoff(self) -> float:
@@ -69,7 +75,7 @@ class ResidualModel:
         """Return the model with all standard deviations multiplied by a factor."""
         return replace(self, spread=factor * self.spread, change=factor * self.change)
 
-    def at_least(self, usual: "ResidualModel", share: float) -> "ResidualModel":
+    def at_least(self, usual: "ResidualModel", share: Array | float) -> "ResidualModel":
         """Return the model where a share of the paths is as usual, if that is more.
 
         σ² + share max(0, σ_usual² - σ²), of all standard deviations.
@@ -82,6 +88,26 @@ class ResidualModel:
             self,
             spread=mixed(self.spread, usual.spread),
             change=mixed(self.change, usual.change),
+        )
+
+    def with_usual_rest(self, stretches: Sequence[TorqueStretch]) -> "ResidualModel":
+        """Return the model with what is usual in the place of rest and stops that were hardly shown
+        by the stretches it was fitted to, and what dry friction may take of a contact.
+
+        That is, in motion, the deviation there, and at rest half of the deviation.
+        """
+        seconds = _seconds(stretches, len(self.breakaway))
+        unshown = SHOWN_DURATION / (SHOWN_DURATION + seconds)
+        usual = replace(self, spread=self.spread.copy(), change=self.change.copy())
+        usual.spread[JointState.SETTLING :] = USUAL_REST_STD * self.breakaway
+        usual.change[JointState.SETTLING] = USUAL_REST_STD * self.breakaway
+        # root mean squares over the joints, of the states
+        shares = np.sqrt(np.mean((self.spread / self.breakaway) ** 2, axis=1))
+        weight = unshown[JointState.STILL].max()
+        return replace(
+            self.at_least(usual, unshown),
+            rubbing=float(shares[JointState.MOVING]),
+            stiction=float(weight * USUAL_STICTION + (1 - weight) * shares[JointState.STILL] / 2),
         )
 
     def with_tare(self) -> "ResidualModel":
@@ -153,9 +179,10 @@ def fit_residual_model(
             "motion is known from other arms at best; record a motion of all joints"
         )
         raise RefusalError("still joints", text)
-    change = np.sqrt(_filled_moments(short_variogram))
+    least = (MIN_STD_SHARE * breakaway) ** 2
+    change = np.sqrt(_filled_moments(short_variogram, least))
     return ResidualModel(
-        spread=np.maximum(np.sqrt(_filled_moments(mean_square)), change),
+        spread=np.maximum(np.sqrt(_filled_moments(mean_square, least)), change),
         change=change,
         rate=_rates((long_variogram - short_variogram) / mean_square / (LONG_LAG - SHORT_LAG)),
         independent=1 / (2 * cutoff),
@@ -166,9 +193,11 @@ def fit_residual_model(
 def few_paths(paths: int) -> float:
     """Return Student's t over the normal quantile, the factor of a 95 % band from few paths.
 
-    One path counts as two: it does not determine the variation between paths.
+    Of a path, JOINTS_OF_A_FORCE joints show a force's error independently. One path counts as two:
+    it does not determine the variation between paths.
     """
-    return float(stdtrit(max(1, paths - 1), 0.975) / ndtri(0.975))
+    freedom = JOINTS_OF_A_FORCE * max(1, paths - 1)
+    return float(stdtrit(freedom, 0.975) / ndtri(0.975))
 
 
 def _rates(growth: Array) -> Array:
@@ -179,8 +208,7 @@ def _rates(growth: Array) -> Array:
     """
     rates_by_state = [row[np.isfinite(row)] for row in growth]
     rates = [
-        np.clip(np.median(r), MIN_RENEWAL_RATE, MAX_RENEWAL_RATE) if len(r) else MIN_RENEWAL_RATE
-        for r in rates_by_state
+        max(np.median(r), MIN_RENEWAL_RATE) if len(r) else MIN_RENEWAL_RATE for r in rates_by_state
     ]
     stopped = np.isin(np.arange(len(rates)), (JointState.SETTLING, JointState.RESTING))
     return np.where(stopped, np.maximum(rates, 1 / RELAXATION_TIME), rates)
@@ -200,16 +228,24 @@ def _differences(stretch: TorqueStretch, seconds: float) -> TorqueStretch:
 
 def _moments(stretches: Sequence[TorqueStretch], joints: int) -> Array:
     """Return mean squares (S, n) over time by state and joint; NaN for a state without data."""
-    total, seconds = np.zeros((2, FITTED_STATE_COUNT, joints))
+    total, seconds = np.zeros((FITTED_STATE_COUNT, joints)), _seconds(stretches, joints)
     for torque, states, period in stretches:
         for state in range(FITTED_STATE_COUNT):
             in_state = (states == state) & np.isfinite(torque)
             total[state] += period * (np.where(in_state, torque, 0.0) ** 2).sum(axis=0)
-            seconds[state] += period * in_state.sum(axis=0)
     return np.where(seconds > 0, total / np.maximum(seconds, 1e-9), np.nan)
 
 
-def _filled_moments(moments: Array) -> Array:
-    """Return the moments with the joint's largest in place of NaN, and at least LEAST²."""
+def _seconds(stretches: Sequence[TorqueStretch], joints: int) -> Array:
+    """Return the time (S, n) [s] of known torque by state and joint."""
+    seconds = np.zeros((FITTED_STATE_COUNT, joints))
+    for torque, states, period in stretches:
+        for state in range(FITTED_STATE_COUNT):
+            seconds[state] += period * ((states == state) & np.isfinite(torque)).sum(axis=0)
+    return seconds
+
+
+def _filled_moments(moments: Array, least: Array) -> Array:
+    """Return the moments with the joint's largest in place of NaN, and at least some (n,)."""
     largest = np.nanmax(moments, axis=0)
-    return np.maximum(np.where(np.isfinite(moments), moments, largest), MIN_TORQUE_STD**2)
+    return np.maximum(np.where(np.isfinite(moments), moments, largest), least)

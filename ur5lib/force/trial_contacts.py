@@ -15,8 +15,7 @@ from ur5lib.timeseries.segments import Span, overlap
 
 PUSH_DURATION = 1.0  # s, of trial pushes
 PAUSE_DURATION = 2.0  # s, between them
-MIN_TRIAL_FORCE = 5.0  # N, of trial pushes
-MIN_LARGEST_PUSH = 100.0  # N
+TRIAL_SIZES = (1 / 3, 7.0)  # smallest and largest trial push, in typical forces
 LOG_STEEPNESS = 1.5  # of the logistic curve: from 25 to 75 % found within a factor of 1.6
 
 
@@ -97,12 +96,13 @@ def try_each_place(
     run: Untouched,
     threshold: float,
     random: np.random.Generator,
-    most: float = MIN_LARGEST_PUSH,
+    typical_force: float,
 ) -> Trials:
     """Push once at each place of a recording, along the base's x, y or z.
 
     log_odds_of: log-odds (N,) of contact with an additional external torque (N, 6) [Nm]; random:
-    deals out peaks, up to `most` [N], and axes.
+    deals out peaks and axes; typical_force:
+    of contacts [N].
     """
     profile, places = trial_pushes(len(run.jacobian), run.period)
     means = [float(run.speed[slice(*place)].mean()) for place in places]
@@ -112,7 +112,7 @@ def try_each_place(
         if np.isfinite(mean) and not any(overlap(alarm, place) for alarm in run.raised)
     ]
     # sizes evenly in their logarithm; axes as evenly as possible
-    peaks = random.permutation(np.geomspace(MIN_TRIAL_FORCE, most, len(free_places)))
+    peaks = typical_force * random.permutation(np.geomspace(*TRIAL_SIZES, len(free_places)))
     axes = random.permutation((random.integers(3) + np.arange(len(free_places))) % 3)
     force = np.zeros((len(profile), 3))
     for (place, _), peak, axis in zip(free_places, peaks, axes, strict=True):

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.ndimage import binary_dilation, gaussian_filter1d
 
+from ur5lib.force.contact_place import jacobian_at, std_at_flange, wrench_at_flange
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.contact_wrench import (
     ContactWrench,
@@ -37,7 +38,8 @@ OPENING_PROBABILITY = 0.5  # that a contact reaches
 CLOSING_PROBABILITY = 0.1  # above which it lasts
 CONTACT_MARGIN = 0.15  # s, by which a contact is extended at both ends
 MIN_PROBABILITY_INSIDE = 0.999  # of a contact
-REST_SMOOTHING = 0.1  # s: deviation of the average of a force on a resting arm
+# Deviation of the average of a force on a resting arm, in periods of the low-pass.
+REST_SMOOTHING_PERIODS = 0.4
 
 
 class StretchEstimate(NamedTuple):
@@ -114,15 +116,20 @@ def estimate_wrench(
     jacobian: Array,
     model: ResidualModel,
     prior: ContactPrior,
+    place: Array | None = None,
 ) -> WrenchEstimate:
     """Estimate the wrench of each unbroken stretch from all of its samples (offline).
 
     run: with a low-passed torque, and states of `model`; unknown friction of its gears counts as
-    none; jacobian: (M, 6, n), at `used_rows`, NaN where the arm's pose is unknown.
+    none; jacobian: (M, 6, n), at `used_rows`, NaN where the arm's pose is unknown; place: (M, 3)
+    [m], where contacts are assumed, from the origin of frame 6, base axes; None: there.
     """
-    estimates = []
-    for rows, observations in _thinned(run, jacobian, model, prior):
-        estimate = _estimate(observations)
+    place = np.zeros((len(jacobian), 3)) if place is None else place
+    estimates, start = [], 0
+    for rows, observations in _thinned(run, jacobian_at(jacobian, place), model, prior):
+        end = start + len(observations.torque)
+        estimate = _at_flange(_estimate(observations), place[start:end])
+        start = end
         for quantity in estimate:
             quantity[~observations.posed] = np.nan
         estimates.append((rows, estimate))
@@ -163,7 +170,7 @@ def _estimate(observations: Observations) -> StretchEstimate:
     likely = np.where(inside, np.maximum(probability, MIN_PROBABILITY_INSIDE), probability)  # (n,)
     # Jᵀ F = what gears and dry friction leave of it, τ - b, put right, and its variances
     carried, share = observations.gears.contact_torque(torque - background.mean)
-    carried += noise.still * mean_stiction_torque(carried, model.breakaway, prior.stiction)
+    carried += noise.still * mean_stiction_torque(carried, model.breakaway, model.stiction)
     hidden = np.where(noise.still, 1 - MEAN_STICTION**2, 1.0) * noise.hidden
     slow = np.linalg.diagonal(background.covariance)
     covariance = diagonal(share**2 * (noise.quick + slow + hidden))  # S
@@ -181,8 +188,9 @@ def _estimate(observations: Observations) -> StretchEstimate:
     shut = _std_while_shut(observations, probability, inside)
     std = std_in_contact(likely, map_estimate, model.doubt, shut)
     resting = inside & noise.still.all(axis=1) & finite_rows(torque)
+    rest_samples = REST_SMOOTHING_PERIODS / (model.cutoff * period)
     return StretchEstimate(
-        wrench=smoothed(likely[:, None] * map_estimate.mean, resting, period),
+        wrench=smoothed(likely[:, None] * map_estimate.mean, resting, rest_samples),
         std=np.hypot(
             np.where(inside[:, None], std, shut), _slow_press(observations, background.mean)
         ),
@@ -193,13 +201,24 @@ def _estimate(observations: Observations) -> StretchEstimate:
     )
 
 
-def smoothed(wrench: Array, resting: Mask, period: float) -> Array:
-    """Return a wrench (n, 6), in contact at rest (n,) averaged over REST_SMOOTHING.
+def _at_flange(estimate: StretchEstimate, place: Array) -> StretchEstimate:
+    """Return the estimate with its wrenches at the origin of frame 6; place: (n, 3) [m]."""
+    return estimate._replace(
+        wrench=wrench_at_flange(estimate.wrench, place),
+        std=std_at_flange(estimate.std, place),
+        least_squares=wrench_at_flange(estimate.least_squares, place),
+        least_squares_std=std_at_flange(estimate.least_squares_std, place),
+    )
 
-    There, friction sticks and slips, and torques jump where the force does not; period: [s].
+
+def smoothed(wrench: Array, resting: Mask, samples: float) -> Array:
+    """Return a wrench (n, 6), in contact at rest (n,) averaged over some samples, the standard
+    deviation of a normal weight.
+
+    There, friction sticks and slips, and torques jump where the force does not.
     """
     weighted = np.where(resting[:, None], np.hstack([wrench, np.ones((len(wrench), 1))]), 0.0)
-    sums = gaussian_filter1d(weighted, REST_SMOOTHING / period, axis=0, mode="constant")
+    sums = gaussian_filter1d(weighted, samples, axis=0, mode="constant")
     averaged = wrench.copy()
     averaged[resting] = sums[resting, :-1] / sums[resting, -1:]
     return averaged
@@ -232,14 +251,19 @@ def contact_spans(probability: Array, period: float) -> list[Span]:
 def _slow_press(observations: Observations, background: Array) -> Array:
     """Return the wrench (n, 6) of a slow press that would explain the background (n, 6) [Nm].
 
-    It is doubt where the whole arm rests, unless contact-free recordings or a tare show what the
-    background is; zero elsewhere.
+    It is doubt where the whole arm rests, unless a tare shows what the background is; zero
+    elsewhere.
     """
-    resting = observations.model.usual & is_still(observations.states)
+    resting = is_still(observations.states)
     wrench = np.zeros((len(background), 6))
     if resting.any():
         std = np.sqrt(observations.noise.spread[resting])
-        wrench[resting], _ = static_wrench(background[resting], std, observations.jacobian[resting])
+        wrench[resting], _ = static_wrench(
+            background[resting],
+            std,
+            observations.jacobian[resting],
+            observations.prior.force,
+        )
     return observations.model.doubt * wrench
 
 
@@ -254,7 +278,7 @@ def _std_while_shut(observations: Observations, contact_probability: Array, insi
     hidden = (model.doubt * MISSED_DEVIATIONS) ** 2 * observations.noise.hiding()
     share, variance = missed_contacts(observations.jacobian, hidden, prior)
     probability = probability_while_shut(share, inside, observations.period, prior)
-    free_variance = np.diagonal(prior.when_free())
+    free_variance = np.diagonal(observations.quiet)
     return mixture_std(
         np.maximum(probability, contact_probability[:, None]), variance, free_variance
     )

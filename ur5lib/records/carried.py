@@ -50,17 +50,17 @@ def configured_payload(signals: Signals) -> Payload | None:
     """
     if signals.payload is None:
         return None
-    (mass,) = _medians(signals.payload[:, None], 1)
+    (mass,) = medians(signals.payload[:, None], 1)
     if mass <= 0:
         return None
     return Payload(
         mass=mass,
-        center_of_mass=_medians(signals.payload_cog, 3),
-        inertia=_medians(signals.payload_inertia, 6),
+        center_of_mass=medians(signals.payload_cog, 3),
+        inertia=medians(signals.payload_inertia, 6),
     )
 
 
-def _medians(values: Array | None, count: int) -> Any:
+def medians(values: Array | None, count: int) -> Any:
     """Return the median of each of some columns, zero where it was not recorded."""
     if values is None or not np.isfinite(values).any():
         return (0.0,) * count
@@ -118,7 +118,7 @@ def _changing_payload(signals: Signals) -> str:
 def _other_tcp(tcp: Six | None, signals: Signals) -> str:
     if tcp is None or signals.tcp_offset is None:
         return ""
-    configured = np.array(_medians(signals.tcp_offset, 6))
+    configured = np.array(medians(signals.tcp_offset, 6))
     apart = np.abs(np.array(tcp) - configured)
     if apart[:3].max() <= PLACE and apart[3:].max() <= TURN:
         return ""

@@ -1,7 +1,12 @@
 """The contacts that each estimate detects."""
 
+import math
 from dataclasses import dataclass, field
 from typing import Literal, get_args
+
+from ur5lib.records.contact_place import PlaceRow
+from ur5lib.records.phrases import as_written, number
+from ur5lib.records.quality import Finding
 
 Fate = Literal["found", "merged", "missed"]  # by an alarm of its own, within another one's, by none
 FATES: tuple[Fate, ...] = get_args(Fate)
@@ -122,10 +127,29 @@ class Contact:
 @dataclass(frozen=True, kw_only=True)
 class Contacts:
     """contacts.json: the contacts by each estimate, as rows of contact_errors.csv, detection.csv,
-    fixed_threshold.csv and contacts.csv.
+    fixed_threshold.csv, contacts.csv and contact_place.csv.
     """
 
     errors: list[ContactError] = field(default_factory=list)
     detections: list[Detection] = field(default_factory=list)
     fixed_thresholds: list[FixedThreshold] = field(default_factory=list)
     contacts: list[Contact] = field(default_factory=list)
+    places: list[PlaceRow] = field(default_factory=list)
+
+    def findings(self) -> list[Finding]:
+        """Return where a sensor shows another place of contacts than the one that is assumed."""
+        return [found for row in self.places if (found := _other_place(row))]
+
+
+def _other_place(row: PlaceRow) -> Finding | None:
+    if row.sensed_x_m is None or row.sensed_y_m is None or row.sensed_z_m is None:
+        return None
+    sensed = row.sensed_x_m, row.sensed_y_m, row.sensed_z_m
+    away = math.dist(sensed, (row.x_m, row.y_m, row.z_m))
+    if away <= row.within_m + (row.sensed_within_m or 0.0):
+        return None
+    detail = (
+        f"by the sensor's moments, contacts are {number(100 * away, '.0f')} cm from where they are "
+        f"assumed: state `contact_place: {{position_m: [{as_written(sensed, '.2f')}]}}`"
+    )
+    return Finding("force", "other contact place", "warning", 1, detail)

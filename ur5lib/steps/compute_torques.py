@@ -10,14 +10,17 @@ from ur5lib.checks.checked import Checked
 from ur5lib.checks.contacts import sensed_contacts
 from ur5lib.checks.findings import contradictions
 from ur5lib.checks.stop_signs import CHECKED_COLUMNS
+from ur5lib.checks.tool import shown_tool_center
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.force.tare import Span, tare_doubts
-from ur5lib.records.carried import Carried, carried, disagreements
+from ur5lib.records.carried import Carried, carried, disagreements, medians
+from ur5lib.records.contact_place import ContactPlace
+from ur5lib.records.contact_place import contact_place as contact_place_of
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.motion import Motion
 from ur5lib.records.premises import Premises
 from ur5lib.records.signals import SENSOR_COLUMNS, Signals
-from ur5lib.robots.description import Payload, Robot
+from ur5lib.robots.description import Payload, Robot, Vector3
 from ur5lib.tables import read_footer, read_table
 from ur5lib.timeseries.arrays import Six
 
@@ -40,12 +43,14 @@ def compute_torques(
     tcp: Six | None = None,
     accepted: dict[str, str] | None = None,
     untouched: Span | None = None,
+    contact_place: tuple[Vector3, float] | None = None,
 ) -> RecordingTorques:
     """Return the torques of every link model, and what in the recording contradicts the study.
 
     signals: file of `Signals`; gravity, payload, tcp: as the study declares them; role: of the
     recording; cutoffs_hz: of the low-pass filters by name; accepted: why the study overrules stop
-    signs, by kind; untouched: span [s] that the study declares as a tare.
+    signs, by kind; untouched: span [s] that the study declares as a tare; contact_place: as it
+    states it [m], frame 6, and within how many metres.
     """
     known, robot = Signals.read(signals), arm.mounted(gravity)
     load = carried(payload, known)
@@ -58,7 +63,32 @@ def compute_torques(
         doubts += sensed_contacts(table, load.mass)
     sensed = known.force_sensor is not None
     found = contradictions(checked, doubts, sensed, cutoffs_hz, accepted or {})
-    return RecordingTorques(joint_torques(robot, load, known, motion), Premises(load, found))
+    place = place_of_contacts(contact_place, tcp, known, load, table, robot)
+    return RecordingTorques(joint_torques(robot, load, known, motion), Premises(load, found, place))
+
+
+def place_of_contacts(
+    stated: tuple[Vector3, float] | None,
+    tcp: Six | None,
+    signals: Signals,
+    load: Carried,
+    table: pd.DataFrame,
+    arm: Robot,
+) -> ContactPlace:
+    """Return where contacts are assumed; stated, tcp: as the study declares them; table: of the
+    signals, with the columns of the checks.
+    """
+    set_tool = None if signals.tcp_offset is None else medians(signals.tcp_offset, 6)
+    shown_tool = shown_tool_center(table, arm) if set_tool is None else None
+    mounted = signals.force_sensor is not None and not arm.wrist_sensor
+    return contact_place_of(
+        stated,
+        tools={"tool": tcp, "tcp_offset": set_tool, "actual_TCP_pose": shown_tool},
+        centers={
+            "sensor": arm.mounting.force_sensor if mounted else None,
+            "payload": None if load.payload is None else load.payload.center_of_mass,
+        },
+    )
 
 
 def checked_columns(signals: Path) -> pd.DataFrame:

@@ -17,6 +17,7 @@ from ur5lib.identification.current_samples import (
     current_record,
     prior_of,
 )
+from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces
@@ -40,19 +41,20 @@ def estimate_forces(
     residuals: Residuals,
     arm: Robot,
     lowpass: Butterworth,
-    contact_force_n: float,
+    contact_force_n: float | None,
 ) -> Forces:
     """Return every estimate of the contact wrench that the recording has.
 
-    contact_force_n: of a typical contact [N].
+    contact_force_n: of a typical contact [N], None: by the arm's payload.
     """
     run = Run(motion.anew(), currents.anew(), kinematics.anew(), signals.wrench_calc_from_currents)
+    prior = ContactPrior.of(arm, contact_force_n, premises.place)
     if is_fitted(friction, premises.contradictions):
-        prior = ContactPrior(force=contact_force_n)
-        fmap = most_probable(motion, currents, residuals, kinematics, prior)
+        fmap = most_probable(motion, currents, residuals, kinematics, prior, premises.place)
         run = replace(run, fmap=fmap)
     else:
-        static = static_forces(arm, signals, motion, torques, kinematics.jacobian, lowpass)
+        tables = signals, motion, torques
+        static = static_forces(arm, *tables, kinematics.jacobian, lowpass, prior.force)
         run = replace(run, static=static)
     estimates = {name: one.estimate(run) for name, one in ESTIMATORS.items()}
     background, time = run.background, motion.anew()
@@ -66,10 +68,14 @@ def most_probable(
     residuals: Residuals,
     kinematics: Kinematics,
     prior: ContactPrior,
+    place: ContactPlace,
 ) -> WrenchEstimate | None:
     """Return F̂ᵐᵃᵖ, None where its torque is not known."""
     problem = fmap_problem(motion, currents, residuals)
-    return problem and problem.solve(kinematics.anew(problem.rows).jacobian, prior)
+    if problem is None:
+        return None
+    used = kinematics.anew(problem.rows)
+    return problem.solve(used.jacobian, prior, place.on(used.rotation))
 
 
 def static_forces(
@@ -79,10 +85,11 @@ def static_forces(
     torques: Torques,
     jacobian: Array,
     lowpass: Butterworth,
+    typical_force: float,
 ) -> Stated | None:
     """Return the wrench of a resting arm, NaN in motion; None without currents or known constants.
 
-    jacobian: (N, 6, 6); lowpass: of currents.
+    jacobian: (N, 6, 6); lowpass: of currents; typical_force: of contacts [N].
     """
     record = current_record("", signals, motion, torques, robot)
     if record is None:
@@ -98,4 +105,4 @@ def static_forces(
     torque = inner(left, record.segment, record.period, lowpass.cutoff)
     torque[~at_rest(record.qd)] = np.nan
     std = torque_std(motor, np.maximum(error, MIN_CONSTANT_ERROR), prior.torque_max)
-    return Stated(*static_wrench(torque, std, jacobian))
+    return Stated(*static_wrench(torque, std, jacobian, typical_force))

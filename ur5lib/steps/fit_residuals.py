@@ -158,6 +158,7 @@ def _residual_model(runs: Sequence[ForceInput], friction: Friction, cutoff: floa
     ]
     fit, sensed = friction.fit, friction.measured == TORQUE
     model = fit_residual_model(stretches, cutoff, breakaway_torque(fit))
+    model = model.with_usual_rest(stretches)
     # the errors of other arms are those of motor currents
     missing = 0 if sensed else max(0, MIN_PATHS - friction.paths)
     if missing:

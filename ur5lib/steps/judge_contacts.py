@@ -5,8 +5,19 @@ from dataclasses import replace
 from itertools import groupby
 from operator import attrgetter
 
+import numpy as np
+
 from ur5lib.dynamics.link_model import load_regressor
-from ur5lib.force.alarms import Alarm, Named, all_alarms, detections, fixed_thresholds, raised
+from ur5lib.force.alarms import (
+    Alarm,
+    Alarms,
+    Named,
+    all_alarms,
+    detections,
+    fixed_thresholds,
+    raised,
+)
+from ur5lib.force.contact_place import sensed_place
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.controller import further_or_controller
 from ur5lib.force.estimators import LEADING, all_stated
@@ -15,10 +26,11 @@ from ur5lib.force.fates import contact_rows, with_fates
 from ur5lib.force.flange_contact import judged_by_torques
 from ur5lib.force.force_input import gears
 from ur5lib.force.grasp import grasped_load
-from ur5lib.force.problem import fmap_problem
+from ur5lib.force.problem import Problem, fmap_problem
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.sensed_contact import FREE_ROLES
 from ur5lib.force.trial_contacts import flange_speed
+from ur5lib.records.contact_place import ContactPlace, PlaceRow
 from ur5lib.records.contacts import ContactError, Contacts
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
@@ -30,7 +42,9 @@ from ur5lib.records.prediction import Prediction
 from ur5lib.records.premises import Premises
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
-from ur5lib.timeseries.segments import Span
+from ur5lib.timeseries.segments import Span, inside_spans
+
+PLACE_ERROR = 0.05  # m
 
 
 def judge_contacts(
@@ -48,7 +62,7 @@ def judge_contacts(
     residuals: Residuals,
     threshold: dict[str, float],
     role: str,
-    contact_force_n: float,
+    contact_force_n: float | None,
     gravity: list[float] | None = None,
     further: FurtherForces | None = None,
 ) -> Contacts:
@@ -65,10 +79,14 @@ def judge_contacts(
     speed = flange_speed(kinematics.jacobian, motion.qd)
     alarms = {name: raised(own, sensor, motion.q, speed, loads) for name, own in found.items()}
     problem = fmap_problem(motion, currents, residuals)
-    if problem is not None and LEADING in alarms:
-        prior = ContactPrior(force=contact_force_n)
-        alarms[LEADING] = judged_by_torques(arm, problem, forces.time, prior, alarms[LEADING])
     is_free = role in FREE_ROLES and not prediction.is_loaded
+    places = []
+    if problem is not None and LEADING in alarms:
+        prior = ContactPrior.of(arm, contact_force_n, premises.place)
+        alarms[LEADING] = judged_by_torques(arm, problem, forces.time, prior, alarms[LEADING])
+        if not is_free:
+            change = force_change(problem, kinematics, prior, premises.place, found[LEADING])
+            places.append(place_row(premises.place, change, sensor, kinematics))
     return Contacts(
         errors=[*errors_with_fates(compared.contacts, alarms)],
         detections=[
@@ -80,7 +98,40 @@ def judge_contacts(
             row for name, own in found.items() for row in fixed_thresholds(name, own, sensor)
         ],
         contacts=[row for name, own in alarms.items() for row in contact_rows(name, own, is_free)],
+        places=places,
     )
+
+
+def force_change(
+    problem: Problem, kinematics: Kinematics, prior: ContactPrior, place: ContactPlace, own: Alarms
+) -> float | None:
+    """Return by how much [N] the force in alarms changes on average where contacts are assumed
+    PLACE_ERROR farther; None without an alarm.
+    """
+    inside = inside_spans(own.raised, len(own.evidence))
+    if not inside.any():
+        return None
+    used = kinematics.anew(problem.rows)
+    farther = place.farther(PLACE_ERROR).on(used.rotation)
+    moved = problem.solve(used.jacobian, prior, farther).wrench
+    return float(np.nanmean(np.linalg.norm((moved - own.wrench)[inside, :3], axis=1)))
+
+
+def place_row(
+    place: ContactPlace, change: float | None, sensor: SensorWrenches, kinematics: Kinematics
+) -> PlaceRow:
+    """Return where contacts are assumed, beside where a sensor shows them."""
+    x, y, z = place.point
+    row = PlaceRow(
+        source=place.source, x_m=x, y_m=y, z_m=z, within_m=place.within, force_change_n=change
+    )
+    if "compensated" not in sensor.wrench:
+        return row
+    sensed = sensed_place(sensor.wrench["compensated"], kinematics.rotation)
+    if sensed is None:
+        return row
+    (x, y, z), within = sensed[0].tolist(), sensed[1]
+    return replace(row, sensed_x_m=x, sensed_y_m=y, sensed_z_m=z, sensed_within_m=within)
 
 
 def errors_with_fates(

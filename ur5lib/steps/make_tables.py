@@ -17,6 +17,7 @@ from ur5lib.judging.may_be_used import friction_rows, torque_constants
 from ur5lib.records.acceleration_errors import AccelerationBand, AccelerationError, Innovation
 from ur5lib.records.accelerations import ImuComparison
 from ur5lib.records.account import AccountRow
+from ur5lib.records.contact_place import PlaceRow
 from ur5lib.records.contacts import Contact, ContactError, Contacts, Detection, FixedThreshold
 from ur5lib.records.fits import (
     CalibratedQuantity,
@@ -62,6 +63,7 @@ OF_RECORDINGS = {
     "detection": Detection,
     "fixed_threshold": FixedThreshold,
     "contacts": Contact,
+    "contact_place": PlaceRow,
 }
 OF_ARMS = {
     "imu_calibration": CalibratedQuantity,
@@ -110,7 +112,8 @@ def make_tables(
     rows = rows_of_recordings(
         dict(judgements), dict(beside_sensor), dict(contacts), dict(beside_imu)
     )
-    rows["quality"] = found_of_recordings(dict(judgements), dict(beside_sensor), unreadable, roles)
+    known = dict(judgements), dict(beside_sensor), dict(contacts)
+    rows["quality"] = found_of_recordings(*known, unreadable, roles)
     of_arms: dict[str, Rows] = {
         "imu_calibration": {robot: calibrated(own) for robot, own in calibration.items()},
         "rotor_inertia": {robot: rotor_rows(own) for robot, own in rotors.items()},
@@ -153,12 +156,14 @@ def rows_of_recordings(
         "detection": {name: one.detections for name, one in contacts.items()},
         "fixed_threshold": {name: one.fixed_thresholds for name, one in contacts.items()},
         "contacts": {name: one.contacts for name, one in contacts.items()},
+        "contact_place": {name: one.places for name, one in contacts.items()},
     }
 
 
 def found_of_recordings(
     judged: Mapping[str, Judgement],
     compared: Mapping[str, Compared],
+    contacts: Mapping[str, Contacts],
     unreadable: Mapping[str, str],
     roles: Mapping[str, str],
 ) -> Rows:
@@ -168,6 +173,7 @@ def found_of_recordings(
         name: beside_sensor_findings(found[name], one, roles.get(name, ""))
         for name, one in compared.items()
     }
+    found |= {name: found[name] + one.findings() for name, one in contacts.items()}
     rows = {name: [*map(files.quality_row, own)] for name, own in found.items()}
     return rows | {name: [files.unreadable(why)] for name, why in unreadable.items()}
 

@@ -6,13 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ur5lib.force.contact_place import jacobian_at
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.estimators import LEADING
 from ur5lib.force.problem import Problem, fmap_problem
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.thresholds import alarms
 from ur5lib.force.trial_contacts import (
-    MIN_LARGEST_PUSH,
     PUSH_DURATION,
     Trials,
     Untouched,
@@ -27,9 +27,9 @@ from ur5lib.records.forces import Forces
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
+from ur5lib.records.premises import Premises
 from ur5lib.records.pushes import SPEEDS, Basis, Reason, SmallestPush
 from ur5lib.robots.description import Robot
-from ur5lib.robots.statics import STANDARD_GRAVITY
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -45,28 +45,30 @@ def measure_pushes(
     kinematics: Mapping[str, Kinematics],
     forces: Mapping[str, Forces],
     predictions: Mapping[str, Prediction],
+    premises: Mapping[str, Premises],
     friction: Friction,
     residuals: Residuals,
     threshold: dict[str, float],
     arm: Robot,
-    contact_force_n: float,
+    contact_force_n: float | None,
 ) -> list[SmallestPush]:
     """Return the smallest pushes by motion and axis, none where no push can be tried.
 
-    motion to predictions: of contact-free recordings; contact_force_n: [N], of a typical contact.
-    Trial pushes end at the weight of the arm's rated payload, or at 100 N.
+    motion to premises: of contact-free recordings; contact_force_n: [N], of a typical contact,
+    None: by the arm's payload.
     """
-    prior, trials = ContactPrior(force=contact_force_n), dict[str, Trials]()
-    least = MIN_TRIALS // max(1, len(motion))
-    most = max(MIN_LARGEST_PUSH, STANDARD_GRAVITY * (arm.rated_payload or 0.0))
+    trials, least = dict[str, Trials](), MIN_TRIALS // max(1, len(motion))
     for name, moved in motion.items():
         if LEADING not in threshold or predictions[name].is_loaded:
             continue
         problem = fmap_problem(moved, currents[name], residuals)
         odds = forces[name].log_odds.get(LEADING)
         if problem is not None and odds is not None:
-            jacobian, alarm_odds = kinematics[name].jacobian, threshold[LEADING]
-            trials[name] = pushed(problem, jacobian, prior, alarm_odds, odds, least, most)
+            place = premises[name].place
+            prior = ContactPrior.of(arm, contact_force_n, place)
+            known = kinematics[name]
+            jacobian = jacobian_at(known.jacobian, place.on(known.rotation))
+            trials[name] = pushed(problem, jacobian, prior, threshold[LEADING], odds, least)
     tried = [name for name, own in trials.items() if len(own.force)]
     if not tried:
         return []
@@ -82,16 +84,16 @@ def pushed(
     threshold: float,
     odds: Array,
     least: int,
-    most: float,
 ) -> Trials:
-    """Return trial pushes of up to `most` [N] on a contact-free recording.
+    """Return trial pushes on a contact-free recording, where contacts are assumed.
 
-    odds: without any (N,); least: number of pushes, if there is a place for any.
+    jacobian: of that place (N, 6, 6); odds: without any push (N,); least: number of pushes, if
+    there is a time for any.
     """
     one, random = problem.input, np.random.default_rng(0)
     speed = flange_speed(jacobian, one.qd)
     time = np.arange(len(speed), dtype=np.float64) * one.period
-    stiction, used = prior.stiction * problem.model.breakaway, jacobian[problem.rows]
+    stiction, used = problem.model.stiction * problem.model.breakaway, jacobian[problem.rows]
     friction = np.random.default_rng(1)
 
     def log_odds_of(torque: Array) -> Array:
@@ -99,9 +101,11 @@ def pushed(
         return problem.pushed(felt).contact_log_odds(used, prior)
 
     run = Untouched(jacobian, speed, one.period, alarms(odds, threshold))
-    first = try_each_place(log_odds_of, run, threshold, random, most)
+    first = try_each_place(log_odds_of, run, threshold, random, prior.force)
     rounds = max(TRIAL_ROUNDS, -(-least // max(1, len(first.force))))
-    more = [try_each_place(log_odds_of, run, threshold, random, most) for _ in range(rounds - 1)]
+    more = [
+        try_each_place(log_odds_of, run, threshold, random, prior.force) for _ in range(rounds - 1)
+    ]
     return Trials.joined([first, *more])
 
 

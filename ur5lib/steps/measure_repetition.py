@@ -13,6 +13,7 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.currents import torque_constants
 from ur5lib.identification.repetition import path_run, repetition
 from ur5lib.recordings.copies import same_runs
+from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.friction import CurrentFit, Friction
@@ -36,14 +37,14 @@ def measure_repetition(
     friction: Friction,
     residuals: Residuals,
     arm: Robot,
-    contact_force_n: float,
+    contact_force_n: float | None,
 ) -> list[Repeated]:
     """Return what repetition alone leaves of an arm's errors; empty where no path was repeated.
 
     signals … quality: of contact-free recordings, of which copies do not count;
-    contact_force_n: [N], of a typical contact.
+    contact_force_n: [N], of a typical contact, None: by the arm's payload.
     """
-    prior, runs = ContactPrior(force=contact_force_n), []
+    prior, runs = ContactPrior.of(arm, contact_force_n, ContactPlace()), []
     copies = {other for _, other in same_runs({n: one.fingerprint for n, one in quality.items()})}
     for name, moved in motion.items():
         if not predictions[name].is_loaded and name not in copies:

@@ -83,6 +83,7 @@ STEPS: Mapping[str, Mapping[str, Given]] = {
         "role": partial(_entry, "role"),
         **LOADED,
         "untouched": partial(_entry, "untouched"),
+        "contact_place": Selection.contact_place,
         "cutoffs_hz": _cutoffs_hz,
     },
     "fit_friction": {

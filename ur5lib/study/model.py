@@ -20,6 +20,7 @@ from ur5lib.recordings.entries import (
     TableFiles,
     ThesisFiles,
 )
+from ur5lib.records.contact_place import TOOL_RADIUS
 from ur5lib.records.quality import SENSORS
 from ur5lib.robots.description import Gravity, Payload, Vector3
 from ur5lib.stand import layout
@@ -57,6 +58,15 @@ def _in_order(span: tuple[float, float]) -> tuple[float, float]:
     return span
 
 
+class ContactPlaceSetting(Strict):
+    """Where contacts are."""
+
+    position_m: Vector3 = Field(description="place in frame 6 [m]")
+    within_m: float = Field(
+        TOOL_RADIUS, gt=0, le=2, description="usual distance of a contact from it [m]"
+    )
+
+
 class Part(Strict):
     """One run of an arm, and its use in the study: the keys that every format has."""
 
@@ -88,6 +98,11 @@ class Part(Strict):
         description="load on the flange that the arm's description and its tool lack, whether the "
         "controller knows it or not; default: the recorded `payload` channels of RTDE, otherwise "
         "none",
+    )
+    contact_place: ContactPlaceSetting | None = Field(
+        None,
+        description="place where the arm is touched; default: the tool centre point, of `tool` or "
+        "recorded, else anywhere on the wrist",
     )
     date: Day | None = Field(
         None,
@@ -128,6 +143,11 @@ class Part(Strict):
         """Return the declared load on the flange, tool included."""
         tool, load = self.known_tool(), self.declared_load()
         return load.joined(tool.payload() if tool else None) if load else tool and tool.payload()
+
+    def stated_contact_place(self) -> tuple[Vector3, float] | None:
+        """Return the place of contacts [m], frame 6, and within how many metres it is known."""
+        place = self.contact_place
+        return None if place is None else (place.position_m, place.within_m)
 
     def sensor_mounting(self) -> tuple[Vector3 | None, Vector3 | None]:
         """Return position [m] and turn [°] of the force sensor; None: as described for the arm."""
@@ -281,11 +301,12 @@ class Lowpass(Strict):
 class Contact(Strict):
     """Prior knowledge about contacts."""
 
-    force_n: float = Field(
-        15.0,
+    force_n: float | None = Field(
+        None,
         gt=0,
-        le=1000,
-        description="force of a typical contact; the data of each contact override it",
+        le=10_000,
+        description="force of a typical contact, by default 0.3 of the weight of the rated "
+        "payload; the data of each contact override it",
     )
 
 

@@ -159,6 +159,11 @@ class Selection:
         tool = self.entries[name].known_tool()
         return [*tool.tcp] if tool and tool.tcp else None
 
+    def contact_place(self, name: str) -> list[Any] | None:
+        """Return the place of contacts that the study states [m], and within how many metres."""
+        place = self.entries[name].stated_contact_place()
+        return None if place is None else [[*place[0]], place[1]]
+
     def accepted(self, name: str) -> dict[str, str]:
         """Return the reasons for which the study overrules a recording's stop signs, by kind."""
         reasons: dict[str, str] = self.entries[name].accepted()

@@ -12,12 +12,12 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from ur5lib.force.contact_prior import ContactPrior, wrench_covariance
+from ur5lib.force.contact_prior import wrench_covariance
 from ur5lib.force.contact_wrench import regularised_wrench
 from ur5lib.force.external_torque import JointState
 from ur5lib.force.force_input import MEAN_STICTION, mean_stiction_torque
 from ur5lib.force.gate import diagonal
-from ur5lib.force.residual_model import ResidualModel
+from ur5lib.force.residual_model import USUAL_STICTION, ResidualModel
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import by_segment, inside_spans, spans
 from ur5rivals.estimator import Contender, Learned
@@ -28,7 +28,7 @@ from ur5rivals.run import Estimate, Run
 MEDIAN_SPAN = 10.0  # s, of the median
 CONTACT_START, CONTACT_END = 8.0, 2.0  # deviations
 PRIOR_FORCE = 30.0  # N
-PRIOR = ContactPrior()
+LEVER, RUBBING, LOSS = 0.03, 0.2, 0.1  # m, and shares of the breakaway torque, of a contact
 
 
 def running_median(torque: Array, samples: int) -> Array:
@@ -46,15 +46,15 @@ def estimate(run: Run, noise: ResidualModel) -> Estimate:
     touched = inside_spans(spans(size, CONTACT_START, CONTACT_END), len(size))
     # gears and stiction
     carried, _ = run.gears.where_moving(run.states).contact_torque(rest)
-    carried += still * mean_stiction_torque(carried, noise.breakaway, PRIOR.stiction)
-    absorbed = np.where(still, PRIOR.stiction * np.sqrt(1 - MEAN_STICTION**2), PRIOR.rubbing)
+    carried += still * mean_stiction_torque(carried, noise.breakaway, USUAL_STICTION)
+    absorbed = np.where(still, USUAL_STICTION * np.sqrt(1 - MEAN_STICTION**2), RUBBING)
     taken = absorbed * noise.breakaway
-    lost = PRIOR.load_friction * carried
+    lost = LOSS * carried
     # ridge
     covariance = diagonal(deviation**2 + taken**2 + lost**2)
     wrench, std = np.full_like(rest, np.nan), np.full_like(rest, np.nan)
     finite = np.isfinite(rest).all(axis=1) & np.isfinite(run.jacobian).all(axis=(1, 2))
-    prior = wrench_covariance(PRIOR_FORCE, PRIOR.lever)
+    prior = wrench_covariance(PRIOR_FORCE, LEVER)
     wrenches = regularised_wrench(carried[finite], run.jacobian[finite], covariance[finite], prior)
     wrench[finite] = np.where(touched[finite, None], wrenches.mean, 0.0)
     std[finite] = np.sqrt(np.linalg.diagonal(wrenches.covariance))

@@ -51,8 +51,8 @@ def inputs(run: Run) -> tuple[dict[str, Any], Measured] | None:
     """
     if run.measured is None or run.arm is None:
         return None
-    robot, friction, payload = run.arm
-    return numbers(robot, friction, run.name, payload), run.measured
+    robot, friction, payload, place = run.arm
+    return numbers(robot, friction, run.name, payload, place), run.measured
 
 
 def learn(runs: Sequence[Run]) -> Learned:

@@ -179,6 +179,7 @@ rule measure_pushes:
         motion=results_of(SELECTION.drawn, "motion.parquet"),
         currents=results_of(SELECTION.drawn, "currents.parquet"),
         predictions=results_of(SELECTION.drawn, "currents.json"),
+        premises=results_of(SELECTION.drawn, "premises.json"),
         kinematics=results_of(SELECTION.drawn, "kinematics.parquet"),
         forces=results_of(SELECTION.drawn, "forces.parquet"),
         friction=parameter("friction.json"),

@@ -58,6 +58,7 @@ TABLES = [  # that make_tables writes for every study, besides those of which st
     "sensed",
     "detection",
     "fixed_threshold",
+    "contact_place",
     "contacts",
     "imu_calibration",
     "rotor_inertia",

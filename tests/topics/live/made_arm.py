@@ -26,7 +26,7 @@ def arm_file(noise: float = 0.3, **constants: float) -> dict[str, Any]:
         "speed": [2.0] * 6,
         "noise": {"std": std, "absorbed": lost, "hidden": lost},
         "threshold": {"log_odds": 3.0},
-        "constants": CONSTANTS | {"period": PERIOD, "doubt": 1.1} | constants,
+        "constants": CONSTANTS | {"period": PERIOD, "doubt": 1.1, "quiet": [1.0]} | constants,
     }
 
 

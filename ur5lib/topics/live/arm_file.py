@@ -10,21 +10,23 @@ from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
 from ur5lib.force.sensed_contact import in_contact
 from ur5lib.jobs.unreadable import reason
+from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.forces import SensorWrenches
 from ur5lib.records.friction import Friction
+from ur5lib.records.premises import Premises
 from ur5lib.records.signals import Signals
 from ur5lib.study.model import Recording
 from ur5lib.timeseries.segments import runs
 from ur5lib.topics.live.live_file import LiveFit, numbers
 from ur5lib.topics.live.rows import LiveForces
 
-FORMAT = "ur5lib live 1"
+FORMAT = "ur5lib live 2"
 UNITS = "SI: m, kg, s, rad, N, Nm, A; links in the axes of their joint, joints from 1"
 
 
 def known_of_arm(study: FinishedStudy, robot: str, as_in: str) -> dict[str, Any]:
-    """Return what the file of an arm holds; as_in: recording whose payload and mounting it has, ""
-    for none.
+    """Return what the file of an arm holds; as_in: recording whose payload, place of contacts and
+    mounting it has, "" for none.
 
     Raises InputError where no force may be stated, with the report's reason.
     """
@@ -40,12 +42,15 @@ def known_of_arm(study: FinishedStudy, robot: str, as_in: str) -> dict[str, Any]
     entries = [one for one in study.configuration().recordings if one.arm.known_as == robot]
     mounted = arm.mounted(study.recording(as_in).known_gravity()) if as_in else arm
     payload = study.payload(as_in) if as_in else None
+    force = study.configuration().settings.contact.force_n
+    places = {study.record(Premises, name).place for name in ([as_in] if as_in else friction.from_)}
+    place = places.pop() if len(places) == 1 else ContactPlace()
     others = [entry for entry in entries if entry.name not in friction.from_]
     head = {"format": FORMAT, "units": UNITS, "exported_by": f"ur5lib {__version__}"}
     return (
         head
         | {"arm": robot, "payload": payload and payload.model_dump(mode="json")}
-        | numbers(mounted, friction, "", payload)
+        | numbers(mounted, friction, "", payload, place, force)
         | live.known
         | {"validity": _validity(study, entries, friction.from_)}
         | {"judged_on": [*_judged(study, others)]}

@@ -19,18 +19,21 @@ def estimate_live(
     friction: Friction,
     live: LiveFit,
     arm: Robot,
+    contact_force_n: float | None,
     gravity: list[float] | None = None,
 ) -> LiveForces:
     """Return what the estimator that `ur5 export --format live` writes would have stated.
 
-    Empty without a fit, without positions or currents, where the recording contradicts the study,
-    and with a load that nobody declared.
+    contact_force_n: of a typical contact [N], None: by the arm's payload. Empty without a fit,
+    without positions or currents, where the recording contradicts the study, and with a load that
+    nobody declared.
     """
     run = Measured.of(signals)
     stopped = premises.contradictions.stop_signs or prediction.is_loaded
     if run is None or stopped or not live.known:
         return LiveForces(time=signals.time, segment=signals.segment)
-    own = numbers(arm.mounted(gravity), friction, recording, premises.load.payload)
+    about = premises.load.payload, premises.place, contact_force_n
+    own = numbers(arm.mounted(gravity), friction, recording, *about)
     found = follow({**own, **live.known}, run)
     return LiveForces(
         time=signals.time,

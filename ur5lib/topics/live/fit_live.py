@@ -20,11 +20,13 @@ def fit_live(
     arm: Robot,
     gravities: dict[str, list[float] | None],
     false_alarms_per_min: float,
+    contact_force_n: float | None,
 ) -> LiveFit:
     """Return the noise and the threshold of an arm, each recording by the fit without its path;
     empty without a fit, or with the reason why no force is stated.
 
-    signals, premises, gravities: of the arm's `fit` recordings.
+    signals, premises, gravities: of the arm's `fit` recordings; contact_force_n: of a typical
+    contact [N], None: by the arm's payload.
     """
     for refused in (friction.stopped, friction.refused, residuals.refused):
         if refused is not None:
@@ -34,9 +36,12 @@ def fit_live(
     under = {name: arm.mounted(gravity) for name, gravity in gravities.items()}
     try:
         runs = [
-            (numbers(under[name], friction, name, premises[name].load.payload), run)
-            for name in friction.from_
-            if (run := Measured.of(signals[name])) is not None
+            (
+                numbers(under[name], friction, name, own.load.payload, own.place, contact_force_n),
+                run,
+            )
+            for name, own in premises.items()
+            if name in friction.from_ and (run := Measured.of(signals[name])) is not None
         ]
         return LiveFit(learned(runs, friction.paths, false_alarms_per_min))
     except RefusalError as refusal:

@@ -126,7 +126,8 @@ class Numbers {
 
 struct Sweep {
   Joints momentum{}, rate{};
-  std::array<Wrench, MAX_JOINTS> jacobian{};  // a column for each joint
+  std::array<Wrench, MAX_JOINTS> jacobian{};  // of the place of contacts, a column for each joint
+  Vector place{};                             // from the last frame's origin, base axes [m]
 };
 
 class Live {
@@ -184,13 +185,15 @@ class Live {
     acceleration_ = constant("acceleration"), encoder_ = constant("encoder");
     dead_zone_ = constant("dead_zone"), rest_speed_ = constant("rest_speed");
     stop_ = constant("stop"), settle_ = constant("settle"), reversal_ = constant("reversal");
-    wide_ = constant("wide"), doubt_ = constant("doubt"), rare_ = constant("rare"), lever_ = constant("lever");
+    wide_ = constant("wide"), doubt_ = constant("doubt"), rare_ = constant("rare");
     duration_ = constant("duration"), hysteresis_ = constant("hysteresis");
     freeze_ = constant("freeze"), thaw_ = constant("thaw"), slow_ = constant("slow");
-    quiet_ = arm.at("constants.quiet.0"), typical_ = constant("typical");
-    count_ = arm.count("constants.sizes");
+    quiet_ = arm.at("constants.quiet.0");
+    lever_ = arm.at("contacts.lever"), typical_ = arm.at("contacts.typical");
+    for (int i = 0; i < 3; ++i) place_[i] = arm.at("contacts.place." + std::to_string(i));
+    count_ = arm.count("contacts.sizes");
     if (count_ < 1 || count_ > MAX_SIZES) throw std::runtime_error("the arm's file has no 1 to 8 sizes");
-    for (int s = 0; s < count_; ++s) sizes_[s] = arm.at("constants.sizes." + std::to_string(s));
+    for (int s = 0; s < count_; ++s) sizes_[s] = arm.at("contacts.sizes." + std::to_string(s));
     restart();
   }
 
@@ -245,6 +248,8 @@ class Live {
       origin = origin + axes * tail_[k];
       pose = axes * turn_[k];
     }
+    result.place = pose * place_;
+    const Vector touched = origin + result.place;
     for (int k = n - 1; k >= 0; --k) {
       if (k + 1 < n) {
         angular[k] = angular[k] + angular[k + 1];
@@ -256,7 +261,7 @@ class Live {
       result.rate[k] = dot(angular[k], cross(omega[k], axis[k])) +
                        dot(linear[k], cross(omega[k], arm[k]) + cross(v[k], axis[k])) +
                        dot(axis[k], pull[k]) + dot(arm[k], weight[k]);
-      const Vector lift = arm[k] + cross(axis[k], origin);
+      const Vector lift = arm[k] + cross(axis[k], touched);
       for (int i = 0; i < 3; ++i) {
         result.jacobian[k][i] = lift[i];
         result.jacobian[k][3 + i] = axis[k][i];
@@ -328,7 +333,7 @@ class Live {
       rate_[k] = rate;
     }
     move();
-    judge(swept.jacobian);
+    judge(swept.jacobian, swept.place);
     learn();
   }
 
@@ -383,7 +388,7 @@ class Live {
     }
   }
 
-  void judge(const std::array<Wrench, MAX_JOINTS>& jacobian) noexcept {
+  void judge(const std::array<Wrench, MAX_JOINTS>& jacobian, const Vector& place) noexcept {
     Joints variance{}, wider{}, touching{}, carried{};
     bool doubtful = time_ - started_ < settle_;
     for (int k = 0; k < n; ++k) {
@@ -417,8 +422,16 @@ class Live {
     for (int i = 0; i < 6; ++i) {
       answer_.wrench[i] = mean[i] / total;
       const double spread = square[i] / total - answer_.wrench[i] * answer_.wrench[i];
-      answer_.std[i] = doubt_ * std::sqrt(std::max(spread, 0.0));
+      answer_.std[i] = std::max(spread, 0.0);
     }
+    // from the place of the contact to the last frame: n + p × F
+    const Wrench force = answer_.wrench, spread = answer_.std;
+    for (int i = 0; i < 3; ++i) {
+      const int a = (i + 1) % 3, b = (i + 2) % 3;
+      answer_.wrench[3 + i] += place[a] * force[b] - place[b] * force[a];
+      answer_.std[3 + i] += place[a] * place[a] * spread[b] + place[b] * place[b] * spread[a];
+    }
+    for (int i = 0; i < 6; ++i) answer_.std[i] = doubt_ * std::sqrt(answer_.std[i]);
     contact(doubtful);
   }
 
@@ -511,6 +524,7 @@ class Live {
   std::array<double, MAX_PARTS> distance_{}, share_{};
   std::array<Joints, MAX_PARTS> held_{};
   std::array<double, MAX_SIZES> sizes_{};
+  Vector place_{};
   int parts_ = 0, count_ = 0;
   double threshold_, period_, max_gap_, turns_, margin_, jump_, gain_, acceleration_, encoder_;
   double dead_zone_, rest_speed_, stop_, settle_, reversal_, wide_, doubt_, rare_, lever_, quiet_, typical_;

@@ -43,11 +43,14 @@ class Answer(NamedTuple):
 
 
 class Sweep(NamedTuple):
-    """p = M q̇ (..., n) [Nm s], Cᵀ q̇ - g (..., n) [Nm], Jacobian (..., 6, n) of the last frame."""
+    """p = M q̇ (..., n) [Nm s], Cᵀ q̇ - g (..., n) [Nm], Jacobian (..., 6, n) of the place where
+    contacts are assumed, and that place (..., 3) [m] from the last frame's origin, base axes.
+    """
 
     momentum: Array
     rate: Array
     jacobian: Array
+    place: Array
 
 
 class Live:
@@ -81,7 +84,8 @@ class Live:
             np.array([arm["noise"][name][state] for state in STATES], float)
             for name in ("std", "hidden", "absorbed")
         )
-        self.threshold, self.set = float(arm["threshold"]["log_odds"]), dict(arm["constants"])
+        self.threshold, contacts = float(arm["threshold"]["log_odds"]), arm["contacts"]
+        self.set, self.place = {**arm["constants"], **contacts}, np.array(contacts["place"], float)
         axes = [1, 1, 1, *[self.set["lever"]] * 3]
         self.sizes, self.quiet = (np.outer(self.set[name], axes) for name in ("sizes", "quiet"))
         self.restart()
@@ -172,7 +176,7 @@ class Live:
         self.slow_at = np.where(slow, time, self.slow_at)
         self.rested *= bool((time - self.fast_at >= self.set["stop"]).all())
         self.state = self.states(time - self.fast_at, time - self.slow_at, self.rested)
-        self._judge(swept.jacobian)
+        self._judge(swept.jacobian, swept.place)
         self._learn()
 
     def velocity(self, q: Array, first: bool) -> Array:
@@ -230,8 +234,10 @@ class Live:
         momentum = (axis * angular + arm * linear).sum(axis=-1) + self.rotor * qd
         rate = angular * cross(omega, axis) + linear * (cross(omega, arm) + cross(v, axis))
         rate += axis * beyond[..., 6:9] + arm * beyond[..., 9:]
-        lift = arm + cross(axis, poses[..., n:, :3, 3])
-        return Sweep(momentum, rate.sum(axis=-1), np.concatenate([lift, axis], axis=-1).mT)
+        place = poses[..., n, :3, :3] @ self.place
+        lift = arm + cross(axis, poses[..., n:, :3, 3] + place[..., None, :])
+        jacobian = np.concatenate([lift, axis], axis=-1).mT
+        return Sweep(momentum, rate.sum(axis=-1), jacobian, place)
 
     def states(self, slow_for: Array, slow_ago: Array, rested: Any) -> Any:
         """Return the state (..., n) of each joint, as far as past samples show it; all in [s]."""
@@ -241,11 +247,12 @@ class Live:
         moves = np.where(slow_ago <= self.set["reversal"], REVERSING, MOVING)
         return np.where(stopped, at_rest, moves)
 
-    def _judge(self, jacobian: Array) -> None:
+    def _judge(self, jacobian: Array, place: Array) -> None:
         """State the wrench, its deviation, and whether there is a contact."""
         slow = self.drift + self.scale * self.friction
         self.torque = self.observed - np.where(self.state == STILL, self.rest, slow)
-        wrench, std, evidence = self.weighed(self.torque, self.state, self.qd, jacobian)
+        sensed = self.torque, self.state, self.qd
+        wrench, std, evidence = self.weighed(*sensed, jacobian, place)
         self.evidence = float(evidence)
         doubtful = self.run < self.set["settle"] or bool((np.abs(self.qd) > self.fastest).any())
         if self.evidence < self.threshold:
@@ -257,7 +264,9 @@ class Live:
         contact = CONTACT if self.touched else UNKNOWN if doubtful else FREE
         self.answer = Answer(wrench, std, contact)
 
-    def weighed(self, torque: Array, state: Any, qd: Array, jacobian: Array) -> Posterior:
+    def weighed(
+        self, torque: Array, state: Any, qd: Array, jacobian: Array, place: Array
+    ) -> Posterior:
         """Return the wrench and its deviation (..., 6), and the evidence (...) of a contact."""
         own, unseen = (state, self.joint), np.maximum(np.abs(qd) / self.fastest, 1.0)
         variance = (self.noise[own] * unseen**2) ** 2
@@ -277,8 +286,15 @@ class Live:
         weight *= self.sizes[:, 0] >= self.set["typical"]
         weight = (weight / weight.sum(axis=-1, keepdims=True))[..., None]
         wrench, square = (weight * mean).sum(axis=-2), (weight * (spread + mean**2)).sum(axis=-2)
-        std = self.set["doubt"] * np.sqrt(np.maximum(square - wrench**2, 0.0))
-        return wrench, std, evidence
+        variance = np.maximum(square - wrench**2, 0.0)
+        # from the place of the contact to the last frame: n + p × F
+        force, spread = wrench[..., :3], variance[..., :3]
+        wrench[..., 3:] += cross(place, force)
+        lifted = (
+            place[..., NEXT] ** 2 * spread[..., LAST] + place[..., LAST] ** 2 * spread[..., NEXT]
+        )
+        variance[..., 3:] += lifted
+        return wrench, self.set["doubt"] * np.sqrt(variance), evidence
 
     def _by_size(self, torque: Array, jacobian: Array, variance: Array, sizes: Array) -> Posterior:
         """Return log-density of the torque (..., K), mean and variance of the wrench (..., K, 6).

@@ -10,7 +10,14 @@ from ur5lib.errors import InputError, RefusalError, Remark
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import MIN_STOP_DURATION, RELAXATION_TIME
 from ur5lib.force.force_input import MEAN_STICTION
-from ur5lib.force.residual_model import TorqueStretch, fit_residual_model
+from ur5lib.force.gate import quiet_force
+from ur5lib.force.residual_model import (
+    USUAL_RUBBING,
+    USUAL_STICTION,
+    TorqueStretch,
+    fit_residual_model,
+)
+from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.friction import Friction
 from ur5lib.records.measured import Measured
 from ur5lib.robots.description import Payload, Robot
@@ -24,16 +31,14 @@ from ur5lib.robots.inertia import RigidBodies, link_tail, rigid_bodies
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import DEAD_ZONE
 from ur5lib.timeseries.trajectories import REST_SPEED
-from ur5lib.topics.live.live import STATES, STILL, TERMS
+from ur5lib.topics.live.live import STATES, STILL, TERMS, Live
 from ur5lib.topics.live.live_recording import Followed, follow
 
-PRIOR = ContactPrior()
+# Magnitudes of contacts among which each torque chooses, in typical forces.
+SIZES = (1 / 3, 1.0, 3.0, 9.0)
+ANYWHERE = ContactPlace()
 CONSTANTS: dict[str, Any] = {  # docs/live.md says on what they were chosen
     "gain": 35.0,  # 1/s, of the observer
-    "lever": PRIOR.lever,  # m
-    "sizes": [5.0, 15.0, 45.0, 135.0],  # N, of contacts
-    "typical": PRIOR.force,  # N, from which on sizes count for the wrench
-    "quiet": [PRIOR.quiet],  # N, of forces that do not count
     "rare": 0.2,  # share of the samples of a free arm whose noise is `wide` times wider
     "wide": 2.0,
     "doubt": 1.0,  # factor on deviations of the wrench, of few paths
@@ -58,7 +63,7 @@ MIN_LOG_ODDS = 1.6  # of a contact, likewise
 RAREST = CONSTANTS["max_gap"] / 2  # s between samples
 LEARNING_STEP = 0.008  # s
 LONGEST = 300.0  # s of each recording from which noise is learnt
-MIN_BREAKAWAY = 0.1  # Nm
+MIN_BREAKAWAY_SHARE = 0.004  # of a motor's largest torque
 MIN_SPEED = 0.1  # rad/s, that counts as seen
 BANDWIDTH = CONSTANTS["gain"] / (2 * np.pi)  # Hz
 
@@ -74,11 +79,18 @@ class LiveFit:
 
 
 def numbers(
-    robot: Robot, friction: Friction, recording: str, payload: Payload | None
+    robot: Robot,
+    friction: Friction,
+    recording: str,
+    payload: Payload | None,
+    place: ContactPlace = ANYWHERE,
+    contact_force_n: float | None = None,
 ) -> dict[str, Any]:
-    """Return kinematics, links, rotors, gears and constants of an arm with a payload.
+    """Return kinematics, links, rotors, gears and constants of an arm with a payload, and what is
+    assumed of contacts with it.
 
-    robot: as mounted; recording: whose path the friction's fit left out, "" for that of all. Raises
+    robot: as mounted; recording: whose path the friction's fit left out, "" for that of all; place:
+    of contacts; contact_force_n: of a typical one [N], None: by the arm's payload. Raises
     InputError where the friction has a term that is not that of a joint of its own.
     """
     arm, joints = robot.carrying(payload), friction.fit_for(recording).joints
@@ -92,7 +104,8 @@ def numbers(
             f"the friction term {unknown[0]} of {robot.name} is unknown to the live estimator; fit "
             "the study without it"
         )
-    breakaway = np.maximum(terms["coulomb"], MIN_BREAKAWAY)
+    limits = np.array(arm.torque_limits())
+    breakaway = np.maximum(terms["coulomb"], MIN_BREAKAWAY_SHARE * limits)
     for name, part in zip(("coulomb", "viscous"), ROOT_LINE, strict=True):
         terms[name] = terms[name] - part * terms.get("velocity_root", 0.0)  # fitted less its line
     coefficients = {name: values.tolist() for name, values in terms.items()}
@@ -103,8 +116,18 @@ def numbers(
         "torque_constant": constant.tolist(),
         "offset": offset.tolist(),
         "breakaway": breakaway.tolist(),
-        "current": (np.array(arm.torque_limits()) / constant).tolist(),
+        "current": (limits / constant).tolist(),
         "friction": {"terms": coefficients, "presliding": _presliding(friction, recording)},
+        "contacts": _contacts(ContactPrior.of(robot, contact_force_n, place), place),
+    }
+
+
+def _contacts(prior: ContactPrior, place: ContactPlace) -> dict[str, Any]:
+    return {
+        "place": [*place.point],
+        "lever": prior.lever,
+        "typical": prior.force,
+        "sizes": [size * prior.force for size in SIZES],
     }
 
 
@@ -177,19 +200,23 @@ def learned(
     breakaway = np.median([arm["breakaway"] for arm, _ in runs], axis=0)
     known = {
         "speed": np.maximum(np.max(speeds, axis=0), MIN_SPEED).tolist(),
-        "noise": _noise(np.tile(breakaway, (len(STATES), 1)), breakaway),
+        "noise": _noise(np.tile(breakaway, (len(STATES), 1)), breakaway, USUAL_STICTION),
         "threshold": {"log_odds": MIN_LOG_ODDS},
         # while noise is learnt, nothing counts as a contact
-        "constants": CONSTANTS | {"period": period, "freeze": np.inf},
+        "constants": CONSTANTS | {"period": period, "freeze": np.inf, "quiet": [1.0]},
     }
-    stretches = []
+    stretches, jacobians = [], []
     for arm, run in thinned:
         own = follow({**arm, **known}, run)
         started = slice(round(CONSTANTS["settle"] / run.period), None)
+        jacobians.append(Live({**arm, **known}).sweep(run.q, 0 * run.q).jacobian[started])
         stretches.append(TorqueStretch(own.torque[started], own.state[started], run.period))
-    model = fit_residual_model(stretches, BANDWIDTH, breakaway).of_few_paths(paths)
-    known["noise"] = _noise(model.spread, breakaway)
-    known["constants"] = CONSTANTS | {"period": period, "doubt": model.doubt}
+    model = fit_residual_model(stretches, BANDWIDTH, breakaway).with_usual_rest(stretches)
+    model = model.of_few_paths(paths)
+    known["noise"] = _noise(model.spread, breakaway, model.stiction, model.rubbing)
+    variance = np.concatenate([model.variance(model.spread, own.states) for own in stretches])
+    quiet = quiet_force(np.concatenate(jacobians), variance)
+    known["constants"] = CONSTANTS | {"period": period, "doubt": model.doubt, "quiet": [quiet]}
     followed = [(follow({**arm, **known}, run), run.period) for arm, run in thinned]
     return known | {"threshold": _threshold(followed, false_per_min)}
 
@@ -205,13 +232,16 @@ def _thinned(run: Measured) -> Measured:
     return run.at(slice(0, round(LONGEST / run.period), stride))
 
 
-def _noise(std: Array, breakaway: Array) -> dict[str, Any]:
+def _noise(
+    std: Array, breakaway: Array, stiction: float, rubbing: float = USUAL_RUBBING
+) -> dict[str, Any]:
     """Return by state [Nm]: standard deviations (5, n); of a contact, what dry friction absorbs on
-    average, and what it hides beyond that, as `contact_wrench` of the whole recording assumes it.
+    average, and what it hides beyond that, as `contact_wrench` of the whole recording assumes it;
+    stiction, rubbing: what it absorbs at most at rest, and in motion, in breakaway torques.
     """
     still = np.arange(len(STATES)) >= STILL
-    absorbed = np.where(still, MEAN_STICTION * PRIOR.stiction, 0.0)
-    hidden = np.where(still, np.sqrt(1 - MEAN_STICTION**2) * PRIOR.stiction, PRIOR.rubbing)
+    absorbed = np.where(still, MEAN_STICTION * stiction, 0.0)
+    hidden = np.where(still, np.sqrt(1 - MEAN_STICTION**2) * stiction, rubbing)
     shares = {"absorbed": absorbed, "hidden": hidden}
     rows = {"std": std} | {name: np.outer(share, breakaway) for name, share in shares.items()}
     return {

@@ -50,6 +50,7 @@ class Sensed(NamedTuple):
     at_rest: Mask
     slow_ago: Array
     jacobian: Array
+    place: Array
 
     def at(self, rows: slice) -> Self:
         """Return some samples."""
@@ -145,7 +146,7 @@ class LiveRecording(Live):
         )
         self.time, self.q, self.qd = run.time[-1], run.q[-1], qd[-1]
         moved = time - fast_at, (time - fast_at >= self.set["stop"]).all(axis=1), time - slow_at
-        return Sensed(run.time, passed, qd, observed, friction, *moved, swept.jacobian)
+        return Sensed(run.time, passed, qd, observed, friction, *moved, swept.jacobian, swept.place)
 
     def _velocities(self, run: Measured, passed: Array, first: bool) -> Array:
         """Return q̇ (M, n) [rad/s] where the controller states none."""
@@ -162,7 +163,7 @@ class LiveRecording(Live):
         state = self.states(part.slow_for, part.slow_ago, np.array(rested[:-1])[:, None])
         rest = self._rest(part, np.array(rested[1:]), learns)
         torque, drift, scale = self._slow(part, state, rest[:-1], learns)
-        wrench, std, evidence = self.weighed(torque, state, part.qd, part.jacobian)
+        wrench, std, evidence = self.weighed(torque, state, part.qd, part.jacobian, part.place)
         contact, doubtful = self._contacts(part, evidence)
         suspected = contact | (evidence > self.set["freeze"])
         count = int(np.argmax(suspected)) + 1 if learns and suspected.any() else len(suspected)

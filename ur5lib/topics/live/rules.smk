@@ -16,6 +16,7 @@ rule fit_live:
         code=code("fit_live"),
         gravities=gravities_of(fitted_on),
         false_alarms_per_min=SETTINGS.alarms.false_per_min,
+        contact_force_n=SETTINGS.contact.force_n,
     run:
         run_step(rule, input, output, params, log)
 
@@ -36,6 +37,7 @@ rule estimate_live:
         code=code("estimate_live"),
         recording="{recording}",
         gravity=of_recording(SELECTION.gravity),
+        contact_force_n=SETTINGS.contact.force_n,
     run:
         run_step(rule, input, output, params, log)
 

@@ -1,0 +1,88 @@
+"""The place in frame 6 where contacts of a recording are assumed, and what says so."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, Self
+
+import numpy as np
+
+from ur5lib.timeseries.arrays import Array
+
+Source = Literal["study", "tool", "tcp_offset", "actual_TCP_pose", "sensor", "payload", "none"]
+
+TOOL_RADIUS = 0.03  # m, of a tool about its tool centre point
+TOOL_WEIGHT = 20.0  # samples, for which a place counts beside the contact's own
+WRIST_RADIUS = 0.1  # m, likewise where no tool centre point is known
+WRIST_WEIGHT = 1.0
+MIN_TCP_DISTANCE = 0.005  # m from the flange: a nearer tool centre point was never set
+
+
+@dataclass(frozen=True)
+class ContactPlace:
+    """Where contacts are assumed: point [m], in frame 6, within some metres; weight: samples for
+    which this counts beside those of a contact; source: what says so.
+    """
+
+    point: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    within: float = WRIST_RADIUS
+    weight: float = WRIST_WEIGHT
+    source: Source = "none"
+
+    def farther(self, distance: float) -> Self:
+        """Return a place farther along z of frame 6 [m]."""
+        x, y, z = self.point
+        return replace(self, point=(x, y, z + distance))
+
+    def on(self, rotation: Array) -> Array:
+        """Return the place (N, 3) [m] from the origin of frame 6, base axes; rotation: R_6."""
+        return np.asarray(rotation @ np.array(self.point))
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlaceRow:
+    """A row of contact_place.csv: where contacts of a recording are assumed, in frame 6, by what.
+
+    x_m, y_m, z_m: the place, within_m of it; force_change_n: by how much the force in its alarms
+    changes on average where contacts are assumed 5 cm farther along z; sensed_x_m to sensed_z_m:
+    the place by the moments of a force sensor, which leave sensed_within_m.
+    """
+
+    source: Source
+    x_m: float
+    y_m: float
+    z_m: float
+    within_m: float
+    force_change_n: float | None = None
+    sensed_x_m: float | None = None
+    sensed_y_m: float | None = None
+    sensed_z_m: float | None = None
+    sensed_within_m: float | None = None
+
+
+def contact_place(
+    stated: tuple[Sequence[float], float] | None,
+    tools: dict[Source, Sequence[float] | None],
+    centers: dict[Source, Sequence[float] | None],
+) -> ContactPlace:
+    """Return the place of contacts: as the study states it, else the first tool centre point, else
+    the first centre that is known; points [m], frame 6.
+
+    stated: point and within how many metres; tools: tool centre points, of which those on the
+    flange were never set; centers: of what is mounted on the flange, about which contacts may be
+    anywhere on the wrist.
+    """
+    if stated is not None:
+        point, within = stated
+        return ContactPlace(_point(point), within, TOOL_WEIGHT, "study")
+    for source, tool in tools.items():
+        if tool is not None and np.linalg.norm(tool[:3]) > MIN_TCP_DISTANCE:
+            return ContactPlace(_point(tool), TOOL_RADIUS, TOOL_WEIGHT, source)
+    for source, center in centers.items():
+        if center is not None:
+            return ContactPlace(_point(center), source=source)
+    return ContactPlace()
+
+
+def _point(values: Sequence[float]) -> tuple[float, float, float]:
+    x, y, z = map(float, values[:3])
+    return x, y, z
