@@ -1,0 +1,171 @@
+"""The situations of benchmarks/world.py: what differs from a usual study of the test stand."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ur5lib.force.contact_prior import typical_force
+from ur5lib.robots.description import Robot
+from ur5lib.stand.plan import POSTURE
+
+FIT_SECONDS, PATHS = 12.0, 3
+SWAY = 0.4  # rad, by which postures differ
+PAUSE = 1.0  # s, at each way-point
+FORCES = 0.5, 4.0  # range of pushes, in typical forces
+START, EVERY, LASTS = 2.0, 4.0, 2.0  # s, of pushes
+MOVING, RESTING = 4, 3  # pushes in motion and at rest
+HARMONICS = 8
+
+Plan = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Situation:
+    """One situation.
+
+    arm, mounting: of the study; tool: [m], where it is touched beyond the flange; declared: [m],
+    tool centre point of the study, None for none; paths: to fit on, of `seconds` each; stops: how
+    many of them have pauses; rate: [Hz], of the files; forces, lasts: of pushes, in typical forces
+    and [s]; link: that is touched, None for the tool; twice: two pushes at once; press: [s], a slow
+    one at rest in place of pushes; untouched: of its recording [s]; later: further keys of what is not
+    fitted; plan: of all recordings; constants: of the stand, by name;
+    noise: [A], added to currents; step: [A], of currents.
+    """
+
+    arm: str = "ur5e"
+    mounting: str | None = None
+    tool: float = 0.08
+    declared: float | None = 0.08
+    paths: int = PATHS
+    seconds: float = FIT_SECONDS
+    stops: int = 2
+    rate: int = 125
+    forces: tuple[float, float] = FORCES
+    lasts: float = LASTS
+    link: int | None = None
+    twice: bool = False
+    press: float | None = None
+    untouched: tuple[float, float] | None = None
+    later: Mapping[str, Any] = field(default_factory=dict)
+    plan: Mapping[str, Any] = field(default_factory=dict)
+    constants: Mapping[str, Any] = field(default_factory=dict)
+    noise: float = 0.0
+    step: float = 0.0
+
+
+def rubbing(factor: float) -> Plan:
+    """Return the keys of a friction that is stronger by a factor."""
+    return {"coulomb_factor": [factor] * 6, "viscous_factor": [factor] * 6}
+
+
+def load(mass: float) -> Plan:
+    """Return the keys of a load that nobody declared."""
+    return {"undeclared_payload": {"mass": mass, "center_of_mass": [0.02, 0.0, 0.06]}}
+
+
+FRICTION, DRIVE = "ur5lib.stand.friction", "ur5lib.stand.drive"
+SITUATIONS: dict[str, Situation] = {
+    "tool of 0 cm, known": Situation(tool=0.0, declared=0.0),
+    "tool of 8 cm, known": Situation(),
+    "tool of 15 cm, known": Situation(tool=0.15, declared=0.15),
+    "tool of 25 cm, known": Situation(tool=0.25, declared=0.25),
+    "tool of 8 cm, unknown": Situation(declared=None),
+    "tool of 15 cm, unknown": Situation(tool=0.15, declared=None),
+    "tool of 25 cm, unknown": Situation(tool=0.25, declared=None),
+    "tool of 8 cm, taken for 13": Situation(declared=0.13),
+    "undeclared load of 0.5 kg": Situation(later=load(0.5)),
+    "undeclared load of 2 kg": Situation(later=load(2.0)),
+    "UR3e": Situation(arm="ur3e"),
+    "UR10e on a wall": Situation(arm="ur10e", mounting="wall"),
+    "UR16e under a ceiling": Situation(arm="ur16e", mounting="ceiling"),
+    "UR20": Situation(arm="ur20"),
+    "friction × 0.3": Situation(plan=rubbing(0.3)),
+    "friction × 3": Situation(plan=rubbing(3.0)),
+    "friction of another day": Situation(later=rubbing(1.25)),
+    "friction of loaded gears": Situation(constants={f"{FRICTION}.LOAD_SHARE": 0.15}),
+    "friction reverses in 4 µrad": Situation(constants={f"{FRICTION}.PRESLIDING_DEFLECTION": 4e-6}),
+    "friction reverses in 2 mrad": Situation(constants={f"{FRICTION}.PRESLIDING_DEFLECTION": 2e-3}),
+    "no stops in the fits": Situation(stops=0),
+    "stops in one fit": Situation(stops=1),
+    "one path": Situation(paths=1, stops=0),
+    "seven paths of 8 s": Situation(paths=7, seconds=8.0),
+    "25 Hz": Situation(rate=25),
+    "500 Hz": Situation(rate=500),
+    "noise × 5": Situation(noise=0.25),
+    "steps of 10 mA": Situation(step=0.01),
+    "ripple × 3": Situation(
+        constants={f"{DRIVE}.CURRENT_RIPPLE": 3 * np.array([0.50, 0.57, 0.33, 0.27, 0.11, 0.27])}
+    ),
+    "short pushes": Situation(lasts=0.3),
+    "long pushes": Situation(lasts=3.5),
+    "weak pushes": Situation(forces=(0.3, 1.0)),
+    "slow press, tared": Situation(press=15.0, untouched=(0.0, 1.5)),
+    "slow press": Situation(press=15.0),
+    "pushes at the elbow": Situation(link=3),
+    "two pushes at once": Situation(twice=True),
+}
+
+
+def plans(own: Situation, seed: int, arm: Robot) -> Iterator[tuple[str, str, Plan]]:
+    """Yield name, role and plan of the stand of each recording of a situation."""
+    random = np.random.default_rng(seed)
+    for k in range(own.paths):
+        stops = k >= own.paths - own.stops
+        share = 0.5 if k % 2 == 0 else 0.2
+        motion = way_points(random) if stops else fourier(random, share, own.seconds)
+        yield f"fit-{k + 1}", "fit", {"trajectory": motion, "seconds": own.seconds, **own.plan}
+    other = {**own.plan, **own.later}
+    free = {"trajectory": way_points(random), "seconds": FIT_SECONDS}
+    yield "free", "validate", free | other
+    force = typical_force(arm)
+    length = START + EVERY * MOVING
+    moving = {"trajectory": fourier(random, 0.5, length), "seconds": length}
+    yield "moving", "contact", moving | other | {"contacts": [*pushes(own, random, force, MOVING)]}
+    resting = {"trajectory": {"kind": "standstill", "posture": posture(random)}}
+    contacts = [*pushes(own, random, force, RESTING)]
+    length = START + EVERY * RESTING
+    if own.press:
+        length = own.press + 4.0
+        contacts = [push(own, random, 2.5 * force, START, own.press)]
+    yield "resting", "contact", resting | other | {"seconds": length, "contacts": contacts}
+
+
+def pushes(own: Situation, random: np.random.Generator, force: float, count: int) -> Iterator[Plan]:
+    """Yield pushes, one every EVERY seconds; force: typical [N]."""
+    for k in range(count):
+        for _ in range(1 + own.twice):
+            size = np.exp(random.uniform(*np.log(own.forces))) * force
+            yield push(own, random, size, START + EVERY * k, own.lasts)
+
+
+def push(
+    own: Situation, random: np.random.Generator, size: float, start: float, seconds: float
+) -> Plan:
+    """Return a push of a size [N] in a drawn direction."""
+    way = random.normal(size=3)
+    where: Plan = {"point": [0.0, 0.0, own.tool]}
+    if own.link:
+        where = {"link": own.link, "point": [0.0, 0.0, 0.0]}
+    force = (size * way / np.linalg.norm(way)).tolist()
+    return {"kind": "push", "force": force, "start_s": start, "seconds": seconds} | where
+
+
+def fourier(random: np.random.Generator, share: float, seconds: float) -> Plan:
+    """Return a drawn excitation about a drawn posture; share: of the limits, that is used."""
+    draw, period = int(random.integers(10**6)), min(seconds, 12.0)
+    about = {"draw": draw, "posture": posture(random), "period_s": period}
+    return {"kind": "fourier", **about, "harmonics": HARMONICS, "limit_share": share}
+
+
+def way_points(random: np.random.Generator) -> Plan:
+    """Return a motion along drawn way-points with pauses."""
+    drawn = [posture(random) for _ in range(4)]
+    return {"kind": "movej", "way_points": drawn, "pause_s": PAUSE}
+
+
+def posture(random: np.random.Generator) -> list[float]:
+    """Return a drawn posture [rad], far from singularities."""
+    drawn: list[float] = (POSTURE + random.uniform(-SWAY, SWAY, 6)).tolist()
+    return drawn
