@@ -214,16 +214,21 @@ def test_friction_falls_as_it_warms() -> None:
     np.testing.assert_allclose(torque[1] - torque[0], 10 * lost, rtol=1e-6)
 
 
+@pytest.mark.parametrize("root", [False, True])
 @pytest.mark.parametrize("speed", [-50.0, -3.0, -0.1, 0.01, 1.0, 3.0])
-def test_sliding_friction_is_dry_viscous_and_periodic(speed: float) -> None:
-    """After turning steadily, without load."""
-    parameters, qd = friction_of(load_robot(robot_path("ur5")), True), np.full(6, speed)
+def test_sliding_friction_is_dry_viscous_and_periodic(speed: float, root: bool) -> None:
+    """After turning steadily, without load; and of the root of velocity less its line up to 1."""
+    parameters, qd = friction_of(load_robot(robot_path("ur5")), True, root), np.full(6, speed)
     friction, torque = BristleFriction(parameters, np.zeros(6)), np.zeros(6)
     for _ in range(2000):
         torque = friction.torque(np.zeros(6), qd, np.zeros(6), STEP)
     dry = np.sign(speed) * parameters.dry(qd, np.zeros(6))
     periodic = parameters.periodic * np.cos(parameters.phase)
-    np.testing.assert_allclose(torque, dry + parameters.viscous * qd + periodic, rtol=1e-6)
+    line = 4 / 15 * np.sign(speed) + 4 / 5 * speed
+    rooted = parameters.velocity_root * (np.sqrt(abs(speed)) * np.sign(speed) - line)
+    expected = dry + parameters.viscous * qd + rooted + periodic
+    np.testing.assert_allclose(torque, expected, rtol=1e-6)
+    assert parameters.velocity_root.any() == root
 
 
 def test_friction_falls_from_stiction_and_grows_with_load() -> None:

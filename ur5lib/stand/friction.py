@@ -13,11 +13,14 @@ from typing import Self
 import numpy as np
 
 from ur5lib.robots.description import Robot
+from ur5lib.robots.friction import ROOT_LINE
 from ur5lib.timeseries.arrays import Array
 
 # Of the UR5's joints, from base to wrist. Shares of the motor's largest torque:
 COULOMB_SHARE = np.array([0.054, 0.058, 0.054, 0.078, 0.083, 0.071])
 VISCOUS_SHARE = np.array([0.063, 0.060, 0.038, 0.077, 0.077, 0.048])  # per rad/s
+# Per root of rad/s, beside its nearest line, which is in the others.
+ROOT_SHARE = np.array([0.018, 0.009, 0.069, 0.054, 0.034, 0.0])
 LOAD_SHARE = 0.05  # Nm of friction per Nm of load
 PERIODIC_SHARE = 0.05  # of the Coulomb friction
 STICTION_RATIO = 1.15  # of breakaway to Coulomb torque
@@ -41,7 +44,8 @@ def along_chain(values: Array, joints: int) -> Array:
 class FrictionParameters:
     """Friction of an arm's joints, each parameter (n,).
 
-    coulomb: [Nm]; viscous: [Nm s/rad]; load: Nm of friction per Nm of load; stiction: ratio of
+    coulomb: [Nm]; viscous: [Nm s/rad]; velocity_root: [Nm √(s/rad)], beside its nearest line,
+    see `ROOT_LINE`; load: Nm of friction per Nm of load; stiction: ratio of
     breakaway to Coulomb torque; stribeck_velocity: [rad/s], at which stiction has vanished;
     periodic, phase: of the torque periodic cos(q + phase) [Nm, rad]; presliding: [rad], elastic
     deflection before slip; coulomb_warming, viscous_warming: relative change per kelvin [1/K].
@@ -49,6 +53,7 @@ class FrictionParameters:
 
     coulomb: Array
     viscous: Array
+    velocity_root: Array
     load: Array
     periodic: Array
     stiction: Array
@@ -73,20 +78,24 @@ class FrictionParameters:
             self,
             coulomb=self.coulomb * np.asarray(coulomb),
             viscous=self.viscous * np.asarray(viscous),
+            velocity_root=self.velocity_root * np.asarray(viscous),
         )
 
 
-def friction_of(robot: Robot, friction: bool) -> FrictionParameters:
-    """Return the friction of an arm's joints; friction: False for none."""
+def friction_of(robot: Robot, friction: bool, root: bool = False) -> FrictionParameters:
+    """Return the friction of an arm's joints; friction: False for none; root: whether it grows with
+    the root of velocity, too.
+    """
     largest = np.array(robot.torque_limits()) * friction
-    coulomb, viscous, periodic = (
-        along_chain(share, len(largest)) * largest
-        for share in (COULOMB_SHARE, VISCOUS_SHARE, PERIODIC_SHARE * COULOMB_SHARE)
+    shares = COULOMB_SHARE, VISCOUS_SHARE, PERIODIC_SHARE * COULOMB_SHARE, root * ROOT_SHARE
+    coulomb, viscous, periodic, velocity_root = (
+        along_chain(share, len(largest)) * largest for share in shares
     )
     each = np.ones(len(largest))
     return FrictionParameters(
         coulomb=coulomb,
         viscous=viscous,
+        velocity_root=velocity_root,
         load=LOAD_SHARE * friction * each,
         periodic=periodic,
         stiction=STICTION_RATIO * each,
@@ -125,4 +134,8 @@ class BristleFriction:
         self._deflection = limit + (self._deflection - limit) * decay
         periodic = parameters.periodic * np.cos(q + parameters.phase)
         viscous = parameters.viscous * (1 + parameters.viscous_warming * warmth)
-        return self._stiffness * self._deflection + viscous * qd + periodic
+        direction = self._deflection * self._stiffness / dry
+        dry_line, viscous_line = ROOT_LINE
+        root = np.sqrt(np.abs(qd)) * np.sign(qd) - dry_line * direction - viscous_line * qd
+        sliding = viscous * qd + parameters.velocity_root * root
+        return self._stiffness * self._deflection + sliding + periodic

@@ -281,6 +281,11 @@ class SimulatedRecording(Planned):
         (30.0, 30.0), description="of the motors, at the start and at the end [°C]"
     )
     friction: bool = Field(True, description="whether the joints have friction")
+    root_friction: bool = Field(
+        False,
+        description="whether friction also grows with the root of velocity, as on the UR5 of the "
+        "thesis",
+    )
     coulomb_factor: Factors | None = Field(
         None,
         description="each joint's Coulomb friction, relative to the usual one, which the "

@@ -139,7 +139,7 @@ def build_rig(
     loaded = robot.carrying(plan.payload).carrying(plan.undeclared_payload)
     plant = arm_in_mujoco(loaded, model, plan.imu)
     nominal = arm_in_mujoco(robot.carrying(declared), model, plan.imu)
-    usual = friction_of(robot, plan.friction)
+    usual = friction_of(robot, plan.friction, plan.root_friction)
     friction = usual.changed(plan.coulomb_factor or 1.0, plan.viscous_factor or 1.0)
     most = MAX_INITIAL_FRICTION
     initial = random.uniform(-most, most, len(robot.joints))
