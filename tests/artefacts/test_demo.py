@@ -157,7 +157,7 @@ def test_the_identified_model_is_the_simulated_one(truth: pd.DataFrame) -> None:
 
 
 def test_accelerations_are_near_the_truth_and_inside_their_bands(truth: pd.DataFrame) -> None:
-    moving = truth[truth["recording"] != "standstill_pushed"]
+    moving = truth[~truth["recording"].isin(["standstill_pushed", "pressed", "pressed_tared"])]
     rows = moving[moving["quantity"] == "joint_acceleration_rmse"]
     assert (rows["estimate"] < 0.35 * rows["zero"]).all()
     inside = truth[truth["quantity"] == "joint_acceleration_inside_2_std"]["estimate"]
@@ -295,7 +295,7 @@ def test_the_script_of_the_documents_says_what_may_be_used(
     said, study = capsys.readouterr().out.splitlines(), FinishedStudy(results)
     cards = study.verdicts.dropna(subset="state").query("rank == 1")
     assert len(said) == len(cards) + len(study.table("friction")) + len(study.uses)
-    assert "force: usable." in "\n".join(said)
+    assert "force: good." in "\n".join(said)
 
 
 def test_all_that_is_known_of_the_arm_is_exported(results: Path) -> None:
@@ -338,7 +338,11 @@ def test_the_sensor_is_exported_with_its_formula(results: Path, name: str) -> No
     text = exported("ur5", None, "sensor", results, "")
     known = check_formula(text, results, name)
     assert (known["mass"] is None) == (name == "standstill_pushed")
-    assert known["center_of_mass"] == dict.fromkeys("xyz")  # of no mass
+    center = known["center_of_mass"]
+    if name == "standstill_pushed":
+        assert center == dict.fromkeys("xyz")  # of no mass
+    else:  # from the sensor, of a tool of 8 cm from the flange
+        assert center["z"]["low"] < 0.08 - 0.0286 < center["z"]["high"]
     assert known["reading"] == "ft"
     alone = yaml.safe_load(exported("ur5", None, "sensor", results, name))
     assert [one["recording"] for one in alone["recordings"]] == [name]

@@ -22,6 +22,7 @@ from ur5lib.stand.drive import drive_of, motion_share
 from ur5lib.stand.friction import (
     COULOMB_WARMING,
     LOAD_SHARE,
+    ROOT_ONSET,
     VISCOUS_WARMING,
     BristleFriction,
     friction_of,
@@ -225,7 +226,7 @@ def test_sliding_friction_is_dry_viscous_and_periodic(speed: float, root: bool) 
     dry = np.sign(speed) * parameters.dry(qd, np.zeros(6))
     periodic = parameters.periodic * np.cos(parameters.phase)
     line = 4 / 15 * np.sign(speed) + 4 / 5 * speed
-    rooted = parameters.velocity_root * (np.sqrt(abs(speed)) * np.sign(speed) - line)
+    rooted = parameters.velocity_root * (speed / np.sqrt(abs(speed) + ROOT_ONSET) - line)
     expected = dry + parameters.viscous * qd + rooted + periodic
     np.testing.assert_allclose(torque, expected, rtol=1e-6)
     assert parameters.velocity_root.any() == root

@@ -21,6 +21,7 @@ COULOMB_SHARE = np.array([0.054, 0.058, 0.054, 0.078, 0.083, 0.071])
 VISCOUS_SHARE = np.array([0.063, 0.060, 0.038, 0.077, 0.077, 0.048])  # per rad/s
 # Per root of rad/s, beside its nearest line, which is in the others.
 ROOT_SHARE = np.array([0.018, 0.009, 0.069, 0.054, 0.034, 0.0])
+ROOT_ONSET = 0.02  # rad/s, below which it is viscous, so that steps of a millisecond are stable
 LOAD_SHARE = 0.05  # Nm of friction per Nm of load
 PERIODIC_SHARE = 0.05  # of the Coulomb friction
 STICTION_RATIO = 1.15  # of breakaway to Coulomb torque
@@ -136,6 +137,6 @@ class BristleFriction:
         viscous = parameters.viscous * (1 + parameters.viscous_warming * warmth)
         direction = self._deflection * self._stiffness / dry
         dry_line, viscous_line = ROOT_LINE
-        root = np.sqrt(np.abs(qd)) * np.sign(qd) - dry_line * direction - viscous_line * qd
+        root = qd / np.sqrt(np.abs(qd) + ROOT_ONSET) - dry_line * direction - viscous_line * qd
         sliding = viscous * qd + parameters.velocity_root * root
         return self._stiffness * self._deflection + sliding + periodic
