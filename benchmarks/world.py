@@ -52,14 +52,16 @@ TABLES = ("verdicts", "torque_constants")
 PAGE = Path("docs/world.md")
 HEAD = """# A world of situations
 
-Each line is a study on the [virtual test stand](methods.md#virtual-test-stand), {seeds} seeds: two fits in motion and one with stops,
-a free recording, one that is pushed in motion and one at rest, with one thing changed. `python -m benchmarks.world --page`
-writes this page; `benchmarks/harness/situations.py` has the situations.
+Each line is a study on the [virtual test stand](methods.md#virtual-test-stand), {seeds} seeds: two
+fits in motion and one with stops, a free recording, one that is pushed in motion and one at rest,
+with one thing changed. `python -m benchmarks.world --page` writes this page;
+`benchmarks/harness/situations.py` has the situations.
 
-- Errors are root mean squares of the force vector in contact, by the truth, low-passed as torques are; plain: least squares
-  of the external torques.
+- Errors are root mean squares of the force vector in contact, by the truth, low-passed as torques
+  are; plain: least squares of the external torques.
 - Inside: share of components in the 95 % band; wide: its width over that which would hold 95 %.
-- Found: contacts of all recordings; false: alarms without one; constants: determined ones whose interval contains the truth.
+- Found: contacts of all recordings; false: alarms without one; constants: determined ones whose
+  interval contains the truth.
 - At the elbow, no force at the flange is right: contacts count as found, and no error is stated.
 
 """
