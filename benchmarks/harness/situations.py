@@ -29,9 +29,9 @@ class Situation:
     tool centre point of the study, None for none; paths: to fit on, of `seconds` each; stops: how
     many of them have pauses; rate: [Hz], of the files; forces, lasts: of pushes, in typical forces
     and [s]; link: that is touched, None for the tool; twice: two pushes at once; press: [s], a slow
-    one at rest in place of pushes; untouched: of its recording [s]; later: further keys of what is not
-    fitted; plan: of all recordings; constants: of the stand, by name;
-    noise: [A], added to currents; step: [A], of currents.
+    one at rest in place of pushes; untouched: of its recording [s]; later: further keys of what is
+    not fitted; plan: of all recordings; constants: of the stand, by name; noise: [A], added to
+    currents; step: [A], of currents.
     """
 
     arm: str = "ur5e"
