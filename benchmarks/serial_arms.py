@@ -22,7 +22,7 @@ import torch
 
 from benchmarks.harness.options import options_of
 from benchmarks.harness.stand import CURRENTS, SETTINGS, Taken, currents, fitted_map, simulated
-from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.contact_prior import ContactPrior, typical_force
 from ur5lib.force.matching import match
 from ur5lib.force.problem import fmap_problem
 from ur5lib.force.thresholds import alarm_threshold, alarms
@@ -46,7 +46,7 @@ FITTED, OF_A_DAY = len(SHARES) - 2, 2
 BEND, SWAY = 0.5, 0.3  # rad, of each joint from the middle of its range; by which postures differ
 FORCES = 10.0, 60.0  # N, range of pushes
 CONSTANT, GEAR, ROTOR = 0.1, 100.0, 2e-5  # Nm/A, 1, kg m²: of the motors of the arm with currents
-PRIOR = ContactPrior(force=SETTINGS.contact.force_n)
+LEVER = 0.03  # m, standard deviation of the place of a contact
 
 
 def main() -> None:
@@ -107,7 +107,7 @@ def touches(random: np.random.Generator, seconds: float) -> list[dict[str, Any]]
     return [
         own
         | {"start_s": 1 + k * each, "seconds": each / 2}
-        | {"point": (PRIOR.lever * random.normal(size=3)).tolist()}
+        | {"point": (LEVER * random.normal(size=3)).tolist()}
         for k, own in enumerate(kinds)
     ]
 
@@ -134,11 +134,12 @@ def figures(robot: Robot, seed: int, seconds: float) -> Iterator[dict[str, Any]]
         known = {id(own): currents(friction, own) for own in (*fitted, free, touched)}
         recordings = [(known[id(own)], own.motion) for own in fitted]
         residuals = residual_models(recordings, friction, CURRENTS.cutoff)
+        prior = ContactPrior(typical_force(robot), LEVER)
 
         def estimated(own: Taken) -> WrenchEstimate:
             found = fmap_problem(own.motion, known[id(own)], residuals)
             assert found is not None
-            return found.solve(own.kinematics.jacobian[found.rows], PRIOR)
+            return found.solve(own.kinematics.jacobian[found.rows], prior)
 
         rate = SETTINGS.alarms.false_per_min
         odds = [estimated(own).log_odds for own in fitted]

@@ -18,7 +18,6 @@ import torch
 from benchmarks.harness.options import asked
 from benchmarks.harness.stand import (
     SECONDS,
-    SETTINGS,
     Taken,
     currents,
     fitted_map,
@@ -29,6 +28,7 @@ from benchmarks.harness.stand import (
 )
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.problem import fmap_problem
+from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.forces import Forces
 from ur5lib.records.friction import Friction
 from ur5lib.signals.imu_calibration import calibrate_without_each
@@ -92,7 +92,7 @@ def pushed_rows(friction: Friction, free: list[Taken], pushed: Taken) -> Iterato
     residuals = residuals_of(friction, free)
     fmap = fmap_problem(pushed.motion, currents(friction, pushed), residuals)
     assert fmap is not None
-    prior = ContactPrior(force=SETTINGS.contact.force_n)
+    prior = ContactPrior.of(pushed.robot, None, ContactPlace())
     estimate = fmap.solve(pushed.kinematics.jacobian[fmap.rows], prior)
     forces = Forces.of(pushed.motion, {"Fmap": estimate}, background=None)
     true = pushed.truth.at(pushed.signals.time)

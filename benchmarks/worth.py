@@ -42,6 +42,7 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.force.sensed_contact import contacts, in_contact
 from ur5lib.force.thresholds import alarm_threshold, alarms
 from ur5lib.force.wrench_estimate import OPENING_PROBABILITY, WrenchEstimate
+from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
@@ -99,7 +100,7 @@ PARTS = {
     "joint states": Part({"ur5lib.force.residual_model._moments": pooled}),
     "load friction of gears": Part(without_gears("loss")),
     "background": Part({f"{GATE}.smooth": unknown_background}),
-    "hunting": Part(prior={"hunting": (0.0,)}),
+    "hunting": Part(prior={"hunting": 0.0}),
     "stiction given back": Part(
         {f"{ESTIMATE}.mean_stiction_torque": lambda torque, *_: 0 * torque}
     ),
@@ -107,7 +108,7 @@ PARTS = {
     "margin and hysteresis": Part(
         {f"{ESTIMATE}.CONTACT_MARGIN": 0.0, f"{ESTIMATE}.CLOSING_PROBABILITY": OPENING_PROBABILITY}
     ),
-    "friction at rest": Part({f"{GATE}.MIN_REST_STD": 0.0}, {"stiction": 0.01}),
+    "usual rest": Part({"ur5lib.force.residual_model.SHOWN_DURATION": 1e-3}),
     "mixture band": Part({f"{ESTIMATE}.mixture_std": of_a_free_arm}),
     "cross-fitting": Part(
         {"ur5lib.records.friction.Friction.fit_for": lambda own, _: own.fit}, refits=True
@@ -119,26 +120,30 @@ SAME = {"rmse": 0.2, "inside": 0.02, "found": 0.05, "alarms": 0.25}  # N, shares
 CONSTANTS = {  # a field of the prior, or the places of a constant
     "typical contact [N]": "force",
     "its lever [m]": "lever",
-    "magnitudes of the gate [N]": "sizes",
+    "weight of the lever": "lever_weight",
+    "magnitudes of the gate": ["ur5lib.force.contact_prior.GATE_SIZES"],
+    "a force that is no contact": [f"{GATE}.QUIET_SHARE"],
     "duration of contacts [s]": "duration",
     "of pauses [s]": "pause",
     "load friction besides the fit's": "load_friction",
     "friction of a run": "friction_std",
-    "what dry friction absorbs at rest": "stiction",
-    "in motion": "rubbing",
+    "duration of those that may be missed [s]": "unseen_duration",
+    "what dry friction absorbs at rest": ["ur5lib.force.residual_model.USUAL_STICTION"],
+    "in motion": ["ur5lib.force.residual_model.RUBBING_SHARE"],
+    "deviation at rest": ["ur5lib.force.residual_model.USUAL_REST_STD"],
+    "fast error at rest": ["ur5lib.force.residual_model.USUAL_REST_CHANGE"],
+    "rest that counts as much [s]": ["ur5lib.force.residual_model.SHOWN_DURATION"],
     "hunting": "hunting",
     "settling [s]": "settling",
     "mean of what stiction takes": [
         "ur5lib.force.force_input.MEAN_STICTION",
         f"{ESTIMATE}.MEAN_STICTION",
     ],
-    "least deviation at rest": [f"{GATE}.MIN_REST_STD"],
-    "weight of the typical lever": ["ur5lib.force.contact_wrench.TYPICAL_LEVER_WEIGHT"],
     "weight of the typical contact": ["ur5lib.force.contact_wrench.TYPICAL_SIZE_WEIGHT"],
     "gate closes": [f"{ESTIMATE}.CLOSING_PROBABILITY"],
     "margin [s]": [f"{ESTIMATE}.CONTACT_MARGIN"],
     "κ": [f"{ESTIMATE}.MISSED_DEVIATIONS"],
-    "smoothing at rest [s]": [f"{ESTIMATE}.REST_SMOOTHING"],
+    "smoothing at rest [periods]": [f"{ESTIMATE}.REST_SMOOTHING_PERIODS"],
 }
 
 
@@ -166,7 +171,7 @@ def main() -> None:
 def value(name: str) -> Any:
     """Return what a constant is."""
     where = CONSTANTS[name]
-    return getattr(ContactPrior(), where) if isinstance(where, str) else resolve_name(where[0])
+    return getattr(ContactPrior(15.0), where) if isinstance(where, str) else resolve_name(where[0])
 
 
 def all_scaled() -> dict[str, Part]:
@@ -214,7 +219,8 @@ def without_parts(
             for own in fold.fitted if part.refits else ():
                 fold.currents(own, "fit")
             fold.residuals()
-            usual = ContactPrior(force=fold.study.settings.contact.force_n)
+            force = fold.study.settings.contact.force_n
+            usual = ContactPrior.of(fold.arm, force, ContactPlace())
             for counted in counts(fold, tested, replace(usual, **part.prior)):
                 yield {"part": name} | counted
 

@@ -126,6 +126,8 @@ def statements() -> Iterator[str]:
     yield f"| load friction besides the fit's | {percent(PRIOR.load_friction)} |"
     yield f"| friction of a run | {percent(PRIOR.friction_std)} |"
     yield f"(share of the breakaway torque) | {residual_model.USUAL_STICTION:g} |"
+    yield f"| its fast error at rest, likewise | {residual_model.USUAL_REST_CHANGE:g} |"
+    yield f"in motion {residual_model.RUBBING_SHARE:g} of the deviation that the fits show"
     rest = residual_model.USUAL_REST_STD
     yield f"| deviation of a joint that settles or rests, likewise | {rest:g} |"
     yield f"| rest and stops that count as much | {residual_model.SHOWN_DURATION:g} s |"

@@ -15,9 +15,11 @@ from ur5lib.timeseries.arrays import Array
 SHORT_LAG = 0.5  # s: half the duration of a push by hand
 LONG_LAG = 2.0  # s: twice its duration
 MIN_RENEWAL_RATE = 1 / 30  # 1/s, of the background
-USUAL_STICTION = 0.45  # in breakaway torques, where no recording rests
+USUAL_STICTION = 0.4  # in breakaway torques, where no recording rests
+RUBBING_SHARE = 1.25  # of a contact, that friction takes in motion, of the deviation there
 USUAL_RUBBING = 0.2  # likewise, in motion, where no recording was fitted to
 USUAL_REST_STD = 0.3  # likewise: deviation of a joint that settles or rests, where none does
+USUAL_REST_CHANGE = 0.2  # likewise, of its fast error, while the whole arm rests
 JOINTS_OF_A_FORCE = 2  # whose torques decide a component of a force
 SHOWN_DURATION = 10.0  # s at rest, or settling, that count as much as what is usual
 GATE_PATHS = 5  # from which on the gate is as unsure as the bands
@@ -94,19 +96,20 @@ class ResidualModel:
         """Return the model with what is usual in the place of rest and stops that were hardly shown
         by the stretches it was fitted to, and what dry friction may take of a contact.
 
-        That is, in motion, the deviation there, and at rest half of the deviation.
+        That is, in motion, RUBBING_SHARE of the deviation there, and at rest half of it.
         """
         seconds = _seconds(stretches, len(self.breakaway))
         unshown = SHOWN_DURATION / (SHOWN_DURATION + seconds)
         usual = replace(self, spread=self.spread.copy(), change=self.change.copy())
         usual.spread[JointState.SETTLING :] = USUAL_REST_STD * self.breakaway
         usual.change[JointState.SETTLING] = USUAL_REST_STD * self.breakaway
+        usual.change[JointState.STILL] = USUAL_REST_CHANGE * self.breakaway
         # root mean squares over the joints, of the states
         shares = np.sqrt(np.mean((self.spread / self.breakaway) ** 2, axis=1))
         weight = unshown[JointState.STILL].max()
         return replace(
             self.at_least(usual, unshown),
-            rubbing=float(shares[JointState.MOVING]),
+            rubbing=float(RUBBING_SHARE * shares[JointState.MOVING]),
             stiction=float(weight * USUAL_STICTION + (1 - weight) * shares[JointState.STILL] / 2),
         )
 
