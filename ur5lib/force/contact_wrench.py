@@ -75,7 +75,7 @@ def static_wrench(
     prior = wrench_covariance(STATIC_FORCE * typical_force, STATIC_LEVER)
     estimate = regularised_wrench(torque, jacobian, diagonal(std**2), prior)
     error = np.sqrt(np.linalg.diagonal(estimate.covariance))
-    finite = finite_rows(torque + error)[:, None]
+    finite = (finite_rows(torque) & finite_rows(error))[:, None]
     return np.where(finite, estimate.mean, np.nan), np.where(finite, error, np.nan)
 
 
