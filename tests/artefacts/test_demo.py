@@ -164,7 +164,7 @@ def test_accelerations_are_near_the_truth_and_inside_their_bands(truth: pd.DataF
     assert inside.min() > 0.9
     end = moving[moving["quantity"] == "end_effector_acceleration_rmse"]
     ours = end[end["method"] != "filterpy"]
-    assert (ours["estimate"] < 0.05 * ours["zero"]).all()
+    assert (ours["estimate"] < 0.07 * ours["zero"]).all()  # in a slow motion with pauses
     by_method = end.pivot_table("estimate", ["recording", "index"], "method").dropna()
     assert len(by_method) >= 6
     assert (by_method["encoders"] < by_method["filterpy"]).all()
