@@ -9,7 +9,7 @@ import numpy as np
 
 from ur5lib.channels import MEASURED_CURRENT, TARGET_CURRENT
 from ur5lib.checks.arm import Constants, torque_constants
-from ur5lib.checks.block_means import BLOCK_LENGTH, BlockMeans, combination
+from ur5lib.checks.block_means import BlockMeans, combination
 from ur5lib.checks.currents import moving_joints
 from ur5lib.records.phrases import number
 from ur5lib.records.quality import ODD_TARGET, Finding, contradiction
@@ -17,7 +17,6 @@ from ur5lib.robots.description import Robot
 
 # Current per target. It is 0.87 to 1.5 in right recordings, loads included.
 MIN_RATIO_TO_TARGET, MAX_RATIO_TO_TARGET = 0.8, 2.0
-MIN_DURATION = 9.0  # s: in a shorter recording, friction of a few stops looks like a factor
 MIN_BORNE_CURRENT = 1.0  # A, root mean square of the target of a joint that bears something
 
 
@@ -69,8 +68,6 @@ def _odd_target(joint: int, ratio: float, measured: Constants, targeted: Constan
 def unlike_targets(means: BlockMeans) -> Iterator[tuple[int, float]]:
     """Yield joints, from 0, whose current is a fraction or multiple of its target, and which."""
     if {MEASURED_CURRENT, TARGET_CURRENT} - means.currents.keys():
-        return
-    if len(means.qd) * BLOCK_LENGTH < MIN_DURATION:
         return
     moves = moving_joints(means)
     for joint in range(min(3, len(moves))):  # wrists hardly bear anything
