@@ -6,17 +6,18 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.harness import drawn_studies
+from benchmarks.harness.drawn_studies import posture, way_points
 from ur5lib.force.contact_prior import typical_force
 from ur5lib.robots.description import Robot
-from ur5lib.stand.plan import POSTURE
+from ur5lib.stand.drive import CURRENT_RIPPLE
 
 FIT_SECONDS, PATHS = 12.0, 3
-SWAY = 0.4  # rad, by which postures differ
 PAUSE = 1.0  # s, at each way-point
 FORCES = 0.5, 4.0  # range of pushes, in typical forces
 START, EVERY, LASTS = 2.0, 4.0, 2.0  # s, of pushes
 MOVING, RESTING = 4, 3  # pushes in motion and at rest
-HARMONICS = 8
+HARMONICS, MAX_PERIOD = 8, 12.0  # s, of excitations
 
 Plan = dict[str, Any]
 
@@ -95,9 +96,7 @@ SITUATIONS: dict[str, Situation] = {
     "500 Hz": Situation(rate=500),
     "noise × 5": Situation(noise=0.25),
     "steps of 10 mA": Situation(step=0.01),
-    "ripple × 3": Situation(
-        constants={f"{DRIVE}.CURRENT_RIPPLE": 3 * np.array([0.50, 0.57, 0.33, 0.27, 0.11, 0.27])}
-    ),
+    "ripple × 3": Situation(constants={f"{DRIVE}.CURRENT_RIPPLE": 3 * CURRENT_RIPPLE}),
     "short pushes": Situation(lasts=0.3),
     "long pushes": Situation(lasts=3.5),
     "weak pushes": Situation(forces=(0.3, 1.0)),
@@ -114,10 +113,10 @@ def plans(own: Situation, seed: int, arm: Robot) -> Iterator[tuple[str, str, Pla
     for k in range(own.paths):
         stops = k >= own.paths - own.stops
         share = 0.5 if k % 2 == 0 else 0.2
-        motion = way_points(random) if stops else fourier(random, share, own.seconds)
+        motion = way_points(random, PAUSE) if stops else fourier(random, share, own.seconds)
         yield f"fit-{k + 1}", "fit", {"trajectory": motion, "seconds": own.seconds, **own.plan}
     other = {**own.plan, **own.later}
-    free = {"trajectory": way_points(random), "seconds": FIT_SECONDS}
+    free = {"trajectory": way_points(random, PAUSE), "seconds": FIT_SECONDS}
     yield "free", "validate", free | other
     force = typical_force(arm)
     length = START + EVERY * MOVING
@@ -153,19 +152,6 @@ def push(
 
 
 def fourier(random: np.random.Generator, share: float, seconds: float) -> Plan:
-    """Return a drawn excitation about a drawn posture; share: of the limits, that is used."""
-    draw, period = int(random.integers(10**6)), min(seconds, 12.0)
-    about = {"draw": draw, "posture": posture(random), "period_s": period}
-    return {"kind": "fourier", **about, "harmonics": HARMONICS, "limit_share": share}
-
-
-def way_points(random: np.random.Generator) -> Plan:
-    """Return a motion along drawn way-points with pauses."""
-    drawn = [posture(random) for _ in range(4)]
-    return {"kind": "movej", "way_points": drawn, "pause_s": PAUSE}
-
-
-def posture(random: np.random.Generator) -> list[float]:
-    """Return a drawn posture [rad], far from singularities."""
-    drawn: list[float] = (POSTURE + random.uniform(-SWAY, SWAY, 6)).tolist()
-    return drawn
+    """Return a drawn excitation; arguments as of `drawn_studies`."""
+    drawn = drawn_studies.fourier(random, share, min(seconds, MAX_PERIOD))
+    return drawn | {"harmonics": HARMONICS}
