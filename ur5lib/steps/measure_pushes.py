@@ -21,6 +21,7 @@ from ur5lib.force.trial_contacts import (
     smallest_force,
     try_each_place,
 )
+from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.forces import Forces
@@ -66,9 +67,8 @@ def measure_pushes(
         if problem is not None and odds is not None:
             place = premises[name].place
             prior = ContactPrior.of(arm, contact_force_n, place)
-            known = kinematics[name]
-            jacobian = jacobian_at(known.jacobian, place.on(known.rotation))
-            trials[name] = pushed(problem, jacobian, prior, threshold[LEADING], odds, least)
+            given = problem, kinematics[name], place, prior
+            trials[name] = pushed(*given, threshold[LEADING], odds, least)
     tried = [name for name, own in trials.items() if len(own.force)]
     if not tried:
         return []
@@ -79,7 +79,8 @@ def measure_pushes(
 
 def pushed(
     problem: Problem,
-    jacobian: Array,
+    kinematics: Kinematics,
+    place: ContactPlace,
     prior: ContactPrior,
     threshold: float,
     odds: Array,
@@ -87,11 +88,11 @@ def pushed(
 ) -> Trials:
     """Return trial pushes on a contact-free recording, where contacts are assumed.
 
-    jacobian: of that place (N, 6, 6); odds: without any push (N,); least: number of pushes, if
-    there is a time for any.
+    odds: without any push (N,); least: number of pushes, if there is a time for any.
     """
     one, random = problem.input, np.random.default_rng(0)
-    speed = flange_speed(jacobian, one.qd)
+    jacobian = jacobian_at(kinematics.jacobian, place.on(kinematics.rotation))
+    speed = flange_speed(kinematics.jacobian, one.qd)
     time = np.arange(len(speed), dtype=np.float64) * one.period
     stiction, used = problem.model.stiction * problem.model.breakaway, jacobian[problem.rows]
     friction = np.random.default_rng(1)
