@@ -200,7 +200,7 @@ def learned(
     breakaway = np.median([arm["breakaway"] for arm, _ in runs], axis=0)
     known = {
         "speed": np.maximum(np.max(speeds, axis=0), MIN_SPEED).tolist(),
-        "noise": _noise(np.tile(breakaway, (len(STATES), 1)), breakaway, USUAL_STICTION),
+        "noise": _noise(np.tile(breakaway, (len(STATES), 1)), breakaway),
         "threshold": {"log_odds": MIN_LOG_ODDS},
         # while noise is learnt, nothing counts as a contact
         "constants": CONSTANTS | {"period": period, "freeze": np.inf, "quiet": [1.0]},
@@ -233,7 +233,10 @@ def _thinned(run: Measured) -> Measured:
 
 
 def _noise(
-    std: Array, breakaway: Array, stiction: float, rubbing: float = USUAL_RUBBING
+    std: Array,
+    breakaway: Array,
+    stiction: float = USUAL_STICTION,
+    rubbing: float = USUAL_RUBBING,
 ) -> dict[str, Any]:
     """Return by state [Nm]: standard deviations (5, n); of a contact, what dry friction absorbs on
     average, and what it hides beyond that, as `contact_wrench` of the whole recording assumes it;
