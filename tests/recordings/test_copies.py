@@ -125,7 +125,7 @@ def test_a_spare_copy_is_left_out_and_costs_nothing_else(ur5: Robot) -> None:
     }
     sensed = dict.fromkeys(judgements, record(Compared, {"sensed": {"contacts": 1}}))
     rows = rows_of_recordings(judgements, sensed, {}, {})
-    rows["quality"] = found_of_recordings(judgements, {}, {}, roles)
+    rows["quality"] = found_of_recordings(judgements, {}, {}, {}, roles)
     tables = {name: table(OF_RECORDINGS[name], own) for name, own in rows.items()}
     tables = without_copies(tables, roles)
     assert [*tables["sensed"]["recording"]] == ["fit", "seen", "pushed"]
