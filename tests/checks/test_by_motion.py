@@ -30,6 +30,7 @@ from ur5lib.recordings.frames import repair_frames
 from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.robots.exports import urdf
+from ur5lib.robots.friction import friction_direction
 from ur5lib.robots.from_urdf import robot_from_urdf
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.newton_euler import torque
@@ -55,8 +56,8 @@ def sensed(ur5e: Robot, tmp_path_factory: pytest.TempPathFactory) -> Robot:
     return robot_from_urdf(Path(file))[0]
 
 
-def log(arm: Robot, seed: int = 0, spring: float = 0.0) -> Checked:
-    """A motion of all joints; spring: at joint 2 [Nm/rad]."""
+def log(arm: Robot, seed: int = 0, spring: float = 0.0, reversal: float = 0.0) -> Checked:
+    """A motion of all joints; spring: at joint 2 [Nm/rad]; reversal: of friction [rad]."""
     random, time = np.random.default_rng(seed), np.arange(0, SECONDS, STEP)
     pace, phase = random.uniform(0.5, 2.0, (2, 3, 6)) * [[[1.0]], [[np.pi]]]
     angle = pace[:, None] * time[:, None] + phase[:, None]
@@ -66,7 +67,11 @@ def log(arm: Robot, seed: int = 0, spring: float = 0.0) -> Checked:
     links = torque(arm, arm.fullest_model(), q, qd, qdd)
     largest = np.array([150, 150, 150, 28, 28, 28])
     effort = 1.05 * links if arm.measured == CURRENT else links
-    effort = effort + largest * (0.04 * np.tanh(qd / 0.02) + 0.02 * qd)
+    dry = np.tanh(qd / 0.02)
+    if reversal:
+        whole = np.zeros(len(q), int)
+        dry = np.stack([friction_direction(one, whole, reversal) for one in q.T], axis=1)
+    effort = effort + largest * (0.04 * dry + 0.02 * qd)
     effort[:, 1] += spring * (q[:, 1] - HOME[1])
     effort += 0.005 * largest * random.normal(size=q.shape)
     effort = effort / arm.maker_torque_constants()
@@ -160,6 +165,12 @@ def test_a_delay_matters_from_a_share_of_the_cut_off_s_period_on(
     delays = replace(log(ur5e), cutoff=cutoff).delays
     assert delays is not None
     assert delays.shortest == pytest.approx(shortest)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_friction_that_reverses_slowly_is_no_delay(ur5e: Robot, seed: int) -> None:
+    """Over 2 mrad, currents follow a motion of 0.1 rad/s by 20 ms."""
+    assert signs(log(ur5e, seed, reversal=2e-3)) == []
 
 
 @pytest.mark.parametrize(("before_shorter", "told"), [(2.0, False), (20.0, True)])

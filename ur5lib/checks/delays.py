@@ -10,6 +10,7 @@ from ur5lib.checks.block_means import DECORRELATION_TIME
 from ur5lib.checks.channels import MIN_MOVING_SPEED
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
+from ur5lib.robots.friction import PRESLIDING_DISTANCE, friction_direction
 from ur5lib.robots.statics import gravity_columns
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Mask
@@ -22,6 +23,8 @@ MIN_LEAD_BEFORE_SHORTER, MIN_LEAD_OF_DELAY_BY_HAND = 8.0, 40.0
 DELAY_STEP, MAX_DELAY = 0.02, 0.4  # s, of the delays that are tried; right recordings show none
 DELAY_IN_PERIODS = 0.06  # of the currents' low-pass; a shorter delay changes nothing that it leaves
 CURRENT_NOISE = 0.02  # A, or Nm of torques; nothing is explained better
+# Distances [rad] over which friction may reverse: the usual one, and those that look like a delay.
+REVERSALS = (PRESLIDING_DISTANCE, 1e-3, 2e-3)
 MIN_SHARE_RECEIVED = 0.4  # share of a block's frames; in some recordings, half are lost
 
 
@@ -92,16 +95,29 @@ def delays_by_motion(robot: pd.DataFrame, arm: Robot, step: float, cutoff: float
     rows = rows[received[rows] >= MIN_SHARE_RECEIVED]
     gravity = gravity_columns(arm, q[rows])
     # the log-likelihood of each delay
-    scores, independent = np.zeros(len(lags)), len(rows) * step / DECORRELATION_TIME
+    shortest = DELAY_IN_PERIODS / cutoff
+    scores = np.zeros((1 + len(REVERSALS), len(lags)))
+    independent = len(rows) * step / DECORRELATION_TIME
     moves = (qd[rows] ** 2).sum(axis=0) > MIN_MOVING_SPEED**2 * max(len(rows), most)
     for joint in np.flatnonzero(moves):
-        friction, rate = np.tanh(qd[rows, joint] / MIN_MOVING_SPEED), qd[rows, joint]
-        terms = [friction, rate, gravity[joint], qdd[rows, joint], np.ones(len(rows))]
-        basis, _ = np.linalg.qr(np.column_stack(terms))
-        currents = later[rows - most, joint]
-        residual = currents - basis @ (basis.T @ currents)
-        scores -= independent / 2 * np.log((residual**2).mean(axis=0) + CURRENT_NOISE**2)
-    return Delays(np.asarray(lags * step), scores, DELAY_IN_PERIODS / cutoff)
+        terms = [qd[rows, joint], gravity[joint], qdd[rows, joint], np.ones(len(rows))]
+        currents, left = later[rows - most, joint], []
+        for friction in _frictions(q[:, joint], qd[:, joint]):
+            basis, _ = np.linalg.qr(np.column_stack([*terms, friction[rows]]))
+            left.append(((currents - basis @ (basis.T @ currents)) ** 2).mean(axis=0))
+        scores -= independent / 2 * np.log(np.array(left) + CURRENT_NOISE**2)
+    # friction that reverses over a long distance is the rival of a delay, and takes none besides
+    usual, any_friction = scores[:2].max(axis=0), scores.max(axis=0)
+    scores = np.where(np.abs(lags * step) < shortest, any_friction, usual)
+    return Delays(np.asarray(lags * step), scores, shortest)
+
+
+def _frictions(q: Array, qd: Array) -> Iterator[Array]:
+    """Yield the directions (N,) of dry friction that reverses at once, or over a distance."""
+    yield np.tanh(qd / MIN_MOVING_SPEED)
+    known = pd.Series(q).ffill().bfill().to_numpy()
+    for distance in REVERSALS:
+        yield friction_direction(known, np.zeros(len(q), int), distance)
 
 
 def _means(values: Array, count: int) -> Array:
