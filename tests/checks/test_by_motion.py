@@ -173,6 +173,20 @@ def test_friction_that_reverses_slowly_is_no_delay(ur5e: Robot, seed: int) -> No
     assert signs(log(ur5e, seed, reversal=2e-3)) == []
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_friction_that_a_pause_keeps_is_no_other_constant(ur5e: Robot, seed: int) -> None:
+    """Of 12 s in which joints move for 5 s, and bear less than gravity while they rest."""
+    own, moving, resting = log(ur5e, seed), 250, 350
+    paused = own.robot.iloc[[*range(moving), *[moving] * resting]].reset_index(drop=True)
+    paused["time"] = STEP * np.arange(moving + resting)
+    rest = paused.index >= moving
+    current = channel(paused, "actual_current")
+    current[rest] *= 0.4
+    qd = np.where(rest[:, None], 0.0, channel(paused, "actual_qd"))
+    paused = paused.assign(**named(current, "actual_current"), **named(qd, "actual_qd"))
+    assert signs(replace(own, robot=paused)) == []
+
+
 @pytest.mark.parametrize(("before_shorter", "told"), [(2.0, False), (20.0, True)])
 def test_a_delay_is_told_where_a_shorter_one_explains_less(
     before_shorter: float, told: bool

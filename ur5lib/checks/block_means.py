@@ -11,13 +11,14 @@ from ur5lib.channels import EFFORT_CHANNELS, Effort
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.tables import channel
-from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 BLOCK_LENGTH = 0.1  # s, of the blocks
 DECORRELATION_TIME = 0.4  # s between errors that count as independent
 # More of a block's frames may not be lost. In some recordings, half are.
 MAX_SHARE_FILLED = 0.6
 FULL_FRICTION_SPEED = 0.02  # rad/s; faster joints have their full friction
+MIN_RUBBING = 20  # blocks in motion that show a joint's slopes
 SMALLEST_SIZE = 1e-300  # keeps divisors above zero
 # Relative to the regressor's square. It keeps first moments small that nothing determines.
 FIRST_MOMENT_PRIOR = 1e-4
@@ -88,6 +89,14 @@ class BlockMeans:
         """Return dry and viscous friction (M, 2) of joint 0 to 5, each up to a factor."""
         qd = self.qd[:, joint]
         return np.column_stack([np.tanh(qd / FULL_FRICTION_SPEED), qd])
+
+    def rubbing(self, joint: int) -> Mask:
+        """Return the blocks (M,) in which joint 0 to 5 moves, all where these are few.
+
+        At rest, its friction may have any part of its size, which one long pause adds to a slope.
+        """
+        moves = np.abs(self.qd[:, joint]) > FULL_FRICTION_SPEED
+        return moves if moves.sum() >= MIN_RUBBING else np.ones_like(moves)
 
     def without_gravity(self, joint: int, accelerations: Array) -> Array:
         """Return the columns (M, n) of friction, inertia and, if there is one, an offset."""

@@ -266,9 +266,12 @@ def undeclared_load(
 
 
 def held_gravity(means: BlockMeans, gravity: Array, current: Array, joint: int) -> Held:
-    """Return how much of a joint's current holds gravity, beside friction and inertia."""
-    effort = current[:, joint]
-    columns = np.column_stack([gravity[:, joint], means.friction(joint), means.qdd])
+    """Return how much of a joint's current holds gravity, beside friction and inertia, by motion if
+    there is any.
+    """
+    rows = means.rubbing(joint)
+    effort = current[rows, joint]
+    columns = np.column_stack([gravity[:, joint], means.friction(joint), means.qdd])[rows]
     inverse = np.linalg.pinv(columns)
     solution = inverse @ effort
     residual = size(effort - columns @ solution)

@@ -83,6 +83,7 @@ def unlike_targets(means: BlockMeans) -> Iterator[tuple[int, float]]:
             continue
         load = np.abs(target) * friction[:, 0]
         columns = np.column_stack([target, friction, load, means.qdd[:, joint]])
-        slope, error = combination(columns, means.effort[:, joint], [1.0])
+        rows = means.rubbing(joint)
+        slope, error = combination(columns[rows], means.effort[rows, joint], [1.0])
         if slope + 5 * error < MIN_RATIO_TO_TARGET or slope - 5 * error > MAX_RATIO_TO_TARGET:
             yield joint, slope
