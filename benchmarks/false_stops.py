@@ -26,6 +26,7 @@ from benchmarks.harness.right_logs import RightLog, real_logs, simulated_logs, w
 from ur5lib.checks.arm import Pair
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import moving_joints
+from ur5lib.checks.findings import possible_delays
 from ur5lib.checks.readings import exchanged_order, in_order
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.unchecked import unchecked
@@ -92,7 +93,7 @@ def of_right(log: RightLog) -> Iterator[dict[str, object]]:
 def of_faults(log: RightLog) -> Iterator[dict[str, object]]:
     """Yield what is told of each fault that is put into a log."""
     for fault in faults(bare(log.checked)):
-        stops = stop_signs(fault.checked)
+        stops = stop_signs(fault.checked) or possible_delays(fault.checked)
         told = any(is_told(fault, sign) for sign in stops)
         outcome = "told" if told else "told otherwise" if stops else "unnoticed"
         counts = {name: int(name == outcome) for name in ("told", "told otherwise", "unnoticed")}
@@ -100,7 +101,7 @@ def of_faults(log: RightLog) -> Iterator[dict[str, object]]:
 
 
 def is_told(fault: Fault, sign: Finding) -> bool:
-    """Return whether a stop sign names a fault and its joints."""
+    """Return whether a finding names a fault and its joints."""
     right = not fault.joints or {*sign.joints} == fault.joints
     return right and any(word in sign.code for word in fault.words)
 

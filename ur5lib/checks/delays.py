@@ -30,12 +30,21 @@ MIN_SHARE_RECEIVED = 0.4  # share of a block's frames; in some recordings, half 
 
 class Delays(NamedTuple):
     """How much later than the motion all currents come, `seconds`, none in the middle, and the
-    log-likelihoods of these delays; shortest: that matters [s].
+    log-likelihoods of these delays, and with friction that reverses over a long distance;
+    shortest: that matters [s].
     """
 
     seconds: Array
     likelihoods: Array
+    of_slow_reversal: Array
     shortest: float
+
+    def given(self, likelihoods: Array) -> "Delays":
+        """Return the delays with log-likelihoods of other evidence."""
+        return self._replace(
+            likelihoods=self.likelihoods + likelihoods,
+            of_slow_reversal=self.of_slow_reversal + likelihoods,
+        )
 
     def behind(self) -> Array:
         """Return how much likelier no delay is than each."""
@@ -51,24 +60,35 @@ class Delays(NamedTuple):
             return MAX_DELAY
         return float(np.abs(self.seconds[self.behind() <= MIN_LEAD_OF_DELAY]).max())
 
+    def shown(self, driven: bool) -> float | None:
+        """Return the delay [s] that is far likelier than none; driven: whether motors move it."""
+        late, behind = self.late(), self.behind()
+        least = MIN_LEAD_BEFORE_SHORTER if driven else MIN_LEAD_OF_DELAY_BY_HAND
+        if not late.any() or behind[late].min() >= -MIN_LEAD_OF_DELAY:
+            return None
+        shown = behind[~late].min() - behind[late].min() > least
+        return float(self.seconds[late][np.argmin(behind[late])]) if shown else None
+
+    def is_doubtful(self) -> bool:
+        """Return whether slowly reversing friction explains as much as a delay."""
+        slowly = self.of_slow_reversal[~self.late()].max()
+        return bool(slowly > self.likelihoods.max() - MIN_LEAD_BEFORE_SHORTER)
+
 
 def delayed_currents(delays: Delays, driven: bool, name: str) -> Iterator[Finding]:
     """Find currents, or torques, that come later or earlier than the motion that they drive.
 
-    name: of their channel.
+    name: of their channel. A warning where slowly reversing friction explains as much.
     """
-    late, behind = delays.late(), delays.behind()
-    if not late.any():
+    if (delay := delays.shown(driven)) is None:
         return
-    most, shorter = behind[late].min(), behind[~late].min()
-    least = MIN_LEAD_BEFORE_SHORTER if driven else MIN_LEAD_OF_DELAY_BY_HAND
-    if most < -MIN_LEAD_OF_DELAY and shorter - most > least:
-        delay = float(delays.seconds[late][np.argmin(behind[late])])
-        code, side = ("late current", "later") if delay > 0 else ("early current", "earlier")
-        detail = (
-            f"{name} comes {abs(delay):.2f} s {side} than the motion; record both with one clock, "
-            "or correct the time of one"
-        )
+    code, side = ("late current", "later") if delay > 0 else ("early current", "earlier")
+    seen = f"{name} comes {abs(delay):.2f} s {side} than the motion"
+    if delays.is_doubtful():
+        detail = f"{seen}, or friction reverses over {1e3 * max(REVERSALS):g} mrad: check the clock"
+        yield Finding("robot", "possible delay", "warning", 1, detail, code=code)
+    else:
+        detail = f"{seen}; record both with one clock, or correct the time of one"
         yield contradiction(code, "delay", detail)
 
 
@@ -106,10 +126,8 @@ def delays_by_motion(robot: pd.DataFrame, arm: Robot, step: float, cutoff: float
             basis, _ = np.linalg.qr(np.column_stack([*terms, friction[rows]]))
             left.append(((currents - basis @ (basis.T @ currents)) ** 2).mean(axis=0))
         scores -= independent / 2 * np.log(np.array(left) + CURRENT_NOISE**2)
-    # friction that reverses over a long distance is the rival of a delay, and takes none besides
-    usual, any_friction = scores[:2].max(axis=0), scores.max(axis=0)
-    scores = np.where(np.abs(lags * step) < shortest, any_friction, usual)
-    return Delays(np.asarray(lags * step), scores, shortest)
+    usual, slowly = scores[:2].max(axis=0), scores[2:].max(axis=0)
+    return Delays(np.asarray(lags * step), usual, slowly, shortest)
 
 
 def _frictions(q: Array, qd: Array) -> Iterator[Array]:

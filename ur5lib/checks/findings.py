@@ -3,8 +3,9 @@
 from collections.abc import Iterator, Mapping
 
 from ur5lib.checks.channels import fast_between_samples, too_short, unfiltered
-from ur5lib.checks.checked import Checked
+from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.contacts import unfelt_contacts
+from ur5lib.checks.delays import delayed_currents
 from ur5lib.checks.doubts import doubts_by_joint
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.torques import given_load
@@ -29,10 +30,18 @@ def contradictions(
     doubts = [*doubts, *_of_samples(checked, cutoffs_hz), *checked.odd_targets.values()]
     stops = stop_signs(checked, accepted)
     if not stops:  # from which others would follow
+        doubts += possible_delays(checked)
         doubts += given_load(checked)
         doubts += contacts_felt(checked, sensed)
         doubts += unchecked(checked)
     return accepting(Contradictions(stops, doubts), accepted)
+
+
+def possible_delays(checked: Checked) -> list[Finding]:
+    """Return the warning of a delay of all efforts that friction may explain as well."""
+    if checked.delays is None or len(checked.means.q) < MIN_BLOCKS:
+        return []
+    return [*delayed_currents(checked.delays, checked.driven, checked.arm.measured.channel)]
 
 
 def _of_samples(checked: Checked, cutoffs_hz: Mapping[str, float]) -> Iterator[Finding]:

@@ -94,7 +94,8 @@ def _contradictions(checked: Checked) -> Iterator[Finding]:
     if checked.shows_currents() and checked.tells_signs_by_friction():
         yield from rectified_efforts(means, loaded, name)
     if checked.delays is not None:  # whatever arm and units are
-        yield from delayed_currents(checked.delays, checked.driven, name)
+        found = delayed_currents(checked.delays, checked.driven, name)
+        yield from (one for one in found if one.severity == "stop")
     if checked.answers is not None:
         yield from exchanged_currents(checked.answers)
     if arm.measured == TORQUE and means.has_efforts():
