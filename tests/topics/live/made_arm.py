@@ -24,7 +24,7 @@ def arm_file(noise: float = 0.3, **constants: float) -> dict[str, Any]:
     lost = {state: [0.0] * 6 for state in STATES}
     return numbers(arm, friction(arm), "", None) | {
         "speed": [2.0] * 6,
-        "noise": {"std": std, "absorbed": lost, "hidden": lost},
+        "noise": {"std": std, "absorbed": lost, "hidden": lost, "shift": 1e-4},
         "threshold": {"log_odds": 3.0},
         "constants": CONSTANTS | {"period": PERIOD, "doubt": 1.1, "quiet": [1.0]} | constants,
     }

@@ -20,7 +20,7 @@ from ur5lib.timeseries.segments import runs
 from ur5lib.topics.live.live_file import LiveFit, numbers
 from ur5lib.topics.live.rows import LiveForces
 
-FORMAT = "ur5lib live 2"
+FORMAT = "ur5lib live 3"
 UNITS = "SI: m, kg, s, rad, N, Nm, A; links in the axes of their joint, joints from 1"
 
 

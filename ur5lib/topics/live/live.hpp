@@ -21,7 +21,7 @@
 namespace live {
 
 constexpr int MAX_JOINTS = 8, MAX_PARTS = 4, MAX_SIZES = 8;
-enum Contact { FREE, CONTACT, UNKNOWN };
+enum Contact { FREE, SUSPECTED, CONTACT, UNKNOWN };
 enum State { MOVING, REVERSING, SETTLING, RESTING, STILL };
 constexpr const char* STATES[] = {"moving", "reversing", "settling", "resting", "still"};
 using Joints = std::array<double, MAX_JOINTS>;
@@ -178,7 +178,7 @@ class Live {
       hidden_[s] = arm.joints(std::string("noise.hidden.") + STATES[s], n);
       absorbed_[s] = arm.joints(std::string("noise.absorbed.") + STATES[s], n);
     }
-    threshold_ = arm.at("threshold.log_odds");
+    threshold_ = arm.at("threshold.log_odds"), shift_ = arm.at("noise.shift");
     const auto constant = [&arm](const char* name) { return arm.at(std::string("constants.") + name); };
     period_ = constant("period"), max_gap_ = constant("max_gap"), turns_ = constant("turns");
     margin_ = constant("margin"), jump_ = constant("jump"), gain_ = constant("gain");
@@ -188,6 +188,9 @@ class Live {
     wide_ = constant("wide"), doubt_ = constant("doubt"), rare_ = constant("rare");
     duration_ = constant("duration"), hysteresis_ = constant("hysteresis");
     freeze_ = constant("freeze"), thaw_ = constant("thaw"), slow_ = constant("slow");
+    window_ = constant("window"), confirmed_ = constant("confirmed"), stays_ = constant("stays");
+    large_ = constant("large"), blind_ = constant("blind"), faster_ = constant("faster");
+    least_step_ = constant("least_step");
     quiet_ = arm.at("constants.quiet.0");
     lever_ = arm.at("contacts.lever"), typical_ = arm.at("contacts.typical");
     for (int i = 0; i < 3; ++i) place_[i] = arm.at("contacts.place." + std::to_string(i));
@@ -207,10 +210,12 @@ class Live {
     time_ = std::numeric_limits<double>::quiet_NaN();
     passed_ = rested_ = evidence = 0;
     q_ = qd_ = lag_ = momentum_ = rate_ = observed = Joints{};
-    friction_ = drift_ = scale_ = rest_ = torque = Joints{};
+    friction_ = drift_ = scale_ = rest_ = torque = anchor_ = pull_ = Joints{};
     direction_ = {};
     state.fill(MOVING);
-    touched_ = at_rest_ = false;
+    touched_ = contact_ = at_rest_ = still_ = false;
+    moved_at_ = -std::numeric_limits<double>::infinity();
+    felt_at_ = std::numeric_limits<double>::infinity();
     missed_ = 0;
     answer_ = Answer{};
     const double largest = *std::max_element(sizes_.begin(), sizes_.begin() + count_);
@@ -286,16 +291,31 @@ class Live {
       if (!(std::abs(q[k]) < turns_) || !(std::abs(current[k]) <= margin_ * strongest_[k])) return false;
       if (qd != nullptr && !(std::abs(qd[k]) <= margin_ * fastest_[k])) return false;
     }
-    if (std::isnan(time_)) return true;
+    const bool again = seen_ && repeats(q, qd, current);
+    std::copy(q, q + n, last_q_.begin());
+    std::copy(current, current + n, last_current_.begin());
+    seen_ = true;
+    if (again || std::isnan(time_)) return !again;
     const double passed = time - time_;
     if (std::abs(passed) > max_gap_) {
       restart();
       return true;
     }
-    if (!(passed > 0)) return false;
+    if (!(passed >= least_step_)) return false;
     for (int k = 0; k < n; ++k)
       if (!(std::abs(q[k] - q_[k]) <= margin_ * fastest_[k] * passed + jump_)) return false;
     return true;
+  }
+
+  // whether positions or currents stay to the last bit while the arm moves
+  bool repeats(const double* q, const double* qd, const double* current) const noexcept {
+    bool moves = false, same_q = true, same_current = true;
+    for (int k = 0; k < n; ++k) {
+      moves = moves || (qd != nullptr && std::abs(qd[k]) > rest_speed_);
+      same_q = same_q && q[k] == last_q_[k];
+      same_current = same_current && current[k] == last_current_[k];
+    }
+    return moves && (same_q || same_current);
   }
 
   void start(double time) noexcept {
@@ -311,6 +331,8 @@ class Live {
     velocity(q, qd, first);
     time_ = time;
     std::copy(q, q + n, q_.begin());
+    const double share = passed_ / (window_ + passed_);
+    for (int k = 0; k < n; ++k) anchor_[k] = first ? q[k] : anchor_[k] + share * (q[k] - anchor_[k]);
     for (int p = 0; p < parts_; ++p)
       for (int k = 0; k < n; ++k) {
         const double kept = std::exp(-std::abs(qd_[k]) * passed_ / distance_[p]);
@@ -372,19 +394,24 @@ class Live {
   }
 
   void move() noexcept {
-    at_rest_ = true;
+    at_rest_ = still_ = true;
+    bool all_slow = true;
     for (int k = 0; k < n; ++k) {
       const bool slow = std::abs(qd_[k]) < rest_speed_;
       if (!slow) fast_at_[k] = time_;
       if (slow) slow_at_[k] = time_;
+      all_slow = all_slow && time_ > fast_at_[k];
       at_rest_ = at_rest_ && time_ - fast_at_[k] >= stop_;
     }
     if (!at_rest_) rested_ = 0;
     for (int k = 0; k < n; ++k) {
-      if (time_ - fast_at_[k] >= stop_)
-        state[k] = !at_rest_ ? RESTING : rested_ >= settle_ ? STILL : SETTLING;
+      if (all_slow)
+        state[k] = rested_ >= settle_ ? STILL : SETTLING;
+      else if (time_ - fast_at_[k] >= stop_)
+        state[k] = RESTING;
       else
         state[k] = time_ - slow_at_[k] <= reversal_ ? REVERSING : MOVING;
+      still_ = still_ && state[k] == STILL;
     }
   }
 
@@ -394,8 +421,8 @@ class Live {
     for (int k = 0; k < n; ++k) {
       torque[k] = observed[k] - (state[k] == STILL ? rest_[k] : drift_[k] + scale_[k] * friction_[k]);
       const double unseen = std::max(std::abs(qd_[k]) / fastest_[k], 1.0);
-      doubtful = doubtful || unseen > 1;
-      const double own = noise_[state[k]][k] * unseen * unseen, lost = hidden_[state[k]][k];
+      doubtful = doubtful || std::abs(qd_[k]) > faster_ * fastest_[k];
+      const double own = noise_[state[k]][k] * unseen, lost = hidden_[state[k]][k];
       variance[k] = own * own;
       wider[k] = wide_ * wide_ * variance[k];
       touching[k] = variance[k] + lost * lost;
@@ -419,20 +446,27 @@ class Live {
       }
     }
     evidence = largest + std::log(all / count_) - free;
+    Wrench wrench{}, std{};
     for (int i = 0; i < 6; ++i) {
-      answer_.wrench[i] = mean[i] / total;
-      const double spread = square[i] / total - answer_.wrench[i] * answer_.wrench[i];
-      answer_.std[i] = std::max(spread, 0.0);
+      wrench[i] = mean[i] / total;
+      std[i] = std::max(square[i] / total - wrench[i] * wrench[i], 0.0);
     }
     // from the place of the contact to the last frame: n + p × F
-    const Wrench force = answer_.wrench, spread = answer_.std;
+    const Wrench force = wrench, spread = std;
     for (int i = 0; i < 3; ++i) {
       const int a = (i + 1) % 3, b = (i + 2) % 3;
-      answer_.wrench[3 + i] += place[a] * force[b] - place[b] * force[a];
-      answer_.std[3 + i] += place[a] * place[a] * spread[b] + place[b] * place[b] * spread[a];
+      wrench[3 + i] += place[a] * force[b] - place[b] * force[a];
+      std[3 + i] += place[a] * place[a] * spread[b] + place[b] * place[b] * spread[a];
     }
-    for (int i = 0; i < 6; ++i) answer_.std[i] = doubt_ * std::sqrt(answer_.std[i]);
-    contact(doubtful);
+    for (int i = 0; i < 6; ++i) std[i] = doubt_ * std::sqrt(std[i]);
+    const Wrench& widest = touch.variance[count_ - 1];
+    const double most = blind_ * typical_, size = large_ * typical_;
+    const bool blind = std::max({widest[0], widest[1], widest[2]}) > most * most;
+    const bool large = force[0] * force[0] + force[1] * force[1] + force[2] * force[2] > size * size;
+    contact(doubtful, blind, large);
+    if (answer_.contact == SUSPECTED) return;
+    answer_.wrench = wrench;
+    answer_.std = std;
   }
 
   Posterior posterior(const Joints& sensed, const std::array<Wrench, MAX_JOINTS>& jacobian,
@@ -489,17 +523,45 @@ class Live {
     return result;
   }
 
-  void contact(bool doubtful) noexcept {
+  void contact(bool doubtful, bool blind, bool large) noexcept {
     if (evidence < threshold_) below_at_ = time_;
     if (touched_)
       touched_ = evidence >= threshold_ - hysteresis_;
     else
       touched_ = !doubtful && time_ - below_at_ >= duration_;
-    answer_.contact = touched_ ? CONTACT : doubtful ? UNKNOWN : FREE;
+    const bool felt = feels();
+    contact_ = touched_ || (felt && !doubtful);
+    const bool suspected = evidence > freeze_ || large;
+    const bool unknown = doubtful || (still_ && blind);
+    answer_.contact = contact_ ? CONTACT : unknown ? UNKNOWN : suspected ? SUSPECTED : FREE;
+  }
+
+  // whether encoders of a resting arm feel a contact: from a first push until its joints stay
+  bool feels() noexcept {
+    const double share = passed_ / (window_ + passed_);
+    bool moved = false, pushed = false;
+    for (int k = 0; k < n; ++k) {
+      pull_[k] += share * ((state[k] == STILL ? torque[k] : 0.0) - pull_[k]);
+      const double shift = q_[k] - anchor_[k];
+      if (std::abs(shift) > shift_) {
+        moved = true;
+        pushed = pushed || -pull_[k] * sign(shift) < breakaway_[k];
+      }
+    }
+    if (!still_) {
+      felt_at_ = std::numeric_limits<double>::infinity();
+      moved_at_ = time_;
+    } else if (moved) {
+      if (pushed && time_ - moved_at_ > stays_) felt_at_ = std::min(felt_at_, time_);
+      moved_at_ = time_;
+    } else if (time_ - moved_at_ > stays_) {
+      felt_at_ = std::numeric_limits<double>::infinity();
+    }
+    return time_ - felt_at_ >= confirmed_;
   }
 
   void learn() noexcept {
-    if (touched_ || evidence > freeze_) suspected_at_ = time_;
+    if (contact_ || evidence > freeze_) suspected_at_ = time_;
     if (time_ - suspected_at_ < thaw_) return;
     const double share = passed_ / slow_;
     for (int k = 0; k < n; ++k) {
@@ -528,13 +590,14 @@ class Live {
   int parts_ = 0, count_ = 0;
   double threshold_, period_, max_gap_, turns_, margin_, jump_, gain_, acceleration_, encoder_;
   double dead_zone_, rest_speed_, stop_, settle_, reversal_, wide_, doubt_, rare_, lever_, quiet_, typical_;
-  double duration_, hysteresis_, freeze_, thaw_, slow_;
+  double duration_, hysteresis_, freeze_, thaw_, slow_, shift_, window_, confirmed_, stays_;
+  double large_, blind_, faster_, least_step_;
   // of the run
-  double time_, passed_, rested_, started_, below_at_, suspected_at_;
+  double time_, passed_, rested_, started_, below_at_, suspected_at_, moved_at_, felt_at_;
   Joints q_{}, qd_{}, lag_{}, momentum_{}, rate_{}, friction_{}, drift_{}, scale_{}, rest_{};
-  Joints fast_at_{}, slow_at_{};
+  Joints fast_at_{}, slow_at_{}, anchor_{}, pull_{}, last_q_{}, last_current_{};
   std::array<Joints, MAX_PARTS> direction_{};
-  bool touched_ = false, at_rest_ = false;
+  bool touched_ = false, contact_ = false, at_rest_ = false, still_ = false, seen_ = false;
   int missed_ = 0;
   Answer answer_;
 };

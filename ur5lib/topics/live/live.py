@@ -22,11 +22,12 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Posterior = tuple[Array, Array, Array]
+Weighed = tuple[Array, Array, Array, Any]
 STATES = ("moving", "reversing", "settling", "resting", "still")  # of a joint
 MOVING, REVERSING, SETTLING, RESTING, STILL = range(5)
 TERMS = ["coulomb", "viscous", "velocity_root", "velocity_square", "periodic_sin", "periodic_cos"]
 TERMS += ["balance_sin", "balance_cos", "load"]  # of friction
-FREE, CONTACT, UNKNOWN = "free", "contact", "unknown"
+FREE, SUSPECTED, CONTACT, UNKNOWN = "free", "suspected", "contact", "unknown"
 NEXT, LAST = [1, 2, 0], [2, 0, 1]  # a × b = a[NEXT] b[LAST] - a[LAST] b[NEXT]
 
 
@@ -34,7 +35,8 @@ class Answer(NamedTuple):
     """What is known after a sample.
 
     wrench: [F, n] (6,) [N, Nm], the environment acting on the arm, base axes, at the origin of the
-    last frame; std: its standard deviation (6,); contact: "contact", "free" or "unknown".
+    last frame; std: its standard deviation (6,); contact: "contact", "suspected", "free" or
+    "unknown"; while one is suspected, both are the last that were sure.
     """
 
     wrench: Array
@@ -85,9 +87,11 @@ class Live:
             for name in ("std", "hidden", "absorbed")
         )
         self.threshold, contacts = float(arm["threshold"]["log_odds"]), arm["contacts"]
+        self.shift = float(arm["noise"]["shift"])
         self.set, self.place = {**arm["constants"], **contacts}, np.array(contacts["place"], float)
         axes = [1, 1, 1, *[self.set["lever"]] * 3]
         self.sizes, self.quiet = (np.outer(self.set[name], axes) for name in ("sizes", "quiet"))
+        self.last: tuple[Array, Array] | None = None  # positions and currents
         self.restart()
 
     @classmethod
@@ -101,9 +105,11 @@ class Live:
         self.time, self.passed, self.run = np.nan, 0.0, 0.0  # [s]
         self.q, self.qd, self.lag, self.momentum, self.rate, self.observed = np.zeros((6, n))
         self.friction, self.drift, self.scale, self.rest, self.torque = np.zeros((5, n))
+        self.anchor, self.pull = np.zeros((2, n))
         self.direction = np.zeros((len(self.share), n))
         self.evidence, self.rested = 0.0, 0.0  # rested: seconds of the whole arm's rest
         self.touched, self.missed, self.state = False, 0, np.zeros(n, np.int64)
+        self.contact, self.moved_at, self.felt_at = False, -np.inf, np.inf
         self.answer = Answer(np.zeros(6), self.sizes.max(axis=0), UNKNOWN)
 
     def start(self, time: float) -> None:
@@ -133,21 +139,29 @@ class Live:
         """Return whether a sample is new and possible; restart where the clock jumped."""
         if not all(one.shape == self.mass.shape for one in (q, current, qd)):
             return False
-        possible = bool(self.possible(time, q, current, qd))
-        if not possible or np.isnan(self.time):
-            return possible
+        if not self.possible(time, q, current, qd):
+            return False
+        repeats = self.last is not None and bool(self.repeats(qd, q, current, *self.last))
+        self.last = q, current
+        if repeats or np.isnan(self.time):
+            return not repeats
         passed = time - self.time
         if abs(passed) > self.set["max_gap"]:
             self.restart()
             return True
         most = self.set["margin"] * self.fastest * passed + self.set["jump"]
-        return bool(passed > 0 and (np.abs(q - self.q) <= most).all())
+        return bool(passed >= self.set["least_step"] and (np.abs(q - self.q) <= most).all())
 
     def possible(self, time: Any, q: Array, current: Array, qd: Array) -> Any:
         """Return whether samples (...) may be of this arm."""
         usual = (np.abs(time) < 1e12) & (np.abs(q) < self.set["turns"]).all(axis=-1)
         usual &= (np.abs(current) <= self.set["margin"] * self.strongest).all(axis=-1)
         return usual & (np.abs(qd) <= self.set["margin"] * self.fastest).all(axis=-1)
+
+    def repeats(self, qd: Array, q: Array, current: Array, last_q: Array, last: Array) -> Any:
+        """Return whether positions or currents (..., n) stay the same while the arm moves."""
+        moves = (np.abs(qd) > self.set["rest_speed"]).any(axis=-1)
+        return moves & ((q == last_q).all(axis=-1) | (current == last).all(axis=-1))
 
     def _take(self, time: float, q: Array, qd: Array | None, current: Array) -> None:
         """Take a usable sample."""
@@ -165,6 +179,9 @@ class Live:
         rate = load + swept.rate
         if first:
             self.friction, self.momentum, self.rate = friction, swept.momentum, rate
+            self.anchor = q
+        share = self.passed / (self.set["window"] + self.passed)
+        self.anchor = self.anchor + share * (q - self.anchor)
         gain = self.set["gain"] * self.passed / (1 + self.set["gain"] * self.passed)
         change = (swept.momentum - self.momentum) / (self.passed or 1.0)
         change = change - (rate + self.rate) / 2
@@ -174,7 +191,8 @@ class Live:
         slow = np.abs(self.qd) < self.set["rest_speed"]
         self.fast_at = np.where(slow, self.fast_at, time)
         self.slow_at = np.where(slow, time, self.slow_at)
-        self.rested *= bool((time - self.fast_at >= self.set["stop"]).all())
+        self.stopped = bool((time - self.fast_at >= self.set["stop"]).all())
+        self.rested *= self.stopped
         self.state = self.states(time - self.fast_at, time - self.slow_at, self.rested)
         self._judge(swept.jacobian, swept.place)
         self._learn()
@@ -241,35 +259,84 @@ class Live:
 
     def states(self, slow_for: Array, slow_ago: Array, rested: Any) -> Any:
         """Return the state (..., n) of each joint, as far as past samples show it; all in [s]."""
-        stopped = slow_for >= self.set["stop"]
-        at_rest = np.where(rested >= self.set["settle"], STILL, SETTLING)
-        at_rest = np.where(stopped.all(axis=-1, keepdims=True), at_rest, RESTING)
+        stopped, slow = slow_for >= self.set["stop"], (slow_for > 0).all(axis=-1, keepdims=True)
+        at_rest = np.where(slow, np.where(rested >= self.set["settle"], STILL, SETTLING), RESTING)
         moves = np.where(slow_ago <= self.set["reversal"], REVERSING, MOVING)
-        return np.where(stopped, at_rest, moves)
+        return np.where(stopped | slow, at_rest, moves)
 
     def _judge(self, jacobian: Array, place: Array) -> None:
         """State the wrench, its deviation, and whether there is a contact."""
         slow = self.drift + self.scale * self.friction
         self.torque = self.observed - np.where(self.state == STILL, self.rest, slow)
         sensed = self.torque, self.state, self.qd
-        wrench, std, evidence = self.weighed(*sensed, jacobian, place)
+        wrench, std, evidence, blind = self.weighed(*sensed, jacobian, place)
         self.evidence = float(evidence)
-        doubtful = self.run < self.set["settle"] or bool((np.abs(self.qd) > self.fastest).any())
+        doubtful = self.run < self.set["settle"] or bool(self.is_fast(self.qd))
         if self.evidence < self.threshold:
             self.below_at = self.time
         if self.touched:
             self.touched = self.evidence >= self.threshold - self.set["hysteresis"]
         else:
             self.touched = not doubtful and self.time - self.below_at >= self.set["duration"]
-        contact = CONTACT if self.touched else UNKNOWN if doubtful else FREE
-        self.answer = Answer(wrench, std, contact)
+        share = self.passed / (self.set["window"] + self.passed)
+        held = np.where(self.state == STILL, self.torque, 0.0)
+        self.pull = self.pull + share * (held - self.pull)
+        moved, pushed = self.shifts(self.q - self.anchor, self.pull)
+        rests = bool((self.state == STILL).all())
+        felt = self.feels(self.time, rests, bool(moved), bool(pushed))
+        contact = self.touched or (felt and not doubtful)
+        suspected = self.evidence > self.set["freeze"] or self.is_large(wrench)
+        if contact:
+            word = CONTACT
+        elif doubtful or (rests and blind):
+            word = UNKNOWN
+        else:
+            word = SUSPECTED if suspected else FREE
+        self.contact = contact
+        if word == SUSPECTED:
+            wrench, std = self.answer.wrench, self.answer.std
+        self.answer = Answer(wrench, std, word)
+
+    def is_fast(self, qd: Array) -> Any:
+        """Return whether a joint is faster (..., n) than the noise that the study saw tells of."""
+        return (np.abs(qd) > self.set["faster"] * self.fastest).any(axis=-1)
+
+    def is_large(self, wrench: Array) -> Any:
+        """Return whether the force of a wrench (..., 6) is more than that of a free arm."""
+        return np.linalg.norm(wrench[..., :3], axis=-1) > self.set["large"] * self.set["typical"]
+
+    def shifts(self, shift: Array, pull: Array) -> tuple[Any, Any]:
+        """Return whether a joint moved, and one that its motor does not pull that way.
+
+        shift: (..., n) [rad] of a resting arm, within a fraction of a second; pull: external torque
+        (..., n) [Nm] before. A joint that its motor pulls to breakaway creeps, or hunts.
+        """
+        moved = np.abs(shift) > self.shift
+        alone = -pull * np.sign(shift) < self.breakaway
+        return moved.any(axis=-1), (moved & alone).any(axis=-1)
+
+    def feels(self, time: float, rests: bool, moved: bool, pushed: bool) -> bool:
+        """Return whether encoders of a resting arm feel a contact: from a first push until its
+        joints stay, so that the release ends it.
+        """
+        if not rests:
+            self.felt_at, self.moved_at = np.inf, time
+        elif moved:
+            if pushed and time - self.moved_at > self.set["stays"]:
+                self.felt_at = min(self.felt_at, time)
+            self.moved_at = time
+        elif time - self.moved_at > self.set["stays"]:
+            self.felt_at = np.inf
+        return bool(time - self.felt_at >= self.set["confirmed"])
 
     def weighed(
         self, torque: Array, state: Any, qd: Array, jacobian: Array, place: Array
-    ) -> Posterior:
-        """Return the wrench and its deviation (..., 6), and the evidence (...) of a contact."""
+    ) -> Weighed:
+        """Return the wrench and its deviation (..., 6), the evidence (...) of a contact, and
+        whether the joints are blind to a large force along some axis.
+        """
         own, unseen = (state, self.joint), np.maximum(np.abs(qd) / self.fastest, 1.0)
-        variance = (self.noise[own] * unseen**2) ** 2
+        variance = (self.noise[own] * unseen) ** 2
         # a free arm: its noise, and now and then a wider one
         free, wide = (
             self._by_size(torque, jacobian, factor**2 * variance, self.quiet)[0][..., 0]
@@ -280,6 +347,7 @@ class Live:
         carried = torque + self.absorbed[own] * np.tanh(torque / self.breakaway)
         variance += self.hidden[own] ** 2
         touched, mean, spread = self._by_size(carried, jacobian, variance, self.sizes)
+        blind = spread[..., -1, :3].max(axis=-1) > (self.set["blind"] * self.set["typical"]) ** 2
         largest = touched.max(axis=-1)
         weight = np.exp(touched - largest[..., None])
         evidence = largest + np.log(weight.mean(axis=-1)) - free
@@ -294,7 +362,7 @@ class Live:
             place[..., NEXT] ** 2 * spread[..., LAST] + place[..., LAST] ** 2 * spread[..., NEXT]
         )
         variance[..., 3:] += lifted
-        return wrench, self.set["doubt"] * np.sqrt(variance), evidence
+        return wrench, self.set["doubt"] * np.sqrt(variance), evidence, blind
 
     def _by_size(self, torque: Array, jacobian: Array, variance: Array, sizes: Array) -> Posterior:
         """Return log-density of the torque (..., K), mean and variance of the wrench (..., K, 6).
@@ -313,7 +381,7 @@ class Live:
 
     def _learn(self) -> None:
         """Follow the run's friction and background where nothing suggests a contact."""
-        if self.touched or self.evidence > self.set["freeze"]:
+        if self.contact or self.evidence > self.set["freeze"]:
             self.suspected_at = self.time
         if self.time - self.suspected_at < self.set["thaw"]:
             return
@@ -322,7 +390,7 @@ class Live:
         self.drift = self.drift + error
         self.scale = self.scale + error * self.friction / (self.friction**2 + self.breakaway**2)
         # at rest: the mean of what settles, then a slow one
-        if (self.state == SETTLING).all() or (self.state == STILL).all():
+        if self.stopped:
             self.rested += self.passed
             settles = self.rested <= self.set["settle"]
             share = self.passed / self.rested if settles else share

@@ -38,11 +38,11 @@ from ur5lib.topics.live.live_recording import Followed, follow
 SIZES = (1 / 3, 1.0, 3.0, 9.0)
 ANYWHERE = ContactPlace()
 CONSTANTS: dict[str, Any] = {  # docs/live.md says on what they were chosen
-    "gain": 35.0,  # 1/s, of the observer
+    "gain": 20.0,  # 1/s, of the observer
     "rare": 0.2,  # share of the samples of a free arm whose noise is `wide` times wider
     "wide": 2.0,
     "doubt": 1.0,  # factor on deviations of the wrench, of few paths
-    "duration": 0.1,  # s, for which evidence lasts before a contact is stated
+    "duration": 0.05,  # s, for which evidence lasts before a contact is stated
     "hysteresis": 2.0,  # in log-odds, by which it then may fall
     "freeze": 0.0,  # evidence above which the slow errors of the run are not learnt
     "thaw": 0.5,  # s, of less evidence before they are again
@@ -51,6 +51,13 @@ CONSTANTS: dict[str, Any] = {  # docs/live.md says on what they were chosen
     "stop": MIN_STOP_DURATION,  # s
     "reversal": 0.5,  # s, after a joint was slow
     "rest_speed": REST_SPEED,  # rad/s
+    "window": 0.2,  # s, within which joints at rest move when the arm is touched
+    "confirmed": 0.1,  # s of rest after that move: a motion that starts is no contact
+    "stays": 0.4,  # s without a move, after which such a contact is over
+    "large": 1.3,  # typical forces, which nothing but a contact may show
+    "blind": 3.5,  # typical forces, standard deviation of one that joints hardly feel
+    "faster": 1.5,  # times the speeds that the study saw, beyond which nothing is known
+    "least_step": 1e-4,  # s between samples
     "dead_zone": DEAD_ZONE,  # rad/s
     "max_gap": 0.1,  # s without a sample, after which the run starts anew
     "margin": 2.0,  # factor on speeds and currents above which a sample is no measurement
@@ -60,6 +67,10 @@ CONSTANTS: dict[str, Any] = {  # docs/live.md says on what they were chosen
     "encoder": 5e-5,
 }
 MIN_LOG_ODDS = 1.6  # of a contact, likewise
+# Move of a joint at rest, that no free arm makes: at least, and in the median of a free arm's.
+MIN_SHIFT, SHIFTS = 1.2e-4, 4.0  # rad
+MIN_REST = 5.0  # s, that shows how joints move at rest
+UNSHIFTED = CONSTANTS["turns"]  # rad, which no joint moves at rest
 RAREST = CONSTANTS["max_gap"] / 2  # s between samples
 LEARNING_STEP = 0.008  # s
 LONGEST = 300.0  # s of each recording from which noise is learnt
@@ -200,25 +211,39 @@ def learned(
     breakaway = np.median([arm["breakaway"] for arm, _ in runs], axis=0)
     known = {
         "speed": np.maximum(np.max(speeds, axis=0), MIN_SPEED).tolist(),
-        "noise": _noise(np.tile(breakaway, (len(STATES), 1)), breakaway),
+        "noise": _noise(np.tile(breakaway, (len(STATES), 1)), breakaway, UNSHIFTED),
         "threshold": {"log_odds": MIN_LOG_ODDS},
         # while noise is learnt, nothing counts as a contact
         "constants": CONSTANTS | {"period": period, "freeze": np.inf, "quiet": [1.0]},
     }
-    stretches, jacobians = [], []
+    stretches, jacobians, shifts = [], [], []
     for arm, run in thinned:
         own = follow({**arm, **known}, run)
         started = slice(round(CONSTANTS["settle"] / run.period), None)
         jacobians.append(Live({**arm, **known}).sweep(run.q, 0 * run.q).jacobian[started])
         stretches.append(TorqueStretch(own.torque[started], own.state[started], run.period))
+        rests = (own.state == STILL).all(axis=1)
+        shifts.append((np.abs(own.shift[rests]).max(axis=1), run.period))
     model = fit_residual_model(stretches, BANDWIDTH, breakaway).with_usual_rest(stretches)
     model = model.of_few_paths(paths)
-    known["noise"] = _noise(model.spread, breakaway, model.stiction, model.rubbing)
+    shift = least_shift(shifts)
+    known["noise"] = _noise(model.spread, breakaway, shift, model.stiction, model.rubbing)
     variance = np.concatenate([model.variance(model.spread, own.states) for own in stretches])
     quiet = quiet_force(np.concatenate(jacobians), variance)
     known["constants"] = CONSTANTS | {"period": period, "doubt": model.doubt, "quiet": [quiet]}
     followed = [(follow({**arm, **known}, run), run.period) for arm, run in thinned]
     return known | {"threshold": _threshold(followed, false_per_min)}
+
+
+def least_shift(shifts: Sequence[tuple[Array, float]]) -> float:
+    """Return the move [rad] of a joint at rest that shows a contact.
+
+    shifts: largest of a free arm's joints (N,) [rad], and period [s]. Where there are too few,
+    none does.
+    """
+    if sum(len(own) * period for own, period in shifts) < MIN_REST:
+        return UNSHIFTED
+    return max(MIN_SHIFT, SHIFTS * float(np.median(np.concatenate([own for own, _ in shifts]))))
 
 
 def velocity(run: Measured) -> Array:
@@ -235,11 +260,14 @@ def _thinned(run: Measured) -> Measured:
 def _noise(
     std: Array,
     breakaway: Array,
+    shift: float,
     stiction: float = USUAL_STICTION,
     rubbing: float = USUAL_RUBBING,
 ) -> dict[str, Any]:
     """Return by state [Nm]: standard deviations (5, n); of a contact, what dry friction absorbs on
     average, and what it hides beyond that, as `contact_wrench` of the whole recording assumes it;
+    and the move [rad] at rest that shows a contact.
+
     stiction, rubbing: what it absorbs at most at rest, and in motion, in breakaway torques.
     """
     still = np.arange(len(STATES)) >= STILL
@@ -250,7 +278,7 @@ def _noise(
     return {
         name: {state: own.tolist() for state, own in zip(STATES, values, strict=True)}
         for name, values in rows.items()
-    }
+    } | {"shift": shift}
 
 
 def _threshold(followed: Sequence[tuple[Followed, float]], allowed: float) -> dict[str, float]:

@@ -14,7 +14,7 @@ import numpy as np
 from ur5lib.records.measured import Measured
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import runs
-from ur5lib.topics.live.live import MOVING, STILL, Live
+from ur5lib.topics.live.live import MOVING, STILL, Answer, Live
 
 CHUNK = 1024  # samples, of which what was measured is computed at once
 BLOCK = 128  # samples, that are learnt from at once
@@ -22,7 +22,7 @@ BLOCK = 128  # samples, that are learnt from at once
 
 class Followed(NamedTuple):
     """The answers to samples: wrench, std (N, 6), evidence, contact, known (N,), and of n joints
-    torque [Nm] and state (N, n). Where `known` is false, nothing is known of contacts.
+    torque [Nm], shift [rad] and state (N, n). Where `known` is false, nothing is known of contacts.
     """
 
     wrench: Array
@@ -31,6 +31,7 @@ class Followed(NamedTuple):
     contact: Mask
     known: Mask
     torque: Array
+    shift: Array
     state: Any
 
     def alarms(self) -> list[tuple[int, int]]:
@@ -49,6 +50,7 @@ class Sensed(NamedTuple):
     slow_for: Array
     at_rest: Mask
     slow_ago: Array
+    shift: Array
     jacobian: Array
     place: Array
 
@@ -82,7 +84,14 @@ def _nothing(estimator: Live) -> Followed:
     wrench, std, _ = estimator.answer
     nothing, joints = np.zeros(1, bool), np.zeros((1, len(estimator.mass)))
     return Followed(
-        wrench[None], std[None], np.zeros(1), nothing, nothing, joints, joints.astype(np.int8)
+        wrench[None],
+        std[None],
+        np.zeros(1),
+        nothing,
+        nothing,
+        joints,
+        joints,
+        joints.astype(np.int8),
     )
 
 
@@ -93,12 +102,17 @@ class LiveRecording(Live):
         """Return the rows (M,) of usable samples, and after which (M - 1,) the run starts anew."""
         qd = np.zeros_like(run.q) if run.qd is None else run.qd
         rows = np.flatnonzero(self.possible(run.time, run.q, run.current, qd))
+        last, now = rows[:-1], rows[1:]
+        repeats = self.repeats(
+            qd[now], run.q[now], run.current[now], run.q[last], run.current[last]
+        )
+        rows = np.concatenate([rows[:1], now[~repeats]])
         while True:
             passed, missed = np.diff(run.time[rows]), np.diff(rows) - 1
             restarts = np.maximum(np.abs(passed), missed * self.set["period"]) > self.set["max_gap"]
             most = self.set["margin"] * self.fastest * passed[:, None] + self.set["jump"]
             near = (np.abs(np.diff(run.q[rows], axis=0)) <= most).all(axis=1)
-            usable = restarts | ((passed > 0) & near)
+            usable = restarts | ((passed >= self.set["least_step"]) & near)
             if usable.all():
                 return rows, restarts
             rows = np.delete(rows, np.argmin(usable) + 1)
@@ -129,24 +143,31 @@ class LiveRecording(Live):
         rate = load + swept.rate
         if first:
             self.friction, self.momentum, self.rate = friction[0], swept.momentum[0], rate[0]
+            self.anchor = run.q[0]
         gain = self.set["gain"] * by_joint / (1 + self.set["gain"] * by_joint)
         change = np.diff(swept.momentum, prepend=self.momentum[None], axis=0)
         change /= np.where(by_joint > 0, by_joint, 1.0)
         change -= (rate + np.concatenate([self.rate[None], rate[:-1]])) / 2
         observed = cascade(1 - gain, gain * change, self.observed)
         friction = cascade(1 - gain, gain * friction, self.friction)
+        share = by_joint / (self.set["window"] + by_joint)
+        anchor = cascade(1 - share, share * run.q, self.anchor)
         slow, time = np.abs(qd) < self.set["rest_speed"], run.time[:, None]
         fast_at, slow_at = (
             np.maximum.accumulate(np.vstack([since, np.where(own, time, -np.inf)]))[1:]
             for own, since in ((~slow, self.fast_at), (slow, self.slow_at))
         )
         self.direction, self.observed, self.friction = direction[-1], observed[-1], friction[-1]
+        self.anchor = anchor[-1]
         self.momentum, self.rate, self.fast_at, self.slow_at = (
             own[-1] for own in (swept.momentum, rate, fast_at, slow_at)
         )
         self.time, self.q, self.qd = run.time[-1], run.q[-1], qd[-1]
         moved = time - fast_at, (time - fast_at >= self.set["stop"]).all(axis=1), time - slow_at
-        return Sensed(run.time, passed, qd, observed, friction, *moved, swept.jacobian, swept.place)
+        shift = run.q - anchor
+        return Sensed(
+            run.time, passed, qd, observed, friction, *moved, shift, swept.jacobian, swept.place
+        )
 
     def _velocities(self, run: Measured, passed: Array, first: bool) -> Array:
         """Return q̇ (M, n) [rad/s] where the controller states none."""
@@ -163,20 +184,56 @@ class LiveRecording(Live):
         state = self.states(part.slow_for, part.slow_ago, np.array(rested[:-1])[:, None])
         rest = self._rest(part, np.array(rested[1:]), learns)
         torque, drift, scale = self._slow(part, state, rest[:-1], learns)
-        wrench, std, evidence = self.weighed(torque, state, part.qd, part.jacobian, part.place)
-        contact, doubtful = self._contacts(part, evidence)
+        sensed = torque, state, part.qd, part.jacobian, part.place
+        wrench, std, evidence, blind = self.weighed(*sensed)
+        touched, doubtful = self._contacts(part, evidence)
+        pull = self._pull(part, torque, state)
+        felt, since = self._felt(part, state, pull)
+        contact = touched | (felt & ~doubtful)
         suspected = contact | (evidence > self.set["freeze"])
         count = int(np.argmax(suspected)) + 1 if learns and suspected.any() else len(suspected)
         if suspected[:count].any():
             self.suspected_at = float(part.time[:count][suspected[:count]][-1])
         if (low := evidence[:count] < self.threshold).any():
             self.below_at = float(part.time[:count][low][-1])
-        known, last = contact | ~doubtful, count - int(suspected[count - 1])
-        self.touched = bool(contact[count - 1])
+        blind &= (state == STILL).all(axis=1)
+        known, last = contact | ~(doubtful | blind), count - int(suspected[count - 1])
+        self.touched, self.pull = bool(touched[count - 1]), pull[count - 1]
+        self.felt_at, self.moved_at = since[count - 1]
         self.rested, self.rest = rested[last], rest[last]
         self.drift, self.scale = drift[last], scale[last]
-        answers = Followed(wrench, std, evidence, contact, known, torque, state.astype(np.int8))
-        return Followed._make(own[:count] for own in answers)
+        unsure = known & ~contact & (suspected | self.is_large(wrench))
+        wrench, std = (
+            self._sure(own, before, unsure)
+            for own, before in ((wrench, self.answer.wrench), (std, self.answer.std))
+        )
+        self.answer = Answer(wrench[count - 1], std[count - 1], "")
+        found = evidence, contact, known, torque, part.shift, state.astype(np.int8)
+        return Followed._make(own[:count] for own in (wrench, std, *found))
+
+    def _sure(self, stated: Array, before: Array, unsure: Mask) -> Array:
+        """Return what was sure last of what is stated (M, 6), as of `before` (6,)."""
+        rows = np.where(unsure, 0, np.arange(1, len(unsure) + 1))
+        return np.vstack([before, stated])[np.maximum.accumulate(rows)]
+
+    def _pull(self, part: Sensed, torque: Array, state: Any) -> Array:
+        """Return the external torque (M, n) [Nm] at rest, a fraction of a second before."""
+        share = (part.passed / (self.set["window"] + part.passed))[:, None]
+        return cascade(1 - share, share * np.where(state == STILL, torque, 0.0), self.pull)
+
+    def _felt(
+        self, part: Sensed, state: Any, pull: Array
+    ) -> tuple[Mask, list[tuple[float, float]]]:
+        """Return where encoders feel a contact (M,), and since when, and when joints moved last."""
+        moved, pushed = self.shifts(part.shift, pull)
+        rests = (state == STILL).all(axis=1)
+        felt, since = [], []
+        for sample in zip(
+            part.time.tolist(), rests.tolist(), moved.tolist(), pushed.tolist(), strict=True
+        ):
+            felt.append(self.feels(*sample))
+            since.append((self.felt_at, self.moved_at))
+        return np.array(felt), since
 
     def _rested(self, part: Sensed, learns: bool) -> list[float]:
         """Return for how long [s] the arm rests, before each sample, and after the last."""
@@ -217,7 +274,7 @@ class LiveRecording(Live):
     def _contacts(self, part: Sensed, evidence: Array) -> tuple[Mask, Mask]:
         """Return the samples (M,) in contact, and the doubtful ones."""
         doubtful = part.time - self.started < self.set["settle"]
-        doubtful |= (np.abs(part.qd) > self.fastest).any(axis=1)
+        doubtful |= self.is_fast(part.qd)
         low = np.where(evidence < self.threshold, part.time, -np.inf)
         below_at = np.maximum.accumulate(np.maximum(low, self.below_at))
         starts = ~doubtful & (part.time - below_at >= self.set["duration"])
