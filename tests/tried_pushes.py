@@ -22,5 +22,5 @@ def detected_above(limit: Array, typical: float = 15.0, seed: int = 0) -> Trials
     def log_odds_of(torque: Array) -> Array:
         return 10 * (np.abs(torque).max(axis=1) - limit)
 
-    run = Untouched(EYE, np.where(is_resting(), 0.0, 0.6), PERIOD, [(0, 3000)])
+    run = Untouched(EYE, np.where(is_resting(), 0.0, 0.6), PERIOD, [(0, 3000)], np.ones((COUNT, 6)))
     return try_each_place(log_odds_of, run, 0.0, np.random.default_rng(seed), typical)

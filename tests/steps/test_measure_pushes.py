@@ -1,6 +1,7 @@
 """The smallest push by motion and axis: what may be stated of it."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, get_args
@@ -29,6 +30,7 @@ from ur5lib.steps.measure_pushes import (
     measure_pushes,
     smallest_pushes,
 )
+from ur5lib.timeseries.arrays import Array, Mask
 
 AXES = ["x", "y", "z"]
 
@@ -41,12 +43,15 @@ def tried(force: Sequence[float], found: Sequence[bool], speed: float = 0.6) -> 
     """Pushes along x."""
     count = len(force)
     axis = np.zeros(count, dtype=np.int64)
-    return Trials(np.array(force), axis, np.full(count, speed), np.array(found, bool))
+    return Trials(
+        np.array(force), axis, np.full(count, speed), np.array(found, bool), np.ones(count)
+    )
 
 
 def test_the_table_has_each_motion_and_axis(tmp_path: Path) -> None:
     """At rest 40 N, in fast motion 10 N; nothing moves slowly."""
-    trials = detected_above(np.where(is_resting(), 40.0, 10.0))
+    limits = np.where(is_resting(), 40.0, 10.0)
+    trials = Trials.joined([detected_above(limits, seed=seed) for seed in range(4)])
     table = gathered(SmallestPush, stated(trials), tmp_path)
     assert {*table["robot"]} == {"ur5"}
     assert [*table["motion"]] == ["at rest"] * 3 + ["fast"] * 3
@@ -91,6 +96,31 @@ def test_no_push_is_stated_whose_error_exceeds_it() -> None:
     (row,) = stated(tried(force, force > 0))
     assert (row.value, row.std_error, row.low, row.high) == (None, None, None, None)
     assert (row.bound, row.reason, row.trials) == ("", "undetermined", 40)
+
+
+def test_poses_without_a_lever_count_apart() -> None:
+    """Half of the places need a hundred times the force, which no curve of both would show."""
+    force = np.tile(np.geomspace(2.0, 100.0, 60), 2)
+    unit = np.repeat([1.0, 100.0], 60)
+    trials = replace(tried(force, force > 8 * unit), unit=unit)
+    (row,) = stated(trials)
+    assert (row.trials, row.blind) == (120, 60)
+    assert row.value == pytest.approx(8.0, rel=0.5)
+
+
+def test_a_push_of_the_stated_size_is_found_at_95_of_100_places() -> None:
+    """Poses of other levers; as a detector with a logistic curve finds pushes."""
+    random = np.random.default_rng(0)
+    unit = np.exp(random.normal(0.0, 0.5, 400))
+
+    def found(force: Array) -> Mask:
+        return np.asarray(random.random(400) < 1 / (1 + (force / (5 * unit)) ** -5))
+
+    force = random.permutation(np.geomspace(1.0, 100.0, 400))
+    (row,) = stated(replace(tried(force, found(force)), unit=unit))
+    assert row.value is not None
+    again = [found(np.full(400, row.value)).mean() for _ in range(20)]
+    assert 0.92 < np.mean(again) < 0.98
 
 
 def test_few_trials_determine_nothing() -> None:

@@ -1,11 +1,12 @@
 """Trial contacts on contact-free recordings: which the gate finds, by axis, speed and size."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import NamedTuple, Self
 
 import numpy as np
-from scipy.optimize import minimize
+from scipy.optimize import approx_fprime, brentq, minimize
+from scipy.special import expit, logit
 
 from ur5lib.force.external_torque import JointState, States
 from ur5lib.force.force_input import Gears
@@ -15,37 +16,44 @@ from ur5lib.timeseries.segments import Span, overlap
 
 PUSH_DURATION = 1.0  # s, of trial pushes
 PAUSE_DURATION = 2.0  # s, between them
-TRIAL_SIZES = (1 / 3, 7.0)  # smallest and largest trial push, in typical forces
+TRIAL_SIZES = (1 / 12, 7.0)  # smallest and largest trial push, in typical forces
 LOG_STEEPNESS = 1.5  # of the logistic curve: from 25 to 75 % found within a factor of 1.6
 
 
 @dataclass(frozen=True)
 class Trials:
     """Peaks (M,) [N] of trial pushes, along x, y or z of the base (M,), 0 to 2, the flange's mean
-    speed (M,) [m/s] meanwhile, and which were detected (M,).
+    speed (M,) [m/s] meanwhile, zero while the whole arm rests, which were detected (M,), and the
+    force (M,) [N] along their axis that is worth one standard deviation of the joints' torques.
     """
 
     force: Array
     axis: Labels
     speed: Array
     found: Mask
+    unit: Array
 
     @classmethod
     def joined(cls, parts: list[Self]) -> Self:
         """Return the trials of several recordings."""
-        names = ("force", "axis", "speed", "found")
+        names = [field.name for field in fields(cls)]
         return cls(*(np.concatenate([getattr(trials, name) for trials in parts]) for name in names))
 
     def within(self, low: float, high: float) -> "Trials":
         """Return the trials at speeds from `low` to below `high` [m/s]."""
-        return self._where((self.speed >= low) & (self.speed < high))
+        return self.where((self.speed >= low) & (self.speed < high))
 
     def along(self, axis: int) -> "Trials":
         """Return the trials along one axis."""
-        return self._where(self.axis == axis)
+        return self.where(self.axis == axis)
 
-    def _where(self, rows: Mask) -> "Trials":
-        return Trials(self.force[rows], self.axis[rows], self.speed[rows], self.found[rows])
+    def felt(self, largest: float) -> Mask:
+        """Return which (M,) were tried where joints feel a force [N] by two standard deviations."""
+        return 2 * self.unit <= largest
+
+    def where(self, rows: Mask) -> "Trials":
+        """Return some of the trials."""
+        return Trials(*(getattr(self, field.name)[rows] for field in fields(self)))
 
 
 def flange_speed(jacobian: Array, qd: Array) -> Array:
@@ -81,14 +89,23 @@ def felt_push(
 class Untouched(NamedTuple):
     """A contact-free recording.
 
-    jacobian: (N, 6, 6); speed: of the flange (N,) [m/s]; period: [s]; raised: its own alarms,
-    during which no push is tried.
+    jacobian: (N, 6, n); speed: of the flange (N,) [m/s]; period: [s]; raised: its own alarms,
+    during which no push is tried; hiding: variances (N, n) [Nm²] of the torque that hides one.
     """
 
     jacobian: Array
     speed: Array
     period: float
     raised: list[Span]
+    hiding: Array
+
+    def units(self) -> Array:
+        """Return the force (N, 3) [N] along x, y, z that is worth one standard deviation of the
+        joints' torques, (Σ J² / S)^-½; infinite where no joint feels it.
+        """
+        information = (self.jacobian[:, :3] ** 2 / self.hiding[:, None]).sum(axis=2)
+        with np.errstate(divide="ignore"):
+            return np.asarray(information**-0.5)
 
 
 def try_each_place(
@@ -97,14 +114,15 @@ def try_each_place(
     threshold: float,
     random: np.random.Generator,
     typical_force: float,
+    later: float = 0.0,
 ) -> Trials:
     """Push once at each place of a recording, along the base's x, y or z.
 
     log_odds_of: log-odds (N,) of contact with an additional external torque (N, 6) [Nm]; random:
-    deals out peaks and axes; typical_force:
-    of contacts [N].
+    deals out peaks and axes; typical_force: of contacts [N]; later: by which part of the time from
+    one push to the next all of them are.
     """
-    profile, places = trial_pushes(len(run.jacobian), run.period)
+    profile, places = trial_pushes(len(run.jacobian), run.period, later)
     means = [float(run.speed[slice(*place)].mean()) for place in places]
     free_places = [
         (place, mean)
@@ -120,46 +138,67 @@ def try_each_place(
     torque = np.matvec(run.jacobian[:, :3].mT, force)
     answers = alarms(log_odds_of(torque), threshold) if free_places else []
     detected = [any(overlap(alarm, place) for alarm in answers) for place, _ in free_places]
-    return Trials(
-        peaks, axes, np.array([mean for _, mean in free_places]), np.array(detected, bool)
-    )
+    units = run.units()
+    worth = [
+        float(np.mean(units[slice(*place), axis] ** -2) ** -0.5)
+        for (place, _), axis in zip(free_places, axes, strict=True)
+    ]
+    speeds = np.array([mean for _, mean in free_places])
+    return Trials(peaks, axes, speeds, np.array(detected, bool), np.array(worth))
 
 
-def trial_pushes(count: int, period: float) -> tuple[Array, list[Span]]:
-    """Return raised-cosine pushes of height 1, one after each pause: profile (N,) and spans."""
+def trial_pushes(count: int, period: float, later: float = 0.0) -> tuple[Array, list[Span]]:
+    """Return raised-cosine pushes of height 1, one after each pause: profile (N,) and spans.
+
+    later: by which part of the time from one to the next all of them are.
+    """
     length = round(PUSH_DURATION / period)
     interval = round((PUSH_DURATION + PAUSE_DURATION) / period)
     profile = np.zeros(count)
     shape = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(length) / length)
-    starts = range(interval - length, count - length, interval)
+    starts = range(interval - length + round(later * interval), count - length, interval)
     for start in starts:
         profile[start : start + length] = shape
     return profile, [(start, start + length) for start in starts]
 
 
-def smallest_force(force: Array, detected: Mask, probability: float = 0.95) -> tuple[float, float]:
-    """Return the force [N] at which a logistic curve over log force reaches the wanted probability,
-    and its standard error, by the likelihood's curvature (delta method).
+def smallest_force(
+    force: Array, detected: Mask, unit: Array | float = 1.0, probability: float = 0.95
+) -> tuple[float, float]:
+    """Return the force [N] of which the wanted share is found at the places of trials, and its
+    standard error: by a logistic curve over log force, and the likelihood's curvature (delta
+    method).
 
-    force: (M,) [N], of trial pushes; detected: (M,). Infinite if none was found.
+    force: (M,) [N], of trial pushes; detected: (M,); unit: of each place (M,) [N], in which the
+    curve takes its force. Infinite if none was found.
     """
     if not detected.any():
         return np.inf, np.nan
+    units = np.log(np.broadcast_to(unit, force.shape))
+    x = np.log(force) - units
+    start = np.array([np.median(x[detected]), LOG_STEEPNESS])
+    best = minimize(_cost, start, args=(x, detected))
 
-    x = np.log(force)
-    best = minimize(_cost, np.array([np.median(x[detected]), LOG_STEEPNESS]), args=(x, detected))
-    middle, steepness = best.x
-    # p = 1 / (1 + exp(-e^s (x - m))), solved for x = m + log(p / (1 - p)) e^-s
-    reach = np.log(probability / (1 - probability)) * np.exp(-steepness)
-    # dx/dm = 1, dx/ds = -log(p / (1 - p)) e^-s, and the force is e^x
-    slope = np.array([1.0, -reach])
-    place = np.exp(middle + reach)
-    return float(place), float(place * np.sqrt(slope @ best.hess_inv @ slope))
+    def reached(parameters: Array) -> float:
+        """Return log F of mean p = probability, p = 1 / (1 + exp(-e^s (log F - log unit - m)))."""
+        middle, steepness = parameters
+        alone = middle + logit(probability) * np.exp(-steepness)  # at one place
+        ends = alone + units.min() - 1e-6, alone + units.max() + 1e-6
+        return float(brentq(_missed, *ends, args=(units + middle, steepness, probability)))
+
+    place = reached(best.x)
+    slope = approx_fprime(best.x, reached, 1e-4)
+    return float(np.exp(place)), float(np.exp(place) * np.sqrt(slope @ best.hess_inv @ slope))
+
+
+def _missed(place: float, middles: Array, steepness: float, probability: float) -> float:
+    """Return by how much too few pushes of a force, as a logarithm, are found."""
+    return float(probability - expit(np.exp(steepness) * (place - middles)).mean())
 
 
 def _cost(parameters: Array, x: Array, detected: Mask) -> float:
     """Return the negative log-likelihood, with a weak prior against perfect separation."""
     middle, steepness = parameters
-    logit = np.exp(steepness) * (x - middle)
-    likelihood = np.logaddexp(0, np.where(detected, -logit, logit)).sum()
+    odds = np.exp(steepness) * (x - middle)
+    likelihood = np.logaddexp(0, np.where(detected, -odds, odds)).sum()
     return float(likelihood + 0.5 * (steepness - LOG_STEEPNESS) ** 2)

@@ -9,11 +9,14 @@ import numpy as np
 from ur5lib.force.contact_place import jacobian_at
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.estimators import LEADING
+from ur5lib.force.external_torque import is_still
+from ur5lib.force.gate import TorqueVariances
 from ur5lib.force.problem import Problem, fmap_problem
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.thresholds import alarms
 from ur5lib.force.trial_contacts import (
     PUSH_DURATION,
+    TRIAL_SIZES,
     Trials,
     Untouched,
     felt_push,
@@ -36,7 +39,9 @@ from ur5lib.timeseries.metrics import NORMAL95
 
 FLANGE_SPEEDS = (*SPEEDS, np.inf)  # m/s
 TRIAL_ROUNDS = 2  # of trial pushes
-MIN_TRIALS = 270  # of an arm: thirty for each axis and range of speeds
+MIN_TRIALS = 900  # of an arm: a hundred for each axis and range of speeds
+FELT_SIZE = 3.0 / TRIAL_SIZES[1]  # of the largest trial: the largest contact that the gate expects
+SETTLING_SPEED = 0.1  # m/s: an arm that settles is slow, and not at rest
 MIN_TRIALS_OF_A_LIMIT = 10  # of which some are detected and some are not
 
 
@@ -93,6 +98,8 @@ def pushed(
     one, random = problem.input, np.random.default_rng(0)
     jacobian = jacobian_at(kinematics.jacobian, place.on(kinematics.rotation))
     speed = flange_speed(kinematics.jacobian, one.qd)
+    speed = np.where(is_still(one.states), 0.0, np.maximum(speed, SETTLING_SPEED))
+    hiding = TorqueVariances.of(one.states, problem.model, one.load_std()).hiding()
     time = np.arange(len(speed), dtype=np.float64) * one.period
     stiction, used = problem.model.stiction * problem.model.breakaway, jacobian[problem.rows]
     friction = np.random.default_rng(1)
@@ -101,12 +108,11 @@ def pushed(
         felt = felt_push(torque, time, one.states, one.gears, stiction, friction)
         return problem.pushed(felt).contact_log_odds(used, prior)
 
-    run = Untouched(jacobian, speed, one.period, alarms(odds, threshold))
-    first = try_each_place(log_odds_of, run, threshold, random, prior.force)
+    run = Untouched(jacobian, speed, one.period, alarms(odds, threshold), hiding)
+    given = log_odds_of, run, threshold, random, prior.force
+    first = try_each_place(*given)
     rounds = max(TRIAL_ROUNDS, -(-least // max(1, len(first.force))))
-    more = [
-        try_each_place(log_odds_of, run, threshold, random, prior.force) for _ in range(rounds - 1)
-    ]
+    more = [try_each_place(*given, later=number / rounds) for number in range(1, rounds)]
     return Trials.joined([first, *more])
 
 
@@ -136,6 +142,7 @@ def smallest_pushes(
                 largest_tried=most,
                 seconds=PUSH_DURATION,
                 trials=len(own.force),
+                blind=int((~own.felt(FELT_SIZE * most)).sum()),
                 basis=basis,
                 reason=reason,
             )
@@ -154,15 +161,18 @@ class Limit(NamedTuple):
 
 
 def detectable(trials: Trials, most: float) -> Limit:
-    """Return the push that a logistic curve of trials of one axis and motion shows to be detected;
-    most: the largest trial of all [N].
+    """Return the push that a logistic curve of trials of one axis and motion shows to be detected,
+    but for poses in which joints hardly feel any; most: the largest trial of all [N].
 
     Beyond this, the curve tells nothing: the push is the largest one. One whose 95 % interval
     reaches zero is not determined.
     """
+    felt = trials.where(trials.felt(FELT_SIZE * most))
     if len(trials.found) < MIN_TRIALS_OF_A_LIMIT:
         return Limit()
-    force, std = smallest_force(trials.force, trials.found)
+    if len(felt.found) < MIN_TRIALS_OF_A_LIMIT:
+        return Limit(value=most, bound=">")
+    force, std = smallest_force(felt.force, felt.found, felt.unit)
     if force > most:
         return Limit(value=most, bound=">")
     low, high = force - NORMAL95 * std, force + NORMAL95 * std
