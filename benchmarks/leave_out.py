@@ -5,11 +5,11 @@
 Takes results/<study> as built; by default that of `make`, of a ur5. Each path of the recordings
 to fit on is left out in turn, with its day if other days have enough paths: friction, residual
 model and threshold come from the other recordings, by the workflow's own steps, and what was left
-out is treated as a recording to validate on. Then each recording to fit on is the only one. Alarms
-are counted on recordings without contact, loaded or not: all of them are false. The largest force
-in an alarm is given in its standard deviations. Of each joint, the share of the current inside its
-band, by what the joint does, too, with the factor of the band that would hold 95 %, and by how much
-friction in motion differs from the predicted one. The
+out is treated as a recording to validate on, and pushed. Then each recording to fit on is the only
+one. Alarms are counted on recordings without contact, loaded or not: all of them are false. The
+largest force in an alarm is given in its standard deviations. Of each joint, the share of the
+current inside its band, by what the joint does, too, with the factor of the band that would hold
+95 %, and by how much friction in motion differs from the predicted one. The
 rigid-body model stays the study's: the controller's own torque tells it, not the currents.
 `--quick` does a part of all this.
 """
@@ -17,6 +17,7 @@ rigid-body model stays the study's: the controller's own torque tells it, not th
 import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -28,9 +29,12 @@ import yaml
 from benchmarks.harness.options import arm_options, built
 from ur5lib.errors import InputError
 from ur5lib.force.alarms import alarms_of, peak_of
-from ur5lib.force.estimators import all_stated
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.estimators import LEADING, all_stated
 from ur5lib.force.external_torque import REST_SPEED
+from ur5lib.force.problem import fmap_problem
 from ur5lib.force.residual_model import Residuals
+from ur5lib.force.trial_contacts import Trials, smallest_force
 from ur5lib.identification.current_samples import Smoother, current_record
 from ur5lib.identification.currents import torque_constants
 from ur5lib.identification.payload import PayloadEstimate
@@ -48,6 +52,7 @@ from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.premises import Premises
+from ur5lib.records.pushes import SPEEDS
 from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.records.table import Table
@@ -56,6 +61,13 @@ from ur5lib.steps.estimate_forces import estimate_forces
 from ur5lib.steps.estimate_load import estimate_load
 from ur5lib.steps.fit_friction import fit_friction
 from ur5lib.steps.fit_residuals import fit_residuals
+from ur5lib.steps.measure_pushes import (
+    FELT_SIZE,
+    FLANGE_SPEEDS,
+    MIN_TRIALS,
+    MIN_TRIALS_OF_A_LIMIT,
+    pushed,
+)
 from ur5lib.steps.predict_currents import predict_currents
 from ur5lib.steps.set_threshold import set_threshold
 from ur5lib.study.model import Settings
@@ -144,9 +156,12 @@ def compare(title: str, known: Study, quick: bool) -> None:
     print(f"{title}: {len(known.fit)} recordings to fit on")
     joints: list[dict[str, Any]] = []
     states: list[pd.DataFrame] = []
+    trials: list[Trials] = []
     for fold, tested in built_folds("paths and days left out", known, folds):
         joints += [row for own in tested for row in predicted(fold, own)]
         states += [held_by_state(fold, own) for own in tested]
+        trials += [found for own in tested if (found := pushed_on(fold, own)) is not None]
+    report_pushes(Trials.joined(trials))
     with pd.option_context("display.max_rows", None, "display.width", 120):
         report_joints(pd.DataFrame(joints))
     report_states(pd.concat(states))
@@ -337,6 +352,38 @@ class Fold:
                     ]
                 )
         return pd.DataFrame(rows, columns=ALARMS)
+
+
+def pushed_on(fold: Fold, own: Recording) -> Trials | None:
+    """Trial pushes on a recording without contact or load, found at the fold's threshold."""
+    forces = Forces.read(fold.own(own, "forces.parquet"))
+    odds = forces.log_odds.get(LEADING)
+    residuals = read_record(Residuals, fold.shared("residuals.json"))
+    motion, currents = Motion.read(own.file("motion.parquet")), fold.own(own, "currents.parquet")
+    problem = fmap_problem(motion, Currents.read(currents), residuals)
+    loaded = read_record(Prediction, fold.own(own, "currents.json")).is_loaded
+    if problem is None or odds is None or loaded:
+        return None
+    place, force = own.premises().place, fold.study.settings.contact.force_n
+    threshold = read_record(dict[str, float], fold.shared("threshold.json")).get(LEADING, 0.0)
+    kinematics = Kinematics.read(own.file("kinematics.parquet"))
+    prior = ContactPrior.of(fold.arm, force, place)
+    return pushed(problem, kinematics, place, prior, threshold, odds, MIN_TRIALS // 9)
+
+
+def report_pushes(trials: Trials) -> None:
+    """Print the pushes that are found with 95 % where joints feel them, the axes together."""
+    felt = trials.where(trials.felt(FELT_SIZE * trials.force.max()))
+    for (low, high), motion in zip(pairwise(FLANGE_SPEEDS), SPEEDS.values(), strict=True):
+        own = felt.within(low, high)
+        if len(own.force) >= MIN_TRIALS_OF_A_LIMIT:
+            force, std = smallest_force(own.force, own.found, own.unit)
+            blind = len(trials.within(low, high).force) - len(own.force)
+            print(
+                f"push of 1 s {motion}, found with 95 %: {force:.1f} ± {std:.1f} N "
+                f"({len(own.force)} trials, and {blind} where joints hardly feel any)",
+                flush=True,
+            )
 
 
 def report_alarms(label: str, found: pd.DataFrame) -> None:
