@@ -19,11 +19,12 @@ class SmallestPush:
     """A row of pushes.csv: the push along an axis that the leading estimate detects with 95 %.
 
     motion: of the flange, slow or fast, or at rest, of the whole arm; axis: x, y or z of the base;
-    value [N], with its standard error and 95 % interval, empty where the trials do not determine it or the arm is
-    fitted to a single path; bound: ">" of a push beyond `largest_tried` [N], the largest trial;
-    seconds: duration of a trial push [s]; trials: number of those in this motion along this axis,
-    of which so many are `blind`, in poses in which two standard deviations of the joints' torques
-    exceed the largest contact that the gate expects, three typical ones: they count nowhere else;
+    value [N], with its standard error and 95 % interval, empty where the trials do not determine it
+    or the arm is fitted to a single path; bound: ">" of a push beyond `largest_tried` [N], the
+    largest trial; seconds: duration of a trial push [s]; trials: number of those in this motion
+    along this axis, of which so many are `blind`, in poses in which two standard deviations of the
+    joints' torques exceed the largest contact that the gate expects, three typical ones: they count
+    nowhere else;
     basis: unseen, if recordings that no fit has seen were among those tried, or fit; reason:
     one_path, undetermined, or fitted, of a value by fit recordings alone.
     """
