@@ -161,7 +161,8 @@ def compare(title: str, known: Study, quick: bool) -> None:
         joints += [row for own in tested for row in predicted(fold, own)]
         states += [held_by_state(fold, own) for own in tested]
         trials += [found for own in tested if (found := pushed_on(fold, own)) is not None]
-    report_pushes(Trials.joined(trials))
+    if any(len(own.force) for own in trials):
+        report_pushes(Trials.joined(trials))
     with pd.option_context("display.max_rows", None, "display.width", 120):
         report_joints(pd.DataFrame(joints))
     report_states(pd.concat(states))

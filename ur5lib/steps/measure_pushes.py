@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.force.contact_place import jacobian_at
-from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.contact_prior import GATE_SIZES, ContactPrior
 from ur5lib.force.estimators import LEADING
 from ur5lib.force.external_torque import is_still
 from ur5lib.force.gate import TorqueVariances
@@ -40,7 +40,7 @@ from ur5lib.timeseries.metrics import NORMAL95
 FLANGE_SPEEDS = (*SPEEDS, np.inf)  # m/s
 TRIAL_ROUNDS = 2  # of trial pushes
 MIN_TRIALS = 900  # of an arm: a hundred for each axis and range of speeds
-FELT_SIZE = 3.0 / TRIAL_SIZES[1]  # of the largest trial: the largest contact that the gate expects
+FELT_SIZE = GATE_SIZES[-1] / TRIAL_SIZES[-1]  # of the largest trial: the gate expects no more
 SETTLING_SPEED = 0.1  # m/s: an arm that settles is slow, and not at rest
 MIN_TRIALS_OF_A_LIMIT = 10  # of which some are detected and some are not
 

@@ -213,7 +213,7 @@ class Live {
     friction_ = drift_ = scale_ = rest_ = torque = anchor_ = pull_ = Joints{};
     direction_ = {};
     state.fill(MOVING);
-    touched_ = contact_ = at_rest_ = still_ = false;
+    touched_ = at_rest_ = still_ = false;
     moved_at_ = -std::numeric_limits<double>::infinity();
     felt_at_ = std::numeric_limits<double>::infinity();
     missed_ = 0;
@@ -530,10 +530,10 @@ class Live {
     else
       touched_ = !doubtful && time_ - below_at_ >= duration_;
     const bool felt = feels();
-    contact_ = touched_ || (felt && !doubtful);
+    const bool touching = touched_ || (felt && !doubtful);
     const bool suspected = evidence > freeze_ || large;
     const bool unknown = doubtful || (still_ && blind);
-    answer_.contact = contact_ ? CONTACT : unknown ? UNKNOWN : suspected ? SUSPECTED : FREE;
+    answer_.contact = touching ? CONTACT : unknown ? UNKNOWN : suspected ? SUSPECTED : FREE;
   }
 
   // whether encoders of a resting arm feel a contact: from a first push until its joints stay
@@ -561,7 +561,7 @@ class Live {
   }
 
   void learn() noexcept {
-    if (contact_ || evidence > freeze_) suspected_at_ = time_;
+    if (answer_.contact == CONTACT || evidence > freeze_) suspected_at_ = time_;
     if (time_ - suspected_at_ < thaw_) return;
     const double share = passed_ / slow_;
     for (int k = 0; k < n; ++k) {
@@ -597,7 +597,7 @@ class Live {
   Joints q_{}, qd_{}, lag_{}, momentum_{}, rate_{}, friction_{}, drift_{}, scale_{}, rest_{};
   Joints fast_at_{}, slow_at_{}, anchor_{}, pull_{}, last_q_{}, last_current_{};
   std::array<Joints, MAX_PARTS> direction_{};
-  bool touched_ = false, contact_ = false, at_rest_ = false, still_ = false, seen_ = false;
+  bool touched_ = false, at_rest_ = false, still_ = false, seen_ = false;
   int missed_ = 0;
   Answer answer_;
 };

@@ -109,7 +109,7 @@ class Live:
         self.direction = np.zeros((len(self.share), n))
         self.evidence, self.rested = 0.0, 0.0  # rested: seconds of the whole arm's rest
         self.touched, self.missed, self.state = False, 0, np.zeros(n, np.int64)
-        self.contact, self.moved_at, self.felt_at = False, -np.inf, np.inf
+        self.moved_at, self.felt_at = -np.inf, np.inf
         self.answer = Answer(np.zeros(6), self.sizes.max(axis=0), UNKNOWN)
 
     def start(self, time: float) -> None:
@@ -292,7 +292,6 @@ class Live:
             word = UNKNOWN
         else:
             word = SUSPECTED if suspected else FREE
-        self.contact = contact
         if word == SUSPECTED:
             wrench, std = self.answer.wrench, self.answer.std
         self.answer = Answer(wrench, std, word)
@@ -381,7 +380,7 @@ class Live:
 
     def _learn(self) -> None:
         """Follow the run's friction and background where nothing suggests a contact."""
-        if self.contact or self.evidence > self.set["freeze"]:
+        if self.answer.contact == CONTACT or self.evidence > self.set["freeze"]:
             self.suspected_at = self.time
         if self.time - self.suspected_at < self.set["thaw"]:
             return
