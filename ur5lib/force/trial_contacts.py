@@ -99,13 +99,13 @@ class Untouched(NamedTuple):
     raised: list[Span]
     hiding: Array
 
-    def units(self) -> Array:
-        """Return the force (N, 3) [N] along x, y, z that is worth one standard deviation of the
-        joints' torques, (Σ J² / S)^-½; infinite where no joint feels it.
+    def unit(self, place: Span, axis: int) -> float:
+        """Return the force [N] along x, y or z that is worth one standard deviation of the joints'
+        torques on average at a place, (Σ J² / S)^-½; infinite where no joint feels it.
         """
-        information = (self.jacobian[:, :3] ** 2 / self.hiding[:, None]).sum(axis=2)
-        with np.errstate(divide="ignore"):
-            return np.asarray(information**-0.5)
+        rows = slice(*place)
+        information = (self.jacobian[rows, axis] ** 2 / self.hiding[rows]).sum(axis=1).mean()
+        return float(information**-0.5) if information else np.inf
 
 
 def try_each_place(
@@ -138,13 +138,9 @@ def try_each_place(
     torque = np.matvec(run.jacobian[:, :3].mT, force)
     answers = alarms(log_odds_of(torque), threshold) if free_places else []
     detected = [any(overlap(alarm, place) for alarm in answers) for place, _ in free_places]
-    units = run.units()
-    worth = [
-        float(np.mean(units[slice(*place), axis] ** -2) ** -0.5)
-        for (place, _), axis in zip(free_places, axes, strict=True)
-    ]
+    units = [run.unit(place, axis) for (place, _), axis in zip(free_places, axes, strict=True)]
     speeds = np.array([mean for _, mean in free_places])
-    return Trials(peaks, axes, speeds, np.array(detected, bool), np.array(worth))
+    return Trials(peaks, axes, speeds, np.array(detected, bool), np.array(units))
 
 
 def trial_pushes(count: int, period: float, later: float = 0.0) -> tuple[Array, list[Span]]:
