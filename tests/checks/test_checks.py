@@ -6,7 +6,7 @@ import pytest
 
 from tests.conftest import said
 from tests.synthetic import PERIOD, poor_log
-from ur5lib.checks.channels import check_robot, fast_between_samples, untold_motion
+from ur5lib.checks.channels import check_robot, fast_between_samples, unmoved, untold_motion
 from ur5lib.checks.checked import Checked
 from ur5lib.checks.contacts import sensed_contacts
 from ur5lib.checks.devices import check_force_sensor, check_imu
@@ -50,6 +50,15 @@ def test_channels_that_agree_are_not_remarked() -> None:
     table["segment"] = (table["time"] > 10).astype(int)  # where it went on elsewhere
     table.loc[table["time"] > 10, ["actual_q_2", "target_q_2"]] += 1
     assert contradictions(table) == []
+
+
+def test_a_joint_that_never_moved_is_noted() -> None:
+    """Since nothing says to which side its friction holds; encoders' noise is no motion."""
+    angles = np.sin(np.linspace(0, 3, 100))[:, None] * [1, 1, 1e-4, 1, 0, 1]
+    (note,) = unmoved(angles)
+    assert (note.severity, note.count) == ("note", 2)
+    assert note.detail.startswith("joints 3, 5 never moved")
+    assert not any(unmoved(angles[:, [0, 1, 3, 5]]))
 
 
 @pytest.mark.parametrize("side", [1, -1])

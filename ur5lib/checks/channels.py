@@ -46,6 +46,7 @@ MIN_SAMPLES_OF_LOWPASS = 8  # samples, of which a low-pass makes one, and whose 
 MAX_PERIOD_RATIO = 1.5  # of steps between samples, which are those of one rate
 MAX_SPEED_RATIO = 1.25  # times the largest speed of a joint; a UR5 exceeded its own by 6 %
 MAX_EXCESS = 0.05  # rad, of a joint beyond its described range, which no controller lets it leave
+FIRST_MOTION = 0.01  # rad, after which friction opposes the motion, whatever it did before
 MIN_LEVEL = 0.5  # A, Nm; below it, a channel holds only friction and noise
 
 
@@ -85,6 +86,17 @@ def unfiltered(cutoffs_hz: Mapping[str, float], period: float) -> Iterator[Findi
             "rate of this recording, so that these filters are not applied"
         )
         yield Finding("robot", "unfiltered", "note", len(beyond), detail)
+
+
+def unmoved(q: Array) -> Iterator[Finding]:
+    """Yield a note on joints that never move; q: (N, n) [rad]."""
+    still = np.flatnonzero(np.nanmax(q, axis=0) - np.nanmin(q, axis=0) < FIRST_MOTION) + 1
+    if len(still):
+        detail = (
+            f"{numbered(still.tolist())} never moved, so that nothing says to which side friction "
+            "holds a torque there; begin a recording with a small move of every joint"
+        )
+        yield Finding("robot", "unmoved", "note", len(still), detail)
 
 
 def too_short(segment: Labels, period: float, cutoff: float) -> list[Finding]:
