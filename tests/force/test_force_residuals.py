@@ -13,7 +13,6 @@ from ur5lib.force.external_torque import (
     external_torque,
     is_still,
     joint_states,
-    without_edges,
 )
 from ur5lib.force.residual_model import (
     MIN_STD_SHARE,
@@ -28,7 +27,7 @@ from ur5lib.identification.current_samples import prior_of
 from ur5lib.robots.description import Robot
 from ur5lib.steps.fit_residuals import usual_model
 from ur5lib.tables import read_record, write_json
-from ur5lib.timeseries.segments import unbroken
+from ur5lib.timeseries.segments import unbroken, without_ends
 
 PERIOD = 0.02
 BREAKAWAY = np.array([6.0, 6, 4, 2, 2, 2])
@@ -53,7 +52,7 @@ def test_less_current_than_modelled_is_help_from_outside() -> None:
 def test_gaps_divide_and_edges_are_unknown() -> None:
     segment = np.array([0] * 10 + [1] * 5 + [2] * 3)
     assert unbroken(segment) == [slice(0, 10), slice(10, 15), slice(15, 18)]
-    left = without_edges(np.ones((18, 6)), segment, 2)[:, 0]
+    left = without_ends(np.ones((18, 6)), segment, 0.1, 2.5)[:, 0]
     np.testing.assert_array_equal(np.flatnonzero(np.isfinite(left)), [2, 3, 4, 5, 6, 7, 12])
 
 

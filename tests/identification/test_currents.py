@@ -681,7 +681,8 @@ def test_a_band_of_one_path_holds_the_noise_of_another() -> None:
 
 def wander(record: CurrentSamples, seed: int) -> Array:
     """Return noise (N, 6) [A] below the low-pass, with each joint's Coulomb friction as its RMS."""
-    noise = smooth(np.random.default_rng(seed).standard_normal(record.current.shape), record)
+    drawn = np.random.default_rng(seed).standard_normal(record.current.shape)
+    noise = np.nan_to_num(smooth(drawn, record))
     coulomb = np.array([own[0] for own in FRICTION]) / np.array(CONSTANT)
     return noise / np.sqrt(np.mean(noise**2, axis=0)) * coulomb
 

@@ -156,7 +156,7 @@ class Predicted:
     def taken_torque(self) -> Array:
         """Of the load that the prediction contains, (N, 6) [Nm], times how each motor feels it."""
         assert self.currents.load_doubt is not None
-        return self.currents.load_doubt / SCALED_TORQUE_ERROR
+        return np.nan_to_num(self.currents.load_doubt) / SCALED_TORQUE_ERROR
 
     def left_on_joint_2(self) -> float:
         """Median external torque [Nm]."""

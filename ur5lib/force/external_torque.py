@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_opening, maximum_filter1d
 
 from ur5lib.timeseries.arrays import Array, Labels, Mask
-from ur5lib.timeseries.segments import extrapolated_samples, unbroken
+from ur5lib.timeseries.segments import unbroken
 from ur5lib.timeseries.trajectories import REST_SPEED
 
 States = NDArray[np.int8]
@@ -44,21 +44,6 @@ def external_torque(torque_constant: Array, current: Array, modelled: Array) -> 
 def finite_rows(values: Array) -> Mask:
     """Return which rows (N,) of values (N, M) are finite throughout."""
     return np.asarray(np.isfinite(values).all(axis=1))
-
-
-def without_edges(values: Array, segment: Labels, samples: int) -> Array:
-    """Replace the first and last samples of each stretch by NaN: a low-pass extrapolates there."""
-    result = values.copy()
-    for stretch in unbroken(segment):
-        part = result[stretch]
-        part[:samples] = np.nan
-        part[max(0, len(part) - samples) :] = np.nan
-    return result
-
-
-def inner(torque: Array, segment: Labels, period: float, cutoff: float) -> Array:
-    """Return a torque (N, 6), NaN at the ends of segments, where its low-pass [Hz] extrapolates."""
-    return without_edges(torque, segment, extrapolated_samples(cutoff, period))
 
 
 def joint_states(qd: Array, segment: Labels, period: float, cutoff: float) -> States:

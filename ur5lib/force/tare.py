@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from scipy.ndimage import uniform_filter1d
 
-from ur5lib.force.external_torque import finite_rows, is_still, joint_states, without_edges
+from ur5lib.force.external_torque import finite_rows, is_still, joint_states
 from ur5lib.force.sensed_contact import CONTACT_FORCE
 from ur5lib.records.currents import Currents
 from ur5lib.records.motion import Motion
@@ -16,7 +16,7 @@ from ur5lib.records.quality import CONTACT_TORQUE_SHARE, Finding, StartOffset
 from ur5lib.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array, Mask
-from ur5lib.timeseries.segments import extrapolated_samples
+from ur5lib.timeseries.segments import extrapolated_samples, without_ends
 
 Span = tuple[float, float]  # s, from a recording's start
 
@@ -41,7 +41,9 @@ def tare_doubts(
         )
         qd = np.gradient(smooth, period, axis=0)
     unknown = extrapolated_samples(cutoff, period)
-    known = finite_rows(without_edges(np.zeros_like(signals.actual_q), signals.segment, unknown))
+    known = finite_rows(
+        without_ends(np.zeros_like(signals.actual_q), signals.segment, period, cutoff)
+    )
     known &= is_still(joint_states(qd, signals.segment, period, cutoff)) & inside(span, time)
     if (rest := float(known.sum() * period)) < MIN_REST_DURATION:
         yield _unusable(span, rest, time[-1], unknown * period)

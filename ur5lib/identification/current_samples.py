@@ -24,7 +24,7 @@ from ur5lib.robots.friction import FITTED_TERMS
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
-from ur5lib.timeseries.segments import by_segment
+from ur5lib.timeseries.segments import by_segment, without_ends
 
 # Relative: of the maker's constants, and among joints with motors of one size.
 MAKERS = 0.3, 0.1
@@ -97,9 +97,10 @@ class Smoother:
     cutoff: float
 
     def __call__(self, values: Array, record: CurrentSamples) -> Array:
-        """Return values (N, M), low-passed."""
-        rate = 1 / record.period
-        return by_segment(zero_phase_lowpass, values, record.segment, rate, self.order, self.cutoff)
+        """Return values (N, M), low-passed, NaN at the ends of segments, where it extrapolates."""
+        settings = 1 / record.period, self.order, self.cutoff
+        smoothed = by_segment(zero_phase_lowpass, values, record.segment, *settings)
+        return without_ends(smoothed, record.segment, record.period, self.cutoff)
 
 
 def controllers_ratio(signals: Signals, motion: Motion, odd: Sequence[int] = ()) -> Array:

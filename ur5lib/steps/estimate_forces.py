@@ -7,7 +7,6 @@ import numpy as np
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.contact_wrench import MIN_CONSTANT_ERROR, at_rest, static_wrench, torque_std
 from ur5lib.force.estimators import ESTIMATORS, Run, Stated
-from ur5lib.force.external_torque import inner
 from ur5lib.force.problem import fmap_problem, is_fitted
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.wrench_estimate import WrenchEstimate
@@ -101,8 +100,7 @@ def static_forces(
     smooth, inverse = Smoother(*lowpass), prior.inverse_constant.mean
     error = np.sqrt(np.diag(np.linalg.inv(prior.inverse_constant.precision))) / inverse
     motor = smooth(record.current, record) / inverse
-    left = smooth(record.torque, record) - motor
-    torque = inner(left, record.segment, record.period, lowpass.cutoff)
+    torque = smooth(record.torque, record) - motor
     torque[~at_rest(record.qd)] = np.nan
     std = torque_std(motor, np.maximum(error, MIN_CONSTANT_ERROR), prior.torque_max)
     return Stated(*static_wrench(torque, std, jacobian, typical_force))

@@ -9,7 +9,7 @@ import numpy as np
 from ur5lib.channels import CURRENT, Effort
 from ur5lib.checks.channels import slower_than_fit
 from ur5lib.dynamics.link_model import load_regressor
-from ur5lib.force.external_torque import external_torque, inner
+from ur5lib.force.external_torque import external_torque
 from ur5lib.force.tare import tared
 from ur5lib.identification.current_samples import Smoother, current_record
 from ur5lib.identification.currents import (
@@ -115,9 +115,7 @@ def predicted_currents(
         time=torques.time,
         segment=torques.segment,
         **of_efforts,
-        external_torque=inner(
-            smooth(external, record), record.segment, record.period, smooth.cutoff
-        ),
+        external_torque=smooth(external, record),
         load_doubt=SCALED_TORQUE_ERROR * np.abs(smooth(load_torque, record)),
         gear_torque=smooth(record.torque, record),
         friction_torque=constant * smooth(friction_current(fit, record), record),
@@ -135,9 +133,9 @@ def with_load(
     if load_torque.any():
         loaded = replace(record, torque=record.torque + load_torque)
         external = external_torque(torque_constants(fit), loaded.current, predict(fit, loaded))
-        left = inner(smooth(external, record), record.segment, record.period, smooth.cutoff)
+        left, expected = smooth(external, record), smooth(load_torque, record)
         count = int(blocks(record)[-1]) + 1
-        load_torque = load_torque * (1 - joint_gains(left, smooth(load_torque, record), count))
+        load_torque = load_torque * (1 - joint_gains(left, expected, count))
     return replace(record, torque=record.torque + load_torque), load_torque
 
 

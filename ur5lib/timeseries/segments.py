@@ -41,6 +41,18 @@ def extrapolated_samples(cutoff: float, period: float) -> int:
     return round(0.5 / cutoff / period)
 
 
+def without_ends(values: Array, segment: Labels, period: float, cutoff: float) -> Array:
+    """Return low-passed values (N, M), NaN at both ends of each stretch, where a low-pass [Hz]
+    mostly extrapolates. period: [s].
+    """
+    result, samples = values.copy(), extrapolated_samples(cutoff, period)
+    for stretch in unbroken(segment):
+        part = result[stretch]
+        part[:samples] = np.nan
+        part[max(0, len(part) - samples) :] = np.nan
+    return result
+
+
 def runs(flags: Mask) -> Labels:
     """Return where runs of True begin and end (n, 2), of flags (N,)."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]])))
