@@ -27,6 +27,7 @@ from ur5lib.force.tare import tared
 from ur5lib.force.wrench_estimate import OPENING_PROBABILITY, WrenchEstimate
 from ur5lib.identification.current_samples import Smoother
 from ur5lib.recordings.entries import RtdeFiles
+from ur5lib.records.contact_place import ContactPlace
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.steps.fit_residuals import usual_residuals
 from ur5lib.timeseries.arrays import Array
@@ -114,7 +115,8 @@ def estimate(own: Taken, untouched: tuple[float, float] | None) -> WrenchEstimat
         known = tared(known, own.motion, untouched, CURRENTS.cutoff)
     problem = fmap_problem(own.motion, known, usual_residuals(friction.fit, CURRENTS.cutoff))
     assert problem is not None
-    return problem.solve(own.kinematics.jacobian[problem.rows], ContactPrior(15.0))
+    prior = ContactPrior.of(own.robot, None, ContactPlace())
+    return problem.solve(own.kinematics.jacobian[problem.rows], prior)
 
 
 def twenty_lines(own: Taken) -> Array:
