@@ -23,6 +23,8 @@ from ur5lib.topics.live.live_file import LiveFit, numbers
 from ur5lib.topics.live.rows import LiveForces
 
 FORMAT = "ur5lib live 3"
+PUSH_COLUMNS = ["motion", "axis", "value", "low", "high", "bound", "largest_tried", "seconds"]
+PUSH_COLUMNS += ["trials", "blind"]
 UNITS = "SI: m, kg, s, rad, N, Nm, A; links in the axes of their joint, joints from 1"
 
 
@@ -55,6 +57,7 @@ def known_of_arm(study: FinishedStudy, robot: str, as_in: str) -> dict[str, Any]
         | numbers(mounted, friction, "", payload, place, force)
         | live.known
         | {"validity": _validity(study, entries, friction.from_)}
+        | {"smallest_pushes": [*_pushes(study, robot)]}
         | {"judged_on": [*_judged(study, others)]}
         | {"fitted_on": {name: study.quality(name).read for name in friction.from_}}
     )
@@ -64,6 +67,13 @@ def carried(study: FinishedStudy, recording: str) -> Payload | None:
     """Return what the arm carries in a recording: what is declared, and the load that was found."""
     found = study.record(Prediction, recording, "currents")
     return found.with_load(study.payload(recording))
+
+
+def _pushes(study: FinishedStudy, robot: str) -> Iterator[dict[str, Any]]:
+    """Yield the smallest pushes that the estimator finds, by motion and axis."""
+    if "live_pushes" in study.tables:  # not of an earlier version
+        rows = study.table("live_pushes").query("robot == @robot")
+        yield from rows[PUSH_COLUMNS].fillna({"bound": ""}).to_dict("records")
 
 
 def _judged(study: FinishedStudy, entries: list[Recording]) -> Iterator[dict[str, Any]]:
