@@ -17,7 +17,6 @@ rigid-body model stays the study's: the controller's own torque tells it, not th
 import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +33,8 @@ from ur5lib.force.estimators import LEADING, all_stated
 from ur5lib.force.external_torque import REST_SPEED
 from ur5lib.force.problem import fmap_problem
 from ur5lib.force.residual_model import Residuals
-from ur5lib.force.trial_contacts import Trials, smallest_force
+from ur5lib.force.smallest_pushes import FELT_SIZE, MIN_TRIALS, by_motion, detectable
+from ur5lib.force.trial_contacts import Trials
 from ur5lib.identification.current_samples import Smoother, current_record
 from ur5lib.identification.currents import torque_constants
 from ur5lib.identification.payload import PayloadEstimate
@@ -52,7 +52,6 @@ from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.premises import Premises
-from ur5lib.records.pushes import SPEEDS
 from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.records.table import Table
@@ -61,13 +60,7 @@ from ur5lib.steps.estimate_forces import estimate_forces
 from ur5lib.steps.estimate_load import estimate_load
 from ur5lib.steps.fit_friction import fit_friction
 from ur5lib.steps.fit_residuals import fit_residuals
-from ur5lib.steps.measure_pushes import (
-    FELT_SIZE,
-    FLANGE_SPEEDS,
-    MIN_TRIALS,
-    MIN_TRIALS_OF_A_LIMIT,
-    pushed,
-)
+from ur5lib.steps.measure_pushes import trials_on
 from ur5lib.steps.predict_currents import predict_currents
 from ur5lib.steps.set_threshold import set_threshold
 from ur5lib.study.model import Settings
@@ -369,20 +362,19 @@ def pushed_on(fold: Fold, own: Recording) -> Trials | None:
     threshold = read_record(dict[str, float], fold.shared("threshold.json")).get(LEADING, 0.0)
     kinematics = Kinematics.read(own.file("kinematics.parquet"))
     prior = ContactPrior.of(fold.arm, force, place)
-    return pushed(problem, kinematics, place, prior, threshold, odds, MIN_TRIALS // 9)
+    return trials_on(problem, kinematics, place, prior, threshold, odds, MIN_TRIALS // 9)
 
 
 def report_pushes(trials: Trials) -> None:
     """Print the pushes that are found with 95 % where joints feel them, the axes together."""
-    felt = trials.where(trials.felt(FELT_SIZE * trials.force.max()))
-    for (low, high), motion in zip(pairwise(FLANGE_SPEEDS), SPEEDS.values(), strict=True):
-        own = felt.within(low, high)
-        if len(own.force) >= MIN_TRIALS_OF_A_LIMIT:
-            force, std = smallest_force(own.force, own.found, own.unit)
-            blind = len(trials.within(low, high).force) - len(own.force)
+    most = float(trials.force.max())
+    for motion, own in by_motion(trials):
+        limit, felt = detectable(own, most), int(own.felt(FELT_SIZE * most).sum())
+        if limit.value is not None:
+            error = "" if limit.std_error is None else f" ± {limit.std_error:.1f}"
             print(
-                f"push of 1 s {motion}, found with 95 %: {force:.1f} ± {std:.1f} N "
-                f"({len(own.force)} trials, and {blind} where joints hardly feel any)",
+                f"push of 1 s {motion}, found with 95 %: {limit.bound}{limit.value:.1f}{error} N "
+                f"({felt} trials, and {len(own.force) - felt} where joints hardly feel any)",
                 flush=True,
             )
 

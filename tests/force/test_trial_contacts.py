@@ -55,5 +55,5 @@ def test_without_a_place_nothing_is_tried() -> None:
     jacobian = np.broadcast_to(np.eye(6), (50, 6, 6))
     run = Untouched(jacobian, np.zeros(50), 0.01, [], np.ones((50, 6)))
     random = np.random.default_rng(0)
-    trials = try_each_place(lambda torque: -np.ones(len(torque)), run, 0.0, random, 15.0)
+    trials = try_each_place(lambda _: [], run, random, 15.0)
     assert len(trials.force) == len(trials.found) == 0

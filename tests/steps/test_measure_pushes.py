@@ -15,6 +15,7 @@ from tests.made_up_torques import MODEL, free_run
 from tests.steps.made_recording import known_of
 from tests.tried_pushes import COUNT, detected_above, is_resting
 from ur5lib.force.residual_model import Residuals
+from ur5lib.force.smallest_pushes import MIN_TRIALS_OF_A_LIMIT, detectable, smallest_pushes
 from ur5lib.force.trial_contacts import PUSH_DURATION, Trials
 from ur5lib.records import verdicts
 from ur5lib.records.currents import Currents
@@ -24,12 +25,7 @@ from ur5lib.records.prediction import Prediction
 from ur5lib.records.pushes import Reason, SmallestPush
 from ur5lib.robots.description import Robot
 from ur5lib.steps.estimate_forces import estimate_forces
-from ur5lib.steps.measure_pushes import (
-    MIN_TRIALS_OF_A_LIMIT,
-    detectable,
-    measure_pushes,
-    smallest_pushes,
-)
+from ur5lib.steps.measure_pushes import measure_pushes
 from ur5lib.timeseries.arrays import Array, Mask
 
 AXES = ["x", "y", "z"]

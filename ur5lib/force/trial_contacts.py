@@ -10,7 +10,6 @@ from scipy.special import expit, logit
 
 from ur5lib.force.external_torque import JointState, States
 from ur5lib.force.force_input import Gears
-from ur5lib.force.thresholds import alarms
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import Span, overlap
 
@@ -109,18 +108,17 @@ class Untouched(NamedTuple):
 
 
 def try_each_place(
-    log_odds_of: Callable[[Array], Array],
+    alarms_of: Callable[[Array], list[Span]],
     run: Untouched,
-    threshold: float,
     random: np.random.Generator,
     typical_force: float,
     later: float = 0.0,
 ) -> Trials:
     """Push once at each place of a recording, along the base's x, y or z.
 
-    log_odds_of: log-odds (N,) of contact with an additional external torque (N, 6) [Nm]; random:
-    deals out peaks and axes; typical_force: of contacts [N]; later: by which part of the time from
-    one push to the next all of them are.
+    alarms_of: alarms with an additional external torque (N, 6) [Nm]; random: deals out peaks and
+    axes; typical_force: of contacts [N]; later: by which part of the time from one push to the next
+    all of them are.
     """
     profile, places = trial_pushes(len(run.jacobian), run.period, later)
     means = [float(run.speed[slice(*place)].mean()) for place in places]
@@ -136,7 +134,7 @@ def try_each_place(
     for (place, _), peak, axis in zip(free_places, peaks, axes, strict=True):
         force[slice(*place), axis] = peak * profile[slice(*place)]
     torque = np.matvec(run.jacobian[:, :3].mT, force)
-    answers = alarms(log_odds_of(torque), threshold) if free_places else []
+    answers = alarms_of(torque) if free_places else []
     detected = [any(overlap(alarm, place) for alarm in answers) for place, _ in free_places]
     units = [run.unit(place, axis) for (place, _), axis in zip(free_places, axes, strict=True)]
     speeds = np.array([mean for _, mean in free_places])

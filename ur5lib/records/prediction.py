@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ur5lib.robots.description import Payload
 from ur5lib.timeseries.arrays import Array
 
 
@@ -70,3 +71,12 @@ class Prediction:
     def is_loaded(self) -> bool:
         """Return whether the prediction includes an undeclared load."""
         return self.load is not None and self.load.taken
+
+    def with_load(self, payload: Payload | None) -> Payload | None:
+        """Return what the arm carries: a known payload, and the undeclared load that the prediction
+        includes, a point mass, as one body.
+        """
+        if self.load is None or not self.load.taken:
+            return payload
+        x, y, z = self.load.center_of_mass.tolist()
+        return Payload(mass=self.load.mass, center_of_mass=(x, y, z)).joined(payload)

@@ -23,7 +23,7 @@ from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import inside_spans
 from ur5lib.topics.live.count_live_contacts import count_live_contacts
 from ur5lib.topics.live.judge_live import JudgedLive, judge_live
-from ur5lib.topics.live.rows import LiveDetection, LiveForces
+from ur5lib.topics.live.rows import LiveDetection, LiveForces, LivePush
 
 STEP = 0.01  # s
 TIME = STEP * np.arange(6000)
@@ -103,6 +103,16 @@ def pushed() -> list[LiveDetection]:
     return [LiveDetection(force_class_n=f, **counts, alarms_per_min=4, unknown=0) for f in forces]
 
 
+def smallest() -> list[LivePush]:
+    """At rest none along x, and along y nothing that trials determine, as in fast motion."""
+    about: dict[str, Any] = {"largest_tried": 100.0, "seconds": 1.0, "trials": 30, "basis": "fit"}
+    return [
+        LivePush(motion="at rest", axis="x", value=100.0, bound=">", blind=7, **about),
+        LivePush(motion="at rest", axis="y", **about),
+        LivePush(motion="fast", axis="y", value=20.0, std_error=2.0, low=16.1, high=23.9, **about),
+    ]
+
+
 def test_false_alarms_are_those_where_nothing_touches_the_arm() -> None:
     """Minutes are those in which the estimator knows."""
     found = judged({"validate": free(2, 0.25), "validate_touched": free(9), "contact": pushed()})
@@ -137,10 +147,14 @@ def test_its_section_has_contacts_and_false_alarms() -> None:
     tables = {
         "live_detection": pd.DataFrame(rows),
         "live_false_alarms": pd.DataFrame(map(vars, found.false_alarms)),
+        "live_pushes": pd.DataFrame([vars(one) | {"robot": "ur5"} for one in smallest()]),
         "verdicts": pd.DataFrame(map(vars, found.verdicts)),
     }
     own = section("live", replace(made, tables={**made.tables, **tables}))
     assert "3 of 4 contacts of 5 N would have been found, with 1 false alarm." in own.text
     assert own.tables["live-contacts"][0]["≥ 5 N"] == "3 of 4"
     assert own.tables["live-alarms"][0]["false alarms"] == "0"
+    rest, fast = own.tables["live-pushes"]
+    assert [rest[name] for name in ("x [N]", "y [N]", "blind")] == ["> 100", "–", "7 of 60"]
+    assert fast["y [N]"] == "20 (16 to 24)"
     assert shown("live", study()) is None

@@ -313,6 +313,7 @@ def test_the_header_is_the_reference(program: Path, tmp_path: Path) -> None:
         {"distance": 0.02, "share": 0.4, "held": [0.3] * 6},
     ]
     arm["contacts"] |= {"place": [0.02, -0.03, 0.12], "lever": 0.05}
+    arm["smallest_pushes"] = [{"motion": "slow", "value": None, "blind": 3}]  # no input
     runs = [samples(8.0, moving, push(5.0, 6.0, 20.0, 0.0, 5.0)) for moving in (False, True)]
     for stream in (*map(stream_of, runs), *streams(3)):
         check_header(program, arm, stream, tmp_path)

@@ -37,6 +37,9 @@ def test_what_the_live_estimator_needs_is_exported(results: Path, tmp_path: Path
     sensor = FinishedStudy(results).sensor("way_points_pushed")
     size = np.linalg.norm(sensor[[f"compensated_F{axis}" for axis in "xyz"]], axis=1)
     assert pushed["rmse_in_contact"] < 0.7 * np.sqrt((size[size > 5.0] ** 2).mean())
+    table = FinishedStudy(results).table("live_pushes")
+    stated = [own["value"] or np.nan for own in known["smallest_pushes"]]
+    np.testing.assert_allclose(stated, table["value"].astype(float))
     shutil.copytree(results / "parameters", tmp_path / "parameters")
     for part in ("tables", "recordings", "configuration.yaml"):
         (tmp_path / part).symlink_to(results / part)

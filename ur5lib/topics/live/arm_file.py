@@ -13,20 +13,24 @@ from ur5lib.jobs.unreadable import reason
 from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.forces import SensorWrenches
 from ur5lib.records.friction import Friction
+from ur5lib.records.prediction import Prediction
 from ur5lib.records.premises import Premises
 from ur5lib.records.signals import Signals
+from ur5lib.robots.description import Payload
 from ur5lib.study.model import Recording
 from ur5lib.timeseries.segments import runs
 from ur5lib.topics.live.live_file import LiveFit, numbers
 from ur5lib.topics.live.rows import LiveForces
 
 FORMAT = "ur5lib live 3"
+PUSH_COLUMNS = ["motion", "axis", "value", "low", "high", "bound", "largest_tried", "seconds"]
+PUSH_COLUMNS += ["trials", "blind"]
 UNITS = "SI: m, kg, s, rad, N, Nm, A; links in the axes of their joint, joints from 1"
 
 
 def known_of_arm(study: FinishedStudy, robot: str, as_in: str) -> dict[str, Any]:
-    """Return what the file of an arm holds; as_in: recording whose payload, place of contacts and
-    mounting it has, "" for none.
+    """Return what the file of an arm holds; as_in: recording whose payload, declared or found,
+    place of contacts and mounting it has, "" for none.
 
     Raises InputError where no force may be stated, with the report's reason.
     """
@@ -41,7 +45,7 @@ def known_of_arm(study: FinishedStudy, robot: str, as_in: str) -> dict[str, Any]
         )
     entries = [one for one in study.configuration().recordings if one.arm.known_as == robot]
     mounted = arm.mounted(study.recording(as_in).known_gravity()) if as_in else arm
-    payload = study.payload(as_in) if as_in else None
+    payload = carried(study, as_in) if as_in else None
     force = study.configuration().settings.contact.force_n
     places = {study.record(Premises, name).place for name in ([as_in] if as_in else friction.from_)}
     place = places.pop() if len(places) == 1 else ContactPlace()
@@ -53,9 +57,23 @@ def known_of_arm(study: FinishedStudy, robot: str, as_in: str) -> dict[str, Any]
         | numbers(mounted, friction, "", payload, place, force)
         | live.known
         | {"validity": _validity(study, entries, friction.from_)}
+        | {"smallest_pushes": [*_pushes(study, robot)]}
         | {"judged_on": [*_judged(study, others)]}
         | {"fitted_on": {name: study.quality(name).read for name in friction.from_}}
     )
+
+
+def carried(study: FinishedStudy, recording: str) -> Payload | None:
+    """Return what the arm carries in a recording: what is declared, and the load that was found."""
+    found = study.record(Prediction, recording, "currents")
+    return found.with_load(study.payload(recording))
+
+
+def _pushes(study: FinishedStudy, robot: str) -> Iterator[dict[str, Any]]:
+    """Yield the smallest pushes that the estimator finds, by motion and axis."""
+    if "live_pushes" in study.tables:  # not of an earlier version
+        rows = study.table("live_pushes").query("robot == @robot")
+        yield from rows[PUSH_COLUMNS].fillna({"bound": ""}).to_dict("records")
 
 
 def _judged(study: FinishedStudy, entries: list[Recording]) -> Iterator[dict[str, Any]]:

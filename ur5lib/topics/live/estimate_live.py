@@ -24,15 +24,14 @@ def estimate_live(
 ) -> LiveForces:
     """Return what the estimator that `ur5 export --format live` writes would have stated.
 
-    contact_force_n: of a typical contact [N], None: by the arm's payload. Empty without a fit,
-    without positions or currents, where the recording contradicts the study, and with a load that
-    nobody declared.
+    prediction: whose load the arm carries, if one was found; contact_force_n: of a typical contact
+    [N], None: by the arm's payload. Empty without a fit, without positions or currents, and where
+    the recording contradicts the study.
     """
     run = Measured.of(signals)
-    stopped = premises.contradictions.stop_signs or prediction.is_loaded
-    if run is None or stopped or not live.known:
+    if run is None or premises.contradictions.stop_signs or not live.known:
         return LiveForces(time=signals.time, segment=signals.segment)
-    about = premises.load.payload, premises.place, contact_force_n
+    about = prediction.with_load(premises.load.payload), premises.place, contact_force_n
     own = numbers(arm.mounted(gravity), friction, recording, *about)
     found = follow({**own, **live.known}, run)
     return LiveForces(

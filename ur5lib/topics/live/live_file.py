@@ -206,7 +206,7 @@ def learned(
             f"estimator needs one each {RAREST:g} s; record faster"
         )
         raise RefusalError("rare samples live", text)
-    thinned = [(arm, _thinned(run)) for arm, run in runs]
+    thinned = [(arm, run.at(few_rows(run.period))) for arm, run in runs]
     speeds = [np.nanquantile(np.abs(velocity(run)), 0.999, axis=0) for _, run in thinned]
     breakaway = np.median([arm["breakaway"] for arm, _ in runs], axis=0)
     known = {
@@ -251,10 +251,9 @@ def velocity(run: Measured) -> Array:
     return np.gradient(run.q, run.period, axis=0) if run.qd is None else run.qd
 
 
-def _thinned(run: Measured) -> Measured:
-    """Return the first minutes of a recording, not faster than needed."""
-    stride = max(1, round(LEARNING_STEP / run.period))
-    return run.at(slice(0, round(LONGEST / run.period), stride))
+def few_rows(period: float) -> slice:
+    """Return the rows of the first minutes of a recording, not faster than needed; period: [s]."""
+    return slice(0, round(LONGEST / period), max(1, round(LEARNING_STEP / period)))
 
 
 def _noise(

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ur5lib.records.pushes import SmallestPush
 from ur5lib.records.table import WRENCH, SegmentedTable, channel
 from ur5lib.records.verdicts import FalseAlarms
 from ur5lib.timeseries.arrays import Array, Mask
@@ -52,3 +53,12 @@ class LiveFalseAlarms(FalseAlarms):
     """
 
     unknown: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class LivePush(SmallestPush):
+    """A row of live_pushes.csv: as in pushes.csv, the push along an axis that the live estimator
+    finds with 95 % while it lasts.
+
+    blind: of the trials, those where joints hardly feel any push, or the estimator knows nothing.
+    """

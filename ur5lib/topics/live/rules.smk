@@ -42,6 +42,30 @@ rule estimate_live:
         run_step(rule, input, output, params, log)
 
 
+rule measure_live_pushes:
+    input:
+        signals=results_of(SELECTION.drawn, "signals.parquet"),
+        motion=results_of(SELECTION.drawn, "motion.parquet"),
+        currents=results_of(SELECTION.drawn, "currents.parquet"),
+        kinematics=results_of(SELECTION.drawn, "kinematics.parquet"),
+        predictions=results_of(SELECTION.drawn, "currents.json"),
+        premises=results_of(SELECTION.drawn, "premises.json"),
+        friction=parameter("friction.json"),
+        residuals=parameter("residuals.json"),
+        live=parameter("live.json"),
+        arm=parameter("arm.yaml"),
+    output:
+        pushes=parameter("live_pushes.csv"),
+    log:
+        **traces("measure_live_pushes", "{robot}"),
+    params:
+        code=code("measure_live_pushes"),
+        gravities=gravities_of(SELECTION.drawn),
+        contact_force_n=SETTINGS.contact.force_n,
+    run:
+        run_step(rule, input, output, params, log)
+
+
 rule count_live_contacts:
     input:
         live=result("live_forces.parquet"),

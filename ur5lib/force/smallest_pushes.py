@@ -1,0 +1,158 @@
+"""The smallest pushes that an estimate finds on an arm, by trials on contact-free recordings."""
+
+from collections.abc import Callable, Iterator, Mapping
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from ur5lib.force.contact_place import jacobian_at
+from ur5lib.force.contact_prior import GATE_SIZES
+from ur5lib.force.external_torque import is_still
+from ur5lib.force.problem import Problem
+from ur5lib.force.trial_contacts import (
+    PUSH_DURATION,
+    TRIAL_SIZES,
+    Trials,
+    Untouched,
+    felt_push,
+    flange_speed,
+    smallest_force,
+    try_each_place,
+)
+from ur5lib.records.contact_place import ContactPlace
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.prediction import Prediction
+from ur5lib.records.pushes import SPEEDS, Basis, Reason, SmallestPush
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import NORMAL95
+from ur5lib.timeseries.segments import Span
+
+FLANGE_SPEEDS = (*SPEEDS, np.inf)  # m/s
+TRIAL_ROUNDS = 2  # of trial pushes
+MIN_TRIALS = 900  # of an arm: a hundred for each axis and range of speeds
+FELT_SIZE = GATE_SIZES[-1] / TRIAL_SIZES[-1]  # of the largest trial: the gate expects no more
+SETTLING_SPEED = 0.1  # m/s: an arm that settles is slow, and not at rest
+MIN_TRIALS_OF_A_LIMIT = 10  # of which some are detected and some are not
+
+
+def where_pushed(
+    problem: Problem, kinematics: Kinematics, place: ContactPlace
+) -> tuple[Array, Array]:
+    """Return the Jacobian (N, 6, n) of the place of contacts, and the flange's speed (N,) [m/s]:
+    zero where the whole arm rests, and slow where it settles.
+    """
+    jacobian = jacobian_at(kinematics.jacobian, place.on(kinematics.rotation))
+    speed = np.maximum(flange_speed(kinematics.jacobian, problem.input.qd), SETTLING_SPEED)
+    return jacobian, np.where(is_still(problem.input.states), 0.0, speed)
+
+
+def pushed(
+    problem: Problem,
+    run: Untouched,
+    alarms_of: Callable[[Array], list[Span]],
+    typical_force: float,
+    least: int,
+) -> Trials:
+    """Return trial pushes on a contact-free recording.
+
+    alarms_of: those with an additional external torque (N, 6) [Nm] that motors feel; typical_force:
+    of contacts [N]; least: number of pushes, if there is a time for any.
+    """
+    one, random = problem.input, np.random.default_rng(0)
+    time = np.arange(len(run.speed), dtype=np.float64) * one.period
+    stiction = problem.model.stiction * problem.model.breakaway
+    friction = np.random.default_rng(1)
+
+    def answers(torque: Array) -> list[Span]:
+        return alarms_of(felt_push(torque, time, one.states, one.gears, stiction, friction))
+
+    given = answers, run, random, typical_force
+    first = try_each_place(*given)
+    rounds = max(TRIAL_ROUNDS, -(-least // max(1, len(first.force))))
+    more = [try_each_place(*given, later=number / rounds) for number in range(1, rounds)]
+    return Trials.joined([first, *more])
+
+
+def pushes_of_arm(
+    trials: Mapping[str, Trials], predictions: Mapping[str, Prediction], paths: int
+) -> list[SmallestPush]:
+    """Return the smallest pushes by trials on an arm's recordings, none without any trial.
+
+    paths: number of those fitted.
+    """
+    tried = [name for name, own in trials.items() if len(own.force)]
+    if not tried:
+        return []
+    basis: Basis = "fit" if all(predictions[name].fitted for name in tried) else "unseen"
+    together = Trials.joined([trials[name] for name in tried])
+    return [*smallest_pushes(together, basis, has_one_path=paths == 1)]
+
+
+def by_motion(trials: Trials) -> Iterator[tuple[str, Trials]]:
+    """Yield the trials at rest, in slow and in fast motion."""
+    for (low, high), motion in zip(pairwise(FLANGE_SPEEDS), SPEEDS.values(), strict=True):
+        yield motion, trials.within(low, high)
+
+
+def smallest_pushes(
+    trials: Trials, basis: Basis, has_one_path: bool = False
+) -> Iterator[SmallestPush]:
+    """Yield the smallest push by motion along x, y and z, where any was tried.
+
+    basis: of the trials; has_one_path: whether the fit knows a single path, so that none was left
+    out to show how far its predictions are off, and smaller pushes may stand out than with more.
+    """
+    most = float(trials.force.max())
+    for motion, moved in by_motion(trials):
+        for axis, name in enumerate("xyz"):
+            own = moved.along(axis)
+            if not len(own.force):
+                continue
+            limit = detectable(own, most)
+            reason: Reason = "" if limit.value is not None else "undetermined"
+            reason = "fitted" if basis == "fit" and not reason else reason
+            if has_one_path:
+                limit, reason = Limit(bound=limit.bound), "one_path"
+            yield SmallestPush(
+                motion=motion,
+                axis=name,
+                **limit._asdict(),
+                largest_tried=most,
+                seconds=PUSH_DURATION,
+                trials=len(own.force),
+                blind=int((~own.felt(FELT_SIZE * most)).sum()),
+                basis=basis,
+                reason=reason,
+            )
+
+
+class Limit(NamedTuple):
+    """A push that is detected with 95 % [N], its standard error and 95 % interval; None where the
+    trials do not determine it; bound: ">" of one beyond `value`, the largest trial.
+    """
+
+    value: float | None = None
+    std_error: float | None = None
+    low: float | None = None
+    high: float | None = None
+    bound: str = ""
+
+
+def detectable(trials: Trials, most: float) -> Limit:
+    """Return the push that a logistic curve of trials of one axis and motion shows to be detected,
+    but for poses in which joints hardly feel any; most: the largest trial of all [N].
+
+    Beyond this, the curve tells nothing: the push is the largest one. One whose 95 % interval
+    reaches zero is not determined.
+    """
+    felt = trials.where(trials.felt(FELT_SIZE * most))
+    if len(trials.found) < MIN_TRIALS_OF_A_LIMIT:
+        return Limit()
+    if len(felt.found) < MIN_TRIALS_OF_A_LIMIT:
+        return Limit(value=most, bound=">")
+    force, std = smallest_force(felt.force, felt.found, felt.unit)
+    if force > most:
+        return Limit(value=most, bound=">")
+    low, high = force - NORMAL95 * std, force + NORMAL95 * std
+    return Limit(force, std, low, high) if low > 0 else Limit()

@@ -1,0 +1,90 @@
+"""The smallest push that the live estimator finds on an arm, by the trials of `measure_pushes`."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ur5lib.force.problem import Problem, fmap_problem
+from ur5lib.force.residual_model import Residuals
+from ur5lib.force.smallest_pushes import MIN_TRIALS, pushed, pushes_of_arm, where_pushed
+from ur5lib.force.trial_contacts import Trials, Untouched
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.friction import Friction
+from ur5lib.records.measured import Measured
+from ur5lib.records.motion import Motion
+from ur5lib.records.prediction import Prediction
+from ur5lib.records.premises import Premises
+from ur5lib.records.signals import Signals
+from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.segments import Span
+from ur5lib.topics.live.live import Live
+from ur5lib.topics.live.live_file import LiveFit, few_rows, numbers
+from ur5lib.topics.live.live_recording import follow
+from ur5lib.topics.live.rows import LivePush
+
+
+def measure_live_pushes(
+    signals: Mapping[str, Signals],
+    motion: Mapping[str, Motion],
+    currents: Mapping[str, Currents],
+    kinematics: Mapping[str, Kinematics],
+    predictions: Mapping[str, Prediction],
+    premises: Mapping[str, Premises],
+    friction: Friction,
+    residuals: Residuals,
+    live: LiveFit,
+    arm: Robot,
+    gravities: dict[str, list[float] | None],
+    contact_force_n: float | None,
+) -> list[LivePush]:
+    """Return the smallest pushes by motion and axis, none where no push can be tried.
+
+    signals to premises, gravities: of contact-free recordings, each by the fit without its path;
+    contact_force_n: [N], of a typical contact, None: by the arm's payload.
+    """
+    trials, least = dict[str, Trials](), MIN_TRIALS // max(1, len(motion))
+    for name, moved in motion.items():
+        run = Measured.of(signals[name])
+        problem = fmap_problem(moved, currents[name], residuals)
+        if run is None or problem is None or predictions[name].is_loaded or not live.known:
+            continue
+        payload, place = premises[name].load.payload, premises[name].place
+        about = friction, name, payload, place, contact_force_n
+        file = numbers(arm.mounted(gravities[name]), *about) | live.known
+        jacobian, speed = where_pushed(problem, kinematics[name], place)
+        trials[name] = live_trials(file, run, problem, jacobian, speed, least)
+    pushes = pushes_of_arm(trials, predictions, friction.paths)
+    return [LivePush(**vars(push)) for push in pushes]
+
+
+def live_trials(
+    file: dict[str, Any],
+    run: Measured,
+    problem: Problem,
+    jacobian: Array,
+    speed: Array,
+    least: int,
+) -> Trials:
+    """Return trial pushes on the first minutes of a contact-free recording.
+
+    The motors carry that much less of what they feel of a push; encoders show none of it.
+    jacobian, speed: as `where_pushed` returns them; least: number of pushes, if there is a time for
+    any.
+    """
+    rows, estimator = few_rows(run.period), Live(file)
+    some = run.at(rows)
+    own = follow(file, some)
+    of_states = own.state, estimator.joint
+    variance = estimator.noise[of_states] ** 2 + estimator.hidden[of_states] ** 2
+    hiding = np.where(own.known[:, None], variance, np.inf)
+
+    def alarms_of(felt: Array) -> list[Span]:
+        lacking = np.nan_to_num(felt) / estimator.constant
+        return follow(file, some._replace(current=some.current - lacking)).alarms()
+
+    free = Untouched(jacobian[rows], speed[rows], some.period, own.alarms(), hiding)
+    part = problem._replace(input=problem.input.thinned(rows.step, rows))
+    return pushed(part, free, alarms_of, file["contacts"]["typical"], least)
