@@ -34,6 +34,7 @@ from ur5lib.force.estimators import LEADING, all_stated
 from ur5lib.force.external_torque import REST_SPEED
 from ur5lib.force.problem import fmap_problem
 from ur5lib.force.residual_model import Residuals
+from ur5lib.force.thresholds import alarms
 from ur5lib.force.trial_contacts import Trials, smallest_force
 from ur5lib.identification.current_samples import Smoother, current_record
 from ur5lib.identification.currents import torque_constants
@@ -67,6 +68,7 @@ from ur5lib.steps.measure_pushes import (
     MIN_TRIALS,
     MIN_TRIALS_OF_A_LIMIT,
     pushed,
+    untouched,
 )
 from ur5lib.steps.predict_currents import predict_currents
 from ur5lib.steps.set_threshold import set_threshold
@@ -369,7 +371,8 @@ def pushed_on(fold: Fold, own: Recording) -> Trials | None:
     threshold = read_record(dict[str, float], fold.shared("threshold.json")).get(LEADING, 0.0)
     kinematics = Kinematics.read(own.file("kinematics.parquet"))
     prior = ContactPrior.of(fold.arm, force, place)
-    return pushed(problem, kinematics, place, prior, threshold, odds, MIN_TRIALS // 9)
+    run = untouched(problem, kinematics, place, alarms(odds, threshold))
+    return pushed(run, problem, prior, threshold, MIN_TRIALS // 9)
 
 
 def report_pushes(trials: Trials) -> None:
