@@ -34,6 +34,7 @@ from ur5lib.force.external_torque import REST_SPEED
 from ur5lib.force.problem import fmap_problem
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.smallest_pushes import FELT_SIZE, MIN_TRIALS, by_motion, detectable
+from ur5lib.force.thresholds import alarms
 from ur5lib.force.trial_contacts import Trials
 from ur5lib.identification.current_samples import Smoother, current_record
 from ur5lib.identification.currents import torque_constants
@@ -60,7 +61,7 @@ from ur5lib.steps.estimate_forces import estimate_forces
 from ur5lib.steps.estimate_load import estimate_load
 from ur5lib.steps.fit_friction import fit_friction
 from ur5lib.steps.fit_residuals import fit_residuals
-from ur5lib.steps.measure_pushes import trials_on
+from ur5lib.steps.measure_pushes import trials_on, untouched
 from ur5lib.steps.predict_currents import predict_currents
 from ur5lib.steps.set_threshold import set_threshold
 from ur5lib.study.model import Settings
@@ -362,7 +363,8 @@ def pushed_on(fold: Fold, own: Recording) -> Trials | None:
     threshold = read_record(dict[str, float], fold.shared("threshold.json")).get(LEADING, 0.0)
     kinematics = Kinematics.read(own.file("kinematics.parquet"))
     prior = ContactPrior.of(fold.arm, force, place)
-    return trials_on(problem, kinematics, place, prior, threshold, odds, MIN_TRIALS // 9)
+    run = untouched(problem, kinematics, place, alarms(odds, threshold))
+    return trials_on(problem, run, prior, threshold, MIN_TRIALS // 9)
 
 
 def report_pushes(trials: Trials) -> None:

@@ -15,7 +15,7 @@ from tests.made_up_torques import MODEL, free_run
 from tests.steps.made_recording import known_of
 from tests.tried_pushes import COUNT, detected_above, is_resting
 from ur5lib.force.residual_model import Residuals
-from ur5lib.force.smallest_pushes import MIN_TRIALS_OF_A_LIMIT, detectable, smallest_pushes
+from ur5lib.force.smallest_pushes import MIN_TRIALS_OF_A_LIMIT, detectable, needed, smallest_pushes
 from ur5lib.force.trial_contacts import PUSH_DURATION, Trials
 from ur5lib.records import verdicts
 from ur5lib.records.currents import Currents
@@ -25,7 +25,7 @@ from ur5lib.records.prediction import Prediction
 from ur5lib.records.pushes import Reason, SmallestPush
 from ur5lib.robots.description import Robot
 from ur5lib.steps.estimate_forces import estimate_forces
-from ur5lib.steps.measure_pushes import measure_pushes
+from ur5lib.steps.measure_pushes import DetectedPushes, measure_pushes
 from ur5lib.timeseries.arrays import Array, Mask
 
 AXES = ["x", "y", "z"]
@@ -187,9 +187,7 @@ def known(ur5: Robot) -> dict[str, Any]:
     return made
 
 
-def measured(
-    known: dict[str, Any], names: Sequence[str], ur5: Robot, paths: int
-) -> list[SmallestPush]:
+def measured(known: dict[str, Any], names: Sequence[str], ur5: Robot, paths: int) -> DetectedPushes:
     keys = ("motion", "currents", "kinematics", "forces", "predictions", "premises")
     return measure_pushes(
         **{key: {name: known[name][key] for name in names} for key in keys},
@@ -214,7 +212,7 @@ def measured(
 def test_what_the_trials_rest_on(
     known: dict[str, Any], ur5: Robot, names: list[str], paths: int, basis: str, reason: str
 ) -> None:
-    rows = measured(known, names, ur5, paths)
+    rows = measured(known, names, ur5, paths).pushes
     assert {row.basis for row in rows} == {basis}
     assert {row.reason for row in rows} - {"undetermined"} == {reason}
     assert all((row.value is None) == (row.reason in ("one_path", "undetermined")) for row in rows)
@@ -223,5 +221,37 @@ def test_what_the_trials_rest_on(
 def test_a_recording_with_a_load_is_not_pushed(known: dict[str, Any], ur5: Robot) -> None:
     load = SimpleNamespace(is_loaded=True, fitted=False)
     loaded = {"new": known["new"] | {"predictions": load}, "seen": known["seen"]}
-    assert {row.basis for row in measured(loaded, ["seen", "new"], ur5, 2)} == {"fit"}
-    assert measured(loaded, ["new"], ur5, 2) == []
+    assert {row.basis for row in measured(loaded, ["seen", "new"], ur5, 2).pushes} == {"fit"}
+    assert measured(loaded, ["new"], ur5, 2) == ([], [], [])
+
+
+def test_pushes_by_direction_and_force_are_those_of_the_same_trials(
+    known: dict[str, Any], ur5: Robot
+) -> None:
+    """A direction needs as many units as every other; the larger a push, the more are found."""
+    found = measured(known, ["seen", "new"], ur5, 2)
+    motions = {row.motion for row in found.curve}
+    assert {row.motion for row in found.directions} <= motions
+    for motion in motions:
+        share = [row.share for row in found.curve if row.motion == motion]
+        assert sorted(share) == share
+        assert 0 <= share[0] < 0.5 < share[-1] <= 1
+        known_units = [row for row in found.directions if row.motion == motion and row.value]
+        units = [row.value / row.unit for row in known_units if row.value and row.unit]
+        assert units == pytest.approx([units[0]] * len(units)) if units else not known_units
+    assert any(row.value for row in found.directions)
+    one_path = measured(known, ["seen", "new"], ur5, 1)
+    assert one_path.pushes
+    assert not one_path.directions
+    assert not one_path.curve
+
+
+def test_the_needed_units_are_those_of_a_detector_by_units() -> None:
+    random = np.random.default_rng(0)
+    unit = np.exp(random.normal(0.0, 0.5, 600))
+    force = random.permutation(np.geomspace(1.0, 100.0, 600))
+    trials = replace(tried(force, force > 5 * unit), unit=unit, axis=np.arange(600) % 3)
+    ((motion, (units, std)),) = needed(trials)
+    assert motion == "fast"
+    assert units == pytest.approx(5.0, rel=0.4)
+    assert 0 < std < units

@@ -1,6 +1,7 @@
 """The smallest pushes that an estimate finds on an arm, by trials on contact-free recordings."""
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -10,9 +11,11 @@ from ur5lib.force.contact_place import jacobian_at
 from ur5lib.force.contact_prior import GATE_SIZES
 from ur5lib.force.external_torque import is_still
 from ur5lib.force.problem import Problem
+from ur5lib.force.push_directions import Needed
 from ur5lib.force.trial_contacts import (
     PUSH_DURATION,
     TRIAL_SIZES,
+    Curve,
     Trials,
     Untouched,
     felt_push,
@@ -23,7 +26,7 @@ from ur5lib.force.trial_contacts import (
 from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.prediction import Prediction
-from ur5lib.records.pushes import SPEEDS, Basis, Reason, SmallestPush
+from ur5lib.records.pushes import SPEEDS, Basis, PushesFound, Reason, SmallestPush
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import Span
@@ -34,6 +37,7 @@ MIN_TRIALS = 900  # of an arm: a hundred for each axis and range of speeds
 FELT_SIZE = GATE_SIZES[-1] / TRIAL_SIZES[-1]  # of the largest trial: the gate expects no more
 SETTLING_SPEED = 0.1  # m/s: an arm that settles is slow, and not at rest
 MIN_TRIALS_OF_A_LIMIT = 10  # of which some are detected and some are not
+FORCES_OF_A_CURVE = 40  # from the smallest to the largest trial
 
 
 def where_pushed(
@@ -125,6 +129,30 @@ def smallest_pushes(
                 basis=basis,
                 reason=reason,
             )
+
+
+def needed(felt: Trials) -> Iterator[tuple[str, Needed]]:
+    """Yield the push that is detected in units of its place, the axes together, by each motion in
+    which trials determine it; felt: trials, but for poses in which joints hardly feel any.
+    """
+    for motion, own in by_motion(felt):
+        in_units = replace(own, force=own.force / own.unit, unit=np.ones_like(own.unit))
+        limit = detectable(in_units, np.inf)
+        if limit.value is not None and limit.std_error is not None:
+            yield motion, Needed(limit.value, limit.std_error)
+
+
+def found_by_force(felt: Trials, motions: set[str], most: float) -> Iterator[PushesFound]:
+    """Yield which share of pushes up to the largest trial [N] is found in some motions.
+
+    felt: trials, but for poses in which joints hardly feel any.
+    """
+    for motion, own in by_motion(felt):
+        if motion in motions:
+            force = np.geomspace(felt.force.min(), most, FORCES_OF_A_CURVE)
+            shares = Curve.of(own.force, own.found, own.unit).share(force, own.unit)
+            for size, share in zip(force.tolist(), shares.tolist(), strict=True):
+                yield PushesFound(motion=motion, force=size, share=share)
 
 
 class Limit(NamedTuple):

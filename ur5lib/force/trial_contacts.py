@@ -98,13 +98,31 @@ class Untouched(NamedTuple):
     raised: list[Span]
     hiding: Array
 
-    def unit(self, place: Span, axis: int) -> float:
-        """Return the force [N] along x, y or z that is worth one standard deviation of the joints'
-        torques on average at a place, (Σ J² / S)^-½; infinite where no joint feels it.
+    def information(self, place: Span) -> Array:
+        """Return what joints feel of forces at a place on average, A = Σ j jᵀ / S (3, 3) [1/N²],
+        j the columns of J.
         """
-        rows = slice(*place)
-        information = (self.jacobian[rows, axis] ** 2 / self.hiding[rows]).sum(axis=1).mean()
-        return float(information**-0.5) if information else np.inf
+        jacobian, hiding = self.jacobian[slice(*place), :3], self.hiding[slice(*place)]
+        felt: Array = np.matmul(jacobian / hiding[:, None], jacobian.mT).mean(axis=0)
+        return felt
+
+    def free(self, places: list[Span]) -> list[tuple[Span, float]]:
+        """Return the places without an alarm, each with the flange's mean speed [m/s] there."""
+        means = [(place, float(self.speed[slice(*place)].mean())) for place in places]
+        return [
+            (place, mean)
+            for place, mean in means
+            if np.isfinite(mean) and not any(overlap(alarm, place) for alarm in self.raised)
+        ]
+
+
+def unit_along(information: Array, direction: Array) -> Array:
+    """Return the force (...) [N] along directions d (..., 3) that is worth one standard deviation
+    of the joints' torques, (dᵀ A d)^-½; infinite where no joint feels it; information: A (3, 3).
+    """
+    felt = np.vecdot(direction, np.matvec(information, direction))
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.maximum(felt, 0.0) ** -0.5)
 
 
 def try_each_place(
@@ -121,12 +139,7 @@ def try_each_place(
     all of them are.
     """
     profile, places = trial_pushes(len(run.jacobian), run.period, later)
-    means = [float(run.speed[slice(*place)].mean()) for place in places]
-    free_places = [
-        (place, mean)
-        for place, mean in zip(places, means, strict=True)
-        if np.isfinite(mean) and not any(overlap(alarm, place) for alarm in run.raised)
-    ]
+    free_places = run.free(places)
     # sizes evenly in their logarithm; axes as evenly as possible
     peaks = typical_force * random.permutation(np.geomspace(*TRIAL_SIZES, len(free_places)))
     axes = random.permutation((random.integers(3) + np.arange(len(free_places))) % 3)
@@ -136,7 +149,10 @@ def try_each_place(
     torque = np.matvec(run.jacobian[:, :3].mT, force)
     answers = alarms_of(torque) if free_places else []
     detected = [any(overlap(alarm, place) for alarm in answers) for place, _ in free_places]
-    units = [run.unit(place, axis) for (place, _), axis in zip(free_places, axes, strict=True)]
+    units = [
+        float(unit_along(run.information(place), np.eye(3)[axis]))
+        for (place, _), axis in zip(free_places, axes, strict=True)
+    ]
     speeds = np.array([mean for _, mean in free_places])
     return Trials(peaks, axes, speeds, np.array(detected, bool), np.array(units))
 
@@ -156,6 +172,30 @@ def trial_pushes(count: int, period: float, later: float = 0.0) -> tuple[Array, 
     return profile, [(start, start + length) for start in starts]
 
 
+class Curve(NamedTuple):
+    """The share of pushes that is found at a place, p = 1 / (1 + exp(-e^s (log F - log unit - m))).
+
+    parameters: m and s; covariance: of them (2, 2).
+    """
+
+    parameters: Array
+    covariance: Array
+
+    @classmethod
+    def of(cls, force: Array, detected: Mask, unit: Array | float = 1.0) -> Self:
+        """Return the likeliest one of trial pushes (M,) [N] at places with these units [N]."""
+        x = np.log(force) - np.log(unit)
+        start = np.array([np.median(x[detected]), LOG_STEEPNESS])
+        best = minimize(_cost, start, args=(x, detected))
+        return cls(best.x, best.hess_inv)
+
+    def share(self, force: Array, unit: Array) -> Array:
+        """Return the share (K,) of pushes of a force (K,) [N] that is found at places (M,) [N]."""
+        middle, steepness = self.parameters
+        x = np.log(force)[:, None] - np.log(unit)
+        return np.asarray(expit(np.exp(steepness) * (x - middle)).mean(axis=1))
+
+
 def smallest_force(
     force: Array, detected: Mask, unit: Array | float = 1.0, probability: float = 0.95
 ) -> tuple[float, float]:
@@ -169,20 +209,18 @@ def smallest_force(
     if not detected.any():
         return np.inf, np.nan
     units = np.log(np.broadcast_to(unit, force.shape))
-    x = np.log(force) - units
-    start = np.array([np.median(x[detected]), LOG_STEEPNESS])
-    best = minimize(_cost, start, args=(x, detected))
+    curve = Curve.of(force, detected, unit)
 
     def reached(parameters: Array) -> float:
-        """Return log F of mean p = probability, p = 1 / (1 + exp(-e^s (log F - log unit - m)))."""
+        """Return log F of mean p = probability."""
         middle, steepness = parameters
         alone = middle + logit(probability) * np.exp(-steepness)  # at one place
         ends = alone + units.min() - 1e-6, alone + units.max() + 1e-6
         return float(brentq(_missed, *ends, args=(units + middle, steepness, probability)))
 
-    place = reached(best.x)
-    slope = approx_fprime(best.x, reached, 1e-4)
-    return float(np.exp(place)), float(np.exp(place) * np.sqrt(slope @ best.hess_inv @ slope))
+    place = reached(curve.parameters)
+    slope = approx_fprime(curve.parameters, reached, 1e-4)
+    return float(np.exp(place)), float(np.exp(place) * np.sqrt(slope @ curve.covariance @ slope))
 
 
 def _missed(place: float, middles: Array, steepness: float, probability: float) -> float:

@@ -1,4 +1,4 @@
-"""The smallest pushes that trials on an arm's contact-free recordings show to be detected."""
+"""The pushes that trials on an arm's contact-free recordings show to be detected."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -42,3 +42,41 @@ class SmallestPush:
     blind: int = 0
     basis: Basis
     reason: Reason = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PushDirection:
+    """A row of push_directions.csv: the push in a direction at a posture that the leading estimate
+    detects with 95 %.
+
+    posture: which of all places of trials it is: stretched out or folded, with the flange farthest
+    from the base's origin or nearest; easiest or hardest, where the direction that joints feel
+    least needs the smallest or the largest push; recording, time_s, posture_deg: where it is, and
+    the joints there [°]; motion: see `SmallestPush`; plane, angle_deg: of the direction,
+    horizontal, from the base's x to its y, or vertical, from its x to its z [°]; unit: the push
+    that is worth one standard deviation of the joints' torques [N], empty where no joint feels any;
+    value: so many units that all axes together need in this motion [N], with its standard error,
+    empty where joints hardly feel any (see `blind`) and beyond the largest trial.
+    """
+
+    posture: str
+    recording: str
+    time_s: float
+    posture_deg: str
+    motion: str
+    plane: str
+    angle_deg: float
+    unit: float | None
+    value: float | None = None
+    std_error: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class PushesFound:
+    """A row of push_curve.csv: the share of pushes of a force [N] that the leading estimate detects
+    in a motion, along x, y and z together, by a logistic curve of the trials; but for `blind` ones.
+    """
+
+    motion: str
+    force: float
+    share: float

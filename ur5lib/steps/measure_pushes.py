@@ -1,13 +1,23 @@
 """The smallest push that F̂ᵐᵃᵖ detects on an arm, by trial pushes on contact-free recordings."""
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.estimators import LEADING
 from ur5lib.force.gate import TorqueVariances
 from ur5lib.force.problem import Problem, fmap_problem
+from ur5lib.force.push_directions import Place, places_of, push_directions
 from ur5lib.force.residual_model import Residuals
-from ur5lib.force.smallest_pushes import MIN_TRIALS, pushed, pushes_of_arm, where_pushed
+from ur5lib.force.smallest_pushes import (
+    FELT_SIZE,
+    MIN_TRIALS,
+    found_by_force,
+    needed,
+    pushed,
+    pushes_of_arm,
+    where_pushed,
+)
 from ur5lib.force.thresholds import alarms
 from ur5lib.force.trial_contacts import Trials, Untouched
 from ur5lib.records.contact_place import ContactPlace
@@ -18,10 +28,18 @@ from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.premises import Premises
-from ur5lib.records.pushes import SmallestPush
+from ur5lib.records.pushes import PushDirection, PushesFound, SmallestPush
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import Span
+
+
+class DetectedPushes(NamedTuple):
+    """Which pushes are detected on an arm: along axes, by direction, and by their force."""
+
+    pushes: list[SmallestPush]
+    directions: list[PushDirection]
+    curve: list[PushesFound]
 
 
 def measure_pushes(
@@ -36,13 +54,16 @@ def measure_pushes(
     threshold: dict[str, float],
     arm: Robot,
     contact_force_n: float | None,
-) -> list[SmallestPush]:
-    """Return the smallest pushes by motion and axis, none where no push can be tried.
+) -> DetectedPushes:
+    """Return which pushes are detected, nothing where no push can be tried.
+
+    By direction and force, nothing of an arm fitted to a single path.
 
     motion to premises: of contact-free recordings; contact_force_n: [N], of a typical contact,
     None: by the arm's payload.
     """
-    trials, least = dict[str, Trials](), MIN_TRIALS // max(1, len(motion))
+    trials, places = dict[str, Trials](), list[Place]()
+    least = MIN_TRIALS // max(1, len(motion))
     for name, moved in motion.items():
         if LEADING not in threshold or predictions[name].is_loaded:
             continue
@@ -51,31 +72,39 @@ def measure_pushes(
         if problem is not None and odds is not None:
             place = premises[name].place
             prior = ContactPrior.of(arm, contact_force_n, place)
-            given = problem, kinematics[name], place, prior
-            trials[name] = trials_on(*given, threshold[LEADING], odds, least)
-    return pushes_of_arm(trials, predictions, friction.paths)
+            run = untouched(problem, kinematics[name], place, alarms(odds, threshold[LEADING]))
+            trials[name] = trials_on(problem, run, prior, threshold[LEADING], least)
+            places += places_of(name, run, moved, kinematics[name])
+    rows = pushes_of_arm(trials, predictions, friction.paths)
+    if not rows or friction.paths == 1:
+        return DetectedPushes(rows, [], [])
+    together = Trials.joined([own for own in trials.values() if len(own.force)])
+    most = float(together.force.max())
+    felt = together.where(together.felt(FELT_SIZE * most))
+    stated = dict(needed(felt))
+    directions = push_directions(places, stated, FELT_SIZE * most, most)
+    return DetectedPushes(rows, [*directions], [*found_by_force(felt, {*stated}, most)])
 
 
-def trials_on(
-    problem: Problem,
-    kinematics: Kinematics,
-    place: ContactPlace,
-    prior: ContactPrior,
-    threshold: float,
-    odds: Array,
-    least: int,
-) -> Trials:
-    """Return trial pushes on a contact-free recording, where contacts are assumed.
-
-    odds: without any push (N,); least: number of pushes, if there is a time for any.
-    """
+def untouched(
+    problem: Problem, kinematics: Kinematics, place: ContactPlace, raised: list[Span]
+) -> Untouched:
+    """Return a contact-free recording, pushed where contacts are assumed; raised: its alarms."""
     one = problem.input
     jacobian, speed = where_pushed(problem, kinematics, place)
     hiding = TorqueVariances.of(one.states, problem.model, one.load_std()).hiding()
-    used = jacobian[problem.rows]
+    return Untouched(jacobian, speed, one.period, raised, hiding)
+
+
+def trials_on(
+    problem: Problem, run: Untouched, prior: ContactPrior, threshold: float, least: int
+) -> Trials:
+    """Return trial pushes on a contact-free recording; least: their number, if there is a time for
+    any.
+    """
+    used = run.jacobian[problem.rows]
 
     def alarms_of(felt: Array) -> list[Span]:
         return alarms(problem.pushed(felt).contact_log_odds(used, prior), threshold)
 
-    run = Untouched(jacobian, speed, one.period, alarms(odds, threshold), hiding)
     return pushed(problem, run, alarms_of, prior.force, least)

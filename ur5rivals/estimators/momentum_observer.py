@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import signal
 
-from ur5lib.force.external_torque import finite_rows, without_edges
+from ur5lib.force.external_torque import finite_rows
 from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.segments import extrapolated_samples, unbroken
+from ur5lib.timeseries.segments import unbroken, without_ends
 from ur5rivals.estimator import Contender, Learned
 from ur5rivals.estimators.ours import OURS
 from ur5rivals.force import CUTOFF_HZ, breakaway_of, learned_noise, most_probable
@@ -91,9 +91,7 @@ def learn_gated(runs: Sequence[Run]) -> Learned:
 
     def observed(run: Run) -> Array:
         torque_of_observer = observe(run.momentum, run.rate, run.segment, run.period, CUTOFF_HZ)
-        return without_edges(
-            torque_of_observer, run.segment, extrapolated_samples(CUTOFF_HZ, run.period)
-        )
+        return without_ends(torque_of_observer, run.segment, run.period, CUTOFF_HZ)
 
     noise = learned_noise(observed, runs, breakaway_of(runs))
     return Learned(lambda run: most_probable(run, observed(run), noise), {})

@@ -188,6 +188,8 @@ rule measure_pushes:
         arm=parameter("described.yaml"),
     output:
         pushes=parameter("pushes.csv"),
+        directions=parameter("push_directions.csv"),
+        curve=parameter("push_curve.csv"),
     log:
         **traces("measure_pushes", "{robot}"),
     params:

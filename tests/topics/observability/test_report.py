@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.made_study import judged_anew, study
+from tests.made_study import judged_anew, sensed, study
 from tests.topics.pages import section, shown
-from ur5lib.records.pushes import SmallestPush
+from ur5lib.records.pushes import PushDirection, PushesFound, SmallestPush
 from ur5lib.report.results import Results
 from ur5lib.topics.observability.rows import Observed
 
@@ -49,6 +49,53 @@ def push(
 
 REST = [push(force, axis, "at rest") for force, axis in ((40.0, "x"), (672.0, "y"), (80.0, "z"))]
 SLOW = [push(force, axis, "slow") for force, axis in ((14.0, "x"), (28.0, "y"), (12.0, "z"))]
+
+
+def directed(**tables: list[dict[str, Any]]) -> Results:
+    """A study with pushes by direction and force; up, nothing is found where the arm is folded."""
+    about = {"robot": "ur5", "recording": "seen", "time_s": 12.34, "motion": "slow"}
+    directions = [
+        about | {"posture": posture, "plane": plane, "angle_deg": angle, "value": value}
+        for posture in ("stretched out", "folded")
+        for plane, up in (("horizontal", 30.0), ("vertical", 20.0 + 1e9 * (posture == "folded")))
+        for angle, value in ((0.0, 10.0), (90.0, up), (180.0, 10.0), (270.0, up))
+    ]
+    for row in directions:
+        row["value"] = row["value"] if row["value"] < 100 else np.nan
+    curve = [
+        {"robot": "ur5", "motion": "slow", "force": force, "share": force / 100}
+        for force in (1.0, 10.0, 95.0)
+    ]
+    results = pushed(SLOW, **tables)
+    kinds = {"push_directions": (PushDirection, directions), "push_curve": (PushesFound, curve)}
+    made = {
+        name: pd.DataFrame(rows, columns=["robot", *(one.name for one in fields(kind))])
+        for name, (kind, rows) in kinds.items()
+    }
+    return replace(results, tables={**results.tables, **made})
+
+
+def test_each_posture_is_drawn_with_its_place_and_gaps() -> None:
+    shown = section("observability", directed())
+    assert shown.figures == ["directions-ur5"], "without a force sensor, no real contact"
+    for posture, up in (("stretched out", 20), ("folded", 10)):
+        place = f"{posture}, slow, R2 at 12.3 s: "
+        assert f"{place}horizontal 10 to 30 N, vertical 10 to {up} N" in shown.drawn
+    drawn = shown.section.xpath(".//figure[@id='directions-ur5']//path/@d")
+    ends = [path.lstrip("M").split("L") for path in drawn]
+    closed = [points for points in ends if len(points) > 1 and points[0] == points[-1]]
+    assert len(closed) == 3, "of four curves, one has gaps"
+
+
+def test_each_real_contact_is_a_tick_of_its_fate() -> None:
+    """As many as there are, at the upper edge if found, at the lower one if missed."""
+    fates = ((30.0, "found"), (20.0, "missed"), (12.0, "merged"), (40.0, "found"))
+    shown = section("observability", directed(contact_errors=sensed(*fates)))
+    assert shown.figures == ["directions-ur5", "found-by-force-ur5"]
+    ticks = shown.section.xpath(".//figure[@id='found-by-force-ur5']//line[@stroke-width='1.4']")
+    upper = [tick for tick in ticks if float(tick.get("y1")) < float(tick.get("y2"))]
+    assert (len(ticks), len(upper)) == (4, 3)
+    assert "real contacts found: 3 of 4" in shown.drawn
 
 
 def sizes(results: Results) -> list[tuple[str, ...]]:

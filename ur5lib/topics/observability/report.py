@@ -3,6 +3,7 @@
 import pandas as pd
 
 from ur5lib.identification.validation import MIN_SHARE_IN_BAND
+from ur5lib.judging.contacts import at_sensors
 from ur5lib.report.results import Results
 
 AT_REST = ("friction_in_band", "rest_band_factor", "band_at_rest")
@@ -13,6 +14,14 @@ def smallest_pushes(results: Results) -> pd.DataFrame:
     """Return the smallest pushes [N] that trials find, or did not find."""
     rows = results.rows("pushes")
     return rows[rows["value"].notna() | rows["bound"].eq(">")]
+
+
+def real_contacts(results: Results) -> pd.DataFrame:
+    """Return the contacts at the sensors, at rest or in motion, with their fate and largest force;
+    those that the smallest pushes are compared with.
+    """
+    rows = at_sensors(results)
+    return rows.assign(robot=rows["recording"].map(results.arms()))
 
 
 def by_speed(results: Results) -> pd.DataFrame:

@@ -1,0 +1,116 @@
+"""The push that is detected by its direction, at four postures of an arm's motion."""
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from ur5lib.force.trial_contacts import Untouched, trial_pushes, unit_along
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.motion import Motion
+from ur5lib.records.pushes import SPEEDS, PushDirection
+from ur5lib.timeseries.arrays import Array
+
+PLANES = {"horizontal": (0, 1), "vertical": (0, 2)}  # axes of the base
+ANGLES = np.arange(0.0, 360.0, 5.0)  # °, from the first axis of a plane
+
+
+class Place(NamedTuple):
+    """A place of a trial push: recording and time [s], joints (n,) [rad], flange (3,) [m] in the
+    base, its motion, and what joints feel of forces there (3, 3) [1/N²].
+    """
+
+    recording: str
+    time: float
+    q: Array
+    flange: Array
+    motion: str
+    information: Array
+
+    @property
+    def reach(self) -> float:
+        """The distance [m] of the flange from the base's origin."""
+        return float(np.linalg.norm(self.flange))
+
+    @property
+    def largest_unit(self) -> float:
+        """The unit [N] of the direction that joints feel least, infinite where none feels it."""
+        least, *_ = np.linalg.eigvalsh(self.information)
+        return float(least**-0.5) if least > 0 else np.inf
+
+
+# Each is the place with the largest value, given the push that its hardest direction needs [N].
+POSTURES: dict[str, Callable[[Place, float], float]] = {
+    "stretched out": lambda place, _: place.reach,
+    "folded": lambda place, _: -place.reach,
+    "easiest": lambda _, push: -push,
+    "hardest": lambda _, push: push,
+}
+
+
+class Needed(NamedTuple):
+    """A push that is detected with 95 % in units of its place, and its standard error."""
+
+    units: float
+    std_error: float
+
+
+def places_of(name: str, run: Untouched, motion: Motion, kinematics: Kinematics) -> Iterator[Place]:
+    """Yield the places of a recording's first trial pushes."""
+    _, places = trial_pushes(len(run.jacobian), run.period)
+    for place, speed in run.free(places):
+        middle, information = sum(place) // 2, run.information(place)
+        at = motion.time[middle], motion.q[middle], kinematics.origin[middle]
+        if np.isfinite(information).all():
+            yield Place(name, *at, motion_at(speed), information)
+
+
+def motion_at(speed: float) -> str:
+    """Return the name of the motion of a flange at a speed [m/s]."""
+    return SPEEDS[max(least for least in SPEEDS if least <= speed)]
+
+
+def push_directions(
+    places: list[Place], needed: Mapping[str, Needed], felt: float, most: float
+) -> Iterator[PushDirection]:
+    """Yield the push by direction in each plane at each of POSTURES.
+
+    needed: by motion, places in another one count in nothing; felt: the largest push that may be
+    worth two standard deviations, most: the largest trial [N].
+    """
+    for posture, place in postures(places, needed):
+        for plane, axes in PLANES.items():
+            units = unit_along(place.information, directions(axes))
+            for angle, unit in zip(ANGLES, units, strict=True):
+                push, std = (float(unit) * number for number in needed[place.motion])
+                is_stated = 2 * unit <= felt and push <= most
+                yield PushDirection(
+                    posture=posture,
+                    recording=place.recording,
+                    time_s=float(place.time),
+                    posture_deg=" ".join(f"{joint:z.1f}" for joint in np.degrees(place.q)),
+                    motion=place.motion,
+                    plane=plane,
+                    angle_deg=float(angle),
+                    unit=float(unit) if np.isfinite(unit) else None,
+                    value=push if is_stated else None,
+                    std_error=std if is_stated else None,
+                )
+
+
+def postures(places: list[Place], needed: Mapping[str, Needed]) -> Iterator[tuple[str, Place]]:
+    """Yield each of POSTURES with its place, among those that no former one has."""
+    left = [place for place in places if place.motion in needed]
+    pushes = [needed[place.motion].units * place.largest_unit for place in left]
+    for posture, of in POSTURES.items() if len(left) >= len(POSTURES) else ():
+        values = [of(place, push) for place, push in zip(left, pushes, strict=True)]
+        chosen = int(np.argmax(values))
+        pushes.pop(chosen)
+        yield posture, left.pop(chosen)
+
+
+def directions(axes: tuple[int, int]) -> Array:
+    """Return the directions (K, 3) of ANGLES in the plane of two axes."""
+    first, second = np.eye(3)[[*axes]]
+    angles = np.radians(ANGLES)[:, None]
+    return np.round(np.cos(angles) * first + np.sin(angles) * second, 15)  # exact along axes
