@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ur5lib.records.motion import Motion
 from ur5lib.robots.friction import (
     FITTED_TERMS,
     PRESLIDING_DISTANCE,
@@ -19,8 +20,9 @@ from ur5lib.robots.friction import (
     USUAL_TEMPERATURE,
     JointMotion,
     ShaftMotion,
+    Track,
     coefficient_names,
-    direction_between,
+    direction_over_distances,
     friction_columns,
     rest_factor,
 )
@@ -44,12 +46,13 @@ class MotionState(IntEnum):
 @dataclass(frozen=True)
 class Shafts:
     """Motion of the coupled motors' shafts, (N, n) each [rad, rad/s, rad/s²], in the column of each
-    joint that they turn with, NaN where there is none.
+    joint that they turn with, NaN where there is none; before: the same of the motions before.
     """
 
     q: Array
     qd: Array
     qdd: Array
+    before: Sequence["Shafts"] = ()
 
 
 @dataclass(frozen=True)
@@ -61,7 +64,8 @@ class CurrentSamples:
     (N, 6) [°C], of the motors, where it was recorded; shafts: of coupled motors; balanced: joints
     from 0 on which springs or counterbalances act; qdd: (N, 6) [rad/s²], where rotors are fitted,
     too; inertial: (N, 6) [Nm], what of the torque is not gravity's, where gains of measured torques
-    are fitted; day: any label of its date, the same for all where dates are unknown.
+    are fitted; day: any label of its date, the same for all where dates are unknown; before: the
+    motions before, oldest first, each of which begins where the one before ended.
     """
 
     name: str
@@ -77,6 +81,7 @@ class CurrentSamples:
     qdd: Array | None = None
     inertial: Array | None = None
     day: str = ""
+    before: Sequence[Motion] = ()
     # What was low-passed once: fits without each path need the same samples again.
     _thinned: dict[Any, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
@@ -89,7 +94,11 @@ class CurrentSamples:
     def joint(self, joint: int) -> JointMotion:
         """Return the motion of joint 0 to 5."""
         q, qd, torque = (values[:, joint] for values in (self.q, self.qd, self.torque))
-        direction_over = partial(direction_between, q, qd, self.segment, self.period)
+        before = [
+            Track(own.q[:, joint], own.motor_qd[:, joint], own.segment, own.period)
+            for own in self.before
+        ]
+        direction_over = direction_over_distances(self._track(q, qd), before)
         warmth = 0.0 if self.temperature is None else self.temperature[:, joint] - USUAL_TEMPERATURE
         shaft, is_balanced = self._shaft(joint), joint in self.balanced
         qdd, inertial = (0.0 if v is None else v[:, joint] for v in (self.qdd, self.inertial))
@@ -100,8 +109,17 @@ class CurrentSamples:
         """Return the motion of the coupled motor that a joint turns with, if any."""
         if self.shafts is None or np.isnan(self.shafts.q[:, joint]).all():
             return None
-        q, qd, qdd = (values[:, joint] for values in vars(self.shafts).values())
-        return ShaftMotion(qd, qdd, direction_between(q, qd, self.segment, self.period))
+        shafts = self.shafts
+        q, qd, qdd = (values[:, joint] for values in (shafts.q, shafts.qd, shafts.qdd))
+        before = [
+            Track(own.q[:, joint], own.qd[:, joint], motion.segment, motion.period)
+            for own, motion in zip(shafts.before, self.before, strict=True)
+        ]
+        direction_over = direction_over_distances(self._track(q, qd), before)
+        return ShaftMotion(qd, qdd, direction_over(PRESLIDING_DISTANCE))
+
+    def _track(self, q: Array, qd: Array) -> Track:
+        return Track(q, qd, self.segment, self.period)
 
 
 # A zero-phase low-pass of (N, M) samples of a recording, within its segments.
