@@ -16,7 +16,7 @@ from ur5lib.records.accelerations import Accelerations
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces, FurtherForces, SensorWrenches
-from ur5lib.records.motion import FusedMotion, Motion
+from ur5lib.records.motion import FusedMotion, Motion, motions_before
 from ur5lib.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.records.table import SegmentedTable, Table
 from ur5lib.stand.truth import Truth
@@ -201,3 +201,10 @@ def test_a_force_estimate_is_given_one_recording_s_motion_and_torque() -> None:
     assert (one.torque is currents.external_torque, one.doubt is currents.load_doubt) == (True,) * 2
     assert one.period == motion.period
     assert one.states.shape == motion.q.shape
+
+
+def test_a_chain_is_known_from_the_last_motion_on_that_cannot_be_read() -> None:
+    motion: dict[str, Any] = {name: object() for name in "acd"}
+    assert motions_before("abcd", motion) == [motion["c"], motion["d"]]
+    assert motions_before("abc", {"a": motion["a"]}) == []
+    assert motions_before("", motion) == []

@@ -1,6 +1,8 @@
 """Joint motion by the Kalman smoother, and the test of its innovations."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 
 from ur5lib.records.clocks import SettledClock
 from ur5lib.records.table import JOINTS, XYZ, SegmentedTable, channel
@@ -31,6 +33,15 @@ class Motion(SegmentedTable):
     position_noise: Array | None = channel("position", "rad", JOINTS, optional=True)
     velocity_noise: Array | None = channel("velocity", "rad/s", JOINTS, optional=True)
     shared: Array | None = channel("shared", "rad2/s3", JOINTS, optional=True)
+
+
+def motions_before(chain: Sequence[str], motion: Mapping[str, Motion]) -> list[Motion]:
+    """Return the motions of a chain of recordings, oldest first, from the last on that is unknown.
+
+    chain: their names, oldest first; motion: of those that can be read.
+    """
+    known = [*takewhile(motion.__contains__, reversed(chain))]
+    return [motion[name] for name in reversed(known)]
 
 
 @dataclass(frozen=True, kw_only=True)
