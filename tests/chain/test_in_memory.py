@@ -206,9 +206,9 @@ def test_a_fit_knows_the_motion_before_its_recordings(
 ) -> None:
     known = dict[str, list[str]]()
 
-    def spied(chain: Sequence[str], motion: Mapping[str, Motion]) -> list[Motion]:
+    def spied(own: Motion, chain: Sequence[str], motion: Mapping[str, Motion]) -> list[Motion]:
         known[" ".join(chain)] = [*motion]
-        return motions_before(chain, motion)
+        return motions_before(own, chain, motion)
 
     for step in ("fit_friction", "predict_currents"):
         monkeypatch.setattr(f"ur5lib.steps.{step}.motions_before", spied)

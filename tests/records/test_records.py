@@ -3,6 +3,7 @@
 import math
 from dataclasses import Field, fields
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -203,8 +204,18 @@ def test_a_force_estimate_is_given_one_recording_s_motion_and_torque() -> None:
     assert one.states.shape == motion.q.shape
 
 
-def test_a_chain_is_known_from_the_last_motion_on_that_cannot_be_read() -> None:
-    motion: dict[str, Any] = {name: object() for name in "acd"}
-    assert motions_before("abcd", motion) == [motion["c"], motion["d"]]
-    assert motions_before("abc", {"a": motion["a"]}) == []
-    assert motions_before("", motion) == []
+def from_to(*postures: float) -> Any:
+    """A motion of one joint through some postures [rad]."""
+    return SimpleNamespace(q=np.array(postures)[:, None])
+
+
+def test_a_chain_is_known_from_the_last_motion_on_after_which_nothing_is_missing() -> None:
+    own, postures = from_to(4, 5), [(0, 1), (1, 2), (2, 3), (3 + 5e-5, 4 - 5e-5)]
+    motion = {name: from_to(*ends) for name, ends in zip("abcd", postures, strict=True)}
+    assert motions_before(own, "abcd", motion) == [*motion.values()]
+    unread = {name: motion[name] for name in "acd"}
+    assert motions_before(own, "abcd", unread) == [motion["c"], motion["d"]]
+    moved = motion | {"c": from_to(2, 3 + 3e-4)}
+    assert motions_before(own, "abcd", moved) == [motion["d"]]
+    assert motions_before(own, "abc", motion) == []
+    assert motions_before(own, "", motion) == []

@@ -19,9 +19,9 @@ from scipy.stats import binom
 from ur5lib.importing.clocks import MIN_EPOCH_STAMP
 from ur5lib.importing.proposal import Proposal, is_clockless
 from ur5lib.records.account import AccountRow
+from ur5lib.records.motion import SAME_POSTURE
 from ur5lib.timeseries.arrays import Array
 
-SAME_POSTURE = 1e-4  # rad, within which an arm at rest is read the same again
 ELSEWHERE = 1e-3  # rad, beyond which no other posture fits as well
 AS_NEAR = 0.05  # share of other postures that may be as near, where all are home
 MAX_CHANCE = 1e-3  # that so many files are as near to the end before

@@ -2,12 +2,16 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import takewhile
+
+import numpy as np
 
 from ur5lib.records.clocks import SettledClock
 from ur5lib.records.table import JOINTS, XYZ, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.kalman import InnovationTest
+
+# rad, within which an arm at rest is read the same again. Friction reverses over as much.
+SAME_POSTURE = 1e-4
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,13 +39,27 @@ class Motion(SegmentedTable):
     shared: Array | None = channel("shared", "rad2/s3", JOINTS, optional=True)
 
 
-def motions_before(chain: Sequence[str], motion: Mapping[str, Motion]) -> list[Motion]:
-    """Return the motions of a chain of recordings, oldest first, from the last on that is unknown.
+def posture_change(before: Motion, own: Motion) -> Array:
+    """Return by how much joints (n,) [rad] moved between two recordings."""
+    return own.q[0] - before.q[-1]
 
-    chain: their names, oldest first; motion: of those that can be read.
+
+def motions_before(own: Motion, chain: Sequence[str], motion: Mapping[str, Motion]) -> list[Motion]:
+    """Return the motions of a chain of recordings before one, oldest first, each of which begins
+    where the one before ended.
+
+    chain: their names, oldest first; motion: of those that can be read. It is cut behind the last
+    that cannot, or after which the arm was moved.
     """
-    known = [*takewhile(motion.__contains__, reversed(chain))]
-    return [motion[name] for name in reversed(known)]
+    known = [own]
+    for name in reversed(chain):
+        if name not in motion:
+            break
+        earlier = motion[name]
+        if not np.abs(posture_change(earlier, known[-1])).max() <= SAME_POSTURE:
+            break
+        known.append(earlier)
+    return known[:0:-1]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -31,7 +31,7 @@ def estimate_load(
     before, chain: as of `predict_currents`.
     """
     model, smooth = arm.fullest_model(), Smoother(*lowpass)
-    earlier = motions_before(chain, before or {})
+    earlier = motions_before(motion, chain, before or {})
     record = current_record(recording, signals, motion, torques, arm, earlier)
     if record is None or not friction.from_:
         return PayloadEstimate()

@@ -83,7 +83,7 @@ def fit_friction(
     records, ratios = [], []
     for name in signals:
         recorded, moved = signals[name], motion[name]
-        earlier = motions_before((chains or {}).get(name, []), before or {})
+        earlier = motions_before(moved, (chains or {}).get(name, []), before or {})
         record = current_record(name, recorded, moved, torques[name], arm, earlier)
         if record is not None:
             records.append(replace(record, day=dates[name]))

@@ -72,7 +72,7 @@ def predict_currents(
     or a fit, where the recording contradicts the study or is slower than the fit.
     """
     summary = Prediction(recording in friction.from_)
-    earlier = motions_before(chain, before or {})
+    earlier = motions_before(motion, chain, before or {})
     record = current_record(recording, signals, motion, torques, arm, earlier)
     fit, smooth = friction.fit_for(recording), Smoother(*lowpass)
     slower = slower_than_fit(

@@ -235,6 +235,9 @@ rule judge_recording:
         quality=result("quality.json"),
         signals=result("signals.parquet"),
         motion=result("motion.parquet"),
+        before=lambda wildcards: results(
+            "motion.parquet", SELECTION.before(wildcards.recording)[-1:]
+        ),
         alignment=result("alignment.json"),
         torques=result("torques.parquet"),
         premises=result("premises.json"),
