@@ -13,6 +13,7 @@ from ur5lib.robots.friction import (
     friction_columns,
     friction_direction,
     rest_factor,
+    unknown_after,
     unknown_share,
 )
 
@@ -104,18 +105,22 @@ def test_direction_goes_on_from_the_motions_before() -> None:
     """The third part of a motion has the directions of the whole."""
     q, qd, one = 2e-4 * np.sin(np.linspace(0, 9, 90)), np.zeros(90), np.zeros(90, int)
     *before, last = (Track(q[part], qd[part], one[part], 0.01) for part in PARTS)
-    start, unknown = direction_after(before, 3e-4)
+    start = direction_after(before, 3e-4)
     whole = friction_direction(q, one, 3e-4)[PARTS[-1]]
     np.testing.assert_allclose(direction_between(*last, 3e-4, start), whole)
-    assert np.isclose(unknown, np.exp(-np.abs(np.diff(q[:59])).sum() / 3e-4))
 
 
 def test_earlier_motion_before_a_gap_says_nothing() -> None:
     ends = Track(np.array([0.0, 1.0]), np.zeros(2), np.array([0, 1]), 0.01)
-    assert direction_after([Track(*ends[:2], np.zeros(2, int), 0.01), ends]) == (0.0, 1.0)
-    assert direction_after([]) == (0.0, 1.0)
+    assert direction_after([Track(*ends[:2], np.zeros(2, int), 0.01), ends]) == 0.0
 
 
-def test_unknown_share_fades_with_the_path() -> None:
-    q, segment = np.array([0.0, 1e-4, 0.0, 0.0, 1e-4]), np.array([0, 0, 0, 1, 1])
-    np.testing.assert_allclose(unknown_share(q, segment), np.exp([0, -1, -2, 0, -1]))
+def test_unknown_share_fades_with_what_a_joint_reached() -> None:
+    """Not with its path, which noise makes long; after a gap, all is unknown again."""
+    q, segment = 1e-3 * np.array([0, 1, 0, 0.5, 0, 2]), np.array([0, 0, 0, 0, 1, 1])
+    share = unknown_share(q, segment, 0.5)
+    np.testing.assert_allclose(share[:4], 0.5 * np.exp([0, -1, -1, -1]))
+    np.testing.assert_allclose(share[4:], np.exp([0, -2]))
+    track = Track(q, 0 * q, segment, 0.01)
+    assert unknown_after([track, track]) == pytest.approx(np.exp(-2))
+    assert unknown_after([]) == 1.0

@@ -28,6 +28,7 @@ PRESLIDING_DISTANCE = 1e-4  # rad
 REST_DISTANCES = (1e-5, 1e-3)  # rad
 ROOT_LINE = 4 / 15, 4 / 5  # nearest to the root of velocity from 0 to 1 rad/s, and its slope
 FINE_STEP = 0.01  # s; within steps of slower logs, joints reverse between samples
+START_DISTANCE = max(REST_DISTANCES)  # rad, within which a joint depends on what was before
 NEGLIGIBLE = 1e-3  # share of friction's direction
 # Of a joint in motion, at which friction has the coefficients of its other terms.
 USUAL_TEMPERATURE = 30.0  # °C
@@ -54,7 +55,8 @@ class JointMotion:
     shaft: of a coupled motor, with the joint's own motion in it or not; balanced: whether a spring
     or a counterbalance acts on the joint; qdd: [rad/s²], 0 where the link model has the rotor;
     direction_over: returns the direction of dry friction that reverses over another distance [rad];
-    inertial: what of the torque is not gravity's [Nm], 0 of motor currents.
+    inertial: what of the torque is not gravity's [Nm], 0 of motor currents; unknown: how much of
+    friction may depend on what was before, see `unknown_share`.
     """
 
     q: Array
@@ -67,6 +69,7 @@ class JointMotion:
     qdd: Array | float = 0.0
     direction_over: Callable[[float], Array] = lambda _: np.zeros(1)
     inertial: Array | float = 0.0
+    unknown: Array | float = 0.0
 
 
 @dataclass(frozen=True)
@@ -209,41 +212,55 @@ def direction_between(
     ]
 
 
-def unknown_share(q: Array, segment: Labels, distance: float = PRESLIDING_DISTANCE) -> Array:
-    """Return which share (N,) of friction's direction is that at the start of a segment, unknown.
-
-    z = e^(-path / distance) z₀ + z from zero, as `friction_direction` is linear in its start.
+def direction_after(earlier: Sequence[Track], distance: float = PRESLIDING_DISTANCE) -> float:
+    """Return the direction of a joint's dry friction after earlier motions, oldest first, each of
+    which begins where the one before ended. Zero, as unknown, without any; what is before a gap
+    says nothing.
     """
-    fresh = starts(segment)
-    path = np.cumsum(np.where(fresh, 0.0, np.abs(np.diff(q, prepend=q[0]))))
-    share: Array = np.exp((path[fresh][np.cumsum(fresh) - 1] - path) / distance)
+    # z = e^(-path / distance) z₀ + z from zero
+    direction, kept = 0.0, 1.0
+    for track in reversed(earlier):
+        direction += kept * float(direction_between(*track, distance)[-1])
+        kept *= float(np.exp(-np.abs(np.diff(track.q)).sum() / distance))
+        if kept < NEGLIGIBLE or starts(track.segment)[1:].any():
+            break
+    return direction
+
+
+def unknown_share(q: Array, segment: Labels, start: float = 1.0) -> Array:
+    """Return how much (N,) of a joint's friction may depend on what is unknown, that before the
+    start of a segment: e^(-x / d), x: range of its positions since then, d: START_DISTANCE.
+
+    Unlike the path, it does not grow by noise. q: (N,) [rad]; start: of the first segment, see
+    `unknown_after`.
+    """
+    unbroken = np.cumsum(starts(segment)) - 1
+    reach = by_segment(_reach, q[:, None], segment)[:, 0]
+    share: Array = np.where(unbroken == 0, start, 1.0) * np.exp(-reach / START_DISTANCE)
     return share
 
 
-def direction_after(
-    earlier: Sequence[Track], distance: float = PRESLIDING_DISTANCE
-) -> tuple[float, float]:
-    """Return the direction of a joint's dry friction after earlier motions, oldest first, each of
-    which begins where the one before ended, and the share of it that they leave unknown.
-
-    Zero, all of it unknown, without any. What is before a gap says nothing.
+def unknown_after(earlier: Sequence[Track]) -> float:
+    """Return the share of a joint's friction that is unknown after earlier motions, as of
+    `direction_after`.
     """
-    direction, unknown = 0.0, 1.0
-    for track in reversed(earlier):
-        direction += unknown * float(direction_between(*track, distance)[-1])
-        unknown *= float(unknown_share(track.q, track.segment, distance)[-1])
-        if unknown < NEGLIGIBLE or starts(track.segment)[1:].any():
-            break
-    return direction, unknown
+    share = 1.0
+    for track in earlier:
+        share = float(unknown_share(track.q, track.segment, share)[-1])
+    return share
+
+
+def _reach(q: Array) -> Array:
+    """Return the range of positions (N, 1) up to each."""
+    reach: Array = np.maximum.accumulate(q) - np.minimum.accumulate(q)
+    return reach
 
 
 def direction_over_distances(track: Track, earlier: Sequence[Track]) -> Callable[[float], Array]:
     """Return what gives the direction (N,) of dry friction over a distance, after earlier motions,
     as of `direction_after`.
     """
-    return lambda distance: direction_between(
-        *track, distance, direction_after(earlier, distance)[0]
-    )
+    return lambda distance: direction_between(*track, distance, direction_after(earlier, distance))
 
 
 def rest_factor(qd: Array) -> Array:
