@@ -6,6 +6,7 @@ through the positions.
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -15,14 +16,14 @@ from scipy.interpolate import make_interp_spline
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.identification.current_samples import Smoother, current_record, prior_of
 from ur5lib.identification.currents import band, predict
-from ur5lib.identification.samples import CurrentSamples
+from ur5lib.identification.samples import CurrentSamples, tracks
 from ur5lib.recordings.entries import ENTRY
 from ur5lib.records.carried import carried
 from ur5lib.records.friction import CurrentFit
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, robot_of
-from ur5lib.robots.friction import direction_between
+from ur5lib.robots.friction import Track, direction_over_distances
 from ur5lib.steps.align_recording import align_recording
 from ur5lib.steps.compute_torques import joint_torques
 from ur5lib.steps.fit_friction import fitted_friction
@@ -35,6 +36,7 @@ MAX_GAP = 0.1  # s, as in studies
 MOTION, CURRENTS = Butterworth(4, 10.0), Butterworth(4, 2.0)
 SMOOTH = Smoother(*CURRENTS)
 MEMORIES = (1e-5, 1e-4, 1e-3, 1e-2)  # rad, over which parts of dry friction reverse
+SAME_POSTURE = 1e-3  # rad
 RIDGE = 1e-8  # of the columns' mean squares: the regressor's columns depend on each other
 
 
@@ -49,6 +51,7 @@ class Run:
         read = read_recording(ENTRY.validate_python(keys | columns), [file], arm, MAX_GAP)
         aligned = align_recording(read.robot, read.force, read.imu, read.clocks)
         self.signals, self.motion = Signals.from_table(aligned.signals), aligned.motion
+        self.before: Sequence[Motion] = ()  # of the runs before, see `chain`
 
     @cached_property
     def torque(self) -> Array:
@@ -66,6 +69,13 @@ class Run:
     def rigid(self) -> Array:
         """Return the regressor (N, n, P) of any links and rotors on that spline."""
         return LinkModel(self.arm, self.arm.chosen_model).regressor(*self.by_spline)
+
+
+def chain(runs: Sequence[Run]) -> None:
+    """Let each run know the motions before it, as far as each began where the one before ended."""
+    for earlier, run in pairwise(runs):
+        moved = np.abs(run.motion.q[0] - earlier.motion.q[-1])
+        run.before = [*earlier.before, earlier.motion] if moved.max() < SAME_POSTURE else []
 
 
 Columns = Callable[[Run], Array]  # regressors (N, n, P) of a run
@@ -96,10 +106,10 @@ def with_memory(run: Run) -> Array:
     """Return the same with dry friction that reverses over MEMORIES beside each other (Dahl)."""
     q, qd, _ = run.by_spline
     known = run.signals.segment, run.signals.period
-    states = [
-        np.stack([direction_between(*own, *known, distance) for distance in MEMORIES], axis=1)
-        for own in zip(q.T, qd.T, strict=True)
-    ]
+    states = []
+    for joint, own in enumerate(zip(q.T, qd.T, strict=True)):
+        over = direction_over_distances(Track(*own, *known), tracks(run.before, joint))
+        states.append(np.stack([*map(over, MEMORIES)], axis=1))
     return np.concatenate([with_gears(run), in_rows(states)], axis=2)
 
 
@@ -134,19 +144,20 @@ class Ours:
         motion = {run.name: run.motion for run in fitted}
         found = identify_model(arm, signals, motion, dict.fromkeys(signals), MOTION, CURRENTS)
         self.arm = robot_of(yaml.safe_load(found.arm))
-        records = [self.record(run.name, run.signals, run.motion) for run in fitted]
+        records = [*map(self.record, fitted)]
         self.friction = fitted_friction(records, prior_of(self.arm, []), SMOOTH)
 
-    def record(self, name: str, signals: Signals, motion: Motion) -> CurrentSamples:
+    def record(self, run: Run) -> CurrentSamples:
         """Return a run's samples with the torque of the links found."""
+        signals, motion = run.signals, run.motion
         torques = joint_torques(self.arm, carried(None, signals), signals, motion)
-        record = current_record(name, signals, motion, torques, self.arm)
+        record = current_record(run.name, signals, motion, torques, self.arm, run.before)
         assert record is not None
         return record
 
     def predicted(self, run: Run, fit: CurrentFit | None = None) -> tuple[Array, Array]:
         """Return the torque (N, n) [Nm] of a run, low-passed, and half of its 95 % band."""
-        record, fit = self.record(run.name, run.signals, run.motion), fit or self.friction.fit
+        record, fit = self.record(run), fit or self.friction.fit
         return SMOOTH(predict(fit, record), record), band(fit, record, SMOOTH)
 
     def inputs(self, run: Run, fit: CurrentFit) -> tuple[Array, Array]:

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import time
 from ast import literal_eval
+from collections.abc import Mapping, Sequence
 from doctest import DocTestParser
 from html.parser import HTMLParser
 from pathlib import Path
@@ -13,6 +14,7 @@ from textwrap import dedent
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 from matplotlib.figure import Figure
 
 import ur5lib
@@ -21,6 +23,7 @@ from tests.in_memory import put_recordings
 from ur5lib.chain.model import FIGURES, TABLES
 from ur5lib.chain.shown import Shown
 from ur5lib.importing.in_memory import Role
+from ur5lib.records.motion import Motion, motions_before
 from ur5lib.records.verdicts import REASONS
 from ur5lib.tables import write_table
 
@@ -196,6 +199,33 @@ def test_what_a_stop_sign_forbids_is_refused_unless_it_is_accepted(
     assert len(model.estimate(turned["free1"], accept=reasons)) > 1000
     with pytest.raises(ur5lib.InputError, match=r"unknown key `sing`.*`sign`"):
         ur5lib.fit(turned, accept={"sing": "a motor is turned"})
+
+
+def test_a_fit_knows_the_motion_before_its_recordings(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known = dict[str, list[str]]()
+
+    def spied(own: Motion, chain: Sequence[str], motion: Mapping[str, Motion]) -> list[Motion]:
+        known[" ".join(chain)] = [*motion]
+        return motions_before(own, chain, motion)
+
+    for step in ("fit_friction", "predict_currents"):
+        monkeypatch.setattr(f"ur5lib.steps.{step}.motions_before", spied)
+    after = {"free1": None, "free2": "free1", "pushed": "free2"}
+    runs = [
+        {"name": name, "format": "rtde-csv", "folder": str(folder), "file": f"{name}.csv"}
+        | {"role": "fit" if name == "free2" else "contact", "after": earlier}
+        for name, earlier in after.items()
+    ]
+    study = tmp_path / "mine.yaml"
+    plain = {"study": "mine", "title": "Mine", "robot": "ur5e", "recordings": runs}
+    study.write_text(yaml.safe_dump(plain))
+    read = ur5lib.read(study)
+    model = ur5lib.fit(read)
+    assert known == {"free1": ["free1"]}
+    model.estimate(read)
+    assert known == {"": [], "free1": ["free1"], "free1 free2": ["free1", "free2"]}
 
 
 def test_without_free_recordings_friction_is_that_of_other_arms(

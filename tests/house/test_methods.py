@@ -89,7 +89,7 @@ def statements() -> Iterator[str]:
     yield f"σ² = {currents.SAME_DAY_STD:g}² + {currents.DAILY_STD:g}² d"
     yield f"{currents.SEASON:g} days where a date is unknown"
     yield f"less than {joint_regression.MIN_SAMPLES * samples.INDEPENDENT_STEP:g} s"
-    moving, turning, standing = current_regression.UNSEEN_ERRORS
+    moving, turning, standing, _ = current_regression.UNSEEN_ERRORS
     yield f"u = {moving:g} c in motion, {turning:g} c reversing and {standing:g} c at rest"
     yield f"with more than {COUNTED[current_regression.MAX_FOLDS]} paths"
     yield f"{percent(payload.GEAR_EFFICIENCY_STD)} of the mass for the gears"

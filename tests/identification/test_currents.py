@@ -587,7 +587,8 @@ def test_a_band_covers_another_day(fitted: CurrentFit) -> None:
 
 def with_bands(fit: CurrentFit, half: float) -> CurrentFit:
     """A fit whose bands are of a width [A], the same in every state."""
-    bands = dict.fromkeys(("band_moving", "band_reversing", "band_standing"), half)
+    states = "moving", "reversing", "standing", "unknown"
+    bands = {f"band_{state}": half for state in states}
     return replace(fit, joints=tuple(replace(joint, **bands) for joint in fit.joints))
 
 
@@ -657,10 +658,11 @@ def test_bands_are_of_paths_left_out_and_usual_where_there_are_none(
     one = fit_currents(study[:1], smooth, prior())
     for alone, joint, true in zip(one.joints, fitted.joints, FRICTION, strict=True):
         coulomb = alone.estimate.coefficients[2]
-        in_motion, turning, standing = NORMAL95 * np.array(UNSEEN_ERRORS) * coulomb
+        in_motion, turning, standing, unknown = NORMAL95 * np.array(UNSEEN_ERRORS) * coulomb
         assert 1 <= alone.band_moving / in_motion < 1.5
         assert 1 <= alone.band_reversing / turning < 1.5
         assert alone.band_standing >= standing
+        assert alone.band_unknown >= unknown
         least = NORMAL95 * LEAST_ERRORS[2] * joint.estimate.coefficients[2]
         assert joint.band_standing >= 0.999 * least
         assert 0.01 < joint.band_moving * CONSTANT[0] < 2 * true[0]

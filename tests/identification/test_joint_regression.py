@@ -23,12 +23,15 @@ from ur5lib.identification.prior import Prior, Typical
 from ur5lib.identification.samples import (
     CurrentSamples,
     JointSamples,
+    MotionState,
     blocks,
     columns_of,
     joint_samples,
+    motion_states,
     record_paths,
     smoothed_moving,
 )
+from ur5lib.records.motion import Motion
 from ur5lib.robots.friction import BASE_TERMS
 
 LOADED = (6.0, 4.0, 0.05)  # Coulomb, viscous and load friction
@@ -63,12 +66,13 @@ def test_friction_at_rest_beyond_that_in_motion_comes_back_from_many_stops() -> 
     samples = made(1, LOADED, records=30)
     coefficients = regress_samples(samples, known(1)).coefficients
     for held in (0.3, -0.2):
-        current = samples.columns @ coefficients + held * samples.held[:, 0]
+        current = samples.columns @ coefficients + samples.held @ [held, -held]
         current[::5] += 1.0
         stopped = replace(samples, current=current)
-        assert held_current(stopped, coefficients) == pytest.approx(held, abs=0.05)
+        assert held_current(stopped, coefficients)[0] == pytest.approx(held, abs=0.05)
     never = samples.where(samples.moving)
-    assert held_current(never, coefficients) == pytest.approx(HELD_FRICTION_SHARE * coefficients[2])
+    usual = [HELD_FRICTION_SHARE * coefficients[2]] * 2
+    assert held_current(never, coefficients) == pytest.approx(usual)
 
 
 def test_a_single_pose_counts_for_friction_at_rest_as_much_as_other_arms() -> None:
@@ -76,11 +80,11 @@ def test_a_single_pose_counts_for_friction_at_rest_as_much_as_other_arms() -> No
     samples = made(1, LOADED, records=1)
     coefficients = regress_samples(samples, known(1)).coefficients
     pose = np.flatnonzero(~samples.moving)[:1].repeat(100)
-    one = replace(samples.where(pose), held=np.ones((100, 1)))
+    one = replace(samples.where(pose), held=np.tile([1.0, 0.0], (100, 1)))
     for drawn in (-2.0, 0.0):  # times Coulomb friction, beyond that in motion
         current = one.columns @ coefficients + drawn * coefficients[2]
         found = held_current(replace(one, current=current), coefficients)
-        assert found / coefficients[2] == pytest.approx((HELD_FRICTION_SHARE + drawn) / 2)
+        assert found[0] / coefficients[2] == pytest.approx((HELD_FRICTION_SHARE + drawn) / 2)
 
 
 def test_a_moment_of_motion_hardly_moves_what_is_known() -> None:
@@ -141,8 +145,24 @@ def test_paths_are_compared_at_a_tenth_of_a_second(period: float, every: int, sa
 
 
 def test_a_joint_moves_above_the_dead_zone_for_nine_tenths_of_a_lowpass() -> None:
-    record = replace(steady(), qd=np.tile([0.019, 0.021, -0.019, -0.021, 0, np.nan], (300, 1)))
-    moves = smoothed_moving(record, lambda values, _: values)
-    np.testing.assert_array_equal(moves, np.tile([0, 1, 0, 1, 0, 0], (300, 1)))
+    qd = np.tile([0.019, 0.021, -0.019, -0.021, 0, np.nan], (300, 1))
+    record = replace(steady(), qd=qd, q=np.arange(300.0)[:, None] + 0 * qd)
+    moves = smoothed_moving(record, lambda values, _: values)[1:]
+    np.testing.assert_array_equal(moves, np.tile([0, 1, 0, 1, 0, 0], (299, 1)))
     for share, told in ((0.85, False), (0.95, True)):
-        assert (smoothed_moving(record, lambda values, _, s=share: s * values)[:, 1] == told).all()
+        moves = smoothed_moving(record, lambda values, _, s=share: s * values)
+        assert (moves[1:, 1] == told).all()
+
+
+def test_the_side_of_friction_is_unknown_before_the_first_motion() -> None:
+    """Not where the motion before is known, which came from there."""
+    q, rest = np.repeat(np.linspace(0, 0.01, 60), 5)[:, None] * np.ones(6), np.zeros((300, 6))
+    record = replace(steady(), q=q, qd=rest)
+    state = motion_states(record, lambda values, _: values)[:, 0]
+    assert (state == np.where(q[:, 0] < 2.3e-3, MotionState.UNKNOWN, MotionState.STANDING)).all()
+    states = dict.fromkeys(("q", "qd", "qdd", "q_std", "qd_std", "qdd_std", "motor_qd"), q)
+    before = Motion(time=PERIOD * np.arange(300), segment=record.segment, **states)
+    known = replace(record, before=[before])
+    assert (motion_states(known, lambda values, _: values) == MotionState.STANDING).all()
+    assert record.joint(0).direction[0] == 0.0
+    assert known.joint(0).direction[0] == pytest.approx(1.0)

@@ -57,8 +57,8 @@ def joint_fit(error: Array, replicates: Array, unseen: Array | float = 0.0) -> J
     shares[3] = 1.0
     own, drawn = (physical_values(values) for values in (VALUES, replicates))  # its own inverse
     estimate = CoefficientEstimate(own, shares, drawn, error)
-    bands = dict.fromkeys(("band_moving", "band_reversing", "band_standing"), 0.0)
-    return JointFit(TERMS, (), estimate, np.zeros(1), **bands, unseen=unseen + 0 * own, remarks=())
+    nothing, bands = np.zeros(1), np.zeros(4).tolist()
+    return JointFit(TERMS, (), estimate, nothing, nothing, *bands, unseen + 0 * own, ())
 
 
 def drawn_values(correlation: Array, seed: int = 0) -> Array:

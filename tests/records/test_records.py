@@ -3,6 +3,7 @@
 import math
 from dataclasses import Field, fields
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from ur5lib.records.accelerations import Accelerations
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces, FurtherForces, SensorWrenches
-from ur5lib.records.motion import FusedMotion, Motion
+from ur5lib.records.motion import FusedMotion, Motion, motions_before
 from ur5lib.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.records.table import SegmentedTable, Table
 from ur5lib.stand.truth import Truth
@@ -201,3 +202,20 @@ def test_a_force_estimate_is_given_one_recording_s_motion_and_torque() -> None:
     assert (one.torque is currents.external_torque, one.doubt is currents.load_doubt) == (True,) * 2
     assert one.period == motion.period
     assert one.states.shape == motion.q.shape
+
+
+def from_to(*postures: float) -> Any:
+    """A motion of one joint through some postures [rad]."""
+    return SimpleNamespace(q=np.array(postures)[:, None])
+
+
+def test_a_chain_is_known_from_the_last_motion_on_after_which_nothing_is_missing() -> None:
+    own, postures = from_to(4, 5), [(0, 1), (1, 2), (2, 3), (3 + 5e-5, 4 - 5e-5)]
+    motion = {name: from_to(*ends) for name, ends in zip("abcd", postures, strict=True)}
+    assert motions_before(own, "abcd", motion) == [*motion.values()]
+    unread = {name: motion[name] for name in "acd"}
+    assert motions_before(own, "abcd", unread) == [motion["c"], motion["d"]]
+    moved = motion | {"c": from_to(2, 3 + 3e-4)}
+    assert motions_before(own, "abcd", moved) == [motion["d"]]
+    assert motions_before(own, "abc", motion) == []
+    assert motions_before(own, "", motion) == []

@@ -7,15 +7,20 @@ from ur5lib.robots.friction import (
     BASE_TERMS,
     TERMS,
     JointMotion,
+    Track,
+    direction_after,
     direction_between,
     friction_columns,
     friction_direction,
     rest_factor,
+    unknown_after,
+    unknown_share,
 )
 
 RANDOM = np.random.default_rng(0)
 Q, QD, TORQUE = RANDOM.normal(size=(3, 200)) * [[2.0], [1.0], [20.0]]
 MOTION = JointMotion(Q, QD, TORQUE, np.sign(QD))
+PARTS = slice(0, 30), slice(29, 59), slice(58, 90)  # each begins where the one before ends
 BACK = JointMotion(Q, -QD, TORQUE, -np.sign(QD))
 
 
@@ -94,3 +99,28 @@ def test_a_slow_log_tells_no_direction_across_a_gap() -> None:
     q, segment = np.repeat([0.0, 1.0], 3), np.repeat([0, 1], 3)
     for period in (0.1, 0.008):
         np.testing.assert_array_equal(direction_between(q, 0 * q, segment, period), np.zeros(6))
+
+
+def test_direction_goes_on_from_the_motions_before() -> None:
+    """The third part of a motion has the directions of the whole."""
+    q, qd, one = 2e-4 * np.sin(np.linspace(0, 9, 90)), np.zeros(90), np.zeros(90, int)
+    *before, last = (Track(q[part], qd[part], one[part], 0.01) for part in PARTS)
+    start = direction_after(before, 3e-4)
+    whole = friction_direction(q, one, 3e-4)[PARTS[-1]]
+    np.testing.assert_allclose(direction_between(*last, 3e-4, start), whole)
+
+
+def test_earlier_motion_before_a_gap_says_nothing() -> None:
+    ends = Track(np.array([0.0, 1.0]), np.zeros(2), np.array([0, 1]), 0.01)
+    assert direction_after([Track(*ends[:2], np.zeros(2, int), 0.01), ends]) == 0.0
+
+
+def test_unknown_share_fades_with_what_a_joint_reached() -> None:
+    """Not with its path, which noise makes long; after a gap, all is unknown again."""
+    q, segment = 1e-3 * np.array([0, 1, 0, 0.5, 0, 2]), np.array([0, 0, 0, 0, 1, 1])
+    share = unknown_share(q, segment, 0.5)
+    np.testing.assert_allclose(share[:4], 0.5 * np.exp([0, -1, -1, -1]))
+    np.testing.assert_allclose(share[4:], np.exp([0, -2]))
+    track = Track(q, 0 * q, segment, 0.01)
+    assert unknown_after([track, track]) == pytest.approx(np.exp(-2))
+    assert unknown_after([]) == 1.0

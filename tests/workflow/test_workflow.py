@@ -295,6 +295,24 @@ def test_editing_the_study_reruns_what_it_concerns(
     assert planned.keys() - expected.keys() <= topics_after(expected) | taken
 
 
+def test_a_recording_needs_the_positions_of_the_one_before_and_none_of_its_results(
+    workflow: Workflow,
+) -> None:
+    config = workflow.folder / "config.yaml"
+    config.write_text(config.read_text().replace("name: still,", "name: still, after: pushed,"))
+    until = "--until", "fit_friction"
+    assert workflow.plan(*until) == {"fit_friction": 1}
+    workflow.build(*until)
+    results = workflow.folder / "results" / "small" / "recordings" / "pushed"
+    made = "".join(dict(rules())[step] for step in ("read_recording", "align_recording"))
+    for file in [*results.glob("*")]:
+        if file.name not in names_of_files(made):
+            file.unlink()
+    assert workflow.plan(*until) == {}
+    (results / "motion.parquet").unlink()
+    assert workflow.plan(*until).keys() >= {"align_recording", "fit_friction"}
+
+
 def test_a_changed_raw_file_reruns_its_recording(built_workflow: Workflow, change: Change) -> None:
     change("raw/pushed/csv_files/log_q_actual.csv", "9.0, 1, 1, 1, 1, 1, 1\n")
     assert chain(built_workflow.plan()) == jobs(*EACH_RECORDING, recordings=1) | REPORT

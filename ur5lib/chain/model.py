@@ -270,7 +270,9 @@ def fit(recordings: Recordings, accept: Mapping[str, str] | None = None) -> Mode
             for step in steps:
                 chain.run(step, name)
 
-    each("align_recording")
+    aligned = [one for one in chain.selection.before(*names) if one in chain.recordings]
+    for name in dict.fromkeys([*aligned, *names]):
+        chain.run("align_recording", name)
     chain.run("identify_model")
     each("compute_torques")
     expect_no_stop_sign({name: fitted[name] for name in names})

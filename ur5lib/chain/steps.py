@@ -63,13 +63,21 @@ class Chain:
                 name = "described"
             if parameter in params:
                 continue
-            if get_origin(kind) is Mapping:
+            if parameter == "before":
+                inputs[parameter] = self._motions_before(recording)
+            elif get_origin(kind) is Mapping:
                 found = {one: files[name] for one, files in self.several.items() if name in files}
                 if found or signature(function).parameters[parameter].default is Parameter.empty:
                     inputs[parameter] = found
             elif name in own or name in self.arm:
                 inputs[parameter] = own[name] if name in own else self.arm[name]
         return call(step, inputs, params)
+
+    def _motions_before(self, recording: str) -> dict[str, Content]:
+        """Return the motions of the recordings that one, or the arm's to fit, follow."""
+        names = [recording] if recording else self.selection.of_arm(self.robot, "fit")
+        before = self.selection.before(*names)
+        return {one: self.recordings[one]["motion"] for one in before if one in self.recordings}
 
     def _paths(self, step: str, recording: str) -> dict[str, list[Path]]:
         """Return the files of the user's that a step reads."""

@@ -62,8 +62,8 @@ CONTRADICTING_RATIO = 1.75
 GAIN_RANGE = 0.9, 1.1
 # Usual errors of a current along a path that no fit has seen, by `MotionState`, and least ones,
 # relative to Coulomb friction: dry friction holds a joint at rest anywhere within it.
-UNSEEN_ERRORS = 0.25, 0.5, 1.25
-LEAST_ERRORS = 0.0, 0.0, 1 / np.sqrt(3)
+UNSEEN_ERRORS = 0.25, 0.5, 1.25, 1.25
+LEAST_ERRORS = 0.0, 0.0, 1 / np.sqrt(3), 1 / np.sqrt(3)
 
 
 def fit_currents(
@@ -195,15 +195,17 @@ def _with_usual_bands(estimate: CoefficientEstimate, doubt: Array) -> JointFit:
     of the coefficients.
     """
     coulomb = float(estimate.coefficients[2])
-    moving, reversing, standing = (NORMAL95 * usual * coulomb for usual in UNSEEN_ERRORS)
+    moving, reversing, standing, unknown = (NORMAL95 * usual * coulomb for usual in UNSEEN_ERRORS)
     return JointFit(
         terms=BASE_TERMS,
         distances=(),
         estimate=estimate,
         held=np.array([HELD_FRICTION_SHARE * coulomb]),
+        held_unknown=np.array([HELD_FRICTION_SHARE * coulomb]),
         band_moving=moving,
         band_reversing=reversing,
         band_standing=standing,
+        band_unknown=unknown,
         unseen=np.zeros(len(estimate.coefficients)),
         remarks=(),
         doubt=doubt,
@@ -289,15 +291,18 @@ def _with_bands(joint: JointFit, samples: JointSamples, prior: Prior, left: Arra
     is_left_out = moving.sum() >= MIN_SAMPLES and len(np.unique(path)) > 1
     of_motion = samples.day[moving], samples.record[moving], path[moving]
     coulomb = dry_friction(samples.terms, coefficients)
-    in_motion, reversing, standing = _bands(samples, left, coulomb)
+    held, held_unknown = np.split(held_current(samples, coefficients), 2)
+    in_motion, reversing, standing, unknown = _bands(samples, left, coulomb)
     return replace(
         joint,
         terms=samples.terms,
         distances=samples.distances,
-        held=held_current(samples, coefficients),
+        held=held,
+        held_unknown=held_unknown,
         band_moving=in_motion,
         band_reversing=reversing,
         band_standing=standing,
+        band_unknown=unknown,
         unseen=unseen_difference(
             estimate, *(max(1, len(np.unique(labels))) for labels in of_motion)
         ),

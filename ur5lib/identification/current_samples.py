@@ -34,27 +34,39 @@ CONTROLLERS = 0.1  # relative, of the controller's ratio
 
 
 def current_record(
-    name: str, signals: Signals, motion: Motion, torques: Torques, arm: Robot
+    name: str,
+    signals: Signals,
+    motion: Motion,
+    torques: Torques,
+    arm: Robot,
+    before: Sequence[Motion] = (),
 ) -> CurrentSamples | None:
     """Return motion and currents as measured, and the torque of an arm's fullest link model and
     the payload.
 
-    None where no currents were recorded.
+    before: the motions of the recordings before, oldest first, each of which begins where the one
+    before ended: they show to which side friction holds the joints at the start. None where no
+    currents were recorded.
     """
     model = arm.fullest_model()
     torque = torques.measured[model] + torques.payload_torque
-    samples = measured_samples(name, signals, motion, arm, torque)
+    samples = measured_samples(name, signals, motion, arm, torque, before)
     if samples is None or arm.measured == CURRENT:
         return samples
     return replace(samples, inertial=torque - gravity_torque(arm, model, motion.q))
 
 
 def measured_samples(
-    name: str, signals: Signals, motion: Motion, arm: Robot, torque: Array
+    name: str,
+    signals: Signals,
+    motion: Motion,
+    arm: Robot,
+    torque: Array,
+    before: Sequence[Motion] = (),
 ) -> CurrentSamples | None:
     """Return motion and currents as measured, beside a torque (N, n) [Nm] of the rigid bodies.
 
-    None where no currents were recorded.
+    before: as of `current_record`. None where no currents were recorded.
     """
     if signals.effort is None:
         return None
@@ -67,13 +79,14 @@ def measured_samples(
         torque=torque,
         current=signals.effort,
         temperature=signals.joint_temperatures,
-        shafts=shafts_of(arm, motion),
+        shafts=shafts_of(arm, motion, before),
         balanced=[joint - 1 for joint in arm.balanced_joints],
         qdd=None if arm.knows_rotors() else motion.qdd,
+        before=before,
     )
 
 
-def shafts_of(arm: Robot, motion: Motion) -> Shafts | None:
+def shafts_of(arm: Robot, motion: Motion, before: Sequence[Motion] = ()) -> Shafts | None:
     """Return the motion of the coupled motor that each joint turns with, None of an arm without.
 
     Its own where that is coupled, else the one that turns most with it.
@@ -86,7 +99,9 @@ def shafts_of(arm: Robot, motion: Motion) -> Shafts | None:
     motors = np.where(own, np.arange(len(own)), shares.argmax(axis=0))
     states = [v @ shafts.T for v in (motion.q, motion.motor_qd, motion.qdd)]
     turns = shares.any(axis=0)
-    return Shafts(*(np.where(turns, values[:, motors], np.nan) for values in states))
+    earlier = [known for one in before if (known := shafts_of(arm, one))]
+    q, qd, qdd = (np.where(turns, values[:, motors], np.nan) for values in states)
+    return Shafts(q, qd, qdd, earlier)
 
 
 @dataclass(frozen=True)

@@ -101,7 +101,7 @@ def predicted_currents(fit: CurrentFit, joints: Iterable[JointMotion]) -> Array:
     currents = [
         columns_of(motion, model.terms)
         @ (model.estimate.coefficients if model.alone is None else model.alone)
-        + held_columns(motion, model.distances) @ model.held
+        + held_columns(motion, model.distances) @ model.at_rest
         for model, motion in zip(fit.joints, joints, strict=True)
     ]
     return np.stack(currents, axis=1)
@@ -136,10 +136,8 @@ def load_loss(fit: CurrentFit, record: CurrentSamples) -> Array:
 
 def band(fit: CurrentFit, record: CurrentSamples, smooth: Smooth) -> Array:
     """Return half the 95 % band (N, n) [A] of low-passed predictions on the day of a record."""
-    by_state = [
-        (joint.band_moving, joint.band_reversing, joint.band_standing) for joint in fit.joints
-    ]
-    within = np.choose(motion_states(record, smooth), np.array(by_state).T[:, None])
+    by_state = np.array([joint.bands for joint in fit.joints])
+    within = np.choose(motion_states(record, smooth), by_state.T[:, None])
     differing = friction_std(days_apart(record.day, fit.dates))
     between = differing * smooth(friction_current(fit, record), record)
     doubt = smooth(_coefficients_doubt(fit, record), record)

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ur5lib.records.motion import Motion
 from ur5lib.robots.friction import (
     FITTED_TERMS,
     PRESLIDING_DISTANCE,
@@ -19,10 +20,13 @@ from ur5lib.robots.friction import (
     USUAL_TEMPERATURE,
     JointMotion,
     ShaftMotion,
+    Track,
     coefficient_names,
-    direction_between,
+    direction_over_distances,
     friction_columns,
     rest_factor,
+    unknown_after,
+    unknown_share,
 )
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import BLOCK_DURATION, DEAD_ZONE, starts
@@ -36,20 +40,24 @@ MIN_PATHS = 3  # as many as README asks for
 
 
 class MotionState(IntEnum):
-    """What a joint does throughout the reach of a low-pass, REVERSING: starts, stops and turns."""
+    """What a joint does throughout the reach of a low-pass, REVERSING: starts, stops and turns.
 
-    MOVING, REVERSING, STANDING = range(3)
+    UNKNOWN: before its first motion, where nothing shows to which side friction holds it.
+    """
+
+    MOVING, REVERSING, STANDING, UNKNOWN = range(4)
 
 
 @dataclass(frozen=True)
 class Shafts:
     """Motion of the coupled motors' shafts, (N, n) each [rad, rad/s, rad/s²], in the column of each
-    joint that they turn with, NaN where there is none.
+    joint that they turn with, NaN where there is none; before: the same of the motions before.
     """
 
     q: Array
     qd: Array
     qdd: Array
+    before: Sequence["Shafts"] = ()
 
 
 @dataclass(frozen=True)
@@ -61,7 +69,8 @@ class CurrentSamples:
     (N, 6) [°C], of the motors, where it was recorded; shafts: of coupled motors; balanced: joints
     from 0 on which springs or counterbalances act; qdd: (N, 6) [rad/s²], where rotors are fitted,
     too; inertial: (N, 6) [Nm], what of the torque is not gravity's, where gains of measured torques
-    are fitted; day: any label of its date, the same for all where dates are unknown.
+    are fitted; day: any label of its date, the same for all where dates are unknown; before: the
+    motions before, oldest first, each of which begins where the one before ended.
     """
 
     name: str
@@ -77,6 +86,7 @@ class CurrentSamples:
     qdd: Array | None = None
     inertial: Array | None = None
     day: str = ""
+    before: Sequence[Motion] = ()
     # What was low-passed once: fits without each path need the same samples again.
     _thinned: dict[Any, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
@@ -89,19 +99,45 @@ class CurrentSamples:
     def joint(self, joint: int) -> JointMotion:
         """Return the motion of joint 0 to 5."""
         q, qd, torque = (values[:, joint] for values in (self.q, self.qd, self.torque))
-        direction_over = partial(direction_between, q, qd, self.segment, self.period)
+        direction_over = direction_over_distances(self._track(q, qd), tracks(self.before, joint))
         warmth = 0.0 if self.temperature is None else self.temperature[:, joint] - USUAL_TEMPERATURE
         shaft, is_balanced = self._shaft(joint), joint in self.balanced
         qdd, inertial = (0.0 if v is None else v[:, joint] for v in (self.qdd, self.inertial))
-        further = warmth, shaft, is_balanced, qdd, direction_over, inertial
+        unknown = self._unknown_share(joint)
+        further = warmth, shaft, is_balanced, qdd, direction_over, inertial, unknown
         return JointMotion(q, qd, torque, direction_over(PRESLIDING_DISTANCE), *further)
+
+    def unknown_shares(self) -> Array:
+        """Return how much (N, n) of each joint's friction may depend on what was before."""
+        return np.stack([*map(self._unknown_share, range(self.q.shape[1]))], axis=1)
+
+    def _unknown_share(self, joint: int) -> Array:
+        """Return the same of a joint from 0 (N,)."""
+        before = unknown_after(tracks(self.before, joint))
+        return unknown_share(self.q[:, joint], self.segment, before)
 
     def _shaft(self, joint: int) -> ShaftMotion | None:
         """Return the motion of the coupled motor that a joint turns with, if any."""
         if self.shafts is None or np.isnan(self.shafts.q[:, joint]).all():
             return None
-        q, qd, qdd = (values[:, joint] for values in vars(self.shafts).values())
-        return ShaftMotion(qd, qdd, direction_between(q, qd, self.segment, self.period))
+        shafts = self.shafts
+        q, qd, qdd = (values[:, joint] for values in (shafts.q, shafts.qd, shafts.qdd))
+        before = [
+            Track(own.q[:, joint], own.qd[:, joint], motion.segment, motion.period)
+            for own, motion in zip(shafts.before, self.before, strict=True)
+        ]
+        direction_over = direction_over_distances(self._track(q, qd), before)
+        return ShaftMotion(qd, qdd, direction_over(PRESLIDING_DISTANCE))
+
+    def _track(self, q: Array, qd: Array) -> Track:
+        return Track(q, qd, self.segment, self.period)
+
+
+def tracks(motions: Sequence[Motion], joint: int) -> list[Track]:
+    """Return the motions of a joint from 0."""
+    return [
+        Track(own.q[:, joint], own.motor_qd[:, joint], own.segment, own.period) for own in motions
+    ]
 
 
 # A zero-phase low-pass of (N, M) samples of a recording, within its segments.
@@ -112,11 +148,11 @@ Smooth = Callable[[Array, CurrentSamples], Array]
 class JointSamples:
     """Samples of one joint from all recordings.
 
-    columns: (n, P), of the torque, an offset, and the terms; held: (n, 1 + D), see `held_columns`,
-    of these distances; current: (n,) [A]; state: (n,), a `MotionState`;
-    block, record, path, day: (n,) labels; recordings of one trajectory
-    share a path and are left out together; unit: (n,) labels of the units of the bootstrap: paths,
-    or stretches of 10 s if paths are few, or blocks if stretches are few, too.
+    columns: (n, P), of the torque, an offset, and the terms; held: (n, 2 + 2 D), see
+    `held_columns`, of these distances; current: (n,) [A]; state: (n,), a `MotionState`;
+    block, record, path, day: (n,) labels; recordings of one trajectory share a path and are left
+    out together; unit: (n,) labels of the units of the bootstrap: paths, or stretches of 10 s if
+    paths are few, or blocks if stretches are few, too.
     """
 
     terms: tuple[str, ...]
@@ -136,11 +172,17 @@ class JointSamples:
         """Return which samples (n,) are in motion: not at rest, starting or stopping."""
         return self.state == MotionState.MOVING
 
+    @property
+    def resting(self) -> Mask:
+        """Return which samples (n,) are at rest, starting or stopping after a motion."""
+        return (self.state == MotionState.REVERSING) | (self.state == MotionState.STANDING)
+
     def of(self, terms: Sequence[str], distances: Sequence[float]) -> "JointSamples":
         """Return the samples with some of their terms and distances."""
         names, wanted = coefficient_names(self.terms), coefficient_names(terms)
         places = [0, 1, *(2 + names.index(name) for name in wanted)]
         held = [0, *(1 + self.distances.index(distance) for distance in distances)]
+        held += [1 + len(self.distances) + place for place in held]
         columns, kept = self.columns[:, places], self.held[:, held]
         return replace(
             self, terms=tuple(terms), distances=tuple(distances), columns=columns, held=kept
@@ -225,12 +267,14 @@ def columns_of(motion: JointMotion, terms: Sequence[str]) -> Array:
 
 
 def held_columns(motion: JointMotion, distances: Sequence[float]) -> Array:
-    """Return the columns (N, 1 + D) of the friction that holds a joint at rest: its direction, and
-    by how much that over each of other distances [rad] differs.
+    """Return the columns (N, 2 + 2 D) of the friction that holds a joint at rest: its direction,
+    and by how much that over each of other distances [rad] differs, each where the motion before is
+    known; then the same where it is unknown.
     """
     others = [motion.direction_over(distance) - motion.direction for distance in distances]
-    columns: Array = np.stack([motion.direction, *others], axis=1) * rest_factor(motion.qd)[:, None]
-    return columns
+    columns = np.stack([motion.direction, *others], axis=1) * rest_factor(motion.qd)[:, None]
+    unknown = np.broadcast_to(motion.unknown, motion.qd.shape)[:, None]
+    return np.hstack([(1 - unknown) * columns, unknown * columns])
 
 
 def smoothed_moving(record: CurrentSamples, smooth: Smooth) -> Mask:
@@ -244,7 +288,9 @@ def motion_states(record: CurrentSamples, smooth: Smooth) -> Labels:
     moving[~np.isfinite(record.qd)] = np.nan
     share = smooth(moving, record)
     moves_or_turns = np.where(share > WHOLLY, MotionState.MOVING, MotionState.REVERSING)
-    return np.where(share < 1 - WHOLLY, MotionState.STANDING, moves_or_turns)
+    known = np.where(share < 1 - WHOLLY, MotionState.STANDING, moves_or_turns)
+    unknown = smooth(record.unknown_shares(), record) > 1 - WHOLLY
+    return np.where(unknown, MotionState.UNKNOWN, known)
 
 
 def _record_samples(
@@ -261,7 +307,9 @@ def _record_samples(
         key = smooth, terms, joint
         smoothed = record.once(key, partial(_smoothed_columns, record, *key, stride))
         finite = np.isfinite(smoothed).all(axis=1)
-        columns, held, current = np.split(smoothed[finite], [-2 - len(REST_DISTANCES), -1], axis=1)
+        columns, held, current = np.split(
+            smoothed[finite], [-3 - 2 * len(REST_DISTANCES), -1], axis=1
+        )
         labels = state[finite, joint], block[::stride][finite]
         joints.append((columns, held, current[:, 0], *labels))
     return joints

@@ -10,6 +10,7 @@ from rich.table import Table
 
 from ur5lib.commands.check import look_through, severe
 from ur5lib.errors import InputError
+from ur5lib.importing.after import Ends, ends_of, links
 from ur5lib.importing.blocks import NAMELESS_PREFIX
 from ur5lib.importing.contents import NO_STATEMENT, FileContents, UserStatement, contents
 from ur5lib.importing.entry import StudyEntry, entry_of, episodes, identifier, place_of_file
@@ -27,10 +28,14 @@ YAML_WIDTH = 100  # characters a line of YAML
 
 @dataclass(frozen=True)
 class ImportedRecording:
-    """A recording's entry in a study, with its account, what each column was taken for."""
+    """A recording's entry in a study, with its account, what each column was taken for.
+
+    ends: its first and last posture, None where that is not known.
+    """
 
     entry: StudyEntry
     account: list[AccountRow]
+    ends: Ends | None = None
 
     def as_plain(self) -> StudyEntry:
         """Return the entry with its account, as YAML has it."""
@@ -74,6 +79,7 @@ def import_files(
     if files.refused and not files:
         raise InputError("\n".join(files.refused))
     _name_each_once(files)
+    _name_the_one_before(files)
     return files
 
 
@@ -111,7 +117,8 @@ def _checked(file: FileContents) -> list[ImportedRecording]:
         else:
             stop = AccountRow("recording", "to be corrected", "numbers", "check")
             account = [*(replace(stop, reason=one) for one in complaints), *account]
-    return [ImportedRecording(one, account) for one in (first, *others)]
+    ends = None if others else ends_of(proposal)
+    return [ImportedRecording(one, account, ends) for one in (first, *others)]
 
 
 def contradictions(recording: StudyEntry) -> list[str]:
@@ -136,6 +143,19 @@ def _name_each_once(imported: Sequence[ImportedRecording]) -> None:
         if recording.entry["name"] in names:
             recording.entry["name"] += f"_{number}"
         names.add(recording.entry["name"])
+
+
+def _name_the_one_before(imported: Sequence[ImportedRecording]) -> None:
+    """Write into the entries of each arm, and their accounts, which recording each follows."""
+    of_arms = dict[tuple[str, int], dict[str, Ends]]()
+    for one in imported:
+        if one.ends is not None:
+            of_arms.setdefault((one.arm, len(one.ends.first)), {})[one.entry["name"]] = one.ends
+    found = {name: link for ends in of_arms.values() for name, link in links(ends).items()}
+    for one in imported:
+        if link := found.get(one.entry["name"]):
+            one.entry["after"] = link.before
+            one.account.append(link.row())
 
 
 def as_entries(imported: Sequence[ImportedRecording]) -> str:

@@ -344,7 +344,7 @@ class RobotRows(Clocked):
     @model_validator(mode="after")
     def _rests_without_time(self) -> Self:
         if self.still:
-            needing = ("rate", "from_s", "to_s", "force_sensor", "imu")
+            needing = ("rate", "from_s", "to_s", "after", "force_sensor", "imu")
             timed = [key for key in needing if getattr(self, key, None) is not None]
             if timed:
                 raise of_entry(f"is `still`, without time, but has `{timed[0]}`; remove one")

@@ -1,11 +1,17 @@
 """Joint motion by the Kalman smoother, and the test of its innovations."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from ur5lib.records.clocks import SettledClock
 from ur5lib.records.table import JOINTS, XYZ, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.kalman import InnovationTest
+
+# rad, within which an arm at rest is read the same again. Friction reverses over as much.
+SAME_POSTURE = 1e-4
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,6 +37,29 @@ class Motion(SegmentedTable):
     position_noise: Array | None = channel("position", "rad", JOINTS, optional=True)
     velocity_noise: Array | None = channel("velocity", "rad/s", JOINTS, optional=True)
     shared: Array | None = channel("shared", "rad2/s3", JOINTS, optional=True)
+
+
+def posture_change(before: Motion, own: Motion) -> Array:
+    """Return by how much joints (n,) [rad] moved between two recordings."""
+    return own.q[0] - before.q[-1]
+
+
+def motions_before(own: Motion, chain: Sequence[str], motion: Mapping[str, Motion]) -> list[Motion]:
+    """Return the motions of a chain of recordings before one, oldest first, each of which begins
+    where the one before ended.
+
+    chain: their names, oldest first; motion: of those that can be read. It is cut behind the last
+    that cannot, or after which the arm was moved.
+    """
+    known = [own]
+    for name in reversed(chain):
+        if name not in motion:
+            break
+        earlier = motion[name]
+        if not np.abs(posture_change(earlier, known[-1])).max() <= SAME_POSTURE:
+            break
+        known.append(earlier)
+    return known[:0:-1]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,6 +6,7 @@ A term has columns (N, M) of a joint's motion; friction torque is columns times 
 import re
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import solve_banded
@@ -27,6 +28,8 @@ PRESLIDING_DISTANCE = 1e-4  # rad
 REST_DISTANCES = (1e-5, 1e-3)  # rad
 ROOT_LINE = 4 / 15, 4 / 5  # nearest to the root of velocity from 0 to 1 rad/s, and its slope
 FINE_STEP = 0.01  # s; within steps of slower logs, joints reverse between samples
+START_DISTANCE = max(REST_DISTANCES)  # rad, within which a joint depends on what was before
+NEGLIGIBLE = 1e-3  # share of friction's direction
 # Of a joint in motion, at which friction has the coefficients of its other terms.
 USUAL_TEMPERATURE = 30.0  # °C
 
@@ -52,7 +55,8 @@ class JointMotion:
     shaft: of a coupled motor, with the joint's own motion in it or not; balanced: whether a spring
     or a counterbalance acts on the joint; qdd: [rad/s²], 0 where the link model has the rotor;
     direction_over: returns the direction of dry friction that reverses over another distance [rad];
-    inertial: what of the torque is not gravity's [Nm], 0 of motor currents.
+    inertial: what of the torque is not gravity's [Nm], 0 of motor currents; unknown: how much of
+    friction may depend on what was before, see `unknown_share`.
     """
 
     q: Array
@@ -65,6 +69,7 @@ class JointMotion:
     qdd: Array | float = 0.0
     direction_over: Callable[[float], Array] = lambda _: np.zeros(1)
     inertial: Array | float = 0.0
+    unknown: Array | float = 0.0
 
 
 @dataclass(frozen=True)
@@ -142,11 +147,25 @@ def _shaft_columns(motion: JointMotion) -> list[Array]:
     return [motion.shaft.direction, motion.shaft.qd, motion.shaft.qdd]
 
 
-def friction_direction(q: Array, segment: Labels, distance: float = PRESLIDING_DISTANCE) -> Array:
+class Track(NamedTuple):
+    """Positions and velocities of a joint (N,) [rad, rad/s], labels (N,) of unbroken stretches, and
+    the period [s].
+    """
+
+    q: Array
+    qd: Array
+    segment: Labels
+    period: float
+
+
+def friction_direction(
+    q: Array, segment: Labels, distance: float = PRESLIDING_DISTANCE, start: float = 0.0
+) -> Array:
     """Return the direction z (N,) of a joint's dry friction, -1 to 1, which reverses gradually.
 
     dz = (|dq| / distance) (sign(dq) - z) (Dahl, 1968), solved exactly from sample to sample;
-    constant at rest. q: (N,) [rad]; distance: [rad]. Zero, as unknown, at the start of a segment.
+    constant at rest. q: (N,) [rad]; distance: [rad]; start: z of the first sample, see
+    `direction_after`. Zero, as unknown, at the start of other segments.
     """
     # z_k = e_k z_k-1 + (1 - e_k) sign(dq_k), e_k = exp(-|dq_k| / distance)
     fresh = starts(segment)
@@ -154,7 +173,9 @@ def friction_direction(q: Array, segment: Labels, distance: float = PRESLIDING_D
     memory = np.where(fresh, 0.0, np.exp(-np.abs(step) / distance))
     # as a bidiagonal system: z_k - e_k z_k-1 = (1 - e_k) sign(dq_k)
     bands = np.stack([np.ones(len(q)), np.append(-memory[1:], 0.0)])
-    direction: Array = solve_banded((1, 0), bands, (1 - memory) * np.sign(step), check_finite=False)
+    driven = (1 - memory) * np.sign(step)
+    driven[0] = start
+    direction: Array = solve_banded((1, 0), bands, driven, check_finite=False)
     return direction
 
 
@@ -164,6 +185,7 @@ def direction_between(
     segment: Labels,
     period: float,
     distance: float = PRESLIDING_DISTANCE,
+    start: float = 0.0,
 ) -> Array:
     """Return the direction (N,) of dry friction, as `friction_direction`, of a motion that may be
     logged slowly: the joint reverses between samples, too, about each of which it is the mean.
@@ -173,21 +195,72 @@ def direction_between(
     """
     parts = round(period / FINE_STEP)
     if parts < 2:
-        return friction_direction(q, segment, distance)
+        return friction_direction(q, segment, distance, start)
     # q(s) of 0 < s <= 1 between samples, by both ends' positions and velocities
     s = np.arange(1, parts + 1) / parts
-    rising, start, end = s * s * (3 - 2 * s), s * (1 - s) ** 2, s * s * (s - 1)
+    rising, leaving, arriving = s * s * (3 - 2 * s), s * (1 - s) ** 2, s * s * (s - 1)
     unbroken, step, velocity = ~starts(segment)[1:, None], np.diff(q)[:, None], period * qd[:, None]
-    moved = rising * step + start * velocity[:-1] + end * velocity[1:]
+    moved = rising * step + leaving * velocity[:-1] + arriving * velocity[1:]
     fine = q[:-1, None] + unbroken * moved
     fine[:, -1] = q[1:]  # each last one is the next sample
     labels = np.repeat(segment[:-1, None], parts, axis=1)
     labels[:, -1] = segment[1:]
     labels = np.append(segment[0], labels)
-    direction = friction_direction(np.append(q[0], fine), labels, distance)
+    direction = friction_direction(np.append(q[0], fine), labels, distance, start)
     return by_segment(uniform_filter1d, direction[:, None], labels, parts // 2 * 2 + 1, 0)[
         ::parts, 0
     ]
+
+
+def direction_after(earlier: Sequence[Track], distance: float = PRESLIDING_DISTANCE) -> float:
+    """Return the direction of a joint's dry friction after earlier motions, oldest first, each of
+    which begins where the one before ended. Zero, as unknown, without any; what is before a gap
+    says nothing.
+    """
+    # z = e^(-path / distance) z₀ + z from zero
+    direction, kept = 0.0, 1.0
+    for track in reversed(earlier):
+        direction += kept * float(direction_between(*track, distance)[-1])
+        kept *= float(np.exp(-np.abs(np.diff(track.q)).sum() / distance))
+        if kept < NEGLIGIBLE or starts(track.segment)[1:].any():
+            break
+    return direction
+
+
+def unknown_share(q: Array, segment: Labels, start: float = 1.0) -> Array:
+    """Return how much (N,) of a joint's friction may depend on what is unknown, that before the
+    start of a segment: e^(-x / d), x: range of its positions since then, d: START_DISTANCE.
+
+    Unlike the path, it does not grow by noise. q: (N,) [rad]; start: of the first segment, see
+    `unknown_after`.
+    """
+    unbroken = np.cumsum(starts(segment)) - 1
+    reach = by_segment(_reach, q[:, None], segment)[:, 0]
+    share: Array = np.where(unbroken == 0, start, 1.0) * np.exp(-reach / START_DISTANCE)
+    return share
+
+
+def unknown_after(earlier: Sequence[Track]) -> float:
+    """Return the share of a joint's friction that is unknown after earlier motions, as of
+    `direction_after`.
+    """
+    share = 1.0
+    for track in earlier:
+        share = float(unknown_share(track.q, track.segment, share)[-1])
+    return share
+
+
+def _reach(q: Array) -> Array:
+    """Return the range of positions (N, 1) up to each."""
+    reach: Array = np.maximum.accumulate(q) - np.minimum.accumulate(q)
+    return reach
+
+
+def direction_over_distances(track: Track, earlier: Sequence[Track]) -> Callable[[float], Array]:
+    """Return what gives the direction (N,) of dry friction over a distance, after earlier motions,
+    as of `direction_after`.
+    """
+    return lambda distance: direction_between(*track, distance, direction_after(earlier, distance))
 
 
 def rest_factor(qd: Array) -> Array:

@@ -37,7 +37,7 @@ from ur5lib.recordings.copies import same_runs
 from ur5lib.records.accepted import ACCEPTED, accepted_sign
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import CurrentFit, Friction, KnownConstants, LeftOut
-from ur5lib.records.motion import Motion
+from ur5lib.records.motion import Motion, motions_before
 from ur5lib.records.phrases import number
 from ur5lib.records.postures import Postures
 from ur5lib.records.premises import Premises
@@ -67,11 +67,14 @@ def fit_friction(
     dates: dict[str, str],
     lowpass: Butterworth,
     accepted: dict[str, str] | None = None,
+    before: Mapping[str, Motion] | None = None,
+    chains: dict[str, list[str]] | None = None,
 ) -> Friction:
     """Return torque constants and friction of an arm; refused where they cannot be fitted.
 
     signals to quality: of the arm's `fit` recordings, postures: of those at rest; dates: of the
-    former, ISO 8601 or empty; accepted: why the study overrules stop signs of the arm, by kind.
+    former, ISO 8601 or empty; accepted: why the study overrules stop signs of the arm, by kind;
+    before: motions of the recordings before, of which chains have the names, oldest first.
     """
     if arm.links == "unknown":
         return Friction(refused=_unknown_links(arm))
@@ -80,7 +83,8 @@ def fit_friction(
     records, ratios = [], []
     for name in signals:
         recorded, moved = signals[name], motion[name]
-        record = current_record(name, recorded, moved, torques[name], arm)
+        earlier = motions_before(moved, (chains or {}).get(name, []), before or {})
+        record = current_record(name, recorded, moved, torques[name], arm, earlier)
         if record is not None:
             records.append(replace(record, day=dates[name]))
             odd = contradictions[name].odd_targets()

@@ -7,13 +7,15 @@ import numpy as np
 
 from ur5lib.checks import files
 from ur5lib.checks.channels import slower_than_fit
+from ur5lib.checks.succession import moved_between, stated_succession
 from ur5lib.force.problem import unusual_friction
 from ur5lib.force.residual_model import Residuals
+from ur5lib.records.account import AccountRow
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import Friction
 from ur5lib.records.judgement import CurrentError, Judgement, LoadRow, TorqueError
-from ur5lib.records.motion import Alignment, Motion
+from ur5lib.records.motion import Alignment, Motion, posture_change
 from ur5lib.records.prediction import JudgedLoad, Prediction
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import UNUSUAL_FRICTION, Finding, Quality
@@ -34,28 +36,41 @@ def judge_recording(
     friction: Friction,
     residuals: Residuals,
     cutoff_hz: float,
+    before: Mapping[str, Motion] | None = None,
 ) -> Judgement:
     """Return a recording's findings, and its rows of tables.
 
-    cutoff_hz: of the currents' low-pass [Hz].
+    cutoff_hz: of the currents' low-pass [Hz]; before: the recording that it follows, if any.
     """
+    changes = {name: posture_change(own, motion) for name, own in (before or {}).items()}
+    moved = [one for name, own in changes.items() if (one := moved_between(name, own))]
     slower = slower_than_fit(
         signals.actual_q, signals.segment, signals.period, cutoff_hz, friction.period
     )
     share = unusual_friction(motion, currents, residuals)
-    doubts = slower if share is None else [*slower, _unusual(share)]
+    doubts = [*slower, *moved] if share is None else [*slower, *moved, _unusual(share)]
     known = premises.contradictions
     contradictions = replace(known, findings=[*known.findings, *doubts])
     return Judgement(
         findings=files.findings(quality, contradictions, alignment.clocks),
         recordings=[files.summary(quality, signals)],
         files=files.files_read(quality),
-        account=quality.account,
+        account=[*_account(quality, changes)],
         clocks=files.clock_rows(alignment.clocks),
         torque_mae=[*torque_errors(signals, torques)],
         current_rmse=[*current_errors(prediction)],
         payload=[load_row(prediction.load)] if prediction.load else [],
     )
+
+
+def _account(quality: Quality, changes: Mapping[str, Array]) -> Iterator[AccountRow]:
+    """Yield what import stated, and which recording this follows, unless import has stated that.
+
+    changes: (n,) [rad], of the posture since the recordings before, by name.
+    """
+    yield from quality.account
+    if "after" not in [row.subject for row in quality.account]:
+        yield from (stated_succession(name, change) for name, change in changes.items())
 
 
 def _unusual(share: float) -> Finding:

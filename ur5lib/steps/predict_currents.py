@@ -1,6 +1,6 @@
 """The current that motion without contact needs, and the external torque beside it."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -30,7 +30,7 @@ from ur5lib.identification.validation import baseline_current, coefficients_of_c
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import CurrentFit, Friction
-from ur5lib.records.motion import Motion
+from ur5lib.records.motion import Motion, motions_before
 from ur5lib.records.prediction import Prediction, Scores
 from ur5lib.records.premises import Premises
 from ur5lib.records.signals import Signals
@@ -60,16 +60,20 @@ def predict_currents(
     lowpass: Butterworth,
     date: str = "",
     gravity: list[float] | None = None,
+    before: Mapping[str, Motion] | None = None,
+    chain: Sequence[str] = (),
     untouched: tuple[float, float] | None = None,
 ) -> PredictedCurrents:
     """Return the current that motion without contact needs, and the torque left for a contact.
 
     payload, unloaded: loads of the recording and of the arm's `fit` recordings; date: ISO 8601, or
-    empty; untouched: [s], in which nothing touches the resting arm. Both are empty without currents
+    empty; untouched: [s], in which nothing touches the resting arm; before: motions of the
+    recordings before, of which chain has the names, oldest first. Both are empty without currents
     or a fit, where the recording contradicts the study or is slower than the fit.
     """
     summary = Prediction(recording in friction.from_)
-    record = current_record(recording, signals, motion, torques, arm)
+    earlier = motions_before(motion, chain, before or {})
+    record = current_record(recording, signals, motion, torques, arm, earlier)
     fit, smooth = friction.fit_for(recording), Smoother(*lowpass)
     slower = slower_than_fit(
         signals.actual_q, signals.segment, signals.period, smooth.cutoff, friction.period

@@ -54,6 +54,11 @@ def _dates(selection: Selection, robot: str) -> dict[str, str]:
     return {name: selection.date(name) for name in selection.of_arm(robot, "fit")}
 
 
+def _chains(selection: Selection, robot: str) -> dict[str, list[str]]:
+    chains = {name: selection.before(name) for name in selection.of_arm(robot, "fit")}
+    return {name: chain for name, chain in chains.items() if chain}
+
+
 LOADED: Mapping[str, Given] = {
     "gravity": Selection.gravity,
     "payload": Selection.payload,
@@ -89,11 +94,13 @@ STEPS: Mapping[str, Mapping[str, Given]] = {
     "fit_friction": {
         "dates": _dates,
         "accepted": Selection.accepted_of_arm,
+        "chains": _chains,
         "lowpass": OF_CURRENTS,
     },
     "estimate_load": {
         "recording": _named,
         "gravity": Selection.gravity,
+        "chain": Selection.before,
         "lowpass": OF_CURRENTS,
     },
     "predict_currents": {
@@ -102,6 +109,7 @@ STEPS: Mapping[str, Mapping[str, Given]] = {
         "date": Selection.date,
         "gravity": Selection.gravity,
         "untouched": partial(_entry, "untouched"),
+        "chain": Selection.before,
         "lowpass": OF_CURRENTS,
     },
     "fit_residuals": {"cutoff_hz": _cutoff_hz},

@@ -31,6 +31,7 @@ from ur5lib.study.arms import ArmSettings, MountingSetting, Name, NamedArm, Tool
 from ur5lib.study.devices import LabSettings
 
 ORDER_TEXT = "order of the Butterworth filter, which runs forwards and backwards"
+PREVIOUS = "previous"  # of a pattern's files: each follows the one before
 CUTOFF_TEXT = (
     "frequency at which a signal loses half its amplitude (-6 dB); a recording of at most twice "
     "this rate is not filtered"
@@ -108,6 +109,13 @@ class Part(Strict):
         None,
         description="day of the recording, as in 2026-03-09; default: that of its start stamp (UTC)"
         ", where it has one; six dates or more show how an arm changes",
+    )
+    after: str | None = Field(
+        None,
+        min_length=1,
+        description="recording of the arm that came directly before, nothing having moved it in "
+        "between: what friction remembers of that motion is known at the start; `previous`: each "
+        "file of a pattern follows the one before it, by the numbers in their paths",
     )
     untouched: Annotated[tuple[Second, Second], AfterValidator(_in_order)] | None = Field(
         None,

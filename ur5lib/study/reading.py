@@ -24,7 +24,8 @@ from ur5lib.robots.description import PROJECT_FOLDER, load_robot, robot_path
 from ur5lib.stand import layout
 from ur5lib.strict import FAST_DUMPER, expect_few_values, explain, quoted, read_yaml
 from ur5lib.study.accept import joined
-from ur5lib.study.model import Study
+from ur5lib.study.model import PREVIOUS, Study
+from ur5lib.study.succession import in_succession, wrong_succession
 
 PlainData = Mapping[str, Any]  # a configuration, or a part of it, before it is validated
 WILDCARD = re.compile(r"[*?\[]")
@@ -87,6 +88,7 @@ def parse_study(raw: PlainData, source: str) -> Study:
         study = _with_arms(Study.model_validate(_with_files(raw)))
         if all(recording.robot for recording in study.recordings):
             problems += [*_different_arms(study), *_wrong_arms(study), *_misfits(study)]
+            problems += wrong_succession(study)
     except ValidationError as error:
         schema = Study.model_json_schema()
         mistakes = (explain(_as_stated(detail, stated), schema) for detail in error.errors())
@@ -142,6 +144,8 @@ def _with_each_file(raw: PlainData) -> tuple[PlainData, list[int]]:
     entries, places = [], []
     for k, entry in enumerate(recordings):
         expanded = ([*of_each_file(entry)] if is_pattern(entry) else []) or [entry]
+        if is_pattern(entry) and entry.get("after") == PREVIOUS:
+            expanded = in_succession(expanded)
         entries += expanded
         places += [k] * len(expanded)
     return {**raw, "recordings": entries}, places

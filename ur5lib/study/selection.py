@@ -9,12 +9,14 @@ from typing import Any
 
 from ur5lib.strict import SNAKEMAKE_PLACEHOLDER
 from ur5lib.study.model import Study
+from ur5lib.study.succession import before
 
 MAX_EXAMINED_WHOLE = 100  # recordings of a study of which all are examined
 MAX_DRAWN = 40  # contact-free recordings of an arm on which contacts are tried, of many
 MAX_ILLUSTRATED = 4  # recordings with figures in a section of the report
 OF_THE_STUDY = ["name", "role", "robot", "date", "gravity", "mounting", "tool", "payload"]
 OF_THE_STUDY += [
+    "after",
     "untouched",
     "accept",
     "simulate",
@@ -77,6 +79,14 @@ class Selection:
             return names
         chosen = sorted(names, key=lambda name: sha256(name.encode()).digest())[:MAX_DRAWN]
         return [name for name in names if name in chosen]
+
+    @cached_property
+    def _after(self) -> dict[str, str | None]:
+        return {name: one.after for name, one in self.recordings.items()}
+
+    def before(self, *names: str) -> list[str]:
+        """Return the recordings that some follow, directly or not, of each the oldest first."""
+        return [*dict.fromkeys(one for name in names for one in before(name, self._after))]
 
     @property
     def is_large(self) -> bool:

@@ -100,6 +100,7 @@ rule fit_friction:
     input:
         signals=results_of(fitted_on, "signals.parquet"),
         motion=results_of(fitted_on, "motion.parquet"),
+        before=results_of(before_fitted, "motion.parquet"),
         torques=results_of(fitted_on, "torques.parquet"),
         premises=results_of(fitted_on, "premises.json"),
         quality=results_of(fitted_on, "quality.json"),

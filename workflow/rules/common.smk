@@ -219,6 +219,12 @@ def fitted_on(robot):
 
 
 @cache
+def before_fitted(robot):
+    """Return the names of the recordings that an arm's `fit` recordings follow."""
+    return SELECTION.before(*fitted_on(robot))
+
+
+@cache
 def contact_free(robot):
     """Return the names of an arm's contact-free recordings."""
     return SELECTION.of_arm(robot, "fit", "validate")

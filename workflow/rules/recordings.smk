@@ -80,6 +80,7 @@ rule estimate_load:
     input:
         signals=result("signals.parquet"),
         motion=result("motion.parquet"),
+        before=lambda wildcards: results("motion.parquet", SELECTION.before(wildcards.recording)),
         torques=result("torques.parquet"),
         friction=parameter_of("friction.json"),
         arm=parameter_of("arm.yaml"),
@@ -98,6 +99,7 @@ rule predict_currents:
     input:
         signals=result("signals.parquet"),
         motion=result("motion.parquet"),
+        before=lambda wildcards: results("motion.parquet", SELECTION.before(wildcards.recording)),
         torques=result("torques.parquet"),
         premises=result("premises.json"),
         payload=result("payload.json"),
@@ -233,6 +235,9 @@ rule judge_recording:
         quality=result("quality.json"),
         signals=result("signals.parquet"),
         motion=result("motion.parquet"),
+        before=lambda wildcards: results(
+            "motion.parquet", SELECTION.before(wildcards.recording)[-1:]
+        ),
         alignment=result("alignment.json"),
         torques=result("torques.parquet"),
         premises=result("premises.json"),
