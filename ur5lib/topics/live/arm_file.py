@@ -73,7 +73,9 @@ def _pushes(study: FinishedStudy, robot: str) -> Iterator[dict[str, Any]]:
     """Yield the smallest pushes that the estimator finds, by motion and axis."""
     if "live_pushes" in study.tables:  # not of an earlier version
         rows = study.table("live_pushes").query("robot == @robot")
-        yield from rows[PUSH_COLUMNS].astype({"bound": object}).fillna({"bound": ""}).to_dict("records")
+        yield from (
+            rows[PUSH_COLUMNS].astype({"bound": object}).fillna({"bound": ""}).to_dict("records")
+        )
 
 
 def _judged(study: FinishedStudy, entries: list[Recording]) -> Iterator[dict[str, Any]]:
