@@ -201,7 +201,6 @@ def _with_usual_bands(estimate: CoefficientEstimate, doubt: Array) -> JointFit:
         distances=(),
         estimate=estimate,
         held=np.array([HELD_FRICTION_SHARE * coulomb]),
-        held_unknown=np.array([HELD_FRICTION_SHARE * coulomb]),
         band_moving=moving,
         band_reversing=reversing,
         band_standing=standing,
@@ -291,14 +290,12 @@ def _with_bands(joint: JointFit, samples: JointSamples, prior: Prior, left: Arra
     is_left_out = moving.sum() >= MIN_SAMPLES and len(np.unique(path)) > 1
     of_motion = samples.day[moving], samples.record[moving], path[moving]
     coulomb = dry_friction(samples.terms, coefficients)
-    held, held_unknown = np.split(held_current(samples, coefficients), 2)
     in_motion, reversing, standing, unknown = _bands(samples, left, coulomb)
     return replace(
         joint,
         terms=samples.terms,
         distances=samples.distances,
-        held=held,
-        held_unknown=held_unknown,
+        held=held_current(samples, coefficients),
         band_moving=in_motion,
         band_reversing=reversing,
         band_standing=standing,

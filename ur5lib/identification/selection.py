@@ -80,7 +80,7 @@ def errors(
     count = 1 + max(int(own.path.max(initial=0)) for own in samples)
     total = np.zeros(count)
     for own, usual, residual in zip(samples, known, left, strict=True):
-        rows = own.moving if moving else own.resting
+        rows = own.moving == moving
         size = max(float(np.sum(usual[rows] ** 2)), np.finfo(float).tiny) / max(1, int(rows.sum()))
         total += np.bincount(own.path[rows], residual[rows] ** 2 / size, count)
     return total

@@ -55,8 +55,7 @@ class JointMotion:
     shaft: of a coupled motor, with the joint's own motion in it or not; balanced: whether a spring
     or a counterbalance acts on the joint; qdd: [rad/s²], 0 where the link model has the rotor;
     direction_over: returns the direction of dry friction that reverses over another distance [rad];
-    inertial: what of the torque is not gravity's [Nm], 0 of motor currents; unknown: how much of
-    friction may depend on what was before, see `unknown_share`.
+    inertial: what of the torque is not gravity's [Nm], 0 of motor currents.
     """
 
     q: Array
@@ -69,7 +68,6 @@ class JointMotion:
     qdd: Array | float = 0.0
     direction_over: Callable[[float], Array] = lambda _: np.zeros(1)
     inertial: Array | float = 0.0
-    unknown: Array | float = 0.0
 
 
 @dataclass(frozen=True)
