@@ -280,7 +280,7 @@ def motion_states(record: CurrentSamples, smooth: Smooth) -> Labels:
     moves_or_turns = np.where(share > WHOLLY, MotionState.MOVING, MotionState.REVERSING)
     known = np.where(share < 1 - WHOLLY, MotionState.STANDING, moves_or_turns)
     unknown = smooth(record.unknown_shares(), record) > 1 - WHOLLY
-    return np.where(unknown, MotionState.UNKNOWN, known)
+    return np.where(unknown & (known != MotionState.MOVING), MotionState.UNKNOWN, known)
 
 
 def _record_samples(
