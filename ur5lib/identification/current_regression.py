@@ -47,6 +47,7 @@ from ur5lib.robots.friction import (
     CONSIDERED_OF_TORQUES,
     CONSIDERED_TERMS,
     SPEED_TERMS,
+    STRIBECK,
 )
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.metrics import NORMAL95
@@ -89,7 +90,7 @@ def fit_currents(
 
 def _tried(prior: Prior) -> tuple[str, ...]:
     """Return the terms that a prior has, and those that are tried or considered beside them."""
-    return tuple(dict.fromkeys([*prior.terms, *SPEED_TERMS, *_considered(prior)]))
+    return tuple(dict.fromkeys([*prior.terms, *SPEED_TERMS, STRIBECK, *_considered(prior)]))
 
 
 def _considered(prior: Prior) -> tuple[str, ...]:
