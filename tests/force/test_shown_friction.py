@@ -48,9 +48,9 @@ def test_the_square_of_velocity_is_added_where_an_arm_has_it() -> None:
 def test_stribeck_friction_is_added_where_paths_show_it() -> None:
     """With three widths it is wrong elsewhere by one path: there, it is not tried."""
     for records, size, added in ((6, 3.0, True), (6, 0.0, False), (1, 3.0, False)):
-        study = with_more(records, size / CONSTANT, "stribeck")
+        study = with_more(records, size / CONSTANT, "velocity_stribeck")
         fit = fit_currents(study, smooth, prior())
-        assert {"stribeck" in joint.terms for joint in fit.joints} == {added}
+        assert {"velocity_stribeck" in joint.terms for joint in fit.joints} == {added}
 
 
 @pytest.mark.parametrize("distance", [1e-5, 1e-3])

@@ -120,7 +120,7 @@ TERMS = {
     ),
     "velocity_square": Term(lambda motion: [np.abs(motion.qd) * motion.qd]),
     # dry friction falls with speed, where lubricant comes between the surfaces (Stribeck 1902)
-    "stribeck": Term(
+    "velocity_stribeck": Term(
         lambda motion: [
             motion.direction * np.exp(-np.abs(motion.qd) / speed) for speed in STRIBECK_SPEEDS
         ],
@@ -144,7 +144,7 @@ TERMS = {
     "coupled": Term(lambda motion: _shaft_columns(motion), parts=("coulomb", "viscous", "rotor")),
 }
 SPEED_TERMS = ("velocity_root", "velocity_square")  # kept, or added, by paths left out
-STRIBECK = "stribeck"  # the term that is tried last, as friction at rest looks like it
+STRIBECK = "velocity_stribeck"  # the term that is tried last, as friction at rest looks like it
 OPTIONAL_TERMS = (
     *SPEED_TERMS,
     STRIBECK,
