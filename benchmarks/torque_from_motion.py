@@ -4,7 +4,8 @@
 
 Fits to the motions train-*.csv of the KUKA KR300 (doi 10.26204/DATA/5, `ur5 fetch kuka-kr300`) and
 judges val-*.csv; with `--test`, the files of another folder in their place, in the same form (time,
-six positions, six motor torques). `--page` writes the part; `--quick` takes a few files.
+six positions, six motor torques), none of which is a motion of the fit. Files follow each other by
+name. `--page` writes the part; `--quick` takes a few files.
 """
 
 import sys
@@ -20,6 +21,7 @@ from benchmarks.harness.options import options_of
 from benchmarks.harness.torque_models import (
     Ours,
     Run,
+    chained,
     least_squares,
     linear_map,
     rigid_links,
@@ -60,7 +62,12 @@ def main() -> None:
         sys.exit(f"{given.folder} or {given.test} has no files; `ur5 fetch kuka-kr300` first")
     if given.quick:
         files, judged = files[:QUICK_FILES], judged[:1]
-    text = table([*map(run_of, files)], [*map(run_of, judged)])
+    validated = sorted(given.folder.glob("val-*.csv")) if given.test else []
+    between = [run_of(file) for file in validated if file.name not in {own.name for own in judged}]
+    fitted, tested = [*map(run_of, files)], [*map(run_of, judged)]
+    if seen := [run.name for run in tested if is_repeated(run, fitted)]:
+        sys.exit(f"{', '.join(seen)}: motions of the fit; judge files that it has not seen")
+    text = table(fitted, tested, between)
     print(text)
     if given.page:
         write_text(replaced(PAGE.read_text(), TITLE, text), PAGE)
@@ -71,11 +78,20 @@ def run_of(file: Path) -> Run:
     return Run(load_robot(robot_path("kuka-kr300")), file)
 
 
-def table(fitted: Sequence[Run], judged: Sequence[Run]) -> str:
-    """Return the table of NRMSE, R² and shares in the band, by joint."""
+def is_repeated(run: Run, fitted: Sequence[Run]) -> bool:
+    """Return whether a run is the recording of a fitted one."""
+    return any(np.array_equal(run.torque, own.torque) for own in fitted)
+
+
+def table(fitted: Sequence[Run], judged: Sequence[Run], between: Sequence[Run] = ()) -> str:
+    """Return the table of NRMSE, R² and shares in the band, by joint; between: runs after those
+    fitted and before those judged.
+    """
     joints = [str(joint) for joint in judged[0].arm.joint_numbers]
     header = ["model", *joints, "mean", "R² of each joint", "in the 95 % band"]
-    lines = [line(row, judged) for row in rows(fitted, judged)]
+    following = chained([*fitted, *between, *judged])
+    known = following[: len(fitted)], following[-len(judged) :]
+    lines = [line(row, judged) for row in (*rows(fitted, judged), *rows_after(*known))]
     floor = repeated(judged)
     return markdown(header, [*lines, *floor])
 
@@ -94,6 +110,14 @@ def rows(fitted: Sequence[Run], judged: Sequence[Run]) -> Iterator[Row]:
     inputs = [ours.inputs(run, ours.friction.fit)[0] for run in judged]
     corrected = [torque + process(own) for torque, own in zip(torques, inputs, strict=True)]
     yield Row("ours + Gaussian process", corrected)
+
+
+def rows_after(fitted: Sequence[Run], judged: Sequence[Run]) -> Iterator[Row]:
+    """Yield the torques of judged runs that know the motions before."""
+    torques = least_squares(with_memory, fitted, judged)
+    yield Row("four memories, from the file before", torques)
+    ours = Ours(fitted[0].arm, fitted)
+    yield Row("ours, from the file before", *zip(*map(ours.predicted, judged), strict=True))
 
 
 def residual_process(ours: Ours, fitted: Sequence[Run]) -> Predict:

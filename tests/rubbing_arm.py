@@ -30,7 +30,6 @@ def friction(arm: Robot) -> Friction:
                 np.array([1.0, OFFSET, *COEFFICIENTS]) / k, nothing, nothing, nothing[0]
             ),
             held=np.array([HELD]) / k,
-            held_unknown=np.array([HELD]) / k,
             band_moving=0.1,
             band_reversing=0.1,
             band_standing=0.1,

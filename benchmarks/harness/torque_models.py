@@ -5,6 +5,7 @@ through the positions.
 """
 
 from collections.abc import Callable, Sequence
+from copy import copy
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -51,7 +52,7 @@ class Run:
         read = read_recording(ENTRY.validate_python(keys | columns), [file], arm, MAX_GAP)
         aligned = align_recording(read.robot, read.force, read.imu, read.clocks)
         self.signals, self.motion = Signals.from_table(aligned.signals), aligned.motion
-        self.before: Sequence[Motion] = ()  # of the runs before, see `chain`
+        self.before: Sequence[Motion] = ()  # of the runs before, see `chained`
 
     @cached_property
     def torque(self) -> Array:
@@ -71,11 +72,13 @@ class Run:
         return LinkModel(self.arm, self.arm.chosen_model).regressor(*self.by_spline)
 
 
-def chain(runs: Sequence[Run]) -> None:
-    """Let each run know the motions before it, as far as each began where the one before ended."""
-    for earlier, run in pairwise(runs):
+def chained(runs: Sequence[Run]) -> list[Run]:
+    """Return runs that know the motions before, as far as each began where the one before ended."""
+    following = [*map(copy, runs)]
+    for earlier, run in pairwise(following):
         moved = np.abs(run.motion.q[0] - earlier.motion.q[-1])
         run.before = [*earlier.before, earlier.motion] if moved.max() < SAME_POSTURE else []
+    return following
 
 
 Columns = Callable[[Run], Array]  # regressors (N, n, P) of a run

@@ -45,6 +45,14 @@ def test_the_square_of_velocity_is_added_where_an_arm_has_it() -> None:
         assert {joint.terms for joint in fit.joints} == {(*FITTED_TERMS, *added)}
 
 
+def test_stribeck_friction_is_added_where_paths_show_it() -> None:
+    """With three widths it is wrong elsewhere by one path: there, it is not tried."""
+    for records, size, added in ((6, 3.0, True), (6, 0.0, False), (1, 3.0, False)):
+        study = with_more(records, size / CONSTANT, "velocity_stribeck")
+        fit = fit_currents(study, smooth, prior())
+        assert {"velocity_stribeck" in joint.terms for joint in fit.joints} == {added}
+
+
 @pytest.mark.parametrize("distance", [1e-5, 1e-3])
 def test_friction_at_rest_reverses_over_the_distance_that_it_has(distance: float) -> None:
     """And over the usual one alone where nothing shows another."""

@@ -662,7 +662,7 @@ def test_bands_are_of_paths_left_out_and_usual_where_there_are_none(
         assert 1 <= alone.band_moving / in_motion < 1.5
         assert 1 <= alone.band_reversing / turning < 1.5
         assert alone.band_standing >= standing
-        assert alone.band_unknown >= unknown
+        assert alone.band_unknown >= 0.999 * unknown
         least = NORMAL95 * LEAST_ERRORS[2] * joint.estimate.coefficients[2]
         assert joint.band_standing >= 0.999 * least
         assert 0.01 < joint.band_moving * CONSTANT[0] < 2 * true[0]

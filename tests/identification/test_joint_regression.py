@@ -66,13 +66,12 @@ def test_friction_at_rest_beyond_that_in_motion_comes_back_from_many_stops() -> 
     samples = made(1, LOADED, records=30)
     coefficients = regress_samples(samples, known(1)).coefficients
     for held in (0.3, -0.2):
-        current = samples.columns @ coefficients + samples.held @ [held, -held]
+        current = samples.columns @ coefficients + held * samples.held[:, 0]
         current[::5] += 1.0
         stopped = replace(samples, current=current)
-        assert held_current(stopped, coefficients)[0] == pytest.approx(held, abs=0.05)
+        assert held_current(stopped, coefficients) == pytest.approx(held, abs=0.05)
     never = samples.where(samples.moving)
-    usual = [HELD_FRICTION_SHARE * coefficients[2]] * 2
-    assert held_current(never, coefficients) == pytest.approx(usual)
+    assert held_current(never, coefficients) == pytest.approx(HELD_FRICTION_SHARE * coefficients[2])
 
 
 def test_a_single_pose_counts_for_friction_at_rest_as_much_as_other_arms() -> None:
@@ -80,11 +79,11 @@ def test_a_single_pose_counts_for_friction_at_rest_as_much_as_other_arms() -> No
     samples = made(1, LOADED, records=1)
     coefficients = regress_samples(samples, known(1)).coefficients
     pose = np.flatnonzero(~samples.moving)[:1].repeat(100)
-    one = replace(samples.where(pose), held=np.tile([1.0, 0.0], (100, 1)))
+    one = replace(samples.where(pose), held=np.ones((100, 1)))
     for drawn in (-2.0, 0.0):  # times Coulomb friction, beyond that in motion
         current = one.columns @ coefficients + drawn * coefficients[2]
         found = held_current(replace(one, current=current), coefficients)
-        assert found[0] / coefficients[2] == pytest.approx((HELD_FRICTION_SHARE + drawn) / 2)
+        assert found / coefficients[2] == pytest.approx((HELD_FRICTION_SHARE + drawn) / 2)
 
 
 def test_a_moment_of_motion_hardly_moves_what_is_known() -> None:

@@ -58,7 +58,7 @@ def joint_fit(error: Array, replicates: Array, unseen: Array | float = 0.0) -> J
     own, drawn = (physical_values(values) for values in (VALUES, replicates))  # its own inverse
     estimate = CoefficientEstimate(own, shares, drawn, error)
     nothing, bands = np.zeros(1), np.zeros(4).tolist()
-    return JointFit(TERMS, (), estimate, nothing, nothing, *bands, unseen + 0 * own, ())
+    return JointFit(TERMS, (), estimate, nothing, *bands, unseen + 0 * own, ())
 
 
 def drawn_values(correlation: Array, seed: int = 0) -> Array:

@@ -49,7 +49,7 @@ FITTED = ("constants", "currents")  # questions of verdicts.csv about what is fi
 MIN_MOVING_SAMPLES = 100  # from which a joint's friction is determined
 UNIT_NOTE = "SI: m, kg, s, rad, N, Nm, A; joints from 1; low and high: the 95 % interval"
 BANDS = "band_moving", "band_reversing", "band_standing", "band_unknown"
-FITTED_FIELDS = ("terms", "distances", "held", "held_unknown", *BANDS, "contradicted")
+FITTED_FIELDS = ("terms", "distances", "held", *BANDS, "contradicted")
 
 
 def exported(

@@ -47,6 +47,7 @@ from ur5lib.robots.friction import (
     CONSIDERED_OF_TORQUES,
     CONSIDERED_TERMS,
     SPEED_TERMS,
+    STRIBECK,
 )
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.metrics import NORMAL95
@@ -89,7 +90,7 @@ def fit_currents(
 
 def _tried(prior: Prior) -> tuple[str, ...]:
     """Return the terms that a prior has, and those that are tried or considered beside them."""
-    return tuple(dict.fromkeys([*prior.terms, *SPEED_TERMS, *_considered(prior)]))
+    return tuple(dict.fromkeys([*prior.terms, *SPEED_TERMS, STRIBECK, *_considered(prior)]))
 
 
 def _considered(prior: Prior) -> tuple[str, ...]:
@@ -201,7 +202,6 @@ def _with_usual_bands(estimate: CoefficientEstimate, doubt: Array) -> JointFit:
         distances=(),
         estimate=estimate,
         held=np.array([HELD_FRICTION_SHARE * coulomb]),
-        held_unknown=np.array([HELD_FRICTION_SHARE * coulomb]),
         band_moving=moving,
         band_reversing=reversing,
         band_standing=standing,
@@ -291,14 +291,12 @@ def _with_bands(joint: JointFit, samples: JointSamples, prior: Prior, left: Arra
     is_left_out = moving.sum() >= MIN_SAMPLES and len(np.unique(path)) > 1
     of_motion = samples.day[moving], samples.record[moving], path[moving]
     coulomb = dry_friction(samples.terms, coefficients)
-    held, held_unknown = np.split(held_current(samples, coefficients), 2)
     in_motion, reversing, standing, unknown = _bands(samples, left, coulomb)
     return replace(
         joint,
         terms=samples.terms,
         distances=samples.distances,
-        held=held,
-        held_unknown=held_unknown,
+        held=held_current(samples, coefficients),
         band_moving=in_motion,
         band_reversing=reversing,
         band_standing=standing,

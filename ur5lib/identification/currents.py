@@ -101,7 +101,7 @@ def predicted_currents(fit: CurrentFit, joints: Iterable[JointMotion]) -> Array:
     currents = [
         columns_of(motion, model.terms)
         @ (model.estimate.coefficients if model.alone is None else model.alone)
-        + held_columns(motion, model.distances) @ model.at_rest
+        + held_columns(motion, model.distances) @ model.held
         for model, motion in zip(fit.joints, joints, strict=True)
     ]
     return np.stack(currents, axis=1)

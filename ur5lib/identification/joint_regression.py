@@ -71,8 +71,8 @@ def regress_samples(samples: JointSamples, prior: Prior, fitted: Mask | bool = T
 def held_current(
     samples: JointSamples, coefficients: Array, fitted: Mask | slice = slice(None)
 ) -> Array:
-    """Return the currents s (2 + 2 D,) [A] of friction at rest beyond that in motion, of any sign,
-    in the order of `held_columns`; fitted: (n,), samples to which they are fitted, by default all.
+    """Return the currents s (1 + D,) [A] of friction at rest beyond that in motion, of any sign;
+    fitted: (n,), samples to which they are fitted, by default all.
 
     Huber's estimate of s in residual = held s, over the samples at rest. Friction differs from stop
     to stop, and one hardly shows s: HELD_FRICTION_SHARE of Coulomb friction, and nothing over other
@@ -87,7 +87,7 @@ def held_current(
     residual = samples.current[resting] - samples.columns[resting] @ coefficients
     stop_weight = len(stop) / (1 + np.count_nonzero(np.diff(stop)))
     usual = np.zeros(held.shape[1])
-    usual[[0, len(usual) // 2]] = HELD_FRICTION_SHARE * max(0.0, float(coefficients[2]))
+    usual[0] = HELD_FRICTION_SHARE * max(0.0, float(coefficients[2]))
     known, slopes = Normal(usual, stop_weight * np.eye(len(usual))), usual
     for _ in range(REWEIGHTING_ROUNDS if held.any() else 0):
         # (Hᵀ W H + n) s = Hᵀ W r + n s₀

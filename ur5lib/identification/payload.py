@@ -239,7 +239,7 @@ def _unexplained_current(fit: CurrentFit, maps: Maps, sources: Sequence[Array]) 
     """Return the currents (n, 6) [A] less those predicted; sources: as by `_low_passed_columns`."""
     joints = zip(sources, maps, fit.joints, strict=True)
     currents = [
-        columns @ [*-coefficients, *-model.at_rest, 1.0] for columns, coefficients, model in joints
+        columns @ [*-coefficients, *-model.held, 1.0] for columns, coefficients, model in joints
     ]
     return np.stack(currents, axis=1)
 

@@ -103,18 +103,16 @@ class CurrentSamples:
         warmth = 0.0 if self.temperature is None else self.temperature[:, joint] - USUAL_TEMPERATURE
         shaft, is_balanced = self._shaft(joint), joint in self.balanced
         qdd, inertial = (0.0 if v is None else v[:, joint] for v in (self.qdd, self.inertial))
-        unknown = self._unknown_share(joint)
-        further = warmth, shaft, is_balanced, qdd, direction_over, inertial, unknown
+        further = warmth, shaft, is_balanced, qdd, direction_over, inertial
         return JointMotion(q, qd, torque, direction_over(PRESLIDING_DISTANCE), *further)
 
     def unknown_shares(self) -> Array:
         """Return how much (N, n) of each joint's friction may depend on what was before."""
-        return np.stack([*map(self._unknown_share, range(self.q.shape[1]))], axis=1)
-
-    def _unknown_share(self, joint: int) -> Array:
-        """Return the same of a joint from 0 (N,)."""
-        before = unknown_after(tracks(self.before, joint))
-        return unknown_share(self.q[:, joint], self.segment, before)
+        shares = [
+            unknown_share(q, self.segment, unknown_after(tracks(self.before, joint)))
+            for joint, q in enumerate(self.q.T)
+        ]
+        return np.stack(shares, axis=1)
 
     def _shaft(self, joint: int) -> ShaftMotion | None:
         """Return the motion of the coupled motor that a joint turns with, if any."""
@@ -148,7 +146,7 @@ Smooth = Callable[[Array, CurrentSamples], Array]
 class JointSamples:
     """Samples of one joint from all recordings.
 
-    columns: (n, P), of the torque, an offset, and the terms; held: (n, 2 + 2 D), see
+    columns: (n, P), of the torque, an offset, and the terms; held: (n, 1 + D), see
     `held_columns`, of these distances; current: (n,) [A]; state: (n,), a `MotionState`;
     block, record, path, day: (n,) labels; recordings of one trajectory share a path and are left
     out together; unit: (n,) labels of the units of the bootstrap: paths, or stretches of 10 s if
@@ -172,17 +170,11 @@ class JointSamples:
         """Return which samples (n,) are in motion: not at rest, starting or stopping."""
         return self.state == MotionState.MOVING
 
-    @property
-    def resting(self) -> Mask:
-        """Return which samples (n,) are at rest, starting or stopping after a motion."""
-        return (self.state == MotionState.REVERSING) | (self.state == MotionState.STANDING)
-
     def of(self, terms: Sequence[str], distances: Sequence[float]) -> "JointSamples":
         """Return the samples with some of their terms and distances."""
         names, wanted = coefficient_names(self.terms), coefficient_names(terms)
         places = [0, 1, *(2 + names.index(name) for name in wanted)]
         held = [0, *(1 + self.distances.index(distance) for distance in distances)]
-        held += [1 + len(self.distances) + place for place in held]
         columns, kept = self.columns[:, places], self.held[:, held]
         return replace(
             self, terms=tuple(terms), distances=tuple(distances), columns=columns, held=kept
@@ -267,14 +259,12 @@ def columns_of(motion: JointMotion, terms: Sequence[str]) -> Array:
 
 
 def held_columns(motion: JointMotion, distances: Sequence[float]) -> Array:
-    """Return the columns (N, 2 + 2 D) of the friction that holds a joint at rest: its direction,
-    and by how much that over each of other distances [rad] differs, each where the motion before is
-    known; then the same where it is unknown.
+    """Return the columns (N, 1 + D) of the friction that holds a joint at rest: its direction, and
+    by how much that over each of other distances [rad] differs.
     """
     others = [motion.direction_over(distance) - motion.direction for distance in distances]
-    columns = np.stack([motion.direction, *others], axis=1) * rest_factor(motion.qd)[:, None]
-    unknown = np.broadcast_to(motion.unknown, motion.qd.shape)[:, None]
-    return np.hstack([(1 - unknown) * columns, unknown * columns])
+    columns: Array = np.stack([motion.direction, *others], axis=1) * rest_factor(motion.qd)[:, None]
+    return columns
 
 
 def smoothed_moving(record: CurrentSamples, smooth: Smooth) -> Mask:
@@ -290,7 +280,7 @@ def motion_states(record: CurrentSamples, smooth: Smooth) -> Labels:
     moves_or_turns = np.where(share > WHOLLY, MotionState.MOVING, MotionState.REVERSING)
     known = np.where(share < 1 - WHOLLY, MotionState.STANDING, moves_or_turns)
     unknown = smooth(record.unknown_shares(), record) > 1 - WHOLLY
-    return np.where(unknown, MotionState.UNKNOWN, known)
+    return np.where(unknown & (known != MotionState.MOVING), MotionState.UNKNOWN, known)
 
 
 def _record_samples(
@@ -307,9 +297,7 @@ def _record_samples(
         key = smooth, terms, joint
         smoothed = record.once(key, partial(_smoothed_columns, record, *key, stride))
         finite = np.isfinite(smoothed).all(axis=1)
-        columns, held, current = np.split(
-            smoothed[finite], [-3 - 2 * len(REST_DISTANCES), -1], axis=1
-        )
+        columns, held, current = np.split(smoothed[finite], [-2 - len(REST_DISTANCES), -1], axis=1)
         labels = state[finite, joint], block[::stride][finite]
         joints.append((columns, held, current[:, 0], *labels))
     return joints

@@ -1,19 +1,20 @@
 """Which terms of friction an arm has beside the usual ones: those with which paths, or dates, are
 predicted better by fits that have not seen them.
 
-In motion, an arm may do without the root of the velocity, or have its square, too; at rest, a part
-of the friction that holds a joint may reverse over one other distance.
+In motion, an arm may do without the root of the velocity, or have its square or Stribeck friction,
+too; at rest, a part of the friction that holds a joint may reverse over one other distance.
 """
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from ur5lib.identification.joint_regression import LeftOutFit, fits_to_others, unseen_residuals
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import MIN_PATHS, JointSamples
-from ur5lib.robots.friction import REST_DISTANCES, SPEED_TERMS
+from ur5lib.robots.friction import REST_DISTANCES, SPEED_TERMS, STRIBECK
 from ur5lib.timeseries.arrays import Array
 
 # What a change takes at least off the squared error on what is left out, in motion or at rest, and
@@ -21,30 +22,53 @@ from ur5lib.timeseries.arrays import Array
 MIN_SHARE, MIN_SHARE_AT_REST, MIN_DEVIATIONS = 0.02, 0.1, 2.0
 
 
+class Shown(NamedTuple):
+    """A prior, the fits of each joint to others under it, and what they leave (n,) [A] of each."""
+
+    prior: Prior
+    fits: list[list[LeftOutFit]]
+    left: list[Array]
+
+
 def with_shown_terms(samples: Sequence[JointSamples], prior: Prior) -> tuple[Prior, list[Array]]:
     """Return a prior over the terms and the distance that what is left out shows, of all joints,
     and what each joint's fits to others then leave of its samples (n,) [A].
 
-    samples: of the joints, with all columns. Of fewer paths than MIN_PATHS, stretches are left out.
+    samples: of the joints, with all columns. Of fewer paths than MIN_PATHS, stretches are left out,
+    which show no Stribeck friction: it would be wrong at other speeds.
     """
-    samples = [*map(in_units, samples)]
-    fits = fits_of(samples, prior)
-    known = residuals(samples, prior, fits)
+    parts = [*map(in_units, samples)]
+    fits = fits_of(parts, prior)
+    shown = Shown(prior, fits, residuals(parts, prior, fits))
     for term in SPEED_TERMS:
-        others = tuple(own for own in prior.terms if own != term)
-        changed = replace(prior, terms=others if term in prior.terms else (*others, term))
-        trial_fits = fits_of(samples, changed)
-        trial = residuals(samples, changed, trial_fits)
-        if shows(samples, known, trial, moving=True):
-            prior, fits, known = changed, trial_fits, trial
+        shown = _changed_by(term, parts, shown)
+    shown = _over_distance(parts, shown)
+    if all(len(np.unique(own.path)) >= MIN_PATHS for own in samples):
+        shown = _changed_by(STRIBECK, parts, shown)
+    return shown.prior, shown.left
+
+
+def _changed_by(term: str, samples: Sequence[JointSamples], shown: Shown) -> Shown:
+    """Return what is shown without a term that the prior has, or with one that it lacks."""
+    others = tuple(own for own in shown.prior.terms if own != term)
+    has = term in shown.prior.terms
+    prior = replace(shown.prior, terms=others if has else (*others, term))
+    fits = fits_of(samples, prior)
+    left = residuals(samples, prior, fits)
+    return Shown(prior, fits, left) if shows(samples, shown.left, left, moving=True) else shown
+
+
+def _over_distance(samples: Sequence[JointSamples], shown: Shown) -> Shown:
+    """Return what is shown with the best of the distances at rest."""
+    prior, fits, known = shown
     trials = {
         distance: residuals(samples, replace(prior, distances=(distance,)), fits)
         for distance in REST_DISTANCES
     }
     best = min(trials, key=lambda own: float(np.sum(errors(samples, known, trials[own], False))))
     if not shows(samples, known, trials[best], moving=False):
-        return prior, known
-    return replace(prior, distances=(best,)), trials[best]
+        return shown
+    return Shown(replace(prior, distances=(best,)), fits, trials[best])
 
 
 def in_units(samples: JointSamples) -> JointSamples:
@@ -80,7 +104,7 @@ def errors(
     count = 1 + max(int(own.path.max(initial=0)) for own in samples)
     total = np.zeros(count)
     for own, usual, residual in zip(samples, known, left, strict=True):
-        rows = own.moving if moving else own.resting
+        rows = own.moving == moving
         size = max(float(np.sum(usual[rows] ** 2)), np.finfo(float).tiny) / max(1, int(rows.sum()))
         total += np.bincount(own.path[rows], residual[rows] ** 2 / size, count)
     return total

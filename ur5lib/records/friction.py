@@ -40,10 +40,10 @@ class JointFit:
     """One joint's map from motion to current.
 
     terms: of friction; held: (1 + D,) [A], friction at rest beyond that in motion, may be negative,
-    and what of it reverses over D other distances [rad], see `held_columns`; held_unknown: the same
-    before the first motion, where none before is known; band_moving, band_reversing, band_standing,
-    band_unknown: half of the 95 % band [A] around the low-passed current of a recording that was
-    left out, by its `MotionState`, without what days change;
+    and what of it reverses over D other distances [rad], see `held_columns`;
+    band_moving, band_reversing, band_standing, band_unknown: half of the 95 % band [A] around the
+    low-passed current of a recording that was left out, by its `MotionState`, without what days
+    change;
     unseen: (P,), see `unseen_difference`; remarks: doubts about the fit; doubt:
     (P, P), covariance of the coefficients where no motion that was left out shows their errors;
     alone: (P,), coefficients that the currents alone would give, None unless their torque constant
@@ -54,7 +54,6 @@ class JointFit:
     distances: tuple[float, ...]
     estimate: CoefficientEstimate
     held: Array
-    held_unknown: Array
     band_moving: float
     band_reversing: float
     band_standing: float
@@ -67,11 +66,6 @@ class JointFit:
     def names(self) -> list[str]:
         """Return the parameters' names."""
         return ["torque_constant", "offset", *coefficient_names(self.terms)]
-
-    @property
-    def at_rest(self) -> Array:
-        """The currents (2 + 2 D,) [A] that go with `held_columns`."""
-        return np.concatenate([self.held, self.held_unknown])
 
     @property
     def bands(self) -> tuple[float, ...]:

@@ -26,6 +26,7 @@ PRESLIDING_DISTANCE = 1e-4  # rad
 # Over which a part of the friction that holds a joint at rest may reverse: at once, as by noise and
 # hunting, or with a long memory.
 REST_DISTANCES = (1e-5, 1e-3)  # rad
+STRIBECK_SPEEDS = (0.01, 0.05, 0.2)  # rad/s, over which dry friction falls from rest
 ROOT_LINE = 4 / 15, 4 / 5  # nearest to the root of velocity from 0 to 1 rad/s, and its slope
 FINE_STEP = 0.01  # s; within steps of slower logs, joints reverse between samples
 START_DISTANCE = max(REST_DISTANCES)  # rad, within which a joint depends on what was before
@@ -55,8 +56,7 @@ class JointMotion:
     shaft: of a coupled motor, with the joint's own motion in it or not; balanced: whether a spring
     or a counterbalance acts on the joint; qdd: [rad/s²], 0 where the link model has the rotor;
     direction_over: returns the direction of dry friction that reverses over another distance [rad];
-    inertial: what of the torque is not gravity's [Nm], 0 of motor currents; unknown: how much of
-    friction may depend on what was before, see `unknown_share`.
+    inertial: what of the torque is not gravity's [Nm], 0 of motor currents.
     """
 
     q: Array
@@ -69,7 +69,6 @@ class JointMotion:
     qdd: Array | float = 0.0
     direction_over: Callable[[float], Array] = lambda _: np.zeros(1)
     inertial: Array | float = 0.0
-    unknown: Array | float = 0.0
 
 
 @dataclass(frozen=True)
@@ -120,6 +119,14 @@ TERMS = {
         expected=lambda torque_max: 0.1 * torque_max,
     ),
     "velocity_square": Term(lambda motion: [np.abs(motion.qd) * motion.qd]),
+    # dry friction falls with speed, where lubricant comes between the surfaces (Stribeck 1902)
+    "velocity_stribeck": Term(
+        lambda motion: [
+            motion.direction * np.exp(-np.abs(motion.qd) / speed) for speed in STRIBECK_SPEEDS
+        ],
+        expected=lambda torque_max: 0.1 * torque_max,
+        parts=("slow", "middle", "fast"),
+    ),
     # a spring or a counterbalance, as a mass that no link has
     "balance": Term(
         lambda motion: [motion.balanced * np.sin(motion.q), motion.balanced * np.cos(motion.q)],
@@ -137,7 +144,14 @@ TERMS = {
     "coupled": Term(lambda motion: _shaft_columns(motion), parts=("coulomb", "viscous", "rotor")),
 }
 SPEED_TERMS = ("velocity_root", "velocity_square")  # kept, or added, by paths left out
-OPTIONAL_TERMS = (*SPEED_TERMS, "coupled", "balance", "rotor")  # which some arms or joints have
+STRIBECK = "velocity_stribeck"  # the term that is tried last, as friction at rest looks like it
+OPTIONAL_TERMS = (
+    *SPEED_TERMS,
+    STRIBECK,
+    "coupled",
+    "balance",
+    "rotor",
+)  # which some arms or joints have
 
 
 def _shaft_columns(motion: JointMotion) -> list[Array]:
