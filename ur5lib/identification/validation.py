@@ -12,7 +12,13 @@ from ur5lib.identification.joint_regression import (
     regress_samples,
 )
 from ur5lib.identification.prior import Prior
-from ur5lib.identification.samples import CurrentSamples, Smooth, joint_samples
+from ur5lib.identification.samples import (
+    CurrentSamples,
+    MotionState,
+    Smooth,
+    joint_samples,
+    motion_states,
+)
 from ur5lib.identification.selection import MIN_DEVIATIONS, MIN_SHARE, is_less
 from ur5lib.records.prediction import Scores
 from ur5lib.timeseries.arrays import Array, Mask
@@ -63,15 +69,18 @@ def score(record: CurrentSamples, predicted: Array, smooth: Smooth, half_band: A
     slow = smooth(error, record)
     measured = smooth(record.current, record)
     of_band = np.abs(slow) / np.where(half_band > 0, half_band, np.nan)
-    known = np.isfinite(of_band)
+    inside = np.where(np.isfinite(of_band), of_band <= 1.0, np.nan)
+    before = motion_states(record, smooth) == MotionState.UNKNOWN
     return Scores(
         rmse=np.sqrt(_mean(error**2)),
         rmse_lowpassed=np.sqrt(_mean(slow**2)),
         mae=_mean(np.abs(slow)),
         # the share of the low-passed variance that is explained
         r2=1 - _mean(slow**2) / np.nanvar(measured, axis=0),
-        coverage=_mean(np.where(known, of_band <= 1.0, np.nan)),
+        coverage=_mean(inside),
         band_factor95=finite_quantile(of_band, BAND_COVERAGE),
+        rmse_before_motion=np.sqrt(_mean(np.where(before, slow**2, np.nan))),
+        coverage_before_motion=_mean(np.where(before, inside, np.nan)),
     )
 
 

@@ -86,6 +86,8 @@ class CurrentError:
     r2: float
     coverage95: float
     band_factor95: float
+    rmse_before_motion: float
+    coverage95_before_motion: float
     zero_rmse_lowpassed: float
 
 

@@ -14,7 +14,8 @@ class Scores:
 
     rmse: of the raw current [A]; of the low-passed current: rmse_lowpassed [A], mae [A], r2, and
     coverage, the share of samples inside the 95 % band, and band_factor95, by which this would have
-    to be multiplied to hold 95 % of them.
+    to be multiplied to hold 95 % of them; rmse_before_motion, coverage_before_motion: likewise
+    until a joint first moves, where nothing shows to which side friction holds it; NaN elsewhere.
     """
 
     rmse: Array
@@ -23,6 +24,8 @@ class Scores:
     r2: Array
     coverage: Array
     band_factor95: Array
+    rmse_before_motion: Array
+    coverage_before_motion: Array
 
     @property
     def zero_rmse_lowpassed(self) -> Array:

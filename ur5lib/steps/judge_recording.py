@@ -112,7 +112,8 @@ def current_errors(prediction: Prediction) -> Iterator[CurrentError]:
     """Yield the errors of each model's prediction of the currents."""
     for model, scores in prediction.scores.items():
         errors = vars(scores) | {"zero_rmse_lowpassed": scores.zero_rmse_lowpassed}
-        errors["coverage95"] = errors.pop("coverage")
+        for name in ("coverage", "coverage_before_motion"):
+            errors[name.replace("coverage", "coverage95")] = errors.pop(name)
         for joint, values in by_joint(errors):
             yield CurrentError(model=model, fitted=prediction.fitted, joint=joint, **values)
 

@@ -134,7 +134,7 @@ def test_a_joint_at_rest_has_no_friction_to_tell(fit: CurrentFit) -> None:
 
 def test_a_recording_has_the_date_that_it_is_given_or_its_stamp_s() -> None:
     stamped, bare = Quality(start_epoch_s=1386687528.2), Quality()
-    scored = {"fitted": Scores(*np.zeros((6, 6)))}
+    scored = {"fitted": Scores(*np.zeros((8, 6)))}
     free = Prediction(True, scored)
     assert dated("2026-03-09", stamped, free) == date(2026, 3, 9)
     assert dated("", stamped, free) == date(2013, 12, 10)
