@@ -21,7 +21,7 @@ from ur5lib.force.flange_contact import place_jacobian
 from ur5lib.force.problem import is_fitted
 from ur5lib.force.residual_model import ResidualModel, Residuals, few_paths
 from ur5lib.identification.current_regression import fit_currents
-from ur5lib.identification.currents import breakaway_torque
+from ur5lib.identification.currents import breakaway_torque, torque_constants
 from ur5lib.identification.payload import SCALED_TORQUE_ERROR, PayloadEstimate, judged_load
 from ur5lib.identification.samples import CurrentSamples
 from ur5lib.identification.validation import least_squares_coefficients
@@ -204,6 +204,19 @@ def test_a_load_that_is_certain_is_taken_into_the_prediction(
     assert taken[1:3] == pytest.approx(true[1:3], rel=0.2)
     assert made.left_on_joint_2() < 0.1 * true[1]
     np.testing.assert_allclose(load.center_of_mass, [0.05, 0, 0])
+
+
+def test_the_band_of_a_loaded_arm_has_the_doubt_of_its_load(
+    loaded: Loaded, friction: Friction, ur5: Robot
+) -> None:
+    bands = [
+        made.currents.band
+        for made in (predicted(loaded, friction, ur5), predicted(loaded, friction, ur5, role="fit"))
+    ]
+    made, bare = (np.nanmedian(own, axis=0) for own in bands if own is not None)
+    doubt = SCALED_TORQUE_ERROR * np.median(np.abs(loaded.load), axis=0)
+    least = 1.5 * doubt / torque_constants(friction.fit)
+    assert (np.sqrt(made**2 - bare**2) > least)[1:3].all()
 
 
 def test_nothing_is_predicted_beside_a_stop_sign(

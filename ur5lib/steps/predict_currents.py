@@ -37,6 +37,7 @@ from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
+from ur5lib.timeseries.metrics import NORMAL95
 
 
 class PredictedCurrents(NamedTuple):
@@ -113,14 +114,16 @@ def predicted_currents(
     """
     predicted, constant = predict(fit, record), torque_constants(fit)
     external = external_torque(constant, record.current, predicted)
-    half, name = band(fit, record, smooth), effort.quantity
+    doubt = SCALED_TORQUE_ERROR * np.abs(smooth(load_torque, record))
+    half = np.hypot(band(fit, record, smooth), NORMAL95 * doubt / constant)
+    name = effort.quantity
     of_efforts: dict[str, Any] = {f"predicted_{name}": predicted, f"{name}_band": half}
     return Currents(
         time=torques.time,
         segment=torques.segment,
         **of_efforts,
         external_torque=smooth(external, record),
-        load_doubt=SCALED_TORQUE_ERROR * np.abs(smooth(load_torque, record)),
+        load_doubt=doubt,
         gear_torque=smooth(record.torque, record),
         friction_torque=constant * smooth(friction_current(fit, record), record),
         load_loss=smooth(load_loss(fit, record), record),
