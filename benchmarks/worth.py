@@ -1,25 +1,23 @@
 """What each part of F̂ᵐᵃᵖ earns: its scores without the part, beside those with all of them.
 
-    python -m benchmarks.worth [<study> [<robot>]] [--constants [--page] | --currents] [--quick]
+    python -m benchmarks.worth [<study> [<robot>]] [--constants | --currents] [--quick]
 
 Takes results/<study> as built; by default that of `make`, of a ur5. Each path of the recordings to
 fit on is left out in turn, with its day if other days have enough paths, and judged; before, all
 are fitted, and what shares neither path nor day with them is judged. In contact by the force
 sensor, and in pushes that are drawn with a seed and put onto recordings without contact: RMSE of
 the force, share of samples inside its 95 % band, contacts found. Without contact: false alarms.
-PARTS says what stands in the place of a part. `--constants` halves and doubles each of CONSTANTS
-instead, on the first fold of STUDIES, and writes with `--page` the table of docs/methods.md.
-`--currents` prints what is left of the currents of paths and dates left out, beside plain least
-squares. `--quick` does the first fold, or two constants, alone.
+PARTS says what stands in the place of a part. `--constants` multiplies each of CONSTANTS by FACTORS
+instead, and prints the range within which no score differs by more than SAME. `--currents` prints
+what is left of the currents of paths and dates left out, beside plain least squares. `--quick` does
+the first fold alone.
 """
 
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
 from dataclasses import replace
-from itertools import repeat
 from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any, NamedTuple
@@ -30,12 +28,12 @@ import pandas as pd
 import torch
 
 from benchmarks.harness.drawn_pushes import drawn_pushes
-from benchmarks.harness.markdown import markdown, replaced
+from benchmarks.harness.markdown import markdown
 from benchmarks.harness.options import arm_options, built
 from benchmarks.harness.plain_currents import currents_table
 from benchmarks.leave_out import Fold, Recording, Study, read_study, refusal, unseen, without_each
 from ur5lib.force import force_input, residual_model
-from ur5lib.force.contact_prior import TYPICAL_LOAD_SHARE, ContactPrior
+from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.force_input import Gears
 from ur5lib.force.gate import diagonal
 from ur5lib.force.matching import compare
@@ -48,7 +46,7 @@ from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
-from ur5lib.tables import read_record, write_text
+from ur5lib.tables import read_record
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.kalman import Gaussians
 from ur5lib.timeseries.metrics import NORMAL95
@@ -58,8 +56,8 @@ COLUMNS = ["without", "RMSE [N]", "inside", "found", "RMSE of pushes [N]", "insi
 
 
 class Part(NamedTuple):
-    """A part left out: what stands in the place of functions and constants, by their names; factors
-    on fields of the prior; whether currents of the fit change, too, as for all parts after it.
+    """A part left out: what stands in the place of functions and constants, by their names; fields
+    of the prior; whether currents of the fit change, too, as for all parts after this one.
     """
 
     instead: Mapping[str, Any] = {}
@@ -117,98 +115,68 @@ PARTS = {
     ),
 }
 
-FACTORS = (0.5, 2.0)
-STUDIES = {"home": ("thesis", "ur5"), "away": ("ur10e", "ur10e")}  # of which constants are judged
-THESIS, MANY = "thesis", "thesis, UR10e, UR3, Baxter, stand"  # recordings with a score in sight
-
-
-class Constant(NamedTuple):
-    """A constant: a field of the prior, or its places; what it scales with; the recordings that it
-    was chosen on.
-    """
-
-    where: str | tuple[str, ...]
-    of: str
-    chosen_on: str = THESIS
-
-
-PRIOR, REST = "ur5lib.force.contact_prior", "ur5lib.force.residual_model"
-CONSTANTS = {
-    "typical contact": Constant("force", "rated payload's weight", MANY),
-    "its lever, place unknown": Constant("lever", "m", MANY),
-    "weight of the lever": Constant("lever_weight", "samples", MANY),
-    "magnitudes of the gate": Constant((f"{PRIOR}.GATE_SIZES",), "typical contacts", MANY),
-    "a force that is no contact": Constant((f"{GATE}.QUIET_SHARE",), "fast errors", MANY),
-    "duration of contacts": Constant("duration", "s"),
-    "of pauses": Constant("pause", "s"),
-    "of contacts that may be missed": Constant("unseen_duration", "s", MANY),
-    "load friction besides the fit's": Constant("load_friction", "load"),
-    "friction of a run": Constant("friction_std", "friction"),
-    "what dry friction absorbs at rest": Constant((f"{REST}.USUAL_STICTION",), "breakaway", MANY),
-    "in motion": Constant((f"{REST}.RUBBING_SHARE",), "deviation in motion"),
-    "deviation at rest": Constant((f"{REST}.USUAL_REST_STD",), "breakaway"),
-    "fast error at rest": Constant((f"{REST}.USUAL_REST_CHANGE",), "breakaway"),
-    "rest that counts as much": Constant((f"{REST}.SHOWN_DURATION",), "s"),
-    "hunting": Constant("hunting", "breakaway"),
-    "settling": Constant("settling", "s"),
-    "mean of what stiction takes": Constant(
-        ("ur5lib.force.force_input.MEAN_STICTION", f"{ESTIMATE}.MEAN_STICTION"), "stiction"
-    ),
-    "weight of the typical contact": Constant(
-        ("ur5lib.force.contact_wrench.TYPICAL_SIZE_WEIGHT",), "samples"
-    ),
-    "probability at which the gate closes": Constant((f"{ESTIMATE}.CLOSING_PROBABILITY",), "1"),
-    "margin": Constant((f"{ESTIMATE}.CONTACT_MARGIN",), "s"),
-    "κ": Constant((f"{ESTIMATE}.MISSED_DEVIATIONS",), "deviations"),
-    "smoothing at rest": Constant(
-        (f"{ESTIMATE}.REST_SMOOTHING_PERIODS",), "periods of the low-pass", MANY
-    ),
+FACTORS = (0.25, 0.5, 2.0, 4.0)
+SAME = {"rmse": 0.2, "inside": 0.02, "found": 0.05, "alarms": 0.25}  # N, shares, 1/min
+CONSTANTS = {  # a field of the prior, or the places of a constant
+    "typical contact [N]": "force",
+    "its lever [m]": "lever",
+    "weight of the lever": "lever_weight",
+    "magnitudes of the gate": ["ur5lib.force.contact_prior.GATE_SIZES"],
+    "a force that is no contact": [f"{GATE}.QUIET_SHARE"],
+    "duration of contacts [s]": "duration",
+    "of pauses [s]": "pause",
+    "load friction besides the fit's": "load_friction",
+    "friction of a run": "friction_std",
+    "duration of those that may be missed [s]": "unseen_duration",
+    "what dry friction absorbs at rest": ["ur5lib.force.residual_model.USUAL_STICTION"],
+    "in motion": ["ur5lib.force.residual_model.RUBBING_SHARE"],
+    "deviation at rest": ["ur5lib.force.residual_model.USUAL_REST_STD"],
+    "fast error at rest": ["ur5lib.force.residual_model.USUAL_REST_CHANGE"],
+    "rest that counts as much [s]": ["ur5lib.force.residual_model.SHOWN_DURATION"],
+    "hunting": "hunting",
+    "settling [s]": "settling",
+    "mean of what stiction takes": [
+        "ur5lib.force.force_input.MEAN_STICTION",
+        f"{ESTIMATE}.MEAN_STICTION",
+    ],
+    "weight of the typical contact": ["ur5lib.force.contact_wrench.TYPICAL_SIZE_WEIGHT"],
+    "gate closes": [f"{ESTIMATE}.CLOSING_PROBABILITY"],
+    "margin [s]": [f"{ESTIMATE}.CONTACT_MARGIN"],
+    "κ": [f"{ESTIMATE}.MISSED_DEVIATIONS"],
+    "smoothing at rest [periods]": [f"{ESTIMATE}.REST_SMOOTHING_PERIODS"],
 }
-PAGE, TITLE = Path("docs/methods.md"), "Constants chosen with scores in sight"
 
 
 def main() -> None:
     """Print a line for each part, or constant."""
     options = arm_options(__doc__)
-    options.add_argument("--constants", action="store_true", help="half and twice each constant")
-    options.add_argument("--page", action="store_true", help="write them into docs/methods.md")
+    options.add_argument("--constants", action="store_true", help="the range of each constant")
     options.add_argument("--currents", action="store_true", help="currents by least squares, too")
     given = options.parse_args()
+    parts = {WHOLE: Part()} | all_scaled() if given.constants else PARTS
+    [folder] = built([Path("results") / given.study])
     torch.set_num_threads(1)
-    if given.constants:
-        found = effects(given.quick)
-        print(found)
-        if given.page:
-            write_text(replaced(PAGE.read_text(encoding="utf-8"), TITLE, found), PAGE)
-        return
-    study = study_of(given.study, given.robot)
+    study = read_study(folder, given.robot, ("fit", "validate", "contact"))
     if given.currents:
         print(currents_table(study, given.quick))
         return
-    print(table(rows_of(study, PARTS, given.quick)))
-
-
-def study_of(name: str, robot: str) -> Study:
-    """Return an arm's recordings in a built study."""
-    [folder] = built([Path("results") / name])
-    return read_study(folder, robot, ("fit", "validate", "contact"))
-
-
-def rows_of(study: Study, parts: Mapping[str, Part], quick: bool) -> pd.DataFrame:
-    """Return what is counted in each fold, or the first, without each of the parts."""
     rows: list[dict[str, Any]] = []
-    for fitted, tested in folds(study)[: 1 if quick else None]:
+    for fitted, tested in folds(study)[: 1 if given.quick else None]:
         with tempfile.TemporaryDirectory() as kept:
             rows += without_parts(Fold(study, fitted, Path(kept)), tested, parts)
-    return pd.DataFrame(rows)
+    found = pd.DataFrame(rows)
+    print(ranges(found) if given.constants else table(found))
 
 
 def value(name: str) -> Any:
-    """Return what a constant is; of the typical contact, its share."""
-    where = CONSTANTS[name].where
-    if where == "force":
-        return TYPICAL_LOAD_SHARE
-    return getattr(ContactPrior(1.0), where) if isinstance(where, str) else resolve_name(where[0])
+    """Return what a constant is."""
+    where = CONSTANTS[name]
+    return getattr(ContactPrior(15.0), where) if isinstance(where, str) else resolve_name(where[0])
+
+
+def all_scaled() -> dict[str, Part]:
+    """Return all constants times all factors."""
+    return {of(name, factor): scaled(name, factor) for name in CONSTANTS for factor in FACTORS}
 
 
 def of(name: str, factor: float) -> str:
@@ -218,12 +186,11 @@ def of(name: str, factor: float) -> str:
 
 def scaled(name: str, factor: float) -> Part:
     """Return the part that has a constant times a factor in its place."""
-    where = CONSTANTS[name].where
-    if isinstance(where, str):
-        return Part(prior={where: factor})
-    own = value(name)
+    where, own = CONSTANTS[name], value(name)
     other = tuple(factor * one for one in own) if isinstance(own, tuple) else factor * own
-    return Part(dict.fromkeys(where, other))
+    return (
+        Part(prior={where: other}) if isinstance(where, str) else Part(dict.fromkeys(where, other))
+    )
 
 
 def folds(study: Study) -> list[tuple[list[Recording], list[Recording]]]:
@@ -254,8 +221,7 @@ def without_parts(
             fold.residuals()
             force = fold.study.settings.contact.force_n
             usual = ContactPrior.of(fold.arm, force, ContactPlace())
-            fields = {name: factor * getattr(usual, name) for name, factor in part.prior.items()}
-            for counted in counts(fold, tested, replace(usual, **fields)):
+            for counted in counts(fold, tested, replace(usual, **part.prior)):
                 yield {"part": name} | counted
 
 
@@ -313,46 +279,55 @@ def table(rows: pd.DataFrame) -> str:
     return markdown(COLUMNS, lines)
 
 
-def effects(quick: bool) -> str:
-    """A line for each constant, or two: what it is, and what half and twice of it change, in real
-    contacts at home and in pushes away.
-    """
-    names = [*CONSTANTS][: 2 if quick else None]
-    parts = {WHOLE: Part()} | {of(name, k): scaled(name, k) for name in names for k in FACTORS}
-    studies = [study_of(*own) for own in STUDIES.values()]
-    with ProcessPoolExecutor(len(studies)) as pool:
-        found = pool.map(rows_of, studies, repeat(parts), repeat(True))
-    sums = [rows.groupby(["part", "by"]).sum() for rows in found]
-    heads = [f"{place} × {factor:g}" for place in STUDIES for factor in FACTORS]
-    lines = [
+def ranges(rows: pd.DataFrame) -> str:
+    """A line for each constant: what it is, and the range in which the scores are the same."""
+    sums = rows.groupby(["part", "by"]).sum()
+    return markdown(
+        ["constant", "value", "scores are the same"],
         [
-            name,
-            told(value(name)),
-            CONSTANTS[name].of,
-            CONSTANTS[name].chosen_on,
-            *(changed(own, of(name, factor)) for own in sums for factor in FACTORS),
-        ]
-        for name in names
-    ]
-    return markdown(["constant", "value", "of", "chosen on", *heads], lines)
+            [
+                name,
+                told(value(name)),
+                ranged(name, {factor for factor in FACTORS if same(sums, of(name, factor))}),
+            ]
+            for name in CONSTANTS
+        ],
+    )
 
 
 def told(number: Any) -> str:
     """Return a number, or several, as text."""
-    return ", ".join(f"{one:.3g}" for one in np.atleast_1d(number))
+    return ", ".join(f"{one:g}" for one in np.atleast_1d(number))
 
 
-def changed(sums: pd.DataFrame, part: str) -> str:
-    """Return by how much a part changes: RMSE [%], share inside the band [points], contacts found
-    and false alarms.
-    """
-    by = "sensor" if (WHOLE, "sensor") in sums.index else "pushes"
-    own, whole = (sums.loc[name, by] for name in (part, WHOLE))
-    error = 100 * (np.sqrt(own["square"] / whole["square"] * whole["samples"] / own["samples"]) - 1)
-    inside = 100 * (own["inside"] / own["samples"] - whole["inside"] / whole["samples"])
-    alarms = [sums.loc[name, "alarms"]["found"] for name in (part, WHOLE)]
-    numbers = error, inside, own["found"] - whole["found"], alarms[0] - alarms[1]
-    return " / ".join(f"{number:+.0f}".replace("+0", "0").replace("-0", "0") for number in numbers)
+def ranged(name: str, held: set[float]) -> str:
+    """Return the range of a constant by the factors about one that change nothing."""
+    low, high = 1.0, 1.0
+    for factor in FACTORS[1::-1]:
+        low = factor if factor in held and low == 2 * factor else low
+    for factor in FACTORS[2:]:
+        high = factor if factor in held and factor == 2 * high else high
+    return f"× {low:g} to × {high:g}" if low < high else "none"
+
+
+def same(sums: pd.DataFrame, part: str) -> bool:
+    """Return whether no score of a part differs from that of the whole by more than SAME."""
+    return all(
+        np.abs(scores(sums.loc[part, by]) - scores(sums.loc[WHOLE, by])).le(pd.Series(SAME)).all()
+        for by in sums.loc[WHOLE].index
+    )
+
+
+def scores(own: pd.Series) -> pd.Series:
+    """Return what SAME limits, of sums; zero what they do not tell."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios = {
+            "rmse": np.sqrt(own["square"] / own["samples"]),
+            "inside": own["inside"] / own["samples"],
+            "found": own["found"] / own["contacts"],
+            "alarms": own["found"] / own["minutes"],
+        }
+    return pd.Series(ratios).where(np.isfinite, 0.0)
 
 
 def figures(sums: pd.DataFrame, part: str, by: str) -> list[str]:
