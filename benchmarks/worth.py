@@ -1,25 +1,26 @@
 """What each part of F̂ᵐᵃᵖ earns: its scores without the part, beside those with all of them.
 
-    python -m benchmarks.worth [<study> [<robot>]] [--constants | --currents] [--quick]
+    python -m benchmarks.worth [<study>[:<robot>] ...] [--constants [--page] | --currents] [--quick]
 
 Takes results/<study> as built; by default that of `make`, of a ur5. Each path of the recordings to
 fit on is left out in turn, with its day if other days have enough paths, and judged; before, all
 are fitted, and what shares neither path nor day with them is judged. In contact by the force
 sensor, and in pushes that are drawn with a seed and put onto recordings without contact: RMSE of
 the force, share of samples inside its 95 % band, contacts found. Without contact: false alarms.
-PARTS says what stands in the place of a part. `--constants` multiplies each of CONSTANTS by FACTORS
-instead, and prints the range within which no score differs by more than SAME. `--currents` prints
-what is left of the currents of paths and dates left out, beside plain least squares. `--quick` does
-the first fold alone.
+PARTS says what stands in the place of a part. `--constants` takes half and twice of each constant
+of `benchmarks/harness/scaled_constants.py` instead, and prints what this changes in all studies;
+`--page` writes it into docs/methods.md. `--currents` prints what is left of the currents of paths
+and dates left out, beside plain least squares. `--quick` does the first fold alone.
 """
 
+import os
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
-from pkgutil import resolve_name
 from typing import Any, NamedTuple
 from unittest.mock import patch
 
@@ -28,9 +29,10 @@ import pandas as pd
 import torch
 
 from benchmarks.harness.drawn_pushes import drawn_pushes
-from benchmarks.harness.markdown import markdown
-from benchmarks.harness.options import arm_options, built
+from benchmarks.harness.markdown import markdown, replaced
+from benchmarks.harness.options import built, study_options
 from benchmarks.harness.plain_currents import currents_table
+from benchmarks.harness.scaled_constants import changes, scaled
 from benchmarks.leave_out import Fold, Recording, Study, read_study, refusal, unseen, without_each
 from ur5lib.force import force_input, residual_model
 from ur5lib.force.contact_prior import ContactPrior
@@ -46,11 +48,12 @@ from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
-from ur5lib.tables import read_record
+from ur5lib.tables import read_record, write_text
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.kalman import Gaussians
 from ur5lib.timeseries.metrics import NORMAL95
 
+PAGE, TITLE = Path(__file__).parents[1] / "docs/methods.md", "Constants chosen with scores in sight"
 COLUMNS = ["without", "RMSE [N]", "inside", "found", "RMSE of pushes [N]", "inside", "found",
            "false alarms a minute"]  # fmt: skip
 
@@ -115,82 +118,47 @@ PARTS = {
     ),
 }
 
-FACTORS = (0.25, 0.5, 2.0, 4.0)
-SAME = {"rmse": 0.2, "inside": 0.02, "found": 0.05, "alarms": 0.25}  # N, shares, 1/min
-CONSTANTS = {  # a field of the prior, or the places of a constant
-    "typical contact [N]": "force",
-    "its lever [m]": "lever",
-    "weight of the lever": "lever_weight",
-    "magnitudes of the gate": ["ur5lib.force.contact_prior.GATE_SIZES"],
-    "a force that is no contact": [f"{GATE}.QUIET_SHARE"],
-    "duration of contacts [s]": "duration",
-    "of pauses [s]": "pause",
-    "load friction besides the fit's": "load_friction",
-    "friction of a run": "friction_std",
-    "duration of those that may be missed [s]": "unseen_duration",
-    "what dry friction absorbs at rest": ["ur5lib.force.residual_model.USUAL_STICTION"],
-    "in motion": ["ur5lib.force.residual_model.RUBBING_SHARE"],
-    "deviation at rest": ["ur5lib.force.residual_model.USUAL_REST_STD"],
-    "fast error at rest": ["ur5lib.force.residual_model.USUAL_REST_CHANGE"],
-    "rest that counts as much [s]": ["ur5lib.force.residual_model.SHOWN_DURATION"],
-    "hunting": "hunting",
-    "settling [s]": "settling",
-    "mean of what stiction takes": [
-        "ur5lib.force.force_input.MEAN_STICTION",
-        f"{ESTIMATE}.MEAN_STICTION",
-    ],
-    "weight of the typical contact": ["ur5lib.force.contact_wrench.TYPICAL_SIZE_WEIGHT"],
-    "gate closes": [f"{ESTIMATE}.CLOSING_PROBABILITY"],
-    "margin [s]": [f"{ESTIMATE}.CONTACT_MARGIN"],
-    "κ": [f"{ESTIMATE}.MISSED_DEVIATIONS"],
-    "smoothing at rest [periods]": [f"{ESTIMATE}.REST_SMOOTHING_PERIODS"],
-}
-
 
 def main() -> None:
     """Print a line for each part, or constant."""
-    options = arm_options(__doc__)
-    options.add_argument("--constants", action="store_true", help="the range of each constant")
+    options = study_options(__doc__)
+    options.set_defaults(studies=["demo"])
+    options.add_argument("--constants", action="store_true", help="half and twice of each constant")
     options.add_argument("--currents", action="store_true", help="currents by least squares, too")
+    options.add_argument("--page", action="store_true", help="write constants to docs/methods.md")
     given = options.parse_args()
-    parts = {WHOLE: Part()} | all_scaled() if given.constants else PARTS
-    [folder] = built([Path("results") / given.study])
     torch.set_num_threads(1)
-    study = read_study(folder, given.robot, ("fit", "validate", "contact"))
     if given.currents:
-        print(currents_table(study, given.quick))
+        for name in given.studies:
+            print(currents_table(arm_of(name), given.quick))
         return
+    many = len(given.studies)
+    with ProcessPoolExecutor(min(many, os.cpu_count() or 1)) as pool:
+        asked = given.studies, [given.constants] * many, [given.quick] * many
+        found = dict(zip(given.studies, pool.map(judged, *asked), strict=True))
+    tables = [changes(found)] if given.constants else [table(rows) for rows in found.values()]
+    print(*tables, sep="\n\n")
+    if given.constants and given.page:
+        write_text(replaced(PAGE.read_text(), TITLE, tables[0]), PAGE)
+
+
+def arm_of(name: str) -> Study:
+    """Return the recordings of an arm of a built study, <study>:<robot>, by default its UR5."""
+    study, _, robot = name.partition(":")
+    [folder] = built([Path("results") / study])
+    return read_study(folder, robot or "ur5", ("fit", "validate", "contact"))
+
+
+def judged(name: str, constants: bool, quick: bool) -> pd.DataFrame:
+    """Return what is counted of an arm, of all folds or the first, without each of the parts."""
+    study, parts = arm_of(name), PARTS
+    if constants:
+        parts = {WHOLE: Part()} | {part: Part(instead, prior) for part, instead, prior in scaled()}
     rows: list[dict[str, Any]] = []
-    for fitted, tested in folds(study)[: 1 if given.quick else None]:
+    for fitted, tested in folds(study)[: 1 if quick else None]:
         with tempfile.TemporaryDirectory() as kept:
             rows += without_parts(Fold(study, fitted, Path(kept)), tested, parts)
-    found = pd.DataFrame(rows)
-    print(ranges(found) if given.constants else table(found))
-
-
-def value(name: str) -> Any:
-    """Return what a constant is."""
-    where = CONSTANTS[name]
-    return getattr(ContactPrior(15.0), where) if isinstance(where, str) else resolve_name(where[0])
-
-
-def all_scaled() -> dict[str, Part]:
-    """Return all constants times all factors."""
-    return {of(name, factor): scaled(name, factor) for name in CONSTANTS for factor in FACTORS}
-
-
-def of(name: str, factor: float) -> str:
-    """Return the name of a constant times a factor."""
-    return f"{name} × {factor:g}"
-
-
-def scaled(name: str, factor: float) -> Part:
-    """Return the part that has a constant times a factor in its place."""
-    where, own = CONSTANTS[name], value(name)
-    other = tuple(factor * one for one in own) if isinstance(own, tuple) else factor * own
-    return (
-        Part(prior={where: other}) if isinstance(where, str) else Part(dict.fromkeys(where, other))
-    )
+    return pd.DataFrame(rows)
 
 
 def folds(study: Study) -> list[tuple[list[Recording], list[Recording]]]:
@@ -277,57 +245,6 @@ def table(rows: pd.DataFrame) -> str:
         for part in rows["part"].unique()
     ]
     return markdown(COLUMNS, lines)
-
-
-def ranges(rows: pd.DataFrame) -> str:
-    """A line for each constant: what it is, and the range in which the scores are the same."""
-    sums = rows.groupby(["part", "by"]).sum()
-    return markdown(
-        ["constant", "value", "scores are the same"],
-        [
-            [
-                name,
-                told(value(name)),
-                ranged(name, {factor for factor in FACTORS if same(sums, of(name, factor))}),
-            ]
-            for name in CONSTANTS
-        ],
-    )
-
-
-def told(number: Any) -> str:
-    """Return a number, or several, as text."""
-    return ", ".join(f"{one:g}" for one in np.atleast_1d(number))
-
-
-def ranged(name: str, held: set[float]) -> str:
-    """Return the range of a constant by the factors about one that change nothing."""
-    low, high = 1.0, 1.0
-    for factor in FACTORS[1::-1]:
-        low = factor if factor in held and low == 2 * factor else low
-    for factor in FACTORS[2:]:
-        high = factor if factor in held and factor == 2 * high else high
-    return f"× {low:g} to × {high:g}" if low < high else "none"
-
-
-def same(sums: pd.DataFrame, part: str) -> bool:
-    """Return whether no score of a part differs from that of the whole by more than SAME."""
-    return all(
-        np.abs(scores(sums.loc[part, by]) - scores(sums.loc[WHOLE, by])).le(pd.Series(SAME)).all()
-        for by in sums.loc[WHOLE].index
-    )
-
-
-def scores(own: pd.Series) -> pd.Series:
-    """Return what SAME limits, of sums; zero what they do not tell."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratios = {
-            "rmse": np.sqrt(own["square"] / own["samples"]),
-            "inside": own["inside"] / own["samples"],
-            "found": own["found"] / own["contacts"],
-            "alarms": own["found"] / own["minutes"],
-        }
-    return pd.Series(ratios).where(np.isfinite, 0.0)
 
 
 def figures(sums: pd.DataFrame, part: str, by: str) -> list[str]:

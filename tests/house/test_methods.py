@@ -5,13 +5,12 @@ from collections.abc import Iterator
 
 import pytest
 
+from benchmarks.harness.scaled_constants import CONSTANTS, told, value
 from tests.conftest import PROJECT
 from ur5lib.force import (
     contact_figures,
     contact_prior,
     contact_wrench,
-    external_torque,
-    force_input,
     gate,
     grasp,
     missed_contacts,
@@ -112,45 +111,19 @@ def statements() -> Iterator[str]:
     yield f"A typical contact has {typical:g} of the weight of the rated payload"
     forces = [typical_force(load_robot(robot_path(name))) for name in ("ur3", "ur5", "ur10e")]
     yield "a UR3 {:.0f} N, a UR5 {:.0f} N, a UR10e {:.0f} N".format(*forces)
-    yield f"| typical contact | {typical:g} of the rated payload |"
-    yield f"| its lever, place unknown | {100 * contact_place.WRIST_RADIUS:g} cm |"
-    yield f"| its weight | {contact_place.WRIST_WEIGHT:g} sample |"
-    yield f"| its lever, place known | {100 * contact_place.TOOL_RADIUS:g} cm |"
-    yield f"| weight of a known place | {contact_place.TOOL_WEIGHT:g} samples |"
-    small, large = contact_prior.GATE_SIZES
-    yield f"| magnitudes of the gate (typical forces) | 1/{1 / small:g}, {large:g} |"
-    yield f"| a force that is no contact (fast errors) | {gate.QUIET_SHARE:g} |"
-    yield f"| duration of contacts | {PRIOR.duration:g} s |"
-    yield f"| of those that the gate may miss | {PRIOR.unseen_duration:g} s |"
-    yield f"| of pauses | {PRIOR.pause:g} s |"
-    yield f"| load friction besides the fit's | {percent(PRIOR.load_friction)} |"
-    yield f"| friction of a run | {percent(PRIOR.friction_std)} |"
-    yield f"(share of the breakaway torque) | {residual_model.USUAL_STICTION:g} |"
-    yield f"| its fast error at rest, likewise | {residual_model.USUAL_REST_CHANGE:g} |"
+    for name, own in CONSTANTS.items():
+        yield f"| {name} | {told(value(own))} | {own.of} | {own.chosen} |"
+    known, unknown = 100 * contact_place.TOOL_RADIUS, 100 * contact_place.WRIST_RADIUS
+    yield f"within {known:g} cm, which counts as {contact_place.TOOL_WEIGHT:g} samples"
+    yield f"within {unknown:g} cm, which counts as one"
+    assert contact_place.WRIST_WEIGHT == 1
     yield f"in motion {residual_model.RUBBING_SHARE:g} of the deviation that the fits show"
-    rest = residual_model.USUAL_REST_STD
-    yield f"| deviation of a joint that settles or rests, likewise | {rest:g} |"
-    yield f"| rest and stops that count as much | {residual_model.SHOWN_DURATION:g} s |"
-    yield f"| in motion, where nothing was fitted to | {residual_model.USUAL_RUBBING:g} |"
-    yield f"| hunting (share) | {PRIOR.hunting:g} |"
-    yield f"| settling | {PRIOR.settling:g} s |"
-    yield f"| mean of what stiction takes | 1/{1 / force_input.MEAN_STICTION:g} |"
-    yield f"| weight of the typical contact | {contact_wrench.TYPICAL_SIZE_WEIGHT:g} |"
-    opening, closing = wrench_estimate.OPENING_PROBABILITY, wrench_estimate.CLOSING_PROBABILITY
-    yield f"| gate closes (opens at {opening:g}) | {closing:g} |"
-    yield f"| margin | {wrench_estimate.CONTACT_MARGIN:g} s |"
-    yield f"| κ | {missed_contacts.MISSED_DEVIATIONS:g} |"
+    yield f"takes {residual_model.USUAL_RUBBING:g} of the breakaway torque in motion"
     smoothing = wrench_estimate.REST_SMOOTHING_PERIODS
-    yield f"| smoothing at rest (periods of the low-pass) | {smoothing:g} |"
     yield f"a normal weight of {smoothing:g} periods of the low-pass"
     yield f"κ is {missed_contacts.MISSED_DEVIATIONS:g}."
     yield f"as contact (its torque is {gate.QUIET_SHARE:g} of the fast error)"
     yield f"the prior P is 0 ± {contact_wrench.STATIC_FORCE:g} typical forces"
-    yield (
-        f"(a stop counts after {external_torque.MIN_STOP_DURATION:g} s and relaxes for "
-        f"{external_torque.RELAXATION_TIME:g} s, friction of a stopped joint renews within "
-        f"{external_torque.RELAXATION_TIME:g} s)"
-    )
     yield f"contain a lever of {100 * contact_wrench.UNRESOLVED_LEVER:g} cm"
     yield f"the prior standard deviation is {percent(PRIOR.friction_std)}"
     yield (
