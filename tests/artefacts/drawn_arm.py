@@ -18,6 +18,7 @@ from ur5lib.timeseries.arrays import Array
 
 VIEWS = [(-1.1, 0.35), (0.4, -0.2), (2.0, 1.5)]  # turn and tilt [rad]
 TWO_SIGMA = np.sqrt(-2 * np.log(0.05))  # of 95 % in a plane
+LEVELS = 255  # of packed forces, in their range
 DRAWN = """([recording, time, [turn, tilt]]) => {
   const stretch = stretches.get(recording), [look] = stretch.looks, { arm } = look;
   Object.assign(stretch.view, { turn, tilt });
@@ -67,7 +68,8 @@ def check_arm(results: Path, recording: str) -> None:
             row = known[int(share * len(known))]
             felt = None if sensed is None else sensed[row, :3]
             at = signals.time[row], signals.actual_q[row], force[row, :3], std[row, :3], felt
-            check_drawn(page, recording, robot, at, view)
+            packed = np.nanmax(std[rows, :3]) / LEVELS
+            check_drawn(page, recording, robot, at, view, packed)
 
 
 def check_drawn(
@@ -76,10 +78,11 @@ def check_drawn(
     robot: Robot,
     at: tuple[float, Array, Array, Array, Array | None],
     view: tuple[float, float],
+    packed: float,
 ) -> None:
     """At a time: positions (n,) [rad], force and its deviation (3,) [N], and the sensor's if any.
 
-    robot: under the recording's gravity. Positions are packed to 0.001 rad, forces to 1/255 of
+    robot: under the recording's gravity; packed: step of the deviations [N]. Positions are packed to 0.001 rad, forces to 1/255 of
     their range.
     """
     time, q, force, std, sensed = at
@@ -97,7 +100,8 @@ def check_drawn(
         if known is not None:
             arrow = per_newton * projection @ up @ known
             np.testing.assert_allclose(np.array(drawn[tip]) - points[-1], arrow, atol=1.5)
-    check_ellipse(drawn["ellipse"], per_newton * TWO_SIGMA * projection @ up @ np.diag(std))
+    half = per_newton * TWO_SIGMA * projection @ up @ np.diag(std)
+    check_ellipse(drawn["ellipse"], half, per_newton * TWO_SIGMA * packed)
     if np.hypot(*(np.array(drawn["tip"]) - points[-1])) > 40:
         assert [0, 158, 115] in drawn["colours"]  # the sensor's arrow is above
     if not force.any():  # its band would be taken for what a push must exceed
@@ -124,10 +128,11 @@ def extents(ellipse: dict[str, float]) -> Array:
     return np.array([-half, half])
 
 
-def check_ellipse(drawn: dict[str, float], half: Array) -> None:
-    """Its matrix is half halfᵀ; half: (2, 3) [pixels]."""
+def check_ellipse(drawn: dict[str, float], half: Array, step: float) -> None:
+    """Its matrix is half halfᵀ; half: (2, 3) [pixels], packed in steps [pixels]."""
     c, s = np.cos(drawn["angle"]), np.sin(drawn["angle"])
     turn = np.array([[c, -s], [s, c]])
     matrix = turn @ np.diag([drawn["across"] ** 2, drawn["along"] ** 2]) @ turn.T
     expected = half @ half.T
-    np.testing.assert_allclose(matrix, expected, atol=0.06 * np.abs(expected).max())
+    largest = np.abs(expected).max()
+    np.testing.assert_allclose(matrix, expected, atol=0.06 * largest + step * np.sqrt(largest))

@@ -28,7 +28,7 @@ from ur5lib.report.figures.traces import (
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.metrics import NORMAL95
-from ur5lib.timeseries.segments import starts
+from ur5lib.timeseries.segments import starts, without_ends
 
 OptionalLines = Mapping[
     str, tuple[Array | None, str]
@@ -81,7 +81,8 @@ def effort_figure(
     known = np.isfinite(measured + predicted).all(axis=1, keepdims=True)
 
     def smooth(values: Array) -> Array:
-        return slowly(np.where(known, values, np.nan), signals, lowpass)
+        slow = slowly(np.where(known, values, np.nan), signals, lowpass)
+        return without_ends(slow, signals.segment, signals.period, lowpass[1])
 
     slow, half = smooth(predicted), currents.band
     lines = {
