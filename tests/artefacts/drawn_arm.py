@@ -82,8 +82,8 @@ def check_drawn(
 ) -> None:
     """At a time: positions (n,) [rad], force and its deviation (3,) [N], and the sensor's if any.
 
-    robot: under the recording's gravity; packed: step of the deviations [N]. Positions are packed to
-    0.001 rad, forces to 1/255 of their range.
+    robot: under the recording's gravity; packed: step of the deviations [N]. Positions are packed
+    to 0.001 rad, forces to 1/255 of their range.
     """
     time, q, force, std, sensed = at
     drawn = page.evaluate(DRAWN, [recording, time, view])
