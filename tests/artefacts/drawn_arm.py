@@ -78,7 +78,7 @@ def check_drawn(
     robot: Robot,
     at: tuple[float, Array, Array, Array, Array | None],
     view: tuple[float, float],
-    packed: float,
+    packed: float = 0.0,
 ) -> None:
     """At a time: positions (n,) [rad], force and its deviation (3,) [N], and the sensor's if any.
 

@@ -232,7 +232,7 @@ def test_a_joint_that_never_moved_has_no_friction() -> None:
     rows += [known | {"parameter": "coulomb", "reason": "no_motion"}]
     results = study(friction=rows)
     (line,) = tables_of(results)["constants-by-joint"]
-    assert (line["torque constant"], line["Coulomb"]) == ("0 ± 60*", "did not move")
+    assert (line["torque constant"], line["Coulomb"]) == ("0 ± 100*", "did not move")
     _, coulomb = tables_of(results, "details")["friction-parameters"]
     assert not re.search(r"\d", "".join(coulomb.values()).removeprefix("6"))
 
