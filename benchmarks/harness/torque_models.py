@@ -21,7 +21,7 @@ from ur5lib.identification.samples import CurrentSamples, tracks
 from ur5lib.recordings.entries import ENTRY
 from ur5lib.records.carried import carried
 from ur5lib.records.friction import CurrentFit
-from ur5lib.records.motion import Motion
+from ur5lib.records.motion import Motion, posture_change
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, robot_of
 from ur5lib.robots.friction import Track, direction_over_distances
@@ -37,7 +37,8 @@ MAX_GAP = 0.1  # s, as in studies
 MOTION, CURRENTS = Butterworth(4, 10.0), Butterworth(4, 2.0)
 SMOOTH = Smoother(*CURRENTS)
 MEMORIES = (1e-5, 1e-4, 1e-3, 1e-2)  # rad, over which parts of dry friction reverse
-SAME_POSTURE = 1e-3  # rad
+# Ten times that of a study: the files are known to be of one session.
+SESSION_POSTURE = 1e-3  # rad
 RIDGE = 1e-8  # of the columns' mean squares: the regressor's columns depend on each other
 
 
@@ -76,8 +77,8 @@ def chained(runs: Sequence[Run]) -> list[Run]:
     """Return runs that know the motions before, as far as each began where the one before ended."""
     following = [*map(copy, runs)]
     for earlier, run in pairwise(following):
-        moved = np.abs(run.motion.q[0] - earlier.motion.q[-1])
-        run.before = [*earlier.before, earlier.motion] if moved.max() < SAME_POSTURE else []
+        moved = np.abs(posture_change(earlier.motion, run.motion)).max()
+        run.before = [*earlier.before, earlier.motion] if moved < SESSION_POSTURE else []
     return following
 
 

@@ -33,12 +33,12 @@ from ur5lib.identification.torque_rows import MeasuredRun, TorqueRows, torque_ro
 from ur5lib.records.phrases import numbered
 from ur5lib.robots.description import Robot
 from ur5lib.robots.drives import shaft_matrix
+from ur5lib.robots.friction import SPEED_TERMS
 from ur5lib.robots.inertia import link_tail, shift_inertia
 from ur5lib.robots.statics import STANDARD_GRAVITY
 from ur5lib.timeseries.arrays import Array, Mask
 
-# Those that need no link model.
-JOINT_TERMS = "coulomb", "viscous", "velocity_root", "velocity_square"
+JOINT_TERMS = ("coulomb", "viscous", *SPEED_TERMS)  # those that need no link model
 FOLDS = 5
 # What a balance takes at least off the squared error of its joint on unseen paths, and by how many
 # standard errors over the folds.

@@ -145,13 +145,8 @@ TERMS = {
 }
 SPEED_TERMS = ("velocity_root", "velocity_square")  # kept, or added, by paths left out
 STRIBECK = "velocity_stribeck"  # the term that is tried last, as friction at rest looks like it
-OPTIONAL_TERMS = (
-    *SPEED_TERMS,
-    STRIBECK,
-    "coupled",
-    "balance",
-    "rotor",
-)  # which some arms or joints have
+# Which some arms or joints have.
+OPTIONAL_TERMS = (*SPEED_TERMS, STRIBECK, "coupled", "balance", "rotor")
 
 
 def _shaft_columns(motion: JointMotion) -> list[Array]:
