@@ -73,6 +73,7 @@ from ur5lib.identification.validation import (
     score,
 )
 from ur5lib.records.friction import CoefficientEstimate, CurrentFit, Friction, LeftOut
+from ur5lib.records.motion import Motion
 from ur5lib.robots.friction import BASE_TERMS
 from ur5lib.tables import read_record, write_json
 from ur5lib.timeseries.arrays import Array
@@ -450,6 +451,7 @@ def test_a_constant_of_unknown_sign_is_undetermined(study: list[CurrentSamples])
 
 
 UNLIKELY = "unlikely constant"
+OF_MOTION = "q", "qd", "qdd", "q_std", "qd_std", "qdd_std", "motor_qd"
 
 
 @pytest.mark.parametrize(("ratio", "doubted"), [(1.4, False), (1.6, True), (0.6, True)])
@@ -599,7 +601,9 @@ def with_bands(fit: CurrentFit, half: float) -> CurrentFit:
 def test_a_band_widens_with_the_days_from_the_nearest_recording(
     fitted: CurrentFit, day: str, std: float
 ) -> None:
-    """Dates of the fit are 17 January and 5 February; a recording without one is a season apart."""
+    """Dates of the fit are 17 January and 5 February; a recording without one is a season apart,
+    unless it follows another one.
+    """
     dates = ("2020-01-17", "2020-02-05")
     fit = replace(with_bands(fitted, 0.0), dates=dates)
     other = replace(make_record(99), day=day)
@@ -607,8 +611,17 @@ def test_a_band_widens_with_the_days_from_the_nearest_recording(
     np.testing.assert_allclose(
         band(fit, other, smooth), NORMAL95 * std * friction, rtol=5e-3, atol=1e-9
     )
-    undated = band(replace(fit, dates=()), other, smooth)
-    np.testing.assert_allclose(undated, NORMAL95 * 0.0996 * friction, rtol=5e-3, atol=1e-9)
+    undated_fit, undated = replace(fit, dates=()), replace(other, day="")
+    np.testing.assert_allclose(
+        band(undated_fit, undated, smooth), NORMAL95 * 0.0996 * friction, rtol=5e-3, atol=1e-9
+    )
+    states = dict.fromkeys(OF_MOTION, np.tile(other.q[0], (2, 1)))
+    before = Motion(time=other.period * np.arange(2), segment=np.zeros(2, dtype=int), **states)
+    following = replace(undated, before=[before])
+    friction = np.abs(smooth(friction_current(fit, following), following))
+    np.testing.assert_allclose(
+        band(undated_fit, following, smooth), NORMAL95 * 0.006 * friction, rtol=5e-3, atol=1e-9
+    )
 
 
 def test_a_fit_knows_the_dates_of_its_recordings(study: list[CurrentSamples]) -> None:

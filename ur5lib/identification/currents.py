@@ -138,7 +138,10 @@ def band(fit: CurrentFit, record: CurrentSamples, smooth: Smooth) -> Array:
     """Return half the 95 % band (N, n) [A] of low-passed predictions on the day of a record."""
     by_state = np.array([joint.bands for joint in fit.joints])
     within = np.choose(motion_states(record, smooth), by_state.T[:, None])
-    differing = friction_std(days_apart(record.day, fit.dates))
+    # without any date, a recording that follows another one is of its session
+    is_of_session = bool(record.before) and not record.day and not fit.dates
+    days = 0.0 if is_of_session else days_apart(record.day, fit.dates)
+    differing = friction_std(days)
     between = differing * smooth(friction_current(fit, record), record)
     doubt = smooth(_coefficients_doubt(fit, record), record)
     return np.hypot(within, NORMAL95 * np.hypot(between, doubt))
