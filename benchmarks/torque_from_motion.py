@@ -11,6 +11,7 @@ name. `--page` writes the part; `--quick` takes a few files.
 import sys
 from collections.abc import Iterator, Sequence
 from functools import partial
+from itertools import starmap
 from pathlib import Path
 from typing import NamedTuple
 
@@ -30,7 +31,7 @@ from benchmarks.harness.torque_models import (
 )
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.tables import write_text
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Mask
 from ur5rivals.estimators import gaussian_process
 from ur5rivals.learned_residual import Predict, TrainingSamples, standardised
 
@@ -39,6 +40,8 @@ TITLE = "Torque from motion"
 QUICK_FILES = 6
 POINTS_OF_PROCESS = 600  # that a Gaussian process learns from
 REPEATS_AFTER = 3  # files: the motion of file k is driven again in file k + 3
+SAME_MOTION = 0.1  # rad, within which two runs are drives of one motion
+FIRST_MOTION = 0.01  # rad, behind which no friction of before is left
 
 
 class Row(NamedTuple):
@@ -79,8 +82,14 @@ def run_of(file: Path) -> Run:
 
 
 def is_repeated(run: Run, fitted: Sequence[Run]) -> bool:
-    """Return whether a run is the recording of a fitted one."""
-    return any(np.array_equal(run.torque, own.torque) for own in fitted)
+    """Return whether a run is a drive of the motion of a fitted one."""
+    return any(largest_difference(run, own) < SAME_MOTION for own in fitted)
+
+
+def largest_difference(one: Run, two: Run) -> float:
+    """Return the largest difference [rad] of positions at the same times since each start."""
+    length = min(len(one.torque), len(two.torque))
+    return float(np.abs(one.signals.actual_q[:length] - two.signals.actual_q[:length]).max())
 
 
 def table(fitted: Sequence[Run], judged: Sequence[Run], between: Sequence[Run] = ()) -> str:
@@ -144,24 +153,30 @@ def line(row: Row, judged: Sequence[Run]) -> list[str]:
 
 
 def repeated(judged: Sequence[Run]) -> Iterator[list[str]]:
-    """Yield the row of what repetition alone leaves: differences of two runs over √2."""
+    """Yield rows of what repetition alone leaves: differences of two runs over √2, of all samples
+    and of those behind each joint's first motion.
+    """
     pairs = [*zip(judged, judged[REPEATS_AFTER:], strict=False)]
     if pairs:
-        lengths = [min(len(one.torque), len(two.torque)) for one, two in pairs]
-        parts = [
-            one.torque[:length] - two.torque[:length]
-            for (one, two), length in zip(pairs, lengths, strict=True)
-        ]
-        difference = np.concatenate(parts) / np.sqrt(2)
+        differences, moved = map(np.concatenate, zip(*starmap(driven_twice, pairs), strict=True))
         size = np.concatenate([run.torque for run in judged]).std(axis=0)
-        floor = np.sqrt((difference**2).mean(axis=0)) / size
-        yield [
-            "the same motion driven twice, difference over √2",
-            *(f"{own:.3f}" for own in floor),
-            f"**{floor.mean():.3f}**",
-            "",
-            "",
-        ]
+        for where, used in (("", np.ones_like(moved)), (", behind its first 0.01 rad", moved)):
+            squares = np.where(used, differences**2, np.nan)
+            floor = np.sqrt(np.nanmean(squares, axis=0)) / size
+            name = f"the same motion driven twice, difference over √2{where}"
+            yield [name, *(f"{own:.3f}" for own in floor), f"**{floor.mean():.3f}**", "", ""]
+
+
+def driven_twice(one: Run, two: Run) -> tuple[Array, Mask]:
+    """Return the difference (N, n) [Nm] of two drives' torques over √2, and where each joint has
+    left its first posture in both.
+    """
+    length = min(len(one.torque), len(two.torque))
+    moved = [
+        np.maximum.accumulate(np.abs(own - own[0]))[:length] > FIRST_MOTION
+        for own in (one.signals.actual_q, two.signals.actual_q)
+    ]
+    return (one.torque[:length] - two.torque[:length]) / np.sqrt(2), moved[0] & moved[1]
 
 
 if __name__ == "__main__":

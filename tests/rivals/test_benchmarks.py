@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.torque_from_motion import is_repeated, run_of
 from tests.conftest import PROJECT, shared_folder
 from tests.house.test_benchmarks import run_benchmark
 
@@ -34,6 +35,22 @@ def test_torques_of_public_recordings_are_predicted() -> None:
     folder = shared_folder("kuka-kr300/benchmark-10hz", "docs/benchmark.md names their source")
     printed = run_benchmark("torque_from_motion", PROJECT, "--folder", str(folder))
     assert all(text in printed for text in ("linear map", "| ours |", "process")), printed
+
+
+def test_a_motion_of_the_fit_is_not_judged(tmp_path: Path) -> None:
+    """Nor another drive of it: files 1 and 4 are drives of one motion, file 2 is of another."""
+    folder = shared_folder("kuka-kr300/benchmark-10hz", "docs/benchmark.md names their source")
+    one, two, four = (folder / f"val-0{number}.csv" for number in (1, 2, 4))
+    assert not is_repeated(run_of(two), [run_of(one)])
+    for file, place in ((one, tmp_path / "train-1.csv"), (four, tmp_path / "test" / "1.csv")):
+        place.parent.mkdir(exist_ok=True)
+        shutil.copy(file, place)
+    with pytest.raises(SystemExit, match="1: motions of the fit"):
+        run_benchmark(
+            "torque_from_motion",
+            PROJECT,
+            *("--folder", str(tmp_path), "--test", str(tmp_path / "test")),
+        )
 
 
 @pytest.mark.parametrize("name", ["leaderboard", "live"])
