@@ -17,7 +17,7 @@ from tests.made_records import motion_of
 from tests.stored_files import made_up_channels
 from ur5lib.channels import CURRENT
 from ur5lib.checks.block_means import block_means
-from ur5lib.checks.by_motion import MotionChecks, are_exchanged
+from ur5lib.checks.by_motion import MotionChecks, are_exchanged, have_exchanged_efforts
 from ur5lib.checks.checked import Checked
 from ur5lib.checks.contacts import FeltContact
 from ur5lib.checks.delays import Delays, delayed_currents
@@ -340,3 +340,19 @@ def test_joints_are_exchanged_where_the_others_agree(
     declared.by_links = declared.by_any_links = Misfit(np.zeros(6), np.zeros((STRETCHES, 6)))
     other = ahead(motion, [1.0, others, others, 1.0, others, others])
     assert are_exchanged(other, declared, (0, 3)) == exchanged
+
+
+@pytest.mark.parametrize(("lead", "exchanged"), [(1.2, False), (3.0, True)])
+def test_joints_that_move_alike_are_exchanged_only_by_clear_links(
+    sensed: Robot, lead: float, exchanged: bool
+) -> None:
+    """Any links explain either order of them; described ones may err by more than wrists bear."""
+    means = block_means(log(sensed).robot, STEP)
+    alike = replace(means, qd=np.repeat(means.qd[:, :1], 6, axis=1) * np.arange(1.0, 7.0))
+    for own, expected in ((means, True), (alike, exchanged)):
+        motion = WholeMotion(own, sensed)
+        declared = ahead(motion, [0.0] * 6)
+        declared.by_links = declared.by_any_links = Misfit(np.zeros(6), np.zeros((STRETCHES, 6)))
+        swapped = ahead(motion, [lead, 0.1, 0.1, lead, 0.1, 0.1])
+        assert are_exchanged(swapped, declared, (0, 3)) == expected
+        assert have_exchanged_efforts(swapped, declared, (0, 3)) == expected

@@ -32,6 +32,9 @@ MAX_LEAD_AGAINST = 0.1  # of what is declared by any links, at which these are n
 MIN_LEAD_OF_EFFORTS = 0.15
 CLEAR_LEAD_OF_JOINTS = 0.8  # by the declared links, from which on any links need not agree
 MIN_LEAD_OF_JOINTS, MIN_LEAD_OF_JOINTS_BY_ANY_LINKS = 0.35, 0.5
+# By declared links that are no UR's, whose are known, where two joints move alike: any links would
+# explain either order of them. A right log of a KUKA LWR leads by 1.2, simulated ones by 0.6.
+MIN_LEAD_OF_ALIKE = 2.5
 # A turned joint leads by at most 0.31 in right logs by the declared links. By any, the mean over
 # all joints is at most 0.05.
 MIN_LEAD_OF_SIGN, MIN_LEAD_OF_SIGN_BY_ANY_LINKS = 0.5, 0.15
@@ -62,6 +65,7 @@ class Limits(NamedTuple):
 
 OF_EFFORTS = Limits(MIN_LEAD_OF_EFFORTS, MIN_LEAD_OF_EFFORTS)
 OF_JOINTS = Limits(MIN_LEAD_OF_JOINTS, MIN_LEAD_OF_JOINTS_BY_ANY_LINKS)
+OF_ALIKE = Limits(MIN_LEAD_OF_ALIKE, np.inf)
 
 
 class MotionChecks:
@@ -139,7 +143,7 @@ class MotionChecks:
     def exchanges_of_efforts(self) -> Iterator[Cause]:
         """Yield pairs of joints whose motion explains each other's efforts better."""
         for pair, other in self.exchanged_efforts.items():
-            if is_likelier(other, self.declared, pair, OF_EFFORTS):
+            if have_exchanged_efforts(other, self.declared, pair):
                 efforts = self.means.effort[:, self._order(pair)]
                 means = self.means.with_efforts(efforts)
                 finding = exchanged_efforts(pair, self.means.measured)
@@ -231,7 +235,7 @@ class MotionChecks:
     def tells_efforts(self, pair: Pair) -> bool:
         """Return whether an exchange of two joints' efforts would be noticed."""
         own = self.exchanged_efforts.get(pair)
-        return own is not None and is_likelier(self.declared, own, pair, OF_EFFORTS)
+        return own is not None and have_exchanged_efforts(self.declared, own, pair)
 
     def tells_sign(self, joint: int) -> bool:
         """Return whether the opposite sign of a joint's effort would be noticed, also where all are
@@ -292,6 +296,19 @@ def is_likelier(other: Explained, first: Explained, joints: Sequence[int], least
     return lead(other.by_any_links, first.by_any_links, joints).size > -MAX_LEAD_AGAINST
 
 
+def have_exchanged_efforts(other: Explained, first: Explained, pair: Pair) -> bool:
+    """Return whether two joints with their efforts exchanged are likelier."""
+    limits = OF_ALIKE if are_alike(first.motion, pair) else OF_EFFORTS
+    return is_likelier(other, first, pair, limits)
+
+
+def are_alike(motion: WholeMotion, pair: Pair) -> bool:
+    """Return whether only the described links could tell two joints apart, and nobody vouches for
+    them.
+    """
+    return motion.means.move_alike(pair) and not motion.arm.has_ur_motors()
+
+
 def are_exchanged(other: Explained, first: Explained, pair: Pair) -> bool:
     """Return whether two joints with all channels exchanged are likelier: clearly so by the
     declared links, or by these and any links alike. All joints' torques must be, too, which hang on
@@ -299,6 +316,8 @@ def are_exchanged(other: Explained, first: Explained, pair: Pair) -> bool:
     """
     if not _leads(lead(other.by_known, first.by_known, first.motion.joints), 0.0):
         return False
+    if are_alike(first.motion, pair):
+        return is_likelier(other, first, pair, OF_ALIKE)
     if other.by_links is None or first.by_links is None:
         return is_likelier(other, first, pair, OF_JOINTS)
     if is_likelier(other, first, pair, OF_JOINTS._replace(by_links=CLEAR_LEAD_OF_JOINTS)):
