@@ -54,7 +54,7 @@ class BlockMeans:
         """
         q, qd, qdd = (values[rows][:, columns] for values in (self.q, self.qd, self.qdd))
         currents = {name: values[rows][:, columns] for name, values in self.currents.items()}
-        return type(self)(q, qd, qdd, None, currents, self.offset)
+        return type(self)(q, qd, qdd, None, currents, self.offset, self.independent)
 
     @property
     def measured(self) -> Effort:

@@ -134,6 +134,7 @@ def _with_known_where_lost(
     shown = vague & ~lost & ~kept(vague & ~lost)
     vague &= ~shown
     contradicted_joints, known_constants = fit.joints, 1 / prior.inverse_constant.mean
+    halves = _inverse_half(fit)
     known = prior.with_pinned(lost | vague)
     fit = fitted(known)
     still_vague = sensed & ~vague & ~shown & (constants_band(fit) > prior.std())
@@ -145,7 +146,8 @@ def _with_known_where_lost(
         coefficients = contradicted_joints[joint].estimate.coefficients
         doubt = _against(float(1 / coefficients[0]), float(known_constants[joint]), sensed)
         remarks = *joints[joint].remarks, doubt
-        joints[joint] = replace(joints[joint], alone=coefficients, remarks=remarks)
+        half = float(halves[joint])
+        joints[joint] = replace(joints[joint], alone=coefficients, alone_half=half, remarks=remarks)
     return replace(fit, joints=tuple(joints)), known
 
 
@@ -230,9 +232,8 @@ def beyond_range(fit: CurrentFit) -> Mask:
     """Return which gains (n,) are outside GAIN_RANGE by more than the 95 % intervals of what is
     fitted, 1/gain.
     """
-    inverse, half = 1 / torque_constants(fit), NORMAL95 * constants_band(fit)
-    low, high = inverse - half * np.abs(inverse), inverse + half * np.abs(inverse)
-    beyond: Mask = (high < 1 / GAIN_RANGE[1]) | (low > 1 / GAIN_RANGE[0])
+    inverse, half = 1 / torque_constants(fit), _inverse_half(fit)
+    beyond: Mask = (inverse + half < 1 / GAIN_RANGE[1]) | (inverse - half > 1 / GAIN_RANGE[0])
     return beyond
 
 
@@ -250,11 +251,18 @@ def too_large(fit: CurrentFit, prior: Prior) -> Mask:
 
 
 def too_small(fit: CurrentFit, prior: Prior) -> Mask:
-    """Return which torque constants (6,) are far smaller than known: a unit or arm is wrong."""
+    """Return which torque constants (6,) are far smaller than known, and smaller by their own 95 %
+    intervals, too: a unit or arm is wrong.
+    """
     inverse, known_inverse, std = _inverse_constants(fit, prior)
-    return (inverse - known_inverse > CONTRADICTING_DEVIATIONS * std) & (
-        inverse > CONTRADICTING_RATIO * known_inverse
-    )
+    far = inverse - known_inverse > CONTRADICTING_DEVIATIONS * std
+    surely = inverse - _inverse_half(fit) > known_inverse
+    return far & surely & (inverse > CONTRADICTING_RATIO * known_inverse)
+
+
+def _inverse_half(fit: CurrentFit) -> Array:
+    """Return half of the 95 % intervals (n,) of 1/k [A/Nm], which is what is fitted."""
+    return NORMAL95 * constants_band(fit) / np.abs(torque_constants(fit))
 
 
 def _inverse_constants(fit: CurrentFit, prior: Prior) -> tuple[Array, Array, Array]:
