@@ -4,6 +4,7 @@ Of a UR5e by currents, and of the same arm by its joints' torques, as whose link
 logs are computed here, by the equations of motion with friction, gears' losses and noise.
 """
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -195,13 +196,32 @@ def test_a_delay_is_told_where_a_shorter_one_explains_less(
 ) -> None:
     """Friction that follows a reversal looks like a delay of one step, or of the next."""
     seconds = 0.02 * np.arange(-2, 3)
-    delays = Delays(
-        seconds,
-        np.array([0.0, 0.0, 70.0, 100.0 - before_shorter, 100.0]),
-        of_slow_reversal=np.zeros(5),
-        shortest=0.03,
-    )
+    usual = np.array([0.0, 0.0, 70.0, 100.0 - before_shorter, 100.0])
+    scores = np.array([usual, usual, np.zeros(5)])[:, None]
+    delays = Delays(seconds, scores, shortest=0.03)
     assert bool([*delayed_currents(delays, driven=True, name="actual_current")]) == told
+
+
+def late(own: Checked, joints: list[int], seconds: float = 0.1) -> Checked:
+    """A log whose efforts of some joints, from 0, come later than their motion."""
+    effort = channel(own.robot, own.arm.measured.channel).copy()
+    effort[:, joints] = np.roll(effort[:, joints], round(seconds / STEP), axis=0)
+    return replace(own, robot=own.robot.assign(**named(effort, own.arm.measured.channel)))
+
+
+@pytest.mark.parametrize("joint", range(6))
+def test_one_late_joint_is_told(ur5e: Robot, joint: int) -> None:
+    own = log(ur5e)
+    found = [*stop_signs(late(own, [joint])), *possible_delays(late(own, [joint]))]
+    assert found[0].code == "late joint"
+    assert found[0].joints == (joint + 1,)
+    assert re.search(r" 0\.(08|10|12) s later", found[0].detail)
+
+
+def test_a_late_log_names_no_joint(ur5e: Robot, sensed: Robot) -> None:
+    (sign,) = stop_signs(late(log(ur5e), [*range(6)]))
+    assert sign.code == "late current"
+    assert possible_delays(log(ur5e)) == possible_delays(log(sensed)) == []
 
 
 def test_another_arm_is_told_unless_a_load_may_explain_it(ur5e: Robot) -> None:
