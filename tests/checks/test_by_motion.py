@@ -23,7 +23,12 @@ from ur5lib.checks.checked import Checked
 from ur5lib.checks.contacts import FeltContact
 from ur5lib.checks.delays import Delays, delayed_currents
 from ur5lib.checks.doubts import DOUBT, doubts_by_joint
-from ur5lib.checks.findings import contacts_felt, contradictions, possible_delays
+from ur5lib.checks.findings import (
+    contacts_felt,
+    contradictions,
+    load_without_targets,
+    possible_delays,
+)
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.unchecked import unchecked
 from ur5lib.checks.whole_motion import STRETCHES, Explained, Misfit, WholeMotion
@@ -231,6 +236,16 @@ def test_another_arm_is_told_unless_a_load_may_explain_it(ur5e: Robot) -> None:
     assert "`robot: ur5e`" in sign
     loaded = log(ur5e.carrying(Payload(mass=1.5, center_of_mass=(0.0, 0.0, 0.05))))
     assert signs(replace(loaded, arm=ur5e)) == []
+
+
+@pytest.mark.parametrize(("mass", "told"), [(0.3, False), (2.6, True)])
+def test_a_load_is_told_without_targets(ur5e: Robot, mass: float, told: bool) -> None:
+    load = Payload(mass=mass, center_of_mass=(0.01, 0.0, 0.08))
+    own = replace(log(ur5e.carrying(load)), arm=ur5e)
+    found = load_without_targets(own)
+    assert [one.finding for one in found] == ["undeclared load"] * told
+    assert load_without_targets(replace(own, fitted=False)) == []
+    assert load_without_targets(replace(own, declared=load)) == []
 
 
 def doubts(own: Checked) -> list[str]:

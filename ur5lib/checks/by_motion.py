@@ -13,13 +13,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.channels import CURRENT
+from ur5lib.channels import CURRENT, TARGET_CURRENT
 from ur5lib.checks.arm import Cause, Pair, foreign_constant, robots_as_cause, torque_constants
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.currents import exchanged_efforts, moving_joints, rubbing_joints
 from ur5lib.checks.readings import exchanged_order, in_order
 from ur5lib.checks.whole_motion import Explained, Lead, Misfit, WholeMotion, lead
-from ur5lib.records.phrases import numbered
+from ur5lib.records.phrases import number, numbered
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
@@ -50,6 +50,9 @@ MIN_RATIO_OF_WEAK, MIN_LOW_OF_WEAK, RIGHT_RATIO = 1.18, 1.06, 1.05
 # A, of what such a current lacks beyond those of right logs; 0.15 A that vary once per turn look
 # like more in 7 of 432 logs of a UR3e
 MIN_LACKING_CURRENT = 0.17
+# Lead and mass [kg] of a load that no target tells. Right logs of UR's lead by at most 0.8, those
+# with 3 kg by 2.4.
+MIN_LEAD_OF_LOAD, MIN_LOAD, MIN_ERRORS_OF_LOAD = 1.0, 1.0, 5.0
 MIN_MOVING_JOINTS = 3  # that tell arms apart
 MIN_BLOCKS = (
     90  # of a log that tells arms, or joints exchanged in all channels; ten stretches of it
@@ -192,6 +195,20 @@ class MotionChecks:
             ahead = declared and lead(self.declared.by_any_links, declared, [joint])
             if ahead and ahead.size < MAX_LEAD_OF_ANY_LINKS:
                 yield foreign_constant(joint, shown.ratio[joint], shown.known[joint], self.arm)
+
+    def undeclared_load(self) -> Iterator[Finding]:
+        """Find a load that a UR's currents alone show, where no targets do: a warning."""
+        if not self.arm.has_ur_motors() or TARGET_CURRENT in self.means.currents:
+            return
+        mass, error, ahead = self.motion.load()
+        least = max(MIN_LOAD, MIN_ERRORS_OF_LOAD * error)
+        if mass > least and _leads(ahead, MIN_LEAD_OF_LOAD):
+            carried = f"{number(mass, '.1f')} ± {number(error, '.1g')} kg"
+            detail = (
+                f"by the currents, the arm carries {carried} more than the study declares; declare "
+                "it as `payload`, or fit to recordings without a load"
+            )
+            yield Finding("robot", "undeclared load", "warning", 1, detail)
 
     def other_arms(self, others: Sequence[Robot]) -> Iterator[Cause]:
         """Yield the arm that explains the efforts best, also if each carried any load, with those

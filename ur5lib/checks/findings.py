@@ -32,6 +32,7 @@ def contradictions(
     if not stops:  # from which others would follow
         doubts += possible_delays(checked)
         doubts += given_load(checked)
+        doubts += load_without_targets(checked)
         doubts += contacts_felt(checked, sensed)
         doubts += unchecked(checked)
     return accepting(Contradictions(stops, doubts), accepted)
@@ -48,6 +49,13 @@ def possible_delays(checked: Checked) -> list[Finding]:
     if not found:
         found += delayed_joint(delays, checked.tells_signs_by_friction(), name)
     return [as_warning(one) for one in found]
+
+
+def load_without_targets(checked: Checked) -> list[Finding]:
+    """Return the warning of a load that currents show; elsewhere than in fits, a run states it."""
+    if not checked.fitted or checked.motion is None or not checked.driven:
+        return []
+    return [*checked.motion.undeclared_load()]
 
 
 def _of_samples(checked: Checked, cutoffs_hz: Mapping[str, float]) -> Iterator[Finding]:
