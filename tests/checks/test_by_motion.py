@@ -4,6 +4,7 @@ Of a UR5e by currents, and of the same arm by its joints' torques, as whose link
 logs are computed here, by the equations of motion with friction, gears' losses and noise.
 """
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -17,12 +18,17 @@ from tests.made_records import motion_of
 from tests.stored_files import made_up_channels
 from ur5lib.channels import CURRENT
 from ur5lib.checks.block_means import block_means
-from ur5lib.checks.by_motion import MotionChecks, are_exchanged
+from ur5lib.checks.by_motion import MotionChecks, are_exchanged, have_exchanged_efforts
 from ur5lib.checks.checked import Checked
 from ur5lib.checks.contacts import FeltContact
 from ur5lib.checks.delays import Delays, delayed_currents
 from ur5lib.checks.doubts import DOUBT, doubts_by_joint
-from ur5lib.checks.findings import contacts_felt, contradictions, possible_delays
+from ur5lib.checks.findings import (
+    contacts_felt,
+    contradictions,
+    load_without_targets,
+    possible_delays,
+)
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.unchecked import unchecked
 from ur5lib.checks.whole_motion import STRETCHES, Explained, Misfit, WholeMotion
@@ -195,13 +201,32 @@ def test_a_delay_is_told_where_a_shorter_one_explains_less(
 ) -> None:
     """Friction that follows a reversal looks like a delay of one step, or of the next."""
     seconds = 0.02 * np.arange(-2, 3)
-    delays = Delays(
-        seconds,
-        np.array([0.0, 0.0, 70.0, 100.0 - before_shorter, 100.0]),
-        of_slow_reversal=np.zeros(5),
-        shortest=0.03,
-    )
+    usual = np.array([0.0, 0.0, 70.0, 100.0 - before_shorter, 100.0])
+    scores = np.array([usual, usual, np.zeros(5)])[:, None]
+    delays = Delays(seconds, scores, shortest=0.03)
     assert bool([*delayed_currents(delays, driven=True, name="actual_current")]) == told
+
+
+def late(own: Checked, joints: list[int], seconds: float = 0.1) -> Checked:
+    """A log whose efforts of some joints, from 0, come later than their motion."""
+    effort = channel(own.robot, own.arm.measured.channel).copy()
+    effort[:, joints] = np.roll(effort[:, joints], round(seconds / STEP), axis=0)
+    return replace(own, robot=own.robot.assign(**named(effort, own.arm.measured.channel)))
+
+
+@pytest.mark.parametrize("joint", range(6))
+def test_one_late_joint_is_told(ur5e: Robot, joint: int) -> None:
+    own = log(ur5e)
+    found = [*stop_signs(late(own, [joint])), *possible_delays(late(own, [joint]))]
+    assert found[0].code == "late joint"
+    assert found[0].joints == (joint + 1,)
+    assert re.search(r" 0\.(08|10|12) s later", found[0].detail)
+
+
+def test_a_late_log_names_no_joint(ur5e: Robot, sensed: Robot) -> None:
+    (sign,) = stop_signs(late(log(ur5e), [*range(6)]))
+    assert sign.code == "late current"
+    assert possible_delays(log(ur5e)) == possible_delays(log(sensed)) == []
 
 
 def test_another_arm_is_told_unless_a_load_may_explain_it(ur5e: Robot) -> None:
@@ -211,6 +236,16 @@ def test_another_arm_is_told_unless_a_load_may_explain_it(ur5e: Robot) -> None:
     assert "`robot: ur5e`" in sign
     loaded = log(ur5e.carrying(Payload(mass=1.5, center_of_mass=(0.0, 0.0, 0.05))))
     assert signs(replace(loaded, arm=ur5e)) == []
+
+
+@pytest.mark.parametrize(("mass", "told"), [(0.3, False), (2.6, True)])
+def test_a_load_is_told_without_targets(ur5e: Robot, mass: float, told: bool) -> None:
+    load = Payload(mass=mass, center_of_mass=(0.01, 0.0, 0.08))
+    own = replace(log(ur5e.carrying(load)), arm=ur5e)
+    found = load_without_targets(own)
+    assert [one.finding for one in found] == ["undeclared load"] * told
+    assert load_without_targets(replace(own, fitted=False)) == []
+    assert load_without_targets(replace(own, declared=load)) == []
 
 
 def doubts(own: Checked) -> list[str]:
@@ -340,3 +375,19 @@ def test_joints_are_exchanged_where_the_others_agree(
     declared.by_links = declared.by_any_links = Misfit(np.zeros(6), np.zeros((STRETCHES, 6)))
     other = ahead(motion, [1.0, others, others, 1.0, others, others])
     assert are_exchanged(other, declared, (0, 3)) == exchanged
+
+
+@pytest.mark.parametrize(("lead", "exchanged"), [(1.2, False), (3.0, True)])
+def test_joints_that_move_alike_are_exchanged_only_by_clear_links(
+    sensed: Robot, lead: float, exchanged: bool
+) -> None:
+    """Any links explain either order of them; described ones may err by more than wrists bear."""
+    means = block_means(log(sensed).robot, STEP)
+    alike = replace(means, qd=np.repeat(means.qd[:, :1], 6, axis=1) * np.arange(1.0, 7.0))
+    for own, expected in ((means, True), (alike, exchanged)):
+        motion = WholeMotion(own, sensed)
+        declared = ahead(motion, [0.0] * 6)
+        declared.by_links = declared.by_any_links = Misfit(np.zeros(6), np.zeros((STRETCHES, 6)))
+        swapped = ahead(motion, [lead, 0.1, 0.1, lead, 0.1, 0.1])
+        assert are_exchanged(swapped, declared, (0, 3)) == expected
+        assert have_exchanged_efforts(swapped, declared, (0, 3)) == expected

@@ -88,6 +88,32 @@ def test_constants_of_a_larger_or_smaller_arm_are_a_stop_sign(
     assert said.text.startswith("torque constants contradict the known values (joint 1 with ")
 
 
+@pytest.mark.parametrize(("half", "stops"), [(0.01, True), (0.2, False)])
+def test_constants_that_are_known_by_nothing_stop_nothing(
+    fit: CurrentFit, half: float, stops: bool
+) -> None:
+    """As −79 and −156 Nm/A of 20 s of poor data, whose 1/k may be that of the motor."""
+    lost = [
+        replace(own, alone=np.full(len(own.estimate.coefficients), -1 / 78.7), alone_half=half)
+        for own in fit.joints
+    ]
+    contradicted = replace(fit, joints=tuple(lost))
+    if not stops:
+        require_known_constants(contradicted, known(1.0, 0.1))
+        return
+    with pytest.raises(ContradictionError):
+        require_known_constants(contradicted, known(1.0, 0.1))
+
+
+def test_a_small_constant_of_a_large_error_stops_nothing(fit: CurrentFit) -> None:
+    """Nor does one of 0.4 times the known, whose own error is as large as it."""
+    vague = []
+    for own in fit.joints:
+        error = np.full(len(own.unseen), 1 / own.estimate.coefficients[0])
+        vague.append(replace(own, estimate=replace(own.estimate, std_error=error)))
+    require_known_constants(replace(fit, joints=tuple(vague)), known(2.2, 0.1))
+
+
 def test_nothing_is_fitted_to_a_recording_with_a_stop_sign() -> None:
     require_no_stop_sign({"a": Contradictions()})
     with pytest.raises(ContradictionError) as sign:

@@ -21,6 +21,7 @@ from tests.current_study import (
     smooth,
     with_noise,
 )
+from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.identification.current_regression import (
     DOUBTFUL_DEVIATIONS,
     LEAST_ERRORS,
@@ -448,6 +449,22 @@ def test_a_constant_of_unknown_sign_is_undetermined(study: list[CurrentSamples])
     rows = [row for row in parameters(replace(fit, joints=joints)) if row.joint == 3]
     assert [row.determined for row in rows if row.name == "torque_constant"] == [False]
     assert all(row.determined for row in rows if row.name == "coulomb")
+
+
+@pytest.mark.parametrize("measured", [CURRENT, TORQUE])
+@pytest.mark.parametrize(("place", "name"), [(2, "coulomb"), (3, "viscous")])
+def test_friction_that_drives_is_undetermined(
+    study: list[CurrentSamples], measured: Effort, place: int, name: str
+) -> None:
+    """However sure the fit is of it: something else is taken for it."""
+    fit = fit_currents(study[:3], smooth, prior())
+    estimate = fit.joints[2].estimate
+    turned = np.where(np.arange(len(estimate.coefficients)) == place, -1.0, 1.0)
+    driven = replace(estimate, coefficients=turned * estimate.coefficients)
+    joints = (*fit.joints[:2], replace(fit.joints[2], estimate=driven), *fit.joints[3:])
+    rows = [row for row in parameters(replace(fit, joints=joints), measured) if row.name == name]
+    assert [row.determined for row in rows if row.value < 0] == [False]
+    assert any(row.determined for row in rows)
 
 
 UNLIKELY = "unlikely constant"

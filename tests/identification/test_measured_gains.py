@@ -13,13 +13,19 @@ from tests.made_records import motion_of, signals_of, torques_of
 from ur5lib.checks.doubts import DOUBT
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import Remark
+from ur5lib.identification.current_regression import beyond_range
+from ur5lib.identification.current_samples import prior_of
 from ur5lib.identification.measured_torques import fit_arm
+from ur5lib.identification.samples import joint_samples
+from ur5lib.identification.selection import shows_gain
 from ur5lib.judging.may_be_used import friction_rows
 from ur5lib.records.carried import Carried
 from ur5lib.records.friction import Friction, Parameter
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Contradictions, Finding, Quality
 from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.robots.friction import INERTIA
+from ur5lib.robots.statics import gravity_torque
 from ur5lib.steps.fit_friction import fit_friction, with_causes
 from ur5lib.steps.identify_model import with_fitted
 from ur5lib.timeseries.arrays import Array
@@ -125,6 +131,33 @@ def test_inertia_tells_no_gain(arm: Robot) -> None:
     """Joint 1 bears no gravity: the inertia of a description is known less well than its masses."""
     first, *_ = rows(fitted(arm, gains=np.array([1.08, 1, 1, 1, 1, 1])), "torque_constant")
     assert (first.value, first.determined) == (pytest.approx(1, abs=1e-3), False)
+
+
+@pytest.mark.parametrize(
+    ("joint", "gain", "shown"), [(1, 1.04, True), (1, 1.0, False), (0, 1.08, False)]
+)
+def test_parts_left_out_show_a_gain_by_gravity(
+    arm: Robot, joint: int, gain: float, shown: bool
+) -> None:
+    """Also of one path, which tells none within 5 %; joint 1 bears no gravity."""
+    run, gains = drawn_run(arm, 0), np.where(np.arange(6) == joint, gain, 1.0)
+    own, prior = run.samples, prior_of(arm, [])
+    rigid = run.regressor(own.q, own.qd, run.qdd) @ LinkModel(arm, arm.chosen_model).parameters
+    inertial = rigid - gravity_torque(arm, arm.chosen_model, own.q)
+    record = replace(own, torque=rigid, inertial=inertial, current=own.current / gains)
+    samples = joint_samples([record], SMOOTH, (*prior.terms, INERTIA))[joint]
+    assert shows_gain(samples, prior, joint) == shown
+
+
+def test_a_gain_is_contradicted_by_the_errors_of_its_inverse(right: Friction) -> None:
+    """Of 5 ± 2.5, torques surely have less of the links'; of 1.2 ± 0.6, nothing is sure."""
+    for gain, beyond in ((5.0, True), (1.2, False)):
+        first, *others = right.fit.joints
+        inverse = np.where(np.arange(len(first.estimate.coefficients)) == 0, 1 / gain, 0.0)
+        error = np.full(len(inverse), gain / 2)
+        own = replace(first.estimate, coefficients=inverse, std_error=error)
+        fit = replace(right.fit, joints=(replace(first, estimate=own), *others), units=30)
+        assert beyond_range(fit)[0] == beyond
 
 
 def test_friction_without_a_sure_sign_is_not_determined(right: Friction) -> None:

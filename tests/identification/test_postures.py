@@ -13,6 +13,9 @@ from pydantic import ValidationError
 from tests.current_study import coefficients, noisy, smooth
 from tests.current_study import prior as known_prior
 from tests.recordings.test_recordings_of_joints import sensing
+from ur5lib.checks.block_means import BlockMeans
+from ur5lib.checks.checked import arms_alike
+from ur5lib.checks.postures import _likelier_arm
 from ur5lib.commands.check import look_through
 from ur5lib.errors import InputError
 from ur5lib.identification.at_rest import AtRest
@@ -287,6 +290,26 @@ def test_what_gravity_contradicts_is_said(tmp_path: Path, mistake: str) -> None:
         if one.severity in ("stop", "error")
     ]
     assert len(severe) == 1
+
+
+def test_an_arm_that_is_far_likelier_is_not_called_alike(tmp_path: Path) -> None:
+    q, current, _ = of_ur("ur5", rows=300, seed=3)
+    sign, note = checked(tmp_path, "ur3", q, current)
+    named = re.search(r"`robot: (\w+)`", sign.detail)
+    assert named is not None
+    assert not re.search(rf"\b{named[1]}\b", note.detail)
+
+
+@pytest.mark.parametrize(("parts", "told"), [(1, False), (10, True)])
+def test_another_arm_is_told_by_most_postures(parts: int, told: bool) -> None:
+    """Not by those of one part, as of a hand on the arm."""
+    arm = described("ur3")
+    q, current, _ = of_ur("ur5", rows=300, seed=3)
+    own = gravity_torque(arm, arm.chosen_model, q) * prior("ur3").inverse_constant.mean
+    share = np.arange(len(q)) * 10 // len(q) < parts
+    currents = {"actual_current": np.where(share[:, None], current, own)}
+    means = BlockMeans(q, 0 * q, 0 * q, None, currents, offset=True, independent=1.0)
+    assert (_likelier_arm(means, arm, arms_alike(arm, None)) is not None) == told
 
 
 def test_a_larger_arm_is_doubted_by_its_constants(tmp_path: Path) -> None:

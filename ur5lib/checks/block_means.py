@@ -19,6 +19,7 @@ DECORRELATION_TIME = 0.4  # s between errors that count as independent
 MAX_SHARE_FILLED = 0.6
 FULL_FRICTION_SPEED = 0.02  # rad/s; faster joints have their full friction
 MIN_RUBBING = 20  # blocks in motion that show a joint's slopes
+MIN_CORRELATION_OF_ALIKE = 0.99  # of two joints' velocities, of which one follows from the other
 SMALLEST_SIZE = 1e-300  # keeps divisors above zero
 # Relative to the regressor's square. It keeps first moments small that nothing determines.
 FIRST_MOMENT_PRIOR = 1e-4
@@ -53,7 +54,7 @@ class BlockMeans:
         """
         q, qd, qdd = (values[rows][:, columns] for values in (self.q, self.qd, self.qdd))
         currents = {name: values[rows][:, columns] for name, values in self.currents.items()}
-        return type(self)(q, qd, qdd, None, currents, self.offset)
+        return type(self)(q, qd, qdd, None, currents, self.offset, self.independent)
 
     @property
     def measured(self) -> Effort:
@@ -97,6 +98,12 @@ class BlockMeans:
         """
         moves = np.abs(self.qd[:, joint]) > FULL_FRICTION_SPEED
         return moves if moves.sum() >= MIN_RUBBING else np.ones_like(moves)
+
+    def move_alike(self, joints: Sequence[int]) -> bool:
+        """Return whether the motions of two joints, from 0, are proportional."""
+        one, other = self.qd[:, [*joints]].T
+        least = MIN_CORRELATION_OF_ALIKE * np.linalg.norm(one) * np.linalg.norm(other)
+        return bool(abs(one @ other) > least > 0)
 
     def without_gravity(self, joint: int, accelerations: Array) -> Array:
         """Return the columns (M, n) of friction, inertia and, if there is one, an offset."""

@@ -13,13 +13,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.channels import CURRENT
+from ur5lib.channels import CURRENT, TARGET_CURRENT
 from ur5lib.checks.arm import Cause, Pair, foreign_constant, robots_as_cause, torque_constants
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.currents import exchanged_efforts, moving_joints, rubbing_joints
 from ur5lib.checks.readings import exchanged_order, in_order
 from ur5lib.checks.whole_motion import Explained, Lead, Misfit, WholeMotion, lead
-from ur5lib.records.phrases import numbered
+from ur5lib.records.phrases import number, numbered
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
@@ -32,6 +32,9 @@ MAX_LEAD_AGAINST = 0.1  # of what is declared by any links, at which these are n
 MIN_LEAD_OF_EFFORTS = 0.15
 CLEAR_LEAD_OF_JOINTS = 0.8  # by the declared links, from which on any links need not agree
 MIN_LEAD_OF_JOINTS, MIN_LEAD_OF_JOINTS_BY_ANY_LINKS = 0.35, 0.5
+# By declared links that are no UR's, whose are known, where two joints move alike: any links would
+# explain either order of them. A right log of a KUKA LWR leads by 1.2, simulated ones by 0.6.
+MIN_LEAD_OF_ALIKE = 2.5
 # A turned joint leads by at most 0.31 in right logs by the declared links. By any, the mean over
 # all joints is at most 0.05.
 MIN_LEAD_OF_SIGN, MIN_LEAD_OF_SIGN_BY_ANY_LINKS = 0.5, 0.15
@@ -47,6 +50,9 @@ MIN_RATIO_OF_WEAK, MIN_LOW_OF_WEAK, RIGHT_RATIO = 1.18, 1.06, 1.05
 # A, of what such a current lacks beyond those of right logs; 0.15 A that vary once per turn look
 # like more in 7 of 432 logs of a UR3e
 MIN_LACKING_CURRENT = 0.17
+# Lead and mass [kg] of a load that no target tells. Right logs of UR's lead by at most 0.8, those
+# with 3 kg by 2.4.
+MIN_LEAD_OF_LOAD, MIN_LOAD, MIN_ERRORS_OF_LOAD = 1.0, 1.0, 5.0
 MIN_MOVING_JOINTS = 3  # that tell arms apart
 MIN_BLOCKS = (
     90  # of a log that tells arms, or joints exchanged in all channels; ten stretches of it
@@ -62,6 +68,7 @@ class Limits(NamedTuple):
 
 OF_EFFORTS = Limits(MIN_LEAD_OF_EFFORTS, MIN_LEAD_OF_EFFORTS)
 OF_JOINTS = Limits(MIN_LEAD_OF_JOINTS, MIN_LEAD_OF_JOINTS_BY_ANY_LINKS)
+OF_ALIKE = Limits(MIN_LEAD_OF_ALIKE, np.inf)
 
 
 class MotionChecks:
@@ -139,7 +146,7 @@ class MotionChecks:
     def exchanges_of_efforts(self) -> Iterator[Cause]:
         """Yield pairs of joints whose motion explains each other's efforts better."""
         for pair, other in self.exchanged_efforts.items():
-            if is_likelier(other, self.declared, pair, OF_EFFORTS):
+            if have_exchanged_efforts(other, self.declared, pair):
                 efforts = self.means.effort[:, self._order(pair)]
                 means = self.means.with_efforts(efforts)
                 finding = exchanged_efforts(pair, self.means.measured)
@@ -189,6 +196,20 @@ class MotionChecks:
             if ahead and ahead.size < MAX_LEAD_OF_ANY_LINKS:
                 yield foreign_constant(joint, shown.ratio[joint], shown.known[joint], self.arm)
 
+    def undeclared_load(self) -> Iterator[Finding]:
+        """Find a load that a UR's currents alone show, where no targets do: a warning."""
+        if not self.arm.has_ur_motors() or TARGET_CURRENT in self.means.currents:
+            return
+        mass, error, ahead = self.motion.load()
+        least = max(MIN_LOAD, MIN_ERRORS_OF_LOAD * error)
+        if mass > least and _leads(ahead, MIN_LEAD_OF_LOAD):
+            carried = f"{number(mass, '.1f')} ± {number(error, '.1g')} kg"
+            detail = (
+                f"by the currents, the arm carries {carried} more than the study declares; declare "
+                "it as `payload`, or fit to recordings without a load"
+            )
+            yield Finding("robot", "undeclared load", "warning", 1, detail)
+
     def other_arms(self, others: Sequence[Robot]) -> Iterator[Cause]:
         """Yield the arm that explains the efforts best, also if each carried any load, with those
         that hardly do so worse; others: under the load that this one carries.
@@ -231,7 +252,7 @@ class MotionChecks:
     def tells_efforts(self, pair: Pair) -> bool:
         """Return whether an exchange of two joints' efforts would be noticed."""
         own = self.exchanged_efforts.get(pair)
-        return own is not None and is_likelier(self.declared, own, pair, OF_EFFORTS)
+        return own is not None and have_exchanged_efforts(self.declared, own, pair)
 
     def tells_sign(self, joint: int) -> bool:
         """Return whether the opposite sign of a joint's effort would be noticed, also where all are
@@ -292,6 +313,19 @@ def is_likelier(other: Explained, first: Explained, joints: Sequence[int], least
     return lead(other.by_any_links, first.by_any_links, joints).size > -MAX_LEAD_AGAINST
 
 
+def have_exchanged_efforts(other: Explained, first: Explained, pair: Pair) -> bool:
+    """Return whether two joints with their efforts exchanged are likelier."""
+    limits = OF_ALIKE if are_alike(first.motion, pair) else OF_EFFORTS
+    return is_likelier(other, first, pair, limits)
+
+
+def are_alike(motion: WholeMotion, pair: Pair) -> bool:
+    """Return whether only the described links could tell two joints apart, and nobody vouches for
+    them.
+    """
+    return motion.means.move_alike(pair) and not motion.arm.has_ur_motors()
+
+
 def are_exchanged(other: Explained, first: Explained, pair: Pair) -> bool:
     """Return whether two joints with all channels exchanged are likelier: clearly so by the
     declared links, or by these and any links alike. All joints' torques must be, too, which hang on
@@ -299,6 +333,8 @@ def are_exchanged(other: Explained, first: Explained, pair: Pair) -> bool:
     """
     if not _leads(lead(other.by_known, first.by_known, first.motion.joints), 0.0):
         return False
+    if are_alike(first.motion, pair):
+        return is_likelier(other, first, pair, OF_ALIKE)
     if other.by_links is None or first.by_links is None:
         return is_likelier(other, first, pair, OF_JOINTS)
     if is_likelier(other, first, pair, OF_JOINTS._replace(by_links=CLEAR_LEAD_OF_JOINTS)):

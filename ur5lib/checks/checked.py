@@ -95,6 +95,15 @@ class Checked:
         return delays_by_motion(self.robot, self.loaded, self.step, self.cutoff)
 
     @cached_property
+    def sensed_delays(self) -> Delays | None:
+        """Return the same of torques that sensors beyond the gears measure, without friction."""
+        if self.delays is not None or self.arm.measured != TORQUE or not self.shows_currents():
+            return None
+        if not self.driven or not moving_joints(self.means).any():
+            return None
+        return delays_by_motion(self.robot, self.loaded, self.step, self.cutoff)
+
+    @cached_property
     def motion(self) -> MotionChecks | None:
         """Return what the whole motion tells of the efforts; None of an arm at rest, and where no
         constant tells how large the torque of a current is.

@@ -82,7 +82,7 @@ def answers(
     by_motion = delays_by_motion(robot, arm, step, cutoff)
     lags = np.rint(by_motion.seconds / step).astype(np.int64)
     likelihoods = innovation_likelihoods(robot, step, lags)
-    delays = by_motion.given(np.einsum("ljj->l", likelihoods))
+    delays = by_motion.given(np.einsum("ljj->jl", likelihoods))
     variance = _unexplained_squares(means, arm) + CURRENT_NOISE**2
     of_joints = likelihoods[len(lags) // 2] + means.log_likelihood(variance)
     return Answers(delays, of_joints)

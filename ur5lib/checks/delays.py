@@ -1,6 +1,7 @@
 """Checks of when currents and torques come: the delay after the motion that they drive."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -15,11 +16,12 @@ from ur5lib.robots.statics import gravity_columns
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Mask
 
-# A difference of log-likelihoods. In right recordings of real and drawn arms, it is at most 12.
+# A difference of log-likelihoods. In right recordings of real and drawn arms, it is at most 12 of
+# all joints, 15 of one.
 MIN_LEAD_OF_DELAY = 20.0
 # The lead before shorter delays, which friction that follows the reversal looks like, by drives
-# and where a hand leads. In right recordings, it is at most 1.
-MIN_LEAD_BEFORE_SHORTER, MIN_LEAD_OF_DELAY_BY_HAND = 8.0, 40.0
+# and without friction. In right recordings, it is at most 1, of a sensor's torque 15.
+MIN_LEAD_BEFORE_SHORTER, MIN_LEAD_WITHOUT_FRICTION = 8.0, 40.0
 DELAY_STEP, MAX_DELAY = 0.02, 0.4  # s, of the delays that are tried; right recordings show none
 DELAY_IN_PERIODS = 0.06  # of the currents' low-pass; a shorter delay changes nothing that it leaves
 CURRENT_NOISE = 0.02  # A, or Nm of torques; nothing is explained better
@@ -29,22 +31,47 @@ MIN_SHARE_RECEIVED = 0.4  # share of a block's frames; in some recordings, half 
 
 
 class Delays(NamedTuple):
-    """How much later than the motion all currents come, `seconds`, none in the middle, and the
-    log-likelihoods of these delays, and with friction that reverses over a long distance;
-    shortest: that matters [s].
+    """How much later than the motion currents come, `seconds` (L,), none in the middle.
+
+    scores: log-likelihoods (F, n, L) of these delays of each joint, zero of joints that rest, by
+    which friction there is: two usual ones, then those that reverse over a long distance; shortest:
+    that matters [s].
     """
 
     seconds: Array
-    likelihoods: Array
-    of_slow_reversal: Array
+    scores: Array
     shortest: float
 
+    @property
+    def likelihoods(self) -> Array:
+        """The log-likelihoods (L,) of delays of all joints with usual friction."""
+        return np.asarray(self.scores[:2].sum(axis=1).max(axis=0))
+
+    @property
+    def of_slow_reversal(self) -> Array:
+        """The same with friction that reverses over a long distance."""
+        return np.asarray(self.scores[2:].sum(axis=1).max(axis=0))
+
     def given(self, likelihoods: Array) -> "Delays":
-        """Return the delays with log-likelihoods of other evidence."""
-        return self._replace(
-            likelihoods=self.likelihoods + likelihoods,
-            of_slow_reversal=self.of_slow_reversal + likelihoods,
-        )
+        """Return the delays with log-likelihoods (n, L) of other evidence."""
+        return self._replace(scores=self.scores + likelihoods)
+
+    def of_joint(self, joint: int) -> "Delays":
+        """Return the delays of a joint, from 0, alone."""
+        return self._replace(scores=self.scores[:, joint : joint + 1])
+
+    def late_joint(self, rubs: bool) -> tuple[int, float] | None:
+        """Return the joint, from 0, that is surely late while the others are surely not so, and its
+        delay [s]; rubs: whether friction brakes what the efforts drive.
+        """
+        found = [self.of_joint(joint).shown(rubs) for joint in range(self.scores.shape[1])]
+        shown = [(joint, delay) for joint, delay in enumerate(found) if delay is not None]
+        if len(shown) != 1:
+            return None
+        ((joint, delay),) = shown
+        others = self._replace(scores=np.delete(self.scores, joint, axis=1)).likelihoods
+        ahead = others[~self.late()].max() - others[np.isclose(self.seconds, delay)].max()
+        return (joint, delay) if ahead > MIN_LEAD_OF_DELAY else None
 
     def behind(self) -> Array:
         """Return how much likelier no delay is than each."""
@@ -63,7 +90,7 @@ class Delays(NamedTuple):
     def shown(self, driven: bool) -> float | None:
         """Return the delay [s] that is far likelier than none; driven: whether motors move it."""
         late, behind = self.late(), self.behind()
-        least = MIN_LEAD_BEFORE_SHORTER if driven else MIN_LEAD_OF_DELAY_BY_HAND
+        least = MIN_LEAD_BEFORE_SHORTER if driven else MIN_LEAD_WITHOUT_FRICTION
         if not late.any() or behind[late].min() >= -MIN_LEAD_OF_DELAY:
             return None
         shown = behind[~late].min() - behind[late].min() > least
@@ -92,6 +119,28 @@ def delayed_currents(delays: Delays, driven: bool, name: str) -> Iterator[Findin
         yield contradiction(code, "delay", detail)
 
 
+def delayed_joint(delays: Delays, rubs: bool, name: str) -> Iterator[Finding]:
+    """Find the one joint whose current, or torque, comes later or earlier than its motion.
+
+    rubs: whether friction brakes what the efforts drive; name: of their channel.
+    """
+    if (found := delays.late_joint(rubs)) is None:
+        return
+    (joint, delay), number = found, found[0] + 1
+    code, side = ("late joint", "later") if delay > 0 else ("early joint", "earlier")
+    detail = (
+        f"{name} of joint {number} comes {abs(delay):.2f} s {side} than its motion, those of the "
+        "others do not; correct the time of this column"
+    )
+    sign = contradiction(code, "delay", detail, [number])
+    yield as_warning(sign) if delays.of_joint(joint).is_doubtful() else sign
+
+
+def as_warning(delay: Finding) -> Finding:
+    """Return a delay as a warning."""
+    return replace(delay, finding="possible delay", severity="warning", kind="")
+
+
 def delays_by_motion(robot: pd.DataFrame, arm: Robot, step: float, cutoff: float) -> Delays:
     """Return the log-likelihoods of delays of all currents, from the joints that move.
 
@@ -116,7 +165,7 @@ def delays_by_motion(robot: pd.DataFrame, arm: Robot, step: float, cutoff: float
     gravity = gravity_columns(arm, q[rows])
     # the log-likelihood of each delay
     shortest = DELAY_IN_PERIODS / cutoff
-    scores = np.zeros((1 + len(REVERSALS), len(lags)))
+    scores = np.zeros((1 + len(REVERSALS), q.shape[1], len(lags)))
     independent = len(rows) * step / DECORRELATION_TIME
     moves = (qd[rows] ** 2).sum(axis=0) > MIN_MOVING_SPEED**2 * max(len(rows), most)
     for joint in np.flatnonzero(moves):
@@ -125,9 +174,8 @@ def delays_by_motion(robot: pd.DataFrame, arm: Robot, step: float, cutoff: float
         for friction in _frictions(q[:, joint], qd[:, joint]):
             basis, _ = np.linalg.qr(np.column_stack([*terms, friction[rows]]))
             left.append(((currents - basis @ (basis.T @ currents)) ** 2).mean(axis=0))
-        scores -= independent / 2 * np.log(np.array(left) + CURRENT_NOISE**2)
-    usual, slowly = scores[:2].max(axis=0), scores[2:].max(axis=0)
-    return Delays(np.asarray(lags * step), usual, slowly, shortest)
+        scores[:, joint] = -independent / 2 * np.log(np.array(left) + CURRENT_NOISE**2)
+    return Delays(np.asarray(lags * step), scores, shortest)
 
 
 def _frictions(q: Array, qd: Array) -> Iterator[Array]:

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from ur5lib.checks.channels import fast_between_samples, too_short, unfiltered, unmoved
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.contacts import unfelt_contacts
-from ur5lib.checks.delays import delayed_currents
+from ur5lib.checks.delays import as_warning, delayed_currents, delayed_joint
 from ur5lib.checks.doubts import doubts_by_joint
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.torques import given_load
@@ -32,16 +32,30 @@ def contradictions(
     if not stops:  # from which others would follow
         doubts += possible_delays(checked)
         doubts += given_load(checked)
+        doubts += load_without_targets(checked)
         doubts += contacts_felt(checked, sensed)
         doubts += unchecked(checked)
     return accepting(Contradictions(stops, doubts), accepted)
 
 
 def possible_delays(checked: Checked) -> list[Finding]:
-    """Return the warning of a delay of all efforts that friction may explain as well."""
-    if checked.delays is None or len(checked.means.q) < MIN_BLOCKS:
+    """Return the warnings of a delay of all efforts, or of a joint's, that friction may explain as
+    well, or that sensors show which feel none.
+    """
+    name, delays = checked.arm.measured.channel, checked.delays or checked.sensed_delays
+    if delays is None or len(checked.means.q) < MIN_BLOCKS:
         return []
-    return [*delayed_currents(checked.delays, checked.driven, checked.arm.measured.channel)]
+    found = [*delayed_currents(delays, checked.driven, name)]
+    if not found:
+        found += delayed_joint(delays, checked.tells_signs_by_friction(), name)
+    return [as_warning(one) for one in found]
+
+
+def load_without_targets(checked: Checked) -> list[Finding]:
+    """Return the warning of a load that currents show; elsewhere than in fits, a run states it."""
+    if not checked.fitted or checked.motion is None or not checked.driven:
+        return []
+    return [*checked.motion.undeclared_load()]
 
 
 def _of_samples(checked: Checked, cutoffs_hz: Mapping[str, float]) -> Iterator[Finding]:

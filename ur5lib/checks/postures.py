@@ -23,6 +23,7 @@ from ur5lib.timeseries.arrays import Array
 # A difference of log-likelihoods of two exchanged joints. It is at most 46 where a few postures
 # are held.
 MIN_LEAD_OF_EXCHANGED_JOINTS = 60.0
+PARTS, MIN_ERRORS_OF_ARM = 10, 2.5  # of postures, and standard errors over these, of another arm
 BEARING_JOINTS = 3  # joints from the base that bear others in every posture
 MIN_ERRORS_OF_CORRELATION = 5.0  # standard errors by which gravity shows in a current
 # Of the motor's largest torque: the standard deviation of gravity beside which friction is small.
@@ -106,14 +107,28 @@ def _exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
 
 def _foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iterator[Finding]:
     """Find the arm whose gravity explains the currents best, by far; all under their load."""
-    gains = gains_of_arms(of_measured(means), arm, others)
-    best = max(gains, key=lambda name: gains[name], default=arm.name)
-    if best in gains and gains[best] > MIN_LEAD_OF_ARM:
+    if best := _likelier_arm(means, arm, others):
         detail = (
             f"the {means.measured.quantity}s are not those of {arm.name}: the gravity of `robot: "
             f"{best}` explains them far better; correct `robot`, or columns and units"
         )
         yield contradiction("other arm's currents at rest", "robot", detail)
+
+
+def _likelier_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> str | None:
+    """Return the arm that is likelier by far, and by its standard errors (jackknife over parts of
+    the postures), if one is.
+    """
+    measured = of_measured(means)
+    gains = gains_of_arms(measured, arm, others)
+    best = max(others, key=lambda one: gains[one.name], default=arm)
+    gain = gains.get(best.name, 0.0)
+    if gain <= MIN_LEAD_OF_ARM:
+        return None
+    part = np.arange(len(means.q)) * PARTS // len(means.q)
+    left = [measured.part(np.flatnonzero(part != own)) for own in range(PARTS)]
+    spread = np.std([gains_of_arms(own, arm, [best])[best.name] for own in left])
+    return best.name if gain > MIN_ERRORS_OF_ARM * np.sqrt(PARTS - 1) * spread else None
 
 
 def what_gravity_shows(means: BlockMeans, arm: Robot, payload: Payload | None) -> list[Finding]:
@@ -160,11 +175,14 @@ def large_constants(means: BlockMeans, arm: Robot) -> list[Finding]:
 
 
 def _arms_alike(means: BlockMeans, arm: Robot, payload: Payload | None) -> list[str]:
-    """Return the other described arms whose gravity explains the currents hardly worse."""
-    loaded = arm.carrying(payload)
-    gains = gains_of_arms(of_measured(means), loaded, arms_alike(arm, payload))
+    """Return the other described arms whose gravity explains the currents hardly worse, and none
+    far better.
+    """
+    loaded, others = arm.carrying(payload), arms_alike(arm, payload)
+    gains = gains_of_arms(of_measured(means), loaded, others)
     alike = (name for name, gain in gains.items() if -MIN_LEAD_OF_ARM < gain != 0.0)
-    return [name for name in alike if name != arm.name]
+    known = arm.name, _likelier_arm(means, loaded, others)
+    return [name for name in alike if name not in known]
 
 
 def _correlation(means: BlockMeans, arm: Robot) -> Array:

@@ -21,7 +21,7 @@ from ur5lib.checks.currents import (
     foreign_currents,
     undeclared_load,
 )
-from ur5lib.checks.delays import delayed_currents
+from ur5lib.checks.delays import delayed_currents, delayed_joint
 from ur5lib.checks.exchanged_channels import (
     exchanged_current,
     exchanged_motion,
@@ -102,6 +102,9 @@ def _contradictions(checked: Checked) -> Iterator[Finding]:
         yield from constant_torques(means)
         yield from foreign_size(means, loaded)
     yield from _of_efforts(checked)
+    if checked.delays is not None:
+        late = delayed_joint(checked.delays, checked.driven, name)
+        yield from (one for one in late if one.severity == "stop")
     if checked.answers is not None and checked.driven and arm.tells_gravity():
         yield from scaled_currents(means, checked.odd_targets)
     if checked.motion is not None and checked.driven and checked.contact is None:

@@ -206,6 +206,18 @@ class WholeMotion:
         loaded = Regression(np.concatenate([body, self.friction], axis=2))
         return loaded.misfit(self.torque - scale * self.links)
 
+    def load(self) -> tuple[float, float, Lead]:
+        """Return the mass [kg] on the flange that efforts show beside the declared links, by the
+        maker's constants, its standard error (jackknife), and by how much it leads none.
+        """
+        last, left = 10 * (len(self.joints) - 1), self.torque - self.links
+        body = self.regressor[:, :, last : last + 4]  # mass and first moments
+        loaded = Regression(np.concatenate([body, self.friction], axis=2))
+        masses = loaded.coefficients(left)[:, 0]
+        error = np.sqrt(STRETCHES - 1) * masses.std()
+        ahead = lead(loaded.misfit(left), self.rubbing.misfit(left), self.joints)
+        return float(masses.mean()), float(error), ahead
+
     def in_units_of(self, arm: Robot, misfit: Misfit) -> Misfit:
         """Return what is missed of currents as torques of another arm."""
         ratio = np.divide(arm.maker_torque_constants(), self.arm.maker_torque_constants())

@@ -7,6 +7,7 @@ friction can be any torque up to breakaway: a fitted share of the friction befor
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -39,7 +40,7 @@ from ur5lib.identification.samples import (
     record_days,
     record_paths,
 )
-from ur5lib.identification.selection import in_units, with_shown_terms
+from ur5lib.identification.selection import in_units, shows_gain, with_shown_terms
 from ur5lib.records.friction import CoefficientEstimate, CurrentFit, JointFit
 from ur5lib.records.phrases import number
 from ur5lib.robots.friction import (
@@ -77,7 +78,8 @@ def fit_currents(
     """
     samples = joint_samples(records, smooth, _tried(prior))
     shown, left = with_shown_terms(samples, prior)
-    fit, known = _with_known_where_lost(shown, lambda own: _estimated(samples, own, seed))
+    gains = partial(_with_shown_gains, samples, shown)
+    fit, known = _with_known_where_lost(shown, lambda own: _estimated(samples, own, seed), gains)
     chosen = [own.of(known.terms, known.distances) for own in samples]
     joint_priors = [known.of_joint(joint) for joint in range(len(samples))]
     for joint, own in enumerate(chosen):  # what other fits than those of the choice leave
@@ -98,20 +100,30 @@ def _considered(prior: Prior) -> tuple[str, ...]:
     return CONSIDERED_OF_TORQUES if prior.measured == TORQUE else CONSIDERED_TERMS
 
 
+def _with_shown_gains(samples: Sequence[JointSamples], prior: Prior, vague: Mask) -> Mask:
+    """Return which joints (n,) of vague gains keep the known one: not those whose parts left out
+    show that their links' torque has another.
+    """
+    joints = [bool(own and not shows_gain(samples[j], prior, j)) for j, own in enumerate(vague)]
+    return np.array(joints)
+
+
 def fit_postures(prior: Prior, seed: int = 0) -> CurrentFit:
     """Fit the torque constants to the prior's postures at rest; friction remains as expected."""
     return _with_known_where_lost(prior, lambda known: expected_fit(known, seed))[0]
 
 
 def _with_known_where_lost(
-    prior: Prior, fitted: Callable[[Prior], CurrentFit]
+    prior: Prior,
+    fitted: Callable[[Prior], CurrentFit],
+    kept: Callable[[Mask], Mask] = np.array,
 ) -> tuple[CurrentFit, Prior]:
     """Return a fit in which joints whose current does not follow their torque keep the prior's k,
     and the prior that it is under.
 
-    fitted: returns the fit under a prior. Gains of measured torques are on trial without what is
-    known of them, since a fit that keeps to it takes what contradicts it for noise: those that are
-    known better before keep it, too.
+    fitted: returns the fit under a prior; kept: which joints of vague gains keep the known one.
+    Gains of measured torques are on trial without what is known of them, since a fit that keeps to
+    it takes what contradicts it for noise: those that are known better before keep it, too.
     """
     sensed = prior.measured == TORQUE
     fit = fitted(prior.with_wide_gains() if sensed else prior)
@@ -119,10 +131,13 @@ def _with_known_where_lost(
     if not (sensed or lost.any()):
         return fit, prior
     vague = sensed & (constants_band(fit) > prior.std())
+    shown = vague & ~lost & ~kept(vague & ~lost)
+    vague &= ~shown
     contradicted_joints, known_constants = fit.joints, 1 / prior.inverse_constant.mean
+    halves = _inverse_half(fit)
     known = prior.with_pinned(lost | vague)
     fit = fitted(known)
-    still_vague = sensed & ~vague & (constants_band(fit) > prior.std())
+    still_vague = sensed & ~vague & ~shown & (constants_band(fit) > prior.std())
     if still_vague.any():
         known = prior.with_pinned(lost | vague | still_vague)
         fit = fitted(known)
@@ -131,7 +146,8 @@ def _with_known_where_lost(
         coefficients = contradicted_joints[joint].estimate.coefficients
         doubt = _against(float(1 / coefficients[0]), float(known_constants[joint]), sensed)
         remarks = *joints[joint].remarks, doubt
-        joints[joint] = replace(joints[joint], alone=coefficients, remarks=remarks)
+        half = float(halves[joint])
+        joints[joint] = replace(joints[joint], alone=coefficients, alone_half=half, remarks=remarks)
     return replace(fit, joints=tuple(joints)), known
 
 
@@ -213,10 +229,11 @@ def _with_usual_bands(estimate: CoefficientEstimate, doubt: Array) -> JointFit:
 
 
 def beyond_range(fit: CurrentFit) -> Mask:
-    """Return which gains (n,) are outside GAIN_RANGE by more than their 95 % intervals."""
-    gains, half = torque_constants(fit), NORMAL95 * constants_band(fit)
-    low, high = gains - half * np.abs(gains), gains + half * np.abs(gains)
-    beyond: Mask = (high < GAIN_RANGE[0]) | (low > GAIN_RANGE[1])
+    """Return which gains (n,) are outside GAIN_RANGE by more than the 95 % intervals of what is
+    fitted, 1/gain.
+    """
+    inverse, half = 1 / torque_constants(fit), _inverse_half(fit)
+    beyond: Mask = (inverse + half < 1 / GAIN_RANGE[1]) | (inverse - half > 1 / GAIN_RANGE[0])
     return beyond
 
 
@@ -234,11 +251,18 @@ def too_large(fit: CurrentFit, prior: Prior) -> Mask:
 
 
 def too_small(fit: CurrentFit, prior: Prior) -> Mask:
-    """Return which torque constants (6,) are far smaller than known: a unit or arm is wrong."""
+    """Return which torque constants (6,) are far smaller than known, and smaller by their own 95 %
+    intervals, too: a unit or arm is wrong.
+    """
     inverse, known_inverse, std = _inverse_constants(fit, prior)
-    return (inverse - known_inverse > CONTRADICTING_DEVIATIONS * std) & (
-        inverse > CONTRADICTING_RATIO * known_inverse
-    )
+    far = inverse - known_inverse > CONTRADICTING_DEVIATIONS * std
+    surely = inverse - _inverse_half(fit) > known_inverse
+    return far & surely & (inverse > CONTRADICTING_RATIO * known_inverse)
+
+
+def _inverse_half(fit: CurrentFit) -> Array:
+    """Return half of the 95 % intervals (n,) of 1/k [A/Nm], which is what is fitted."""
+    return NORMAL95 * constants_band(fit) / np.abs(torque_constants(fit))
 
 
 def _inverse_constants(fit: CurrentFit, prior: Prior) -> tuple[Array, Array, Array]:

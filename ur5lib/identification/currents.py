@@ -41,7 +41,8 @@ RUN_TO_RUN_STD = 0.03
 SAME_DAY_STD, DAILY_STD = 0.006, 0.0084
 SEASON = 140.0  # days, which count as between recordings without dates
 MIN_BREAKAWAY_TORQUE = 0.1  # Nm
-POSITIVE = "torque_constant", "rotor"
+PASSIVE = "coulomb", "viscous", "rotor"  # below zero, they would drive the joint
+POSITIVE = ("torque_constant", *(f"{of}{name}" for of in ("", "coupled_") for name in PASSIVE))
 OPTIONAL_COEFFICIENTS = coefficient_names(OPTIONAL_TERMS)
 
 
@@ -193,7 +194,7 @@ def parameters(fit: CurrentFit, measured: Effort = CURRENT) -> list[Parameter]:
     """Return torque constants [Nm/A], offsets [Nm] and friction [Nm, Nm s/rad, ...].
 
     measured: of torques, gains [Nm/Nm] in place of constants, which are determined within 5 %, and
-    offsets, friction and rotors are where their sign is.
+    offsets, friction and rotors are where their sign is. None is that drives the joint.
     """
     friction = ["offset", *coefficient_names([*TERMS])]
     signed = ["torque_constant", *(friction if measured == TORQUE else ())]
@@ -209,10 +210,11 @@ def parameters(fit: CurrentFit, measured: Effort = CURRENT) -> list[Parameter]:
             if name in OPTIONAL_COEFFICIENTS and prior > MAX_PRIOR_SHARE:
                 continue  # of other joints than this
             # the sign must be determined, too
-            has_sign = name not in signed or low > 0 or (name not in POSITIVE and high < 0)
+            has_sign = name not in signed or low > 0 or high < 0
+            is_possible = name not in POSITIVE or value > 0
             is_gain = name == "torque_constant" and measured == TORQUE
             is_told = prior < MAX_PRIOR_SHARE and not (is_gain and high - value > MAX_GAIN_HALF)
-            is_determined = bool(is_told and has_sign)
+            is_determined = bool(is_told and has_sign and is_possible)
             shares = prior, arm, day, run
             rows.append(Parameter(joint, name, value, error, (low, high), *shares, is_determined))
     return rows

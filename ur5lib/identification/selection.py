@@ -11,15 +11,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.identification.joint_regression import LeftOutFit, fits_to_others, unseen_residuals
+from ur5lib.identification.joint_regression import (
+    LeftOutFit,
+    fits_to_others,
+    left_out_residuals,
+    unseen_residuals,
+)
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import MIN_PATHS, JointSamples
-from ur5lib.robots.friction import REST_DISTANCES, SPEED_TERMS, STRIBECK
+from ur5lib.robots.friction import INERTIA, REST_DISTANCES, SPEED_TERMS, STRIBECK
 from ur5lib.timeseries.arrays import Array
 
 # What a change takes at least off the squared error on what is left out, in motion or at rest, and
 # by how many standard errors.
 MIN_SHARE, MIN_SHARE_AT_REST, MIN_DEVIATIONS = 0.02, 0.1, 2.0
+MIN_SHARE_OF_GAIN = 0.1  # the same of a gain in place of the known one
 
 
 class Shown(NamedTuple):
@@ -118,6 +124,22 @@ def shows(
     met = before > 0
     share = MIN_SHARE if moving else MIN_SHARE_AT_REST
     return is_less(after[met], before[met], share, MIN_DEVIATIONS)
+
+
+def shows_gain(samples: JointSamples, prior: Prior, joint: int) -> bool:
+    """Return whether parts of a joint, from 0, that are left out are predicted surely better by the
+    gain that the others and the prior give than by the known one; inertia alone tells none.
+    """
+    wider = replace(prior, terms=(*prior.terms, INERTIA))
+    own = in_units(samples.of(wider.terms, wider.distances))
+    pinned = wider.with_pinned(np.arange(len(wider.torque_max)) == joint)
+    left = (left_out_residuals(own, one.of_joint(joint)) for one in (wider, pinned))
+    parts = np.unique(own.path[own.moving])
+    trial, known = (
+        np.array([np.sum(one[own.moving & (own.path == part)] ** 2) for part in parts])
+        for one in left
+    )
+    return is_less(trial, known, MIN_SHARE_OF_GAIN, MIN_DEVIATIONS)
 
 
 def is_less(trial: Array, errors: Array, share: float, deviations: float) -> bool:

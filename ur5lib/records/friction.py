@@ -47,7 +47,8 @@ class JointFit:
     unseen: (P,), see `unseen_difference`; remarks: doubts about the fit; doubt:
     (P, P), covariance of the coefficients where no motion that was left out shows their errors;
     alone: (P,), coefficients that the currents alone would give, None unless their torque constant
-    contradicts the known one, which the estimate then keeps.
+    contradicts the known one, which the estimate then keeps; alone_half: of the 95 % interval of
+    its 1/k [A/Nm].
     """
 
     terms: tuple[str, ...]
@@ -62,6 +63,7 @@ class JointFit:
     remarks: tuple[Remark, ...]
     doubt: Array | None = None
     alone: Array | None = None
+    alone_half: float = 0.0
 
     def names(self) -> list[str]:
         """Return the parameters' names."""
@@ -76,6 +78,12 @@ class JointFit:
     def contradicted(self) -> float | None:
         """The torque constant [Nm/A] that contradicts the known one, None without any."""
         return None if self.alone is None else float(1 / self.alone[0])
+
+    def surely_above(self, known: float) -> bool:
+        """Return whether the constant that contradicts is above a known one [Nm/A], or negative, by
+        its own error.
+        """
+        return self.alone is not None and float(self.alone[0]) + self.alone_half < 1 / known
 
     def std_error(self) -> Array:
         """Return the standard errors (P,) of the arm's parameters on any day."""

@@ -96,7 +96,8 @@ PARAMETER_UNITS = {  # of what is fitted to each joint, that shows its motor
 # looks like an offset, and together with gravity like a torque constant.
 CONSIDERED_TERMS = ("periodic",)
 # The same of measured torques, whose gain gravity tells: inertias are known less well than masses.
-CONSIDERED_OF_TORQUES = (*CONSIDERED_TERMS, "inertia")
+INERTIA = "inertia"
+CONSIDERED_OF_TORQUES = (*CONSIDERED_TERMS, INERTIA)
 TERMS = {
     "coulomb": Term(lambda motion: [motion.direction]),  # Equation 3.13
     "viscous": Term(lambda motion: [motion.qd]),  # Equation 3.14
@@ -137,7 +138,7 @@ TERMS = {
         lambda motion: [motion.qdd * np.ones_like(motion.qd)],
         expected=lambda torque_max: torque_max / ROTOR_ACCELERATION,
     ),
-    "inertia": Term(
+    INERTIA: Term(
         lambda motion: [motion.inertial * np.ones_like(motion.qd)],
         expected=lambda _: INERTIA_STD,
     ),

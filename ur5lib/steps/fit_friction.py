@@ -345,18 +345,21 @@ def require_known_constants(fit: CurrentFit, prior: Prior) -> None:
     """Raise ContradictionError when fitted torque constants are far from those of the arm.
 
     One that is too small is a wrong unit, arm or payload. A few that are too large are joints
-    whose current does not follow their torque, which the fit has found itself.
+    whose current does not follow their torque, which the fit has found itself. One that is so by
+    less than its own error tells nothing.
     """
-    lost = np.array([joint.contradicted is not None for joint in fit.joints])
+    makers = (1 / prior.inverse_constant.mean).tolist()
+    pairs = zip(fit.joints, makers, strict=True)
+    lost = np.array([joint.surely_above(maker) for joint, maker in pairs])
     wrong = too_small(fit, prior)
     if wrong.any() or lost.sum() > MAX_JOINTS_WITHOUT_LOAD:
         wrong |= lost
         found = [joint.contradicted for joint in fit.joints]
         fitted = np.where(lost, np.array(found, dtype=float), torque_constants(fit))
-        known = 1 / prior.inverse_constant.mean
         unit = prior.measured.constant_unit
         each = [
-            other_constant(j + 1, fitted[j], known[j], unit) for j in np.flatnonzero(wrong).tolist()
+            other_constant(j + 1, fitted[j], makers[j], unit)
+            for j in np.flatnonzero(wrong).tolist()
         ]
         text = contradicting_constants(each, prior.measured)
         raise ContradictionError("contradicting constants", text, "constants")
