@@ -83,8 +83,9 @@ def read(
         >>> runs = ur5lib.read(["free1.csv", "free2.csv"], "ur5e")
         >>> runs.names
         ['free1', 'free2']
-        >>> import pandas as pd
-        >>> pushed = ur5lib.read(pd.read_csv("pushed.csv"), "ur5e", unit={"actual_current": "A"})
+        >>> again = ur5lib.read(runs["free1"].device("robot"), "ur5e")
+        >>> again.names
+        ['recording']
     """
     take_up_all()
     given = named(recordings)
