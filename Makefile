@@ -80,6 +80,7 @@ docs: .venv/dev ## build the documents as a site, .site/html
 
 schema: .venv/ready ## write the schema and the table of a study's settings anew
 	ur5 schema > workflow/study.schema.json
+	ur5 schema contract > workflow/contract.schema.json
 	ur5 settings > docs/settings.md
 
 lock: ## pin the newest versions that pyproject.toml allows, with the hashes of all their files

@@ -15,6 +15,7 @@ from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.simulate import simulate
 from ur5lib.tables import read_csv
 
+FREE = ["free1.csv", "free2.csv"]
 DOTS = (("velocity", "rad/s"), ("measured", "Nm"))  # of the figure of friction
 PUSH = {"kind": "push", "start_s": 3, "seconds": 2, "force": [40, 0, 0]}
 

@@ -273,6 +273,12 @@ def check(
         bool, typer.Option("--all", help="list what could not be checked or is not used, too")
     ] = False,
     as_json: AsJson = False,
+    contract: Annotated[
+        Path | None, typer.Option(help="file with what every recording must have")
+    ] = None,
+    new_contract: Annotated[
+        Path | None, typer.Option("--write-contract", help="write such a file from good recordings")
+    ] = None,
 ) -> None:
     """Check every recording of a study, and print the findings.
 
@@ -280,9 +286,15 @@ def check(
     """
     _use_one_thread()
     from ur5lib.commands.check import Form, print_findings
+    from ur5lib.commands.contract import read_contract, write_contract
+    from ur5lib.study.reading import read_study
 
-    if print_findings(study, recordings or [], Form(everything, as_json)):
+    wanted = read_contract(contract) if contract else None
+    if print_findings(study, recordings or [], Form(everything, as_json), wanted):
         raise SystemExit(1)
+    if new_contract:
+        write_contract(read_study(study), recordings or [], new_contract)
+        typer.echo(f"{new_contract} written", err=as_json)
     if as_json:
         return
     typer.echo(f"next: ur5 run {shlex.quote(str(study))}")
@@ -455,14 +467,17 @@ def convert(
 
 
 @app.command(rich_help_panel="Project")
-def schema() -> None:
-    """Print the JSON schema of a study.
+def schema(
+    of: Annotated[Literal["study", "contract"], typer.Argument(help="kind of file")] = "study",
+) -> None:
+    """Print the JSON schema of a study, or of a contract for recordings.
 
     It is workflow/study.schema.json. Example: ur5 schema > study.schema.json
     """
+    from ur5lib.commands.contract import contract_schema
     from ur5lib.study.model import schema_text
 
-    typer.echo(schema_text(), nl=False)
+    typer.echo(schema_text() if of == "study" else contract_schema(), nl=False)
 
 
 @app.command(rich_help_panel="Project")

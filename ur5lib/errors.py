@@ -4,6 +4,7 @@ import unicodedata
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from os import PathLike
 
 OVERRULED_BY = "; if the study is right, "  # between a stop sign and the line that overrules it
 SEPARATOR_CATEGORIES = {"Zl", "Zp"}  # beside "C…": controls, marks of direction, surrogates
@@ -75,12 +76,28 @@ def overrulable(sign: str, kind: str) -> str:
     return f"{sign}{OVERRULED_BY}`accept: {{{kind}: the reason}}` overrules this" if kind else sign
 
 
-def unknown(kind: str, name: str, known: Iterable[str]) -> InputError:
+def unknown(kind: str, name: object, known: Iterable[str]) -> InputError:
     """Return the error of a name that is none of those known; kind: of what it would name."""
     names = [*known]
     return InputError(
-        f"unknown {kind} {name!r}{perhaps(name, names)}; available: {', '.join(names)}"
+        f"unknown {kind} {name!r:.80}{perhaps(name, names)}; available: {', '.join(names)}"
     )
+
+
+def expect_known(kind: str, name: object, known: Iterable[str]) -> str:
+    """Return a name. Raises InputError for what is none of those known; kind: of what it names."""
+    names = [*known]
+    if isinstance(name, str) and name in names:
+        return name
+    raise unknown(kind, name, names)
+
+
+def expect_text(given: object, what: str) -> str:
+    """Return a name or a path as text. Raises InputError for anything else, or an empty one."""
+    text = str(given) if isinstance(given, str | PathLike) else ""
+    if not text or "\0" in text:
+        raise InputError(f"{given!r:.80} names no {what}; give its name, as text")
+    return text
 
 
 def perhaps(name: object, known: Iterable[str]) -> str:

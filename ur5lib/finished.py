@@ -12,7 +12,7 @@ from ur5lib.chain.model import Model
 from ur5lib.chain.recordings import frame_of
 from ur5lib.chain.shown import Shown
 from ur5lib.chain.steps import Files
-from ur5lib.errors import InputError, unknown
+from ur5lib.errors import InputError, expect_text, unknown
 from ur5lib.jobs.unreadable import reason
 from ur5lib.records.force_errors import SensorAccount
 from ur5lib.records.judgement import Judgement
@@ -78,7 +78,7 @@ class FinishedStudy(Shown):
 
     def __init__(self, folder: str | Path) -> None:
         """Take a folder `results/<study>`. Raises InputError where it holds no results."""
-        self.folder = Path(folder)
+        self.folder = Path(expect_text(folder, "folder"))
         if not any(isdir(self.folder / part) for part in ("recordings", "tables")):
             raise InputError(
                 f"{folder} holds no results of a study; build it by `ur5 run`, and name the folder "
@@ -265,7 +265,7 @@ class FinishedStudy(Shown):
         return {name: own for name, own in files.items() if isfile(own) and not reason(str(own))}
 
     def _existing(self, *parts: str) -> Path:
-        path = self.folder.joinpath(*parts)
+        path = self.folder.joinpath(*(expect_text(part, "result") for part in parts))
         if not isfile(path):
             raise InputError(
                 f"{path} does not exist; check the folder and the names, or `ur5 run` the study"
@@ -276,10 +276,10 @@ class FinishedStudy(Shown):
 
     def _known(self, name: str, names: list[str], kind: str) -> str:
         """Return a name that exists. Raises InputError with the closest one otherwise."""
-        if name in names:
+        if isinstance(name, str) and name in names:
             return name
-        near = get_close_matches(name, names, n=1) or sorted(names) or ["none"]
+        near = get_close_matches(str(name), names, n=1) or sorted(names) or ["none"]
         raise InputError(
-            f"{self.folder} has no {kind} {name!r}, but {', '.join(near)}; correct the name, or "
-            "`ur5 run` the study again"
+            f"{self.folder} has no {kind} {name!r:.80}, but {', '.join(near)}; correct the name, "
+            "or `ur5 run` the study again"
         )

@@ -209,6 +209,11 @@ def csv_text(table: pd.DataFrame, digits: int = 9, path: Path | None = None) -> 
     return table.to_csv(path, index=False, float_format=f"%.{digits}g")
 
 
+def write_exactly(table: pd.DataFrame, path: Path, header: bool = True) -> None:
+    """Write a table as CSV whose numbers, read again, are the same to the last bit."""
+    table.to_csv(path, index=False, header=header)
+
+
 def _write_numbers(table: pd.DataFrame, digits: int, path: Path) -> None:
     """Write a table that holds float numbers alone, which pandas takes four times as long for."""
     line = ",".join([f"%.{digits}g"] * table.shape[1]) + "\n"

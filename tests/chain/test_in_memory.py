@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 
 import ur5lib
 from tests.conftest import PROJECT
-from tests.in_memory import put_recordings
+from tests.in_memory import FREE
 from ur5lib.chain.model import FIGURES, TABLES
 from ur5lib.chain.shown import Shown
 from ur5lib.importing.in_memory import Role
@@ -27,7 +27,6 @@ from ur5lib.records.motion import Motion, motions_before
 from ur5lib.records.verdicts import REASONS
 from ur5lib.tables import write_table
 
-FREE = ["free1.csv", "free2.csv"]
 SCREEN = 26  # lines
 SCRIPT = """\
     import ur5lib
@@ -53,28 +52,6 @@ SCRIPT = """\
     study: ur5lib.FinishedStudy = ur5lib.load("results/mine")
     other: ur5lib.Model = study.model("ur5e")
 """
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("recorded")
-    put_recordings(folder)
-    return folder
-
-
-@pytest.fixture(scope="module")
-def free(folder: Path) -> ur5lib.Recordings:
-    return ur5lib.read([folder / name for name in FREE], "ur5e")
-
-
-@pytest.fixture(scope="module")
-def model(free: ur5lib.Recordings) -> ur5lib.Model:
-    return ur5lib.fit(free)
-
-
-@pytest.fixture(scope="module")
-def pushed(folder: Path) -> ur5lib.Recordings:
-    return ur5lib.read(folder / "pushed.csv", ur5lib.read_arm("ur5e"), role="contact")
 
 
 def spoilt(folder: Path, tmp_path: Path, role: Role = "fit") -> ur5lib.Recordings:

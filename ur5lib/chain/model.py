@@ -6,13 +6,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, get_origin
 
+import numpy as np
 import pandas as pd
 
 from ur5lib import __version__
 from ur5lib.chain.recordings import Recordings, as_recordings, frame_of
 from ur5lib.chain.shown import Shown, counted, frames
 from ur5lib.chain.steps import Chain, Files
-from ur5lib.errors import InputError, some, unknown
+from ur5lib.errors import InputError, expect_known, expect_text, some
 from ur5lib.jobs.files import parameter_types
 from ur5lib.jobs.job import step_named
 from ur5lib.jobs.memory import Contents, call, record_of, text_of
@@ -89,8 +90,7 @@ class Model(Shown):
         "torque_constants", "cross_validation", "rotor_inertia", "parameters", "excitation" or
         "remarks". Raises InputError for another name.
         """
-        if name not in TABLES:
-            raise unknown("table", name, TABLES)
+        expect_known("table", name, TABLES)
         asked = parameter_types(step_named("make_tables")).items()
         inputs: dict[str, Contents] = {
             key: {self.robot: self.arm[FILES_OF_TABLES[key]]} if key in FILES_OF_TABLES else {}
@@ -108,13 +108,13 @@ class Model(Shown):
         joint: from 1, whose panel is wanted alone, of the first three. Raises InputError for
         another name or joint, and of the first five where the model came from a file.
         """
-        if name not in FIGURES:
-            raise unknown("figure", name, FIGURES)
+        expect_known("figure", name, FIGURES)
         joints = len(self.identified.joints)
-        if joint is not None and (name not in OF_JOINTS or not 1 <= joint <= joints):
+        panels = range(1, joints + 1) if name in OF_JOINTS else ()
+        if joint is not None and not (isinstance(joint, int | np.integer) and joint in panels):
             raise InputError(
-                f"no panel of joint {joint} in {name}; {', '.join(OF_JOINTS)} have one for each of "
-                f"joints 1 to {joints}"
+                f"no panel of joint {joint!r:.80} in {name}; {', '.join(OF_JOINTS)} have one for "
+                f"each of joints 1 to {joints}"
             )
         if name in OF_FRICTION and not all("signals" in own for own in self._moving()):
             raise InputError(
@@ -162,13 +162,14 @@ class Model(Shown):
 
         Raises InputError where the file cannot be written.
         """
-        write_text(json.dumps(self._saved(), indent=1) + "\n", path)
+        write_text(json.dumps(self._saved(), indent=1) + "\n", expect_text(path, "file"))
 
     @classmethod
     def read(cls, path: str | Path) -> "Model":
         """Read a model that was saved. Raises InputError where the file holds none."""
+        file = Path(expect_text(path, "file"))
         try:
-            saved = json.loads(Path(path).read_text(encoding="utf-8"))
+            saved = json.loads(file.read_text(encoding="utf-8"))
             texts: Files = {name: saved["arm"][name] for name in YAML_FILES}
             texts |= {name: _text(saved["arm"][name]) for name in JSON_FILES}
             fitted: dict[str, Files] = {

@@ -10,15 +10,16 @@ from pydantic import ValidationError
 from ur5lib.chain.shown import Shown, counted, frames
 from ur5lib.chain.steps import Chain, Files
 from ur5lib.channels import MOST_JOINTS, RECORDED_CHANNELS, columns
-from ur5lib.errors import InputError, perhaps, unknown
+from ur5lib.errors import InputError, expect_known, expect_text, perhaps, printable, some
 from ur5lib.jobs.memory import Content
+from ur5lib.records.account import AccountRow
 from ur5lib.records.quality import Finding, Quality
 from ur5lib.robots.description import Robot
 from ur5lib.strict import explain
 from ur5lib.study.accept import Accept, joined
 from ur5lib.study.model import Study
 from ur5lib.study.selection import Selection
-from ur5lib.tables import read_footer, read_table, read_units
+from ur5lib.tables import has_unit, read_footer, read_table, read_units, table_by_owner
 
 NO_USE = ("stop", "error")  # severities of findings with which nothing is fitted
 
@@ -93,8 +94,7 @@ class Recordings(Shown):
 
     def __getitem__(self, name: str) -> "Recordings":
         """Return one of them. Raises InputError for an unknown name."""
-        if name not in self.files:
-            raise unknown("recording", name, self.names)
+        expect_known("recording", name, self.names)
         entries = [one for one in self.study.recordings if one.name == name]
         study = self.study.model_copy(update={"recordings": entries})
         return replace(self, study=study, files={name: self.files[name]})
@@ -124,13 +124,11 @@ class Recordings(Shown):
 
         Raises InputError, with the channels there are, where no recording has it.
         """
-        return self._frame("robot", name)
+        return self._frame("robot", expect_text(name, "channel"))
 
     def device(self, name: str) -> pd.DataFrame:
         """Return the samples of a device on its own clock: `robot`, `force` or `imu`."""
-        if name not in ("robot", "force", "imu"):
-            raise unknown("device", name, ["robot", "force", "imu"])
-        return self._frame(name)
+        return self._frame(expect_known("device", name, ["robot", "force", "imu"]))
 
     def findings(self) -> pd.DataFrame:
         """Return what was found in the files: recording, severity, and the sentence."""
@@ -141,13 +139,35 @@ class Recordings(Shown):
         ]
         return pd.DataFrame(rows, columns=["recording", "severity", "detail"])
 
+    @property
+    def account(self) -> pd.DataFrame:
+        """Return what import took each column for: recording, and the columns of an `AccountRow`,
+        subject, taken_for, evidence, confidence and reason.
+        """
+        rows = {one.name: one.account for one in self.study.recordings}
+        return table_by_owner(AccountRow, rows)
+
+    def line(self, name: str) -> str:
+        """Return in one line what a recording was taken for, and what of that should be checked."""
+        own = self.account.query("recording == @name")
+        read = [taken for taken in own["taken_for"] if has_unit(taken.partition(" ")[0])]
+        checks = own[own["confidence"] == "check"]
+        words = "".join(f"; check {row.subject}: {row.taken_for}" for row in checks.itertuples())
+        return printable(f"{name}: {self.roles[name]}, {', '.join(read)}{words}")
+
     def accepting(self, reasons: Mapping[str, str] | None) -> Self:
         """Return them with reasons for which stop signs are overruled, by kind, as in a study.
 
-        Raises InputError for an unknown kind, or an empty reason.
+        Raises InputError for an unknown kind, and one without a reason.
         """
-        if not reasons:
+        if reasons is None:
             return self
+        if not isinstance(reasons, Mapping):
+            raise InputError(
+                f'accept: {reasons!r:.80} has no kinds; write {{"order": "why it is right"}}'
+            )
+        if bare := [kind for kind, reason in reasons.items() if not isinstance(reason, str)]:
+            raise InputError(f"accept: {some(bare)} without a reason; write why, as text")
         try:
             general = Accept.model_validate(dict(reasons))
         except ValidationError as error:

@@ -19,6 +19,7 @@ from ur5lib.checks.contacts import sensed_contacts
 from ur5lib.checks.devices import checked_intake
 from ur5lib.checks.findings import contradictions
 from ur5lib.commands.console import announced, text_console
+from ur5lib.commands.contract import Contract
 from ur5lib.commands.processes import side_by_side
 from ur5lib.errors import InputError
 from ur5lib.force.tare import tare_doubts, touched_by_own_clock
@@ -57,11 +58,14 @@ class Form(NamedTuple):
 FOLDED = Form()
 
 
-def print_findings(path: Path, named: Sequence[str] = (), form: Form = FOLDED) -> int:
+def print_findings(
+    path: Path, named: Sequence[str] = (), form: Form = FOLDED, contract: Contract | None = None
+) -> int:
     """Print the findings of a study's recordings, or those of some recordings in detail.
 
-    Returns how many are stop signs or errors. Raises InputError when the study itself is wrong or
-    lacks a recording that is named, or where an extension cannot be used.
+    contract: that they are held against. Returns how many are stop signs or errors. Raises
+    InputError when the study itself is wrong or lacks a recording that is named, or where an
+    extension cannot be used.
     """
     take_up_all()
     study = read_study(path)
@@ -70,15 +74,24 @@ def print_findings(path: Path, named: Sequence[str] = (), form: Form = FOLDED) -
         if name not in names:
             near = get_close_matches(name, names, n=1) or names[:MAX_PROPOSED_NAMES]
             raise InputError(f"{path} has no recording {name!r}, but {', '.join(near)}")
-    return print_findings_of(study, named, form)
+    return print_findings_of(study, named, form, contract)
 
 
-def print_findings_of(study: Study, named: Sequence[str] = (), form: Form = FOLDED) -> int:
+def print_findings_of(
+    study: Study,
+    named: Sequence[str] = (),
+    form: Form = FOLDED,
+    contract: Contract | None = None,
+) -> int:
     """Print the findings of recordings; returns how many are stop signs or errors.
 
-    named: recordings whose findings are printed in detail; none: all, by finding.
+    named: recordings whose findings are printed in detail; none: all, by finding; contract: that
+    they are held against.
     """
     console = text_console(stderr=form.as_json)  # beside the JSON
+    lacking = [] if contract is None else [*contract.lacking(study)]
+    for sentence in lacking:
+        console.print(f"contract: {sentence}", style=SEVERITY_STYLES["error"])
     for arm in arms_without_fit(study):
         console.print(
             f"no recording of {arm} has the role `fit`: friction is only what other arms have, and "
@@ -93,18 +106,26 @@ def print_findings_of(study: Study, named: Sequence[str] = (), form: Form = FOLD
         unmade = concerned([name for name in names if name not in present], names)
         console.print(f"not simulated yet: {unmade}; `ur5 run` will simulate it first")
     if not there:
-        return 0
+        return len(lacking)
     names = [recording.name for recording in there]
     # without its recordings, which would go to each process with each of them
     alone = study.model_copy(update={"recordings": []})
-    with side_by_side(partial(look_through, study=alone), there) as looked:
+    with side_by_side(partial(_held_against, contract, study=alone), there) as looked:
         results = dict(zip(announced(names), looked, strict=True))
     qualities = {name: quality for name, (quality, _) in results.items()}
     clocks = settled(
         study, qualities, {name: own_clocks_of for name, (_, own_clocks_of) in results.items()}
     )
     roles = {recording.name: recording.role for recording in there}
-    return print_tables(console, qualities, clocks, named, roles, form)
+    return len(lacking) + print_tables(console, qualities, clocks, named, roles, form)
+
+
+def _held_against(
+    contract: Contract | None, recording: Recording, study: Study
+) -> tuple[Quality, dict[str, OwnClock]]:
+    """Return what `look_through` does, with what breaks a contract."""
+    quality, clocks = look_through(recording, study)
+    return contract.held_against(recording, quality) if contract else quality, clocks
 
 
 def print_tables(

@@ -148,5 +148,6 @@ def are_postures(q: Array) -> bool:
     far = np.abs(steps) > MIN_POSTURE_DISTANCE
     path = np.abs(steps).sum()
     leaps = float(np.abs(steps)[far].sum()) / path if path else 1.0
-    rough = float(np.std(np.diff(steps, axis=0)) / (np.std(steps) + 1e-12))
+    bends = np.diff(steps, axis=0)
+    rough = float(np.std(bends) / (np.std(steps) + 1e-12)) if len(bends) else 0.0
     return leaps > 0.5 and (rough > MIN_POSTURE_ROUGHNESS or leaps > 0.9)

@@ -160,7 +160,14 @@ def contents(file: Path | PartedRun, stated: UserStatement = NO_STATEMENT) -> Fi
     parts = [*_blocks({name: arrays[name] for name in rest}, clocks, width, account)]
     joints, named = stated.joints() or width or joints_of(path, parts), stated.names()
     parts = _without_gripper(parts, joints, account) if stated.joints() else parts
-    all_blocks = [replace(b, joints=joints, stated=named.get(b.names[0], "")) for b in parts]
+    if lacking := {*named} - {*arrays, *(block.stem() for block in parts)}:
+        raise InputError(
+            f"{path}: --columns names {some(sorted(lacking))}, but it has {some([*arrays], 8)}"
+        )
+    all_blocks = [
+        replace(b, joints=joints, stated=named.get(b.names[0]) or named.get(b.stem(), ""))
+        for b in parts
+    ]
     silent = [block for block in all_blocks if is_silent(block.rows)]
     blocks = [block for block in all_blocks if not is_silent(block.rows)]
     described_by = path, format, header, blocks, silent, clocks, findings, stated, joints, account

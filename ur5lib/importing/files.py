@@ -62,19 +62,19 @@ def import_files(
     """
     imported: dict[Path | PartedRun, list[ImportedRecording]] = {}
     refused: dict[Path | PartedRun, str] = {}
-    headers: dict[Path | PartedRun, list[str]] = {}
+    forms: dict[Path | PartedRun, list[str]] = {}
     for path in paths:
         try:
             file = contents(path, stated)
-            headers[path] = file.header.columns
+            forms[path] = [file.format, *file.account.order]
             imported[path] = _checked(file)
         except InputError as error:
             refused[path] = str(error)
-    for path, columns in headers.items():
-        if isinstance(path, Path) and columns[:1] == [f"{NAMELESS_PREFIX}1"]:
-            alike = [other for own, (other, *_) in imported.items() if headers[own] == columns]
+    for path, form in forms.items():
+        if isinstance(path, Path) and (path in refused or form[1:2] == [f"{NAMELESS_PREFIX}1"]):
+            alike = [other for own, (other, *_) in imported.items() if forms[own] == form]
             _take_columns(path, alike, imported)
-    files = ImportedFiles(one for path in headers for one in imported.get(path, []))
+    files = ImportedFiles(one for path in forms for one in imported.get(path, []))
     files.refused = tuple(reason for path, reason in refused.items() if path not in imported)
     if files.refused and not files:
         raise InputError("\n".join(files.refused))
@@ -88,14 +88,16 @@ def _take_columns(
     alike: Sequence[ImportedRecording],
     imported: dict[Path | PartedRun, list[ImportedRecording]],
 ) -> None:
-    """Read a file without names like the one of as many columns of which most are named."""
+    """Read a file that is refused, or has no names, like the one of its form of which most columns
+    are known.
+    """
     other, present = min(alike, key=_skipped, default=None), imported.get(path, [None])[0]
     if other is None or (
         present and (present.arm != other.arm or _skipped(present) <= _skipped(other))
     ):
         return
     source = Path(other.entry["folder"], other.entry["file"])
-    reason = "columns, units and robot are those of that file, which has as many columns"
+    reason = "columns, units and robot are those of that file, which has the same form"
     as_there = AccountRow("columns", f"as in {source}", "position", "assumed", reason)
     checks = [row for row in other.account if row.confidence == "check"]
     role = {"role": present.entry["role"]} if present else {}

@@ -1,17 +1,24 @@
 """Arms and recordings as objects, of what `ur5 describe` and `ur5 import` write as files."""
 
-from collections.abc import Sequence
-from functools import cache, partial
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from numbers import Real
 from pathlib import Path
-from typing import Any, Literal
+from tempfile import TemporaryDirectory
+from typing import Any, Literal, TypeGuard, get_args
 
 import yaml
 
+from ur5lib.chain.as_files import as_files, named
 from ur5lib.chain.recordings import Arm, Recordings
 from ur5lib.chain.steps import Chain, Files
-from ur5lib.errors import InputError, some
-from ur5lib.importing.files import as_entries
-from ur5lib.importing.written import expect_all, imported_files, print_account, user_statement
+from ur5lib.commands.exported import described
+from ur5lib.errors import InputError, expect_known, expect_text, some
+from ur5lib.importing.contents import UserStatement
+from ur5lib.importing.files import ImportedFiles, as_entries, import_files
+from ur5lib.importing.parted_runs import runs_of
+from ur5lib.importing.written import expect_all, expect_no_study
 from ur5lib.records.quality import Quality
 from ur5lib.robots.description import (
     PROJECT_FOLDER,
@@ -21,10 +28,9 @@ from ur5lib.robots.description import (
     robot_path,
 )
 from ur5lib.study.address import YAML_SUFFIXES
-from ur5lib.study.model import Recording, Study
+from ur5lib.study.model import Study
 from ur5lib.study.reading import parse_study, read_plain
 from ur5lib.study.selection import Selection
-from ur5lib.tables import ByKey
 from ur5lib.workspace.extensions import take_up_all
 
 Role = Literal["fit", "validate", "contact"]
@@ -40,7 +46,7 @@ def read_arm(name: str | Path) -> Arm:
         'ur5e'
     """
     take_up_all()
-    path = Path(name)
+    path = Path(expect_text(name, "arm"))
     own = path.stem if path.suffix in (*YAML_SUFFIXES, ".urdf") else str(name)
     if path.suffix == ".urdf" and own not in robot_names():
         from ur5lib.commands.described import describe_urdf  # torch, which takes seconds to load
@@ -53,47 +59,119 @@ def read_arm(name: str | Path) -> Arm:
 
 
 def read(
-    files: str | Path | Sequence[str | Path],
+    recordings: object,
     arm: Arm | str | None = None,
     role: Role | None = None,
+    *,
+    columns: str | Sequence[str] | Mapping[str, str] = (),
+    unit: Mapping[str, str] | None = None,
+    rate: float | None = None,
 ) -> Recordings:
     """Return recordings of any known format, or those of a study's YAML file, of one arm.
 
-    What import took the columns for is printed. arm: whose recordings they are, by default what
-    the files or the study tell; role: `fit` or `validate` of what nothing touches, or `contact`;
-    by default as import finds it, or as the study says. Raises InputError where a file cannot be
-    used.
+    recordings: a file; a data frame, with a clock as column or index; an array (N, M), which has no
+    names; arrays by name, each (N,) or (N, n); or several of these, as a list, or by name as a
+    mapping. A frame gives to the last bit what it gives as CSV, arrays what they give as a NumPy
+    archive. A line of each is printed; `account` of the result has what each column was taken for.
+
+    arm: whose recordings they are, by default what the files or the study tell; role: `fit` or
+    `validate` of what nothing touches, or `contact`; by default as import finds it, or as the study
+    says. As of `ur5 import`, columns: the channels of a table's columns in order, `-` to skip one,
+    or the names of columns or arrays by channel; unit: by channel; rate: of rows without a clock
+    [Hz]. Raises InputError where a recording cannot be used.
 
         >>> runs = ur5lib.read(["free1.csv", "free2.csv"], "ur5e")
         >>> runs.names
         ['free1', 'free2']
+        >>> again = ur5lib.read(runs["free1"].device("robot"), "ur5e")
+        >>> again.names
+        ['recording']
     """
     take_up_all()
-    paths = [Path(files)] if isinstance(files, str | Path) else [*map(Path, files)]
-    if not paths:
-        raise InputError("no file is named to be read; name at least one")
+    given = named(recordings)
+    if not given:
+        raise InputError("no recording is given to be read; name at least one")
+    stated = _statement(arm, role, columns, unit, rate)
+    study = Path(given[0][1]) if len(given) == 1 and given[0][0] == "" else Path()
+    if study.suffix in YAML_SUFFIXES:
+        if columns or unit or rate:
+            raise InputError(f"{study} is a study: write columns, units and rates into it")
+        return _recordings(_of_arm(parse_study(read_plain(study), str(study)), stated.robot))
+    with TemporaryDirectory() as folder:
+        try:
+            files = expect_no_study([*as_files(given, Path(folder))])
+            imported = import_files(runs_of(files), stated)
+            expect_all(imported)
+            runs = _recordings(_of_arm(_study_of(imported, role), ""))
+        except InputError as error:
+            raise InputError(_in_python(str(error), folder)) from error
+        for entry in runs.study.recordings:
+            if entry.folder.startswith(folder):  # what is found there must be known before it goes
+                runs.qualities[entry.name]
+    for name in runs.names:
+        print(runs.line(name))
+    return runs
+
+
+def _statement(
+    arm: object, role: object, columns: object, unit: object, rate: object
+) -> UserStatement:
+    """Return what a caller states of recordings. Raises InputError for what states nothing."""
+    if role is not None:
+        expect_known("role", role, get_args(Role))
     name = arm.name if isinstance(arm, Arm) else arm
-    if len(paths) == 1 and paths[0].suffix in YAML_SUFFIXES:
-        return _recordings(_of_arm(parse_study(read_plain(paths[0]), str(paths[0])), name))
-    imported = imported_files(paths, user_statement(name, None, None, []))
-    expect_all(imported)
+    if name is not None:
+        described(expect_text(name, "arm"))
+    if not (unit is None or isinstance(unit, Mapping)):
+        raise InputError(f'unit: {unit!r:.80} states none; write {{"actual_current": "mA"}}')
+    units = {expect_text(one, "channel"): _unit(own) for one, own in (unit or {}).items()}
+    if not (rate is None or (_is_number(rate) and 0 < rate < math.inf)):
+        raise InputError(f"rate: {rate!r:.80} is none; state the rows per second [Hz]")
+    return UserStatement(str(name or ""), _columns(columns), rate, units)
+
+
+def _columns(given: Any) -> tuple[str, ...]:
+    """Return channels in order, or as `channel=name`."""
+    if isinstance(given, Mapping):
+        pairs = ((expect_text(k, "channel"), expect_text(v, "column")) for k, v in given.items())
+        return tuple(f"{channel}={name}" for channel, name in pairs)
+    listed = given.split(",") if isinstance(given, str) else given
+    if not isinstance(listed, Iterable):
+        raise InputError(f"columns: {given!r:.80} names none; list channels, as actual_q")
+    return tuple(expect_text(one, "channel") for one in listed)
+
+
+def _unit(given: object) -> str:
+    return str(given) if _is_number(given) else expect_text(given, "unit")
+
+
+def _is_number(given: object) -> TypeGuard[float]:
+    return isinstance(given, Real) and not isinstance(given, bool)
+
+
+def _in_python(message: str, folder: str) -> str:
+    """Return a message of `ur5 import` as a caller has it: without the folder of what was given in
+    memory, and with arguments for options.
+    """
+    message = re.sub(rf"{re.escape(folder)}/\d+/", "", message)
+    message = re.sub(r"with --(\w+) ", r"with \1=", message)
+    return re.sub(r"--(columns|unit|rate)\b", r"`\1`", message)
+
+
+def _study_of(imported: ImportedFiles, role: Role | None) -> Study:
+    """Return a study of what was imported."""
     entries: list[dict[str, Any]] = yaml.safe_load(as_entries(imported))
     stated = {} if role is None else {"role": role}
-    plain = {
-        "study": "notebook",
-        "title": "Recordings",
-        "recordings": [e | stated for e in entries],
-    }
-    print_account(imported)
-    return _recordings(_of_arm(parse_study(plain, "the files"), None))
+    plain = {"study": "notebook", "title": "Recordings"}
+    return parse_study(plain | {"recordings": [e | stated for e in entries]}, "the recordings")
 
 
-def _of_arm(study: Study, name: str | None) -> Study:
+def _of_arm(study: Study, name: str) -> Study:
     """Return a study with the recordings of an arm alone, or of its only one."""
     arms = [*study.arms()]
-    if name is None and len(arms) > 1:
+    if not name and len(arms) > 1:
         raise InputError(f"these recordings are of {some(arms)}; name one of them as arm")
-    kept = [one for one in study.recordings if name in (None, one.arm.known_as)]
+    kept = [one for one in study.recordings if name in ("", one.arm.known_as)]
     if not kept:
         raise InputError(
             f"no recording is of {name}, but of {some(arms)}; name one of these as arm"
@@ -109,13 +187,30 @@ def _recordings(study: Study) -> Recordings:
     chain.run("describe_arm")
     for name, entry in selection.entries.items():
         chain.run("read_postures" if entry.at_rest else "read_recording", name)
-    alone = study.model_copy(update={"recordings": []})
-    qualities = {one.name: cache(partial(_quality, one, alone)) for one in study.recordings}
-    return Recordings(study, arm, files, ByKey(qualities))
+    return Recordings(study, arm, files, Checks(study))
 
 
-def _quality(entry: Recording, study: Study) -> Quality:
-    """Return what `ur5 check` finds in a recording."""
-    from ur5lib.commands.check import look_through
+class Checks(Mapping[str, Quality]):
+    """What `ur5 check` finds in each recording of a study, looked through when it is asked."""
 
-    return look_through(entry, study)[0]
+    def __init__(self, study: Study) -> None:
+        """Take the study; nothing is read yet."""
+        self._entries = {one.name: one for one in study.recordings}
+        self._alone = study.model_copy(update={"recordings": []})
+        self._known = dict[str, Quality]()
+
+    def __getitem__(self, name: str) -> Quality:
+        """Return what is found in a recording."""
+        from ur5lib.commands.check import look_through
+
+        if name not in self._known:
+            self._known[name] = look_through(self._entries[name], self._alone)[0]
+        return self._known[name]
+
+    def __iter__(self) -> Iterator[str]:
+        """Yield the recordings' names."""
+        return iter(self._entries)
+
+    def __len__(self) -> int:
+        """Return how many recordings there are."""
+        return len(self._entries)

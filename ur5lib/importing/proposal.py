@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import columns
+from ur5lib.channels import CHANNELS, columns
 from ur5lib.checks.block_means import BlockMeans, block_means
 from ur5lib.checks.checked import described
 from ur5lib.checks.readings import Order
@@ -125,7 +125,7 @@ def propose(file: FileContents) -> Proposal:
     units: ChannelUnits = dict(moving.units)
     units |= {n: unit for n, block in named.items() if (unit := block.unit())}
     words = {n: unit for n, unit in file.stated.units.items() if number_in(unit.encode()) is None}
-    units |= {n: unit for n, unit in words.items() if n in channels}
+    units |= {n: unit for n, unit in words.items() if n in channels and unit != CHANNELS[n].unit}
     pushed = _pushed(wrench, file)
     measured = [block.names for name, block in named.items() if name.startswith("actual")]
     proving = [n for n, block in efforts.items() if block.names in measured][:1] if pushed else []

@@ -42,9 +42,14 @@ def imported_files(files: Sequence[Path], stated: UserStatement) -> ImportedFile
 
     Raises InputError for a study among them.
     """
+    return import_files(announced(runs_of(expect_no_study(files))), stated)
+
+
+def expect_no_study(files: Sequence[Path]) -> Sequence[Path]:
+    """Return files. Raises InputError for a study among them."""
     if study := next((file for file in files if is_study(str(file)) and file.is_file()), None):
         raise InputError(f"{study} is a study, no recording; build it: ur5 run {study}")
-    return import_files(announced(runs_of(files)), stated)
+    return files
 
 
 def write_imported(

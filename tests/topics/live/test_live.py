@@ -212,7 +212,19 @@ def test_while_a_contact_is_suspected_the_last_sure_wrench_stays() -> None:
     assert sure.contact == FREE
     for one in answers[first:last]:
         assert one.contact == SUSPECTED
-        assert one.wrench is sure.wrench
+        np.testing.assert_array_equal(one.wrench, sure.wrench)
+
+
+def test_what_a_caller_does_to_an_answer_stays_with_the_caller() -> None:
+    run = samples(0.4, True)
+    own, changed = Live(arm_file()), Live(arm_file())
+    for time, *state in zip(run.time, run.q, run.qd, run.current, strict=True):
+        bad = [state[0], state[1], state[2] * np.nan]
+        for one in (state, bad):  # after the second, the answer is the last one
+            told, spoilt = (each.step(float(time), *one) for each in (own, changed))
+            np.testing.assert_array_equal(spoilt.wrench, told.wrench)
+            np.testing.assert_array_equal(spoilt.std, told.std)
+            spoilt.wrench[:], spoilt.std[:] = 1e6, -1.0
 
 
 def test_a_resting_arm_that_feels_no_large_push_is_no_free_one() -> None:

@@ -120,7 +120,8 @@ class Live:
     def step(self, time: float, q: Any, qd: Any, current: Any) -> Answer:
         """Return the force after a sample: time [s]; q, qd, current (n,) [rad, rad/s, A].
 
-        qd: None where the controller states no velocity. Never raises, and states no NaN.
+        qd: None where the controller states no velocity. Never raises, and states no NaN. The
+        arrays are the caller's own.
         """
         try:
             none = np.zeros(len(self.mass)) if qd is None else qd
@@ -133,7 +134,8 @@ class Live:
             self._take(float(time), values[0], None if qd is None else values[2], values[1])
         elif self.missed * self.set["period"] > self.set["max_gap"]:
             self.restart()
-        return self.answer
+        wrench, std, contact = self.answer
+        return Answer(wrench.copy(), std.copy(), contact)
 
     def _usable(self, time: float, q: Array, current: Array, qd: Array) -> bool:
         """Return whether a sample is new and possible; restart where the clock jumped."""

@@ -1,0 +1,199 @@
+"""Torques that are seldom exceeded without contact: quantiles by joint, speed and acceleration.
+
+Of the external torques |τ_ext| of a joint in n samples without contact, the threshold of a rate r
+is the ⌈(1 - r) n⌉-th smallest: at most the share r is beyond it.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ur5lib.errors import InputError
+from ur5lib.finished import FinishedStudy
+from ur5lib.records.currents import Currents
+from ur5lib.records.motion import Motion
+from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.segments import DEAD_ZONE
+
+LEVELS = {"lower": 0.01, "upper": 0.001}  # a contact, a collision: share of samples beyond
+FAST_SHARE = 0.5  # of the fastest that a joint was, from which on it is fast
+ACCELERATING_SHARE = 0.1  # of the largest acceleration, from which on it counts as accelerating
+LARGEST = 0.999  # quantile that is the largest acceleration: noise has larger ones
+UNITS = "Nm, rad/s, rad/s^2; joints from 1; rates: share of samples, of each joint by itself"
+
+
+class Free(NamedTuple):
+    """Samples without contact of a recording, each (N, n): |τ_ext| [Nm], NaN where unknown, |q̇|
+    [rad/s], |q̈| [rad/s²].
+    """
+
+    torque: Array
+    speed: Array
+    acceleration: Array
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Thresholds of an arm of n joints [Nm].
+
+    edges: (3, n) [rad/s], speeds from which a joint rests, is slow, is fast; by_speed: of each
+    level, (3, n); accelerating: (n,) [rad/s²], from which on it accelerates; nominal, acceleration:
+    of each level, (n,), below that and above it; counts: (3, n), samples; left_out: of each level,
+    share beyond on recordings that the thresholds were not taken from, over all and on the worst,
+    NaN of a single one.
+    """
+
+    robot: str
+    cutoff: float
+    recordings: list[str]
+    edges: Array
+    counts: Array
+    by_speed: Mapping[str, Array]
+    accelerating: Array
+    nominal: Mapping[str, Array]
+    acceleration: Mapping[str, Array]
+    left_out: Mapping[str, tuple[float, float]]
+
+    def in_json(self) -> dict[str, Any]:
+        """Return them as plain data, in the terms of `setCollisionBehavior`, too."""
+        behaviour = {
+            f"{level}_torque_thresholds_{phase}": getattr(self, phase)[level].tolist()
+            for phase in ("acceleration", "nominal")
+            for level in LEVELS
+        }
+        return {
+            "format": "ur5lib thresholds 1",
+            "robot": self.robot,
+            "units": UNITS,
+            "torque": f"tau_ext of currents.parquet, low-passed at {self.cutoff:g} Hz",
+            "false_alarm_rates": LEVELS,
+            "left_out": {
+                level: {"mean": mean, "worst": worst}
+                for level, (mean, worst) in self.left_out.items()
+            },
+            "recordings": self.recordings,
+            "accelerating_from": self.accelerating.tolist(),
+            "collision_behavior": behaviour,
+            "by_speed": [*self._rows()],
+        }
+
+    def _rows(self) -> list[dict[str, float | None]]:
+        ends = np.vstack([self.edges[1:], np.full(self.edges.shape[1], np.nan)])
+        return [
+            {"joint": joint + 1, "from": self.edges[k, joint], "to": _or_none(ends[k, joint])}
+            | {"samples": int(self.counts[k, joint])}
+            | {level: self.by_speed[level][k, joint] for level in LEVELS}
+            for joint in range(self.edges.shape[1])
+            for k in range(len(self.edges))
+        ]
+
+
+def thresholds_of(study: FinishedStudy, robot: str) -> Thresholds:
+    """Return the thresholds of an arm by the contact-free recordings of a study.
+
+    Raises InputError where they are too few samples for the smallest rate.
+    """
+    free = free_samples(study, robot)
+    together = _joined([*free.values()])
+    least = min(np.isfinite(together.torque).sum(axis=0), default=0)
+    if least * min(LEVELS.values()) < 1:
+        raise InputError(
+            f"{robot} has external torques in {least} samples without contact, but a rate of "
+            f"{min(LEVELS.values()):g} needs {1 / min(LEVELS.values()):.0f}; record longer"
+        )
+    edges = speed_edges(together)
+    limit = ACCELERATING_SHARE * np.nanquantile(together.acceleration, LARGEST, axis=0)
+    faster, classes = together.acceleration > limit, speed_classes(together, edges)
+    return Thresholds(
+        robot,
+        study.configuration().settings.lowpass.cutoffs_hz()["currents"],
+        [*free],
+        edges,
+        np.array([(one & np.isfinite(together.torque)).sum(axis=0) for one in classes]),
+        {level: quantiles(together.torque, classes, rate) for level, rate in LEVELS.items()},
+        limit,
+        {level: quantiles(together.torque, [~faster], r)[0] for level, r in LEVELS.items()},
+        {level: quantiles(together.torque, [faster], r)[0] for level, r in LEVELS.items()},
+        {level: left_out([*free.values()], edges, rate) for level, rate in LEVELS.items()},
+    )
+
+
+def free_samples(study: FinishedStudy, robot: str) -> dict[str, Free]:
+    """Return the samples of an arm's recordings without contact that have an external torque.
+
+    Of a recording to fit, it is that beside the fit to the other paths.
+    """
+    found = dict[str, Free]()
+    for entry in study.configuration().recordings:
+        if entry.role == "contact" or entry.at_rest or entry.arm.known_as != robot:
+            continue
+        torque = study.record(Currents, entry.name).external_torque
+        motion = study.record(Motion, entry.name)
+        if torque is not None:
+            found[entry.name] = Free(*map(np.abs, (torque, motion.qd, motion.qdd)))
+    if not found:
+        raise InputError(
+            f"{study.folder} has no external torque of {robot} without contact; its report says why"
+        )
+    return found
+
+
+def speed_edges(free: Free) -> Array:
+    """Return from which speeds (3, n) [rad/s] each joint rests, is slow, is fast."""
+    fastest = np.nanmax(free.speed, axis=0)
+    resting, slow = np.zeros_like(fastest), np.full_like(fastest, DEAD_ZONE)
+    return np.stack([resting, slow, np.maximum(slow, FAST_SHARE * fastest)])
+
+
+def speed_classes(free: Free, edges: Array) -> list[Mask]:
+    """Return of each class of speeds which samples (N, n) are in it."""
+    above = [free.speed > edge for edge in edges[1:]]
+    return [~above[0], above[0] & ~above[1], above[1]]
+
+
+def quantiles(torque: Array, classes: Sequence[Mask], rate: float) -> Array:
+    """Return of each class the torques (C, n) [Nm] that a share of its samples exceeds.
+
+    torque, classes: (N, n). A class with fewer samples than tell the rate has that of all samples.
+    """
+    every = np.ones_like(torque, bool)
+    return np.array(
+        [
+            [
+                _quantile(torque[own[:, k], k], torque[every[:, k], k], rate)
+                for k in range(torque.shape[1])
+            ]
+            for own in classes
+        ]
+    )
+
+
+def left_out(free: Sequence[Free], edges: Array, rate: float) -> tuple[float, float]:
+    """Return the share of samples beyond thresholds that come from the other recordings: over all
+    recordings and joints, and on the worst recording. NaN of a single recording.
+    """
+    beyond, known = list[int](), list[int]()
+    for k, own in enumerate(free if len(free) > 1 else []):
+        others = _joined([*free[:k], *free[k + 1 :]])
+        limits = quantiles(others.torque, speed_classes(others, edges), rate)
+        pairs = zip(speed_classes(own, edges), limits, strict=True)
+        beyond.append(sum(int(np.sum(one & (own.torque > limit))) for one, limit in pairs))
+        known.append(int(np.isfinite(own.torque).sum()))
+    shares = [above / count for above, count in zip(beyond, known, strict=True) if count]
+    return (sum(beyond) / sum(known), max(shares)) if shares else (np.nan, np.nan)
+
+
+def _quantile(own: Array, every: Array, rate: float) -> float:
+    own = own[np.isfinite(own)]
+    taken = own if len(own) * rate >= 1 else every[np.isfinite(every)]
+    return float(np.quantile(taken, 1 - rate, method="inverted_cdf"))
+
+
+def _joined(free: Sequence[Free]) -> Free:
+    return Free(*(np.concatenate(parts) for parts in zip(*free, strict=True)))
+
+
+def _or_none(value: float) -> float | None:
+    return None if np.isnan(value) else float(value)
