@@ -17,11 +17,12 @@ from ur5lib.importing.blocks import (
     ColumnBlock,
     grouped,
     joints_of,
+    with_bare_positions,
     with_names,
 )
 from ur5lib.importing.clocks import ROW_CLOCK, FileClocks, clocks_of, equally_spaced
 from ur5lib.importing.parted_runs import PartedRun
-from ur5lib.importing.spellings import CLOCK_NAME, NAME_COLUMN, names_positions
+from ur5lib.importing.spellings import CLOCK_NAME, NAME_COLUMN, lettered_joints, names_positions
 from ur5lib.recordings.array_files import LOADERS, UNREAD, format_of
 from ur5lib.recordings.channel_files import at_stamps, has_stamps
 from ur5lib.recordings.delimited import (
@@ -158,9 +159,10 @@ def contents(file: Path | PartedRun, stated: UserStatement = NO_STATEMENT) -> Fi
     unnamed = header.columns[:1] == [f"{NAMELESS_PREFIX}1"]
     width = _width_of_nameless(len(rest), stated.joints()) if unnamed else None
     parts = [*_blocks({name: arrays[name] for name in rest}, clocks, width, account)]
+    parts = with_bare_positions(parts)
     joints, named = stated.joints() or width or joints_of(path, parts), stated.names()
     parts = _without_gripper(parts, joints, account) if stated.joints() else parts
-    all_blocks = [replace(b, joints=joints, stated=named.get(b.names[0], "")) for b in parts]
+    all_blocks = [replace(b, joints=joints, stated=named.get(b.names[0], b.stated)) for b in parts]
     silent = [block for block in all_blocks if is_silent(block.rows)]
     blocks = [block for block in all_blocks if not is_silent(block.rows)]
     described_by = path, format, header, blocks, silent, clocks, findings, stated, joints, account
@@ -205,6 +207,8 @@ def _clocks(
     arrays: Mapping[str, np.ndarray], stated: UserStatement, account: Account
 ) -> FileClocks:
     """Return the clocks among arrays, or else the rows' numbers; state why others are none."""
+    joints = lettered_joints(arrays)  # among them T
+    arrays = {n: values for n, values in arrays.items() if n not in joints}
     timed = {n: values for n, values in arrays.items() if not stated.rate or CLOCK_NAME.search(n)}
     clocks = clocks_of(timed, stated.units.get("time"))
     if stated.rate:
