@@ -10,7 +10,7 @@ import pytest
 from tests.conftest import shared_folder
 from tests.entries import in_words, read_recording
 from tests.stored_files import Made, made_up_channels
-from ur5lib.importing.contents import UserStatement
+from ur5lib.importing.contents import UserStatement, contents
 from ur5lib.importing.files import ImportedRecording, import_files
 from ur5lib.tables import channel
 
@@ -76,9 +76,7 @@ def test_pushes_make_no_milliamperes() -> None:
 def test_a_following_error_is_no_torque(tmp_path: Path) -> None:
     one, told = imported(case("06_effort_is_position_error.csv.gz", tmp_path))
     assert one.arm == "my_arm"
-    assert (
-        "as a following error, it lags behind all joints by 0.016 s times" in told
-    )
+    assert "as a following error, it lags behind all joints by 0.016 s times" in told
 
 
 @pytest.mark.parametrize(("robot", "factors"), [("", ""), ("ur5e", "1.53, 1.5 Nm per unit")])
@@ -106,3 +104,24 @@ def test_gears_explain_a_torque_of_motors(tmp_path: Path) -> None:
     one, told = imported(case("16_motor_side_torque.csv.gz", tmp_path), "ur5e")
     assert one.entry["units"] == {"actual_current_as_torque": [101.0] * 6}
     assert "multiplied by the gear ratio, 101: it is then 0.981, 1 times the torque" in told
+
+
+def test_one_driver_has_one_unit(tmp_path: Path) -> None:
+    """Of two parts of a UR3's recording, one alone seems to be in Nm; both are whole milliamperes
+    times the constants that the other proves.
+    """
+    bag = shared_folder("ur3-cb", "they are recordings of a real UR3") / "id2.bag"
+    file = contents(bag)
+    stamps = file.clocks.stamps["/arm/stamp"]
+    parts = {block.names[0].removeprefix("/arm/"): block.rows for block in file.blocks}
+    columns = {f"{n}_{k}": rows[:, k] for n, rows in parts.items() for k in range(6)}
+    table, paths = pd.DataFrame({"time": stamps} | columns), []
+    for k in range(2):
+        start = stamps[0] + 8 * k
+        paths.append(tmp_path / f"part_{k}.csv")
+        table[(stamps >= start) & (stamps < start + 8)].to_csv(paths[k], index=False)
+    alone = import_files(paths[:1], UserStatement("ur3"))[0].entry
+    first, second = import_files(paths, UserStatement("ur3"))
+    assert alone["units"] == {"actual_current_as_torque": "opposite"}
+    assert first.entry["units"] == second.entry["units"]
+    assert "whole milliamperes by these factors" in in_words(first.account)

@@ -55,6 +55,10 @@ class ColumnBlock:
         before = np.array(self.factors or [1.0] * self.rows.shape[1])
         return replace(self, rows=self.rows * factors, factors=tuple(before * factors))
 
+    def all_factors(self) -> tuple[float, ...]:
+        """Return the factor of each column."""
+        return self.factors or (1.0,) * self.rows.shape[1]
+
     def unit(self) -> str | list[float] | None:
         """Return the unit of the file's numbers as a study has it, None for SI."""
         whole = [float(f"{factor:.7g}") for factor in self.factors or (1.0,)]

@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -75,6 +76,7 @@ class UserStatement:
 
 
 NO_STATEMENT = UserStatement()
+Factors = tuple[float, ...]  # by which the numbers of columns are multiplied
 
 
 @dataclass(frozen=True)
@@ -91,12 +93,23 @@ class TableHeader:
     entry: list[str] = field(default_factory=list)
 
 
+class Precedent(NamedTuple):
+    """What another file of the same form and arm tells of one: channel and factors of its efforts
+    by their columns; shown: whether its own numbers are whole milliamperes by these factors.
+    """
+
+    file: str
+    arm: str
+    efforts: Mapping[tuple[str, ...], tuple[str, Factors]]
+    shown: bool
+
+
 @dataclass(frozen=True)
 class FileContents:
     """A file's blocks, and its clocks.
 
     silent: blocks without a number other than zero; findings: of the reader; joints: of the arm;
-    account: what is stated about the blocks.
+    account: what is stated about the blocks; precedent: of another file, if it is read like it.
     """
 
     path: Path
@@ -109,6 +122,7 @@ class FileContents:
     stated: UserStatement = NO_STATEMENT
     joints: int = JOINTS_OF_UR
     account: Account = field(default_factory=Account)
+    precedent: Precedent | None = None
 
     def has_clock(self) -> bool:
         """Return whether the file has time stamps."""

@@ -192,7 +192,9 @@ def name_efforts(
 
     blocks: by their names in `means`, which have the joints in order, None without a motion.
     """
-    arm, blocks = identity.robot, dict(blocks)
+    arm, channels = identity.robot, _like_precedent(blocks, file)
+    read = {channel.names for channel in channels.values()}
+    blocks = {name: block for name, block in blocks.items() if block.names not in read}
     telling = arm if arm and tells_columns(arm) else None
     for name, block in blocks.items():
         if means and telling:
@@ -202,7 +204,6 @@ def name_efforts(
     units = {name: _unit(block, shown[name], file) for name, block in blocks.items()}
     known_units = {name: unit for name, unit in units.items() if unit}
     targets = _targets({name: blocks[name] for name in known_units}, means, telling, file)
-    channels: dict[str, ColumnBlock] = {}
     for name, unit in known_units.items():
         block, target = blocks[name], any(blocks[name] is other for other in targets)
         channel = CHANNELS_BY_UNIT[unit.replace("mA", "A"), target and unit != LESS_GRAVITY]
@@ -216,6 +217,22 @@ def name_efforts(
             file.account.exclude(block, beside, "name")
         else:
             channels[channel] = block.scaled(1e-3) if unit == "mA" else block
+    return channels
+
+
+def _like_precedent(
+    blocks: Mapping[str, ColumnBlock], file: FileContents
+) -> dict[str, ColumnBlock]:
+    """Return the efforts that are scaled like those of another file, by channel."""
+    channels = dict[str, ColumnBlock]()
+    for block in blocks.values() if file.precedent else ():
+        if file.precedent and block.names in file.precedent.efforts:
+            like = f"as in {file.precedent.file}, of the same form and arm: one driver, one unit"
+            multiples = "; its numbers are whole milliamperes by these factors, too"
+            sure: Confidence = "assumed" if file.precedent.shown else "check"
+            like += multiples if file.precedent.shown else "; alone, they do not show it"
+            file.account.hold(sure, block, "numbers", like)
+            channels[file.precedent.efforts[block.names][0]] = block
     return channels
 
 

@@ -11,6 +11,7 @@ from rich.table import Table
 from ur5lib.commands.check import look_through, severe
 from ur5lib.errors import InputError
 from ur5lib.importing.after import Ends, ends_of, links
+from ur5lib.importing.alike import FormOfFile, form_of, precedents
 from ur5lib.importing.blocks import NAMELESS_PREFIX
 from ur5lib.importing.contents import NO_STATEMENT, FileContents, UserStatement, contents
 from ur5lib.importing.entry import StudyEntry, entry_of, episodes, identifier, place_of_file
@@ -63,13 +64,16 @@ def import_files(
     imported: dict[Path | PartedRun, list[ImportedRecording]] = {}
     refused: dict[Path | PartedRun, str] = {}
     headers: dict[Path | PartedRun, list[str]] = {}
+    forms: dict[Path | PartedRun, FormOfFile] = {}
     for path in paths:
         try:
             file = contents(path, stated)
             headers[path] = file.header.columns
-            imported[path] = _checked(file)
+            imported[path], forms[path] = _checked(file)
         except InputError as error:
             refused[path] = str(error)
+    for path, precedent in precedents(forms):
+        imported[path], _ = _checked(replace(contents(path, stated), precedent=precedent))
     for path, columns in headers.items():
         if isinstance(path, Path) and columns[:1] == [f"{NAMELESS_PREFIX}1"]:
             alike = [other for own, (other, *_) in imported.items() if headers[own] == columns]
@@ -103,8 +107,10 @@ def _take_columns(
     imported[path] = [ImportedRecording(entry, [*checks, as_there])]
 
 
-def _checked(file: FileContents) -> list[ImportedRecording]:
-    """Return the entry of a file, or of each episode, with the stop signs of the first one read."""
+def _checked(file: FileContents) -> tuple[list[ImportedRecording], FormOfFile]:
+    """Return the entry of a file, or of each episode, with the stop signs of the first one read;
+    and how it was read.
+    """
     proposal = propose(file)
     entry, account = entry_of(proposal), proposal.contents.account.rows(meanings(proposal))
     first, *others = [entry | part for part in episodes(proposal)] or [entry]
@@ -118,7 +124,8 @@ def _checked(file: FileContents) -> list[ImportedRecording]:
             stop = AccountRow("recording", "to be corrected", "numbers", "check")
             account = [*(replace(stop, reason=one) for one in complaints), *account]
     ends = None if others else ends_of(proposal)
-    return [ImportedRecording(one, account, ends) for one in (first, *others)]
+    recordings = [ImportedRecording(one, account, ends) for one in (first, *others)]
+    return recordings, form_of(proposal)
 
 
 def contradictions(recording: StudyEntry) -> list[str]:

@@ -78,6 +78,10 @@ def identified(moving: ImportedMotion, means: BlockMeans | None) -> ArmIdentity:
     likely = readings(means, arms, orders, SLOPE_BOUNDS_OR_NONE) if means else []
     of_names = [reading for reading in likely if reading.arm in names]
     order = _order(moving, of_names, placed)
+    if file.precedent and not stated:
+        stated, of_form = file.precedent.arm, f"as in {file.precedent.file}, of the same form"
+        file.account.tell("assumed", "robot", stated, "numbers", of_form)
+        return ArmIdentity(stated, described(stated), order)
     if stated:
         by: Evidence = "option" if file.stated.robot else "name"
         how = "as given" if file.stated.robot else "by the name of file, folder or columns"
@@ -272,8 +276,8 @@ def _arm(
     constants, are_known = _constants(means, best)
     grounds = f"{best.arm} is the likeliest by the efforts{f', with {constants}' * bool(constants)}"
     lead = best.score - others[0].score if others else np.inf
-    next_best = [f"the next, {r.arm}, has a log-likelihood less by {lead:.3g}" for r in others[:1]]
-    grounds += f"; {''.join(next_best) or 'no other of as many joints is described'}"
+    rival = [f"the next, {r.arm}, has a log-likelihood less by {lead:.3g}" for r in others[:1]]
+    grounds += f"; {''.join(rival) or 'no other of as many joints is described'}"
     if are_known and lead >= CLEAR_LEAD:
         tell("proven" if others else "check", "robot", best.arm, "numbers", grounds)
         return best.arm

@@ -14,7 +14,7 @@ from ur5lib.checks.readings import Order
 from ur5lib.errors import InputError
 from ur5lib.importing.blocks import ColumnBlock
 from ur5lib.importing.clocks import ROW_CLOCK
-from ur5lib.importing.contents import TABLE_FORMAT, FileContents
+from ur5lib.importing.contents import TABLE_FORMAT, FileContents, Precedent
 from ur5lib.importing.efforts import (
     EFFORT_MEANINGS,
     UNITS_BY_CHANNEL,
@@ -117,7 +117,9 @@ def propose(file: FileContents) -> Proposal:
     efforts = {f"effort{k}": in_stated_unit(b, file) for k, b in enumerate(_efforts(moving))}
     wrench = wrench_blocks(file, clock)
     means, loads = _means(moving, efforts, wrench)
-    if means:
+    if file.precedent:
+        _scale_like(file.precedent, efforts, means)
+    elif means:
         _turn(efforts, means, file)
         _put_behind_gears(efforts, means, file)
     telling = {n: v for n, v in means.currents.items() if not is_share(efforts[n])} if means else {}
@@ -197,6 +199,18 @@ def _following_the_motion(
         if share < least:
             moving.file.account.exclude(block, better)
     return [block for block in efforts if block.names not in moving.file.account.excluded]
+
+
+def _scale_like(
+    precedent: Precedent, efforts: dict[str, ColumnBlock], means: BlockMeans | None
+) -> None:
+    """Multiply efforts as another file's, in the blocks and in their means."""
+    for name, block in efforts.items():
+        _, factors = precedent.efforts.get(block.names, ("", block.all_factors()))
+        scale = np.array(factors) / np.array(block.all_factors())
+        efforts[name] = block.scaled(scale)
+        if means:
+            means.currents[name] *= scale
 
 
 def _possible_arms(file: FileContents) -> list[Robot]:
