@@ -27,6 +27,8 @@ SLOPE_BOUNDS = {  # effort per Nm
     "mA": (1e3 / MAX_CONSTANT, 1e3 / MIN_CONSTANT),
 }
 SLOPE_BOUNDS_OR_NONE = SLOPE_BOUNDS | {"neither": (0.0, 0.0)}  # or a torque without gravity
+OWN_FACTORS = "own factors"  # of each joint, as of a share of its rated torque, or of counts
+ALL_SLOPE_BOUNDS = SLOPE_BOUNDS_OR_NONE | {OWN_FACTORS: (0.0, math.inf)}
 EFFORT_NOISE = 2e-3  # A, Nm; no mean over a block of an effort is more precise
 SPREAD_OF_CONSTANTS = 0.2  # of torque constants around those of the joints' sizes
 CLEAR_LEAD = 8.0  # difference of log-likelihoods from which on a reading is proven
@@ -94,14 +96,15 @@ def readings(
 
 
 def unit_scores(means: BlockMeans, effort: str, arm: Robot) -> dict[str, float]:
-    """Return the log-likelihood of each unit of an effort, and that it holds no gravity.
+    """Return the log-likelihood of each unit of an effort, that it holds no gravity, and that each
+    joint has a factor of its own.
 
     means: with the joints in order.
     """
     motion, columns = _motion_bases(means), np.array([in_order(arm)])
     free, unknown = _without_motion(motion, means.currents[effort]), [math.nan] * len(arm.joints)
     gravity = means.gravity(arm)[None]
-    scores = _scores(means, motion, free, gravity, columns, unknown, SLOPE_BOUNDS_OR_NONE)
+    scores = _scores(means, motion, free, gravity, columns, unknown, ALL_SLOPE_BOUNDS)
     return {unit: float(score[0]) for unit, score in scores.items()}
 
 

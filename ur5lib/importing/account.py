@@ -46,6 +46,12 @@ class Account:
         """State what a block holds, or how sure it is."""
         self.state(confidence, block.names, block.title, by, reason)
 
+    def prove(self, block: ColumnBlock, reason: str) -> None:
+        """State what numbers prove of a block, in place of what was to be checked."""
+        told = self.of_columns.get(block.names, [])
+        told[:] = [row for row in told if row.confidence != "check"]
+        self.hold("proven", block, "numbers", reason)
+
     def exclude(self, block: ColumnBlock, reason: str, by: Evidence = "numbers") -> None:
         """Leave a block out of the entry."""
         self.excluded.append(block.names)

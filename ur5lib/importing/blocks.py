@@ -13,6 +13,8 @@ from ur5lib.importing.spellings import (
     GRIPPER_WORDS,
     WHOLE_NAMES,
     kind_of_quantity,
+    lettered_joints,
+    names_joints,
     names_positions,
     place_of,
     quantity,
@@ -52,6 +54,10 @@ class ColumnBlock:
         """Return the block with each column multiplied by a factor."""
         before = np.array(self.factors or [1.0] * self.rows.shape[1])
         return replace(self, rows=self.rows * factors, factors=tuple(before * factors))
+
+    def all_factors(self) -> tuple[float, ...]:
+        """Return the factor of each column."""
+        return self.factors or (1.0,) * self.rows.shape[1]
 
     def unit(self) -> str | list[float] | None:
         """Return the unit of the file's numbers as a study has it, None for SI."""
@@ -104,6 +110,9 @@ def grouped(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
     In the order of the joints' names, or else of their numbers; of motors whose names are not
     known (`elbow_flex.pos`), in that of the file.
     """
+    if lettered := lettered_joints(names):
+        yield lettered
+        names = [name for name in names if name not in lettered]
     stems = _by_stem(names)
     for motors in _by_motor(names):
         if len({place_of(name)[0] for name in motors}) > 1:
@@ -148,12 +157,31 @@ def with_names(columns: Sequence[str], joints: Sequence[str]) -> list[str]:
     return [renamed.get(column, column) for column in columns]
 
 
+def with_bare_positions(blocks: Sequence[ColumnBlock]) -> list[ColumnBlock]:
+    """Return blocks with the only one that is named by joints alone as the positions, where no
+    other is named so: it has nothing else to be.
+    """
+    bare = [
+        block
+        for block in blocks
+        if MIN_MOTORS <= block.rows.shape[1] <= MOST_JOINTS
+        and len(block.names) > 1
+        and not block.is_nameless()
+        and names_joints(block.stem())
+        and np.ptp(np.nan_to_num(block.rows), axis=0).any()
+    ]
+    if len(bare) != 1 or any(names_positions(block.stem()) for block in blocks):
+        return [*blocks]
+    return [replace(b, stated="actual_q") if b is bare[0] else b for b in blocks]
+
+
 def joints_of(path: Path, blocks: Sequence[ColumnBlock]) -> int:
     """Return of how many joints a file's blocks hold the positions: six, or others by their names.
 
     Raises InputError where they are more than an arm's.
     """
-    counts = {block.rows.shape[1]: block.title for block in blocks if names_positions(block.stem())}
+    positions = [b for b in blocks if b.stated == "actual_q" or names_positions(b.stem())]
+    counts = {block.rows.shape[1]: block.title for block in positions}
     others = max((count for count in counts if count in OTHER_JOINT_COUNTS), default=JOINTS_OF_UR)
     if JOINTS_OF_UR in counts:
         return JOINTS_OF_UR

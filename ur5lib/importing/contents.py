@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,11 +18,12 @@ from ur5lib.importing.blocks import (
     ColumnBlock,
     grouped,
     joints_of,
+    with_bare_positions,
     with_names,
 )
 from ur5lib.importing.clocks import ROW_CLOCK, FileClocks, clocks_of, equally_spaced
 from ur5lib.importing.parted_runs import PartedRun
-from ur5lib.importing.spellings import CLOCK_NAME, NAME_COLUMN, names_positions
+from ur5lib.importing.spellings import CLOCK_NAME, NAME_COLUMN, lettered_joints, names_positions
 from ur5lib.recordings.array_files import LOADERS, UNREAD, format_of
 from ur5lib.recordings.channel_files import at_stamps, has_stamps
 from ur5lib.recordings.delimited import (
@@ -74,6 +76,7 @@ class UserStatement:
 
 
 NO_STATEMENT = UserStatement()
+Factors = tuple[float, ...]  # by which the numbers of columns are multiplied
 
 
 @dataclass(frozen=True)
@@ -90,12 +93,23 @@ class TableHeader:
     entry: list[str] = field(default_factory=list)
 
 
+class Precedent(NamedTuple):
+    """What another file of the same form and arm tells of one: channel and factors of its efforts
+    by their columns; shown: whether its own numbers are whole milliamperes by these factors.
+    """
+
+    file: str
+    arm: str
+    efforts: Mapping[tuple[str, ...], tuple[str, Factors]]
+    shown: bool
+
+
 @dataclass(frozen=True)
 class FileContents:
     """A file's blocks, and its clocks.
 
     silent: blocks without a number other than zero; findings: of the reader; joints: of the arm;
-    account: what is stated about the blocks.
+    account: what is stated about the blocks; precedent: of another file, if it is read like it.
     """
 
     path: Path
@@ -108,6 +122,7 @@ class FileContents:
     stated: UserStatement = NO_STATEMENT
     joints: int = JOINTS_OF_UR
     account: Account = field(default_factory=Account)
+    precedent: Precedent | None = None
 
     def has_clock(self) -> bool:
         """Return whether the file has time stamps."""
@@ -158,6 +173,7 @@ def contents(file: Path | PartedRun, stated: UserStatement = NO_STATEMENT) -> Fi
     unnamed = header.columns[:1] == [f"{NAMELESS_PREFIX}1"]
     width = _width_of_nameless(len(rest), stated.joints()) if unnamed else None
     parts = [*_blocks({name: arrays[name] for name in rest}, clocks, width, account)]
+    parts = with_bare_positions(parts)
     joints, named = stated.joints() or width or joints_of(path, parts), stated.names()
     parts = _without_gripper(parts, joints, account) if stated.joints() else parts
     if lacking := {*named} - {*arrays, *(block.stem() for block in parts)}:
@@ -165,7 +181,7 @@ def contents(file: Path | PartedRun, stated: UserStatement = NO_STATEMENT) -> Fi
             f"{path}: --columns names {some(sorted(lacking))}, but it has {some([*arrays], 8)}"
         )
     all_blocks = [
-        replace(b, joints=joints, stated=named.get(b.names[0]) or named.get(b.stem(), ""))
+        replace(b, joints=joints, stated=named.get(b.names[0]) or named.get(b.stem(), b.stated))
         for b in parts
     ]
     silent = [block for block in all_blocks if is_silent(block.rows)]
@@ -212,6 +228,8 @@ def _clocks(
     arrays: Mapping[str, np.ndarray], stated: UserStatement, account: Account
 ) -> FileClocks:
     """Return the clocks among arrays, or else the rows' numbers; state why others are none."""
+    joints = lettered_joints(arrays)  # among them T
+    arrays = {n: values for n, values in arrays.items() if n not in joints}
     timed = {n: values for n, values in arrays.items() if not stated.rate or CLOCK_NAME.search(n)}
     clocks = clocks_of(timed, stated.units.get("time"))
     if stated.rate:

@@ -11,12 +11,19 @@ from ur5lib.checks.arm import MAX_CONSTANT_RATIO, torque_constants
 from ur5lib.checks.block_means import SMALLEST_SIZE, BlockMeans, combination
 from ur5lib.checks.currents import MAX_CONSTANT, MIN_CONSTANT, follows_its_model
 from ur5lib.checks.exchanged_channels import MAX_ROUGHNESS_RATIO, roughness
-from ur5lib.checks.readings import CLEAR_LEAD, Order, readings, unit_scores, usual_orders
+from ur5lib.checks.readings import (
+    CLEAR_LEAD,
+    OWN_FACTORS,
+    Order,
+    readings,
+    unit_scores,
+    usual_orders,
+)
 from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import JOINTS_OF_UR, ColumnBlock
 from ur5lib.importing.contents import FileContents
 from ur5lib.importing.identity import MAX_SHOWN_RATIO, ArmIdentity, tells_columns
-from ur5lib.importing.spellings import is_of_motors, named_unit
+from ur5lib.importing.spellings import is_of_motors, named_unit, names_share
 from ur5lib.recordings.delimited import number_in
 from ur5lib.records.account import Confidence
 from ur5lib.robots.description import Robot
@@ -36,6 +43,14 @@ UNKNOWN_UNIT = "nothing tells its unit; record more postures, or --columns and -
 LESS_GRAVITY_REASON = (
     "in Nm, less gravity, which does not explain it as it explains every current and motor torque; "
     "the gravity of the arm is added again"
+)
+SHARE_REASON = (
+    "a share of a rating, or counts, by its name: in Nm by a factor a joint, which the file lacks; "
+    "multiply it, or give the factors as `units`"
+)
+OWN_FACTORS_REASON = (
+    "as of a percentage of rated torques, of counts, or of motors before their gears: multiply it, "
+    "or give the factors as `units`"
 )
 UNIT_WORDS = {"A": "A", "mA": "mA", "Nm": "Nm", LESS_GRAVITY: "Nm less gravity"}
 CHANNELS_BY_UNIT = {  # by unit, and whether it is a target
@@ -109,6 +124,16 @@ def is_torque_of_joints(block: ColumnBlock) -> bool:
     return block.meaning() in (TORQUE_CHANNEL, "actual_torque") and not is_of_motors(block.stem())
 
 
+def is_target(block: ColumnBlock) -> bool:
+    """Return whether an effort is named as a target, which is constant where an arm rests."""
+    return (block.meaning() or "").startswith("target")
+
+
+def is_share(block: ColumnBlock) -> bool:
+    """Return whether an effort is named as a share of a rating, or as counts."""
+    return not block.stated and names_share(block.names[0])
+
+
 def is_frozen(block: ColumnBlock) -> bool:
     """Return whether no number of an effort changes."""
     return not np.diff(block.rows, axis=0).any()
@@ -167,7 +192,9 @@ def name_efforts(
 
     blocks: by their names in `means`, which have the joints in order, None without a motion.
     """
-    arm, blocks = identity.robot, dict(blocks)
+    arm, channels = identity.robot, _like_precedent(blocks, file)
+    read = {channel.names for channel in channels.values()}
+    blocks = {name: block for name, block in blocks.items() if block.names not in read}
     telling = arm if arm and tells_columns(arm) else None
     for name, block in blocks.items():
         if means and telling:
@@ -177,7 +204,6 @@ def name_efforts(
     units = {name: _unit(block, shown[name], file) for name, block in blocks.items()}
     known_units = {name: unit for name, unit in units.items() if unit}
     targets = _targets({name: blocks[name] for name in known_units}, means, telling, file)
-    channels: dict[str, ColumnBlock] = {}
     for name, unit in known_units.items():
         block, target = blocks[name], any(blocks[name] is other for other in targets)
         channel = CHANNELS_BY_UNIT[unit.replace("mA", "A"), target and unit != LESS_GRAVITY]
@@ -194,16 +220,43 @@ def name_efforts(
     return channels
 
 
+def _like_precedent(
+    blocks: Mapping[str, ColumnBlock], file: FileContents
+) -> dict[str, ColumnBlock]:
+    """Return the efforts that are scaled like those of another file, by channel."""
+    channels = dict[str, ColumnBlock]()
+    for block in blocks.values() if file.precedent else ():
+        if file.precedent and block.names in file.precedent.efforts:
+            like = f"as in {file.precedent.file}, of the same form and arm: one driver, one unit"
+            multiples = "; its numbers are whole milliamperes by these factors, too"
+            sure: Confidence = "assumed" if file.precedent.shown else "check"
+            like += multiples if file.precedent.shown else "; alone, they do not show it"
+            file.account.hold(sure, block, "numbers", like)
+            channels[file.precedent.efforts[block.names][0]] = block
+    return channels
+
+
 class GravityShown(NamedTuple):
     """What gravity tells of an effort.
 
     scores: log-likelihood of each unit; constants: Nm per unit of the file, by joint from 0; known:
-    the maker's [Nm/A], none of joints that sense their torque.
+    the maker's [Nm/A], none of joints that sense their torque; own: log-likelihood of a factor a
+    joint.
     """
 
     scores: Mapping[str, float]
     constants: Mapping[int, float]
     known: Sequence[float]
+    own: float = -np.inf
+
+    def is_of_own_factors(self) -> bool:
+        """Return whether joints contradict the likeliest unit, and a factor a joint explains them
+        far better.
+        """
+        best = self.likeliest()[0]
+        foreign = best == LESS_GRAVITY or (bool(best) and self.contradicts(best))
+        ahead = self.own - max(self.scores.values(), default=self.own)
+        return len(self.constants) >= MIN_BEARING_JOINTS and foreign and ahead > CLEAR_LEAD
 
     def ratios(self, unit: str) -> list[float]:
         """Return the constants, as multiples of those that a unit of the file would have."""
@@ -217,6 +270,11 @@ class GravityShown(NamedTuple):
         """Return whether the constants of a joint are not those of a unit."""
         most = MAX_TORQUE_RATIO if unit == "Nm" else MAX_CONSTANT_RATIO
         return any(not 1 / most < ratio < most for ratio in self.ratios(unit))
+
+    def confirms(self, unit: str) -> bool:
+        """Return whether several joints tell the known constants that a unit would have."""
+        enough = len(self.constants) >= MIN_BEARING_JOINTS and bool(self.known or unit == "Nm")
+        return enough and not self.contradicts(unit)
 
     def is_of_a_factor(self, unit: str) -> bool:
         """Return whether joints contradict a unit, but all tell one other factor."""
@@ -260,10 +318,11 @@ def _shown_by_gravity(means: BlockMeans | None, arm: Robot | None, name: str) ->
     shown = {joint: ratio for joint, ratio in fit.ratio.items() if ratio < MAX_SHOWN_RATIO}
     constants = {joint: ratio * fit.known[joint] for joint, ratio in shown.items()}
     scores = unit_scores(means, name, arm)
+    own = scores.pop(OWN_FACTORS)
     if arm.measured == TORQUE:  # which has no amperes
         scores = {unit: scores[unit] for unit in ("Nm", LESS_GRAVITY)}
-        return GravityShown(scores, constants, ())
-    return GravityShown(scores, constants, fit.known)
+        return GravityShown(scores, constants, (), own)
+    return GravityShown(scores, constants, fit.known, own)
 
 
 def _named_unit(block: ColumnBlock) -> str | None:
@@ -279,6 +338,10 @@ def _unit(block: ColumnBlock, shown: GravityShown, file: FileContents) -> str | 
     if given in UNIT_WORDS:
         account.hold("assumed", block, "option", f"in {UNIT_WORDS[given]}")
         return given
+    if is_share(block):
+        told = f"; gravity tells {shown.constants_in_words()}" if shown.constants else ""
+        account.exclude(block, f"{SHARE_REASON}{told}", "name")
+        return None
     peak, bound = np.nanmedian(np.abs(block.rows).max(axis=1)), CHANNELS[CURRENT_CHANNEL].bound
     if named == "A" and peak > bound and not shown.is_of_a_factor("mA"):
         sure: Confidence = "check" if shown.contradicts("mA") else "assumed"
@@ -302,9 +365,23 @@ def _unit_by_gravity(block: ColumnBlock, shown: GravityShown, account: Account) 
     """Return the unit that gravity tells clearly, and a name may contradict; None if unknown."""
     named, spelled = _named_unit(block), named_unit(block.names[0]) in UNIT_WORDS
     best, sentence = shown.likeliest()[0], shown.in_words()
+    if named and named != best and shown.confirms(named):
+        account.hold("assumed", block, "name", f"in {named}: {shown.constants_in_words()}")
+        return named
     if best == LESS_GRAVITY and not spelled and block.meaning() in ("effort", TORQUE_CHANNEL):
         account.hold("check", block, "numbers", LESS_GRAVITY_REASON)
         return LESS_GRAVITY
+    if shown.is_of_own_factors() and not spelled and not shown.is_of_a_factor(best):
+        ahead = shown.own - shown.scores[best]
+        factors = (
+            f"one factor a joint explains it better than {UNIT_WORDS[best]}, by {ahead:.3g} of "
+        )
+        factors += f"log-likelihood: {shown.constants_in_words()}; {OWN_FACTORS_REASON}"
+        if named is None:
+            account.exclude(block, f"in no unit: {factors}")
+        else:
+            account.hold("check", block, "name", f"in {named} by its name, but {factors}")
+        return named
     strange = best != LESS_GRAVITY and shown.contradicts(best)
     if named in (None, best) and not strange:
         sure = best == LESS_GRAVITY or len(shown.constants) >= MIN_BEARING_JOINTS
@@ -331,7 +408,7 @@ def _targets(
     Of two of which one is smooth, the other where it follows the model of the arm more closely:
     then whoever wrote the log has smoothed what was measured.
     """
-    named = [one for one in efforts.values() if (one.meaning() or "").startswith("target")]
+    named = [one for one in efforts.values() if is_target(one)]
     nameless = {name: effort for name, effort in efforts.items() if effort.is_nameless()}
     sizes = {name: _noise(effort) for name, effort in nameless.items()}
     most = max(sizes.values(), default=0.0)

@@ -11,6 +11,7 @@ from rich.table import Table
 from ur5lib.commands.check import look_through, severe
 from ur5lib.errors import InputError
 from ur5lib.importing.after import Ends, ends_of, links
+from ur5lib.importing.alike import FormOfFile, form_of, precedents
 from ur5lib.importing.blocks import NAMELESS_PREFIX
 from ur5lib.importing.contents import NO_STATEMENT, FileContents, UserStatement, contents
 from ur5lib.importing.entry import StudyEntry, entry_of, episodes, identifier, place_of_file
@@ -62,19 +63,22 @@ def import_files(
     """
     imported: dict[Path | PartedRun, list[ImportedRecording]] = {}
     refused: dict[Path | PartedRun, str] = {}
-    forms: dict[Path | PartedRun, list[str]] = {}
+    layouts: dict[Path | PartedRun, list[str]] = {}
+    forms: dict[Path | PartedRun, FormOfFile] = {}
     for path in paths:
         try:
             file = contents(path, stated)
-            forms[path] = [file.format, *file.account.order]
-            imported[path] = _checked(file)
+            layouts[path] = [file.format, *file.account.order]
+            imported[path], forms[path] = _checked(file)
         except InputError as error:
             refused[path] = str(error)
-    for path, form in forms.items():
-        if isinstance(path, Path) and (path in refused or form[1:2] == [f"{NAMELESS_PREFIX}1"]):
-            alike = [other for own, (other, *_) in imported.items() if forms[own] == form]
+    for path, precedent in precedents(forms):
+        imported[path], _ = _checked(replace(contents(path, stated), precedent=precedent))
+    for path, layout in layouts.items():
+        if isinstance(path, Path) and (path in refused or layout[1:2] == [f"{NAMELESS_PREFIX}1"]):
+            alike = [other for own, (other, *_) in imported.items() if layouts[own] == layout]
             _take_columns(path, alike, imported)
-    files = ImportedFiles(one for path in forms for one in imported.get(path, []))
+    files = ImportedFiles(one for path in layouts for one in imported.get(path, []))
     files.refused = tuple(reason for path, reason in refused.items() if path not in imported)
     if files.refused and not files:
         raise InputError("\n".join(files.refused))
@@ -105,8 +109,10 @@ def _take_columns(
     imported[path] = [ImportedRecording(entry, [*checks, as_there])]
 
 
-def _checked(file: FileContents) -> list[ImportedRecording]:
-    """Return the entry of a file, or of each episode, with the stop signs of the first one read."""
+def _checked(file: FileContents) -> tuple[list[ImportedRecording], FormOfFile]:
+    """Return the entry of a file, or of each episode, with the stop signs of the first one read;
+    and how it was read.
+    """
     proposal = propose(file)
     entry, account = entry_of(proposal), proposal.contents.account.rows(meanings(proposal))
     first, *others = [entry | part for part in episodes(proposal)] or [entry]
@@ -120,7 +126,8 @@ def _checked(file: FileContents) -> list[ImportedRecording]:
             stop = AccountRow("recording", "to be corrected", "numbers", "check")
             account = [*(replace(stop, reason=one) for one in complaints), *account]
     ends = None if others else ends_of(proposal)
-    return [ImportedRecording(one, account, ends) for one in (first, *others)]
+    recordings = [ImportedRecording(one, account, ends) for one in (first, *others)]
+    return recordings, form_of(proposal)
 
 
 def contradictions(recording: StudyEntry) -> list[str]:

@@ -18,8 +18,10 @@ from ur5lib.checks.readings import (
     readings,
     usual_orders,
 )
+from ur5lib.importing.blocks import AXES, ColumnBlock
 from ur5lib.importing.contents import FileContents
 from ur5lib.importing.motion import ImportedMotion
+from ur5lib.importing.spellings import without_unit
 from ur5lib.recordings.rosbag import JOINT_NAMES
 from ur5lib.records.account import Evidence
 from ur5lib.robots.description import Robot
@@ -27,12 +29,14 @@ from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array
 
 MAX_DISTANCE = 0.004  # m; a calibrated arm misses its nominal kinematics by less
+MAX_REACH = 20.0  # m
 MAX_POSE_RATIO = 3.0  # times the distance of the best; readings farther away are excluded
 COMPARED_POSTURES = 12  # postures that are compared
 CLEAR_LEAD_OVER_NAMES = 3 * CLEAR_LEAD  # lead from which on numbers outdo the numbers of columns
 ORDER = "the joints' order"
 UNNAMED_JOINTS_FINDING = "unnamed joints"  # of a bag whose messages do not name an arm's joints
 UNDESCRIBED_ARM = "my_arm"  # in an entry for an arm that has no description yet
+NAME_IT = "name the right one, as with --robot ur5e, or describe it (`ur5 describe`)"
 JOINT_WORDS = ("shoulder pan", "shoulder lift", "elbow", "wrist 1", "wrist 2", "wrist 3")
 MAX_SHOWN_RATIO = 100.0  # times a known constant; beyond it, gravity shows none
 MAKERS_TOLERANCE = 0.1  # share by which a joint's constant may differ from the maker's
@@ -60,7 +64,7 @@ def identified(moving: ImportedMotion, means: BlockMeans | None) -> ArmIdentity:
     means: over blocks with all efforts, None without a motion.
     """
     file, fitting_arms = moving.file, arms_of(moving.file)
-    stated = file.stated.robot or _arm_in_path(file, fitting_arms) or ""
+    stated = file.stated.robot or _arm_in_names(moving, fitting_arms) or ""
     names = [stated] if stated else fitting_arms
     orders = usual_orders(file.joints)
     if not names:
@@ -74,12 +78,17 @@ def identified(moving: ImportedMotion, means: BlockMeans | None) -> ArmIdentity:
     likely = readings(means, arms, orders, SLOPE_BOUNDS_OR_NONE) if means else []
     of_names = [reading for reading in likely if reading.arm in names]
     order = _order(moving, of_names, placed)
-    likely = [reading for reading in likely if reading.order == order]
-    if stated:
-        _assume(stated, likely, file)
+    if file.precedent and not stated:
+        stated, of_form = file.precedent.arm, f"as in {file.precedent.file}, of the same form"
+        file.account.tell("assumed", "robot", stated, "numbers", of_form)
         return ArmIdentity(stated, described(stated), order)
-    arm = _arm(file, means, likely, placed, names)
-    return ArmIdentity(arm, described(arm), order)
+    if stated:
+        by: Evidence = "option" if file.stated.robot else "name"
+        how = "as given" if file.stated.robot else "by the name of file, folder or columns"
+        file.account.tell("assumed", "robot", stated, by, how)
+        return ArmIdentity(stated, described(stated), order)
+    arm = _arm(file, means, [one for one in likely if one.order == order], placed)
+    return ArmIdentity(arm, described(arm) if arm != UNDESCRIBED_ARM else None, order)
 
 
 def arms_of(file: FileContents) -> list[str]:
@@ -146,10 +155,10 @@ def _flange_distance(arm: Robot, q: Array, position: Array, tool: bool) -> float
 def _by_pose(moving: ImportedMotion, stated: str, orders: Sequence[Order]) -> PosedReadings:
     """Return the readings whose flange agrees with a recorded pose, none without a pose."""
     file = moving.file
-    pose = file.meant("actual_TCP_pose", moving.position.clock)
+    pose = file.meant("actual_TCP_pose", moving.position.clock) or _bare_position(moving)
     if pose is None or pose.rows.shape[1] < 3:
         return PosedReadings([])
-    q, position = moving.in_si()["actual_q"], pose.rows[:, :3]
+    q, (unit, position) = moving.in_si()["actual_q"], _in_metres(pose)
     whole = np.isfinite(q).all(axis=1) & np.isfinite(position).all(axis=1)
     if not whole.any() or np.ptp(q[whole], axis=0).max() < 0.05:
         return PosedReadings([])
@@ -162,13 +171,35 @@ def _by_pose(moving: ImportedMotion, stated: str, orders: Sequence[Order]) -> Po
     within = f"it puts {'the flange' if placed.bare else 'a tool'} of {best.arm} within "
     within += f"{1000 * best.miss:.1f} mm of {pose.title}"
     next_best = f", {beaten.arm} within {1000 * beaten.miss:.3g} mm" if beaten else ""
-    file.account.hold("assumed", pose, pose.evidence, f"in m: {within}")
+    if unit == "mm" or pose.rows.shape[1] == 3:
+        why = "left out, as it is in no m or without a rotation"
+        file.account.exclude(pose, f"in {unit}, {within}; {why}")
+    else:
+        file.account.hold("assumed", pose, pose.evidence, f"in {unit}: {within}")
+    if beaten:
+        unit = moving.units.get("actual_q", "rad")
+        file.account.prove(moving.position, f"positions in {unit}: {within}{next_best}")
     if stated and stated not in {reading.arm for reading in placed.good}:
         reason = f"the recorded pose is the flange of {best.arm}, or a tool on it: {within}"
         file.account.tell("check", "robot", stated, "numbers", reason + next_best)
     elif len(placed.orders()) == 1 and beaten:
         return placed._replace(proof=f"{within}{next_best}, {in_words(beaten.order)}")
     return placed
+
+
+def _bare_position(moving: ImportedMotion) -> ColumnBlock | None:
+    """Return the block of columns x, y and z alone, as of a pose whose rotation has other names."""
+    for block in moving.file.blocks:
+        if block.clock == moving.position.clock and tuple(map(without_unit, block.names)) == AXES:
+            return block
+    return None
+
+
+def _in_metres(pose: ColumnBlock) -> tuple[str, Array]:
+    """Return the unit of a position, m or mm, by how far it reaches, and its rows (N, 3) [m]."""
+    position = pose.rows[:, :3]
+    in_mm = float(np.nanmax(np.abs(position), initial=0.0)) > MAX_REACH
+    return ("mm", position / 1e3) if in_mm else ("m", position)
 
 
 def _order(moving: ImportedMotion, likely: Sequence[Reading], placed: PosedReadings) -> Order:
@@ -214,22 +245,10 @@ def names_order(moving: ImportedMotion) -> bool:
         unnamed = [f for f in file.findings if f.finding == UNNAMED_JOINTS_FINDING]
         topics = (topic for finding in unnamed for topic in finding.channels)
         return not any(first_name.startswith(f"{topic}/") for topic in topics)
-    if file.header.entry or (block.stated and len(block.names) > 1):
+    if file.header.entry or block.names[0] in file.stated.names():
         return True
     rtde = re.search(r"(actual|act)_?q", first_name, re.IGNORECASE)
     return len(block.names) > 1 and bool(rtde or any(j.search(first_name) for j in JOINT_NAMES))
-
-
-def _assume(stated: str, likely: Sequence[Reading], file: FileContents) -> None:
-    """Note the arm that the user or a file's name tells, which gravity may doubt."""
-    by: Evidence = "option" if file.stated.robot else "name"
-    how = "as given" if file.stated.robot else "by the name of file or folder"
-    file.account.tell("assumed", "robot", stated, by, how)
-    score = next((reading.score for reading in likely if reading.arm == stated), None)
-    if score is not None and likely[0].score - score > CLEAR_LEAD:
-        lead = f"(log-likelihood greater by {likely[0].score - score:.3g})"
-        far = f"{likely[0].arm} explains the efforts far better {lead}; check it, the tool and the "
-        file.account.tell("check", "robot", stated, by, f"{far}mounting")
 
 
 def _arm(
@@ -237,33 +256,33 @@ def _arm(
     means: BlockMeans | None,
     likely: Sequence[Reading],
     placed: PosedReadings,
-    names: Sequence[str],
 ) -> str:
-    """Return the arm that nothing names: by the pose, or the likeliest (the first) by gravity."""
-    possible = [*dict.fromkeys(reading.arm for reading in placed.good)] or [*names]
-    name_it = "name the right one, as with --robot ur5e, or describe it (`ur5 describe`)"
+    """Return the arm that nothing names: by the pose, or the one of which gravity tells the known
+    constants, likelier by far than the next; else none that is described.
+    """
+    possible = [*dict.fromkeys(reading.arm for reading in placed.good)]
     rivals = [reading for reading in (placed.beaten,) if reading and reading.arm not in possible]
-    if len(possible) == 1 and rivals:
-        at = f"the pose, within {1000 * placed.good[0].miss:.1f} mm; {rivals[0].arm} is within "
-        reason = f"{at}{1000 * rivals[0].miss:.3g} mm at best"
-        file.account.tell("proven", "robot", possible[0], "numbers", reason)
+    tell, likely = file.account.tell, [r for r in likely if r.arm in possible or not possible]
+    if len(possible) == 1:
+        alone = f"no other described arm has {file.joints} joints; {NAME_IT}"
+        next_best = f"{rivals[0].arm} is within {1000 * rivals[0].miss:.3g} mm" if rivals else alone
+        reason = f"the pose, within {1000 * placed.good[0].miss:.1f} mm; {next_best}"
+        tell("proven" if rivals else "check", "robot", possible[0], "numbers", reason)
         return possible[0]
-    candidates = [reading for reading in likely if reading.arm in possible]
-    if means is None or not means.currents or len(candidates) < 2:
-        why = f"the only described arm of {file.joints} joints"
-        why += ", whose flange fits the pose" if placed.good else ""
-        why = "nothing in the file tells it" if len(possible) > 1 else why
-        file.account.tell("check", "robot", possible[0], "position", f"{why}; {name_it}")
-        return possible[0]
-    best, rival = candidates[:2]
-    lead, (constants, are_known) = best.score - rival.score, _constants(means, best)
-    grounds = f"the likeliest by the efforts{f', with {constants}' if constants else ''}"
-    grounds += f"; the next, {rival.arm}, has a log-likelihood less by {lead:.3g}"
+    if means is None or not means.currents or not likely:
+        tell("check", "robot", UNDESCRIBED_ARM, "numbers", f"nothing tells the arm; {NAME_IT}")
+        return UNDESCRIBED_ARM
+    best, *others = likely
+    constants, are_known = _constants(means, best)
+    grounds = f"{best.arm} is the likeliest by the efforts{f', with {constants}' * bool(constants)}"
+    lead = best.score - others[0].score if others else np.inf
+    rival = [f"the next, {r.arm}, has a log-likelihood less by {lead:.3g}" for r in others[:1]]
+    grounds += f"; {''.join(rival) or 'no other of as many joints is described'}"
     if are_known and lead >= CLEAR_LEAD:
-        file.account.tell("proven", "robot", best.arm, "numbers", grounds)
-    else:
-        file.account.tell("check", "robot", best.arm, "numbers", f"{grounds}; {name_it}")
-    return best.arm
+        tell("proven" if others else "check", "robot", best.arm, "numbers", grounds)
+        return best.arm
+    tell("check", "robot", UNDESCRIBED_ARM, "numbers", f"no arm is clear: {grounds}; {NAME_IT}")
+    return UNDESCRIBED_ARM
 
 
 def _constants(means: BlockMeans, reading: Reading) -> tuple[str, bool]:
@@ -287,11 +306,12 @@ def _constants(means: BlockMeans, reading: Reading) -> tuple[str, bool]:
     return " and ".join(texts), bool(agree) and all(agree)
 
 
-def _arm_in_path(file: FileContents, names: Sequence[str]) -> str | None:
-    """Return the only arm in the name of the file, or of its folder, if any."""
-    for name in (file.path.name, file.path.absolute().parent.name):
+def _arm_in_names(moving: ImportedMotion, arms: Sequence[str]) -> str | None:
+    """Return the only arm in the name of the file, of its folder, or of the positions, if any."""
+    path, columns = moving.file.path, " ".join(moving.position.names)
+    for name in (path.name, path.absolute().parent.name, columns):
         parts = {*re.split(r"[^a-z0-9]+", name.lower())}
-        named = [arm for arm in names if arm in parts]
+        named = [arm for arm in arms if arm in parts]
         if len(named) == 1:
             return named[0]
     return None

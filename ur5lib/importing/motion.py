@@ -20,7 +20,13 @@ from ur5lib.importing.clocks import (
     irregularity,
 )
 from ur5lib.importing.contents import FileContents, block_widths
-from ur5lib.importing.spellings import TARGET_OR_TORQUE, last_part, named_unit, names_command
+from ur5lib.importing.spellings import (
+    TARGET_OR_TORQUE,
+    last_part,
+    named_unit,
+    names_command,
+    names_share,
+)
 from ur5lib.importing.unwrapped import with_continuous_angles
 from ur5lib.records.account import NOTHING, Confidence
 from ur5lib.robots.drives import turns_matrix
@@ -38,8 +44,14 @@ MAX_SHARE_AROUND_LEAP = 0.2  # of a leap, that the joint moves in the steps befo
 MIN_SHARE_OF_VELOCITIES = 0.8  # of moving columns that are derivatives; two exchanged are fewer
 CLEAR_CLOCK_RATIO = 2.0  # times the misfit of another clock that then takes its place
 WORST_MISFIT = 10.0  # of a clock under which no velocity is a derivative
+NORMALISED_RANGE = 100.0  # to which a joint's own range may be scaled
+NO_ANGLE = (
+    "in degrees, if it is an angle: within −100 … 100, to which some drivers scale each joint's "
+    "own range, it may be none; then ask for the calibration file"
+)
 TARGET_UNITS = {"target_q": "deg", "target_qd": "deg/s", "target_qdd": "deg/s2"}  # if in degrees
 MAX_SHARE_BEHIND_TARGET = 0.05  # of the range of the positions, or of 1
+MAX_TURN_AT_REST = 0.01  # rad
 MAX_JOINT_ANGLE = 4 * np.pi  # rad; no joint turns further
 
 
@@ -185,6 +197,11 @@ def _ratio(slope: Array, rate: Array) -> float | None:
     return float(slope @ rate / (slope @ slope)) if agree else np.nan
 
 
+def rests(moving: ImportedMotion) -> bool:
+    """Return whether no joint of a motion turns further than MAX_TURN_AT_REST."""
+    return bool(np.nanmax(np.ptp(moving.in_si()["actual_q"], axis=0)) < MAX_TURN_AT_REST)
+
+
 def find_motion(file: FileContents) -> ImportedMotion:
     """Return positions, velocities and targets, by their names, or else by the derivative.
 
@@ -220,7 +237,12 @@ def _without_copies(file: FileContents) -> FileContents:
 def _by_name(file: FileContents) -> tuple[ColumnBlock, ColumnBlock | None] | None:
     """Return the positions and the velocities that names tell."""
     position = next((block for block in file.blocks if block.meaning() == "actual_q"), None)
-    return (position, file.meant("actual_qd", position.clock)) if position else None
+    if position is None:
+        return None
+    velocity = file.meant("actual_qd", position.clock)
+    if velocity is None and position.stated:
+        velocity = next((other for one, other, _ in _pairs(file) if one is position), None)
+    return position, velocity
 
 
 def _with_polled_target(file: FileContents, position: ColumnBlock) -> FileContents:
@@ -399,13 +421,18 @@ def _are_degrees(file: FileContents, position: ColumnBlock) -> bool:
     stated, named = file.stated.units.get("actual_q"), named_unit(position.names[0])
     shown, most = _in_degrees(file, position), float(np.nanmax(np.abs(position.rows)))
     turns = f"reaches {most:.4g}: as radians {most / 2 / np.pi:.0f} turns; joints turn at most 2"
+    if position.stated and position.names[0] not in file.stated.names():
+        nothing_else = "of the joints by name, and nothing else to be: positions"
+        file.account.hold("check", position, "name", nothing_else)
     if stated:
         file.account.hold("assumed", position, "option", f"in {stated}")
+    elif names_share(position.names[0]) or (shown and not named and most <= NORMALISED_RANGE):
+        file.account.hold("check", position, "numbers", f"{NO_ANGLE}: reaches {most:.4g}")
     elif named:
         doubt = f", but {turns}" if shown and named != "deg" else ""
         file.account.hold("check" if doubt else "assumed", position, "name", f"in {named}{doubt}")
     elif shown:
-        file.account.hold("proven", position, "numbers", f"in degrees: {turns}")
+        file.account.hold("assumed", position, "numbers", f"in degrees: {turns}")
     else:
         file.account.hold("assumed", position, position.evidence, f"in rad: reaches {most:.3g}")
     return (stated or named or ("deg" if shown else "rad")) == "deg"

@@ -14,19 +14,22 @@ from ur5lib.checks.readings import Order
 from ur5lib.errors import InputError
 from ur5lib.importing.blocks import ColumnBlock
 from ur5lib.importing.clocks import ROW_CLOCK
-from ur5lib.importing.contents import TABLE_FORMAT, FileContents
+from ur5lib.importing.contents import TABLE_FORMAT, FileContents, Precedent
 from ur5lib.importing.efforts import (
     EFFORT_MEANINGS,
     UNITS_BY_CHANNEL,
     in_stated_unit,
     is_frozen,
     is_rectified,
+    is_share,
+    is_target,
     is_torque_of_joints,
     lead_of_opposite,
     name_efforts,
 )
+from ur5lib.importing.factors import behind_gears, following_error
 from ur5lib.importing.identity import arms_of, identified, tells_columns
-from ur5lib.importing.motion import ImportedMotion, find_motion
+from ur5lib.importing.motion import ImportedMotion, find_motion, rests
 from ur5lib.importing.spellings import CLOCK_NAME, is_of_motors, unused
 from ur5lib.importing.wrenches import (
     CONTACT_FORCE,
@@ -40,6 +43,7 @@ from ur5lib.recordings.entries import OPPOSITE_SIGN
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.plausibility import SMALLEST_VALUE
 from ur5lib.records.account import Confidence, Evidence
+from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
 ChannelUnits = dict[str, str | list[float]]  # by channel, as a study has them
@@ -113,9 +117,14 @@ def propose(file: FileContents) -> Proposal:
     efforts = {f"effort{k}": in_stated_unit(b, file) for k, b in enumerate(_efforts(moving))}
     wrench = wrench_blocks(file, clock)
     means, loads = _means(moving, efforts, wrench)
-    if means:
+    if file.precedent:
+        _scale_like(file.precedent, efforts, means)
+    elif means:
         _turn(efforts, means, file)
-    arm, robot, order = identity = identified(moving, means)
+        _put_behind_gears(efforts, means, file)
+    telling = {n: v for n, v in means.currents.items() if not is_share(efforts[n])} if means else {}
+    likely = replace(means, currents=telling) if means else None
+    arm, robot, order = identity = identified(moving, likely)
     ordered = means.part(columns=order) if means else None
     named = name_efforts(efforts, ordered, identity, file)
     channels = {name: [block] for name, block in (moving.blocks | named).items()}
@@ -148,10 +157,12 @@ def _efforts(moving: ImportedMotion) -> list[ColumnBlock]:
     account = moving.file.account
     of_joints = [block for block in efforts if is_torque_of_joints(block)]
     for block in efforts:
-        if is_frozen(block):
+        if is_frozen(block) and not (is_target(block) and rests(moving)):
             account.exclude(block, FROZEN_REASON)
         elif is_rectified(block):
             account.exclude(block, RECTIFIED_REASON)
+        elif error := following_error(block, moving):
+            account.exclude(block, error)
         elif of_joints and is_of_motors(block.stem()):
             account.exclude(block, f"raw or of the motors, beside {of_joints[0].title}", "name")
     efforts = [block for block in efforts if block.names not in account.excluded]
@@ -190,11 +201,40 @@ def _following_the_motion(
     return [block for block in efforts if block.names not in moving.file.account.excluded]
 
 
-def _turn(efforts: dict[str, ColumnBlock], means: BlockMeans, file: FileContents) -> None:
-    """Turn the efforts of the opposite sign, in the blocks and in their means."""
+def _scale_like(
+    precedent: Precedent, efforts: dict[str, ColumnBlock], means: BlockMeans | None
+) -> None:
+    """Multiply efforts as another file's, in the blocks and in their means."""
+    for name, block in efforts.items():
+        _, factors = precedent.efforts.get(block.names, ("", block.all_factors()))
+        scale = np.array(factors) / np.array(block.all_factors())
+        efforts[name] = block.scaled(scale)
+        if means:
+            means.currents[name] *= scale
+
+
+def _possible_arms(file: FileContents) -> list[Robot]:
+    """Return the arms whose gravity may tell a file's efforts: the stated one, or all that fit."""
     stated = file.stated.robot
     arms = [described(name) for name in ([stated] if stated else arms_of(file))]
-    arms = [*filter(tells_columns, arms)]
+    return [*filter(tells_columns, arms)]
+
+
+def _put_behind_gears(
+    efforts: dict[str, ColumnBlock], means: BlockMeans, file: FileContents
+) -> None:
+    """Multiply torques of the motors' side by the gears, in the blocks and in their means."""
+    arms = _possible_arms(file)
+    for name, block in efforts.items():
+        gears = behind_gears(name, block, means, arms, file.account)
+        if gears is not None:
+            efforts[name] = block.scaled(gears)
+            means.currents[name] *= gears
+
+
+def _turn(efforts: dict[str, ColumnBlock], means: BlockMeans, file: FileContents) -> None:
+    """Turn the efforts of the opposite sign, in the blocks and in their means."""
+    arms = _possible_arms(file)
     for name, block in efforts.items():
         if arms and (lead := lead_of_opposite(means, name, arms)):
             efforts[name] = block.scaled(-1.0)

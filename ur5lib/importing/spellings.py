@@ -1,7 +1,7 @@
 """The spellings of quantities, joints, axes, clocks and units in the names that recorders write."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from ur5lib.channels import RECORDED_CHANNELS, SUFFIXES, is_unused
 from ur5lib.recordings.rosbag import JOINT_NAMES
@@ -51,12 +51,16 @@ SUBTRACTION_WORDS = _words_in("less without minus compensated")  # that leave a 
 EXTERNAL_WORDS = _words_in("ext external extern hat")  # torques that are ascribed to contact
 GRIPPER_WORDS = _words_in("gripper finger fingers hand jaw robotiq")
 LOAD_WORDS = _words_in("load loads")  # of servos, ‰ of the stall torque
+SHARE_WORDS = _words_in("percent percentage pct permille promille normalized normalised counts")
+SHARE_SIGNS = {"%", "‰", "pu", "p.u.", *SHARE_WORDS}  # in brackets
 IMU_WORDS = _words_in("imu mag magnetometer")  # mx is a magnetic field there
 TEMPERATURE_WORDS = _words_in("temperature temperatures temp temps")
 SEVEN_JOINT_NAMES = ("s0", "s1", "e0", "e1", "w0", "w1", "w2")  # joints of a seven-jointed arm
 SEVEN_JOINT_NAME = re.compile(
     rf"(?<![A-Za-z0-9])({'|'.join(SEVEN_JOINT_NAMES)})(?![A-Za-z0-9])", re.IGNORECASE
 )
+LETTERED_JOINTS = ([*"SLURBT"], [*"SLEURBT"])  # of Yaskawa's arms
+JOINT_WORDS = _words_in("joint joints jnt axis axes actuator j a")
 CLOCK_NAME = re.compile(r"time|stamp|clock|(^|[/_ ])t$|sec(s|onds)?$", re.IGNORECASE)
 NAME_COLUMN = re.compile(r"(^|[._/])name[\d\[\]._]*$")  # a column of joints' names
 BRACKETED_UNIT = re.compile(r" *[\[(](?!J?\d*[\])])([^\])]*)[\])]$", re.IGNORECASE)  # a name's unit
@@ -86,6 +90,27 @@ def named_unit(name: str) -> str | None:
     return None
 
 
+def names_joints(stem: str) -> bool:
+    """Return whether a name is that of joints alone, as `joint`, `J`, `panda_joint`, or a letter's:
+    no quantity is named.
+    """
+    split = re.findall(r"[a-z]+", last_part(stem).lower())
+    return not split or split[-1] in JOINT_WORDS or stem in LETTERED_JOINTS[1]
+
+
+def lettered_joints(names: Iterable[str]) -> tuple[str, ...]:
+    """Return the columns that are named by the letters of an arm's joints, in their order."""
+    by_letter = {without_unit(name): name for name in names}
+    whole = [letters for letters in LETTERED_JOINTS if {*letters} <= {*by_letter}]
+    return tuple(by_letter[letter] for letter in whole[-1]) if whole else ()
+
+
+def names_share(name: str) -> bool:
+    """Return whether a name states a share of a rating or of a range, or counts: in no unit."""
+    unit = BRACKETED_UNIT.search(name)
+    return bool(words(name) & SHARE_WORDS) or bool(unit and unit[1].strip() in SHARE_SIGNS)
+
+
 def without_joint(name: str) -> str:
     """Return a name without a number at its end, behind which a unit may stand."""
     return re.sub(r"[ _.]?\d$", "", name) if re.search(r"[A-Za-z]_[A-Za-z]+_\d$", name) else name
@@ -106,7 +131,7 @@ def place_of(name: str) -> tuple[str, int]:
         return name[: side.start()] + name[side.end() :], SEVEN_JOINT_NAMES.index(side[1].lower())
     if numbered := re.fullmatch(r"(.*?)[ _.]*[(\[]?[jJ]?(\d)[)\]]?", name):
         return numbered[1], int(numbered[2])
-    if numbered := re.fullmatch(NUMBERED_JOINT + r"[ _.](.{1,})", name):  # Joint1_Pos, J1 q, A1.pos
+    if numbered := re.fullmatch(NUMBERED_JOINT + r"[ _./](.{1,})", name):  # Joint1_Pos, J1 q
         return numbered[1] + numbered[3], int(numbered[2])
     if part := re.fullmatch(r"(?:(.*)[ _./])?([ftmnFTM])([xyz])", name):  # Fx, wrench_tz
         return f"{part[1] or ''}_{part[2]}", "xyz".index(part[3])

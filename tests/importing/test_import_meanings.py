@@ -1,0 +1,127 @@
+"""What `ur5 import` takes columns for of which names or numbers alone tell too little."""
+
+import gzip
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.conftest import shared_folder
+from tests.entries import in_words, read_recording
+from tests.stored_files import Made, made_up_channels
+from ur5lib.importing.contents import UserStatement, contents
+from ur5lib.importing.files import ImportedRecording, import_files
+from ur5lib.tables import channel
+
+
+def case(name: str, folder: Path) -> Path:
+    """A file of the public cases, unpacked into a folder."""
+    stored = shared_folder("cases-6", "they are not published") / name
+    if stored.suffix != ".gz":
+        return stored
+    (folder / stored.stem).write_bytes(gzip.decompress(stored.read_bytes()))
+    return folder / stored.stem
+
+
+def imported(path: Path, robot: str = "") -> tuple[ImportedRecording, str]:
+    (one,) = import_files([path], UserStatement(robot))
+    return one, in_words(one.account)
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
+    return made_up_channels(tmp_path_factory.mktemp("made"))
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        *("joint{n}", "J{n}", "A{n}", "axis{n}", "joint_{n}", "panda_joint{n}", "Joint {n} [deg]"),
+        *("panda_joint{n}/position", "pos_panda_joint{n}", "{letter}", "{letter} [deg]"),
+    ],
+)
+def test_bare_names_of_joints_are_positions(tmp_path: Path, made: Made, names: str) -> None:
+    """Which is to be checked, unless a quantity is named, with the unit in brackets."""
+    unit = 180 / np.pi if "deg" in names else 1.0
+    columns = {
+        names.format(n=n, letter=letter): unit * rows
+        for (n, letter), rows in zip(enumerate("SLURBT", 1), made[1]["actual_q"].T, strict=True)
+    }
+    path = tmp_path / "run.csv"
+    pd.DataFrame({"time": made[0]} | columns).to_csv(path, index=False)
+    one, told = imported(path, "ur5")
+    q = channel(read_recording(one.entry).robot.table, "actual_q")
+    np.testing.assert_allclose(q, made[1]["actual_q"], atol=1e-12)
+    assert ("to be: positions" in told) == ("pos" not in names)
+
+
+def test_joints_by_name_are_nothing_beside_positions(tmp_path: Path, made: Made) -> None:
+    q = made[1]["actual_q"]
+    table = pd.DataFrame({"time": made[0]})
+    for k in range(6):
+        table[f"actual_q_{k}"], table[f"joint{k}"] = q[:, k], np.sin(made[0] + k)
+    table.to_csv(tmp_path / "run.csv", index=False)
+    one, _ = imported(tmp_path / "run.csv", "ur5")
+    np.testing.assert_allclose(channel(read_recording(one.entry).robot.table, "actual_q"), q)
+
+
+def test_pushes_make_no_milliamperes() -> None:
+    """Constants that are known, and the channel's name, come before a likelihood."""
+    one, told = imported(case("pushed_at_rest.csv", Path()), "ur5")
+    assert "units" not in one.entry
+    assert "far better" not in told
+
+
+def test_a_following_error_is_no_torque(tmp_path: Path) -> None:
+    one, told = imported(case("06_effort_is_position_error.csv.gz", tmp_path))
+    assert one.arm == "my_arm"
+    assert "as a following error, it lags behind all joints by 0.016 s times" in told
+
+
+@pytest.mark.parametrize(("robot", "factors"), [("", ""), ("ur5e", "1.53, 1.5 Nm per unit")])
+def test_per_cent_of_rated_torques_are_no_torque(tmp_path: Path, robot: str, factors: str) -> None:
+    one, told = imported(case("07_percent_of_rated.csv.gz", tmp_path), robot)
+    assert not any("torque" in name for name in one.entry["columns"])
+    assert "a share of a rating, or counts, by its name" in told
+    assert factors in told
+
+
+def test_a_range_proves_no_angle(tmp_path: Path) -> None:
+    one, told = imported(case("11_normalised_ranges.csv.gz", tmp_path))
+    assert one.arm == "my_arm"
+    assert "check: shoulder_pan.pos … wrist_roll.pos: actual_q [deg]" in told
+    assert "ask for the calibration file" in told
+
+
+def test_a_pose_proves_bare_names(tmp_path: Path) -> None:
+    one, told = imported(case("14_bare_joint_names.csv.gz", tmp_path))
+    assert (one.arm, one.entry["units"]) == ("ur5e", {"actual_q": "deg"})
+    assert "proven: joint1 … joint6: actual_q [deg]" in told
+
+
+def test_gears_explain_a_torque_of_motors(tmp_path: Path) -> None:
+    one, told = imported(case("16_motor_side_torque.csv.gz", tmp_path), "ur5e")
+    assert one.entry["units"] == {"actual_current_as_torque": [101.0] * 6}
+    assert "multiplied by the gear ratio, 101: it is then 0.981, 1 times the torque" in told
+
+
+def test_one_driver_has_one_unit(tmp_path: Path) -> None:
+    """Of two parts of a UR3's recording, one alone seems to be in Nm; both are whole milliamperes
+    times the constants that the other proves.
+    """
+    bag = shared_folder("ur3-cb", "they are recordings of a real UR3") / "id2.bag"
+    file = contents(bag)
+    stamps = file.clocks.stamps["/arm/stamp"]
+    parts = {block.names[0].removeprefix("/arm/"): block.rows for block in file.blocks}
+    columns = {f"{n}_{k}": rows[:, k] for n, rows in parts.items() for k in range(6)}
+    table, paths = pd.DataFrame({"time": stamps} | columns), []
+    for k in range(2):
+        start = stamps[0] + 8 * k
+        paths.append(tmp_path / f"part_{k}.csv")
+        table[(stamps >= start) & (stamps < start + 8)].to_csv(paths[k], index=False)
+    alone = import_files(paths[:1], UserStatement("ur3"))[0].entry
+    first, second = import_files(paths, UserStatement("ur3"))
+    assert alone["units"] == {"actual_current_as_torque": "opposite"}
+    assert first.entry["units"] == second.entry["units"]
+    assert "whole milliamperes by these factors" in in_words(first.account)
