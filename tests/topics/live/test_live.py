@@ -16,9 +16,19 @@ from tests.rubbing_arm import friction, robot
 from tests.topics.live.made_arm import PERIOD, arm_file, hostile, push, samples
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError, RefusalError
+from ur5lib.force.residual_model import USUAL_REST_STD
 from ur5lib.records.measured import Measured
 from ur5lib.robots.description import load_robot, robot_path
-from ur5lib.topics.live.live import CONTACT, FREE, SUSPECTED, UNKNOWN, Answer, Live
+from ur5lib.topics.live.live import (
+    CONTACT,
+    FREE,
+    STILL,
+    SUSPECTED,
+    UNKNOWN,
+    UNMOVED,
+    Answer,
+    Live,
+)
 from ur5lib.topics.live.live_file import CONSTANTS, MIN_LOG_ODDS, learned, numbers
 from ur5lib.topics.live.live_recording import follow
 
@@ -79,6 +89,38 @@ def test_friction_of_the_run_is_learnt() -> None:
     arm["friction"]["terms"]["coulomb"] = [4.0] * 6  # of 5 Nm
     error = np.abs(follow(arm, run).torque).mean(axis=1)
     assert error[-500:].mean() < 0.5 * error[150:650].mean()
+
+
+def test_friction_is_unknown_until_a_joint_has_moved() -> None:
+    """To which side it holds a joint: of each joint, and after each fresh start."""
+    run, estimator = samples(6.0, moving=False), Live(arm_file())
+    time, q = run.time, run.q[-1] + 0.0 * run.q
+    q[:, 0] += np.clip(0.5 * (time - 3.0), 0.0, 0.1)  # turns for 0.2 s
+    current = run.current[-1] + 1e-6 * time[:, None]  # no channel that stays
+    stream = [*zip(time, q, np.gradient(q, PERIOD, axis=0), current, strict=True)]
+    found = []
+    for sample in [*stream, (time[-1] + 10.0, *stream[-1][1:])]:
+        estimator.step(*sample)
+        found.append(estimator.state)
+    before, turning, after, again = (found[round(t / PERIOD)] for t in (0.5, 3.1, 3.4, 6.0))
+    assert (before == UNMOVED).all()
+    assert turning[0] not in (UNMOVED, STILL)
+    assert after[0] != UNMOVED
+    assert (turning[1:] == UNMOVED).all()
+    assert (again == UNMOVED).all()
+
+
+def test_a_joint_that_has_not_moved_is_in_as_much_doubt_as_recordings_show() -> None:
+    """Its noise is that of such joints, and the usual one of rest where they are not shown."""
+    arm, run = arm_file(), samples(20.0, moving=True)
+    one = run._replace(q=run.q.copy(), qd=run.qd.copy())
+    for values in (one.q, one.qd):
+        values[:, 3:] = values[:1, 3:] * (values is one.q)
+    known = [learned([(arm, run), *own], 5, 1.0)["noise"]["std"] for own in ([], [(arm, one)])]
+    usual, shown = (np.array(own["unmoved"]) for own in known)
+    assert (usual > 0.9 * USUAL_REST_STD * np.array(arm["breakaway"])).all()
+    np.testing.assert_allclose(shown[:3], usual[:3], rtol=0.1)
+    assert (shown[3:] > 1.2 * usual[3:]).all()  # torques of a motion that the joints do not make
 
 
 def fed(estimator: Live, stream: Iterable[Sample]) -> list[Answer]:

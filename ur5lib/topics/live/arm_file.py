@@ -22,7 +22,7 @@ from ur5lib.timeseries.segments import runs
 from ur5lib.topics.live.live_file import LiveFit, numbers
 from ur5lib.topics.live.rows import LiveForces
 
-FORMAT = "ur5lib live 3"
+FORMAT = "ur5lib live 4"
 PUSH_COLUMNS = ["motion", "axis", "value", "low", "high", "bound", "largest_tried", "seconds"]
 PUSH_COLUMNS += ["trials", "blind"]
 UNITS = "SI: m, kg, s, rad, N, Nm, A; links in the axes of their joint, joints from 1"

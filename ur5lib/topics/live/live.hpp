@@ -22,8 +22,9 @@ namespace live {
 
 constexpr int MAX_JOINTS = 8, MAX_PARTS = 4, MAX_SIZES = 8;
 enum Contact { FREE, SUSPECTED, CONTACT, UNKNOWN };
-enum State { MOVING, REVERSING, SETTLING, RESTING, STILL };
-constexpr const char* STATES[] = {"moving", "reversing", "settling", "resting", "still"};
+enum State { MOVING, REVERSING, SETTLING, RESTING, STILL, UNMOVED };
+constexpr int STATE_COUNT = 6;
+constexpr const char* STATES[STATE_COUNT] = {"moving", "reversing", "settling", "resting", "still", "unmoved"};
 using Joints = std::array<double, MAX_JOINTS>;
 using Vector = std::array<double, 3>;
 using Matrix = std::array<Vector, 3>;
@@ -173,7 +174,7 @@ class Live {
       share_[p] = arm.at(part + ".share");
       held_[p] = arm.joints(part + ".held", n);
     }
-    for (int s = 0; s < 5; ++s) {
+    for (int s = 0; s < STATE_COUNT; ++s) {
       noise_[s] = arm.joints(std::string("noise.std.") + STATES[s], n);
       hidden_[s] = arm.joints(std::string("noise.hidden.") + STATES[s], n);
       absorbed_[s] = arm.joints(std::string("noise.absorbed.") + STATES[s], n);
@@ -190,7 +191,7 @@ class Live {
     freeze_ = constant("freeze"), thaw_ = constant("thaw"), slow_ = constant("slow");
     window_ = constant("window"), confirmed_ = constant("confirmed"), stays_ = constant("stays");
     large_ = constant("large"), blind_ = constant("blind"), faster_ = constant("faster");
-    least_step_ = constant("least_step");
+    least_step_ = constant("least_step"), moved_ = constant("moved");
     quiet_ = arm.at("constants.quiet.0");
     lever_ = arm.at("contacts.lever"), typical_ = arm.at("contacts.typical");
     for (int i = 0; i < 3; ++i) place_[i] = arm.at("contacts.place." + std::to_string(i));
@@ -210,7 +211,7 @@ class Live {
     time_ = std::numeric_limits<double>::quiet_NaN();
     passed_ = rested_ = evidence = 0;
     q_ = qd_ = lag_ = momentum_ = rate_ = observed = Joints{};
-    friction_ = drift_ = scale_ = rest_ = torque = anchor_ = pull_ = Joints{};
+    friction_ = drift_ = scale_ = rest_ = torque = anchor_ = pull_ = low_ = high_ = Joints{};
     direction_ = {};
     state.fill(MOVING);
     touched_ = at_rest_ = still_ = false;
@@ -332,7 +333,11 @@ class Live {
     time_ = time;
     std::copy(q, q + n, q_.begin());
     const double share = passed_ / (window_ + passed_);
-    for (int k = 0; k < n; ++k) anchor_[k] = first ? q[k] : anchor_[k] + share * (q[k] - anchor_[k]);
+    for (int k = 0; k < n; ++k) {
+      anchor_[k] = first ? q[k] : anchor_[k] + share * (q[k] - anchor_[k]);
+      low_[k] = first ? q[k] : std::min(low_[k], q[k]);
+      high_[k] = first ? q[k] : std::max(high_[k], q[k]);
+    }
     for (int p = 0; p < parts_; ++p)
       for (int k = 0; k < n; ++k) {
         const double kept = std::exp(-std::abs(qd_[k]) * passed_ / distance_[p]);
@@ -411,6 +416,8 @@ class Live {
         state[k] = RESTING;
       else
         state[k] = time_ - slow_at_[k] <= reversal_ ? REVERSING : MOVING;
+      // nobody knows yet to which side friction holds the joint
+      if (state[k] != MOVING && state[k] != STILL && high_[k] - low_[k] <= moved_) state[k] = UNMOVED;
       still_ = still_ && state[k] == STILL;
     }
   }
@@ -419,7 +426,7 @@ class Live {
     Joints variance{}, wider{}, touching{}, carried{};
     bool doubtful = time_ - started_ < settle_;
     for (int k = 0; k < n; ++k) {
-      torque[k] = observed[k] - (state[k] == STILL ? rest_[k] : drift_[k] + scale_[k] * friction_[k]);
+      torque[k] = observed[k] - (state[k] >= STILL ? rest_[k] : drift_[k] + scale_[k] * friction_[k]);
       const double unseen = std::max(std::abs(qd_[k]) / fastest_[k], 1.0);
       doubtful = doubtful || std::abs(qd_[k]) > faster_ * fastest_[k];
       const double own = noise_[state[k]][k] * unseen, lost = hidden_[state[k]][k];
@@ -582,7 +589,7 @@ class Live {
   Vector gravity_{};
   Joints mass_{}, rotor_{}, constant_{}, offset_{}, breakaway_{}, fastest_{}, strongest_{};
   std::array<Joints, TERMS> terms_{};
-  std::array<Joints, 5> noise_{}, hidden_{}, absorbed_{};
+  std::array<Joints, STATE_COUNT> noise_{}, hidden_{}, absorbed_{};
   std::array<double, MAX_PARTS> distance_{}, share_{};
   std::array<Joints, MAX_PARTS> held_{};
   std::array<double, MAX_SIZES> sizes_{};
@@ -591,11 +598,11 @@ class Live {
   double threshold_, period_, max_gap_, turns_, margin_, jump_, gain_, acceleration_, encoder_;
   double dead_zone_, rest_speed_, stop_, settle_, reversal_, wide_, doubt_, rare_, lever_, quiet_, typical_;
   double duration_, hysteresis_, freeze_, thaw_, slow_, shift_, window_, confirmed_, stays_;
-  double large_, blind_, faster_, least_step_;
+  double large_, blind_, faster_, least_step_, moved_;
   // of the run
   double time_, passed_, rested_, started_, below_at_, suspected_at_, moved_at_, felt_at_;
   Joints q_{}, qd_{}, lag_{}, momentum_{}, rate_{}, friction_{}, drift_{}, scale_{}, rest_{};
-  Joints fast_at_{}, slow_at_{}, anchor_{}, pull_{}, last_q_{}, last_current_{};
+  Joints fast_at_{}, slow_at_{}, anchor_{}, pull_{}, low_{}, high_{}, last_q_{}, last_current_{};
   std::array<Joints, MAX_PARTS> direction_{};
   bool touched_ = false, at_rest_ = false, still_ = false, seen_ = false;
   int missed_ = 0;

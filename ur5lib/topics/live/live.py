@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Posterior = tuple[Array, Array, Array]
 Weighed = tuple[Array, Array, Array, Any]
-STATES = ("moving", "reversing", "settling", "resting", "still")  # of a joint
-MOVING, REVERSING, SETTLING, RESTING, STILL = range(5)
+STATES = ("moving", "reversing", "settling", "resting", "still", "unmoved")  # of a joint
+MOVING, REVERSING, SETTLING, RESTING, STILL, UNMOVED = range(6)
 TERMS = ["coulomb", "viscous", "velocity_root", "velocity_square", "periodic_sin", "periodic_cos"]
 TERMS += ["balance_sin", "balance_cos", "load"]  # of friction
 FREE, SUSPECTED, CONTACT, UNKNOWN = "free", "suspected", "contact", "unknown"
@@ -105,7 +105,7 @@ class Live:
         self.time, self.passed, self.run = np.nan, 0.0, 0.0  # [s]
         self.q, self.qd, self.lag, self.momentum, self.rate, self.observed = np.zeros((6, n))
         self.friction, self.drift, self.scale, self.rest, self.torque = np.zeros((5, n))
-        self.anchor, self.pull = np.zeros((2, n))
+        self.anchor, self.pull, self.low, self.high = np.zeros((4, n))
         self.direction = np.zeros((len(self.share), n))
         self.evidence, self.rested = 0.0, 0.0  # rested: seconds of the whole arm's rest
         self.touched, self.missed, self.state = False, 0, np.zeros(n, np.int64)
@@ -181,9 +181,10 @@ class Live:
         rate = load + swept.rate
         if first:
             self.friction, self.momentum, self.rate = friction, swept.momentum, rate
-            self.anchor = q
+            self.anchor = self.low = self.high = q
         share = self.passed / (self.set["window"] + self.passed)
         self.anchor = self.anchor + share * (q - self.anchor)
+        self.low, self.high = np.minimum(self.low, q), np.maximum(self.high, q)
         gain = self.set["gain"] * self.passed / (1 + self.set["gain"] * self.passed)
         change = (swept.momentum - self.momentum) / (self.passed or 1.0)
         change = change - (rate + self.rate) / 2
@@ -195,7 +196,8 @@ class Live:
         self.slow_at = np.where(slow, time, self.slow_at)
         self.stopped = bool((time - self.fast_at >= self.set["stop"]).all())
         self.rested *= self.stopped
-        self.state = self.states(time - self.fast_at, time - self.slow_at, self.rested)
+        ago = time - self.fast_at, time - self.slow_at
+        self.state = self.states(*ago, self.rested, self.high - self.low)
         self._judge(swept.jacobian, swept.place)
         self._learn()
 
@@ -259,17 +261,23 @@ class Live:
         jacobian = np.concatenate([lift, axis], axis=-1).mT
         return Sweep(momentum, rate.sum(axis=-1), jacobian, place)
 
-    def states(self, slow_for: Array, slow_ago: Array, rested: Any) -> Any:
-        """Return the state (..., n) of each joint, as far as past samples show it; all in [s]."""
+    def states(self, slow_for: Array, slow_ago: Array, rested: Any, reach: Array) -> Any:
+        """Return the state (..., n) of each joint, as far as past samples show it.
+
+        slow_for, slow_ago, rested: [s]; reach: range of positions (..., n) [rad] since the start of
+        the run, within which nobody knows to which side friction holds the joint.
+        """
         stopped, slow = slow_for >= self.set["stop"], (slow_for > 0).all(axis=-1, keepdims=True)
         at_rest = np.where(slow, np.where(rested >= self.set["settle"], STILL, SETTLING), RESTING)
         moves = np.where(slow_ago <= self.set["reversal"], REVERSING, MOVING)
-        return np.where(stopped | slow, at_rest, moves)
+        state = np.where(stopped | slow, at_rest, moves)
+        known = (state == MOVING) | (state == STILL) | (reach > self.set["moved"])
+        return np.where(known, state, UNMOVED)
 
     def _judge(self, jacobian: Array, place: Array) -> None:
         """State the wrench, its deviation, and whether there is a contact."""
         slow = self.drift + self.scale * self.friction
-        self.torque = self.observed - np.where(self.state == STILL, self.rest, slow)
+        self.torque = self.observed - np.where(self.state >= STILL, self.rest, slow)
         sensed = self.torque, self.state, self.qd
         wrench, std, evidence, blind = self.weighed(*sensed, jacobian, place)
         self.evidence = float(evidence)

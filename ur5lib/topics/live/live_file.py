@@ -1,7 +1,7 @@
 """What `live.py` knows of an arm: its numbers, and the noise of runs without contact."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,8 @@ from ur5lib.force.external_torque import MIN_STOP_DURATION, RELAXATION_TIME
 from ur5lib.force.force_input import MEAN_STICTION
 from ur5lib.force.gate import quiet_force
 from ur5lib.force.residual_model import (
+    SHOWN_DURATION,
+    USUAL_REST_STD,
     USUAL_RUBBING,
     USUAL_STICTION,
     TorqueStretch,
@@ -25,13 +27,14 @@ from ur5lib.robots.friction import (
     BASE_TERMS,
     PRESLIDING_DISTANCE,
     ROOT_LINE,
+    START_DISTANCE,
     coefficient_names,
 )
 from ur5lib.robots.inertia import RigidBodies, link_tail, rigid_bodies
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import DEAD_ZONE
 from ur5lib.timeseries.trajectories import REST_SPEED
-from ur5lib.topics.live.live import STATES, STILL, TERMS, Live
+from ur5lib.topics.live.live import STATES, STILL, TERMS, UNMOVED, Live
 from ur5lib.topics.live.live_recording import Followed, follow
 
 # Magnitudes of contacts among which each torque chooses, in typical forces.
@@ -51,6 +54,8 @@ CONSTANTS: dict[str, Any] = {  # docs/live.md says on what they were chosen
     "stop": MIN_STOP_DURATION,  # s
     "reversal": 0.5,  # s, after a joint was slow
     "rest_speed": REST_SPEED,  # rad/s
+    # rad, of motion after which friction no longer depends on what was before
+    "moved": 2 * START_DISTANCE,
     "window": 0.2,  # s, within which joints at rest move when the arm is touched
     "confirmed": 0.1,  # s of rest after that move: a motion that starts is no contact
     "stays": 0.4,  # s without a move, after which such a contact is over
@@ -225,7 +230,8 @@ def learned(
         rests = (own.state == STILL).all(axis=1)
         shifts.append((np.abs(own.shift[rests]).max(axis=1), run.period))
     model = fit_residual_model(stretches, BANDWIDTH, breakaway).with_usual_rest(stretches)
-    model = model.of_few_paths(paths)
+    unmoved = unmoved_std(stretches, breakaway)
+    model = replace(model, spread=np.vstack([model.spread, unmoved])).of_few_paths(paths)
     shift = least_shift(shifts)
     known["noise"] = _noise(model.spread, breakaway, shift, model.stiction, model.rubbing)
     variance = np.concatenate([model.variance(model.spread, own.states) for own in stretches])
@@ -233,6 +239,20 @@ def learned(
     known["constants"] = CONSTANTS | {"period": period, "doubt": model.doubt, "quiet": [quiet]}
     followed = [(follow({**arm, **known}, run), run.period) for arm, run in thinned]
     return known | {"threshold": _threshold(followed, false_per_min)}
+
+
+def unmoved_std(stretches: Sequence[TorqueStretch], breakaway: Array) -> Array:
+    """Return the deviation (n,) [Nm] of joints that have not moved yet, the usual one of rest where
+    the stretches hardly show it.
+    """
+    shown = [own.period * (own.states == UNMOVED) for own in stretches]
+    seconds = sum(one.sum(axis=0) for one in shown)
+    total = sum(
+        (one * own.torque**2).sum(axis=0) for one, own in zip(shown, stretches, strict=True)
+    )
+    square, usual = total / np.maximum(seconds, 1e-9), (USUAL_REST_STD * breakaway) ** 2
+    unshown = SHOWN_DURATION / (SHOWN_DURATION + seconds)
+    return np.sqrt(square + unshown * np.maximum(usual - square, 0.0))
 
 
 def least_shift(shifts: Sequence[tuple[Array, float]]) -> float:
@@ -263,13 +283,13 @@ def _noise(
     stiction: float = USUAL_STICTION,
     rubbing: float = USUAL_RUBBING,
 ) -> dict[str, Any]:
-    """Return by state [Nm]: standard deviations (5, n); of a contact, what dry friction absorbs on
+    """Return by state [Nm]: standard deviations (6, n); of a contact, what dry friction absorbs on
     average, and what it hides beyond that, as `contact_wrench` of the whole recording assumes it;
     and the move [rad] at rest that shows a contact.
 
     stiction, rubbing: what it absorbs at most at rest, and in motion, in breakaway torques.
     """
-    still = np.arange(len(STATES)) >= STILL
+    still = np.arange(len(STATES)) == STILL
     absorbed = np.where(still, MEAN_STICTION * stiction, 0.0)
     hidden = np.where(still, np.sqrt(1 - MEAN_STICTION**2) * stiction, rubbing)
     shares = {"absorbed": absorbed, "hidden": hidden}

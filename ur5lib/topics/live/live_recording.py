@@ -50,6 +50,7 @@ class Sensed(NamedTuple):
     slow_for: Array
     at_rest: Mask
     slow_ago: Array
+    reach: Array
     shift: Array
     jacobian: Array
     place: Array
@@ -143,7 +144,7 @@ class LiveRecording(Live):
         rate = load + swept.rate
         if first:
             self.friction, self.momentum, self.rate = friction[0], swept.momentum[0], rate[0]
-            self.anchor = run.q[0]
+            self.anchor = self.low = self.high = run.q[0]
         gain = self.set["gain"] * by_joint / (1 + self.set["gain"] * by_joint)
         change = np.diff(swept.momentum, prepend=self.momentum[None], axis=0)
         change /= np.where(by_joint > 0, by_joint, 1.0)
@@ -152,22 +153,22 @@ class LiveRecording(Live):
         friction = cascade(1 - gain, gain * friction, self.friction)
         share = by_joint / (self.set["window"] + by_joint)
         anchor = cascade(1 - share, share * run.q, self.anchor)
+        low = np.minimum.accumulate(np.vstack([self.low, run.q]))[1:]
+        high = np.maximum.accumulate(np.vstack([self.high, run.q]))[1:]
         slow, time = np.abs(qd) < self.set["rest_speed"], run.time[:, None]
         fast_at, slow_at = (
             np.maximum.accumulate(np.vstack([since, np.where(own, time, -np.inf)]))[1:]
             for own, since in ((~slow, self.fast_at), (slow, self.slow_at))
         )
         self.direction, self.observed, self.friction = direction[-1], observed[-1], friction[-1]
-        self.anchor = anchor[-1]
+        self.anchor, self.low, self.high = anchor[-1], low[-1], high[-1]
         self.momentum, self.rate, self.fast_at, self.slow_at = (
             own[-1] for own in (swept.momentum, rate, fast_at, slow_at)
         )
         self.time, self.q, self.qd = run.time[-1], run.q[-1], qd[-1]
         moved = time - fast_at, (time - fast_at >= self.set["stop"]).all(axis=1), time - slow_at
-        shift = run.q - anchor
-        return Sensed(
-            run.time, passed, qd, observed, friction, *moved, shift, swept.jacobian, swept.place
-        )
+        further = high - low, run.q - anchor, swept.jacobian, swept.place
+        return Sensed(run.time, passed, qd, observed, friction, *moved, *further)
 
     def _velocities(self, run: Measured, passed: Array, first: bool) -> Array:
         """Return q̇ (M, n) [rad/s] where the controller states none."""
@@ -181,7 +182,8 @@ class LiveRecording(Live):
     def _judged(self, part: Sensed, learns: bool) -> Followed:
         """Return the answers up to the first suspected sample, all of them where none is learnt."""
         rested = self._rested(part, learns)
-        state = self.states(part.slow_for, part.slow_ago, np.array(rested[:-1])[:, None])
+        before = np.array(rested[:-1])[:, None]
+        state = self.states(part.slow_for, part.slow_ago, before, part.reach)
         rest = self._rest(part, np.array(rested[1:]), learns)
         torque, drift, scale = self._slow(part, state, rest[:-1], learns)
         sensed = torque, state, part.qd, part.jacobian, part.place
@@ -261,7 +263,7 @@ class LiveRecording(Live):
         before = np.full_like(rest, np.inf)
         while True:
             slow = drift[: len(rest)] + scale[: len(rest)] * part.friction
-            torque = part.observed - np.where(state == STILL, rest, slow)
+            torque = part.observed - np.where(state >= STILL, rest, slow)
             error = share * torque
             drift, scale = (
                 np.cumsum(np.vstack([since, own]), axis=0)
