@@ -56,6 +56,53 @@ def test_bare_names_of_joints_are_positions(tmp_path: Path, made: Made, names: s
     assert ("to be: positions" in told) == ("pos" not in names)
 
 
+@pytest.mark.parametrize(
+    ("positions", "velocities", "efforts", "effort_channel", "per_unit"),
+    [
+        ("axis{n}_rad", "axis{n}_rad_s", "axis{n}_A", "actual_current", 1.0),
+        ("Joint {n} [deg]", "Joint {n} [deg/s]", "Motor {n} current [mA]", "actual_current", 1e-3),
+        ("J{n}_rad", "J{n}_rad_s", "J{n}_torque [kgf.cm]", "actual_current_as_torque", 0.0980665),
+        ("q{n} [rad]", "qd{n} [rad/s]", "torque{n} [N.cm]", "actual_current_as_torque", 0.01),
+    ],
+)
+def test_units_in_names_say_what_their_columns_are(
+    tmp_path: Path,
+    made: Made,
+    positions: str,
+    velocities: str,
+    efforts: str,
+    effort_channel: str,
+    per_unit: float,
+) -> None:
+    """Of joints and motors without a further name, and in units that a study does not have."""
+    angle = 180 / np.pi if "deg" in positions else 1.0
+    effort = made[1]["actual_current"] * (1.0 if effort_channel == "actual_current" else 10.0)
+    columns = {
+        name.format(n=n + 1): rows[:, n]
+        for n in range(6)
+        for name, rows in (
+            (positions, angle * made[1]["actual_q"]),
+            (velocities, angle * made[1]["actual_qd"]),
+            (efforts, effort / per_unit),
+        )
+    }
+    path = tmp_path / "run.csv"
+    pd.DataFrame({"time": made[0]} | columns).to_csv(path, index=False)
+    one, _ = imported(path, "ur5")
+    table = read_recording(one.entry).robot.table
+    for name, expected in (("actual_q", made[1]["actual_q"]), ("actual_qd", made[1]["actual_qd"])):
+        np.testing.assert_allclose(channel(table, name), expected, atol=1e-12)
+    np.testing.assert_allclose(channel(table, effort_channel), effort, atol=1e-9)
+
+
+def test_counts_of_encoders_are_no_degrees(tmp_path: Path, made: Made) -> None:
+    counts = np.round(made[1]["actual_q"] * 101 * 65536 / 2 / np.pi)
+    table = pd.DataFrame({f"position_{k}": counts[:, k] for k in range(6)})
+    table.assign(time=made[0]).to_csv(tmp_path / "run.csv", index=False)
+    _, told = imported(tmp_path / "run.csv")
+    assert "an encoder's counts" in told
+
+
 def test_joints_by_name_are_nothing_beside_positions(tmp_path: Path, made: Made) -> None:
     q = made[1]["actual_q"]
     table = pd.DataFrame({"time": made[0]})

@@ -11,6 +11,7 @@ from ur5lib.channels import MOST_JOINTS
 from ur5lib.errors import InputError
 from ur5lib.importing.spellings import (
     GRIPPER_WORDS,
+    UNIT_MEANINGS,
     WHOLE_NAMES,
     kind_of_quantity,
     lettered_joints,
@@ -18,6 +19,7 @@ from ur5lib.importing.spellings import (
     names_positions,
     place_of,
     quantity,
+    unit_text,
     without_unit,
     words,
 )
@@ -99,6 +101,7 @@ def _by_stem(names: Iterable[str]) -> dict[str, dict[int, str]]:
     stems = defaultdict[str, dict[int, str]](dict)
     for name in names:
         stem, place = place_of(name)
+        stem += unit_text(name) if names_joints(stem) else ""
         stem += "_axes" if without_unit(name).endswith(AXES) else ""
         stems[name if place in stems[stem] else stem][place] = name
     return stems
@@ -158,21 +161,29 @@ def with_names(columns: Sequence[str], joints: Sequence[str]) -> list[str]:
 
 
 def with_bare_positions(blocks: Sequence[ColumnBlock]) -> list[ColumnBlock]:
-    """Return blocks with the only one that is named by joints alone as the positions, where no
-    other is named so: it has nothing else to be.
+    """Return blocks that are named by joints alone with the meaning of their units, and with the
+    only one of angles, or without a unit, as the positions, where no other is named so: it has
+    nothing else to be.
     """
+    blocks = [_with_meaning_of_unit(block) for block in blocks]
     bare = [
         block
         for block in blocks
         if MIN_MOTORS <= block.rows.shape[1] <= MOST_JOINTS
         and len(block.names) > 1
-        and not block.is_nameless()
+        and not (block.is_nameless() or block.stated)
         and names_joints(block.stem())
         and np.ptp(np.nan_to_num(block.rows), axis=0).any()
     ]
     if len(bare) != 1 or any(names_positions(block.stem()) for block in blocks):
         return [*blocks]
     return [replace(b, stated="actual_q") if b is bare[0] else b for b in blocks]
+
+
+def _with_meaning_of_unit(block: ColumnBlock) -> ColumnBlock:
+    is_bare = len(block.names) > 1 and not block.is_nameless() and names_joints(block.stem())
+    meaning = UNIT_MEANINGS.get(unit_text(block.names[0]), "") if is_bare else ""
+    return replace(block, stated=meaning) if meaning else block
 
 
 def joints_of(path: Path, blocks: Sequence[ColumnBlock]) -> int:

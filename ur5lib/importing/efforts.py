@@ -23,7 +23,7 @@ from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import JOINTS_OF_UR, ColumnBlock
 from ur5lib.importing.contents import FileContents
 from ur5lib.importing.identity import MAX_SHOWN_RATIO, ArmIdentity, tells_columns
-from ur5lib.importing.spellings import is_of_motors, named_unit, names_share
+from ur5lib.importing.spellings import is_of_motors, named_unit, names_share, newton_metres
 from ur5lib.recordings.delimited import number_in
 from ur5lib.records.account import Confidence
 from ur5lib.robots.description import Robot
@@ -110,7 +110,11 @@ def _without_constants(
 
 
 def in_stated_unit(block: ColumnBlock, file: FileContents) -> ColumnBlock:
-    """Return a current in amperes where the user gives the amperes of one unit of the file."""
+    """Return a current in amperes where the user gives the amperes of one unit of the file, and a
+    torque in Nm where its name has another unit.
+    """
+    if metres := newton_metres(block.names[0]):
+        return block.scaled(metres)
     of_current = (block.meaning() or "effort") in ("effort", CURRENT_CHANNEL)
     factor = number_in(file.stated.units.get(CURRENT_CHANNEL, "").encode())
     if not of_current or factor is None or np.isnan(factor):

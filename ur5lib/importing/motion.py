@@ -49,6 +49,10 @@ NO_ANGLE = (
     "in degrees, if it is an angle: within −100 … 100, to which some drivers scale each joint's "
     "own range, it may be none; then ask for the calibration file"
 )
+MOST_TURNS = 100  # of a joint, as some count without an end
+COUNTED = (
+    "in degrees, if it is an angle: more likely an encoder's counts, of an unknown number a turn"
+)
 TARGET_UNITS = {"target_q": "deg", "target_qd": "deg/s", "target_qdd": "deg/s2"}  # if in degrees
 MAX_SHARE_BEHIND_TARGET = 0.05  # of the range of the positions, or of 1
 MAX_TURN_AT_REST = 0.01  # rad
@@ -431,6 +435,8 @@ def _are_degrees(file: FileContents, position: ColumnBlock) -> bool:
     elif named:
         doubt = f", but {turns}" if shown and named != "deg" else ""
         file.account.hold("check" if doubt else "assumed", position, "name", f"in {named}{doubt}")
+    elif shown and most > 360 * MOST_TURNS:
+        file.account.hold("check", position, "numbers", f"{COUNTED}: reaches {most:.4g}")
     elif shown:
         file.account.hold("assumed", position, "numbers", f"in degrees: {turns}")
     else:

@@ -65,6 +65,7 @@ CLOCK_NAME = re.compile(r"time|stamp|clock|(^|[/_ ])t$|sec(s|onds)?$", re.IGNORE
 NAME_COLUMN = re.compile(r"(^|[._/])name[\d\[\]._]*$")  # a column of joints' names
 BRACKETED_UNIT = re.compile(r" *[\[(](?!J?\d*[\])])([^\])]*)[\])]$", re.IGNORECASE)  # a name's unit
 APPENDED_UNIT = re.compile(r"_(mA|A|Nm|deg|rad|degs|rads|deg_s|rad_s|ms|us|ns|s)$")
+NUMBERED_MOTOR = r"(.*?[mM]otor)[ _.]?(\d)[ _./](.{1,})"  # whose side a torque is of
 NUMBERED_JOINT = r"(.*?)(?:[jJ]oint|[aA]xis|[aA]ctuator|(?<![A-Za-z])[jJaA])[ _.]?(\d)"
 UNIT_SPELLINGS = {  # of bracketed and appended units, as a study writes them
     **{"mA": "mA", "A": "A", "Nm": "Nm", "N m": "Nm", "N·m": "Nm", "N.m": "Nm", "N*m": "Nm"},
@@ -72,6 +73,16 @@ UNIT_SPELLINGS = {  # of bracketed and appended units, as a study writes them
     **dict.fromkeys(("rad", "radian", "rad/s", "rad_s", "rads", "rad s-1"), "rad"),
     **dict.fromkeys(("s", "sec", "seconds"), "s"),
     **{"ms": "ms", "msec": "ms", "us": "us", "µs": "us", "μs": "us", "ns": "ns", "nsec": "ns"},
+}
+OTHER_TORQUES = {  # Nm of one, by the letters of a bracketed unit
+    **{"mnm": 1e-3, "knm": 1e3, "ncm": 0.01, "kgfm": 9.80665, "kgm": 9.80665},
+    **{"kgfcm": 0.0980665, "kgcm": 0.0980665, "lbfft": 1.355818, "lbft": 1.355818},
+    **{"lbfin": 0.1129848, "lbin": 0.1129848, "ozfin": 7.061552e-3, "ozin": 7.061552e-3},
+}
+# What a quantity is of which the unit alone is named, as `axis1_rad_s`.
+UNIT_MEANINGS = {
+    **dict.fromkeys(("°/s", "deg/s", "deg_s", "degs", "rad/s", "rad_s", "rads"), "actual_qd"),
+    **{"A": "actual_current", "mA": "actual_current", "Nm": "actual_current_as_torque"},
 }
 
 
@@ -84,10 +95,18 @@ def words(name: str) -> set[str]:
 
 def named_unit(name: str) -> str | None:
     """Return the unit that a name states, as a study writes it; `rad` and `deg` of any order."""
-    for pattern in (BRACKETED_UNIT, APPENDED_UNIT):
-        if stated := pattern.search(without_joint(name)):
-            return UNIT_SPELLINGS.get(stated[1].strip())
-    return None
+    return UNIT_SPELLINGS.get(unit_text(name))
+
+
+def unit_text(name: str) -> str:
+    """Return the unit at the end of a name as it is written, "" for none."""
+    found = (pattern.search(without_joint(name)) for pattern in (BRACKETED_UNIT, APPENDED_UNIT))
+    return next((stated[1].strip() for stated in found if stated), "")
+
+
+def newton_metres(name: str) -> float | None:
+    """Return the Nm of one unit that a name states, None where it states another one, or none."""
+    return OTHER_TORQUES.get("".join(re.findall("[a-z]", unit_text(name).lower())))
 
 
 def names_joints(stem: str) -> bool:
@@ -131,6 +150,8 @@ def place_of(name: str) -> tuple[str, int]:
         return name[: side.start()] + name[side.end() :], SEVEN_JOINT_NAMES.index(side[1].lower())
     if numbered := re.fullmatch(r"(.*?)[ _.]*[(\[]?[jJ]?(\d)[)\]]?", name):
         return numbered[1], int(numbered[2])
+    if numbered := re.fullmatch(NUMBERED_MOTOR, name):
+        return f"{numbered[1]} {numbered[3]}", int(numbered[2])
     if numbered := re.fullmatch(NUMBERED_JOINT + r"[ _./](.{1,})", name):  # Joint1_Pos, J1 q
         return numbered[1] + numbered[3], int(numbered[2])
     if part := re.fullmatch(r"(?:(.*)[ _./])?([ftmnFTM])([xyz])", name):  # Fx, wrench_tz
