@@ -200,6 +200,7 @@ def test_each_fault_of_the_stream_has_its_answer() -> None:
         stream[-1],
         stream[-3],
         (time + 1e-15, q, qd, current + 0.01),
+        (np.nextafter(time, np.inf), q, None, current + 0.01),
         (time + PERIOD, q, lost, current),
         (np.nan, q, qd, current),
     ):
@@ -217,6 +218,25 @@ def test_each_fault_of_the_stream_has_its_answer() -> None:
     # what is no sample at all
     for wrong in ((time, q[:3], qd, current), (time, "text", qd, current), (None, q, qd, current)):
         estimator.step(*wrong)
+
+
+def test_a_step_too_short_for_a_double_s_inverse_changes_nothing() -> None:
+    """1e-310 s after a first sample at 0, of which the rate of change would be infinite."""
+    _, q, qd, current = stream_of(samples(0.1, moving=True))[0]
+    for qd_stated in (qd, None):
+        estimator = Live(arm_file())
+        first = estimator.step(0.0, q, qd_stated, current)
+        assert estimator.step(1e-310, q + 1e-6, qd_stated, current + 0.01) is first
+        answer = estimator.step(PERIOD, q + PERIOD * qd, qd_stated, current)
+        assert np.isfinite([*answer.wrench, *answer.std]).all()
+
+
+def test_numpy_may_be_set_to_raise() -> None:
+    """Of a friction whose direction before a sample counts e^-1000."""
+    arm = arm_file()
+    arm["friction"]["presliding"][0]["distance"] = 1e-6
+    with np.errstate(all="raise"):
+        fed(Live(arm), stream_of(samples(0.1, moving=True)))
 
 
 @pytest.mark.parametrize("frozen", ["q", "current"])
