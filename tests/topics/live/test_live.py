@@ -22,6 +22,9 @@ from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.topics.live.live import (
     CONTACT,
     FREE,
+    RESTING,
+    REVERSING,
+    SETTLING,
     STILL,
     SUSPECTED,
     UNKNOWN,
@@ -92,22 +95,24 @@ def test_friction_of_the_run_is_learnt() -> None:
 
 
 def test_friction_is_unknown_until_a_joint_has_moved() -> None:
-    """To which side it holds a joint: of each joint, and after each fresh start."""
-    run, estimator = samples(6.0, moving=False), Live(arm_file())
+    """To which side it holds a joint that rests while others move, after each fresh start."""
+    run, estimator = samples(7.0, moving=False), Live(arm_file())
     time, q = run.time, run.q[-1] + 0.0 * run.q
-    q[:, 0] += np.clip(0.5 * (time - 3.0), 0.0, 0.1)  # turns for 0.2 s
+    for joint, start in (0, 2.0), (1, 3.0), (1, 6.0):  # each turns for 0.4 s
+        q[:, joint] += np.clip(0.5 * (time - start), 0.0, 0.2)
     current = run.current[-1] + 1e-6 * time[:, None]  # no channel that stays
-    stream = [*zip(time, q, np.gradient(q, PERIOD, axis=0), current, strict=True)]
+    stamps = time + 10.0 * (time > 5.0)
+    stream = [*zip(stamps, q, np.gradient(q, PERIOD, axis=0), current, strict=True)]
     found = []
-    for sample in [*stream, (time[-1] + 10.0, *stream[-1][1:])]:
+    for sample in stream:
         estimator.step(*sample)
         found.append(estimator.state)
-    before, turning, after, again = (found[round(t / PERIOD)] for t in (0.5, 3.1, 3.4, 6.0))
-    assert (before == UNMOVED).all()
-    assert turning[0] not in (UNMOVED, STILL)
-    assert after[0] != UNMOVED
-    assert (turning[1:] == UNMOVED).all()
-    assert (again == UNMOVED).all()
+    resting, first, second, again = (found[round(t / PERIOD)] for t in (1.5, 2.3, 3.3, 6.3))
+    assert (resting >= SETTLING).all()
+    assert (resting <= STILL).all()
+    assert first.tolist() == [REVERSING, *[UNMOVED] * 5]
+    assert second.tolist() == [RESTING, REVERSING, *[UNMOVED] * 4]
+    assert again.tolist() == [UNMOVED, REVERSING, *[UNMOVED] * 4]
 
 
 def test_a_joint_that_has_not_moved_is_in_as_much_doubt_as_recordings_show() -> None:
