@@ -359,10 +359,25 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return built
 
 
+def written(values: Any) -> list[str]:
+    """Return numbers with all their digits."""
+    return [repr(float(value)) for value in values]
+
+
 def in_cpp(program: Path, arm: dict[str, Any], stream: list[Sample], folder: Path) -> Any:
     """Return the header's answers (N, 12 + 2 n + 2) to a stream, and what it says of its step."""
     (folder / "arm.json").write_text(json.dumps(arm))
-    lines = [" ".join(map(repr, map(float, [t, *q, *qd, *i]))) for t, q, qd, i in stream]
+    lines = [
+        " ".join(
+            [
+                repr(float(t)),
+                *written(q),
+                *(["none"] * 6 if qd is None else written(qd)),
+                *written(i),
+            ]
+        )
+        for t, q, qd, i in stream
+    ]
     done = subprocess.run(
         [program, folder / "arm.json"],
         input="\n".join(lines),
@@ -384,6 +399,34 @@ def test_the_header_is_the_reference(program: Path, tmp_path: Path) -> None:
     runs = [samples(8.0, moving, push(5.0, 6.0, 20.0, 0.0, 5.0)) for moving in (False, True)]
     for stream in (*map(stream_of, runs), *streams(3)):
         check_header(program, arm, stream, tmp_path)
+
+
+def test_the_header_takes_velocities_from_positions_as_the_reference_does(
+    program: Path, tmp_path: Path
+) -> None:
+    """Of a motion at an uneven rate, and of a hostile stream."""
+    run = samples(4.0, True, push(2.0, 3.0, 0.0, 30.0, 0.0))
+    rows = np.sort(np.random.default_rng(0).permutation(len(run.time))[: len(run.time) * 2 // 3])
+    for stream in stream_of(run.at(rows)), *streams(1):
+        check_header(program, arm_file(), [(t, q, None, i) for t, q, _, i in stream], tmp_path)
+
+
+def test_what_a_fit_finds_of_rotors_adds_to_the_momentum() -> None:
+    """By r q̇ of each joint."""
+    arm = robot()
+    known, found = friction(arm), [0.3, -0.2, 0.1, 0.05, 0.02, 0.01]  # Nm s²/rad
+    joints = []
+    for joint, rotor in zip(known.fit.joints, found, strict=True):
+        own = joint.estimate.coefficients
+        estimate = replace(joint.estimate, coefficients=np.append(own, rotor * own[0]))
+        joints.append(replace(joint, terms=(*joint.terms, "rotor"), estimate=estimate))
+    turned = replace(known, fit=replace(known.fit, joints=tuple(joints)))
+    q, qd = np.random.default_rng(0).uniform(-2, 2, (2, 6))
+    without, with_rotors = (
+        Live(arm_file() | numbers(arm, own, "", None)).sweep(q, qd).momentum
+        for own in (known, turned)
+    )
+    np.testing.assert_allclose(with_rotors - without, found * qd, rtol=0, atol=1e-12)
 
 
 def check_header(program: Path, arm: dict[str, Any], stream: list[Sample], folder: Path) -> None:
