@@ -128,4 +128,7 @@ def live(
     from ur5lab.live import Stream, live
     from ur5lib.commands.console import text_console
 
-    print_lines([live(results, robot, as_in, Stream(host, seconds), output, text_console())])
+    ended = live(results, robot, as_in, Stream(host, seconds), output, text_console())
+    print_lines([ended.in_words()])
+    if ended.failed:
+        raise SystemExit(1)

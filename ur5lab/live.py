@@ -1,17 +1,22 @@
 """`ur5 live`: the contact force on a running arm, stated sample by sample from its currents."""
 
-import contextlib
+import signal
+import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import nullcontext
+from contextlib import closing, contextmanager, nullcontext
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
+from pyarrow import csv
 from rich.console import Console
 from rich.live import Live as Display
 
+from ur5lab.journal import Journal, left_behind, part_of
 from ur5lab.recorder.device import DeviceLost, Silence
 from ur5lab.recorder.rtde_arm import (
     DEFAULT_RATE,
@@ -33,10 +38,8 @@ UNITS = {"time": "s"}
 for prefix in ("live", "live_std"):
     UNITS |= {f"{prefix}_{part}": "N" if part[0] == "F" else "Nm" for part in PARTS}
 UNITS |= {"evidence": "1", "contact": "1", "known": "1", "late": "s"}
-PART = 2500  # rows that are written at once
 SHOWN_PERIOD = 0.2  # s
 
-Row = tuple[float, ...]
 Show = Callable[[float, Answer], None]
 
 
@@ -53,9 +56,30 @@ class Stream:
     port: int = PORT
 
 
+@dataclass(frozen=True)
+class Ended:
+    """A stream that ended: what was written, how many samples, why, whether the arm was lost."""
+
+    path: Path
+    samples: int
+    why: str
+    lost: bool
+
+    @property
+    def failed(self) -> bool:
+        """Return whether it ended early, or nothing came."""
+        return self.lost or self.samples == 0
+
+    def in_words(self) -> str:
+        """Return it as a line."""
+        if self.samples == 0:
+            return f"no sample came; ended by {self.why}"
+        return f"{self.path}: {self.samples} samples; ended by {self.why}"
+
+
 def live(
     results: Path, robot: str | None, as_in: str, stream: Stream, write: Path, console: Console
-) -> str:
+) -> Ended:
     """State the force of an arm that a study fitted; returns what was written.
 
     as_in: recording whose payload and mounting it has, "" for none. Raises InputError where the
@@ -68,18 +92,97 @@ def live(
     arm = known_of_arm(study, robot or arms[0], as_in)
     if write.exists():
         raise InputError(f"{write} exists; give another name by --output")
+    for line in left_behind(write):
+        console.print(line)
     view = Display(console=console, auto_refresh=False) if console.is_terminal else None
     with view or nullcontext():
-        count = record(Live(arm), stream, write, _nothing if view is None else shown_on(view))
-    return f"{write}: {count} samples"
+        return record(Live(arm), stream, write, _nothing if view is None else shown_on(view))
 
 
-def record(estimator: Live, stream: Stream, path: Path, show: Show) -> int:
-    """Write what is stated as Parquet, as it comes; returns the number of samples.
+def record(estimator: Live, stream: Stream, path: Path, show: Show) -> Ended:
+    """Write what is stated as it comes, as CSV beside `path`, and at the end as Parquet.
 
     The file has the columns of `live_forces.parquet`, and `late`: from a sample's arrival to its
-    answer. Nothing is sent to the arm but the request for its samples.
+    answer. Nothing is sent to the arm but the request for its samples. Where the Parquet cannot be
+    written, the CSV stays.
     """
+    with closing(connected(stream)) as client:
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            journal = Journal(part_of(path), list(UNITS))
+        except OSError as error:
+            raise InputError(
+                f"{path} cannot be written ({error.strerror}); name another"
+            ) from error
+        why, lost = followed(client, estimator, stream, journal, show)
+    try:
+        if journal.rows:
+            write_aside(path, partial(_join, journal.path))
+    except InputError as error:
+        return Ended(journal.path, journal.rows, f"{why}; {error}", lost=True)
+    journal.path.unlink()
+    return Ended(path, journal.rows, why, lost)
+
+
+def connected(stream: Stream) -> RtdeClient:
+    """Return the connection to a controller that sends INPUTS."""
+    client = RtdeClient(stream.address, stream.port)
+    try:
+        rate = RATE_BY_MAJOR_VERSION.get(client.software[0], DEFAULT_RATE)
+        if missing := {*INPUTS} - {*client.start(INPUTS, rate)}:
+            names = ", ".join(sorted(missing))
+            raise InputError(f"the controller at {stream.address} does not state {names}")
+    except BaseException:
+        client.close()
+        raise
+    return client
+
+
+def followed(
+    client: RtdeClient, estimator: Live, stream: Stream, journal: Journal, show: Show
+) -> tuple[str, bool]:
+    """Write the answers to an arm's samples until its stream ends; returns why it did, and whether
+    it was lost.
+    """
+    silence, begin = Silence(stream.address), time.monotonic()
+    shown = begin
+    try:
+        with signals_interrupt(), closing(journal):
+            while stream.seconds is None or time.monotonic() - begin < stream.seconds:
+                packages = client.receive(READ_TIMEOUT)
+                silence.check(len(packages))
+                journal.write(_answered(estimator, *package) for package in packages)
+                if time.monotonic() - shown > SHOWN_PERIOD:
+                    shown = time.monotonic()
+                    show(shown - begin, estimator.answer)
+    except DeviceLost as error:
+        return str(error), True
+    except KeyboardInterrupt as error:
+        return str(error) or "Ctrl-C", False
+    except OSError as error:
+        return f"{journal.path}, which cannot be written ({error.strerror})", True
+    return f"--seconds {stream.seconds:g}", False
+
+
+@contextmanager
+def signals_interrupt() -> Iterator[None]:
+    """Interrupt as Ctrl-C does at SIGTERM and SIGHUP, where the system has them."""
+
+    def interrupt(number: int, _: Any) -> None:
+        raise KeyboardInterrupt(signal.Signals(number).name)
+
+    named = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    here = named if threading.current_thread() is threading.main_thread() else []
+    before = {number: signal.signal(number, interrupt) for number in here}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _join(part: Path, aside: Path) -> None:
+    """Write the rows of a journal as Parquet, part by part."""
     schema = pa.schema(
         [
             pa.field(
@@ -88,55 +191,23 @@ def record(estimator: Live, stream: Stream, path: Path, show: Show) -> int:
             for name, unit in UNITS.items()
         ]
     )
-    count = 0
-
-    def write(aside: Path) -> None:
-        nonlocal count
-        with pq.ParquetWriter(aside, schema, use_dictionary=False) as writer:
-            for rows in answers(estimator, stream, show):
-                columns = [pa.array(own, one.type) for own, one in zip(zip(*rows), schema)]  # noqa: B905
-                writer.write_table(pa.Table.from_arrays(columns, schema=schema))
-                count += len(rows)
-
-    write_aside(path, write)
-    return count
+    types = csv.ConvertOptions(column_types=schema)
+    with (
+        csv.open_csv(part, convert_options=types) as rows,
+        pq.ParquetWriter(aside, schema, use_dictionary=False) as writer,
+    ):
+        for batch in rows:
+            writer.write_batch(pa.RecordBatch.from_arrays(batch.columns, schema=schema))
 
 
-def answers(estimator: Live, stream: Stream, show: Show) -> Iterator[list[Row]]:
-    """Yield the answers to an arm's samples, many at a time, until its stream ends."""
-    client = RtdeClient(stream.address, stream.port)
-    try:
-        rate = RATE_BY_MAJOR_VERSION.get(client.software[0], DEFAULT_RATE)
-        if missing := {*INPUTS} - {*client.start(INPUTS, rate)}:
-            names = ", ".join(sorted(missing))
-            raise InputError(f"the controller at {stream.address} does not state {names}")
-        rows: list[Row] = []
-        silence, begin = Silence(stream.address), time.monotonic()
-        shown = begin
-        with contextlib.suppress(DeviceLost, KeyboardInterrupt):
-            while stream.seconds is None or time.monotonic() - begin < stream.seconds:
-                packages = client.receive(READ_TIMEOUT)
-                silence.check(len(packages))
-                rows += [_answered(estimator, *package) for package in packages]
-                if time.monotonic() - shown > SHOWN_PERIOD:
-                    shown = time.monotonic()
-                    show(shown - begin, estimator.answer)
-                if len(rows) >= PART:
-                    yield rows
-                    rows = []
-        if rows:
-            yield rows
-    finally:
-        client.close()
-
-
-def _answered(estimator: Live, arrived: float, values: tuple[float, ...]) -> Row:
+def _answered(estimator: Live, arrived: float, values: tuple[float, ...]) -> str:
     """Return the row of a package of INPUTS."""
     stamp, q, qd, current = values[0], values[1:7], values[7:13], values[13:19]
     wrench, std, contact = estimator.step(stamp, q, qd, current)
     known = contact == CONTACT, contact != UNKNOWN
     late = time.monotonic() - arrived
-    return (stamp, *wrench.tolist(), *std.tolist(), estimator.evidence, *known, late)
+    row = stamp, *wrench.tolist(), *std.tolist(), estimator.evidence, *known, late
+    return ",".join(map(repr, row))
 
 
 def in_words(seconds: float, answer: Answer) -> str:

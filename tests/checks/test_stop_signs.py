@@ -21,6 +21,7 @@ from tests.conftest import PROJECT, said, shared_folder
 from tests.entries import read_and_check
 from tests.synthetic import write_recording
 from ur5lib.channels import columns
+from ur5lib.checks.arm import MIN_LEAD_OF_ARM
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.checked import Checked
 from ur5lib.checks.currents import foreign_currents
@@ -28,7 +29,7 @@ from ur5lib.checks.delays import DELAY_STEP
 from ur5lib.checks.exchanged_channels import roughness
 from ur5lib.checks.innovations import innovation_likelihoods
 from ur5lib.checks.stop_signs import stop_signs
-from ur5lib.checks.torques import foreign_torque, given_load
+from ur5lib.checks.torques import _likelihood, foreign_torque, given_load
 from ur5lib.records.carried import carried
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
@@ -521,6 +522,18 @@ def test_a_motor_may_have_the_constant_of_its_description(
     still = BlockMeans(q, qd, qdd, None, {})
     means = BlockMeans(q, qd, qdd, None, {"actual_current": still.gravity(arm) / constant})
     assert bool([*foreign_currents(means, arm)]) is told
+
+
+@pytest.mark.parametrize(("left", "told"), [(0.005, False), (0.1, True)])
+def test_noise_of_a_torque_tells_no_other_arm(ur5: Robot, left: float, told: bool) -> None:
+    """Left of each joint's torque [Nm] by one arm and not by another: beyond 0.02 Nm, it counts."""
+    q, still = np.random.default_rng(0).uniform(-2, 2, (100, 6)), np.zeros((100, 6))
+    torque = BlockMeans(q, still, still, None, {}).gravity(ur5)
+    means = BlockMeans(q, still, still, None, {}, independent=1.0)
+    error = left * np.sign(np.random.default_rng(1).normal(size=torque.shape))
+    lead = _likelihood(means, torque, ur5) - _likelihood(means, torque + error, ur5)
+    assert lead == pytest.approx(300 * np.log1p((left / 0.02) ** 2))
+    assert (lead > MIN_LEAD_OF_ARM) is told
 
 
 @pytest.mark.parametrize(("most", "told"), [(2.9, False), (3.1, True)])

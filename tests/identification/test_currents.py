@@ -757,6 +757,20 @@ def test_without_a_recording_no_band_is_narrower_than_with_one(study: list[Curre
     assert (wide >= narrow).all()
 
 
+def test_without_a_recording_a_band_is_of_dry_friction_and_nothing_else() -> None:
+    """As docs/methods.md says: 0.25 of it in motion, 0.5 where it reverses, 1.25 at rest."""
+    friction = np.array(FRICTION).T
+    typical = {
+        name: Typical(value, 1e-6 * value + 1e-9)
+        for name, value in zip(BASE_TERMS, friction, strict=True)
+    }
+    known = replace(prior(), typical=typical | {"offset": Typical(OFFSET, 1e-9 + 0 * OFFSET)})
+    for joint in expected_fit(known).joints:
+        coulomb = joint.estimate.coefficients[2]
+        bands = np.array(joint.bands) / (1.96 * coulomb)
+        np.testing.assert_allclose(bands, [0.25, 0.5, 1.25, 1.25], rtol=1e-3)
+
+
 def test_hubers_regression_with_a_prior_is_ridge_regression_without_outliers() -> None:
     random = np.random.default_rng(0)
     columns, truth = random.normal(size=(300, 3)), np.array([1.0, -2.0, 0.5])

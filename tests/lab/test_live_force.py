@@ -34,7 +34,9 @@ def follow(path: Path, seconds: float | None) -> tuple[int, list[str]]:
         if seconds is None:  # until the controller is off
             threading.Timer(2.0, arm._process.kill).start()
         stream, estimator = Stream(HERE, seconds), Live(arm_file())
-        return record(estimator, stream, path, lambda *now: shown.append(in_words(*now))), shown
+        ended = record(estimator, stream, path, lambda *now: shown.append(in_words(*now)))
+    assert ended.lost == (seconds is None)
+    return ended.samples, shown
 
 
 def stated(path: Path, seconds: float | None) -> tuple[pd.DataFrame, list[str]]:

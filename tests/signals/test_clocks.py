@@ -32,6 +32,8 @@ from ur5lib.signals.clock import (
 )
 from ur5lib.signals.device_clock import (
     LATENCY_STD,
+    _compare,
+    _search,
     clock_from_rotation,
     even_samples,
     interpolate,
@@ -101,6 +103,17 @@ def test_the_standard_errors_hold() -> None:
         std = np.sqrt(stated**2 - floor**2)  # what the recording itself told
         assert 0.85 <= np.mean(np.abs(error) < 2 * std) <= 1
         assert 0.6 < std.mean() / error.std() < 1.7
+
+
+def test_a_bias_of_the_gyroscope_moves_no_clock() -> None:
+    """Not those either from which the fit starts: each axis has a bias of its own."""
+    own = record(trajectory)
+    bias = np.array([3.0, -2.0, 1.0])
+    found, biased = (
+        _search(_compare(own.time, own.rate, own.segment, own.device_time, felt), STAMPS)
+        for felt in (own.gyroscope, own.gyroscope + bias)
+    )
+    np.testing.assert_allclose(biased, found, atol=1e-12)
 
 
 def test_no_sample_of_a_slow_robot_is_wasted() -> None:

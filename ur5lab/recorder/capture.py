@@ -13,6 +13,7 @@ from multiprocessing.synchronize import Event
 from pathlib import Path
 from typing import Any
 
+from ur5lab.journal import Journal
 from ur5lab.recorder.device import Device, DeviceLost, NewSamples, Packets
 from ur5lab.recorder.opened import opened
 from ur5lib.errors import InputError
@@ -54,12 +55,10 @@ class SampleFile:
     """
 
     def __init__(self, path: Path, columns: tuple[str, ...]) -> None:
-        self._file = path.open("w", encoding="ascii")
         self._has_clock = columns[0] == "timestamp"
         time = "received_s" if columns == ("payload_hex",) else HOST_TIME_COLUMN
         names = (*columns, time) if self._has_clock else (time, *columns)
-        self._file.write(",".join(names) + "\n")
-        self._file.flush()
+        self._journal = Journal(path, names, period=0.0)
 
     def write(self, samples: NewSamples | Packets, zero: float) -> None:
         """Append samples; zero: time of the host's clock when time.monotonic read zero [s]."""
@@ -73,12 +72,11 @@ class SampleFile:
                 ",".join(map(repr, [*values, time] if self._has_clock else [time, *values]))
                 for time, values in rows
             ]
-        self._file.writelines(f"{line}\n" for line in lines)
-        self._file.flush()
+        self._journal.write(lines)
 
     def close(self) -> None:
         """Close the file."""
-        self._file.close()
+        self._journal.close()
 
 
 def capture(

@@ -44,6 +44,7 @@ RECORDED_OUTPUTS = (
 )
 RATE_BY_MAJOR_VERSION = {3: 125.0}  # Hz, of the controller's software; later ones have 500
 DEFAULT_RATE = 500.0
+HANDSHAKE_TIMEOUT = 6.0  # s, from the connection to the first data package
 READ_TIMEOUT = 0.1  # s, for which one call waits for samples
 
 
@@ -53,7 +54,7 @@ class RtdeClient:
     def __init__(self, address: str, port: int = PORT) -> None:
         """Connect. Raises InputError when no controller answers."""
         self._address, self._port = address, port
-        self._buffer = b""
+        self._buffer, self._until = b"", time.monotonic() + HANDSHAKE_TIMEOUT
         try:
             self._socket = socket.create_connection((address, port), ANSWER_TIMEOUT)
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -96,10 +97,12 @@ class RtdeClient:
 
     def _packages(self) -> list[tuple[float, ...]]:
         """Remove complete packages from the buffer, and return the numbers of data packages."""
-        packages, start = [], 0
+        start, packages = 0, list[tuple[float, ...]]()
         while len(self._buffer) - start >= PACKAGE_HEADER.size:
             size, kind = PACKAGE_HEADER.unpack_from(self._buffer, start)
             if size < PACKAGE_HEADER.size:
+                if packages:  # the next call meets it, too
+                    break
                 raise DeviceLost(f"{self._address} does not send RTDE packages")
             if len(self._buffer) - start < size:
                 break
@@ -140,6 +143,9 @@ class RtdeClient:
     def _exactly(self, count: int) -> bytes:
         data = b""
         while len(data) < count:
+            if (left := self._until - time.monotonic()) <= 0:
+                raise TimeoutError(f"its answers take more than {HANDSHAKE_TIMEOUT:g} s")
+            self._socket.settimeout(min(ANSWER_TIMEOUT, left))
             more = self._socket.recv(count - len(data))
             if not more:
                 raise ConnectionError("it has closed the connection")

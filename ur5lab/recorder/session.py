@@ -15,7 +15,7 @@ from ur5lab.recorder.capture import Status, capture
 from ur5lab.recorder.device import Identity
 from ur5lib.errors import InputError
 from ur5lib.study.devices import DeviceSettings
-from ur5lib.tables import checksum, write_json
+from ur5lib.tables import checksum, read_json, write_json
 
 MANIFEST = "manifest.json"
 HOST_CLOCK = "time.monotonic of the host, plus its difference to seconds since 1970 at the start"
@@ -116,6 +116,12 @@ class Session:
         except (EOFError, OSError):
             if worker.status.ended is None and not self._stop.is_set():
                 worker.status.ended = f"the process that records {name} was killed"
+
+
+def cut_off(folder: Path) -> bool:
+    """Return whether a folder is that of a session that was cut off, as by a power failure."""
+    manifest = folder / MANIFEST
+    return manifest.is_file() and not read_json(manifest).get("complete", True)
 
 
 def write_manifest(

@@ -9,7 +9,7 @@ from ur5lib.records.measured import Measured
 from ur5lib.robots import newton_euler
 from ur5lib.robots.friction import friction_direction
 from ur5lib.timeseries.arrays import Array
-from ur5lib.topics.live.live import STATES, Live
+from ur5lib.topics.live.live import FORMAT, STATES, Live
 from ur5lib.topics.live.live_file import CONSTANTS, numbers
 
 PERIOD = 0.008  # s
@@ -23,6 +23,7 @@ def arm_file(noise: float = 0.3, **constants: float) -> dict[str, Any]:
     std = {state: [noise] * 6 for state in STATES}
     lost = {state: [0.0] * 6 for state in STATES}
     return numbers(arm, friction(arm), "", None) | {
+        "format": FORMAT,
         "speed": [2.0] * 6,
         "noise": {"std": std, "absorbed": lost, "hidden": lost, "shift": 1e-4},
         "threshold": {"log_odds": 3.0},

@@ -22,6 +22,9 @@ from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.topics.live.live import (
     CONTACT,
     FREE,
+    RESTING,
+    REVERSING,
+    SETTLING,
     STILL,
     SUSPECTED,
     UNKNOWN,
@@ -92,22 +95,24 @@ def test_friction_of_the_run_is_learnt() -> None:
 
 
 def test_friction_is_unknown_until_a_joint_has_moved() -> None:
-    """To which side it holds a joint: of each joint, and after each fresh start."""
-    run, estimator = samples(6.0, moving=False), Live(arm_file())
+    """To which side it holds a joint that rests while others move, after each fresh start."""
+    run, estimator = samples(7.0, moving=False), Live(arm_file())
     time, q = run.time, run.q[-1] + 0.0 * run.q
-    q[:, 0] += np.clip(0.5 * (time - 3.0), 0.0, 0.1)  # turns for 0.2 s
+    for joint, start in (0, 2.0), (1, 3.0), (1, 6.0):  # each turns for 0.4 s
+        q[:, joint] += np.clip(0.5 * (time - start), 0.0, 0.2)
     current = run.current[-1] + 1e-6 * time[:, None]  # no channel that stays
-    stream = [*zip(time, q, np.gradient(q, PERIOD, axis=0), current, strict=True)]
+    stamps = time + 10.0 * (time > 5.0)
+    stream = [*zip(stamps, q, np.gradient(q, PERIOD, axis=0), current, strict=True)]
     found = []
-    for sample in [*stream, (time[-1] + 10.0, *stream[-1][1:])]:
+    for sample in stream:
         estimator.step(*sample)
         found.append(estimator.state)
-    before, turning, after, again = (found[round(t / PERIOD)] for t in (0.5, 3.1, 3.4, 6.0))
-    assert (before == UNMOVED).all()
-    assert turning[0] not in (UNMOVED, STILL)
-    assert after[0] != UNMOVED
-    assert (turning[1:] == UNMOVED).all()
-    assert (again == UNMOVED).all()
+    resting, first, second, again = (found[round(t / PERIOD)] for t in (1.5, 2.3, 3.3, 6.3))
+    assert (resting >= SETTLING).all()
+    assert (resting <= STILL).all()
+    assert first.tolist() == [REVERSING, *[UNMOVED] * 5]
+    assert second.tolist() == [RESTING, REVERSING, *[UNMOVED] * 4]
+    assert again.tolist() == [UNMOVED, REVERSING, *[UNMOVED] * 4]
 
 
 def test_a_joint_that_has_not_moved_is_in_as_much_doubt_as_recordings_show() -> None:
@@ -200,6 +205,7 @@ def test_each_fault_of_the_stream_has_its_answer() -> None:
         stream[-1],
         stream[-3],
         (time + 1e-15, q, qd, current + 0.01),
+        (np.nextafter(time, np.inf), q, None, current + 0.01),
         (time + PERIOD, q, lost, current),
         (np.nan, q, qd, current),
     ):
@@ -217,6 +223,25 @@ def test_each_fault_of_the_stream_has_its_answer() -> None:
     # what is no sample at all
     for wrong in ((time, q[:3], qd, current), (time, "text", qd, current), (None, q, qd, current)):
         estimator.step(*wrong)
+
+
+def test_a_step_too_short_for_a_double_s_inverse_changes_nothing() -> None:
+    """1e-310 s after a first sample at 0, of which the rate of change would be infinite."""
+    _, q, qd, current = stream_of(samples(0.1, moving=True))[0]
+    for qd_stated in (qd, None):
+        estimator = Live(arm_file())
+        first = estimator.step(0.0, q, qd_stated, current)
+        assert estimator.step(1e-310, q + 1e-6, qd_stated, current + 0.01) is first
+        answer = estimator.step(PERIOD, q + PERIOD * qd, qd_stated, current)
+        assert np.isfinite([*answer.wrench, *answer.std]).all()
+
+
+def test_numpy_may_be_set_to_raise() -> None:
+    """Of a friction whose direction before a sample counts e^-1000."""
+    arm = arm_file()
+    arm["friction"]["presliding"][0]["distance"] = 1e-6
+    with np.errstate(all="raise"):
+        fed(Live(arm), stream_of(samples(0.1, moving=True)))
 
 
 @pytest.mark.parametrize("frozen", ["q", "current"])
@@ -346,10 +371,25 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return built
 
 
+def written(values: Any) -> list[str]:
+    """Return numbers with all their digits."""
+    return [repr(float(value)) for value in values]
+
+
 def in_cpp(program: Path, arm: dict[str, Any], stream: list[Sample], folder: Path) -> Any:
     """Return the header's answers (N, 12 + 2 n + 2) to a stream, and what it says of its step."""
     (folder / "arm.json").write_text(json.dumps(arm))
-    lines = [" ".join(map(repr, map(float, [t, *q, *qd, *i]))) for t, q, qd, i in stream]
+    lines = [
+        " ".join(
+            [
+                repr(float(t)),
+                *written(q),
+                *(["none"] * 6 if qd is None else written(qd)),
+                *written(i),
+            ]
+        )
+        for t, q, qd, i in stream
+    ]
     done = subprocess.run(
         [program, folder / "arm.json"],
         input="\n".join(lines),
@@ -371,6 +411,34 @@ def test_the_header_is_the_reference(program: Path, tmp_path: Path) -> None:
     runs = [samples(8.0, moving, push(5.0, 6.0, 20.0, 0.0, 5.0)) for moving in (False, True)]
     for stream in (*map(stream_of, runs), *streams(3)):
         check_header(program, arm, stream, tmp_path)
+
+
+def test_the_header_takes_velocities_from_positions_as_the_reference_does(
+    program: Path, tmp_path: Path
+) -> None:
+    """Of a motion at an uneven rate, and of a hostile stream."""
+    run = samples(4.0, True, push(2.0, 3.0, 0.0, 30.0, 0.0))
+    rows = np.sort(np.random.default_rng(0).permutation(len(run.time))[: len(run.time) * 2 // 3])
+    for stream in stream_of(run.at(rows)), *streams(1):
+        check_header(program, arm_file(), [(t, q, None, i) for t, q, _, i in stream], tmp_path)
+
+
+def test_what_a_fit_finds_of_rotors_adds_to_the_momentum() -> None:
+    """By r q̇ of each joint."""
+    arm = robot()
+    known, found = friction(arm), [0.3, -0.2, 0.1, 0.05, 0.02, 0.01]  # Nm s²/rad
+    joints = []
+    for joint, rotor in zip(known.fit.joints, found, strict=True):
+        own = joint.estimate.coefficients
+        estimate = replace(joint.estimate, coefficients=np.append(own, rotor * own[0]))
+        joints.append(replace(joint, terms=(*joint.terms, "rotor"), estimate=estimate))
+    turned = replace(known, fit=replace(known.fit, joints=tuple(joints)))
+    q, qd = np.random.default_rng(0).uniform(-2, 2, (2, 6))
+    without, with_rotors = (
+        Live(arm_file() | numbers(arm, own, "", None)).sweep(q, qd).momentum
+        for own in (known, turned)
+    )
+    np.testing.assert_allclose(with_rotors - without, found * qd, rtol=0, atol=1e-12)
 
 
 def check_header(program: Path, arm: dict[str, Any], stream: list[Sample], folder: Path) -> None:

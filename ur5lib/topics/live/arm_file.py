@@ -19,10 +19,10 @@ from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload
 from ur5lib.study.model import Recording
 from ur5lib.timeseries.segments import runs
+from ur5lib.topics.live.live import FORMAT
 from ur5lib.topics.live.live_file import LiveFit, numbers
 from ur5lib.topics.live.rows import LiveForces
 
-FORMAT = "ur5lib live 4"
 PUSH_COLUMNS = ["motion", "axis", "value", "low", "high", "bound", "largest_tried", "seconds"]
 PUSH_COLUMNS += ["trials", "blind"]
 UNITS = "SI: m, kg, s, rad, N, Nm, A; links in the axes of their joint, joints from 1"

@@ -7,16 +7,24 @@
 // names this file keeps; `step` neither allocates nor throws.
 #pragma once
 
+#if defined(__FAST_MATH__) || defined(_M_FP_FAST) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "live.hpp refuses samples by NaN and infinity: compile it without -ffast-math and -ffinite-math-only"
+#endif
+
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <limits>
+#include <locale>
 #include <map>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace live {
 
@@ -25,6 +33,17 @@ enum Contact { FREE, SUSPECTED, CONTACT, UNKNOWN };
 enum State { MOVING, REVERSING, SETTLING, RESTING, STILL, UNMOVED };
 constexpr int STATE_COUNT = 6;
 constexpr const char* STATES[STATE_COUNT] = {"moving", "reversing", "settling", "resting", "still", "unmoved"};
+constexpr const char* FORMAT = "ur5lib live 4";
+constexpr int DEEPEST = 16;  // of a file: brackets in brackets, and sizes of its numbers
+constexpr double LEAST = 1e-9, MOST = 1e9;
+constexpr const char* CONSTANTS[] = {
+    "gain",     "wide", "doubt",  "duration", "thaw",    "slow",         "settle", "stop",      "reversal",
+    "rest_speed", "moved", "dead_zone", "max_gap", "margin", "jump", "turns", "encoder", "acceleration",
+    "window", "confirmed", "stays", "large", "blind", "faster", "least_step", "period"};
+constexpr int TERMS = 9, LOAD = 8;
+constexpr const char* TERM_NAMES[TERMS] = {
+    "coulomb",      "viscous",     "velocity_root", "velocity_square", "periodic_sin",
+    "periodic_cos", "balance_sin", "balance_cos",   "load"};
 using Joints = std::array<double, MAX_JOINTS>;
 using Vector = std::array<double, 3>;
 using Matrix = std::array<Vector, 3>;
@@ -60,70 +79,223 @@ inline Matrix operator*(const Matrix& a, const Matrix& b) {
 }
 inline double sign(double x) { return (x > 0) - (x < 0); }
 
-// The numbers of a JSON file by their place, as "links.0.mass"; counts[place] has the sizes of lists.
+// The numbers of an arm's file by their place, as "links.0.mass". Reads what live.py reads: JSON in UTF-8
+// without NaN, keys that stand there twice, or over 16 brackets in brackets; else throws.
 class Numbers {
  public:
-  explicit Numbers(std::istream& in) : in_(in) { value(""); }
+  explicit Numbers(std::string text) : text_(std::move(text)) {
+    if (!utf8()) refuse("its text");
+    value("", 0);
+    space();
+    if (at_ != text_.size()) refuse("its end");
+  }
   double at(const std::string& place) const {
     const auto found = values_.find(place);
-    if (found == values_.end()) throw std::runtime_error("the arm's file lacks " + place);
+    if (found == values_.end()) refuse(place);
     return found->second;
   }
   int count(const std::string& place) const {
     const auto found = counts_.find(place);
-    return found == counts_.end() ? 0 : found->second;
+    return found == counts_.end() ? -1 : found->second;
   }
-  bool has(const std::string& place) const { return values_.count(place + ".0") > 0; }
+  bool has(const std::string& place) const { return seen_.count(place) > 0; }
+  bool says(const std::string& place, const std::string& word) const {
+    const auto found = words_.find(place);
+    return found != words_.end() && found->second == word;
+  }
   Joints joints(const std::string& place, int n) const {
     Joints row{};
     for (int k = 0; k < n; ++k) row[k] = at(place + "." + std::to_string(k));
     return row;
   }
+  // throws where a list of lists of such sizes is none, or a number in it is out of its range
+  void expect(const std::string& place, std::vector<int> shape, double least, double most = MOST) const {
+    if (shape.empty()) {
+      const double number = at(place);
+      if (!(least <= number && number <= most)) refuse(place);
+      return;
+    }
+    const int size = shape.front();
+    if (count(place) != size) refuse(place);
+    shape.erase(shape.begin());
+    for (int k = 0; k < size; ++k) expect(place + "." + std::to_string(k), shape, least, most);
+  }
+  [[noreturn]] static void refuse(const std::string& what) {
+    throw std::runtime_error(what + ": not as `ur5 export --format live` writes it; export the file again");
+  }
 
  private:
-  char next() {
-    char c = 0;
-    if (!(in_ >> std::ws >> c)) throw std::runtime_error("the arm's file ends too early");
-    return c;
+  static bool is_digit(char c) { return c >= '0' && c <= '9'; }
+  char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }
+  void space() {
+    while (at_ < text_.size() && std::string(" \t\n\r").find(text_[at_]) != std::string::npos) ++at_;
   }
-  std::string text() {  // after the opening quote
+  void expect_char(char c) {
+    space();
+    if (peek() != c || at_ >= text_.size()) refuse("its text");
+    ++at_;
+  }
+  bool utf8() const {
+    for (std::size_t i = 0; i < text_.size();) {
+      const auto byte = [this](std::size_t k) { return k < text_.size() ? static_cast<unsigned char>(text_[k]) : 0u; };
+      const unsigned first = byte(i);
+      const int more = first < 0x80 ? 0 : first >= 0xC2 && first < 0xE0 ? 1 : first >= 0xE0 && first < 0xF0 ? 2
+                     : first >= 0xF0 && first < 0xF5 ? 3 : -1;
+      if (more < 0) return false;
+      for (int k = 1; k <= more; ++k)
+        if ((byte(i + k) & 0xC0) != 0x80) return false;
+      const unsigned second = byte(i + 1);  // none too long, no surrogate, none above U+10FFFF
+      if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F)) return false;
+      if ((first == 0xF0 && second < 0x90) || (first == 0xF4 && second > 0x8F)) return false;
+      i += 1 + more;
+    }
+    return true;
+  }
+  std::string text() {
     std::string word;
-    for (char c; in_.get(c) && c != '"'; word += c)
-      if (c == '\\') in_.get(c);
+    expect_char('"');
+    for (;; ++at_) {
+      const char c = peek();
+      if (at_ >= text_.size() || static_cast<unsigned char>(c) < 0x20) refuse("its text");
+      if (c == '"') break;
+      if (c != '\\') {
+        word += c;
+        continue;
+      }
+      ++at_;
+      const std::size_t which = std::string("\"\\/bfnrtu").find(peek());
+      if (at_ >= text_.size() || which == std::string::npos) refuse("its text");
+      if (which < 8) {
+        word += "\"\\/\b\f\n\r\t"[which];
+        continue;
+      }
+      unsigned code = 0;
+      for (int k = 0; k < 4; ++k) {
+        ++at_;
+        if (!std::isxdigit(static_cast<unsigned char>(peek()))) refuse("its text");
+        code = 16 * code + static_cast<unsigned>(std::stoi(std::string(1, peek()), nullptr, 16));
+      }
+      if (code < 0x80) {
+        word += static_cast<char>(code);
+      } else {
+        if (code >= 0x800) word += static_cast<char>(0xE0 | code >> 12);
+        word += static_cast<char>(code >= 0x800 ? 0x80 | (code >> 6 & 0x3F) : 0xC0 | code >> 6);
+        word += static_cast<char>(0x80 | (code & 0x3F));
+      }
+    }
+    ++at_;
     return word;
   }
-  void value(const std::string& place) {
-    const char first = next();
+  void number(const std::string& place) {
+    const std::size_t start = at_;
+    const auto digits = [this] {
+      if (!is_digit(peek())) refuse("its text");
+      while (is_digit(peek())) ++at_;
+    };
+    if (peek() == '-') ++at_;
+    if (peek() == '0') ++at_; else digits();
+    if (peek() == '.') ++at_, digits();
+    if (peek() == 'e' || peek() == 'E') {
+      ++at_;
+      if (peek() == '+' || peek() == '-') ++at_;
+      digits();
+    }
+    std::istringstream word(text_.substr(start, at_ - start));
+    word.imbue(std::locale::classic());  // whatever decimal comma the program has
+    double found = 0;
+    if (!(word >> found)) found = std::numeric_limits<double>::infinity();
+    values_[place] = found;
+  }
+  void value(const std::string& place, int depth) {
+    space();
+    const char first = peek();
     if (first == '{' || first == '[') {
+      if (depth == DEEPEST) refuse("brackets in brackets");
       const char end = first == '{' ? '}' : ']';
       int count = 0;
-      for (char c = next(); c != end; c = next()) {
-        if (c == ',') continue;
+      ++at_;
+      for (space(); peek() != end; space()) {
+        if (count > 0) expect_char(',');
+        space();
         std::string key = std::to_string(count++);
         if (end == '}') {
           key = text();
-          next();  // the colon
-        } else {
-          in_.unget();
+          std::replace(key.begin(), key.end(), '.', '\1');  // no place
+          expect_char(':');
         }
-        value(place.empty() ? key : place + "." + key);
+        const std::string inner = place.empty() ? key : place + "." + key;
+        if (!seen_.insert(inner).second) refuse("a key, twice");
+        value(inner, depth + 1);
       }
-      counts_[place] = count;
+      ++at_;
+      if (end == ']') counts_[place] = count;
     } else if (first == '"') {
-      text();
+      words_[place] = text();
+    } else if (first == '-' || is_digit(first)) {
+      number(place);
     } else {
-      std::string word(1, first);
-      while (in_ && std::string(",]}").find(in_.peek()) == std::string::npos && !std::isspace(in_.peek()))
-        word += static_cast<char>(in_.get());
-      char* end = nullptr;
-      const double number = std::strtod(word.c_str(), &end);
-      if (*end == 0) values_[place] = number;
+      for (const std::string word : {"true", "false", "null"})
+        if (text_.compare(at_, word.size(), word) == 0) {
+          at_ += word.size();
+          return;
+        }
+      refuse("its text");
     }
   }
-  std::istream& in_;
+  std::string text_;
+  std::size_t at_ = 0;
+  std::set<std::string> seen_;
   std::map<std::string, double> values_;
+  std::map<std::string, std::string> words_;
   std::map<std::string, int> counts_;
 };
+
+// Throws where a number lacks that the estimator needs, or cannot be right.
+inline void check(const Numbers& arm) {
+  const auto some = [&arm](const std::string& place, std::vector<int> shape) { arm.expect(place, shape, -MOST); };
+  const auto part = [&arm](const std::string& place, std::vector<int> shape) { arm.expect(place, shape, 0.0); };
+  const auto positive = [&arm](const std::string& place, std::vector<int> shape) { arm.expect(place, shape, LEAST); };
+  const int n = arm.count("links"), parts = arm.count("friction.presliding"), sizes = arm.count("contacts.sizes");
+  if (!arm.says("format", FORMAT)) Numbers::refuse("format");
+  if (n < 1 || n > MAX_JOINTS || parts < 1 || parts > MAX_PARTS || sizes < 1 || sizes > MAX_SIZES)
+    Numbers::refuse("links, presliding or sizes");
+  for (int k = 0; k < n; ++k) {
+    const std::string link = "links." + std::to_string(k) + ".";
+    part(link + "mass", {});
+    for (const char* name : {"position", "center_of_mass"}) some(link + name, {3});
+    for (const char* name : {"rotation", "inertia"}) some(link + name, {3, 3});
+  }
+  double share = 0, load = 0, largest = 0;
+  for (int k = 0; k < parts; ++k) {
+    const std::string place = "friction.presliding." + std::to_string(k) + ".";
+    positive(place + "distance", {});
+    part(place + "share", {});
+    some(place + "held", {n});
+    share += arm.at(place + "share");
+  }
+  for (const std::string name : TERM_NAMES) {
+    const std::string place = "friction.terms." + name;
+    if (name == "coulomb" || name == "load" || arm.has(place)) some(place, {n});
+  }
+  for (const std::string state : STATES) {
+    positive("noise.std." + state, {n});
+    part("noise.absorbed." + state, {n});
+    part("noise.hidden." + state, {n});
+  }
+  for (const char* name : {"torque_constant", "breakaway", "speed", "current"}) positive(name, {n});
+  for (const char* name : {"rotor_inertia", "offset"}) some(name, {n});
+  for (const char* name : {"gravity", "contacts.place"}) some(name, {3});
+  for (const char* name : {"noise.shift", "contacts.lever", "contacts.typical"}) positive(name, {});
+  for (const std::string name : CONSTANTS) positive("constants." + name, {});
+  for (const char* name : {"threshold.log_odds", "constants.freeze", "constants.hysteresis"}) some(name, {});
+  arm.expect("constants.rare", {}, LEAST, 1 - LEAST);
+  positive("constants.quiet", {1});
+  positive("contacts.sizes", {sizes});
+  for (int k = 0; k < n; ++k) load = std::max(load, std::abs(arm.at("friction.terms.load." + std::to_string(k))));
+  for (int k = 0; k < sizes; ++k) largest = std::max(largest, arm.at("contacts.sizes." + std::to_string(k)));
+  if (load * share >= 1) Numbers::refuse("friction.terms.load");
+  if (largest < arm.at("contacts.typical")) Numbers::refuse("contacts.typical");
+}
 
 struct Sweep {
   Joints momentum{}, rate{};
@@ -140,7 +312,6 @@ class Live {
 
   explicit Live(const Numbers& arm) {
     n = arm.count("links");
-    if (n < 1 || n > MAX_JOINTS) throw std::runtime_error("the arm's file has no 1 to 8 links");
     for (int k = 0; k < n; ++k) {
       const std::string link = "links." + std::to_string(k) + ".";
       mass_[k] = arm.at(link + "mass");
@@ -167,7 +338,6 @@ class Live {
       if (arm.has(place)) terms_[t] = arm.joints(place, n);
     }
     parts_ = arm.count("friction.presliding");
-    if (parts_ > MAX_PARTS) throw std::runtime_error("the arm's file has over 4 presliding parts");
     for (int p = 0; p < parts_; ++p) {
       const std::string part = "friction.presliding." + std::to_string(p);
       distance_[p] = arm.at(part + ".distance");
@@ -196,19 +366,22 @@ class Live {
     lever_ = arm.at("contacts.lever"), typical_ = arm.at("contacts.typical");
     for (int i = 0; i < 3; ++i) place_[i] = arm.at("contacts.place." + std::to_string(i));
     count_ = arm.count("contacts.sizes");
-    if (count_ < 1 || count_ > MAX_SIZES) throw std::runtime_error("the arm's file has no 1 to 8 sizes");
     for (int s = 0; s < count_; ++s) sizes_[s] = arm.at("contacts.sizes." + std::to_string(s));
     restart();
   }
 
   static Live load(const std::string& path) {
-    std::ifstream file(path);
+    std::ifstream file(path, std::ios::binary);
     if (!file) throw std::runtime_error("cannot read " + path);
-    return Live(Numbers(file));
+    std::ostringstream text;
+    text << file.rdbuf();
+    const Numbers arm(text.str());
+    check(arm);
+    return Live(arm);
   }
 
   void restart() noexcept {
-    time_ = std::numeric_limits<double>::quiet_NaN();
+    runs_ = false;
     passed_ = rested_ = evidence = 0;
     q_ = qd_ = lag_ = momentum_ = rate_ = observed = Joints{};
     friction_ = drift_ = scale_ = rest_ = torque = anchor_ = pull_ = low_ = high_ = Joints{};
@@ -277,10 +450,6 @@ class Live {
   }
 
  private:
-  static constexpr int TERMS = 9, LOAD = 8;
-  static constexpr const char* TERM_NAMES[TERMS] = {
-      "coulomb",      "viscous",     "velocity_root", "velocity_square", "periodic_sin",
-      "periodic_cos", "balance_sin", "balance_cos",   "load"};
   struct Posterior {
     std::array<double, MAX_SIZES> density{};
     std::array<Wrench, MAX_SIZES> mean{}, variance{};
@@ -296,7 +465,7 @@ class Live {
     std::copy(q, q + n, last_q_.begin());
     std::copy(current, current + n, last_current_.begin());
     seen_ = true;
-    if (again || std::isnan(time_)) return !again;
+    if (again || !runs_) return !again;
     const double passed = time - time_;
     if (std::abs(passed) > max_gap_) {
       restart();
@@ -326,8 +495,9 @@ class Live {
   }
 
   void take(double time, const double* q, const double* qd, const double* current) noexcept {
-    const bool first = std::isnan(time_);
+    const bool first = !runs_;
     if (first) start(time);
+    runs_ = true;
     passed_ = time - time_;
     velocity(q, qd, first);
     time_ = time;
@@ -416,8 +586,8 @@ class Live {
         state[k] = RESTING;
       else
         state[k] = time_ - slow_at_[k] <= reversal_ ? REVERSING : MOVING;
-      // nobody knows yet to which side friction holds the joint
-      if (state[k] != MOVING && state[k] != STILL && high_[k] - low_[k] <= moved_) state[k] = UNMOVED;
+      // to which side friction holds the joint, nobody knows yet
+      if ((state[k] == REVERSING || state[k] == RESTING) && high_[k] - low_[k] <= moved_) state[k] = UNMOVED;
       still_ = still_ && state[k] == STILL;
     }
   }
@@ -600,11 +770,11 @@ class Live {
   double duration_, hysteresis_, freeze_, thaw_, slow_, shift_, window_, confirmed_, stays_;
   double large_, blind_, faster_, least_step_, moved_;
   // of the run
-  double time_, passed_, rested_, started_, below_at_, suspected_at_, moved_at_, felt_at_;
+  double time_ = 0, passed_, rested_, started_, below_at_, suspected_at_, moved_at_, felt_at_;
   Joints q_{}, qd_{}, lag_{}, momentum_{}, rate_{}, friction_{}, drift_{}, scale_{}, rest_{};
   Joints fast_at_{}, slow_at_{}, anchor_{}, pull_{}, low_{}, high_{}, last_q_{}, last_current_{};
   std::array<Joints, MAX_PARTS> direction_{};
-  bool touched_ = false, at_rest_ = false, still_ = false, seen_ = false;
+  bool runs_ = false, touched_ = false, at_rest_ = false, still_ = false, seen_ = false;
   int missed_ = 0;
   Answer answer_;
 };

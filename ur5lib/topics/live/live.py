@@ -13,7 +13,9 @@ that of each joint's state of motion, and F has a prior of several sizes. docs/l
 """
 
 import json
+import re
 from collections.abc import Mapping
+from itertools import accumulate
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -27,6 +29,11 @@ STATES = ("moving", "reversing", "settling", "resting", "still", "unmoved")  # o
 MOVING, REVERSING, SETTLING, RESTING, STILL, UNMOVED = range(6)
 TERMS = ["coulomb", "viscous", "velocity_root", "velocity_square", "periodic_sin", "periodic_cos"]
 TERMS += ["balance_sin", "balance_cos", "load"]  # of friction
+FORMAT, DEEPEST, LEAST, MOST = "ur5lib live 4", 16, 1e-9, 1e9  # of a file: brackets, numbers
+CONSTANTS = ["gain", "wide", "doubt", "duration", "thaw", "slow", "settle", "stop", "reversal"]
+CONSTANTS += ["rest_speed", "moved", "dead_zone", "max_gap", "margin", "jump", "turns", "encoder"]
+CONSTANTS += ["acceleration", "window", "confirmed", "stays", "large", "blind", "faster"]
+CONSTANTS += ["least_step", "period"]
 FREE, SUSPECTED, CONTACT, UNKNOWN = "free", "suspected", "contact", "unknown"
 NEXT, LAST = [1, 2, 0], [2, 0, 1]  # a × b = a[NEXT] b[LAST] - a[LAST] b[NEXT]
 
@@ -96,8 +103,8 @@ class Live:
 
     @classmethod
     def load(cls, path: str | Path) -> "Live":
-        """Return the estimator of a file."""
-        return cls(json.loads(Path(path).read_text(encoding="utf-8")))
+        """Return the estimator of a file. Raises ValueError where it is not as it was exported."""
+        return cls(read_arm(Path(path).read_text(encoding="utf-8")))
 
     def restart(self) -> None:
         """Forget the run: where the arm was, its contact, friction and background."""
@@ -117,6 +124,7 @@ class Live:
         self.time = self.started = self.below_at = self.suspected_at = time
         self.fast_at, self.slow_at = np.full((2, len(self.mass)), [[time], [-np.inf]])
 
+    @np.errstate(all="ignore")
     def step(self, time: float, q: Any, qd: Any, current: Any) -> Answer:
         """Return the force after a sample: time [s]; q, qd, current (n,) [rad, rad/s, A].
 
@@ -262,17 +270,15 @@ class Live:
         return Sweep(momentum, rate.sum(axis=-1), jacobian, place)
 
     def states(self, slow_for: Array, slow_ago: Array, rested: Any, reach: Array) -> Any:
-        """Return the state (..., n) of each joint, as far as past samples show it.
-
-        slow_for, slow_ago, rested: [s]; reach: range of positions (..., n) [rad] since the start of
-        the run, within which nobody knows to which side friction holds the joint.
+        """Return the state (..., n) of each joint, as far as past samples show it; all in [s], but
+        for reach: range of positions (..., n) [rad] since the start of the run.
         """
         stopped, slow = slow_for >= self.set["stop"], (slow_for > 0).all(axis=-1, keepdims=True)
         at_rest = np.where(slow, np.where(rested >= self.set["settle"], STILL, SETTLING), RESTING)
         moves = np.where(slow_ago <= self.set["reversal"], REVERSING, MOVING)
         state = np.where(stopped | slow, at_rest, moves)
-        known = (state == MOVING) | (state == STILL) | (reach > self.set["moved"])
-        return np.where(known, state, UNMOVED)
+        waits = ((state == REVERSING) | (state == RESTING)) & (reach <= self.set["moved"])
+        return np.where(waits, UNMOVED, state)
 
     def _judge(self, jacobian: Array, place: Array) -> None:
         """State the wrench, its deviation, and whether there is a contact."""
@@ -409,3 +415,68 @@ class Live:
 def cross(a: Array, b: Array) -> Array:
     """Return a × b of vectors (..., 3)."""
     return np.asarray(a[..., NEXT] * b[..., LAST] - a[..., LAST] * b[..., NEXT])
+
+
+def read_arm(text: str) -> dict[str, Any]:
+    """Return the file of an arm. Raises ValueError where a number lacks, or cannot be right."""
+    bare = re.sub(r'"(?:[^"\\]|\\.)*"', "", text, flags=re.DOTALL)
+    if max(accumulate((c in "[{") - (c in "]}") for c in bare), default=0) > DEEPEST:
+        refuse("brackets in brackets")
+    once = lambda pairs: dict(pairs) if len(dict(pairs)) == len(pairs) else refuse("a key, twice")  # noqa: E731
+    hooks: Any = {"parse_int": float, "parse_constant": refuse, "object_pairs_hook": once}
+    arm: dict[str, Any] = json.loads(text, **hooks)
+    try:
+        rubs, sizes = arm["friction"], arm["contacts"]["sizes"]
+        lengths = len(arm["links"]), len(rubs["presliding"]), len(sizes)
+        terms = {*TERMS} & {"coulomb", "load", *rubs["terms"]}
+        check(arm, expected(*lengths, terms), "arm")
+    except (KeyError, TypeError) as error:
+        refuse(str(error))
+    lost = max(map(abs, rubs["terms"]["load"])) * sum(one["share"] for one in rubs["presliding"])
+    if arm.get("format") != FORMAT or lost >= 1 or max(sizes) < arm["contacts"]["typical"]:
+        refuse("format, load, or typical")
+    return arm
+
+
+def expected(links: int, parts: int, sizes: int, terms: set[str]) -> dict[str, Any]:
+    """Return the range of each number that the estimator needs, in the place of the number."""
+    if not (0 < links <= 8 and 0 < parts <= 4 and 0 < sizes <= 8):
+        refuse("links, presliding or sizes")
+    some, part, positive = (-MOST, MOST), (0.0, MOST), (LEAST, MOST)
+    vector, joints, above = [some] * 3, [some] * links, [positive] * links
+    matrices: Any = dict.fromkeys(("rotation", "inertia"), [vector] * 3)
+    link = dict.fromkeys(("position", "center_of_mass"), vector) | {"mass": part, **matrices}
+    own = dict.fromkeys(("torque_constant", "breakaway", "speed", "current"), above)
+    own |= dict.fromkeys(("rotor_inertia", "offset"), joints)
+    dahl = {"distance": positive, "share": part, "held": joints}
+    constants = dict.fromkeys(CONSTANTS, positive) | dict.fromkeys(("freeze", "hysteresis"), some)
+    typical = {"place": vector, "lever": positive, "typical": positive, "sizes": [positive] * sizes}
+    noise: Any = dict.fromkeys(("absorbed", "hidden"), dict.fromkeys(STATES, [part] * links))
+    return own | {
+        "links": [link] * links,
+        "gravity": vector,
+        "friction": {"terms": dict.fromkeys(terms, joints), "presliding": [dahl] * parts},
+        "noise": noise | {"std": dict.fromkeys(STATES, above), "shift": positive},
+        "threshold": {"log_odds": some},
+        "constants": constants | {"rare": (LEAST, 1 - LEAST), "quiet": [positive]},
+        "contacts": typical,
+    }
+
+
+def check(value: Any, right: Any, place: str) -> None:
+    """Raise ValueError where a value lacks a part, or a number is out of its range."""
+    if isinstance(right, dict):
+        for key, own in right.items():
+            check(value.get(key) if isinstance(value, dict) else None, own, key)
+    elif isinstance(right, list) and isinstance(value, list) and len(right) == len(value):
+        for one, own in zip(value, right, strict=True):
+            check(one, own, place)
+    elif isinstance(right, list) or not (
+        isinstance(value, float) and right[0] <= value <= right[1]
+    ):
+        refuse(place)
+
+
+def refuse(what: str) -> Any:
+    """Raise ValueError."""
+    raise ValueError(f"{what}: not as `ur5 export --format live` writes it; export the file again")

@@ -1,0 +1,166 @@
+"""How the force of a running arm ends: what was stated stays, and it is said why."""
+
+import os
+import resource
+import signal
+import socket
+import struct
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.lab.test_recorder_faults import HERE, controller
+from tests.topics.live.made_arm import PERIOD, POSTURE, arm_file
+from ur5lab import rtde_variables as rtde
+from ur5lab.journal import Journal, left_behind, part_of
+from ur5lab.live import INPUTS, Ended, Stream, record
+from ur5lab.recorder import rtde_arm
+from ur5lib.errors import InputError
+from ur5lib.tables import read_table
+from ur5lib.topics.live.live import Live
+
+COUNT = 60  # samples before the stream ends
+Serve = Callable[[socket.socket], None]
+
+
+def sent(client: socket.socket, kind: int, content: bytes) -> None:
+    client.sendall(
+        rtde.PACKAGE_HEADER.pack(rtde.PACKAGE_HEADER.size + len(content), kind) + content
+    )
+
+
+def stream_of(end: Serve, count: int = COUNT) -> Serve:
+    """A controller that answers, sends samples of a resting arm, and then does as `end` does."""
+
+    def serve(client: socket.socket) -> None:
+        kind = None
+        while kind != rtde.START_PACKAGE:
+            head = client.recv(rtde.PACKAGE_HEADER.size, socket.MSG_WAITALL)
+            size, kind = rtde.PACKAGE_HEADER.unpack(head)
+            client.recv(size - rtde.PACKAGE_HEADER.size, socket.MSG_WAITALL)
+            names = b"DOUBLE" + b",VECTOR6D" * (len(INPUTS) - 1)
+            answers = {
+                rtde.SOFTWARE_PACKAGE: struct.pack(">4I", 5, 11, 0, 0),
+                rtde.OUTPUTS_PACKAGE: b"\1" + names,
+            }
+            sent(client, kind, answers.get(kind, b"\1"))
+        for k in range(count):
+            values = k * PERIOD, *POSTURE, *np.zeros(6), *np.full(6, 0.1)
+            sent(client, rtde.DATA_PACKAGE, b"\1" + struct.pack(">19d", *values))
+        end(client)
+
+    return serve
+
+
+def silence(_: socket.socket) -> None:
+    time.sleep(1.2)
+
+
+def rubbish(client: socket.socket) -> None:
+    client.sendall(b"\0\1\0\0\0")
+    time.sleep(0.2)
+
+
+def killed_by(number: int) -> Serve:
+    def end(_: socket.socket) -> None:
+        time.sleep(0.2)
+        os.kill(os.getpid(), number)
+        time.sleep(0.2)
+
+    return end
+
+
+def followed(serve: Serve, path: Path, seconds: float | None = None) -> Ended:
+    with controller(serve) as port:
+        return record(Live(arm_file()), Stream(HERE, seconds, port), path, lambda *_: None)
+
+
+@pytest.mark.parametrize(
+    ("end", "why", "lost"),
+    [
+        (lambda client: client.shutdown(socket.SHUT_WR), "closed the connection", True),
+        (silence, "has sent nothing for 1 s", True),
+        (rubbish, "does not send RTDE packages", True),
+        (killed_by(signal.SIGTERM), "SIGTERM", False),
+        (killed_by(signal.SIGHUP), "SIGHUP", False),
+        (killed_by(signal.SIGINT), "Ctrl-C", False),
+    ],
+)
+def test_what_was_stated_stays_however_the_stream_ends(
+    end: Serve, why: str, lost: bool, tmp_path: Path
+) -> None:
+    path = tmp_path / "live.parquet"
+    ended = followed(stream_of(end), path)
+    assert why in ended.in_words()
+    assert (ended.lost, ended.failed) == (lost, lost)
+    table = read_table(path)
+    assert ended.samples == len(table) == COUNT
+    np.testing.assert_allclose(np.diff(table["time"]), PERIOD)
+    assert not left_behind(path)
+
+
+def test_nothing_came(tmp_path: Path) -> None:
+    path = tmp_path / "live.parquet"
+    ended = followed(stream_of(silence, count=0), path, seconds=0.3)
+    assert ended.failed
+    assert ended.in_words().startswith("no sample came")
+    assert [*tmp_path.iterdir()] == []
+
+
+def test_a_full_disk_keeps_whole_rows_and_is_told(tmp_path: Path) -> None:
+    """As a limit on the size of files, below that of some samples."""
+    path = tmp_path / "live.parquet"
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (6_000, before[1]))
+    try:
+        ended = followed(stream_of(silence), path)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert ended.failed
+    assert "cannot be written" in ended.in_words()
+    [part] = tmp_path.glob("*.part.csv")
+    assert part == ended.path
+    assert part.read_text().endswith("\n")
+    assert len(pd.read_csv(part)) == ended.samples
+
+
+def test_rows_are_written_each_second_and_the_next_run_says_what_was_left(tmp_path: Path) -> None:
+    path = tmp_path / "live.parquet"
+    journal = Journal(part_of(path), ["time"], period=0.1)
+    journal.write(["0.5", "0.6"])
+    time.sleep(0.12)
+    journal.write(["0.7"])
+    journal.write(["0.8"])  # lost, where the process is killed now
+    assert pd.read_csv(journal.path)["time"].tolist() == [0.5, 0.6, 0.7]
+    [line] = left_behind(path)
+    assert f"{journal.path} was left by another run, with 3 samples" in line
+    assert part_of(path) != journal.path
+    journal.close()
+    assert len(pd.read_csv(journal.path)) == 4
+
+
+def test_a_handshake_has_one_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A controller that answers byte by byte, each before a byte's own limit."""
+    monkeypatch.setattr(rtde_arm, "HANDSHAKE_TIMEOUT", 0.5)
+    over = threading.Event()
+
+    def drip(client: socket.socket) -> None:
+        for byte in 100 * b"\0\x50":
+            if over.wait(0.1):
+                return
+            try:
+                client.sendall(bytes([byte]))
+            except OSError:
+                return
+
+    begin = time.monotonic()
+    with controller(drip) as port:
+        with pytest.raises(InputError, match="no controller answers by RTDE"):
+            record(Live(arm_file()), Stream(HERE, None, port), tmp_path / "x.parquet", print)
+        over.set()
+    assert time.monotonic() - begin < 3.0

@@ -1,0 +1,76 @@
+"""A file to which rows are appended, and which can be read by itself whenever its writer ends."""
+
+import time
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+FLUSH_PERIOD = 1.0  # s, of rows that a killed writer may lose
+TAIL = 1 << 16  # bytes
+
+
+class Journal:
+    """A CSV of whole lines: rows are written together, and a part of them is cut off again.
+
+    path: which must not exist; names: of the columns; period: [s], in which rows are written.
+    Raises OSError where they cannot be written; those before stay.
+    """
+
+    def __init__(self, path: Path, names: Sequence[str], period: float = FLUSH_PERIOD) -> None:
+        self.path, self._period = path, period
+        self._file = path.open("xb", buffering=0)
+        self._size, self._lines = 0, [",".join(names)]
+        self.rows = -1  # written ones, of which the names are none
+        self._flush()
+
+    def write(self, lines: Iterable[str]) -> None:
+        """Append rows, each a line without its end."""
+        self._lines += lines
+        if self._lines and time.monotonic() - self._flushed >= self._period:
+            self._flush()
+
+    def close(self) -> None:
+        """Write the remaining rows, and close the file. Raises OSError, with the file closed."""
+        try:
+            self._flush()
+        finally:
+            self._file.close()
+
+    def _flush(self) -> None:
+        lines, self._lines = self._lines, []
+        self._flushed = time.monotonic()
+        data, written = "".join(f"{line}\n" for line in lines).encode("ascii"), 0
+        try:
+            while written < len(data):
+                written += self._file.write(memoryview(data)[written:])
+        finally:
+            whole = data[:written].rfind(b"\n") + 1
+            count = data.count(b"\n", 0, whole)
+            self._size, self.rows = self._size + whole, self.rows + count
+            if whole < len(data):
+                self._lines = [*lines[count:], *self._lines]
+                self._file.truncate(self._size)
+                self._file.seek(self._size)
+
+
+def part_of(path: Path) -> Path:
+    """Return the name of the journal of a file that is written when its rows are complete: the
+    first `<name>.<number>.part.csv` that does not exist.
+    """
+    names = (path.with_name(f"{path.stem}.{k}.part.csv") for k in range(1, 10_000))
+    return next(name for name in names if not name.exists())
+
+
+def left_behind(path: Path) -> list[str]:
+    """Return what ended runs left of a file, a line for each journal."""
+    parts = sorted(path.parent.glob(f"{path.stem}.*.part.csv"))
+    return [
+        f"{part} was left by another run, with {_rows(part)} samples; it can be read as a CSV"
+        for part in parts
+    ]
+
+
+def _rows(path: Path) -> int:
+    """Return the number of whole rows below the names."""
+    with path.open("rb") as file:
+        count = sum(data.count(b"\n") for data in iter(lambda: file.read(TAIL), b""))
+    return max(0, count - 1)
