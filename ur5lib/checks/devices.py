@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.checks.channels import check_robot
+from ur5lib.checks.parts_of_runs import Ends, as_text
 from ur5lib.recordings.intake import Intake
 from ur5lib.records.phrases import number
 from ur5lib.records.quality import Device, Finding
@@ -27,7 +28,8 @@ def checked_intake(intake: Intake, arm: Robot) -> Intake:
     findings = [*quality.findings, *shown]
     for device, table in intake.sensors.items():
         findings += check_sensor(device, table, arm)
-    return replace(intake, quality=replace(quality, findings=findings))
+    ends = as_text(Ends.of(intake.robot, quality))
+    return replace(intake, quality=replace(quality, findings=findings, ends=ends))
 
 
 def check_sensor(device: Device, table: pd.DataFrame, arm: Robot) -> list[Finding]:
