@@ -208,7 +208,7 @@ class MotionChecks:
                 f"by the currents, the arm carries {carried} more than the study declares; declare "
                 "it as `payload`, or fit to recordings without a load"
             )
-            yield Finding("robot", "undeclared load", "warning", 1, detail)
+            yield Finding("robot", "undeclared load", "warning", 1, detail, code="undeclared load")
 
     def other_arms(self, others: Sequence[Robot]) -> Iterator[Cause]:
         """Yield the arm that explains the efforts best, also if each carried any load, with those
