@@ -8,7 +8,8 @@ currents and by torque sensors, and industrial ones with big gears whose links n
 checked as recorded, with positions, velocities and efforts alone, as most logs are, and with links
 that are described wrongly. Faults are put into the second, one at a time, where its joints move. A
 stop sign that names another cause, or other joints, counts as told otherwise; without one, warnings
-of delays and loads count. With --right, right logs of simulated arms alone: 50 seeds are 200 logs.
+of delays, loads and currents count. With --right, right logs of simulated arms alone: 50 seeds are
+200 logs.
 """
 
 from collections.abc import Iterator
@@ -26,7 +27,7 @@ from benchmarks.harness.right_logs import RightLog, real_logs, simulated_logs, w
 from ur5lib.checks.arm import Pair
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import moving_joints
-from ur5lib.checks.findings import load_without_targets, possible_delays
+from ur5lib.checks.findings import load_without_targets, possible_delays, scaled_current
 from ur5lib.checks.readings import exchanged_order, in_order
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.unchecked import unchecked
@@ -98,7 +99,7 @@ def of_right(log: RightLog) -> Iterator[dict[str, object]]:
 
 def warnings(own: Checked) -> list[Finding]:
     """Return what is told of a log without a stop sign."""
-    return [*possible_delays(own), *load_without_targets(own)]
+    return [*possible_delays(own), *load_without_targets(own), *scaled_current(own)]
 
 
 def of_faults(log: RightLog) -> Iterator[dict[str, object]]:

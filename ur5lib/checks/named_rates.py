@@ -23,9 +23,9 @@ def other_named_rate(names: Iterable[str], period: float) -> Iterator[Finding]:
     for text, ratio in ratios.items():
         if 1 / MAX_RATIO < ratio < MAX_RATIO:
             detail = (
-                f"the stamps come at {number(1 / period, '.4g')} Hz, but the name says {text}: if it "
-                f"is right, velocities are {number(ratio, '.3g')} times as large; check the clock, "
-                "and the unit of `time`"
+                f"the stamps come at {number(1 / period, '.4g')} Hz, but the name says {text}: if "
+                f"it is right, velocities are {number(ratio, '.3g')} times as large; check the "
+                "clock, and the unit of `time`"
             )
             yield Finding("robot", "other rate than named", "warning", 1, detail)
 
