@@ -7,8 +7,9 @@ or by entries made here, and drawn ones of simulated arms: Universal Robots, arm
 currents and by torque sensors, and industrial ones with big gears whose links nobody knows. Each is
 checked as recorded, with positions, velocities and efforts alone, as most logs are, and with links
 that are described wrongly. Faults are put into the second, one at a time, where its joints move. A
-stop sign that names another cause, or other joints, counts as told otherwise. With --right, right
-logs of simulated arms alone: 75 seeds are 300 logs.
+stop sign that names another cause, or other joints, counts as told otherwise; without one, warnings
+of delays, loads and currents count. With --right, right logs of simulated arms alone: 50 seeds are
+200 logs.
 """
 
 from collections.abc import Iterator
@@ -26,16 +27,20 @@ from benchmarks.harness.right_logs import RightLog, real_logs, simulated_logs, w
 from ur5lib.checks.arm import Pair
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import moving_joints
-from ur5lib.checks.findings import possible_delays
+from ur5lib.checks.findings import load_without_targets, possible_delays, scaled_current
 from ur5lib.checks.readings import exchanged_order, in_order
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.unchecked import unchecked
 from ur5lib.records.quality import Finding
+from ur5lib.robots.description import Payload
+from ur5lib.robots.statics import gravity_torque
 from ur5lib.tables import channel, named
 from ur5lib.timeseries.arrays import Array
 
 SEEDS = 8
 DELAYS, SCALE, UNIT = (0.05, 0.3), 0.6, 1000.0  # s; of one joint's efforts; of all
+DELAY_OF_A_JOINT = 0.1  # s
+TOOL = Payload(mass=2.6, center_of_mass=(0.02, 0.0, 0.08))
 DOUBT = "links in doubt"
 
 
@@ -62,8 +67,8 @@ def main() -> None:
     print(f"{len(logs)} right logs")
     right = pd.DataFrame([row for own in logs for row in of_right(own)])
     print(table(right, ["arm", "as"]))
-    for _, row in right[right["stop sign"] != ""].iterrows():
-        print(f"- {row['log']}, {row['as']}: {row['stop sign']}")
+    for _, row in right[right["stop sign or warning"] != ""].iterrows():
+        print(f"- {row['log']}, {row['as']}: {row['stop sign or warning']}")
     if given.right:
         return
     faulty = pd.DataFrame([row for own in logs for row in of_faults(own)])
@@ -85,15 +90,22 @@ def of_right(log: RightLog) -> Iterator[dict[str, object]]:
     for name, own in forms:
         stops = stop_signs(own)
         doubts = [] if stops else [one for one in unchecked(own) if one.finding == DOUBT]
-        counts = {"logs": 1, "stopped": int(bool(stops)), "doubted": int(bool(doubts))}
-        code = ", ".join(f"{one.code} ({one.detail})" for one in stops)
-        yield {"arm": log.arm, "log": log.name, "as": name, **counts, "stop sign": code}
+        warned = [] if stops else warnings(own)
+        counts = {"logs": 1, "stopped": int(bool(stops)), "warned": int(bool(warned))}
+        counts["doubted"] = int(bool(doubts))
+        code = ", ".join(f"{one.code} ({one.detail})" for one in stops or warned)
+        yield {"arm": log.arm, "log": log.name, "as": name, **counts, "stop sign or warning": code}
+
+
+def warnings(own: Checked) -> list[Finding]:
+    """Return what is told of a log without a stop sign."""
+    return [*possible_delays(own), *load_without_targets(own), *scaled_current(own)]
 
 
 def of_faults(log: RightLog) -> Iterator[dict[str, object]]:
     """Yield what is told of each fault that is put into a log."""
     for fault in faults(bare(log.checked)):
-        stops = stop_signs(fault.checked) or possible_delays(fault.checked)
+        stops = stop_signs(fault.checked) or warnings(fault.checked)
         told = any(is_told(fault, sign) for sign in stops)
         outcome = "told" if told else "told otherwise" if stops else "unnoticed"
         counts = {name: int(name == outcome) for name in ("told", "told otherwise", "unnoticed")}
@@ -131,6 +143,8 @@ def faults(own: Checked) -> Iterator[Fault]:
     if moving:
         yield from of_a_joint(own, int(random.choice(moving)))
         yield from of_all_joints(own)
+        if own.arm.tells_gravity():
+            yield Fault("a tool of 2.6 kg", with_tool(own), set(), ("load",))
         others = [one for one in own.others if one.joints != own.arm.joints]
         if own.arm.has_ur_motors() and others:
             other = replace(own, arm=others[random.integers(len(others))])
@@ -162,17 +176,36 @@ def of_a_joint(own: Checked, joint: int) -> Iterator[Fault]:
     ):
         factor[joint] = size
         yield Fault(kind, spoilt(own, effort * factor), {joint + 1}, words)
+    late = effort.copy()
+    late[:, joint] = delayed(effort[:, [joint]], DELAY_OF_A_JOINT / own.step)[:, 0]
+    kind = f"a joint's effort {DELAY_OF_A_JOINT} s late"
+    yield Fault(kind, spoilt(own, late), {joint + 1}, ("late",))
+
+
+def delayed(values: Array, frames: float) -> Array:
+    """Return values (N, n) that come later by some frames."""
+    return np.asarray(pd.DataFrame(values).shift(round(frames)).bfill().to_numpy())
+
+
+def with_tool(own: Checked) -> Checked:
+    """Return a log, to be fitted, of an arm with a tool that nothing declares, by its gravity."""
+    q = channel(own.robot, "actual_q")
+    arms = own.arm.carrying(TOOL), own.arm
+    more, less = (gravity_torque(arm, arm.chosen_model, q) for arm in arms)
+    effort = channel(own.robot, own.arm.measured.channel)
+    added = (more - less) / np.array(own.arm.maker_torque_constants())
+    return replace(spoilt(own, effort + added), fitted=True)
 
 
 def of_all_joints(own: Checked) -> Iterator[Fault]:
     """Yield a log with efforts turned, in another unit, and late."""
     effort = channel(own.robot, own.arm.measured.channel)
-    words = ("turned", "opposite", "mounting or sign")
-    yield Fault("sign of all joints", spoilt(own, -effort), set(), words)
-    words = ("mA", "no current", "foreign size", "foreign constant")
-    yield Fault("efforts 1000 times as large", spoilt(own, UNIT * effort), set(), words)
+    of_signs = ("turned", "opposite", "mounting or sign")
+    yield Fault("sign of all joints", spoilt(own, -effort), set(), of_signs)
+    of_units = ("mA", "no current", "foreign size", "foreign constant")
+    yield Fault("efforts 1000 times as large", spoilt(own, UNIT * effort), set(), of_units)
     for delay in DELAYS:
-        late = pd.DataFrame(effort).shift(round(delay / own.step)).bfill().to_numpy()
+        late = delayed(effort, delay / own.step)
         yield Fault(f"efforts {delay} s late", spoilt(own, late), set(), ("late",))
 
 

@@ -65,7 +65,7 @@ def real_logs(shared: Path) -> Iterator[RightLog]:
     for study, folder in STUDIES.items():
         if (shared / folder).is_dir():
             yield from of_study(study, shared / folder)
-    for makes in (of_baxter, of_cobots, of_staubli, of_kuka, of_ur5, of_sensing_arms):
+    for makes in (of_baxter, of_cobots, of_staubli, of_kuka, of_ur5, of_sensing_arms, of_lwr):
         for name, arm, entry in makes(shared):
             yield RightLog(arm.name, name, checked(entry, arm))
 
@@ -153,6 +153,17 @@ def of_sensing_arms(shared: Path) -> Iterator[Made]:
         file, opposite = folder / "kuka-lbr-med/measurements.csv", {"actual_torque": "opposite"}
         entry = table(file, columns, rate=100, units=opposite)
         yield "lbr-med", unknown(of_seven("lbr-med", *MED)), entry
+
+
+def of_lwr(shared: Path) -> Iterator[Made]:
+    """Yield a KUKA LWR's runs, whose joints follow two signals, with its links and without."""
+    if (folder := shared / "lwr4-flobaroid").is_dir():
+        lwr, _ = robot_from_urdf(folder / "kuka_lwr4.urdf")
+        names = dict(zip(MEASURED, ("positions", "velocities", "torques"), strict=True))
+        kind = {"format": "npz", "folder": str(folder), "time": "epoch_s"}
+        for file, arm in product(sorted(folder.glob("*.npz")), (lwr, unknown(lwr))):
+            entry = kind | {"file": file.name, "channels": {"time": "times", **names}}
+            yield f"lwr {file.stem}, links {arm.links}", arm, entry
 
 
 def table(path: Path, columns: list[str], **keys: Any) -> dict[str, Any]:

@@ -28,6 +28,7 @@ from ur5lib.checks.findings import (
     contradictions,
     load_without_targets,
     possible_delays,
+    scaled_current,
 )
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.unchecked import unchecked
@@ -246,6 +247,16 @@ def test_a_load_is_told_without_targets(ur5e: Robot, mass: float, told: bool) ->
     assert [one.finding for one in found] == ["undeclared load"] * told
     assert load_without_targets(replace(own, fitted=False)) == []
     assert load_without_targets(replace(own, declared=load)) == []
+
+
+@pytest.mark.parametrize("factor", [0.6, 1.0])
+@pytest.mark.parametrize("joint", [1, 2])
+def test_a_small_current_is_told_beside_the_others(ur5e: Robot, joint: int, factor: float) -> None:
+    own = log(ur5e)
+    effort = channel(own.robot, "actual_current") * np.where(np.arange(6) == joint, factor, 1.0)
+    robot = own.robot.assign(**named(effort, "actual_current"))
+    found = scaled_current(replace(own, robot=robot))
+    assert [one.joints for one in found] == ([(joint + 1,)] if factor < 1 else [])
 
 
 def doubts(own: Checked) -> list[str]:

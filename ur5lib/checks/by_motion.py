@@ -50,6 +50,9 @@ MIN_RATIO_OF_WEAK, MIN_LOW_OF_WEAK, RIGHT_RATIO = 1.18, 1.06, 1.05
 # A, of what such a current lacks beyond those of right logs; 0.15 A that vary once per turn look
 # like more in 7 of 432 logs of a UR3e
 MIN_LACKING_CURRENT = 0.17
+# Ratio to the maker's constant, over the median of the other joints'. Where it is surely above
+# one by gravity (MIN_LOW_OF_WEAK), no right log has such a ratio.
+MIN_RATIO_TO_OTHERS = 1.3
 # Lead and mass [kg] of a load that no target tells. Right logs of UR's lead by at most 0.8, those
 # with 3 kg by 2.4.
 MIN_LEAD_OF_LOAD, MIN_LOAD, MIN_ERRORS_OF_LOAD = 1.0, 1.0, 5.0
@@ -196,6 +199,27 @@ class MotionChecks:
             if ahead and ahead.size < MAX_LEAD_OF_ANY_LINKS:
                 yield foreign_constant(joint, shown.ratio[joint], shown.known[joint], self.arm)
 
+    def scaled_current(self) -> Iterator[Finding]:
+        """Find a current of a UR's motor that is too small beside those of other joints that bear
+        something: a warning, since any links would explain it, too.
+        """
+        if not self.arm.has_ur_motors() or not self.arm.tells_gravity():
+            return
+        shown = torque_constants(self.means, self.arm)
+        for joint, ratio in shown.ratio.items():
+            others = [own for other, own in shown.ratio.items() if other != joint]
+            if not others or shown.low[joint] < MIN_LOW_OF_WEAK:
+                continue
+            beside = ratio / float(np.median(others))
+            if beside > MIN_RATIO_TO_OTHERS:
+                detail = (
+                    f"the current of joint {joint + 1} is {number(1 / beside, '.2f')} times what "
+                    "gravity takes there, beside the currents of the other joints; check its unit "
+                    "and column"
+                )
+                code, joints = "scaled current", (joint + 1,)
+                yield Finding("robot", code, "warning", 1, detail, code=code, joints=joints)
+
     def undeclared_load(self) -> Iterator[Finding]:
         """Find a load that a UR's currents alone show, where no targets do: a warning."""
         if not self.arm.has_ur_motors() or TARGET_CURRENT in self.means.currents:
@@ -208,7 +232,7 @@ class MotionChecks:
                 f"by the currents, the arm carries {carried} more than the study declares; declare "
                 "it as `payload`, or fit to recordings without a load"
             )
-            yield Finding("robot", "undeclared load", "warning", 1, detail)
+            yield Finding("robot", "undeclared load", "warning", 1, detail, code="undeclared load")
 
     def other_arms(self, others: Sequence[Robot]) -> Iterator[Cause]:
         """Yield the arm that explains the efforts best, also if each carried any load, with those

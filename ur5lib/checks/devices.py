@@ -1,13 +1,15 @@
 """Checks of what each device of a recording wrote, beside what it should have written."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 
 from ur5lib.checks.channels import check_robot
+from ur5lib.checks.named_rates import other_named_rate
+from ur5lib.checks.parts_of_runs import Ends, as_text
 from ur5lib.recordings.intake import Intake
 from ur5lib.records.phrases import number
 from ur5lib.records.quality import Device, Finding
@@ -20,14 +22,17 @@ MIN_GRAVITY, MAX_GRAVITY = 8.0, 12.0  # m/s², the median specific force that an
 MIN_GRAVITY_CHANGE = 3.0
 
 
-def checked_intake(intake: Intake, arm: Robot) -> Intake:
-    """Return an intake whose findings include those of the checks of its devices."""
+def checked_intake(intake: Intake, arm: Robot, names: Iterable[str] = ()) -> Intake:
+    """Return an intake whose findings include those of the checks of its devices; names: of its
+    files, that may say its rate.
+    """
     quality, limits = intake.quality, (arm.position_limits(), arm.velocity_limits())
     shown = check_robot(intake.robot, quality.period_s, *limits, arm.is_counted())
-    findings = [*quality.findings, *shown]
+    findings = [*quality.findings, *shown, *other_named_rate(names, quality.period_s)]
     for device, table in intake.sensors.items():
         findings += check_sensor(device, table, arm)
-    return replace(intake, quality=replace(quality, findings=findings))
+    ends = as_text(Ends.of(intake.robot, quality))
+    return replace(intake, quality=replace(quality, findings=findings, ends=ends))
 
 
 def check_sensor(device: Device, table: pd.DataFrame, arm: Robot) -> list[Finding]:

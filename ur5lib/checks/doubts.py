@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
+from itertools import combinations
 
 import numpy as np
 
@@ -116,6 +117,9 @@ def _remedies(motion: WholeMotion, joints: list[int]) -> Iterator[tuple[str, Mis
     if motion.arm.has_ur_motors():
         return
     q = motion.means.q
+    pairs = combinations(motion.joints, 2)
+    alike = {joint for pair in pairs if motion.means.move_alike(pair) for joint in pair}
+    joints = [joint for joint in joints if joint not in alike]  # of whose, other links do as well
     springs = np.zeros((*q.shape, 3 * len(joints)))
     for k, joint in enumerate(joints):
         own = q[:, joint]

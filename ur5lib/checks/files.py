@@ -6,6 +6,7 @@ from typing import Any, cast
 import numpy as np
 import pandas as pd
 
+from ur5lib.checks.parts_of_runs import ENDS, PARTS, parts_seen
 from ur5lib.recordings.copies import same_runs, spare_copy
 from ur5lib.records.account import NOTHING
 from ur5lib.records.clocks import SettledClock
@@ -81,6 +82,7 @@ def findings(
     for device, checksum in quality.files.items():
         found.append(Finding(device, SAME, "note", int(device in quality.devices), checksum))
     found.append(Finding("robot", SAME_RUN, "note", 0, " ".join(map(str, quality.fingerprint))))
+    found.append(Finding("robot", ENDS, "note", 0, quality.ends))
     for sensor, clock in (clocks or {}).items():
         found += _doubts_of(cast(Device, sensor), clock)
     return found
@@ -128,11 +130,12 @@ def name_copies(quality: pd.DataFrame, roles: Mapping[str, str] | None = None) -
     quality: with all device files and robots' rows; a finding of each copy names the other
     recordings; roles: of these, by which a copy is left out or a stop sign.
     """
-    files, runs = (quality[quality["finding"] == kind] for kind in (SAME, SAME_RUN))
+    files, runs, ends = (quality[quality["finding"] == kind] for kind in (SAME, SAME_RUN, ENDS))
     alike = files.groupby(["device", "detail"], sort=False)
     copies = {at: _copy(files.loc[at], own) for _, own in alike if len(own) > 1 for at in own.index}
     copies |= _repeated(runs, roles or {})
-    others = quality.drop([*files.index, *runs.index])
+    copies |= _neighbours(ends, roles or {})
+    others = quality.drop([*files.index, *runs.index, *ends.index])
     named = pd.DataFrame([*copies.values()], [*copies], quality.columns)
     return pd.concat([others, named]).sort_index() if copies else others
 
@@ -161,6 +164,24 @@ def _repeated(runs: pd.DataFrame, roles: Mapping[str, str]) -> dict[Any, dict[st
             left_out = [name for name in names if name in spare]
             repeated[at] = {**row, **_run(names, left_out, own in standing)}
     return repeated
+
+
+def _neighbours(ends: pd.DataFrame, roles: Mapping[str, str]) -> dict[Any, dict[str, Any]]:
+    """Return the findings of recordings that are a part of a fitted run, by their places."""
+    details = ends["detail"].fillna("").astype(str)
+    fitted = dict(parts_seen(dict(zip(ends["recording"], details, strict=True)), roles))
+    return {
+        at: {**row, "finding": PARTS, "count": 1, "detail": _part(row["recording"], fitted)}
+        for at, row in ends.iterrows()
+        if row["recording"] in fitted
+    }
+
+
+def _part(name: str, fitted: Mapping[str, str]) -> str:
+    return (
+        f"{name} and {fitted[name]} are parts of one run: the errors of {name} are not those of an "
+        "unseen recording; validate with another run"
+    )
 
 
 def _run(names: Sequence[str], spare: Sequence[str], standing: bool) -> dict[str, Any]:

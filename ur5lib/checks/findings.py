@@ -33,6 +33,7 @@ def contradictions(
         doubts += possible_delays(checked)
         doubts += given_load(checked)
         doubts += load_without_targets(checked)
+        doubts += scaled_current(checked)
         doubts += contacts_felt(checked, sensed)
         doubts += unchecked(checked)
     return accepting(Contradictions(stops, doubts), accepted)
@@ -56,6 +57,13 @@ def load_without_targets(checked: Checked) -> list[Finding]:
     if not checked.fitted or checked.motion is None or not checked.driven:
         return []
     return [*checked.motion.undeclared_load()]
+
+
+def scaled_current(checked: Checked) -> list[Finding]:
+    """Return the warning of a joint whose current is too small beside the others'."""
+    if checked.motion is None or not checked.driven or checked.contact is not None:
+        return []
+    return [*checked.motion.scaled_current()]
 
 
 def _of_samples(checked: Checked, cutoffs_hz: Mapping[str, float]) -> Iterator[Finding]:

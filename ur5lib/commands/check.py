@@ -186,7 +186,7 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
         read = read_and_repair(recording, arm, study.settings.frames.max_gap_s)
     except InputError as error:
         return unusable(error), {}
-    intake = checked_intake(read, arm)
+    intake = checked_intake(read, arm, recording.path.parts[-2:])
     declared, tool = recording.known_payload(), recording.known_tool()
     signals, fitted = Signals.from_table(intake.robot), recording.role == "fit"
     load = carried(declared, signals)

@@ -106,7 +106,8 @@ class Quality:
     rows: that were read; frames: after the repair; jitter_s: of the time stamps, "median" and
     "99 %"; start_epoch_s: when the robot's clock read zero, since 1970; starts: of the other
     devices; files: SHA-256 of the devices' files, read: of all files, by their path; fingerprint:
-    hashes of the robot's rows; account: what import took the columns for.
+    hashes of the robot's rows; account: what import took the columns for; ends: where it begins and
+    ends, as text.
     """
 
     rows: int = 0
@@ -123,6 +124,7 @@ class Quality:
     read: dict[str, str] = field(default_factory=dict)
     fingerprint: list[int] = field(default_factory=list)
     account: list[AccountRow] = field(default_factory=list)
+    ends: str = ""
 
     def saturated_channels(self) -> list[str]:
         """Return the force sensor's channels that stay at their largest value."""

@@ -46,7 +46,8 @@ def read_recording(
     used.
     """
     try:
-        intake = checked_intake(read_and_repair(recording, arm, max_gap_s), arm)
+        read = read_and_repair(recording, arm, max_gap_s)
+        intake = checked_intake(read, arm, recording.path.parts[-2:])
     except InputError as error:
         raise UnreadableError(str(error)) from None
     force, imu = (intake.sensors.get(device, NO_SAMPLES) for device in SENSORS)

@@ -1,0 +1,82 @@
+"""Neighbouring parts of one run as recordings: what is fitted to one has seen the other.
+
+A part goes on where another ended: in its posture and at its velocity, within a few periods. Where
+the arm rests there, which it also does at home, stamps must follow, too.
+"""
+
+import json
+from collections.abc import Iterator, Mapping
+from itertools import permutations
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.checks.channels import MIN_MOVING_SPEED
+from ur5lib.records.quality import Quality
+from ur5lib.tables import channel
+from ur5lib.timeseries.arrays import Array
+
+ENDS, PARTS = "ends", "parts of one run"  # findings: of each recording, and of two
+MAX_PERIODS = 5  # from one part to the next
+MAX_DEVIATION = 1e-3  # rad, of a posture from where the velocities lead
+MAX_ACCELERATION = 10.0  # rad/s², by which velocities of both sides may differ
+MAX_CHANGE = 0.02  # rad/s, of resting joints' velocities, beyond that
+SLOPE_STEPS = 4  # between the frames whose positions tell a velocity
+
+
+class Ends(NamedTuple):
+    """First and last time [s], posture [rad] and velocity [rad/s] of a recording, and its period
+    [s]; stamped: whether the times are since 1970.
+    """
+
+    period: float
+    stamped: bool
+    times: list[float]
+    q: list[list[float]]
+    qd: list[list[float]]
+
+    @classmethod
+    def of(cls, robot: pd.DataFrame, quality: Quality) -> "Ends":
+        """Return those of a repaired table."""
+        q, time = channel(robot, "actual_q"), robot["time"].to_numpy(float)
+        steps = min(SLOPE_STEPS, len(q) - 1)
+        slopes = [q[steps] - q[0], q[-1] - q[-1 - steps]]
+        qd = np.array(slopes) / max(steps * quality.period_s, 1e-9)
+        epoch = quality.start_epoch_s
+        times = (time[[0, -1]] + (epoch or 0.0)).tolist()
+        return cls(quality.period_s, epoch is not None, times, q[[0, -1]].tolist(), qd.tolist())
+
+    def go_on(self, later: "Ends") -> bool:
+        """Return whether another recording goes on where this one ended."""
+        if len(self.q[1]) != len(later.q[0]):
+            return False
+        gap = later.times[0] - self.times[1]
+        follows = 0 < gap <= MAX_PERIODS * self.period
+        if self.stamped and later.stamped and not follows:
+            return False
+        rates = np.array([self.qd[1], later.qd[0]])
+        moves = np.abs(rates).max() > MIN_MOVING_SPEED
+        most = MAX_CHANGE + MAX_ACCELERATION * (SLOPE_STEPS + 1) * self.period
+        if np.abs(rates[1] - rates[0]).max() > most or not (moves or follows):
+            return False
+        led = self.period * np.arange(1, MAX_PERIODS + 1)[:, None] * rates.mean(axis=0)
+        moved: Array = np.array(later.q[0]) - self.q[1]
+        return bool(np.abs(moved - led).max(axis=1).min() < MAX_DEVIATION)
+
+
+def as_text(ends: Ends) -> str:
+    """Return ends as the detail of a finding."""
+    return json.dumps(ends)
+
+
+def parts_seen(details: Mapping[str, str], roles: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+    """Yield recordings that are no unseen ones, and the fitted ones whose runs they go on or begin.
+
+    details: `as_text` of recordings; roles: by recording.
+    """
+    ends = {name: Ends(*json.loads(text)) for name, text in details.items() if text}
+    for one, later in permutations(ends, 2):
+        fitted = [name for name in (one, later) if roles.get(name) == "fit"]
+        if len(fitted) == 1 and ends[one].go_on(ends[later]):
+            yield (one if fitted == [later] else later), fitted[0]
