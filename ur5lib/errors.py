@@ -63,6 +63,10 @@ class RefusalError(ValueError):
         super().__init__(f"{code}: {text}")
         self.remark = Remark(code, text, kind)
 
+    def __reduce__(self) -> tuple[type, tuple[str, str, str]]:
+        """Return what pickle needs, so that a process hands it on."""
+        return type(self), (self.remark.code, self.remark.text, self.remark.kind)
+
 
 def reason(error: ValueError) -> Remark:
     """Return the reason of a failed computation as a remark."""

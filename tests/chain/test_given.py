@@ -15,6 +15,7 @@ import pytest
 
 import ur5lib
 from tests.in_memory import FREE
+from ur5lib.errors import RefusalError
 from ur5lib.tables import write_table
 
 CHANNELS = ["actual_q", "actual_qd", "actual_current", "target_moment"]
@@ -160,6 +161,8 @@ def test_every_public_object_is_the_same_after_it_was_pickled(
     assert pickle.loads(pickle.dumps(study)).recordings == study.recordings == ["one"]
     public = {getattr(ur5lib, name) for name in ur5lib.__all__}
     assert {one for one in public if isinstance(one, type)} == {*map(type, [*objects, study])}
+    refusal = RefusalError("short", "too short", "sampling")
+    assert pickle.loads(pickle.dumps(refusal)).remark == refusal.remark
     again, runs = pickle.loads(pickle.dumps((model, pushed)))
     assert again == model
     assert_same(runs, pushed)

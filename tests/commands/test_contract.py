@@ -12,6 +12,7 @@ import yaml
 from tests.command import Command
 from tests.conftest import PROJECT
 from tests.in_memory import put_recordings
+from tests.synthetic import write_recording
 from ur5lib.commands.contract import contract_schema
 
 RATE, ROWS = 125.0, 2500
@@ -81,6 +82,10 @@ def test_each_breach_names_channel_found_and_wanted(
         "actual_current: missing in 20.00% of the rows; wanted: in 1.00% at most": holed,
         "actual_current: not recorded; wanted: recorded": whole.filter(regex="time|_q_"),
     }
+    five = whole.drop(columns="actual_current_5")
+    assert "actual_current: not recorded; wanted: recorded" in broken(
+        run_ur5, write_study(lab, five)
+    )
     for fault, rows in faults.items():
         assert broken(run_ur5, write_study(lab, rows)) == [fault]
     other = write_study(lab, whole, robot="ur5")
@@ -89,6 +94,22 @@ def test_each_breach_names_channel_found_and_wanted(
     asked["devices"]["force"] = asked["devices"]["robot"]
     Path("lab.yaml").write_text(yaml.safe_dump(asked))
     assert broken(run_ur5, write_study(lab, whole)) == ["force: no recording; wanted: one"]
+
+
+def test_a_sensor_has_channels_and_a_rate_of_its_own(lab: Path, run_ur5: Command) -> None:
+    write_recording(lab / "raw", seconds=2, seed=0, force_sensor=True)
+    entry = "{name: run, robot: ur5, format: thesis-csv, folder: raw, role: fit}"
+    study = lab / "mine.yaml"
+    study.write_text(f"study: mine\ntitle: Mine\nrecordings: [{entry}]")
+    assert run_ur5("check", study, "--write-contract", "lab.yaml").status == 0
+    assert run_ur5("check", study, "--contract", "lab.yaml").status == 0
+    contract = yaml.safe_load(Path("lab.yaml").read_text())
+    assert contract["devices"]["force"]["channels"] == ["ft"]
+    contract["devices"]["force"] |= {"channels": ["ft_f", "imu_a"], "rate_hz": 1e4}
+    Path("lab.yaml").write_text(yaml.safe_dump(contract))
+    rate, channel = broken(run_ur5, study)
+    assert rate.endswith("wanted: 10000 Hz at least")
+    assert channel == "imu_a: not recorded; wanted: recorded"
 
 
 def test_a_study_has_recordings_of_each_role(

@@ -17,6 +17,7 @@ from unittest.mock import MagicMock
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 from pypdf import PdfReader
 from typer.testing import CliRunner
 
@@ -26,6 +27,7 @@ from tests.house.test_docs import PAGES
 from tests.house.test_seven_joints import arm as seven_joints
 from tests.in_memory import put_recordings
 from ur5lib.cli import app
+from ur5lib.commands.contract import Contract
 from ur5lib.commands.exported import exported
 from ur5lib.finished import FinishedStudy
 from ur5lib.records.verdicts import RecordingUse, Verdict, reason_in_words
@@ -75,7 +77,10 @@ def test_studies_are_valid(
     Path("robots").mkdir()
     Path("robots/my-arm.yaml").write_bytes(robot_path("ur5").read_bytes())
     Path("robots/seven.yaml").write_text(robot_yaml(seven_joints()))
-    assert yaml_faults(example.text, tmp_path) == []
+    if example.text.startswith("contract: "):
+        Contract.model_validate(yaml.safe_load(example.text))
+    else:
+        assert yaml_faults(example.text, tmp_path) == []
 
 
 @pytest.mark.parametrize("text", ["tea: 1", "force_sensor:\n  columns: [time, ft]"])
@@ -122,6 +127,15 @@ def fit(code: str, _: pytest.MonkeyPatch) -> None:
     exec(code, known)
     assert known["forces"]["Fmap_Fx"].max() > 20
     assert Path("model.json").is_file()
+
+
+def read_frames(code: str, _: pytest.MonkeyPatch) -> None:
+    """On recordings of the names that it has."""
+    put_recordings(Path())
+    known: dict[str, Any] = {}
+    exec(code, known)
+    assert known["runs"].names == ["monday", "tuesday"]
+    pd.testing.assert_frame_equal(known["run"].q, known["runs"]["monday"].q)
 
 
 def judge(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -201,6 +215,7 @@ PYTHON: dict[str, Callable[[str, pytest.MonkeyPatch], None]] = {
     ">>> import ur5lib": read,
     "from ur5lib import load": judge,
     "import matplotlib": draw,
+    "import pandas as pd, ur5lib": read_frames,
     "import ur5lib": fit,
     "import numpy as np": extend,
     "from live import Live": estimate_live,

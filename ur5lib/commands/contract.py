@@ -13,7 +13,7 @@ import pandas as pd
 import yaml
 from pydantic import Field, ValidationError
 
-from ur5lib.channels import channels_of
+from ur5lib.channels import RECORDED_CHANNELS, columns, joint_count
 from ur5lib.errors import InputError
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.plausibility import is_silent
@@ -31,14 +31,15 @@ Role = Literal["fit", "validate", "contact"]
 
 @dataclass(frozen=True)
 class Recorded:
-    """What a device recorded: length [s], mean rate [Hz], longest gap [s], and by channel the share
-    of missing values.
+    """What a device recorded: length [s], mean rate [Hz], longest gap [s], by channel the share of
+    missing values, and the channels that are no part of another, as `ft_f` is of `ft`.
     """
 
     duration: float
     rate: float
     gap: float
     missing: dict[str, float]
+    channels: list[str]
 
 
 class Stream(Strict):
@@ -105,17 +106,18 @@ def _recorded(table: pd.DataFrame) -> Recorded:
     time = table["time"].to_numpy(float)
     steps = np.diff(time[np.isfinite(time)])
     steps = steps[steps > 0]
-    parts: dict[str, list[str]] = {}
-    for column in table.columns.drop("time"):
-        parts.setdefault(max(channels_of(column), key=len, default=column), []).append(column)
-    there = {
-        name: float(table[own].isna().mean().max())
+    there = {*table.columns} - {"time"}
+    every = {name: {*columns(name, joint_count(there))} for name in RECORDED_CHANNELS}
+    parts = {name: own for name, own in every.items() if own <= there}
+    missing = {
+        name: float(table[[*own]].isna().mean().max())
         for name, own in parts.items()
-        if not is_silent(table[own].to_numpy(float))
+        if not is_silent(table[[*own]].to_numpy(float))
     }
+    whole = [name for name in missing if not any(parts[name] < parts[n] for n in missing)]
     duration = float(steps.sum())
     rate, gap = (len(steps) / duration, float(steps.max())) if len(steps) else (math.nan, math.inf)
-    return Recorded(duration, rate, gap, there)
+    return Recorded(duration, rate, gap, missing, whole)
 
 
 def _compared(device: Device, found: Recorded, wanted: Stream) -> Iterator[Finding]:
@@ -173,7 +175,7 @@ def write_contract(study: Study, named: Sequence[str], path: Path) -> None:
 
 
 def _wanted(found: Sequence[Recorded], gap: float) -> Stream:
-    common = [name for name in found[0].missing if all(name in one.missing for one in found)]
+    common = [name for name in found[0].channels if all(name in one.channels for one in found)]
     missing = max(share for one in found for share in one.missing.values())
     return Stream(
         rate_hz=_digits((1 - MARGIN) * min(one.rate for one in found)),
