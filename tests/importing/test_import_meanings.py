@@ -11,7 +11,7 @@ from tests.conftest import shared_folder
 from tests.entries import in_words, read_recording
 from tests.stored_files import Made, made_up_channels
 from ur5lib.importing.contents import UserStatement, contents
-from ur5lib.importing.files import ImportedRecording, import_files
+from ur5lib.importing.files import ImportedRecording, add_to_study, import_files, write_study
 from ur5lib.tables import channel
 
 
@@ -125,3 +125,8 @@ def test_one_driver_has_one_unit(tmp_path: Path) -> None:
     assert alone["units"] == {"actual_current_as_torque": "opposite"}
     assert first.entry["units"] == second.entry["units"]
     assert "whole milliamperes by these factors" in in_words(first.account)
+    study = tmp_path / "mine.yaml"
+    write_study([second], study)
+    alone = import_files(paths[:1], UserStatement("ur3"))
+    add_to_study(alone, study)
+    assert "part_1 of this study has actual_current [[-0.07" in in_words(alone[0].account)

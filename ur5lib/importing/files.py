@@ -11,7 +11,7 @@ from rich.table import Table
 from ur5lib.commands.check import look_through, severe
 from ur5lib.errors import InputError
 from ur5lib.importing.after import Ends, ends_of, links
-from ur5lib.importing.alike import FormOfFile, form_of, precedents
+from ur5lib.importing.alike import FormOfFile, form_of, precedents, unlike
 from ur5lib.importing.blocks import NAMELESS_PREFIX
 from ur5lib.importing.contents import NO_STATEMENT, FileContents, UserStatement, contents
 from ur5lib.importing.entry import StudyEntry, entry_of, episodes, identifier, place_of_file
@@ -230,6 +230,9 @@ def add_to_study(imported: Sequence[ImportedRecording], path: Path) -> None:
     names = {recording["name"] for recording in plain.get("recordings") or []}
     if twice := sorted(names & {recording.entry["name"] for recording in imported}):
         raise InputError(f"{path} has a recording {twice[0]} already; rename it there, or the file")
+    for one in imported:
+        if row := unlike(one.entry, plain.get("recordings") or []):
+            one.account.insert(0, row)
     for indent in ("", "  "):
         lines = "".join(f"{indent}{line}\n" for line in as_entries(imported).splitlines())
         try:
