@@ -66,6 +66,27 @@ def test_joints_by_name_are_nothing_beside_positions(tmp_path: Path, made: Made)
     np.testing.assert_allclose(channel(read_recording(one.entry).robot.table, "actual_q"), q)
 
 
+@pytest.mark.parametrize(
+    ("factors", "velocity", "said"),
+    [
+        ([4e4, 3.8e4, 4.1e4, 2.6e4, 2.5e4, 1.2e4], "", "as counts of encoders"),
+        ([30, 33, 45, 20, 25, 32], "", "ask for the calibration file"),
+        ([30, 33, 45, 20, 25, 32], "qd_{k}", "a factor a joint, so no angles"),
+    ],
+)
+def test_a_factor_a_joint_makes_no_angle(
+    tmp_path: Path, made: Made, factors: list[float], velocity: str, said: str
+) -> None:
+    """Neither counts nor shares of each joint's range, which velocities in rad/s show."""
+    columns = {"time": made[0]}
+    columns |= {f"q_{k}": factors[k] * made[1]["actual_q"][:, k] for k in range(6)}
+    columns |= {velocity.format(k=k): made[1]["actual_qd"][:, k] for k in range(6) if velocity}
+    pd.DataFrame(columns).to_csv(tmp_path / "run.csv", index=False)
+    _, told = imported(tmp_path / "run.csv")
+    assert "proven: q_0 … q_5" not in told
+    assert said in told
+
+
 def test_pushes_make_no_milliamperes() -> None:
     """Constants that are known, and the channel's name, come before a likelihood."""
     one, told = imported(case("pushed_at_rest.csv", Path()), "ur5")

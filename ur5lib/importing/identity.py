@@ -84,7 +84,7 @@ def identified(moving: ImportedMotion, means: BlockMeans | None) -> ArmIdentity:
     order = _order(moving, of_names, placed)
     if file.precedent and not stated:
         stated, of_form = file.precedent.arm, f"as in {file.precedent.file}, of the same form"
-        file.account.tell("assumed", "robot", stated, "numbers", of_form)
+        file.account.tell("check", "robot", stated, "numbers", of_form)
         return ArmIdentity(stated, described(stated), order)
     if stated:
         by: Evidence = "option" if file.stated.robot else "name"
