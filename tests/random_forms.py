@@ -59,6 +59,8 @@ NAMES = {  # of a joint's column of q, qd, a current, a torque, the target of q
     "polling": ("q_{k}", "qd_{k}", "i_{k}", "torque_{k}", "tq_{k}"),
     "panel": ("J{n} Position", "J{n} Speed", "J{n} Current", "J{n} Torque", "J{n} Setpoint"),
     "lerobot": ("{joint}.pos", "{joint}.vel", "{joint}.current", "{joint}.torque", "{joint}.goal"),
+    "bare": ("joint{n}", "joint{n}_speed", "joint{n}_amps", "joint{n}_torque", "joint{n}_goal"),
+    "axes": ("A{n}", "A{n} Speed", "A{n} Current", "A{n} Torque", "A{n} Setpoint"),
     "none": ("", "", "", "", ""),
 }
 CLOCKS = (
@@ -77,6 +79,7 @@ WRENCHES = {  # names of force and moment, along x, y, z
     "wrench_force_x": ("wrench_force_{}", "wrench_torque_{}"),
     "wrench.force.x": ("/wrench/wrench.force.{}", "/wrench/wrench.torque.{}"),
 }
+IN_AMPERES = ("A", "mA", "counts", "rectified")
 EXTRAS = (
     *("gripper", "mode", "text", "constant", "frozen torques", "denormal efforts", "external"),
     *("gravity", "accelerations", "temperatures", "target", "pose", "twice", "unnamed"),
@@ -149,7 +152,8 @@ def _form(random: np.random.Generator) -> dict[str, str]:
     if names == "none":
         kind = one("csv", "csv.gz", "tsv")
     is_text, is_bag = kind in TEXTS, "bag" in names
-    efforts = ("Nm", "Nm", "none") if arm == SEVEN else ("A", "A", "mA", "counts", "Nm", "permille")
+    of_ur = ("A", "A", "mA", "counts", "Nm", "permille", "percent", "motors")
+    efforts = ("Nm", "Nm", "none") if arm == SEVEN else of_ur
     effort = "load" if by_motor else one(*efforts, *([] if arm == SEVEN else ["rectified"]))
     layouts = ["blocks"] * 3 + (["by joint", "sparse", "cells", "transposed"] if is_text else [])
     layout = one("blocks", "by joint") if by_motor or not is_text else one(*layouts)
@@ -211,9 +215,10 @@ def _add_motion(log: RandomLog, random: np.random.Generator) -> None:
         amperes, torque, most = efforts
         in_file = {
             "A": amperes, "mA": 1e3 * amperes, "counts": amperes / 2.69e-3, "Nm": torque,
-            "permille": 1e3 * torque / most, "rectified": np.abs(amperes) * sign,
+            "permille": 1e3 * torque / most, "percent": 100 * torque / most,
+            "motors": torque / 101, "rectified": np.abs(amperes) * sign,
         }[form["effort"]]  # fmt: skip
-        _add_joints(log, "tau" if form["effort"] in ("Nm", "permille") else "i", sign * in_file)
+        _add_joints(log, "i" if form["effort"] in IN_AMPERES else "tau", sign * in_file)
         if form["effort"] in ("A", "mA"):
             log.channels["actual_current"] = amperes
         elif form["effort"] == "Nm":
@@ -258,7 +263,7 @@ def _add_joints(log: RandomLog, quantity: str, rows: Array) -> None:
         place
     ]
     unit = {"q": form["angle"], "qd": f"{form['angle']}/s", "target": form["angle"]}.get(
-        quantity, {"A": "A", "mA": "mA", "Nm": "Nm"}.get(form["effort"], "")
+        quantity, {"A": "A", "mA": "mA", "Nm": "Nm", "percent": "%"}.get(form["effort"], "")
     )
     tail = f" [{unit}]" if form["header"] == "units" and unit and pattern else ""
     joints = _joint_names(count)
@@ -348,7 +353,8 @@ def _twice(log: RandomLog, random: np.random.Generator) -> None:
 
 
 def _unnamed(log: RandomLog, random: np.random.Generator) -> None:
-    log.form["unnamed"] = "yes" if log.form["kind"] in TEXTS and _name(log, "x") else ""
+    marked = log.form["kind"] in TEXTS and log.form["kind"] != "txt"
+    log.form["unnamed"] = "yes" if marked and _name(log, "x") else ""
 
 
 EXTRA_COLUMNS: Mapping[str, Callable[[RandomLog, np.random.Generator], None]] = dict(

@@ -11,7 +11,7 @@ from tests.conftest import shared_folder
 from tests.entries import in_words, read_recording
 from tests.stored_files import Made, made_up_channels
 from ur5lib.importing.contents import UserStatement, contents
-from ur5lib.importing.files import ImportedRecording, import_files
+from ur5lib.importing.files import ImportedRecording, add_to_study, import_files, write_study
 from ur5lib.tables import channel
 
 
@@ -100,7 +100,7 @@ def test_counts_of_encoders_are_no_degrees(tmp_path: Path, made: Made) -> None:
     table = pd.DataFrame({f"position_{k}": counts[:, k] for k in range(6)})
     table.assign(time=made[0]).to_csv(tmp_path / "run.csv", index=False)
     _, told = imported(tmp_path / "run.csv")
-    assert "an encoder's counts" in told
+    assert "counts of encoders" in told
 
 
 def test_joints_by_name_are_nothing_beside_positions(tmp_path: Path, made: Made) -> None:
@@ -111,6 +111,27 @@ def test_joints_by_name_are_nothing_beside_positions(tmp_path: Path, made: Made)
     table.to_csv(tmp_path / "run.csv", index=False)
     one, _ = imported(tmp_path / "run.csv", "ur5")
     np.testing.assert_allclose(channel(read_recording(one.entry).robot.table, "actual_q"), q)
+
+
+@pytest.mark.parametrize(
+    ("factors", "velocity", "said"),
+    [
+        ([4e4, 3.8e4, 4.1e4, 2.6e4, 2.5e4, 1.2e4], "", "as counts of encoders"),
+        ([30, 33, 45, 20, 25, 32], "", "ask for the calibration file"),
+        ([30, 33, 45, 20, 25, 32], "qd_{k}", "a factor a joint, so no angles"),
+    ],
+)
+def test_a_factor_a_joint_makes_no_angle(
+    tmp_path: Path, made: Made, factors: list[float], velocity: str, said: str
+) -> None:
+    """Neither counts nor shares of each joint's range, which velocities in rad/s show."""
+    columns = {"time": made[0]}
+    columns |= {f"q_{k}": factors[k] * made[1]["actual_q"][:, k] for k in range(6)}
+    columns |= {velocity.format(k=k): made[1]["actual_qd"][:, k] for k in range(6) if velocity}
+    pd.DataFrame(columns).to_csv(tmp_path / "run.csv", index=False)
+    _, told = imported(tmp_path / "run.csv")
+    assert "proven: q_0 … q_5" not in told
+    assert said in told
 
 
 def test_pushes_make_no_milliamperes() -> None:
@@ -172,3 +193,8 @@ def test_one_driver_has_one_unit(tmp_path: Path) -> None:
     assert alone["units"] == {"actual_current_as_torque": "opposite"}
     assert first.entry["units"] == second.entry["units"]
     assert "whole milliamperes by these factors" in in_words(first.account)
+    study = tmp_path / "mine.yaml"
+    write_study([second], study)
+    alone = import_files(paths[:1], UserStatement("ur3"))
+    add_to_study(alone, study)
+    assert "part_1 of this study has actual_current [[-0.07" in in_words(alone[0].account)

@@ -192,7 +192,9 @@ def untrue(log: RandomLog, account: Iterable[AccountRow]) -> list[str]:
             "no channel is named so": row.taken_for == NOTHING,
         }
         found += [
-            f"{row.subject}: {reason}" for claim, so in claims.items() if claim in reason and not so
+            f"{row.subject}: {reason}"
+            for claim, so in claims.items()
+            if claim in reason and not so and not reason.startswith("if ")
         ]
         if row.confidence == "proven":
             rival = any(word in reason for word in RIVAL_WORDS) and re.search(r"\d", reason)

@@ -1,21 +1,25 @@
 """Files of one form and arm, which one driver wrote: their efforts have one channel and unit."""
 
+import re
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ur5lib.importing.account import Names
+from ur5lib.importing.blocks import NAMELESS_PREFIX
 from ur5lib.importing.contents import Factors, Precedent
-from ur5lib.importing.efforts import UNITS_BY_CHANNEL, as_amperes
+from ur5lib.importing.efforts import EFFORT_MEANINGS, LESS_GRAVITY_CHANNEL, as_amperes
 from ur5lib.importing.identity import UNDESCRIBED_ARM
 from ur5lib.importing.parted_runs import PartedRun
 from ur5lib.importing.proposal import Proposal
+from ur5lib.records.account import AccountRow
 
 Source = Path | PartedRun
-EFFORTS = (*UNITS_BY_CHANNEL, "actual_torque_less_gravity")
+EFFORTS = (*EFFORT_MEANINGS, LESS_GRAVITY_CHANNEL)
 SAME_FACTOR = 2e-3  # relative difference of a driver's constants by two files
 
 
@@ -32,59 +36,77 @@ class FormOfFile:
     amperes: Mapping[Names, Factors]
     rows: int
 
-    def supports(self, other: "FormOfFile") -> bool:
-        """Return whether a file is read like another, or has whole milliamperes by its factors."""
+    def is_like(self, other: "FormOfFile") -> bool:
+        """Return whether efforts are read as in another file."""
         return all(
-            _same(self.efforts.get(names), told) or _same(("", self.amperes.get(names, ())), told)
+            (own := self.efforts.get(names, ("", ())))[0] == told[0] and _same(own[1], told[1])
             for names, told in other.efforts.items()
         )
 
+    def supports(self, other: "FormOfFile") -> bool:
+        """Return whether a file is read like another, or has whole milliamperes by its factors."""
+        return self.is_like(other) or all(
+            _same(np.abs(self.amperes.get(names, ())), np.abs(factors))
+            for names, (_, factors) in other.efforts.items()
+        )
 
-def _same(one: tuple[str, Factors] | None, other: tuple[str, Factors]) -> bool:
-    """Return whether an effort is read alike; channel: "" for any, of factors of any sign."""
-    if one is None or len(one[1]) != len(other[1]) or (one[0] or other[0]) != other[0]:
-        return False
-    factors = one[1] if one[0] else np.abs(one[1])
-    return bool(np.allclose(factors, other[1] if one[0] else np.abs(other[1]), rtol=SAME_FACTOR))
+
+def _same(factors: Factors | np.ndarray, others: Factors | np.ndarray) -> bool:
+    return len(factors) == len(others) and np.allclose(factors, others, rtol=SAME_FACTOR)
 
 
 def form_of(proposal: Proposal) -> FormOfFile:
     """Return how a file was read."""
     file, chosen = proposal.contents, proposal.channels.items()
     efforts = {b[0].names: (name, b[0].all_factors()) for name, b in chosen if name in EFFORTS}
-    raw = [b for b in file.blocks if b.meaning() in ("effort", *EFFORTS) or b.is_nameless()]
+    raw = [block for block in file.blocks if block.meaning() in EFFORTS]
     amperes = {b.names: divided.factors for b in raw if (divided := as_amperes(b)) is not b}
     columns = frozenset(block.names for block in file.blocks + file.silent)
-    return FormOfFile(
-        file.path.name, columns, proposal.arm, efforts, amperes, len(proposal.moving.time)
-    )
+    rows = len(proposal.moving.time)
+    return FormOfFile(file.path.name, columns, proposal.arm, efforts, amperes, rows)
 
 
-def precedents(
-    forms: Mapping[Source, FormOfFile],
-) -> Iterator[tuple[Source, Precedent]]:
+def precedents(forms: Mapping[Source, FormOfFile]) -> Iterator[tuple[Source, Precedent]]:
     """Yield the files to be read anew, like the one that most files of their form and arm support.
 
-    A file of which nothing tells the arm is of the only one of its form.
+    A file of which nothing tells the arm is of the only one of its form. Without names, columns
+    tell no form.
     """
     of_form = defaultdict[frozenset[Names], list[Source]](list)
-    for key, form in forms.items():
-        of_form[form.columns].append(key)
-    for keys in of_form.values():
-        arms = {forms[key].arm for key in keys} - {UNDESCRIBED_ARM}
+    for source, form in forms.items():
+        if not any(names[0].startswith(NAMELESS_PREFIX) for names in form.columns):
+            of_form[form.columns].append(source)
+    for sources in of_form.values():
+        arms = {forms[source].arm for source in sources} - {UNDESCRIBED_ARM}
         for arm in arms:
-            same = [k for k in keys if forms[k].arm == arm or len(arms) == 1]
-            yield from _like_the_most_supported({key: forms[key] for key in same}, arm)
+            same = [one for one in sources if forms[one].arm == arm or len(arms) == 1]
+            told = [forms[one] for one in same if forms[one].arm == arm and forms[one].efforts]
+            votes = [sum(forms[one].supports(other) for one in same) for other in told]
+            ranked = sorted(zip(votes, told, strict=True), key=lambda one: (one[0], one[1].rows))
+            for source in same if ranked else ():
+                form, best = forms[source], ranked[-1][1]
+                if form.arm != arm or not form.is_like(best):
+                    yield source, Precedent(best.name, arm, best.efforts, form.supports(best))
 
 
-def _like_the_most_supported(
-    forms: Mapping[Source, FormOfFile], arm: str
-) -> Iterator[tuple[Source, Precedent]]:
-    told: Sequence[FormOfFile] = [one for one in forms.values() if one.arm == arm and one.efforts]
-    if not told:
-        return
-    best = max(told, key=lambda one: (sum(f.supports(one) for f in forms.values()), one.rows))
-    for key, form in forms.items():
-        own = {names: form.efforts.get(names) for names in best.efforts}
-        if form.arm != arm or not all(_same(own[n], told) for n, told in best.efforts.items()):
-            yield key, Precedent(best.name, arm, best.efforts, form.supports(best))
+def unlike(entry: Mapping[str, Any], others: Iterable[Mapping[str, Any]]) -> AccountRow | None:
+    """Return what is to be checked of an entry whose efforts are read otherwise than those of a
+    recording of the same arm and form in its study.
+    """
+    (form, units) = _efforts_of(entry)
+    for other in others:
+        its_form, its_units = _efforts_of(other)
+        if form == its_form and units != its_units:
+            apart = f"{other['name']} of this study has {its_units}, and one driver has one unit"
+            return AccountRow("efforts", units, "numbers", "check", apart)
+    return None
+
+
+def _efforts_of(entry: Mapping[str, Any]) -> tuple[Any, str]:
+    """Return arm and columns of an entry without what its efforts are, and these with units."""
+    paths, units = entry.get("channels", {}), entry.get("units", {})
+    names = [re.sub(r"_\d$", "", str(column)) for column in entry.get("columns", paths)]
+    columns = ["effort" if name in EFFORTS else name for name in names]
+    told = [f"{n} [{units.get(n, 'SI')}]" for n in dict.fromkeys(names) if n in EFFORTS]
+    form = entry.get("robot"), entry.get("format"), columns, [*paths.values()]
+    return form, " and ".join(told) or "no efforts"

@@ -31,6 +31,7 @@ from ur5lib.timeseries.arrays import Array
 
 CURRENT_CHANNEL = "actual_current"
 TORQUE_CHANNEL = "actual_current_as_torque"
+LESS_GRAVITY_CHANNEL = "actual_torque_less_gravity"
 LESS_GRAVITY = "neither"  # current nor torque: a torque less gravity, as some drivers write
 ROUNDING_STEP = 1e-3  # A; URScript gives currents with three decimals
 LARGEST_MULTIPLE_RANGE = (100, 100_000)  # multiples of a rounded current's step that it reaches
@@ -58,7 +59,7 @@ CHANNELS_BY_UNIT = {  # by unit, and whether it is a target
     ("A", True): "target_current",
     ("Nm", False): TORQUE_CHANNEL,
     ("Nm", True): "target_moment",
-    (LESS_GRAVITY, False): "actual_torque_less_gravity",
+    (LESS_GRAVITY, False): LESS_GRAVITY_CHANNEL,
 }
 UNITS_BY_CHANNEL = {
     channel: unit for (unit, _), channel in CHANNELS_BY_UNIT.items() if unit != LESS_GRAVITY
@@ -199,7 +200,7 @@ def name_efforts(
     arm, channels = identity.robot, _like_precedent(blocks, file)
     read = {channel.names for channel in channels.values()}
     blocks = {name: block for name, block in blocks.items() if block.names not in read}
-    telling = arm if arm and tells_columns(arm) else None
+    telling = next((one for one in (arm, identity.like) if one and tells_columns(one)), None)
     for name, block in blocks.items():
         if means and telling:
             known = means, telling, identity.order, file.account
@@ -209,6 +210,9 @@ def name_efforts(
     known_units = {name: unit for name, unit in units.items() if unit}
     targets = _targets({name: blocks[name] for name in known_units}, means, telling, file)
     for name, unit in known_units.items():
+        if identity.like:
+            like = f"if the arm, which nothing tells, is like {identity.like.name}"
+            file.account.hold("check", blocks[name], "numbers", like)
         block, target = blocks[name], any(blocks[name] is other for other in targets)
         channel = CHANNELS_BY_UNIT[unit.replace("mA", "A"), target and unit != LESS_GRAVITY]
         if channel == TORQUE_CHANNEL and arm and (arm.measured == TORQUE or not arm.is_ur()):
@@ -394,6 +398,7 @@ def _unit_by_gravity(block: ColumnBlock, shown: GravityShown, account: Account) 
     if best != LESS_GRAVITY and not spelled and shown.is_of_a_factor(best):
         stated = f"--unit {CURRENT_CHANNEL}={shown.factor():.3g}"
         unknown = f"in no unit that is known: {sentence}; one factor would explain it, as {stated}"
+        unknown += ", or one a joint, as of a share of rated torques"
         account.exclude(block, unknown)
         return None
     unit = best if named is None or (best == "mA" and named == "A" and not spelled) else named

@@ -31,15 +31,13 @@ def following_error(block: ColumnBlock, moving: ImportedMotion) -> str:
     """
     if named_unit(block.names[0]):
         return ""
-    motion, target = moving.in_si(), moving.blocks.get("target_q")
-    q = motion["actual_q"]
-    if target is not None and ("actual_q" in moving.units) == ("target_q" in moving.units):
-        factor = _common_factor(block.rows, target.rows - moving.position.rows)
-        if factor:
-            times = "" if np.isclose(abs(factor), 1, atol=0.02) else f"{abs(factor):.3g} times "
-            less = f"{times}the difference of {target.title} and {moving.position.title}"
-            return f"no torque, but a following error: {less}"
-    qd = motion.get("actual_qd", np.gradient(q, axis=0) / np.gradient(moving.time)[:, None])
+    motion, target, position = moving.in_si(), moving.blocks.get("target_q"), moving.position
+    if target is not None and (factor := _common_factor(block.rows, target.rows - position.rows)):
+        times = "" if np.isclose(abs(factor), 1, atol=0.02) else f"{abs(factor):.3g} times "
+        less = f"{times}the difference of {target.title} and {position.title}"
+        return f"no torque, but a following error: {less}"
+    step = float(np.nanmedian(np.diff(moving.time))) or 1.0
+    qd = motion.get("actual_qd", np.gradient(motion["actual_q"], axis=0) / step)
     if lag := _common_factor(block.rows, qd):
         lags = f"all joints by {abs(lag):.2g} s times their velocity, in every posture"
         return f"no torque, for it follows no gravity; as a following error, it lags behind {lags}"
@@ -50,16 +48,16 @@ def _common_factor(effort: Array, quantity: Array) -> float:
     """Return the one factor by which a quantity (N, n) explains efforts (N, n), 0 if none does."""
     whole = np.isfinite(effort).all(axis=1) & np.isfinite(quantity).all(axis=1)
     effort, quantity = effort[whole], quantity[whole]
-    moves = np.flatnonzero((np.std(quantity, axis=0) > 0) & (np.std(effort, axis=0) > 0))
-    if len(moves) < MIN_FOLLOWING_JOINTS:
+    moves = np.any(effort, axis=0) & np.any(quantity, axis=0)
+    if np.count_nonzero(moves) < MIN_FOLLOWING_JOINTS:
         return 0.0
     effort, quantity = effort[:, moves], quantity[:, moves]
     factors = (effort * quantity).sum(axis=0) / (quantity**2).sum(axis=0)
     missed = ((effort - factors * quantity) ** 2).sum(axis=0) / (effort**2).sum(axis=0)
-    alike = 0 < np.abs(factors).max() < MAX_LAG_RATIO * np.abs(factors).min()
-    same_sign = len({*np.sign(factors)}) == 1
-    followed = bool((missed < 1 - MIN_SHARE_FOLLOWED).all())
-    return float(np.median(factors)) if followed and alike and same_sign else 0.0
+    sizes = factors * np.sign(factors[0])
+    alike = sizes.min() > 0 and sizes.max() < MAX_LAG_RATIO * sizes.min()
+    followed = (missed < 1 - MIN_SHARE_FOLLOWED).all()
+    return float(np.median(factors)) if alike and followed else 0.0
 
 
 def behind_gears(

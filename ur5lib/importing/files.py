@@ -11,11 +11,11 @@ from rich.table import Table
 from ur5lib.commands.check import look_through, severe
 from ur5lib.errors import InputError
 from ur5lib.importing.after import Ends, ends_of, links
-from ur5lib.importing.alike import FormOfFile, form_of, precedents
+from ur5lib.importing.alike import FormOfFile, form_of, precedents, unlike
 from ur5lib.importing.blocks import NAMELESS_PREFIX
 from ur5lib.importing.contents import NO_STATEMENT, FileContents, UserStatement, contents
 from ur5lib.importing.entry import StudyEntry, entry_of, episodes, identifier, place_of_file
-from ur5lib.importing.identity import UNDESCRIBED_ARM
+from ur5lib.importing.identity import ORDER, UNDESCRIBED_ARM
 from ur5lib.importing.parted_runs import PartedRun
 from ur5lib.importing.proposal import meanings, propose
 from ur5lib.recordings.entries import SKIPPED_COLUMN
@@ -123,8 +123,10 @@ def _checked(file: FileContents) -> tuple[list[ImportedRecording], FormOfFile]:
             role = AccountRow("role", "validate", "numbers", "assumed", complaints[0])
             account = [*(row for row in account if row.subject != "role"), role]
         else:
+            doubted = any(r.subject == ORDER and r.confidence == "check" for r in account)
+            order = "if the joints are in this order, " if doubted else ""
             stop = AccountRow("recording", "to be corrected", "numbers", "check")
-            account = [*(replace(stop, reason=one) for one in complaints), *account]
+            account = [*(replace(stop, reason=order + one) for one in complaints), *account]
     ends = None if others else ends_of(proposal)
     recordings = [ImportedRecording(one, account, ends) for one in (first, *others)]
     return recordings, form_of(proposal)
@@ -232,6 +234,9 @@ def add_to_study(imported: Sequence[ImportedRecording], path: Path) -> None:
     names = {recording["name"] for recording in plain.get("recordings") or []}
     if twice := sorted(names & {recording.entry["name"] for recording in imported}):
         raise InputError(f"{path} has a recording {twice[0]} already; rename it there, or the file")
+    for one in imported:
+        if row := unlike(one.entry, plain.get("recordings") or []):
+            one.account.insert(0, row)
     for indent in ("", "  "):
         lines = "".join(f"{indent}{line}\n" for line in as_entries(imported).splitlines())
         try:

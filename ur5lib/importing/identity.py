@@ -51,11 +51,15 @@ class PosedReading(NamedTuple):
 
 
 class ArmIdentity(NamedTuple):
-    """A file's arm, None where it has no description, and the column of each of its joints."""
+    """A file's arm, None where it has no description, and the column of each of its joints.
+
+    like: of an arm that nothing tells, the likeliest of which the efforts have known constants.
+    """
 
     arm: str
     robot: Robot | None
     order: Order
+    like: Robot | None = None
 
 
 def identified(moving: ImportedMotion, means: BlockMeans | None) -> ArmIdentity:
@@ -80,15 +84,18 @@ def identified(moving: ImportedMotion, means: BlockMeans | None) -> ArmIdentity:
     order = _order(moving, of_names, placed)
     if file.precedent and not stated:
         stated, of_form = file.precedent.arm, f"as in {file.precedent.file}, of the same form"
-        file.account.tell("assumed", "robot", stated, "numbers", of_form)
+        file.account.tell("check", "robot", stated, "numbers", of_form)
         return ArmIdentity(stated, described(stated), order)
     if stated:
         by: Evidence = "option" if file.stated.robot else "name"
         how = "as given" if file.stated.robot else "by the name of file, folder or columns"
         file.account.tell("assumed", "robot", stated, by, how)
         return ArmIdentity(stated, described(stated), order)
-    arm = _arm(file, means, [one for one in likely if one.order == order], placed)
-    return ArmIdentity(arm, described(arm) if arm != UNDESCRIBED_ARM else None, order)
+    arm, is_told = _arm(file, means, [one for one in likely if one.order == order], placed)
+    robot = described(arm) if arm else None
+    if is_told:
+        return ArmIdentity(arm, robot, order)
+    return ArmIdentity(UNDESCRIBED_ARM, None, order, robot)
 
 
 def arms_of(file: FileContents) -> list[str]:
@@ -256,9 +263,9 @@ def _arm(
     means: BlockMeans | None,
     likely: Sequence[Reading],
     placed: PosedReadings,
-) -> str:
-    """Return the arm that nothing names: by the pose, or the one of which gravity tells the known
-    constants, likelier by far than the next; else none that is described.
+) -> tuple[str, bool]:
+    """Return the arm that nothing names, and whether it is told: by the pose, or by gravity, of
+    which it has the known constants and is likelier by far than the next; "" for none like it.
     """
     possible = [*dict.fromkeys(reading.arm for reading in placed.good)]
     rivals = [reading for reading in (placed.beaten,) if reading and reading.arm not in possible]
@@ -268,10 +275,10 @@ def _arm(
         next_best = f"{rivals[0].arm} is within {1000 * rivals[0].miss:.3g} mm" if rivals else alone
         reason = f"the pose, within {1000 * placed.good[0].miss:.1f} mm; {next_best}"
         tell("proven" if rivals else "check", "robot", possible[0], "numbers", reason)
-        return possible[0]
+        return possible[0], True
     if means is None or not means.currents or not likely:
         tell("check", "robot", UNDESCRIBED_ARM, "numbers", f"nothing tells the arm; {NAME_IT}")
-        return UNDESCRIBED_ARM
+        return "", False
     best, *others = likely
     constants, are_known = _constants(means, best)
     grounds = f"{best.arm} is the likeliest by the efforts{f', with {constants}' * bool(constants)}"
@@ -280,9 +287,9 @@ def _arm(
     grounds += f"; {''.join(rival) or 'no other of as many joints is described'}"
     if are_known and lead >= CLEAR_LEAD:
         tell("proven" if others else "check", "robot", best.arm, "numbers", grounds)
-        return best.arm
+        return best.arm, True
     tell("check", "robot", UNDESCRIBED_ARM, "numbers", f"no arm is clear: {grounds}; {NAME_IT}")
-    return UNDESCRIBED_ARM
+    return best.arm if are_known else "", False
 
 
 def _constants(means: BlockMeans, reading: Reading) -> tuple[str, bool]:

@@ -49,11 +49,10 @@ NO_ANGLE = (
     "in degrees, if it is an angle: within −100 … 100, to which some drivers scale each joint's "
     "own range, it may be none; then ask for the calibration file"
 )
-MOST_TURNS = 100  # of a joint, as some count without an end
-COUNTED = (
-    "in degrees, if it is an angle: more likely an encoder's counts, of an unknown number a turn"
-)
+MOST_DEGREES = 3600.0  # that a joint reaches; counts of encoders reach more
+COUNTS = "in degrees, if it is an angle: as counts of encoders, it has a factor a joint"
 TARGET_UNITS = {"target_q": "deg", "target_qd": "deg/s", "target_qdd": "deg/s2"}  # if in degrees
+MAX_RATIO_OF_FACTORS = 1.5  # of the largest to the smallest, where columns have one unit
 MAX_SHARE_BEHIND_TARGET = 0.05  # of the range of the positions, or of 1
 MAX_TURN_AT_REST = 0.01  # rad
 MAX_JOINT_ANGLE = 4 * np.pi  # rad; no joint turns further
@@ -63,13 +62,20 @@ class Agreement(NamedTuple):
     """How well a block is the derivative of another.
 
     share: of the moving columns that agree; ratio: of velocity to slope, the median; moving: number
-    of moving columns; missed: share of the slopes' squares that the velocities miss.
+    of moving columns; missed: share of the slopes' squares that the velocities miss; ratios: of
+    each column that agrees.
     """
 
     share: float
     ratio: float
     moving: int
     missed: float
+    ratios: Sequence[float] = ()
+
+    def is_of_own_factors(self) -> bool:
+        """Return whether all columns agree, but each by a factor of its own."""
+        sizes = np.abs(self.ratios)
+        return self.share == 1.0 and bool(sizes.max() > MAX_RATIO_OF_FACTORS * sizes.min())
 
 
 @dataclass(frozen=True)
@@ -133,7 +139,7 @@ def _agreement(slope: Array, rate: Array) -> Agreement:
         return Agreement(0.0, np.nan, len(moving), np.inf)
     ratio = float(np.median(good))
     missed = np.nansum((slope - rate / ratio) ** 2) / np.nansum(slope**2)
-    return Agreement(len(good) / len(moving), ratio, len(moving), float(missed))
+    return Agreement(len(good) / len(moving), ratio, len(moving), float(missed), good)
 
 
 def slopes_and_rates(
@@ -432,11 +438,11 @@ def _are_degrees(file: FileContents, position: ColumnBlock) -> bool:
         file.account.hold("assumed", position, "option", f"in {stated}")
     elif names_share(position.names[0]) or (shown and not named and most <= NORMALISED_RANGE):
         file.account.hold("check", position, "numbers", f"{NO_ANGLE}: reaches {most:.4g}")
+    elif shown and not named and most > MOST_DEGREES and not file.stated.robot:
+        file.account.hold("check", position, "numbers", f"{COUNTS}: reaches {most:.4g}")
     elif named:
         doubt = f", but {turns}" if shown and named != "deg" else ""
         file.account.hold("check" if doubt else "assumed", position, "name", f"in {named}{doubt}")
-    elif shown and most > 360 * MOST_TURNS:
-        file.account.hold("check", position, "numbers", f"{COUNTED}: reaches {most:.4g}")
     elif shown:
         file.account.hold("assumed", position, "numbers", f"in degrees: {turns}")
     else:
@@ -453,6 +459,10 @@ def _velocity_in_degrees(
     if not fit.moving:
         account.hold("assumed", velocity, velocity.evidence, "nothing moves that could prove it")
         return degrees
+    if fit.is_of_own_factors():
+        each = ", ".join(f"{ratio:.3g}" for ratio in fit.ratios)
+        own = f"{velocity.title} are {each} times their slopes: a factor a joint, so no angles"
+        account.hold("check", position, "numbers", f"{own}; ask for the calibration file")
     near = _nearest(fit.ratio) if np.isfinite(fit.ratio) else np.nan
     if fit.share < MIN_SHARE_OF_VELOCITIES or not _is_near(fit.ratio / near):
         no_derivative = f"not the derivative of {position.title}: "

@@ -124,7 +124,7 @@ def propose(file: FileContents) -> Proposal:
         _put_behind_gears(efforts, means, file)
     telling = {n: v for n, v in means.currents.items() if not is_share(efforts[n])} if means else {}
     likely = replace(means, currents=telling) if means else None
-    arm, robot, order = identity = identified(moving, likely)
+    arm, robot, order, _ = identity = identified(moving, likely)
     ordered = means.part(columns=order) if means else None
     named = name_efforts(efforts, ordered, identity, file)
     channels = {name: [block] for name, block in (moving.blocks | named).items()}

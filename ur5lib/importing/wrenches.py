@@ -89,8 +89,10 @@ def frame_of(
     """
     frame, lead = likeliest_frame(means, values, arm) if means and arm else (None, 0.0)
     if wrench[0].stem() == SENSOR_STEM and (frame is None or frame.axes == "flange"):
+        alone = "" if frame else ", by its name alone: some drivers write the base's axes"
         for block in wrench:
-            file.account.hold("assumed", block, "name", "a force sensor in the flange's axes")
+            sensor = f"a force sensor in the flange's axes{alone}"
+            file.account.hold("check" if alone else "assumed", block, "name", sensor)
         return WrenchFrame("flange", by_arm=False)
     if means is None or arm is None or frame is None:
         either = "in the base's frame or the flange's, by the arm or on it: the best two "
