@@ -85,8 +85,9 @@ def table(rows: pd.DataFrame, keys: list[str]) -> str:
 
 def of_right(log: RightLog) -> Iterator[dict[str, object]]:
     """Yield how a right log is judged: as recorded, by its motion alone, and described wrongly."""
-    forms = [("recorded", log.checked), ("motion alone", bare(log.checked))]
-    forms += [("links described wrongly", own) for own in wrongly_described(bare(log.checked))]
+    recorded = replace(log.checked)  # what is found of a copy goes with it, some 50 MB a log
+    forms = [("recorded", recorded), ("motion alone", bare(recorded))]
+    forms += [("links described wrongly", own) for own in wrongly_described(bare(recorded))]
     for name, own in forms:
         stops = stop_signs(own)
         doubts = [] if stops else [one for one in unchecked(own) if one.finding == DOUBT]
