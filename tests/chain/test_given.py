@@ -120,6 +120,7 @@ def test_a_resting_log_takes_its_columns_from_a_moving_one_of_its_form(
     with pytest.raises(ur5lib.InputError, match="no positions are found"):
         ur5lib.read(given[1], "ur5e")
     runs = ur5lib.read(given, "ur5e")
+    assert runs.line("recording_2").startswith("recording_2: fit, as in recording_1.")
     expected = resting[columns_of("actual_q")].median().to_numpy()
     np.testing.assert_allclose(runs["recording_2"].q.median(), expected, atol=1e-5)
 

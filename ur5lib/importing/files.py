@@ -102,7 +102,8 @@ def _take_columns(
     checks = [row for row in other.account if row.confidence == "check"]
     role = {"role": present.entry["role"]} if present else {}
     entry = other.entry | place_of_file(path) | role
-    imported[path] = [ImportedRecording(entry, [*checks, as_there])]
+    stops = _to_be_corrected(contradictions(entry))
+    imported[path] = [ImportedRecording(entry, [*stops, *checks, as_there])]
 
 
 def _checked(file: FileContents) -> list[ImportedRecording]:
@@ -117,10 +118,15 @@ def _checked(file: FileContents) -> list[ImportedRecording]:
             role = AccountRow("role", "validate", "numbers", "assumed", complaints[0])
             account = [*(row for row in account if row.subject != "role"), role]
         else:
-            stop = AccountRow("recording", "to be corrected", "numbers", "check")
-            account = [*(replace(stop, reason=one) for one in complaints), *account]
+            account = [*_to_be_corrected(complaints), *account]
     ends = None if others else ends_of(proposal)
     return [ImportedRecording(one, account, ends) for one in (first, *others)]
+
+
+def _to_be_corrected(complaints: Iterable[str]) -> list[AccountRow]:
+    """Return a row of an account for each stop sign of a recording that is read through it."""
+    stop = AccountRow("recording", "to be corrected", "numbers", "check")
+    return [replace(stop, reason=one) for one in complaints]
 
 
 def contradictions(recording: StudyEntry) -> list[str]:
