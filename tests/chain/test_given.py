@@ -89,8 +89,9 @@ def test_each_kind_of_table_is_read_alike(table: pd.DataFrame) -> None:
         pd.MultiIndex.from_tuples([(name, "") for name in plain.columns]), axis=1
     )
     lists = pd.DataFrame({name: [*values] for name, values in arrays_of(table).items()})
-    others = [plain.set_index("timestamp"), by_time, levels, pa.table(plain), plain.to_numpy(),
-              lists.rename(columns=OWN)]  # fmt: skip
+    of_lists = lists.assign(q=[[*row] for row in lists["q"]])  # of NumPy's numbers
+    others = [plain.set_index("timestamp"), by_time, levels, pa.table(plain), plain.to_numpy()]
+    others += [one.rename(columns=OWN) for one in (lists, of_lists)]
     for other in others:
         pd.testing.assert_frame_equal(ur5lib.read(other, "ur5e").q, first, check_exact=True)
     dated = by_time.set_axis(pd.to_datetime(by_time.index * 1e9 + 1.7e18))
