@@ -22,6 +22,7 @@ from typing import Any, BinaryIO, TypeVar, cast
 import numpy as np
 import pandas as pd
 import pyarrow as pa
+import pyarrow.csv as pacsv
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 from pydantic import TypeAdapter, ValidationError
@@ -211,7 +212,16 @@ def csv_text(table: pd.DataFrame, digits: int = 9, path: Path | None = None) -> 
 
 def write_exactly(table: pd.DataFrame, path: Path, header: bool = True) -> None:
     """Write a table as CSV whose numbers, read again, are the same to the last bit."""
-    table.to_csv(path, index=False, header=header)
+    if any(kind.kind not in "iuf" for kind in table.dtypes):
+        table.to_csv(path, index=False, header=header)
+        return
+    # Arrow takes a tenth of the time; the names stay here, since it puts quotes around them
+    arrays = [pa.array(table.iloc[:, k], from_pandas=True) for k in range(table.shape[1])]
+    form = pacsv.WriteOptions(include_header=False, quoting_style="none")
+    with path.open("wb") as file:
+        if header:
+            file.write((",".join(map(str, table.columns)) + "\n").encode())
+        pacsv.write_csv(pa.table(arrays, [*map(str, range(len(arrays)))]), file, form)
 
 
 def _write_numbers(table: pd.DataFrame, digits: int, path: Path) -> None:

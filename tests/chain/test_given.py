@@ -89,8 +89,9 @@ def test_each_kind_of_table_is_read_alike(table: pd.DataFrame) -> None:
         pd.MultiIndex.from_tuples([(name, "") for name in plain.columns]), axis=1
     )
     lists = pd.DataFrame({name: [*values] for name, values in arrays_of(table).items()})
-    others = [plain.set_index("timestamp"), by_time, levels, pa.table(plain), plain.to_numpy(),
-              lists.rename(columns=OWN)]  # fmt: skip
+    of_lists = lists.assign(q=[[*row] for row in lists["q"]])  # of NumPy's numbers
+    others = [plain.set_index("timestamp"), by_time, levels, pa.table(plain), plain.to_numpy()]
+    others += [one.rename(columns=OWN) for one in (lists, of_lists)]
     for other in others:
         pd.testing.assert_frame_equal(ur5lib.read(other, "ur5e").q, first, check_exact=True)
     dated = by_time.set_axis(pd.to_datetime(by_time.index * 1e9 + 1.7e18))
@@ -120,6 +121,7 @@ def test_a_resting_log_takes_its_columns_from_a_moving_one_of_its_form(
     with pytest.raises(ur5lib.InputError, match="no positions are found"):
         ur5lib.read(given[1], "ur5e")
     runs = ur5lib.read(given, "ur5e")
+    assert runs.line("recording_2").startswith("recording_2: fit, as in recording_1.")
     expected = resting[columns_of("actual_q")].median().to_numpy()
     np.testing.assert_allclose(runs["recording_2"].q.median(), expected, atol=1e-5)
 

@@ -114,8 +114,15 @@ def _frame(data: Any) -> pd.DataFrame:
         if kind.kind in "bm":
             frame[name] = _numbers(frame[name])
         elif kind.kind == "O":  # NumPy prints an array in a cell with eight digits
-            frame[name] = [x.tolist() if isinstance(x, np.ndarray) else x for x in frame[name]]
+            frame[name] = [_plain(cell) for cell in frame[name]]
     return frame
+
+
+def _plain(cell: Any) -> Any:
+    """Return a cell with Python's numbers for NumPy's, which are not printed as numbers."""
+    if isinstance(cell, list | tuple):
+        return [_plain(part) for part in cell]
+    return cell.tolist() if isinstance(cell, np.ndarray | np.generic) else cell
 
 
 def _joined(name: object) -> object:

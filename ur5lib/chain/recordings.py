@@ -150,7 +150,9 @@ class Recordings(Shown):
     def line(self, name: str) -> str:
         """Return in one line what a recording was taken for, and what of that should be checked."""
         own = self.account.query("recording == @name")
-        read = [taken for taken in own["taken_for"] if has_unit(taken.partition(" ")[0])]
+        whole = own["subject"] == "columns"  # of a file that is read like another
+        channels = own["taken_for"].map(lambda taken: has_unit(taken.partition(" ")[0]))
+        read = own["taken_for"][whole | channels]
         checks = own[own["confidence"] == "check"]
         words = "".join(f"; check {row.subject}: {row.taken_for}" for row in checks.itertuples())
         return printable(f"{name}: {self.roles[name]}, {', '.join(read)}{words}")

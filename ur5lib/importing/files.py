@@ -106,7 +106,8 @@ def _take_columns(
     checks = [row for row in other.account if row.confidence == "check"]
     role = {"role": present.entry["role"]} if present else {}
     entry = other.entry | place_of_file(path) | role
-    imported[path] = [ImportedRecording(entry, [*checks, as_there])]
+    stops = _to_be_corrected(contradictions(entry))
+    imported[path] = [ImportedRecording(entry, [*stops, *checks, as_there])]
 
 
 def _checked(file: FileContents) -> tuple[list[ImportedRecording], FormOfFile]:
@@ -125,11 +126,16 @@ def _checked(file: FileContents) -> tuple[list[ImportedRecording], FormOfFile]:
         else:
             doubted = any(r.subject == ORDER and r.confidence == "check" for r in account)
             order = "if the joints are in this order, " if doubted else ""
-            stop = AccountRow("recording", "to be corrected", "numbers", "check")
-            account = [*(replace(stop, reason=order + one) for one in complaints), *account]
+            account = [*_to_be_corrected(order + one for one in complaints), *account]
     ends = None if others else ends_of(proposal)
     recordings = [ImportedRecording(one, account, ends) for one in (first, *others)]
     return recordings, form_of(proposal)
+
+
+def _to_be_corrected(complaints: Iterable[str]) -> list[AccountRow]:
+    """Return a row of an account for each stop sign of a recording that is read through it."""
+    stop = AccountRow("recording", "to be corrected", "numbers", "check")
+    return [replace(stop, reason=one) for one in complaints]
 
 
 def contradictions(recording: StudyEntry) -> list[str]:

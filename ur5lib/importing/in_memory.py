@@ -102,7 +102,7 @@ def read(
             files = expect_no_study([*as_files(given, Path(folder))])
             imported = import_files(runs_of(files), stated)
             expect_all(imported)
-            runs = _recordings(_of_arm(_study_of(imported, role), ""))
+            runs = _recordings(_of_arm(_study_of(imported, role, folder), ""))
         except InputError as error:
             raise InputError(_in_python(str(error), folder)) from error
         for entry in runs.study.recordings:
@@ -158,9 +158,11 @@ def _in_python(message: str, folder: str) -> str:
     return re.sub(r"--(columns|unit|rate)\b", r"`\1`", message)
 
 
-def _study_of(imported: ImportedFiles, role: Role | None) -> Study:
-    """Return a study of what was imported."""
+def _study_of(imported: ImportedFiles, role: Role | None, folder: str) -> Study:
+    """Return a study of what was imported; folder: of what was given in memory."""
     entries: list[dict[str, Any]] = yaml.safe_load(as_entries(imported))
+    for row in (row for entry in entries for row in entry["account"]):
+        row |= {key: _in_python(text, folder) for key, text in row.items()}
     stated = {} if role is None else {"role": role}
     plain = {"study": "notebook", "title": "Recordings"}
     return parse_study(plain | {"recordings": [e | stated for e in entries]}, "the recordings")
