@@ -30,7 +30,7 @@ from ur5lib.strict import read_yaml
 from ur5lib.study.model import CurrentLowpass
 from ur5lib.timeseries.segments import runs as stretches
 from ur5lib.timeseries.trajectories import REST_SPEED
-from ur5lib.topics.live.live import Live
+from ur5lib.topics.live.live import FORMAT, Live
 from ur5lib.topics.live.live_file import learned
 from ur5lib.topics.live.live_recording import Followed, follow
 from ur5rivals.estimators.ours_live import inputs
@@ -119,7 +119,7 @@ def in_cpp(arm: dict[str, Any], run: Measured) -> str:
         program, file = Path(folder) / "live_samples", Path(folder) / "arm.json"
         flags = ["-std=c++17", "-O2", "-Wno-mismatched-new-delete", f"-I{HEADER}"]
         subprocess.run([compiler, *flags, SOURCE, "-o", program], check=True)
-        file.write_text(json.dumps(arm))
+        file.write_text(json.dumps({"format": FORMAT, **arm}))
         velocities = np.zeros_like(run.q) if run.qd is None else run.qd
         rows = np.column_stack([run.time, run.q, velocities, run.current]).tolist()
         lines = "\n".join(" ".join(map(repr, row)) for row in rows)

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 FLUSH_PERIOD = 1.0  # s, of rows that a killed writer may lose
@@ -11,13 +12,13 @@ TAIL = 1 << 16  # bytes
 class Journal:
     """A CSV of whole lines: rows are written together, and a part of them is cut off again.
 
-    path: which must not exist; names: of the columns; period: [s], in which rows are written.
+    path: written anew; names: of the columns; period: [s], in which rows are written.
     Raises OSError where they cannot be written; those before stay.
     """
 
     def __init__(self, path: Path, names: Sequence[str], period: float = FLUSH_PERIOD) -> None:
         self.path, self._period = path, period
-        self._file = path.open("xb", buffering=0)
+        self._file = path.open("wb", buffering=0)
         self._size, self._lines = 0, [",".join(names)]
         self.rows = -1  # written ones, of which the names are none
         self._flush()
@@ -48,8 +49,9 @@ class Journal:
             self._size, self.rows = self._size + whole, self.rows + count
             if whole < len(data):
                 self._lines = [*lines[count:], *self._lines]
-                self._file.truncate(self._size)
-                self._file.seek(self._size)
+                with suppress(OSError):  # the one that is raised says more
+                    self._file.truncate(self._size)
+                    self._file.seek(self._size)
 
 
 def part_of(path: Path) -> Path:

@@ -25,7 +25,7 @@ from ur5lab.doubles.transmission import TransmissionFaults
 from ur5lab.doubles.xsens_double import XsensDouble
 from ur5lab.recorder.capture import Status, capture
 from ur5lab.recorder.opened import file_entry
-from ur5lab.recorder.session import MANIFEST, Session, write_manifest
+from ur5lab.recorder.session import MANIFEST, Session, cut_off, write_manifest
 from ur5lib.errors import InputError
 from ur5lib.recordings.recording import RawRecording
 from ur5lib.recordings.starts import place_sensors
@@ -104,6 +104,7 @@ def recorded(
         with Session(devices.devices(), folder) as session:
             write_manifest(folder, session.identities(), None, None)
             assert not read_json(folder / MANIFEST)["complete"]
+            assert cut_off(folder)
             lags = [behind(controller)]
             time.sleep(SECONDS)
             lags.append(behind(controller))

@@ -121,7 +121,10 @@ class Session:
 def cut_off(folder: Path) -> bool:
     """Return whether a folder is that of a session that was cut off, as by a power failure."""
     manifest = folder / MANIFEST
-    return manifest.is_file() and not read_json(manifest).get("complete", True)
+    try:
+        return manifest.is_file() and not read_json(manifest)["complete"]
+    except (InputError, KeyError, TypeError):  # another one's file
+        return False
 
 
 def write_manifest(

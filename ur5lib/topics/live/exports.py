@@ -25,11 +25,19 @@ def arm_file(study: "FinishedStudy | None", robot: str, as_in: str, accept: str)
     from ur5lib.errors import InputError
     from ur5lib.tables import json_text
     from ur5lib.topics.live.arm_file import known_of_arm
+    from ur5lib.topics.live.live import read_arm
 
     if study is None:
         raise InputError("--format live is what a study fitted; name its folder by --results")
     known = known_of_arm(study, robot, as_in)
-    return json_text(known | overruled(study, robot, QUESTIONS, accept).in_json())
+    text = json_text(known | overruled(study, robot, QUESTIONS, accept).in_json())
+    try:
+        read_arm(text)
+    except ValueError as error:
+        raise InputError(
+            f"{study.folder} has no live estimate of this version; `ur5 run` it again ({error})"
+        ) from error
+    return text
 
 
 def _text(name: str, *_: object) -> str:
