@@ -116,7 +116,7 @@ def test_joints_by_name_are_nothing_beside_positions(tmp_path: Path, made: Made)
 @pytest.mark.parametrize(
     ("factors", "velocity", "said"),
     [
-        ([4e4, 3.8e4, 4.1e4, 2.6e4, 2.5e4, 1.2e4], "", "as counts of encoders"),
+        ([4e4, 3.8e4, 4.1e4, 2.6e4, 2.5e4, 1.2e4], "", "counts of encoders"),
         ([30, 33, 45, 20, 25, 32], "", "ask for the calibration file"),
         ([30, 33, 45, 20, 25, 32], "qd_{k}", "a factor a joint, so no angles"),
     ],

@@ -381,10 +381,8 @@ def _unit_by_gravity(block: ColumnBlock, shown: GravityShown, account: Account) 
         return LESS_GRAVITY
     if shown.is_of_own_factors() and not spelled and not shown.is_of_a_factor(best):
         ahead = shown.own - shown.scores[best]
-        factors = (
-            f"one factor a joint explains it better than {UNIT_WORDS[best]}, by {ahead:.3g} of "
-        )
-        factors += f"log-likelihood: {shown.constants_in_words()}; {OWN_FACTORS_REASON}"
+        factors = f"one factor a joint explains it better than {UNIT_WORDS[best]}, by {ahead:.3g} "
+        factors += f"of log-likelihood: {shown.constants_in_words()}; {OWN_FACTORS_REASON}"
         if named is None:
             account.exclude(block, f"in no unit: {factors}")
         else:
@@ -397,8 +395,8 @@ def _unit_by_gravity(block: ColumnBlock, shown: GravityShown, account: Account) 
         return best
     if best != LESS_GRAVITY and not spelled and shown.is_of_a_factor(best):
         stated = f"--unit {CURRENT_CHANNEL}={shown.factor():.3g}"
-        unknown = f"in no unit that is known: {sentence}; one factor would explain it, as {stated}"
-        unknown += ", or one a joint, as of a share of rated torques"
+        share = "a share of rated torques, with a factor a joint, or one factor would explain it"
+        unknown = f"in no unit that is known: {sentence}; {share}, as {stated}"
         account.exclude(block, unknown)
         return None
     unit = best if named is None or (best == "mA" and named == "A" and not spelled) else named

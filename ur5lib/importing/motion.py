@@ -44,13 +44,12 @@ MAX_SHARE_AROUND_LEAP = 0.2  # of a leap, that the joint moves in the steps befo
 MIN_SHARE_OF_VELOCITIES = 0.8  # of moving columns that are derivatives; two exchanged are fewer
 CLEAR_CLOCK_RATIO = 2.0  # times the misfit of another clock that then takes its place
 WORST_MISFIT = 10.0  # of a clock under which no velocity is a derivative
-NORMALISED_RANGE = 100.0  # to which a joint's own range may be scaled
+SHARES_REACH = 100.0  # of each joint's own range, to which some drivers scale it
+COUNTS_REACH = 3600.0  # least, of encoders; no joint turns so many degrees
 NO_ANGLE = (
-    "in degrees, if it is an angle: within −100 … 100, to which some drivers scale each joint's "
-    "own range, it may be none; then ask for the calibration file"
+    "in degrees, if it is an angle: within −100 … 100 it may be a share of each joint's range, and "
+    "beyond ten turns counts of encoders; then ask for the calibration file"
 )
-MOST_DEGREES = 3600.0  # that a joint reaches; counts of encoders reach more
-COUNTS = "in degrees, if it is an angle: as counts of encoders, it has a factor a joint"
 TARGET_UNITS = {"target_q": "deg", "target_qd": "deg/s", "target_qdd": "deg/s2"}  # if in degrees
 MAX_RATIO_OF_FACTORS = 1.5  # of the largest to the smallest, where columns have one unit
 MAX_SHARE_BEHIND_TARGET = 0.05  # of the range of the positions, or of 1
@@ -430,16 +429,16 @@ def _are_degrees(file: FileContents, position: ColumnBlock) -> bool:
     """Return whether positions are in degrees: as stated, named, or by how far they turn."""
     stated, named = file.stated.units.get("actual_q"), named_unit(position.names[0])
     shown, most = _in_degrees(file, position), float(np.nanmax(np.abs(position.rows)))
+    are_counts = most > COUNTS_REACH and not file.stated.robot
+    doubtful = shown and not named and (most <= SHARES_REACH or are_counts)
     turns = f"reaches {most:.4g}: as radians {most / 2 / np.pi:.0f} turns; joints turn at most 2"
     if position.stated and position.names[0] not in file.stated.names():
         nothing_else = "of the joints by name, and nothing else to be: positions"
         file.account.hold("check", position, "name", nothing_else)
     if stated:
         file.account.hold("assumed", position, "option", f"in {stated}")
-    elif names_share(position.names[0]) or (shown and not named and most <= NORMALISED_RANGE):
+    elif names_share(position.names[0]) or doubtful:
         file.account.hold("check", position, "numbers", f"{NO_ANGLE}: reaches {most:.4g}")
-    elif shown and not named and most > MOST_DEGREES and not file.stated.robot:
-        file.account.hold("check", position, "numbers", f"{COUNTS}: reaches {most:.4g}")
     elif named:
         doubt = f", but {turns}" if shown and named != "deg" else ""
         file.account.hold("check" if doubt else "assumed", position, "name", f"in {named}{doubt}")
