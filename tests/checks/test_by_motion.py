@@ -18,7 +18,12 @@ from tests.made_records import motion_of
 from tests.stored_files import made_up_channels
 from ur5lib.channels import CURRENT
 from ur5lib.checks.block_means import block_means
-from ur5lib.checks.by_motion import MotionChecks, are_exchanged, have_exchanged_efforts
+from ur5lib.checks.by_motion import (
+    MotionChecks,
+    are_exchanged,
+    have_exchanged_efforts,
+    is_turned,
+)
 from ur5lib.checks.checked import Checked
 from ur5lib.checks.contacts import FeltContact
 from ur5lib.checks.delays import Delays, delayed_currents
@@ -402,3 +407,4 @@ def test_joints_that_move_alike_are_exchanged_only_by_clear_links(
         swapped = ahead(motion, [lead, 0.1, 0.1, lead, 0.1, 0.1])
         assert are_exchanged(swapped, declared, (0, 3)) == expected
         assert have_exchanged_efforts(swapped, declared, (0, 3)) == expected
+        assert is_turned(swapped, declared, 3) == expected

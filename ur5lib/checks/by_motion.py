@@ -369,12 +369,17 @@ def are_exchanged(other: Explained, first: Explained, pair: Pair) -> bool:
 
 def is_turned(other: Explained, first: Explained, joint: int) -> bool:
     """Return whether the opposite sign of a joint, from 0, is likelier: by declared links that of
-    its own effort, by any links those of all joints, which hang on each other.
+    its own effort, by any links those of all joints, which hang on each other; clearly so of a
+    joint that moves as another does.
     """
-    if other.by_links is not None:
-        return is_likelier(other, first, [joint], Limits(MIN_LEAD_OF_SIGN, np.inf))
     joints = first.motion.joints
-    return is_likelier(other, first, joints, Limits(np.inf, MIN_LEAD_OF_SIGN_BY_ANY_LINKS))
+    alike = any(are_alike(first.motion, (joint, one)) for one in joints if one != joint)
+    if other.by_links is not None:
+        limits = OF_ALIKE if alike else Limits(MIN_LEAD_OF_SIGN, np.inf)
+        return is_likelier(other, first, [joint], limits)
+    return not alike and is_likelier(
+        other, first, joints, Limits(np.inf, MIN_LEAD_OF_SIGN_BY_ANY_LINKS)
+    )
 
 
 def _leads(found: Lead, least: float) -> bool:

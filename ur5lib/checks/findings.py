@@ -46,9 +46,10 @@ def possible_delays(checked: Checked) -> list[Finding]:
     name, delays = checked.arm.measured.channel, checked.delays or checked.sensed_delays
     if delays is None or len(checked.means.q) < MIN_BLOCKS:
         return []
-    found = [*delayed_currents(delays, checked.driven, name)]
+    rubs = checked.driven and checked.delays is not None
+    found = [*delayed_currents(delays, rubs, name)]
     if not found:
-        found += delayed_joint(delays, checked.tells_signs_by_friction(), name)
+        found += delayed_joint(delays, rubs, name)
     return [as_warning(one) for one in found]
 
 
