@@ -15,7 +15,7 @@ from ur5lib.commands.overruled import Overruled, overruled
 from ur5lib.errors import InputError, perhaps, unknown
 from ur5lib.finished import FinishedStudy
 from ur5lib.identification.currents import torque_constants
-from ur5lib.recordings.rosbag import JOINTS
+from ur5lib.recordings.arm_joints import JOINTS
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import CurrentFit, Friction, Parameter

@@ -23,8 +23,8 @@ from ur5lib.importing.spellings import (
     without_unit,
     words,
 )
+from ur5lib.recordings.arm_joints import JOINTS, joint_order
 from ur5lib.recordings.entries import OPPOSITE_SIGN
-from ur5lib.recordings.rosbag import JOINTS, joint_order
 from ur5lib.records.account import Evidence
 from ur5lib.timeseries.arrays import Array
 

@@ -22,7 +22,7 @@ from ur5lib.importing.blocks import AXES, ColumnBlock
 from ur5lib.importing.contents import FileContents
 from ur5lib.importing.motion import ImportedMotion
 from ur5lib.importing.spellings import without_unit
-from ur5lib.recordings.rosbag import JOINT_NAMES
+from ur5lib.recordings.arm_joints import JOINT_NAMES
 from ur5lib.records.account import Evidence
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import link_frames

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable, Mapping
 
 from ur5lib.channels import RECORDED_CHANNELS, SUFFIXES, is_unused
-from ur5lib.recordings.rosbag import JOINT_NAMES
+from ur5lib.recordings.arm_joints import JOINT_NAMES, SEVEN_JOINT_NAME, SEVEN_JOINT_NAMES
 from ur5lib.records.account import UNKNOWN_NAME
 
 
@@ -55,10 +55,6 @@ SHARE_WORDS = _words_in("percent percentage pct permille promille normalized nor
 SHARE_SIGNS = {"%", "‰", "pu", "p.u.", *SHARE_WORDS}  # in brackets
 IMU_WORDS = _words_in("imu mag magnetometer")  # mx is a magnetic field there
 TEMPERATURE_WORDS = _words_in("temperature temperatures temp temps")
-SEVEN_JOINT_NAMES = ("s0", "s1", "e0", "e1", "w0", "w1", "w2")  # joints of a seven-jointed arm
-SEVEN_JOINT_NAME = re.compile(
-    rf"(?<![A-Za-z0-9])({'|'.join(SEVEN_JOINT_NAMES)})(?![A-Za-z0-9])", re.IGNORECASE
-)
 LETTERED_JOINTS = ([*"SLURBT"], [*"SLEURBT"])  # of Yaskawa's arms
 JOINT_WORDS = _words_in("joint joints jnt axis axes actuator j a")
 CLOCK_NAME = re.compile(r"time|stamp|clock|(^|[/_ ])t$|sec(s|onds)?$", re.IGNORECASE)

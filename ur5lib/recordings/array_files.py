@@ -1,6 +1,7 @@
 """Arrays by their names in a file: HDF5, MAT, NumPy, Parquet, Feather."""
 
 import json
+import traceback
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator
 from functools import wraps
@@ -34,6 +35,7 @@ LOADERS: dict[str, Load] = {}  # by the format's name in a study
 ENDINGS: dict[str, str] = {}  # the format of a file by its ending
 LEVELS_OF_DATA_SET = 4  # folders of a LeRobot data set above its files
 UNREAD = "unread"  # the finding on what of a file holds no rows of numbers
+OWN_CODE = Path(__file__).parents[1]
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"  # behind the 512 bytes of MATLAB's own head
 
 
@@ -60,6 +62,11 @@ def array_format(
             except InputError:
                 raise
             except Exception as error:  # of damaged files, a library may raise anything
+                if is_ours(error):
+                    raise InputError(
+                        f"{path} cannot be read as {kind} by a fault of ur5 and not of the file "
+                        f"({type(error).__name__}: {error}); report it, with the file if you may"
+                    ) from error
                 raise InputError(
                     f"{path} cannot be read as {kind}: it is damaged, incomplete or of another "
                     "format, or its permissions forbid it; copy it again from its source, or "
@@ -72,6 +79,16 @@ def array_format(
         return loaded
 
     return registered
+
+
+def is_ours(error: BaseException) -> bool:
+    """Return whether the project's own code raised an exception, and no library that it calls.
+
+    NumPy raises for arrays of the wrong shape from the line that calls it, so that it counts as
+    that line's.
+    """
+    places = [frame.filename for frame in traceback.extract_tb(error.__traceback__)]
+    return bool(places) and Path(places[-1]).is_relative_to(OWN_CODE)
 
 
 def report_unread(path: Path, names: Iterable[str], why: str, findings: list[Finding]) -> None:

@@ -1,9 +1,8 @@
 """Messages of bags, ROS 1 (.bag) or ROS 2 (.db3, .mcap), as arrays by topic and field."""
 
-import re
 from array import array
 from collections import Counter, defaultdict
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,25 +12,27 @@ from rosbags.typesys import Stores, get_typestore
 
 from ur5lib.channels import MOST_JOINTS
 from ur5lib.errors import InputError
+from ur5lib.recordings.arm_joints import JOINTS, ArmJoints, arms_among, joint_order
 from ur5lib.recordings.array_files import Arrays, array_format, report_unread, rows_of
 from ur5lib.recordings.bag_chunks import Unpack, with_bounded_chunks
 from ur5lib.recordings.bag_files import PACKED_ENDING, bag_files, unpacked
+from ur5lib.recordings.json_messages import (
+    JOINT_FIELDS,
+    JSON_STATES,
+    NumberMessages,
+    are_numbers,
+    is_json,
+    is_wanted,
+    joint_state,
+    json_messages,
+)
 from ur5lib.recordings.limits import BYTES_PER_NUMBER, expect_room
 from ur5lib.records.quality import Finding, Log
 from ur5lib.timeseries.arrays import Array, Mask
 
-JOINTS = ["shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"]
-JOINT_NAMES = [  # of drivers, and as the teach panel has them
-    re.compile(name, re.IGNORECASE)
-    for name in (
-        r"shoulder[ _]?pan|(?<![a-z])base(?=[ _.][a-z]+$|$)",
-        r"shoulder[ _]?lift|(?<![a-z])shoulder(?![ _]?pan)",
-        *("elbow", r"wrist[ _]?1", r"wrist[ _]?2", r"wrist[ _]?3"),
-    )
-]
 PACKED_MESSAGE = b"\x28\xb5\x2f\xfd"  # how zstd begins, and no message of ROS 2 by itself
 FIELDS = {  # that are read of each kind of message
-    "sensor_msgs/msg/JointState": ("position", "velocity", "effort"),
+    "sensor_msgs/msg/JointState": JOINT_FIELDS,
     "geometry_msgs/msg/WrenchStamped": ("force", "torque"),
     "franka_msgs/msg/FrankaState": (
         *("q", "dq", "tau_J", "tau_ext_hat_filtered", "O_F_ext_hat_K", "O_T_EE"),
@@ -84,7 +85,7 @@ class Messages:
         return max(
             self.joints,
             key=lambda joints: (
-                joint_order(joints.names) is not None,
+                bool(arms_among(joints.names)),
                 len(JOINTS) <= joints.width <= MOST_JOINTS,
                 counts[self.joints[joints]],
             ),
@@ -95,22 +96,30 @@ class Messages:
         alike = [_in_any_order(own) == _in_any_order(joints) for own in self.joints]
         return np.array(alike)[np.array(self.places)]
 
-    def rows(self, field: str, kept: Mask, joints: Joints) -> Array:
-        """Return a field of some messages in the arm's order, else in that of `joints`.
+    def arms(self) -> list[tuple[Joints, ArmJoints]]:
+        """Return the arms among the joints, each once, with the kind of message that names it."""
+        kinds = sorted(self.joints, key=lambda joints: joints != self.usual_joints())
+        found = {frozenset(arm.names): (own, arm) for own in kinds for arm in arms_among(own.names)}
+        return [*found.values()]
+
+    def rows(self, field: str, kept: Mask, joints: Joints, ordered: Sequence[str]) -> Array:
+        """Return a field of some messages, of the joints in order; of all where none are named.
 
         Nothing where none of them has it; NaN in those without it.
         """
         widths = np.array(self.widths[field])
-        width, names = joints.width or int(widths[kept][0]), joints.names
+        width = joints.width or int(widths[kept][0])
         if not width or not (widths[kept] == width).any():
             return np.empty((0, 0))
         rows = rows_of(np.array(self.values[field]), widths, width)[kept]
-        ordered = [names[k] for k in joint_order(names) or range(len(names))]
+        if not ordered:
+            return rows
+        chosen, places = np.empty((len(rows), len(ordered))), np.array(self.places)[kept]
         for own, place in self.joints.items():
-            if _in_any_order(own) == _in_any_order(joints) and names:
-                these = np.array(self.places)[kept] == place
-                rows[these] = rows[these][:, [own.names.index(name) for name in ordered]]
-        return rows
+            if _in_any_order(own) == _in_any_order(joints):
+                columns = [own.names.index(name) for name in ordered]
+                chosen[places == place] = rows[places == place][:, columns]
+        return chosen
 
 
 @array_format("rosbag", "a ROS bag", ".bag", ".db3", ".mcap", PACKED_ENDING, is_folder=True)
@@ -125,14 +134,53 @@ def rosbag_arrays(path: Path, wanted: Collection[str] | None, findings: list[Fin
     """
     topics: dict[str, Messages] = {}
     files, missing = bag_files(path)
+    if is_json(files[0]):
+        return _of_json(files, wanted, path, findings)
     failures = [_read_part(file, wanted, topics, findings) for file in files]
     if not topics and (failure := next(filter(None, failures), None)):
         raise failure
     lacking = "parts that metadata.yaml lists, but that the folder lacks"
     Log(path, "robot", findings).add("damaged messages", "warning", missing, lacking)
+    return _by_topic(topics, wanted, path, findings)
+
+
+def _of_json(
+    files: list[Path], wanted: Collection[str] | None, path: Path, findings: list[Finding]
+) -> Arrays:
+    """Return the arrays of messages in JSON: states of joints, and numbers by name."""
+    topics, tables = dict[str, Messages](), dict[str, NumberMessages]()
+    unread, lost = set[str](), Counter[str]()
+    for topic, kind, received, content in (m for file in files for m in json_messages(file, lost)):
+        if not is_wanted(topic, wanted):
+            continue
+        if kind in JSON_STATES:
+            state = joint_state(content, received)
+            topics.setdefault(topic, Messages()).add(state, received, JOINT_FIELDS)
+        elif are_numbers(content):
+            tables.setdefault(topic, NumberMessages()).add(content, received)
+        else:
+            unread.add(f"{topic} ({kind})")
+    for one in sorted(unread):
+        kind = one.partition("(")[2].rstrip(")")
+        report_unread(path, [one], f"JSON messages of schema {kind} are not read", findings)
+    for meaning, count in lost.items():
+        Log(path, "robot", findings).add("damaged messages", "warning", count, meaning)
+    if wanted is None and not topics and not tables:
+        kinds = ", ".join(sorted(unread)) or "no topic"
+        raise InputError(f"{path}: JSON messages of schema {kinds} are not read")
+    arrays = _by_topic(topics, wanted, path, findings)
+    return arrays | {n: v for topic, one in tables.items() for n, v in one.arrays(topic).items()}
+
+
+def _by_topic(
+    topics: dict[str, Messages],
+    wanted: Collection[str] | None,
+    path: Path,
+    findings: list[Finding],
+) -> Arrays:
     arrays: Arrays = {}
     for topic, messages in topics.items():
-        arrays |= _topic_arrays(topic, messages, path, findings)
+        arrays |= _topic_arrays(topic, messages, wanted, path, findings)
     return arrays
 
 
@@ -165,12 +213,6 @@ def _read_part(
     return failure
 
 
-def joint_order(names: tuple[str, ...]) -> list[int] | None:
-    """Return where joints 1 to 6 stand among named ones; None where the names leave it open."""
-    places = [[k for k, name in enumerate(names) if joint.search(name)] for joint in JOINT_NAMES]
-    return [found[0] for found in places] if all(len(found) == 1 for found in places) else None
-
-
 def _collect(
     bag: Any,
     unpack: Unpack,
@@ -183,8 +225,7 @@ def _collect(
     known = [
         connection
         for connection in bag.connections
-        if connection.msgtype in FIELDS
-        and (wanted is None or any(name.startswith(f"{connection.topic}/") for name in wanted))
+        if connection.msgtype in FIELDS and is_wanted(connection.topic, wanted)
     ]
     missing = sum(connection.msgcount for connection in known)
     size = BYTES_PER_NUMBER * sum(messages.size() for messages in topics.values())
@@ -226,22 +267,49 @@ def _numbers(field: Any) -> Array:
     return np.array([getattr(field, axis) for axis in ("x", "y", "z")], float)
 
 
-def _topic_arrays(topic: str, messages: Messages, path: Path, findings: list[Finding]) -> Arrays:
-    """Return the arrays of a topic, of the messages about the joints that most of them name."""
-    usual = messages.usual_joints()
-    kept = messages.about(usual)
-    log = Log(path, "robot", findings)
-    joints = ", ".join(usual.names) or f"the {usual.width} of most"
-    others = f"messages on {topic} about other joints than {joints}; left out"
+def _topic_arrays(
+    topic: str,
+    messages: Messages,
+    wanted: Collection[str] | None,
+    path: Path,
+    findings: list[Finding],
+) -> Arrays:
+    """Return the arrays of a topic: of each of several arms, or of the usual joints."""
+    usual, arms = messages.usual_joints(), messages.arms()
+    if len(arms) < 2 or (wanted and f"{topic}/position" in wanted):
+        arm = next((arm for joints, arm in arms if joints == usual), ArmJoints("", ()))
+        return _arm_arrays(topic, messages, usual, arm.names, Log(path, "robot", findings))
+    arrays: Arrays = {}
+    for k, (joints, arm) in enumerate(arms):
+        place = f"{topic}/{arm.label or f'arm_{k + 1}'}"
+        if wanted is None or any(name.startswith(f"{place}/") for name in wanted):
+            log = Log(path, "robot", [] if k and wanted is None else findings)
+            arrays |= _arm_arrays(place, messages, joints, arm.names, log)
+    return arrays
+
+
+def _arm_arrays(
+    place: str, messages: Messages, joints: Joints, of_arm: tuple[str, ...], log: Log
+) -> Arrays:
+    """Return the arrays of an arm, of the messages that name its joints."""
+    kept, names = messages.about(joints), joints.names
+    order = joint_order(names)
+    whole = len(of_arm) in (0, len(names)) or (order is not None and len(names) == len(JOINTS))
+    ordered = [names[k] for k in order or range(len(names))] if whole else of_arm
+    listed = ", ".join(ordered) or f"the {joints.width} of most"
+    others = f"messages on {place} about other joints than {listed}; left out"
     log.add("other messages", "note", np.count_nonzero(~kept), others)
-    if joint_order(usual.names) is None:
-        named = f"{joints} on {topic} are not the names of an arm's joints; kept in order"
-        nameless = f"the messages on {topic} name no joints; kept in order"
-        meaning = named if usual.names else nameless
-        log.add("unnamed joints", "note", usual.width, meaning, channels=[topic])
+    rest = [name for name in names if name not in ordered]
+    if rest:
+        report_unread(log.path, rest, f"no joint of the arm on {place}", log.findings)
+    if joint_order(tuple(ordered)) is None:
+        named = f"{listed} on {place} are not the names of an arm's joints; kept in order"
+        nameless = f"the messages on {place} name no joints; kept in order"
+        meaning = named if names else nameless
+        log.add("unnamed joints", "note", len(ordered) or joints.width, meaning, channels=[place])
     arrays = {
-        f"{topic}/stamp": np.array(messages.stamps)[kept],
-        f"{topic}/bag_stamp": np.array(messages.received)[kept],
+        f"{place}/stamp": np.array(messages.stamps)[kept],
+        f"{place}/bag_stamp": np.array(messages.received)[kept],
     }
-    rows = {field: messages.rows(field, kept, usual) for field in messages.values}
-    return arrays | {f"{topic}/{field}": found for field, found in rows.items() if len(found)}
+    rows = {field: messages.rows(field, kept, joints, ordered) for field in messages.values}
+    return arrays | {f"{place}/{field}": found for field, found in rows.items() if len(found)}

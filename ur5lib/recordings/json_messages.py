@@ -1,0 +1,107 @@
+"""Messages of MCAP files in JSON: states of joints, as Foxglove or ROS has them, and numbers."""
+
+import json
+from collections import Counter, defaultdict
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from mcap.reader import make_reader
+
+from ur5lib.recordings.limits import BYTES_PER_NUMBER, expect_room
+from ur5lib.timeseries.arrays import Array
+
+MCAP_ENDING = ".mcap"
+JSON_STATES = ("foxglove.JointStates", "sensor_msgs/msg/JointState", "sensor_msgs/JointState")
+JOINT_FIELDS = ("position", "velocity", "effort")
+
+
+def is_json(path: Path) -> bool:
+    """Return whether a file is an MCAP file with messages in JSON alone."""
+    if path.suffix != MCAP_ENDING:
+        return False
+    with path.open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    channels = summary.channels.values() if summary else ()
+    return bool(channels) and all(one.message_encoding == "json" for one in channels)
+
+
+def json_messages(path: Path, lost: Counter[str]) -> Iterator[tuple[str, str, float, Any]]:
+    """Yield topic, schema, time of receipt [s] and content of each message, and count the lost."""
+    size = 0
+    with path.open("rb") as stream:
+        for schema, channel, message in make_reader(stream).iter_messages():
+            size += len(message.data)
+            expect_room(path, size / BYTES_PER_NUMBER)
+            try:
+                content = json.loads(message.data)
+            except ValueError:
+                lost["messages that are no JSON; skipped"] += 1
+                continue
+            kind = schema.name if schema else "no name"
+            yield channel.topic, kind, 1e-9 * message.log_time, content
+
+
+def joint_state(content: Mapping[str, Any], received: float) -> Any:
+    """Return a state of joints as a message of ROS has it; NaN for what a joint lacks."""
+    if "joints" in content:
+        parts = content["joints"]
+        names = [str(part.get("name", "")) for part in parts]
+        fields = {field: [part.get(field) for part in parts] for field in JOINT_FIELDS}
+    else:
+        names = [*map(str, content.get("name") or [])]
+        fields = {field: content.get(field) or [] for field in JOINT_FIELDS}
+    stamp = content.get("timestamp") or content.get("header", {}).get("stamp")
+    header = SimpleNamespace(stamp=_stamp(stamp, received))
+    return SimpleNamespace(header=header, name=names, **{n: _row(v) for n, v in fields.items()})
+
+
+def _row(values: list[float | None]) -> Array:
+    """Return numbers, none where all are unknown."""
+    known = any(value is not None for value in values)
+    return np.array(values if known else [], float)
+
+
+def _stamp(stamp: Any, received: float) -> Any:
+    """Return seconds and nanoseconds of a stamp, else those of the receipt."""
+    if not isinstance(stamp, dict):
+        return SimpleNamespace(sec=received, nanosec=0)
+    nanoseconds = next((stamp[key] for key in ("nsec", "nanosec", "nsecs") if key in stamp), 0)
+    return SimpleNamespace(sec=stamp.get("sec", stamp.get("secs", 0)), nanosec=nanoseconds)
+
+
+class NumberMessages:
+    """Messages of numbers by name, of a topic: a row each, NaN for what one lacks."""
+
+    def __init__(self) -> None:
+        self.received = list[float]()
+        self.values: dict[str, dict[int, float]] = defaultdict(dict)
+
+    def add(self, content: Mapping[str, Any], received: float) -> None:
+        """Add the numbers of a message."""
+        for name, value in content.items():
+            self.values[name][len(self.received)] = value
+        self.received.append(received)
+
+    def arrays(self, topic: str) -> dict[str, Array]:
+        """Return the numbers by `<topic>/<name>`, and the times of receipt as `bag_stamp` [s]."""
+        arrays = {f"{topic}/bag_stamp": np.array(self.received)}
+        for name, found in self.values.items():
+            column = np.full(len(self.received), np.nan)
+            column[[*found]] = [*found.values()]
+            arrays[f"{topic}/{name}"] = column
+        return arrays
+
+
+def are_numbers(content: Any) -> bool:
+    """Return whether a message is numbers by name, and no more."""
+    return isinstance(content, dict) and all(
+        isinstance(value, int | float) and not isinstance(value, bool) for value in content.values()
+    )
+
+
+def is_wanted(topic: str, wanted: Collection[str] | None) -> bool:
+    """Return whether something of a topic is wanted; None: all."""
+    return wanted is None or any(name.startswith(f"{topic}/") for name in wanted)
