@@ -146,6 +146,8 @@ def contents(
     findings: list[Finding] = []
     path, account = file.folder / file.name if isinstance(file, PartedRun) else file, Account()
     format = PARTED_FORMAT if isinstance(file, PartedRun) else format_of(path) or TABLE_FORMAT
+    if path.is_file() and path.stat().st_size == 0:
+        raise InputError(f"{path} is empty; record it again, or copy it again from its source")
     if format == TABLE_FORMAT:
         expect_row_each_sample(path)
     header = read_header(path, stated) if format == TABLE_FORMAT else TableHeader()
