@@ -23,7 +23,7 @@ OTHER_FILES = {  # by their first bytes, with what to do with them
     b"7z\xbc\xaf": "a 7z archive; unpack it: 7z x",
     b"PK\x03\x04": "a zip archive or a workbook of Excel; unpack it, or save each sheet as CSV",
     b"Rar!": "a RAR archive; unpack it: unrar x",
-    b"\x80": "a pickle of Python, which could run code; save its numbers as CSV: frame.to_csv(…)",
+    b"\x80": "a pickle of Python, which could run code; save its numbers as CSV",
 }
 GZIP_SIGNATURE, BYTE_ORDER_MARK = b"\x1f\x8b", b"\xef\xbb\xbf"
 
