@@ -248,6 +248,10 @@ def explain(error: ErrorDetails, schema: Schema) -> str:
     key, kind = "".join(parts).lstrip("."), error["type"]
     if kind == "extra_forbidden":
         keys = _descend(schema, error["loc"][:-1])[1]["properties"]
+        if len(location) == 1 and "settings" in keys:
+            of_settings = _descend(schema, ("settings",))[1].get("properties", {})
+            if key in of_settings:
+                return f"`{key}` belongs under `settings`; write it there, indented"
         return f"unknown key `{key}`{perhaps(location[-1], keys)}; known keys: {', '.join(keys)}"
     if kind.startswith("union_tag"):
         return _explain_tag(error, key, list(branches(node)))

@@ -1,6 +1,7 @@
 """`ur5 import` of logs in the forms that public data sets and loggers have."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from tests.stored_files import JOINTS, Channels, Made, frame, made_up_channels, 
 from ur5lib.errors import InputError
 from ur5lib.importing.contents import UserStatement
 from ur5lib.importing.files import import_files
+from ur5lib.importing.written import imported_files
 from ur5lib.tables import channel
 
 MOVED = ("actual_q", "actual_qd", "actual_current")
@@ -317,3 +319,26 @@ def test_columns_without_names_are_left_out(tmp_path: Path, made: Made) -> None:
     entry, told = imported(tmp_path / "run.csv")
     assert entry["format"] == "rtde-csv"
     assert "twice" not in told
+
+
+@pytest.mark.parametrize(
+    ("content", "kind"),
+    [
+        (b"", "is empty"),
+        (b"%PDF-1.4\n", "PDF"),
+        (b"7z\xbc\xaf\x27\x1c", "7z"),
+        (b"\x80\x04]", "pickle"),
+    ],
+)
+def test_what_is_no_table_is_named(tmp_path: Path, content: bytes, kind: str) -> None:
+    (tmp_path / "run.csv").write_bytes(content)
+    with pytest.raises(InputError, match=kind):
+        import_files([tmp_path / "run.csv"])
+
+
+def test_a_unit_of_a_channel_that_no_column_became_is_refused(tmp_path: Path, made: Made) -> None:
+    path = saved(rtde(made).rename(columns={"timestamp": "time"}), tmp_path / "run.csv")
+    stated = UserStatement("ur5", units={"actual_current": "A"})
+    assert imported_files([path], stated)
+    with pytest.raises(InputError, match="no column became"):
+        imported_files([path], replace(stated, units={"target_qdd": "deg"}))

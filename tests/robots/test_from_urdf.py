@@ -142,6 +142,18 @@ def test_a_description_is_written_and_read(tmp_path: Path, monkeypatch: pytest.M
             describe_urdf(path, None, None, name)
 
 
+def test_a_name_with_a_line_break_writes_no_key(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    path = saved(made_up(3), tmp_path)
+    first = next(one.get("name") for one in made_up(3).iter("joint"))
+    path.write_text(path.read_text().replace(f'"{first}"', f'"{first}&#10;mass: 9"'))
+    with pytest.raises(InputError, match="control character"):
+        describe_urdf(path, None, "tool", "mine")
+    assert not (tmp_path / "robots").exists()
+
+
 def test_endless_joints_and_limits_are_read(tmp_path: Path) -> None:
     robot, _ = robot_from_urdf(saved(planar(2), tmp_path))
     assert robot.endless_joints == [1, 2]

@@ -32,9 +32,9 @@ def test_published_studies_and_their_schema_are_at_hand(here: Path) -> None:
     published = {dataset.study for dataset in catalogue().values()} - {None}
     assert published <= {str(path) for path in Path("workflow/studies").glob("*.yaml")}
     for study in [*published, "config.yaml"]:
-        head = Path(study).read_text().splitlines()[0]
-        assert Path(head.partition("$schema=")[2]).is_absolute()
-        assert Path(head.partition("$schema=")[2]).is_file()
+        schema = Path(study).read_text().splitlines()[0].partition("$schema=")[2]
+        assert not Path(schema).is_absolute()
+        assert (Path(study).parent / schema).is_file()
 
 
 def test_files_that_are_there_stay(here: Path) -> None:

@@ -19,6 +19,9 @@ def describe_urdf(
     """
     robot, remarks = robot_from_urdf(file, base, tip, physical)
     name = name or robot.name
+    told = [file.name, *remarks, *robot.joints]
+    if unprintable := next((text for text in told if not text.isprintable()), None):
+        raise InputError(f"{file}: {unprintable!r} has a control character; give it another name")
     if not re.fullmatch(r"[\w-][\w.-]*", name, re.ASCII):
         raise InputError(f"{name!r} cannot name a file; letters, digits, `_`, `-` and dots can")
     if name in robot_names():
@@ -28,4 +31,8 @@ def describe_urdf(
     path.parent.mkdir(exist_ok=True)
     write_text(head + robot_yaml(robot.model_copy(update={"name": name})), path)
     joints = ", ".join(robot.joints)
-    return [*remarks, f"{path} written: {len(robot.joints)} joints ({joints})"]
+    side = (
+        f"which side are its torques on? The links': write `effort: joint_torque` into {path}; the "
+        "motors': `effort: motor_torque`, and each `gear_ratio`"
+    )
+    return [*remarks, f"{path} written: {len(robot.joints)} joints ({joints})", side]

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 from ur5lib.commands.console import text_console
 from ur5lib.errors import InputError, printable
 from ur5lib.jobs.unreadable import unreadable
+from ur5lib.study.reading import read_study
 from ur5lib.study.turn import running
 from ur5lib.workspace.places import SNAKEFILE, WORKFLOW
 
@@ -26,6 +27,7 @@ STEPS_TO_RUN = re.compile(r"^total +(\d+)$", re.MULTILINE)
 # Lines that Snakemake prints of every run.
 USUAL = re.compile(
     r"$|\[|Using |Assuming |Building DAG|Provided |Rules claiming|Select jobs|Execute \d"
+    r"|WorkflowError in file|the study has errors$|  File \".*\", line \d+, in <module>"
     r"|Job stats|job +count|-+ +-+|\w+ +\d+$|Finished jobid|Complete log|Elapsed time|report: "
 )
 SECONDS_BETWEEN_LINES = 60.0
@@ -40,6 +42,7 @@ def build(
     options: of Snakemake; verbose: print all of its lines; quiet: no progress. Raises InputError
     where it fails.
     """
+    read_study(study)
     with nullcontext(_untold) if quiet else _progress() as report:
         status = _watch(_command(study, options), report, verbose)
     if status:
@@ -88,6 +91,7 @@ def state(study: Path, results: Path) -> State:
     """Return what is known of a study's results. Raises InputError where it has mistakes."""
     from ur5lib.commands.verdicts import card_states  # slow to import
 
+    read_study(study)
     report, holder, written = results / "report.html", running(results), None
     if report.is_file():
         written = time.strftime("%Y-%m-%d %H:%M", time.localtime(report.stat().st_mtime))

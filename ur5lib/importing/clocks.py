@@ -6,10 +6,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.importing.blocks import NAMELESS_PREFIX
-from ur5lib.importing.spellings import CLOCK_NAME, named_unit
+from ur5lib.importing.spellings import CLOCK_NAME, named_unit, place_of
 from ur5lib.recordings.arrays import seconds_of
 from ur5lib.recordings.bunched_stamps import close_rows, even_times
 from ur5lib.recordings.entries import UNIT_FACTORS
+from ur5lib.recordings.roll_overs import without_roll_over
 from ur5lib.timeseries.arrays import Array, Mask
 
 ROW_CLOCK = "row number"  # the clock of a file without one
@@ -44,7 +45,7 @@ def clocks_of(arrays: Mapping[str, np.ndarray], stated: str | None) -> FileClock
 
     stated: the unit that the user gives.
     """
-    named, ends = [name for name in arrays if CLOCK_NAME.search(name)], [*arrays][:1]
+    named, ends = [name for name in arrays if CLOCK_NAME.search(name)], _by_place(arrays)
     ends += [*arrays][-1:] if "".join(ends).startswith(NAMELESS_PREFIX) else []
     stamps = {name: seconds_of(arrays[name]) for name in named or ends}
     stamps = {name: values for name, values in stamps.items() if is_clock(values)}
@@ -55,7 +56,10 @@ def clocks_of(arrays: Mapping[str, np.ndarray], stated: str | None) -> FileClock
     clocks, notes = dict[str, Array](), dict[str, str]()
     others = [array for name, array in arrays.items() if name not in stamps]
     for name, unit in units.items():
-        clocks[name] = stamps[name] * UNIT_FACTORS.get(unit, 1.0)
+        as_read = stamps[name] * UNIT_FACTORS.get(unit, 1.0)
+        clocks[name] = without_roll_over(as_read)
+        if not np.array_equal(clocks[name], as_read, equal_nan=True):
+            notes[name] = "its counter of 32 bits begins again on the way: it is read as going on"
         close = close_rows(clocks[name])
         if close.any() and _rows_are_new(close, others):
             clocks[name] = even_times(clocks[name], close)
@@ -65,6 +69,15 @@ def clocks_of(arrays: Mapping[str, np.ndarray], stated: str | None) -> FileClock
             )
     not_seconds = {name: unit for name, unit in units.items() if unit != "s"}
     return FileClocks(clocks, not_seconds, {}, notes)
+
+
+def _by_place(arrays: Mapping[str, np.ndarray]) -> list[str]:
+    """Return the first array's name, none where it is one of several joints' or axes'."""
+    for first in [*arrays][:1]:
+        stem, place = place_of(first)
+        alike = [name for name in arrays if place_of(name)[0] == stem]
+        return [first] if first.startswith(NAMELESS_PREFIX) or place < 0 or len(alike) < 2 else []
+    return []
 
 
 def _rows_are_new(close: Mask, arrays: Iterable[np.ndarray]) -> bool:

@@ -150,13 +150,19 @@ class FileContents:
         return replace(self, blocks=blocks, clocks=clocks)
 
 
-def contents(file: Path | PartedRun, stated: UserStatement = NO_STATEMENT) -> FileContents:
-    """Return the contents of a file, or of the files of one run. Raises InputError for an
-    unreadable file, and where rows of several do not belong together.
+def contents(
+    file: Path | PartedRun, stated: UserStatement = NO_STATEMENT, timed: bool = True
+) -> FileContents:
+    """Return the contents of a file, or of the files of one run.
+
+    timed: whether a column may be the clock by its place. Raises InputError for an unreadable file,
+    and where rows of several do not belong together.
     """
     findings: list[Finding] = []
     path, account = file.folder / file.name if isinstance(file, PartedRun) else file, Account()
     format = PARTED_FORMAT if isinstance(file, PartedRun) else format_of(path) or TABLE_FORMAT
+    if path.is_file() and path.stat().st_size == 0:
+        raise InputError(f"{path} is empty; record it again, or copy it again from its source")
     if format == TABLE_FORMAT:
         expect_row_each_sample(path)
     header = read_header(path, stated) if format == TABLE_FORMAT else TableHeader()
@@ -168,7 +174,7 @@ def contents(file: Path | PartedRun, stated: UserStatement = NO_STATEMENT) -> Fi
         arrays = LOADERS[format](path, None, findings)
         _state_unread(findings, account)
     account.order.extend(header.columns or arrays)
-    clocks = _clocks(arrays, stated, account)
+    clocks = _clocks(arrays, stated, timed, account)
     rest = [name for name in arrays if name not in clocks.stamps and name not in clocks.doubts]
     unnamed = header.columns[:1] == [f"{NAMELESS_PREFIX}1"]
     width = _width_of_nameless(len(rest), stated.joints()) if unnamed else None
@@ -225,13 +231,14 @@ def _state_unread(findings: Iterable[Finding], account: Account) -> None:
 
 
 def _clocks(
-    arrays: Mapping[str, np.ndarray], stated: UserStatement, account: Account
+    arrays: Mapping[str, np.ndarray], stated: UserStatement, timed: bool, account: Account
 ) -> FileClocks:
     """Return the clocks among arrays, or else the rows' numbers; state why others are none."""
     joints = lettered_joints(arrays)  # among them T
     arrays = {n: values for n, values in arrays.items() if n not in joints}
-    timed = {n: values for n, values in arrays.items() if not stated.rate or CLOCK_NAME.search(n)}
-    clocks = clocks_of(timed, stated.units.get("time"))
+    by_place = timed and not stated.rate
+    likely = {n: values for n, values in arrays.items() if by_place or CLOCK_NAME.search(n)}
+    clocks = clocks_of(likely, stated.units.get("time"))
     if stated.rate:
         clocks = FileClocks({}, {}, dict.fromkeys(clocks.stamps, "the rows are timed by --rate"))
     for name, reason in clocks.doubts.items():

@@ -1,6 +1,7 @@
 """Import of recordings: each file is analysed, read back through its entry, and checked."""
 
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,8 @@ from ur5lib.importing.contents import NO_STATEMENT, FileContents, UserStatement,
 from ur5lib.importing.entry import StudyEntry, entry_of, episodes, identifier, place_of_file
 from ur5lib.importing.identity import ORDER, UNDESCRIBED_ARM
 from ur5lib.importing.parted_runs import PartedRun
-from ur5lib.importing.proposal import meanings, propose
+from ur5lib.importing.proposal import Proposal, meanings, propose
+from ur5lib.importing.spellings import CLOCK_NAME
 from ur5lib.recordings.entries import SKIPPED_COLUMN
 from ur5lib.records.account import AccountRow
 from ur5lib.study.reading import parse_study
@@ -69,11 +71,12 @@ def import_files(
         try:
             file = contents(path, stated)
             layouts[path] = [file.format, *file.account.order]
-            imported[path], forms[path] = _checked(file)
+            imported[path], forms[path] = _checked(_proposed(path, file))
         except InputError as error:
             refused[path] = str(error)
     for path, precedent in precedents(forms):
-        imported[path], _ = _checked(replace(contents(path, stated), precedent=precedent))
+        file = replace(contents(path, stated), precedent=precedent)
+        imported[path], _ = _checked(_proposed(path, file))
     for path, layout in layouts.items():
         if isinstance(path, Path) and (path in refused or layout[1:2] == [f"{NAMELESS_PREFIX}1"]):
             alike = [other for own, (other, *_) in imported.items() if layouts[own] == layout]
@@ -110,11 +113,30 @@ def _take_columns(
     imported[path] = [ImportedRecording(entry, [*stops, *checks, as_there])]
 
 
-def _checked(file: FileContents) -> tuple[list[ImportedRecording], FormOfFile]:
+def _proposed(path: Path | PartedRun, file: FileContents) -> Proposal:
+    """Return the proposal for a file; where a column that is its clock by its place alone leaves no
+    positions, that without a clock.
+
+    Raises InputError where neither has positions.
+    """
+    try:
+        return propose(file)
+    except InputError as error:
+        if not file.has_clock() or any(map(CLOCK_NAME.search, file.clocks.stamps)):
+            raise
+        untimed, column = contents(path, file.stated, timed=False), next(iter(file.clocks.stamps))
+        with suppress(InputError):
+            proposal = propose(untimed)
+            rising = f"{column} rises like one, but it belongs to the columns behind it"
+            untimed.account.tell("assumed", "clock", "none", "numbers", rising)
+            return proposal
+        raise error
+
+
+def _checked(proposal: Proposal) -> tuple[list[ImportedRecording], FormOfFile]:
     """Return the entry of a file, or of each episode, with the stop signs of the first one read;
     and how it was read.
     """
-    proposal = propose(file)
     entry, account = entry_of(proposal), proposal.contents.account.rows(meanings(proposal))
     first, *others = [entry | part for part in episodes(proposal)] or [entry]
     if proposal.arm != UNDESCRIBED_ARM:

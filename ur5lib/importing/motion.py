@@ -310,8 +310,7 @@ def _likely_pairs(
             for b in same
         ]
         slopes, rates = (np.nan_to_num(np.stack(part)) for part in zip(*pairs, strict=True))
-        usual = np.quantile(np.abs(slopes), USUAL_SHARE_OF_SLOPES, axis=1, keepdims=True)
-        slopes = np.clip(slopes, -usual, usual)  # without leaps between runs
+        slopes, rates = map(_usual_part, (slopes, rates))  # without leaps between runs
         least = np.ones((len(same), len(same)))
         for slope, rate in zip(slopes.transpose(2, 0, 1), rates.transpose(2, 0, 1), strict=True):
             still = np.minimum.outer(slope.std(axis=1), rate.std(axis=1)) < MIN_MOVING_SPEED
@@ -320,6 +319,12 @@ def _likely_pairs(
         np.fill_diagonal(least, 0.0)
         for k, j in zip(*np.nonzero((least >= MIN_CORRELATION - 0.2) & (least < 1)), strict=True):
             yield same[k], same[j]
+
+
+def _usual_part(rates: Array) -> Array:
+    """Return rates (n, M, k), each column cut at what most of it stays below."""
+    usual = np.quantile(np.abs(rates), USUAL_SHARE_OF_SLOPES, axis=1, keepdims=True)
+    return np.clip(rates, -usual, usual)
 
 
 def _standardised(rows: Array) -> Array:

@@ -1,14 +1,17 @@
 """What `ur5 import` prints, or writes into a study: entries of recordings, and their account."""
 
+import re
 import sys
 from collections.abc import Sequence
+from itertools import chain
 from pathlib import Path
 
+from ur5lib.channels import RECORDED_CHANNELS
 from ur5lib.commands.console import announced, text_console
 from ur5lib.commands.exported import described
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, some
 from ur5lib.importing.contents import UserStatement
-from ur5lib.importing.entry import identifier
+from ur5lib.importing.entry import StudyEntry, identifier
 from ur5lib.importing.files import (
     ImportedFiles,
     account_table,
@@ -18,6 +21,7 @@ from ur5lib.importing.files import (
     write_study,
 )
 from ur5lib.importing.parted_runs import runs_of
+from ur5lib.recordings.entries import SKIPPED_COLUMN
 from ur5lib.study.address import is_study, study_file
 
 ACCOUNT_WIDTH = 160  # characters of a table that no terminal limits
@@ -40,9 +44,11 @@ def user_statement(
 def imported_files(files: Sequence[Path], stated: UserStatement) -> ImportedFiles:
     """Return the entries of recordings; the file that is being read is printed on stderr.
 
-    Raises InputError for a study among them.
+    Raises InputError for a study among them, and a unit of a channel that they lack.
     """
-    return import_files(announced(runs_of(expect_no_study(files))), stated)
+    imported = import_files(announced(runs_of(expect_no_study(files))), stated)
+    _expect_channels(imported, stated)
+    return imported
 
 
 def expect_no_study(files: Sequence[Path]) -> Sequence[Path]:
@@ -50,6 +56,27 @@ def expect_no_study(files: Sequence[Path]) -> Sequence[Path]:
     if study := next((file for file in files if is_study(str(file)) and file.is_file()), None):
         raise InputError(f"{study} is a study, no recording; build it: ur5 run {study}")
     return files
+
+
+def _expect_channels(imported: ImportedFiles, stated: UserStatement) -> None:
+    """Raise InputError for a stated unit of a channel that no column of any file became."""
+    for channel in stated.units:
+        if not any(channel in _channels(one.entry) for one in imported):
+            found = sorted({*chain.from_iterable(_channels(one.entry) for one in imported)})
+            raise InputError(
+                f"--unit {channel}: no column became this channel; the files have {some(found)}"
+            )
+
+
+def _channels(entry: StudyEntry) -> set[str]:
+    """Return the channels that an entry names, with those of its force sensor."""
+    if "columns" not in entry and "channels" not in entry:
+        return {"time", *RECORDED_CHANNELS}  # the format tells them
+    sensor = entry.get("force_sensor", {}).get("channels", {})
+    columns = {re.sub(r"_[\dxyz]$", "", name) for name in entry.get("columns", [])}
+    return {*entry.get("channels", {}), *sensor, *columns, *entry.get("columns", [])} - {
+        SKIPPED_COLUMN
+    }
 
 
 def write_imported(

@@ -14,6 +14,8 @@ from ur5lib.records.phrases import number
 from ur5lib.records.quality import Finding, add_finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
+MIN_SHARE_CLOSE = 0.3  # of steps that are shorter than any log's; pairs of rows have half
+MAX_CLOSE_STEP = 1.1 * MIN_STEP  # s, and what stamps are rounded by
 MIN_MEAN_STEP = 5.0  # times the usual step of bunched rows
 MIN_SHARE_NEW = 0.1  # of close rows with new data; a recorder that polls repeats the others
 MIN_PAUSE = 1.5  # times the time that the larger of the bunches before and after it takes
@@ -52,11 +54,11 @@ def even_times(time: Array, close: Mask) -> Array:
 
 
 def _are_bunched(steps: Array) -> bool:
-    """Return whether most steps [s] are shorter than any log's, and others much longer."""
+    """Return whether many steps [s] are shorter than any log's, and others much longer."""
     if len(steps) < MIN_STAMPS or not (steps >= 0).all():
         return False
-    usual = float(np.median(steps))
-    return usual < min(MIN_STEP, _far_step(steps)) and float(np.mean(steps)) >= MIN_STEP
+    close = steps < min(MAX_CLOSE_STEP, _far_step(steps))
+    return float(np.mean(close)) >= MIN_SHARE_CLOSE and float(np.mean(steps)) >= MIN_STEP
 
 
 def _far_step(steps: Array) -> float:

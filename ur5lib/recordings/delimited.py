@@ -22,6 +22,7 @@ from ur5lib.records.quality import Finding, Log
 from ur5lib.timeseries.arrays import Array, Labels
 
 ISO_DATE = re.compile(rb"\d{4}-\d\d-\d\d[T ]\d\d:\d\d")
+TIME_OF_DAY = re.compile(rb"\d{1,2}:\d\d:\d\d(?:[:.,]\d{1,9})?$")  # Excel's form, LabVIEW's
 NAN_SPELLINGS = ["", "nan", "NaN", "NAN", "-nan", "NA", "N/A", "null", "NULL", "None"]
 SAMPLE_ROWS = 20  # rows that show what a column holds
 PREAMBLE = re.compile(rb"(?:[ \t]*(?:[#%][^\n]*|sep=.)?\n)*")  # blank, comment, Excel's "sep=;"
@@ -29,6 +30,7 @@ PREAMBLE = re.compile(rb"(?:[ \t]*(?:[#%][^\n]*|sep=.)?\n)*")  # blank, comment,
 SPREADSHEET_CELL = re.compile(
     r"###|\d:\d|\d[./-]\d+[./-]\d|\d[. -]+[A-Z][a-z]{2}|[A-Z][a-z]{2}[. -]+\d"
 )
+DAY = 86400.0  # s
 BLOCK_BYTES = 1 << 16  # bytes; a block of this size with a damaged line is read line by line
 TAIL_LINES = 20  # lines that show what a complete last line looks like
 LEAD_LINES = 60  # lines that show where a table begins
@@ -354,7 +356,7 @@ def _fault(data: bytes, place: int, form: Form) -> str:
     read = [
         cell
         for name, cell in zip(form.names, cells, strict=True)
-        if name not in form.text and not (name in form.dates and ISO_DATE.match(cell.strip()))
+        if name not in form.text and not (name in form.dates and _is_stamp(cell))
     ]
     wrong = next(cell for cell in read if not _is_cell(cell)).strip().decode(errors="replace")
     cause = "; a spreadsheet program may have changed it" if SPREADSHEET_CELL.search(wrong) else ""
@@ -405,10 +407,15 @@ def text_columns(
     worded = [name for name, cells in columns.items() if _is_text(cells)]
     if len(worded) == len(columns):
         return [], []
-    dates = [name for name in worded if all(ISO_DATE.match(cell.strip()) for cell in columns[name])]
+    dates = [name for name in worded if all(map(_is_stamp, columns[name]))]
     units = {name: [CHANNELS[found].unit for found in channels_of(name)] for name in worded}
     modes = [name for name in worded if name != "timestamp" and {*units[name]} <= {"1"}]
     return dates, [name for name in modes if name not in dates]
+
+
+def _is_stamp(cell: bytes) -> bool:
+    """Return whether a cell holds a date with a time, or the time of a day."""
+    return bool(ISO_DATE.match(cell.strip()) or TIME_OF_DAY.match(cell.strip()))
 
 
 def _is_text(cells: Sequence[bytes]) -> bool:
@@ -418,14 +425,23 @@ def _is_text(cells: Sequence[bytes]) -> bool:
 
 
 def seconds_of_dates(dates: pd.Series) -> Array:
-    """Return the seconds since 1970 (N,) of ISO dates, NaN for others; without a zone, of UTC."""
+    """Return the seconds since 1970 (N,) of ISO dates, without a zone of UTC; NaN for others.
+
+    Of times of a day, as `12:30:05:250000`, those since its midnight, which go on over the next.
+    """
+    if dates.str.match(TIME_OF_DAY.pattern.decode()).any():
+        text = dates.str.strip().str.replace(r"^(\d+:\d+:\d+)[:,]", r"\1.", regex=True)
+        since = pd.to_timedelta(text, errors="coerce").dt.total_seconds().to_numpy()
+        return since + DAY * np.cumsum(np.nan_to_num(np.diff(since, prepend=since[:1])) < -DAY / 2)
     stamps = pd.to_datetime(dates, format="ISO8601", utc=True, errors="coerce")
     counted = stamps.astype("datetime64[ns, UTC]").astype("int64").to_numpy() * 1e-9
     return np.where(stamps.isna(), np.nan, counted)
 
 
 def seconds_of_date(cell: bytes) -> float | None:
-    """Return the seconds since 1970 of an ISO date, None for anything else."""
+    """Return the seconds of a date or a time of day, as `seconds_of_dates`, None for neither."""
+    if TIME_OF_DAY.match(cell.strip()):
+        return float(seconds_of_dates(pd.Series([cell.strip().decode()]))[0])
     try:
         stamp = datetime.fromisoformat(cell.strip().decode(errors="replace"))
     except ValueError:

@@ -12,6 +12,7 @@ from pydantic_core import PydanticCustomError
 from ur5lib.channels import SIX_SUFFIXES, joint_count, meant
 from ur5lib.channels import columns as columns_of
 from ur5lib.errors import InputError
+from ur5lib.recordings.roll_overs import without_roll_over
 from ur5lib.records.account import AccountRow
 from ur5lib.records.quality import SENSORS, Device
 from ur5lib.robots.description import Direction, Vector3
@@ -138,6 +139,8 @@ class Clocked(InUnits):
         table = super().in_si(table)
         if self.cycle is not None:
             table["time"] = self.cycle * (np.arange(len(table)) if row is None else row)
+        elif "time" in table:
+            table["time"] = without_roll_over(table["time"].to_numpy(float))
         return table
 
 

@@ -18,6 +18,13 @@ MIN_BLOCK_BYTES = 1 << 20  # bytes; a shorter rest joins the block before it
 BRACKETS, LETTERS = b"()[]", re.compile(rb"[A-DF-Za-df-z]")  # all but the e of 1e-3
 QUOTED_TEXT, SEPARATORS = re.compile(rb'"[^"\n]*"'), re.compile(rb"[,;\t]")
 QUOTED_DECIMAL = re.compile(rb'"([-+]?\d+),(\d+(?:[eE][-+]?\d+)?)"')
+OTHER_FILES = {  # by their first bytes, with what to do with them
+    b"%PDF": "a PDF, not numbers; save the table that it was made of as CSV",
+    b"7z\xbc\xaf": "a 7z archive; unpack it: 7z x",
+    b"PK\x03\x04": "a zip archive or a workbook of Excel; unpack it, or save each sheet as CSV",
+    b"Rar!": "a RAR archive; unpack it: unrar x",
+    b"\x80": "a pickle of Python, which could run code; save its numbers as CSV",
+}
 GZIP_SIGNATURE, BYTE_ORDER_MARK = b"\x1f\x8b", b"\xef\xbb\xbf"
 
 
@@ -50,6 +57,8 @@ def _blocks(log: Log) -> Iterator[bytes]:
         if block.startswith(BYTE_ORDER_MARK):
             log.add("byte-order mark", "note", 1, "ignored")
             block = block[len(BYTE_ORDER_MARK) :]
+        if kind := next((OTHER_FILES[k] for k in OTHER_FILES if block.startswith(k)), ""):
+            raise InputError(f"{log.path} is {kind}")
         # Zeros further down may be a lost disk block: that is a damaged line.
         if block[:2] in (b"\xff\xfe", b"\xfe\xff") or b"\0" in block[:1000]:
             raise InputError(f"{log.path}, line 1: not a text file; save it as plain CSV (UTF-8)")

@@ -83,6 +83,7 @@ def parse_study(raw: PlainData, source: str) -> Study:
         *_repeated_files(raw),
         *_devices_on_two_hosts(raw),
         *_missing_results(raw),
+        *_wrong_reference(raw.get("reference")),
     ]
     try:
         study = _with_arms(Study.model_validate(_with_files(raw)))
@@ -192,9 +193,12 @@ def _faults(stated: int, entry: PlainData, raw: PlainData) -> Iterator[str]:
         for key in sorted(entry.keys() & FILE_KEYS):
             yield f"`{place}.{key}` is of real files, but the entry has `simulate`; remove one"
     elif isinstance(folder, str) and not os.path.isdir(folder):
+        missing = _topmost_missing(Path(folder))
+        lies = "is" if missing == Path(folder) else "lies in"
         yield (
-            f"`{place}.folder` is {quoted(folder)}, which does not exist in {Path.cwd()}; run in "
-            "the study's folder, correct the path, or fetch the data (`ur5 fetch`)"
+            f"`{place}.folder` {lies} {quoted(str(missing))}, which does not exist in "
+            f"{Path.cwd()}; run in the study's folder, correct the path, or fetch the data "
+            "(`ur5 fetch`)"
         )
     else:
         yield from _wrong_truth(place, folder, entry.get("truth"))
@@ -213,6 +217,14 @@ def _faults(stated: int, entry: PlainData, raw: PlainData) -> Iterator[str]:
     start, end = _extent(entry)
     if end <= start:
         yield f"`{place}.to_s` is {end:g}, not after `from_s`, {start:g}; correct one"
+
+
+def _topmost_missing(folder: Path) -> Path:
+    """Return the part of a missing folder's path that is missing first."""
+    missing = folder
+    while missing.parent != missing and not os.path.isdir(missing.parent):
+        missing = missing.parent
+    return missing
 
 
 def _wrong_truth(place: str, folder: Any, truth: Any) -> Iterator[str]:
@@ -237,6 +249,15 @@ def _missing_results(raw: PlainData) -> Iterator[str]:
                 f"`compare_with` names {quoted(name)}, but results/{name} holds no results; "
                 "build that study first by `ur5 run`"
             )
+
+
+def _wrong_reference(file: Any) -> Iterator[str]:
+    """Yield the error of a file of published values that holds no YAML mapping."""
+    if isinstance(file, str) and os.path.isfile(file):
+        try:
+            read_plain(Path(file))
+        except InputError:
+            yield f"`reference`: {file} does not hold published values; name another file"
 
 
 def _with_files(raw: PlainData) -> PlainData:

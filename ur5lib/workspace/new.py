@@ -9,7 +9,7 @@ from ur5lib.tables import made, write_text
 from ur5lib.workspace.places import WORKFLOW
 
 TEMPLATES = Path(__file__).parent / "templates"
-SCHEMA_KEY = "$schema="  # in the first line of a study, with the path beside it in a clone
+SCHEMA = "workflow/study.schema.json"  # which the first line of a study names
 
 
 def new_workspace(folder: Path) -> str:
@@ -31,34 +31,24 @@ def new_workspace(folder: Path) -> str:
 def copy_study(name: str) -> Path:
     """Copy a study of the package, and its printed numbers, to the same place here; return it."""
     reference = read_yaml(WORKFLOW / name).get("reference")
-    for file in filter(None, [name, reference]):
+    for file in filter(None, [name, reference, SCHEMA]):
         if not Path(file).exists():
-            write_text(_with_whole_schema_path(WORKFLOW / file), file)
+            write_text((WORKFLOW / file).read_text(encoding="utf-8"), file)
     return Path(name)
 
 
 def _contents() -> dict[str, str]:
     """Return the content of each file of a new workspace by its name."""
-    schema, config = _with_whole_schema_path(WORKFLOW / "config.yaml").split("\n", 1)
+    schema, config = (WORKFLOW / "config.yaml").read_text(encoding="utf-8").split("\n", 1)
     example = (TEMPLATES / "config.yaml").read_text(encoding="utf-8")
     copied = {_relative(path): path for path in WORKFLOW.glob("profiles/*/config.yaml")}
+    copied |= {_relative(path): path for path in WORKFLOW.glob("workflow/studies/*.yaml")}
+    copied |= {SCHEMA: WORKFLOW / SCHEMA}
     copied |= {path.name: path for path in (TEMPLATES / "README.md", TEMPLATES / "Snakefile")}
-    studies = WORKFLOW.glob("workflow/studies/*.yaml")
-    return (
-        {"config.yaml": f"{schema}\n{example}{config}"}
-        | {_relative(path): _with_whole_schema_path(path) for path in studies}
-        | {name: path.read_text(encoding="utf-8") for name, path in copied.items()}
-    )
+    texts = {name: path.read_text(encoding="utf-8") for name, path in copied.items()}
+    return {"config.yaml": f"{schema}\n{example}{config}"} | texts
 
 
 def _relative(path: Path) -> str:
     """Return the path of a file of the workflow within the workflow, and within a workspace."""
     return str(path.relative_to(WORKFLOW))
-
-
-def _with_whole_schema_path(path: Path) -> str:
-    """Return a study of the workflow, whose first line names the schema by its whole path."""
-    text = path.read_text(encoding="utf-8")
-    first, rest = text.split("\n", 1)
-    before, _, schema = first.partition(SCHEMA_KEY)
-    return f"{before}{SCHEMA_KEY}{(path.parent / schema).resolve()}\n{rest}" if schema else text
