@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.importing.blocks import NAMELESS_PREFIX
+from ur5lib.importing.parted_runs import TEXT_ENDINGS
 from ur5lib.importing.spellings import CLOCK_NAME, named_unit, place_of
 from ur5lib.recordings.arrays import seconds_of
 from ur5lib.recordings.bunched_stamps import close_rows, even_times
@@ -72,11 +73,14 @@ def clocks_of(arrays: Mapping[str, np.ndarray], stated: str | None) -> FileClock
 
 
 def _by_place(arrays: Mapping[str, np.ndarray]) -> list[str]:
-    """Return the first array's name, none where it is one of several joints' or axes'."""
+    """Return the first array's name, none where it is one of several joints' or axes'; stamps are
+    the first column of a file of one quantity.
+    """
     for first in [*arrays][:1]:
         stem, place = place_of(first)
         alike = [name for name in arrays if place_of(name)[0] == stem]
-        return [first] if first.startswith(NAMELESS_PREFIX) or place < 0 or len(alike) < 2 else []
+        of_joints = place >= 0 and len(alike) > 1 and not stem.endswith(TEXT_ENDINGS)
+        return [first] if first.startswith(NAMELESS_PREFIX) or not of_joints else []
     return []
 
 
