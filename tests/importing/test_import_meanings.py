@@ -198,3 +198,15 @@ def test_one_driver_has_one_unit(tmp_path: Path) -> None:
     alone = import_files(paths[:1], UserStatement("ur3"))
     add_to_study(alone, study)
     assert "part_1 of this study has actual_current [[-0.07" in in_words(alone[0].account)
+
+
+@pytest.mark.parametrize("lacking", [1, 2])
+def test_a_joint_that_is_missing_is_counted(tmp_path: Path, made: Made, lacking: int) -> None:
+    table = pd.DataFrame({"time": made[0]})
+    for k in range(6):
+        table[f"q_{k}"] = made[1]["actual_q"][:, k]
+    for k in range(6 - lacking):
+        table[f"current_{k}"] = made[1]["actual_current"][:, k]
+    table.to_csv(tmp_path / "run.csv", index=False)
+    _, told = imported(tmp_path / "run.csv", "ur5")
+    assert f"the arm has 6: {lacking} missing" in told

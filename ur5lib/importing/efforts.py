@@ -306,7 +306,8 @@ class GravityShown(NamedTuple):
         best, rival, *_ = sorted(self.scores, key=lambda unit: -self.scores[unit])
         before = f"log-likelihood before {UNIT_WORDS[rival]}"
         tells = f"gravity tells {UNIT_WORDS[best]}, by {self.likeliest()[1]:.3g} of {before}"
-        return f"{tells}: {self.constants_in_words()}" if self.constants else tells
+        words = self._replace(known=()) if best == "Nm" else self
+        return f"{tells}: {words.constants_in_words()}" if self.constants else tells
 
     def constants_in_words(self) -> str:
         """Return the constants beside the maker's."""

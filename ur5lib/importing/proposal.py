@@ -313,7 +313,8 @@ def _account_for_the_rest(proposal: Proposal) -> None:
             meaning = block.meaning() or ""
             first = next(iter(proposal.channels.get(meaning, [])), None)
             alike = f"named like {meaning}, as {first.title} before" if first else ""
-            account.exclude(block, alike or unused(block.stem(), block.names[0]), "name")
+            why = alike or unused(block.stem(), block.names, file.joints)
+            account.exclude(block, why, "name")
 
 
 def _why_silent(rows: Array) -> str:

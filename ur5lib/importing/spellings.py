@@ -1,7 +1,7 @@
 """The spellings of quantities, joints, axes, clocks and units in the names that recorders write."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from ur5lib.channels import RECORDED_CHANNELS, SUFFIXES, is_unused
 from ur5lib.recordings.arm_joints import JOINT_NAMES, SEVEN_JOINT_NAME, SEVEN_JOINT_NAMES
@@ -209,10 +209,16 @@ def is_of_motors(stem: str) -> bool:
     return bool(words(stem) & {"motor", "motors", "raw"})
 
 
-def unused(stem: str, column: str) -> str:
-    """Return why a quantity of no channel is left out, by its name and that of a column of it."""
+def unused(stem: str, columns: Sequence[str], joints: int) -> str:
+    """Return why a quantity of no channel is left out, by its name and those of its columns."""
     name = last_part(stem)
     its = words(name)
+    of_joints = kind_of_quantity(name) and {place_of(column)[1] for column in columns} - {-1}
+    if of_joints and 1 < len(of_joints) < joints:
+        missing = joints - len(of_joints)
+        return f"of {len(of_joints)} joints, and the arm has {joints}: {missing} missing"
+    if names_share(columns[0]):
+        return "a share of a rating, or counts, by its name: in no unit"
     reasons = {
         frozenset(EXTERNAL_WORDS): "a torque that the controller ascribes to contact",
         frozenset(MODEL_WORDS): "computed by the controller, not measured",
@@ -224,7 +230,7 @@ def unused(stem: str, column: str) -> str:
         frozenset(TEMPERATURE_WORDS): "temperatures of other things than this arm's joints",
     }
     named = (reason for spellings, reason in reasons.items() if its & spellings)
-    known = name in RECORDED_CHANNELS or is_unused(column)
+    known = name in RECORDED_CHANNELS or is_unused(columns[0])
     return next(named, "a known channel that no step reads" if known else UNKNOWN_NAME)
 
 
