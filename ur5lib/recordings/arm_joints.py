@@ -59,7 +59,10 @@ def arms_among(names: Sequence[str]) -> list[ArmJoints]:
     groups = groups or [*filter(_is_arm, _groups(left, _numbered))]
     if not groups:
         by_word = [*filter(_is_arm, _groups(left, _first_word))]
-        groups = by_word if len(by_word) > 1 else [*filter(_is_arm, _groups(left, _any))]
+        whole_arm = any(len(joints) >= len(JOINTS) for _, joints in by_word)
+        groups = (
+            by_word if len(by_word) > 1 or whole_arm else [*filter(_is_arm, _groups(left, _any))]
+        )
     return [ArmJoints(_label(stem), tuple(n for _, n in sorted(g))) for stem, g in groups]
 
 
