@@ -43,6 +43,10 @@ COMMAND_WORDS = _words_in(  # the last two of a policy
     "target tgt desired des ref reference cmd command commanded setpoint goal soll computed "
     "action actions"
 )
+DERIVED_WORDS = _words_in(  # of what was computed from a measured state
+    "estimate estimates estimated estimator observer observed filtered filter smoothed kalman ekf "
+    "predicted prediction simulated simulation sim"
+)
 # Words in which a path ends behind its quantity.
 CONTAINER_WORDS = _words_in("data value values signals")
 TOOL_WORDS = _words_in("tcp tool cartesian transform tf eef")
@@ -114,6 +118,11 @@ def place_of(name: str) -> tuple[str, int]:
 def names_command(stem: str) -> bool:
     """Return whether a quantity was commanded: by a word of its name, or as `q_d`, `O_dP_EE_c`."""
     return bool(words(stem) & COMMAND_WORDS) or bool(re.search(r"[a-z]_[dc]$", stem, re.IGNORECASE))
+
+
+def names_derived(stem: str) -> bool:
+    """Return whether a quantity was computed from a measured one, as by an observer."""
+    return bool(words(stem) & DERIVED_WORDS)
 
 
 def quantity(stem: str, width: int, joints: int) -> str | None:
