@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pandas as pd
 import pytest
@@ -11,6 +12,7 @@ from tests.stored_files import JOINTS, Made, made_up_channels
 from ur5lib.importing.contents import UserStatement
 from ur5lib.importing.files import import_files
 from ur5lib.tables import channel
+from ur5lib.timeseries.arrays import Array
 
 UR = [f"{name}_joint" for name in JOINTS]
 NUMBERED = [f"joint_{n}" for n in range(1, 7)]
@@ -29,9 +31,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
     return made_up_channels(tmp_path_factory.mktemp("made"))
 
 
-def columns(
-    pattern: str, joints: list[str], q: np.ndarray, qd: np.ndarray
-) -> dict[str, np.ndarray]:
+def columns(pattern: str, joints: list[str], q: Array, qd: Array) -> dict[str, Array]:
     kinds = {"position": q, "velocity": qd}
     return {
         pattern.format(n=name, kind=kind): rows[:, k]
@@ -59,3 +59,52 @@ def test_other_joints_are_no_columns_of_the_arm(
     found = read_recording(one.entry).robot.table
     np.testing.assert_allclose(channel(found, "actual_q"), made[1]["actual_q"], atol=1e-9)
     assert all(name in in_words(one.account) for name in before + behind)
+
+
+def both_arms(made: Made) -> dict[str, tuple[Array, Array]]:
+    """Positions and velocities of two arms, of which one goes the way of the other backwards."""
+    q, qd = made[1]["actual_q"], made[1]["actual_qd"]
+    return {"left": (q, qd), "right": (q[::-1].copy(), -qd[::-1])}
+
+
+@pytest.mark.parametrize("joints", [UR, NUMBERED])
+@pytest.mark.parametrize("pattern", ["{side}_{{n}}_{{kind}}", "{{kind}}_{side}_{{n}}"])
+def test_each_of_two_arms_has_an_entry(
+    pattern: str, joints: list[str], made: Made, tmp_path: Path
+) -> None:
+    table = {"time": made[0]}
+    for side, (q, qd) in both_arms(made).items():
+        table |= columns(pattern.format(side=side), joints, q, qd)
+    pd.DataFrame(table).to_csv(tmp_path / "run.csv", index=False)
+    expect_both(tmp_path / "run.csv", made)
+
+
+def test_each_of_two_groups_of_arrays_has_an_entry(made: Made, tmp_path: Path) -> None:
+    with h5py.File(tmp_path / "run.h5", "w") as file:
+        file["time"] = made[0]
+        for side, (q, qd) in both_arms(made).items():
+            file[f"{side}_arm/q"], file[f"{side}_arm/dq"] = q, qd
+    expect_both(tmp_path / "run.h5", made)
+
+
+def expect_both(path: Path, made: Made) -> None:
+    found = import_files([path], UserStatement("ur5"))
+    assert [one.entry["name"] for one in found] == ["run_left", "run_right"]
+    for one, (q, _) in zip(found, both_arms(made).values(), strict=True):
+        read = channel(read_recording(one.entry).robot.table, "actual_q")
+        np.testing.assert_allclose(read, q, atol=1e-9)
+
+
+@pytest.mark.parametrize("other", ["observer", "desired", "filtered"])
+def test_an_arm_s_state_counts_before_what_is_computed(
+    other: str, made: Made, tmp_path: Path
+) -> None:
+    q, qd = made[1]["actual_q"], made[1]["actual_qd"]
+    with h5py.File(tmp_path / "run.h5", "w") as file:
+        for name, error in ((f"a_{other}/joint_states", 0.01), ("joint_states", 0.0)):
+            file[f"{name}/stamp"] = made[0]
+            file[f"{name}/position"], file[f"{name}/velocity"] = q + error, qd + error
+    (one,) = import_files([tmp_path / "run.h5"], UserStatement("ur5"))
+    channels = one.entry["channels"]
+    assert channels["actual_q"] == "joint_states/position"
+    assert channels["actual_qd"] == "joint_states/velocity"

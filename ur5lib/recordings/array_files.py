@@ -88,7 +88,8 @@ def is_ours(error: BaseException) -> bool:
     that line's.
     """
     places = [frame.filename for frame in traceback.extract_tb(error.__traceback__)]
-    return bool(places) and Path(places[-1]).is_relative_to(OWN_CODE)
+    of_file = isinstance(error, EOFError | OSError)  # raised of what the file lacks
+    return not of_file and bool(places) and Path(places[-1]).is_relative_to(OWN_CODE)
 
 
 def report_unread(path: Path, names: Iterable[str], why: str, findings: list[Finding]) -> None:
