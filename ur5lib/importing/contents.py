@@ -291,7 +291,8 @@ def _without_gripper(
     blocks: Sequence[ColumnBlock], joints: int, account: Account
 ) -> list[ColumnBlock]:
     """Return blocks without the column of a gripper, where positions have one more than the joints:
-    the only one of small numbers above zero, or else the last.
+    the only one that rests in a quantity, or of small numbers above zero; the first if that is of
+    such numbers, but not the last; or else the last.
     """
     wide = [block for block in blocks if block.rows.shape[1] == joints + 1]
     positions = [b for b in wide if b.is_nameless() or names_positions(b.stem())]
@@ -300,7 +301,10 @@ def _without_gripper(
         return [*blocks]
     low, high = (find(positions[0].rows, axis=0) for find in (np.nanmin, np.nanmax))
     inside = np.flatnonzero((low > GRIPPER_RANGE[0]) & (high < GRIPPER_RANGE[1]))
-    column = int(inside[0]) if len(inside) == 1 else joints
+    rests = np.any([np.ptp(np.nan_to_num(b.rows), axis=0) == 0 for b in wide], axis=0)
+    alone = (found for found in (np.flatnonzero(rests), inside) if len(found) == 1)
+    at_first = 0 in inside and joints not in inside
+    column = next((int(found[0]) for found in alone), 0 if at_first else joints)
     kept = [k for k in range(joints + 1) if k != column]
     parts = [b.only(kept) if any(b is one for one in wide) else b for b in blocks]
     for block in wide:
