@@ -136,6 +136,8 @@ def residual_process(ours: Ours, fitted: Sequence[Run]) -> Predict:
     """
     learnt = [ours.inputs(run, ours.friction.fit_for(run.name)) for run in fitted]
     inputs, left = map(np.concatenate, zip(*learnt, strict=True))
+    whole = np.isfinite(left).all(axis=1)  # without the ends of low-passed torques
+    inputs, left = inputs[whole], left[whole]
     every = max(1, len(inputs) // POINTS_OF_PROCESS)
     samples = TrainingSamples(inputs[::every], left[::every])
     return standardised(gaussian_process.train, samples, samples)

@@ -317,6 +317,12 @@ def import_(
     unit: Annotated[
         list[str] | None, typer.Option(help="unit of a channel, as actual_current=mA")
     ] = None,
+    joints: Annotated[
+        str, typer.Option(help="names of the arm's joints, in its order, with commas between")
+    ] = "",
+    prefix: Annotated[
+        str, typer.Option(help="what the names of the arm's joints begin with, as left_")
+    ] = "",
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", help="study file to write; default: print the entries"),
@@ -339,7 +345,9 @@ def import_(
 
     if output is not None:
         expect_new(output)  # before the files are read
-    imported = imported_files(files, user_statement(robot, columns, rate, unit or []))
+    imported = imported_files(
+        files, user_statement(robot, columns, rate, unit or [], joints, prefix)
+    )
     if study := output or add:
         last_line = f"{study} written; next: ur5 check {study}"
         write_imported(imported, study, last_line, append=output is None)

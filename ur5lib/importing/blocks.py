@@ -23,7 +23,7 @@ from ur5lib.importing.spellings import (
     without_unit,
     words,
 )
-from ur5lib.recordings.arm_joints import JOINTS, joint_order
+from ur5lib.recordings.arm_joints import JOINTS, arms_among, joint_order
 from ur5lib.recordings.entries import OPPOSITE_SIGN
 from ur5lib.records.account import Evidence
 from ur5lib.timeseries.arrays import Array
@@ -130,16 +130,20 @@ def grouped(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
 
 
 def _by_motor(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
-    """Yield the columns of a quantity that are named by motor and quantity, as elbow_flex.pos."""
-    tails = defaultdict[tuple[str, str], list[str]](list)
+    """Yield the columns of a quantity that are named by motor and quantity, as elbow_flex.pos: of
+    each arm among them, without those of a gripper or a rail.
+    """
+    tails = defaultdict[tuple[str, str], dict[str, str]](dict)
     for name in names:
         path, _, leaf = without_unit(name).rpartition("/")
         motor, mark, tail = leaf.rpartition(".") if "." in leaf else leaf.rpartition("_")
         if mark and kind_of_quantity(tail) and not words(motor) & GRIPPER_WORDS:
-            tails[path, mark + tail].append(name)
+            tails[path, mark + tail][motor] = name
         elif path in WHOLE_NAMES and not words(leaf) & GRIPPER_WORDS:
-            tails[path, ""].append(name)
-    yield from (tuple(motors) for motors in tails.values() if len(motors) >= MIN_MOTORS)
+            tails[path, ""][leaf] = name
+    for motors in tails.values():
+        arms = [arm.names for arm in arms_among([*motors])] or [tuple(motors)]
+        yield from (tuple(motors[one] for one in arm) for arm in arms if len(arm) >= MIN_MOTORS)
 
 
 def with_names(columns: Sequence[str], joints: Sequence[str]) -> list[str]:

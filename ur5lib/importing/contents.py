@@ -1,6 +1,7 @@
 """The contents of a file, what the user states about it, and the evidence for its meaning."""
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -14,6 +15,7 @@ from ur5lib.errors import InputError, some
 from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import (
     JOINTS_OF_UR,
+    MIN_MOTORS,
     NAMELESS_PREFIX,
     ColumnBlock,
     grouped,
@@ -21,9 +23,18 @@ from ur5lib.importing.blocks import (
     with_bare_positions,
     with_names,
 )
+from ur5lib.importing.chosen_joints import joint_arrays, joint_columns, of_joints, of_prefix
 from ur5lib.importing.clocks import ROW_CLOCK, FileClocks, clocks_of, equally_spaced
 from ur5lib.importing.parted_runs import PartedRun
-from ur5lib.importing.spellings import CLOCK_NAME, NAME_COLUMN, lettered_joints, names_positions
+from ur5lib.importing.spellings import (
+    ARM_NAME,
+    CLOCK_NAME,
+    NAME_COLUMN,
+    is_computed,
+    lettered_joints,
+    names_positions,
+    quantity,
+)
 from ur5lib.recordings.array_files import LOADERS, UNREAD, format_of
 from ur5lib.recordings.channel_files import at_stamps, has_stamps
 from ur5lib.recordings.delimited import (
@@ -40,6 +51,7 @@ from ur5lib.timeseries.arrays import Array
 
 TABLE_FORMAT = "table-csv"
 PARTED_FORMAT = "channel-files"
+BAG_FORMAT = "rosbag"
 MAX_POSSIBLE_VALUE = 1e9  # in any unit of a channel; larger numbers are none
 GRIPPER_RANGE = (-0.1, 1.1)  # rad, m, or the share that it is open
 REPEATED_INFIX = " again "  # and its number: a column whose name is taken
@@ -56,13 +68,16 @@ class UserStatement:
     """What the user says of files, which nothing overrules.
 
     robot: the arm; columns: of a table in order, or `channel=name` of arrays; rate: of rows without
-    a clock [Hz]; units: by channel.
+    a clock [Hz]; units: by channel; joint_names: of the arm, in its order; prefix: of the arm's
+    joints or columns, `left_`.
     """
 
     robot: str = ""
     columns: Sequence[str] = ()
     rate: float | None = None
     units: Mapping[str, str] = field(default_factory=dict)
+    joint_names: Sequence[str] = ()
+    prefix: str = ""
 
     def names(self) -> dict[str, str]:
         """Return the channels of arrays by their names in the file."""
@@ -150,6 +165,26 @@ class FileContents:
         return replace(self, blocks=blocks, clocks=clocks)
 
 
+def arm_labels(file: FileContents) -> list[str]:
+    """Return what the names of each of several arms' positions have alone, as `left`; nothing of
+    one arm.
+
+    By the parts of a bag's topic, else by words that tell arms apart.
+    """
+    names = [
+        b.names for b in file.blocks if names_positions(b.stem()) and b.rows.shape[1] >= MIN_MOTORS
+    ]
+    names = [own for own in names if not is_computed(own[0])]
+    places = [own[0].split("/")[:-1] for own in names if file.format == BAG_FORMAT]
+    topics = Counter("/".join(place[:-1]) for place in places)
+    if of_topic := [place[-1] for place in places if topics["/".join(place[:-1])] > 1]:
+        return of_topic
+    found = [{*map(str.lower, ARM_NAME.findall(" ".join(own)))} for own in names]
+    alone = [own - set[str]().union(*(it for it in found if it != own)) for own in found]
+    labels = [*dict.fromkeys(min(own, default="") for own in alone)]
+    return labels if len(labels) > 1 and "" not in labels else []
+
+
 def contents(
     file: Path | PartedRun, stated: UserStatement = NO_STATEMENT, timed: bool = True
 ) -> FileContents:
@@ -172,15 +207,25 @@ def contents(
         arrays = _together(file, findings, account)
     else:
         arrays = LOADERS[format](path, None, findings)
+        if stated.joint_names and format == BAG_FORMAT:
+            findings.clear()
+            arrays = LOADERS[format](path, joint_arrays(arrays, stated.joint_names), findings)
         _state_unread(findings, account)
+    arrays = of_prefix(arrays, stated.prefix, path, account) if stated.prefix else arrays
+    if stated.joint_names:
+        arrays = of_joints(arrays, stated.joint_names, path, account)
     account.order.extend(header.columns or arrays)
     clocks = _clocks(arrays, stated, timed, account)
     rest = [name for name in arrays if name not in clocks.stamps and name not in clocks.doubts]
     unnamed = header.columns[:1] == [f"{NAMELESS_PREFIX}1"]
     width = _width_of_nameless(len(rest), stated.joints()) if unnamed else None
-    parts = [*_blocks({name: arrays[name] for name in rest}, clocks, width, account)]
+    chosen = joint_columns(rest, stated.joint_names)
+    parts = [*_chosen_blocks(arrays, chosen, clocks)]
+    rest = [name for name in rest if not any(name in names for names in chosen.values())]
+    parts += _blocks({name: arrays[name] for name in rest}, clocks, width, account)
     parts = with_bare_positions(parts)
-    joints, named = stated.joints() or width or joints_of(path, parts), stated.names()
+    told = len(stated.joint_names) or stated.joints() or width
+    joints, named = told or joints_of(path, parts), stated.names()
     parts = _without_gripper(parts, joints, account) if stated.joints() else parts
     if lacking := {*named} - {*arrays, *(block.stem() for block in parts)}:
         raise InputError(
@@ -190,6 +235,7 @@ def contents(
         replace(b, joints=joints, stated=named.get(b.names[0]) or named.get(b.stem(), b.stated))
         for b in parts
     ]
+    all_blocks.sort(key=lambda block: is_computed(block.names[0]))  # a measured state first
     silent = [block for block in all_blocks if is_silent(block.rows)]
     blocks = [block for block in all_blocks if not is_silent(block.rows)]
     described_by = path, format, header, blocks, silent, clocks, findings, stated, joints, account
@@ -252,7 +298,8 @@ def _without_gripper(
     blocks: Sequence[ColumnBlock], joints: int, account: Account
 ) -> list[ColumnBlock]:
     """Return blocks without the column of a gripper, where positions have one more than the joints:
-    the only one of small numbers above zero, or else the last.
+    the only one that rests in a quantity, or of small numbers above zero; the first if that is of
+    such numbers, but not the last; or else the last.
     """
     wide = [block for block in blocks if block.rows.shape[1] == joints + 1]
     positions = [b for b in wide if b.is_nameless() or names_positions(b.stem())]
@@ -261,7 +308,10 @@ def _without_gripper(
         return [*blocks]
     low, high = (find(positions[0].rows, axis=0) for find in (np.nanmin, np.nanmax))
     inside = np.flatnonzero((low > GRIPPER_RANGE[0]) & (high < GRIPPER_RANGE[1]))
-    column = int(inside[0]) if len(inside) == 1 else joints
+    rests = np.any([np.ptp(np.nan_to_num(b.rows), axis=0) == 0 for b in wide], axis=0)
+    alone = (found for found in (np.flatnonzero(rests), inside) if len(found) == 1)
+    at_first = 0 in inside and joints not in inside
+    column = next((int(found[0]) for found in alone), 0 if at_first else joints)
     kept = [k for k in range(joints + 1) if k != column]
     parts = [b.only(kept) if any(b is one for one in wide) else b for b in blocks]
     for block in wide:
@@ -354,6 +404,18 @@ def _table(
         else:
             kept[name] = table[name].to_numpy()
     return kept
+
+
+def _chosen_blocks(
+    arrays: Mapping[str, np.ndarray], chosen: Mapping[str, tuple[str, ...]], clocks: FileClocks
+) -> Iterator[ColumnBlock]:
+    """Yield the columns of the joints that the user names, by their quantities."""
+    for stem, names in chosen.items():
+        clock = _clock_of(names[0], arrays[names[0]].size, clocks.stamps)
+        rows = np.stack([_possible(arrays[name].ravel()) for name in names], axis=1)
+        if clock:
+            told = quantity(stem, len(names), len(names)) or ""
+            yield ColumnBlock(names, rows, clock, stated=told)
 
 
 def is_unnamed(name: str) -> bool:

@@ -14,7 +14,13 @@ from ur5lib.errors import InputError
 from ur5lib.importing.after import Ends, ends_of, links
 from ur5lib.importing.alike import FormOfFile, form_of, precedents, unlike
 from ur5lib.importing.blocks import NAMELESS_PREFIX
-from ur5lib.importing.contents import NO_STATEMENT, FileContents, UserStatement, contents
+from ur5lib.importing.contents import (
+    NO_STATEMENT,
+    FileContents,
+    UserStatement,
+    arm_labels,
+    contents,
+)
 from ur5lib.importing.entry import StudyEntry, entry_of, episodes, identifier, place_of_file
 from ur5lib.importing.identity import ORDER, UNDESCRIBED_ARM
 from ur5lib.importing.parted_runs import PartedRun
@@ -71,7 +77,10 @@ def import_files(
         try:
             file = contents(path, stated)
             layouts[path] = [file.format, *file.account.order]
-            imported[path], forms[path] = _checked(_proposed(path, file))
+            if arms := _of_each_arm(file, stated):
+                imported[path] = arms
+            else:
+                imported[path], forms[path] = _checked(_proposed(path, file))
         except InputError as error:
             refused[path] = str(error)
     for path, precedent in precedents(forms):
@@ -88,6 +97,18 @@ def import_files(
     _name_each_once(files)
     _name_the_one_before(files)
     return files
+
+
+def _of_each_arm(file: FileContents, stated: UserStatement) -> list[ImportedRecording]:
+    """Return the entries of several arms of one file, named after these; none of one arm."""
+    labels = [] if stated.prefix or stated.joint_names or stated.columns else arm_labels(file)
+    found = list[ImportedRecording]()
+    for label in labels:
+        own = contents(file.path, replace(stated, prefix=label))
+        for one in _checked(_proposed(file.path, own))[0]:
+            one.entry["name"] += f"_{identifier(label)}"
+            found.append(one)
+    return found
 
 
 def _take_columns(

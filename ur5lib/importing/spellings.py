@@ -43,6 +43,10 @@ COMMAND_WORDS = _words_in(  # the last two of a policy
     "target tgt desired des ref reference cmd command commanded setpoint goal soll computed "
     "action actions"
 )
+DERIVED_WORDS = _words_in(  # of what was computed from a measured state
+    "estimate estimates estimated estimator observer observed filtered filter smoothed kalman ekf "
+    "predicted prediction simulated simulation sim"
+)
 # Words in which a path ends behind its quantity.
 CONTAINER_WORDS = _words_in("data value values signals")
 TOOL_WORDS = _words_in("tcp tool cartesian transform tf eef")
@@ -57,6 +61,11 @@ IMU_WORDS = _words_in("imu mag magnetometer")  # mx is a magnetic field there
 TEMPERATURE_WORDS = _words_in("temperature temperatures temp temps")
 LETTERED_JOINTS = ([*"SLURBT"], [*"SLEURBT"])  # of Yaskawa's arms
 JOINT_WORDS = _words_in("joint joints jnt axis axes actuator j a")
+ARM_NAME = re.compile(  # one of several arms
+    r"(?<![A-Za-z0-9])(left|right|leader|follower|master|slave|[lr]|ur\d+e?"
+    r"|(?:arm|robot|panda|franka|iiwa)_?[\dab])(?![A-Za-z0-9])",
+    re.IGNORECASE,
+)
 CLOCK_NAME = re.compile(r"time|stamp|clock|(^|[/_ ])t$|sec(s|onds)?$", re.IGNORECASE)
 NAME_COLUMN = re.compile(r"(^|[._/])name[\d\[\]._]*$")  # a column of joints' names
 BRACKETED_UNIT = re.compile(r" *[\[(](?!J?\d*[\])])([^\])]*)[\])]$", re.IGNORECASE)  # a name's unit
@@ -160,6 +169,11 @@ def place_of(name: str) -> tuple[str, int]:
 def names_command(stem: str) -> bool:
     """Return whether a quantity was commanded: by a word of its name, or as `q_d`, `O_dP_EE_c`."""
     return bool(words(stem) & COMMAND_WORDS) or bool(re.search(r"[a-z]_[dc]$", stem, re.IGNORECASE))
+
+
+def is_computed(path: str) -> bool:
+    """Return whether a path has a word of commands, or of what is computed, as by an observer."""
+    return bool(words(path) & (DERIVED_WORDS | COMMAND_WORDS))
 
 
 def quantity(stem: str, width: int, joints: int) -> str | None:

@@ -28,17 +28,24 @@ ACCOUNT_WIDTH = 160  # characters of a table that no terminal limits
 
 
 def user_statement(
-    robot: str | None, columns: str | None, rate: float | None, units: Sequence[str]
+    robot: str | None,
+    columns: str | None,
+    rate: float | None,
+    units: Sequence[str],
+    joints: str = "",
+    prefix: str = "",
 ) -> UserStatement:
     """Return what a user states of recordings.
 
-    columns: channels, with commas between; units: each as `actual_current=mA`. Raises InputError
-    for an arm that is not described, and a unit without its channel.
+    columns: channels, joints: names, both with commas between; units: each as `actual_current=mA`.
+    Raises InputError for an arm that is not described, and a unit without its channel.
     """
     if robot is not None:
         described(robot)
     names = tuple(columns.split(",")) if columns else ()
-    return UserStatement(robot or "", names, rate, dict(_pair(one) for one in units))
+    named = tuple(name.strip() for name in joints.split(",") if name.strip())
+    by_channel = dict(_pair(one) for one in units)
+    return UserStatement(robot or "", names, rate, by_channel, named, prefix)
 
 
 def imported_files(files: Sequence[Path], stated: UserStatement) -> ImportedFiles:

@@ -59,7 +59,8 @@ def arms_among(names: Sequence[str]) -> list[ArmJoints]:
     groups = groups or [*filter(_is_arm, _groups(left, _numbered))]
     if not groups:
         by_word = [*filter(_is_arm, _groups(left, _first_word))]
-        groups = by_word if len(by_word) > 1 else [*filter(_is_arm, _groups(left, _any))]
+        are_arms = len(by_word) > 1 or any(len(joints) >= len(JOINTS) for _, joints in by_word)
+        groups = by_word if are_arms else [*filter(_is_arm, _groups(left, _any))]
     return [ArmJoints(_label(stem), tuple(n for _, n in sorted(g))) for stem, g in groups]
 
 
@@ -93,8 +94,9 @@ def _numbered(_: int, name: str) -> tuple[str, int] | None:
     return found and (name[: found.start()] + name[found.end() :], int(found[1]))
 
 
-def _first_word(number: int, name: str) -> tuple[str, int]:
-    return re.split(r"[_./ ]", name)[0], number
+def _first_word(number: int, name: str) -> tuple[str, int] | None:
+    word = re.split(r"[_./ ]", name)[0]
+    return (word, number) if word else None
 
 
 def _any(number: int, name: str) -> tuple[str, int] | None:

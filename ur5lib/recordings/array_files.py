@@ -35,6 +35,7 @@ LOADERS: dict[str, Load] = {}  # by the format's name in a study
 ENDINGS: dict[str, str] = {}  # the format of a file by its ending
 LEVELS_OF_DATA_SET = 4  # folders of a LeRobot data set above its files
 UNREAD = "unread"  # the finding on what of a file holds no rows of numbers
+UNPACKERS = ("array_files.py", "unpacked.py", "hdf5_links.py", "bag_chunks.py", "bag_files.py")
 OWN_CODE = Path(__file__).parents[1]
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"  # behind the 512 bytes of MATLAB's own head
 
@@ -65,7 +66,7 @@ def array_format(
                 if is_ours(error):
                     raise InputError(
                         f"{path} cannot be read as {kind} by a fault of ur5 and not of the file "
-                        f"({type(error).__name__}: {error}); report it, with the file if you may"
+                        f"({error}); report it, with the file if you may"
                     ) from error
                 raise InputError(
                     f"{path} cannot be read as {kind}: it is damaged, incomplete or of another "
@@ -84,11 +85,12 @@ def array_format(
 def is_ours(error: BaseException) -> bool:
     """Return whether the project's own code raised an exception, and no library that it calls.
 
-    NumPy raises for arrays of the wrong shape from the line that calls it, so that it counts as
-    that line's.
+    A library in C leaves no line of its own, so that what the modules raise that unpack files with
+    these counts as the file's.
     """
-    places = [frame.filename for frame in traceback.extract_tb(error.__traceback__)]
-    return bool(places) and Path(places[-1]).is_relative_to(OWN_CODE)
+    places = [Path(frame.filename) for frame in traceback.extract_tb(error.__traceback__)]
+    of_file = isinstance(error, EOFError | OSError) or not places or places[-1].name in UNPACKERS
+    return not of_file and places[-1].is_relative_to(OWN_CODE)
 
 
 def report_unread(path: Path, names: Iterable[str], why: str, findings: list[Finding]) -> None:

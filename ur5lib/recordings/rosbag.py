@@ -166,7 +166,7 @@ def _of_json(
     for meaning, count in lost.items():
         Log(path, "robot", findings).add("damaged messages", "warning", count, meaning)
     if wanted is None and not topics and not tables:
-        kinds = ", ".join(sorted(unread)) or "no topic"
+        kinds = ", ".join(sorted(one.partition("(")[2].rstrip(")") for one in unread))
         raise InputError(f"{path}: JSON messages of schema {kinds} are not read")
     arrays = _by_topic(topics, wanted, path, findings)
     return arrays | {n: v for topic, one in tables.items() for n, v in one.arrays(topic).items()}
@@ -275,6 +275,8 @@ def _topic_arrays(
     findings: list[Finding],
 ) -> Arrays:
     """Return the arrays of a topic: of each of several arms, or of the usual joints."""
+    if named := _named_joints(topic, messages, wanted):
+        return named
     usual, arms = messages.usual_joints(), messages.arms()
     if len(arms) < 2 or (wanted and f"{topic}/position" in wanted):
         arm = next((arm for joints, arm in arms if joints == usual), ArmJoints("", ()))
@@ -286,6 +288,29 @@ def _topic_arrays(
             log = Log(path, "robot", [] if k and wanted is None else findings)
             arrays |= _arm_arrays(place, messages, joints, arm.names, log)
     return arrays
+
+
+def _named_joints(topic: str, messages: Messages, wanted: Collection[str] | None) -> Arrays:
+    """Return the columns `<topic>/<field>/<joint>` that are wanted; none where none is."""
+    asked = {name.removeprefix(f"{topic}/").partition("/")[2] for name in wanted or ()}
+    joints = max(messages.joints, key=lambda one: len(asked.intersection(one.names)))
+    ordered = [name for name in joints.names if name in asked]
+    if not ordered:
+        return {}
+    kept = messages.about(joints)
+    arrays = _stamps(topic, messages, kept)
+    for field in messages.values:
+        rows = messages.rows(field, kept, joints, ordered)
+        if len(rows):
+            arrays |= {f"{topic}/{field}/{name}": rows[:, k] for k, name in enumerate(ordered)}
+    return arrays
+
+
+def _stamps(place: str, messages: Messages, kept: Mask) -> Arrays:
+    return {
+        f"{place}/stamp": np.array(messages.stamps)[kept],
+        f"{place}/bag_stamp": np.array(messages.received)[kept],
+    }
 
 
 def _arm_arrays(
@@ -307,9 +332,7 @@ def _arm_arrays(
         nameless = f"the messages on {place} name no joints; kept in order"
         meaning = named if names else nameless
         log.add("unnamed joints", "note", len(ordered) or joints.width, meaning, channels=[place])
-    arrays = {
-        f"{place}/stamp": np.array(messages.stamps)[kept],
-        f"{place}/bag_stamp": np.array(messages.received)[kept],
-    }
     rows = {field: messages.rows(field, kept, joints, ordered) for field in messages.values}
-    return arrays | {f"{place}/{field}": found for field, found in rows.items() if len(found)}
+    return _stamps(place, messages, kept) | {
+        f"{place}/{field}": found for field, found in rows.items() if len(found)
+    }
