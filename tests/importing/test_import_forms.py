@@ -70,12 +70,14 @@ def test_what_was_commanded_is_not_what_was_measured(tmp_path: Path, made: Made)
     }
 
 
-def test_positions_of_another_arm_are_named(tmp_path: Path, made: Made) -> None:
+def test_each_of_two_arms_in_a_file_has_an_entry(tmp_path: Path, made: Made) -> None:
     time, channels = made
     both = {f"{side}/{n}": channels[n] for side in ("left", "right") for n in MOVED[:2]}
     write_hdf5(tmp_path / "run.h5", time, both | {"left/actual_current": channels[MOVED[2]]})
-    told = imported(tmp_path / "run.h5")[1]
-    assert "left out: run/right/actual_q: nothing: named like actual_q" in told
+    left, right = import_files([tmp_path / "run.h5"])
+    assert [one.entry["name"] for one in (left, right)] == ["run_left", "run_right"]
+    assert "actual_current" in left.entry["channels"]
+    assert "actual_current" not in right.entry["channels"]
 
 
 def test_targets_in_degrees_have_their_unit(tmp_path: Path, made: Made) -> None:
