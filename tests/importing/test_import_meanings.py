@@ -210,3 +210,11 @@ def test_a_joint_that_is_missing_is_counted(tmp_path: Path, made: Made, lacking:
     table.to_csv(tmp_path / "run.csv", index=False)
     _, told = imported(tmp_path / "run.csv", "ur5")
     assert f"the arm has 6: {lacking} missing" in told
+
+
+def test_the_likeliest_arm_tells_a_wrench_s_frame(tmp_path: Path) -> None:
+    """Of an arm that nobody names: to be checked, with the arm."""
+    one, told = imported(case("09_wrench_in_base_axes.csv.gz", tmp_path))
+    assert one.arm == "my_arm"
+    assert "actual_TCP_force" in one.entry["columns"]
+    assert "is like ur5e; in the base's frame" in told

@@ -211,8 +211,7 @@ def name_efforts(
     targets = _targets({name: blocks[name] for name in known_units}, means, telling, file)
     for name, unit in known_units.items():
         if identity.like:
-            like = f"if the arm, which nothing tells, is like {identity.like.name}"
-            file.account.hold("check", blocks[name], "numbers", like)
+            file.account.hold("check", blocks[name], "numbers", as_of(identity.like))
         block, target = blocks[name], any(blocks[name] is other for other in targets)
         channel = CHANNELS_BY_UNIT[unit.replace("mA", "A"), target and unit != LESS_GRAVITY]
         if channel == TORQUE_CHANNEL and arm and (arm.measured == TORQUE or not arm.is_ur()):
@@ -332,6 +331,11 @@ def _shown_by_gravity(means: BlockMeans | None, arm: Robot | None, name: str) ->
         scores = {unit: scores[unit] for unit in ("Nm", LESS_GRAVITY)}
         return GravityShown(scores, constants, (), own)
     return GravityShown(scores, constants, fit.known, own)
+
+
+def as_of(like: Robot) -> str:
+    """Return what a meaning depends on that only the likeliest arm tells."""
+    return f"if the arm, which nothing tells, is like {like.name}"
 
 
 def _named_unit(block: ColumnBlock) -> str | None:

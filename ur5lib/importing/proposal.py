@@ -18,6 +18,7 @@ from ur5lib.importing.contents import TABLE_FORMAT, FileContents, Precedent
 from ur5lib.importing.efforts import (
     EFFORT_MEANINGS,
     UNITS_BY_CHANNEL,
+    as_of,
     in_stated_unit,
     is_frozen,
     is_rectified,
@@ -124,7 +125,7 @@ def propose(file: FileContents) -> Proposal:
         _put_behind_gears(efforts, means, file)
     telling = {n: v for n, v in means.currents.items() if not is_share(efforts[n])} if means else {}
     likely = replace(means, currents=telling) if means else None
-    arm, robot, order, _ = identity = identified(moving, likely)
+    arm, robot, order, like = identity = identified(moving, likely)
     ordered = means.part(columns=order) if means else None
     named = name_efforts(efforts, ordered, identity, file)
     channels = {name: [block] for name, block in (moving.blocks | named).items()}
@@ -139,8 +140,12 @@ def propose(file: FileContents) -> Proposal:
     measured = [block.names for name, block in named.items() if name.startswith("actual")]
     proving = [n for n, block in efforts.items() if block.names in measured][:1] if pushed else []
     proof = ordered and replace(ordered, currents={n: ordered.currents[n] for n in proving})
-    frame = frame_of(wrench, proof if proving else None, loads, robot, file) if wrench else None
-    opposite, sensor = bool(frame and robot and frame.is_opposite(robot)), list[ColumnBlock]()
+    near = robot or like
+    frame = frame_of(wrench, proof if proving else None, loads, near, file) if wrench else None
+    opposite, sensor = bool(frame and near and frame.is_opposite(near)), list[ColumnBlock]()
+    if frame and proving and like:
+        for block in wrench:
+            file.account.hold("check", block, "numbers", as_of(like))
     if frame and frame.axes == "flange":
         sensor = wrench
     elif frame:
