@@ -28,7 +28,12 @@ SPECIAL_FILE_KINDS = {
     stat.S_ISCHR: "a device",
     stat.S_ISBLK: "a device",
 }
-
+# Of keys that people expect: what to do without them.
+INSTEAD_OF = dict.fromkeys(
+    ("exclude_joints", "ignore_joints", "skip_joints"),
+    "a force loads all joints, so that none can be left out; remove the key, and overrule a stop "
+    "sign of one joint by `accept`, with its kind and the reason",
+)
 
 Schema = dict[str, Any]  # a node of a JSON schema
 
@@ -252,6 +257,8 @@ def explain(error: ErrorDetails, schema: Schema) -> str:
             of_settings = _descend(schema, ("settings",))[1].get("properties", {})
             if key in of_settings:
                 return f"`{key}` belongs under `settings`; write it there, indented"
+        if instead := INSTEAD_OF.get(str(location[-1])):
+            return f"unknown key `{key}`: {instead}"
         return f"unknown key `{key}`{perhaps(location[-1], keys)}; known keys: {', '.join(keys)}"
     if kind.startswith("union_tag"):
         return _explain_tag(error, key, list(branches(node)))

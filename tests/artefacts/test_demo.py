@@ -311,6 +311,8 @@ def test_all_that_is_known_of_the_arm_is_exported(results: Path) -> None:
         found = pd.DataFrame(known[part])
         assert (found["low"] < found["value"]).all()
         np.testing.assert_allclose(found[columns], table[columns], rtol=1e-7)
+    grouped = {"m c_x of link 2": 1.0} | {f"m of link {k}": -0.425 for k in range(3, 7)}
+    assert known["base_parameters"][1]["sum_of"] == pytest.approx(grouped)
     constants = friction[friction["parameter"] == "torque_constant"]
     np.testing.assert_allclose(known["known_constants"]["value"], constants["known"], rtol=1e-7)
     assert known["link_model"]["name"] == "identified"

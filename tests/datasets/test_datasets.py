@@ -189,6 +189,16 @@ def test_an_archive_that_cannot_be_unpacked_is_reported(
     assert not (tmp_path / "raw").exists()
 
 
+def test_an_archive_without_end_is_left(
+    packed: Packed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("ur5lib.datasets.fetching.MOST_GB", 1e-7)
+    archive = packed({name: name for name in FILES})
+    with pytest.raises(InputError, match=r"archive.zip sends more than 100 bytes; .* with --from"):
+        fetch_archive(archive, CHECKSUMS, tmp_path / "raw")
+    assert not (tmp_path / "raw").exists()
+
+
 def test_what_a_killed_run_has_left_is_removed(packed: Packed, tmp_path: Path) -> None:
     left = tmp_path / "raw" / ".fetching" / "archive.zip"
     left.parent.mkdir(parents=True)
@@ -285,6 +295,13 @@ def test_a_record_is_copied_from_a_folder(record: str, tmp_path: Path) -> None:
 def test_a_download_that_differs_is_refused(record: str, tmp_path: Path) -> None:
     (tmp_path / "www" / "data.zip").write_bytes(b"torn")
     with pytest.raises(InputError, match=r"data.zip could not be downloaded \(ValueError\)"):
+        fetch_record(record, [], tmp_path / "raw")
+    assert contents(tmp_path / "raw") == {}
+
+
+def test_a_download_beyond_its_stated_size_is_left(record: str, tmp_path: Path) -> None:
+    (tmp_path / "www" / "data.zip").write_bytes(b"zipped, and more")
+    with pytest.raises(InputError, match=r"data.zip sends more than 6 bytes; check the network"):
         fetch_record(record, [], tmp_path / "raw")
     assert contents(tmp_path / "raw") == {}
 

@@ -42,6 +42,24 @@ def test_a_setting_at_the_top_is_told_where_it_belongs() -> None:
         parse_study({"study": "s", "title": "t", "recordings": [], "lowpass": {}}, "s.yaml")
 
 
+def test_who_would_leave_out_a_joint_is_told_what_to_do() -> None:
+    recording = {"name": "a", "format": "rtde-csv", "exclude_joints": [6]}
+    raw = {"study": "s", "title": "t", "recordings": [recording], "exclude_joints": [6]}
+    with pytest.raises(InputError) as caught:
+        parse_study(raw, "s.yaml")
+    told = [line for line in str(caught.value).splitlines() if "exclude_joints" in line]
+    assert len(told) == 2
+    assert all("none can be left out; remove the key, and overrule" in line for line in told)
+
+
+@pytest.mark.parametrize("reason", [None, "", " "])
+def test_a_stop_sign_is_not_overruled_without_a_reason(reason: str | None) -> None:
+    raw = {"study": "s", "title": "t", "recordings": [], "accept": {"order": reason}}
+    with pytest.raises(InputError, match=r"`accept.order` .*the reason, as text") as caught:
+        parse_study(raw, "s.yaml")
+    assert str(caught.value).count("accept") == 1
+
+
 def test_published_values_are_a_mapping(tmp_path: Path) -> None:
     (tmp_path / "list").write_text("root:x:0:0\nnobody:x:1:1\n")
     raw = {"study": "s", "title": "t", "recordings": [], "reference": str(tmp_path / "list")}

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from ur5lib.errors import InputError
-from ur5lib.study.turn import TURN_VARIABLE, share_turn, take_turn
+from ur5lib.study.turn import LOCK_FILE, TURN_VARIABLE, share_turn, take_turn
 
 HOLD = "import sys, time; from pathlib import Path; from ur5lib.study.turn import take_turn; "
 HOLD += "held = take_turn(Path(sys.argv[1])); print('held', flush=True); time.sleep(60)"
@@ -41,6 +41,64 @@ def test_who_waits_comes_next(tmp_path: Path) -> None:
         second.wait(0.5)
     first.close()
     assert second.communicate(timeout=30)[0] == "mine\n"
+
+
+@pytest.mark.parametrize("end", ["", "raise RuntimeError", "sys.exit(1)"])
+def test_a_run_leaves_nobodys_name_behind(tmp_path: Path, end: str) -> None:
+    ended = HOLD.replace("time.sleep(60)", end)
+    subprocess.run([sys.executable, "-c", ended, str(tmp_path)], capture_output=True)
+    assert [*tmp_path.iterdir()] == []
+
+
+def test_a_run_leaves_the_name_that_its_jobs_share(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv(TURN_VARIABLE, raising=False)
+    ended = HOLD.replace("time.sleep(60)", "sys.stdin.read()")
+    run = subprocess.Popen(
+        [sys.executable, "-c", ended, str(tmp_path)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert run.stdout is not None
+    assert run.stdout.readline() == "held\n"
+    job = share_turn(tmp_path)
+    run.communicate()
+    with pytest.raises(InputError, match=f"being made by process {run.pid}"):
+        take_turn(tmp_path)
+    job.close()
+    (tmp_path / LOCK_FILE).unlink()
+    with pytest.raises(InputError, match="has ended"):  # a job that begins after its run
+        share_turn(tmp_path)
+    assert [*tmp_path.iterdir()] == []
+
+
+def test_who_waited_for_a_removed_file_still_keeps_others_out(tmp_path: Path) -> None:
+    held = HOLD.replace("time.sleep(60)", "sys.stdin.read()")
+    second = held.replace("sys.argv[1])", "sys.argv[1]), wait=True")
+    runs = [
+        subprocess.Popen(
+            [sys.executable, "-c", code, str(tmp_path)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        for code in (held, second)
+    ]
+    first, waiting = runs
+    assert first.stdout is not None
+    assert waiting.stdout is not None
+    assert waiting.stderr is not None
+    assert first.stdout.readline() == "held\n"
+    assert "waiting until" in waiting.stderr.readline()
+    first.communicate()
+    assert waiting.stdout.readline() == "held\n"
+    with pytest.raises(InputError, match=f"being made by process {waiting.pid}"):
+        take_turn(tmp_path)
+    waiting.communicate()
+    assert [*tmp_path.iterdir()] == []
 
 
 def test_jobs_of_a_killed_run_keep_others_out_unless_they_begin_late(

@@ -14,6 +14,7 @@ from ur5lib.commands.compensation import compensation
 from ur5lib.commands.overruled import Overruled, overruled
 from ur5lib.errors import InputError, perhaps, unknown
 from ur5lib.finished import FinishedStudy
+from ur5lib.identification.base_parameters import parameter_names
 from ur5lib.identification.currents import torque_constants
 from ur5lib.recordings.arm_joints import JOINTS
 from ur5lib.records.currents import Currents
@@ -213,7 +214,8 @@ def identified_parameters(
     currents = study.parameters(Friction, robot, "friction")
     return {
         "base_parameters": [
-            _shown(row, "weights") | _interval(row.value, row.std_error) for row in model.parameters
+            _shown(row, "weights") | _interval(row.value, row.std_error) | {"sum_of": _sum_of(row)}
+            for row in model.parameters
         ],
         "rotor_inertia": [*_rotor_rows(rotors)],
         "torque_noise": model.noise,
@@ -230,6 +232,12 @@ def identified_parameters(
         "simulator_friction": None if friction is None else asdict(friction),
         "fitted_on": {"link_model": model.from_, "currents": currents.from_},
     }
+
+
+def _sum_of(row: BaseParameter) -> dict[str, float]:
+    """Return the coefficients of the links' parameters that are grouped in a base parameter."""
+    names = parameter_names(len(row.weights))
+    return {names[i]: float(row.weights[i]) for i in np.flatnonzero(row.weights)}
 
 
 def _shown(row: BaseParameter | Parameter, hidden: str) -> dict[str, str | float | bool]:

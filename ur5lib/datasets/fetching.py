@@ -5,7 +5,7 @@ import zipfile
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, BinaryIO, NamedTuple
 
 import pooch
 import requests
@@ -16,7 +16,7 @@ from ur5lib.errors import InputError, unknown
 from ur5lib.tables import made, write_aside
 
 TIMEOUT_S = 30  # s
-MOST_GB = 10  # that an archive unpacks to; the largest of the catalogue has less than 1
+MOST_GB = 10  # of an archive, and of what it unpacks to; the largest of the catalogue has below 1
 NAME_CHARACTERS = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.- ")
 
 
@@ -97,7 +97,7 @@ def _unpacked(url: str, folder: Path) -> Path:
     remedy = "check the network, or copy the recordings from a local folder with --from"
     archive = folder / "archive.zip"
     # Archives are repacked on request; their files are verified.
-    _retrieve(url, None, archive, remedy)
+    _retrieve(url, None, archive, remedy, int(MOST_GB * 1e9))
     try:
         with zipfile.ZipFile(archive) as packed:
             size_gb = sum(file.file_size for file in packed.infolist()) / 1e9
@@ -114,16 +114,42 @@ def _unpacked(url: str, folder: Path) -> Path:
     return folder / "files"
 
 
-def _retrieve(url: str, checksum: str | None, path: Path, remedy: str) -> None:
-    """Download a file, and verify it. Raises InputError with the remedy if that fails."""
+def _retrieve(url: str, checksum: str | None, path: Path, remedy: str, most: int) -> None:
+    """Download a file, and verify it. Raises InputError with the remedy if that fails.
+
+    most: bytes, beyond which the server does not send the file that was published.
+    """
     pooch.get_logger().setLevel("WARNING")
     downloader = pooch.HTTPDownloader(progressbar=True, timeout=TIMEOUT_S)
+
+    def download(url: str, aside: str, pool: Any) -> None:
+        with open(aside, "wb") as file:
+            downloader(url, _Bounded(file, most, url, remedy), pool)
+
     try:
-        pooch.retrieve(url, checksum, path.name, path.parent, downloader=downloader)
+        pooch.retrieve(url, checksum, path.name, path.parent, downloader=download)
     except (requests.RequestException, OSError, ValueError, KeyError) as error:
         raise InputError(
             f"{url} could not be downloaded ({type(error).__name__}); {remedy}"
         ) from error
+
+
+class _Bounded:
+    """A file to be written, of a size that is known beforehand."""
+
+    def __init__(self, file: BinaryIO, most: int, url: str, remedy: str) -> None:
+        self.file, self.most = file, most
+        self.fault = f"{url} sends more than {most:,} bytes; {remedy}"
+
+    def write(self, chunk: bytes) -> None:
+        """Write a part. Raises InputError beyond the size."""
+        if self.file.tell() + len(chunk) > self.most:
+            raise InputError(self.fault)
+        self.file.write(chunk)
+
+    def flush(self) -> None:
+        """Write what is buffered."""
+        self.file.flush()
 
 
 def others_beside(folder: Path, checksums: Mapping[str, str]) -> list[Path]:
@@ -237,7 +263,7 @@ def _download(file: RemoteFile, target: Path) -> None:
     with _folder_in(target) as folder:
         aside = folder / file.name
         remedy = f"check the network and {space}, and fetch again"
-        _retrieve(file.url, file.checksum, aside, remedy)
+        _retrieve(file.url, file.checksum, aside, remedy, file.size)
         aside.rename(target / file.name)
 
 

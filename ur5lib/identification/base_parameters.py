@@ -47,12 +47,13 @@ class BaseParameters:
         return parameter_names(self.groups.shape[1])
 
     def names(self) -> list[str]:
-        """Return each base parameter as a sum: its own parameter and those grouped with it."""
+        """Return each base parameter as its own parameter, and those grouped with it.
+
+        The coefficients differ between processors in their last digits: no name has them.
+        """
         rows, of = zip(self.groups, self.columns, strict=True), self.parameters
-        return [
-            " ".join([of[k], *(f"{row[i]:+.3g} {of[i]}" for i in np.flatnonzero(row) if i != k)])
-            for row, k in rows
-        ]
+        grouped = ((of[k], [of[i] for i in np.flatnonzero(row) if i != k]) for row, k in rows)
+        return [f"{own} with {', '.join(others)}" if others else own for own, others in grouped]
 
 
 @dataclass(frozen=True)

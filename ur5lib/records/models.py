@@ -51,8 +51,8 @@ class Rotors:
 class BaseParameter:
     """A base parameter in SI units.
 
-    parameter: the sum for which it stands, in words; determined: whether the data determine it;
-    weights: (P,), of the arm's parameters π in that sum.
+    parameter: its name, with the parameters that are grouped with it; determined: whether the data
+    determine it; weights: (P,), of the arm's parameters π in the sum for which it stands.
     """
 
     parameter: str

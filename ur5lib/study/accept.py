@@ -1,8 +1,8 @@
 """What a study says against stop signs: a reason for each kind that it overrules."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, field_validator
 
 from ur5lib.strict import Strict
 
@@ -38,6 +38,12 @@ class Accept(Strict):
     torques: Reason | None = _kind("torques may stay the same in motion")
     unit: Reason | None = _kind("currents and torques are in the declared unit")
     velocity: Reason | None = _kind("velocities may differ from the slopes of positions")
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _is_stated(cls, reason: Any) -> Any:
+        """Raise ValueError for a kind whose reason is left empty."""
+        return _stated("") if reason is None else reason
 
 
 def joined(general: Accept | None, own: Accept | None) -> Accept | None:

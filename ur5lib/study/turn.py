@@ -1,5 +1,6 @@
 """One run of a study at a time: a lock that ends with its processes, however they end."""
 
+import atexit
 import contextlib
 import fcntl
 import getpass
@@ -8,7 +9,7 @@ import socket
 import sys
 import time
 from pathlib import Path
-from typing import TextIO
+from typing import TextIO, cast
 
 from ur5lib.errors import InputError
 
@@ -19,10 +20,28 @@ TURN_VARIABLE = "UR5_TURN"  # environment variable by which a run's jobs on a cl
 def take_turn(results: Path, wait: bool = False) -> TextIO:
     """Return the open lock of a study's results; it is released when its process ends.
 
-    wait: until another run of the study has ended. Raises InputError that names the other run. On a
-    shared folder, the lock holds between machines where its file system passes `flock` on.
+    Its file goes then, too, which names the user. wait: until another run of the study has ended.
+    Raises InputError that names the other run. On a shared folder, the lock holds between machines
+    where its file system passes `flock` on.
     """
     results.mkdir(parents=True, exist_ok=True)
+    lock = _locked(results, wait)
+    while not _in_place(lock, results):  # the run that had it has removed its file
+        lock.close()
+        lock = _locked(results, wait)
+    since = time.strftime("%Y-%m-%d %H:%M:%S")
+    name = f"process {os.getpid()} of {getpass.getuser()} on {socket.gethostname()} since {since}"
+    lock.truncate(0)
+    lock.write(f"{name}\n")
+    lock.flush()
+    os.environ[TURN_VARIABLE] = name
+    fcntl.flock(lock, fcntl.LOCK_SH)  # its jobs on a cluster share it
+    atexit.register(_remove, lock, results.absolute(), os.getpid())
+    return lock
+
+
+def _locked(results: Path, wait: bool) -> TextIO:
+    """Return the lock's file, locked for this process alone; raises as `take_turn`."""
     lock = open_lock(results)
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -35,14 +54,24 @@ def take_turn(results: Path, wait: bool = False) -> TextIO:
             ) from None
         print(f"{other}; waiting until that has ended", file=sys.stderr, flush=True)
         fcntl.flock(lock, fcntl.LOCK_EX)
-    since = time.strftime("%Y-%m-%d %H:%M:%S")
-    name = f"process {os.getpid()} of {getpass.getuser()} on {socket.gethostname()} since {since}"
-    lock.truncate(0)
-    lock.write(f"{name}\n")
-    lock.flush()
-    os.environ[TURN_VARIABLE] = name
-    fcntl.flock(lock, fcntl.LOCK_SH)  # its jobs on a cluster share it
     return lock
+
+
+def _in_place(lock: TextIO, results: Path) -> bool:
+    """Return whether a lock's file is the one that others would open."""
+    with contextlib.suppress(FileNotFoundError):
+        return os.path.samestat(os.fstat(lock.fileno()), os.stat(results / LOCK_FILE))
+    return False
+
+
+def _remove(lock: TextIO, results: Path, owner: int) -> None:
+    """Remove the lock's file at the end of its process, unless others have the lock, too."""
+    if lock.closed or os.getpid() != owner:
+        return
+    with contextlib.suppress(OSError):  # its jobs on a cluster go on, or another run has begun
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if _in_place(lock, results):
+            (results / LOCK_FILE).unlink()
 
 
 def share_turn(results: Path) -> TextIO:
@@ -51,17 +80,19 @@ def share_turn(results: Path) -> TextIO:
     If that run is killed, its jobs that have begun still keep others out. Raises InputError if
     another run has its turn by now.
     """
-    lock = open_lock(results)
-    with contextlib.suppress(BlockingIOError):
+    with contextlib.suppress(BlockingIOError, FileNotFoundError):
+        lock = open_lock(results, "r+")
         fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
         if holder(lock) == os.environ.get(TURN_VARIABLE, holder(lock)):
             return lock
-    raise InputError(f"the run that submitted this job has ended; now {results} is made by another")
+    raise InputError(
+        f"the run that submitted this job has ended; another makes {results}, or is to be started"
+    )
 
 
-def open_lock(results: Path) -> TextIO:
+def open_lock(results: Path, mode: str = "a+") -> TextIO:
     """Return the file to be locked."""
-    return open(results / LOCK_FILE, "a+", encoding="utf-8")
+    return cast("TextIO", open(results / LOCK_FILE, mode, encoding="utf-8"))
 
 
 def holder(lock: TextIO) -> str:

@@ -111,6 +111,27 @@ def test_results_before_an_update_are_compared_with_those_after(tmp_path: Path) 
     assert len([name for name in changed(before, after) if "joint" in name]) == 6
 
 
+@pytest.mark.parametrize(
+    ("stated", "damaged", "reason"),
+    [
+        ("std_error", "error", "it has no column std_error"),
+        ("parameter,", "name,", "it has no column parameter"),
+        ("yes", "maybe", "determined is neither yes nor no"),
+        ("1.0", "one", "could not convert string to float"),
+    ],
+)
+def test_a_damaged_table_is_named_before_anything_is_printed(
+    tmp_path: Path, stated: str, damaged: str, reason: str
+) -> None:
+    folders = results(tmp_path / "a"), results(tmp_path / "b")
+    table = folders[1] / "tables" / "parameters.csv"
+    table.write_text(table.read_text().replace(stated, damaged))
+    done = CliRunner().invoke(app, ["compare", *map(str, folders)])
+    assert isinstance(done.exception, InputError)
+    assert f"{table} is damaged ({reason}" in str(done.exception)
+    assert done.stdout == ""
+
+
 @pytest.mark.parametrize(("topics", "status"), [("currents,force", 1), ("force", 0), ("", 0)])
 def test_the_exit_status_is_that_of_the_topics_asked_for(
     tmp_path: Path, topics: str, status: int

@@ -12,7 +12,7 @@ from scipy.stats import norm
 from ur5lib.finished import FinishedStudy
 from ur5lib.force.estimators import LEADING
 from ur5lib.records.friction import without_totals
-from ur5lib.tables import write_text
+from ur5lib.tables import intact, write_text
 from ur5lib.timeseries.metrics import NORMAL95
 
 ERROR_CHANCE = 0.05  # of any false change in a topic, and of a miss of a single interval
@@ -20,6 +20,7 @@ CHANGED_RATIO = 1.1  # ratio of two errors without interval from which they coun
 PARAMETER_UNITS = {  # others: Nm
     **{"torque_constant": "Nm/A", "gain": "Nm/Nm", "viscous": "Nm s/rad", "load": ""}
 }
+WITH_DETERMINED = ["parameters", "friction"]  # tables that say which rows the data determine
 COMPARED_SEVERITIES = ["stop", "error", "warning"]
 StudyPair = tuple[FinishedStudy, FinishedStudy]  # before and after
 PAIR_COLUMNS = ("value_a", "value_b", "half_a", "half_b")  # estimates, half of their intervals
@@ -84,7 +85,7 @@ def data(studies: StudyPair) -> Iterator[Comparison]:
     """Compare the findings about the recordings' files, notes excepted."""
     counts: list[dict[str, int]] = []
     for study in studies:
-        rows = study.table("quality")
+        rows = _read(study, "quality", ["recording", "device", "finding", "severity"], ["count"])
         severe = rows[rows["severity"].isin(COMPARED_SEVERITIES)].itertuples()
         counts.append({f"{r.recording}, {r.device}: {r.finding}": int(r.count) for r in severe})
     for name in sorted(counts[0].keys() | counts[1].keys()):
@@ -94,9 +95,9 @@ def data(studies: StudyPair) -> Iterator[Comparison]:
 
 def model(studies: StudyPair) -> Iterator[Comparison]:
     """Compare base parameters that the data determine, and rotor inertias."""
-    rows = _determined(_both(studies, "parameters", "robot", "parameter"))
+    rows = _determined(_both(studies, "parameters", "robot", "parameter", more=["std_error"]))
     names = [f"{r.robot}, {r.parameter}" for r in rows.itertuples()]
-    rotors = _both(studies, "rotor_inertia", "robot", "joint")
+    rotors = _both(studies, "rotor_inertia", "robot", "joint", more=["std_error"])
     names += [f"{r.robot}, joint {r.joint}, rotor inertia" for r in rotors.itertuples()]
     units = [""] * len(rows) + ["kg m²"] * len(rotors)
     pairs = pd.concat([_by_std_error(rows), _by_std_error(rotors)], ignore_index=True)
@@ -105,7 +106,9 @@ def model(studies: StudyPair) -> Iterator[Comparison]:
 
 def friction(studies: StudyPair) -> Iterator[Comparison]:
     """Compare torque constants, offsets and friction that the data determine."""
-    rows = _determined(_both(studies, "friction", "robot", "joint", "parameter"))
+    rows = _determined(
+        _both(studies, "friction", "robot", "joint", "parameter", more=["low", "high"])
+    )
     rows = without_totals(rows)
     names = [
         f"{r.robot}, joint {r.joint}, {r.parameter.replace('_', ' ')}" for r in rows.itertuples()
@@ -116,7 +119,7 @@ def friction(studies: StudyPair) -> Iterator[Comparison]:
 
 def payload(studies: StudyPair) -> Iterator[Comparison]:
     """Compare the undeclared masses on the flange."""
-    rows = _by_std_error(_both(studies, "payload", "recording", value="mass"))
+    rows = _by_std_error(_both(studies, "payload", "recording", value="mass", more=["std_error"]))
     return compare_estimates("payload", rows, [*rows["recording"]], ["kg"] * len(rows))
 
 
@@ -133,9 +136,8 @@ def currents(studies: StudyPair) -> Iterator[Comparison]:
 
 def force(studies: StudyPair) -> Iterator[Comparison]:
     """Compare the errors of the leading estimate in contact by their intervals over contacts."""
-    rows = _both(
-        studies, "force_mae", "recording", "kind", "estimate", "during", "component", value="mae"
-    )
+    keys = "recording", "kind", "estimate", "during", "component"
+    rows = _both(studies, "force_mae", *keys, value="mae", more=["mae_low", "mae_high"])
     compared = (rows["kind"] == "compensated") & (rows["estimate"] == LEADING)
     rows = rows[compared & (rows["during"] == "contact") & rows["component"].str.startswith("F")]
     names = [f"{r.recording}, {r.component}" for r in rows.itertuples()]
@@ -155,14 +157,34 @@ TOPICS: dict[str, Callable[[StudyPair], Iterator[Comparison]]] = {
 }
 
 
-def _both(studies: StudyPair, table: str, *keys: str, value: str = "value") -> pd.DataFrame:
+def _both(
+    studies: StudyPair, table: str, *keys: str, value: str = "value", more: Sequence[str] = ()
+) -> pd.DataFrame:
     """Return the common rows of a table, its columns with the suffixes _a (before) and _b.
 
-    value: the column of what is compared, which becomes `value_a` and `value_b`.
+    value: the column of what is compared, which becomes `value_a` and `value_b`; more: other
+    columns of numbers. Raises as `_read`.
     """
-    named = dict.fromkeys((value, OLDER_NAMES.get(value, value)), "value")
-    before, after = (study.table(table).rename(columns=named) for study in studies)
+    before, after = (_read(study, table, keys, [value, *more]) for study in studies)
+    before, after = (rows.rename(columns={value: "value"}) for rows in (before, after))
     return before.merge(after, on=[*keys], suffixes=("_a", "_b"))
+
+
+def _read(
+    study: FinishedStudy, table: str, keys: Sequence[str], numbers: Sequence[str]
+) -> pd.DataFrame:
+    """Return a table. Raises InputError where it lacks a column, or a cell is none of its kind."""
+    rows = study.table(table)
+    rows = rows.rename(columns={old: new for new, old in OLDER_NAMES.items()})
+    with intact(study.folder / "tables" / f"{table}.csv"):
+        for name in [*keys, *numbers, *["determined"] * (table in WITH_DETERMINED)]:
+            if name not in rows:
+                raise ValueError(f"it has no column {name}")
+        for name in {*numbers, "joint"} & {*rows}:
+            rows[name].astype(float)
+        if "determined" in rows and not rows["determined"].isin(["yes", "no"]).all():
+            raise ValueError("determined is neither yes nor no")
+    return rows
 
 
 def _determined(rows: pd.DataFrame) -> pd.DataFrame:
