@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import asdict
 from io import StringIO
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -36,7 +37,7 @@ from ur5lib.records.force_errors import Compared
 from ur5lib.records.judgement import QualityRow
 from ur5lib.records.quality import UNCHECKED, Finding, Log, Quality
 from ur5lib.report.page.findings import by_finding, group_findings
-from ur5lib.robots.description import Robot
+from ur5lib.robots.description import Robot, robot_yaml
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.study.model import Settings
 from ur5lib.tables import named
@@ -63,6 +64,31 @@ def test_findings_and_clocks_are_printed(study: Path, run_ur5: Command) -> None:
     assert "no sensor (note)" in result.out
     assert "0.0050 ± 0.0058" in result.out
     assert not (study.parent / "results").exists()
+
+
+@pytest.mark.parametrize(
+    ("described", "accept", "refused"),
+    [
+        ({}, "", True),
+        ({"effort": "joint_torque"}, "", False),
+        ({"weight": 20.0}, "", False),
+        ({}, "accept: {side: the driver's manual says so}\n", False),
+    ],
+)
+def test_a_fit_that_the_description_forbids_is_an_error(
+    study: Path, ur5: Robot, run_ur5: Command, described: Any, accept: str, refused: bool
+) -> None:
+    """A run would refuse it after minutes."""
+    unknown = {"name": "mine", "effort": "torque", "links": "unknown"}
+    (study.parent / "robots").mkdir()
+    (study.parent / "robots" / "mine.yaml").write_text(
+        robot_yaml(ur5.model_copy(update=unknown | described))
+    )
+    study.write_text(accept + study.read_text().replace("robot: ur5", "robot: mine"))
+    told = run_ur5("check", str(study))
+    assert ("write `effort: joint_torque`" in " ".join(told.out.split())) == refused
+    assert "all recordings" in told.out or "both recordings" in told.out
+    assert told.status == 1 or not refused
 
 
 @pytest.mark.parametrize("terminal", [False, True])

@@ -18,6 +18,7 @@ from ur5lib.checks.checked import Checked
 from ur5lib.checks.contacts import sensed_contacts
 from ur5lib.checks.devices import checked_intake
 from ur5lib.checks.findings import contradictions
+from ur5lib.checks.sides import unknown_side
 from ur5lib.commands.console import announced, text_console
 from ur5lib.commands.contract import Contract
 from ur5lib.commands.processes import side_by_side
@@ -89,9 +90,10 @@ def print_findings_of(
     they are held against.
     """
     console = text_console(stderr=form.as_json)  # beside the JSON
-    lacking = [] if contract is None else [*contract.lacking(study)]
+    lacking = [f"contract: {one}" for one in contract.lacking(study)] if contract else []
+    lacking += refused_arms(study)
     for sentence in lacking:
-        console.print(f"contract: {sentence}", style=SEVERITY_STYLES["error"])
+        console.print(sentence, style=SEVERITY_STYLES["error"])
     for arm in arms_without_fit(study):
         console.print(
             f"no recording of {arm} has the role `fit`: friction is only what other arms have, and "
@@ -118,6 +120,14 @@ def print_findings_of(
     )
     roles = {recording.name: recording.role for recording in there}
     return len(lacking) + print_tables(console, qualities, clocks, named, roles, form)
+
+
+def refused_arms(study: Study) -> list[str]:
+    """Return why `ur5 run` will fit nothing to arms, by their descriptions, a sentence each."""
+    fitted = [recording for recording in study.recordings if recording.role == "fit"]
+    accepted = {one.arm.known_as for one in fitted if "side" in one.accepted()}
+    arms = {one.arm.known_as: one.arm for one in fitted if one.arm.known_as not in accepted}
+    return [reason for arm in arms.values() if (reason := unknown_side(arm.description()))]
 
 
 def _held_against(

@@ -9,6 +9,7 @@ import numpy as np
 from ur5lib.channels import TORQUE, Effort
 from ur5lib.checks.doubts import doubt_in_words, doubts_by_joint
 from ur5lib.checks.postures import contradicting_constants, other_constant
+from ur5lib.checks.sides import unknown_side
 from ur5lib.errors import RefusalError, Remark, reason
 from ur5lib.identification.at_rest import AtRest
 from ur5lib.identification.current_regression import (
@@ -301,16 +302,8 @@ def accepted_doubts(fit: CurrentFit, prior: Prior, accepted: Mapping[str, str]) 
 
 
 def require_known_side(arm: Robot) -> None:
-    """Raise ContradictionError where links were found from torques that may be the motors': neither
-    the side of the gears is described, nor a weight that would contradict it.
-    """
-    is_scaled = arm.links == "known" or arm.weight is not None
-    if arm.effort == "torque" and not is_scaled:
-        text = (
-            f"the links of {arm.name} are found from torques that may be those of its motors or of "
-            "its joints; write `effort: joint_torque`, or `effort: motor_torque` with each "
-            "`gear_ratio`, into its description, or its `weight`"
-        )
+    """Raise ContradictionError where `unknown_side` has a reason."""
+    if text := unknown_side(arm):
         raise ContradictionError("unknown side", text, "side")
 
 
