@@ -201,19 +201,7 @@ def contents(
     if format == TABLE_FORMAT:
         expect_row_each_sample(path)
     header = read_header(path, stated) if format == TABLE_FORMAT else TableHeader()
-    if header.columns:
-        arrays = _table(path, header, findings, account)
-    elif isinstance(file, PartedRun):
-        arrays = _together(file, findings, account)
-    else:
-        arrays = LOADERS[format](path, None, findings)
-        if stated.joint_names and format == BAG_FORMAT:
-            findings.clear()
-            arrays = LOADERS[format](path, joint_arrays(arrays, stated.joint_names), findings)
-        _state_unread(findings, account)
-    arrays = of_prefix(arrays, stated.prefix, path, account) if stated.prefix else arrays
-    if stated.joint_names:
-        arrays = of_joints(arrays, stated.joint_names, path, account)
+    arrays = _arrays(file, path, header, stated, findings, account)
     account.order.extend(header.columns or arrays)
     clocks = _clocks(arrays, stated, timed, account)
     rest = [name for name in arrays if name not in clocks.stamps and name not in clocks.doubts]
@@ -240,6 +228,34 @@ def contents(
     blocks = [block for block in all_blocks if not is_silent(block.rows)]
     described_by = path, format, header, blocks, silent, clocks, findings, stated, joints, account
     return FileContents(*described_by)
+
+
+def _arrays(
+    file: Path | PartedRun,
+    path: Path,
+    header: TableHeader,
+    stated: UserStatement,
+    findings: list[Finding],
+    account: Account,
+) -> dict[str, np.ndarray]:
+    """Return the columns of a table or of the files of a run, or the arrays of a file, of the
+    joints and the prefix that are stated.
+    """
+    if header.columns:
+        arrays = _table(path, header, findings, account)
+    elif isinstance(file, PartedRun):
+        arrays = _together(file, findings, account)
+    else:
+        load = LOADERS[format_of(path) or TABLE_FORMAT]
+        arrays = load(path, None, findings)
+        if stated.joint_names and format_of(path) == BAG_FORMAT:
+            findings.clear()
+            arrays = load(path, joint_arrays(arrays, stated.joint_names), findings)
+        _state_unread(findings, account)
+    arrays = of_prefix(arrays, stated.prefix, path, account) if stated.prefix else arrays
+    if stated.joint_names:
+        arrays = of_joints(arrays, stated.joint_names, path, account)
+    return arrays
 
 
 def _together(run: PartedRun, findings: list[Finding], account: Account) -> dict[str, np.ndarray]:

@@ -141,11 +141,10 @@ def propose(file: FileContents) -> Proposal:
     proving = [n for n, block in efforts.items() if block.names in measured][:1] if pushed else []
     proof = ordered and replace(ordered, currents={n: ordered.currents[n] for n in proving})
     near = robot or like
-    frame = frame_of(wrench, proof if proving else None, loads, near, file) if wrench else None
+    doubt = as_of(like) if like else ""
+    known = proof if proving else None
+    frame = frame_of(wrench, known, loads, near, file, doubt) if wrench else None
     opposite, sensor = bool(frame and near and frame.is_opposite(near)), list[ColumnBlock]()
-    if frame and proving and like:
-        for block in wrench:
-            file.account.hold("check", block, "numbers", as_of(like))
     if frame and frame.axes == "flange":
         sensor = wrench
     elif frame:

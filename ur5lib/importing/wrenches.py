@@ -81,11 +81,12 @@ def frame_of(
     values: Array,
     arm: Robot | None,
     file: FileContents,
+    doubt: str = "",
 ) -> WrenchFrame | None:
     """Return the frame and the sign of a wrench, None where neither names nor efforts tell it.
 
     means: with the joints in order, and the effort that may prove it alone, None without one;
-    values: force and torque (M, 6) [N, Nm] at the blocks.
+    values: force and torque (M, 6) [N, Nm] at the blocks; doubt: why the arm may be another one.
     """
     frame, lead = likeliest_frame(means, values, arm) if means and arm else (None, 0.0)
     if wrench[0].stem() == SENSOR_STEM and (frame is None or frame.axes == "flange"):
@@ -108,6 +109,8 @@ def frame_of(
     for block in wrench:
         explains = f"in the {frame.axes}'s frame: it explains the efforts better than in others"
         likelier = f"{explains} (log-likelihood greater by {lead:.3g})"
+        if doubt:
+            file.account.hold("check", block, "numbers", doubt)
         file.account.hold("proven", block, "numbers", likelier)
     return _by_work(wrench[0], frame, means, values, arm, file)
 
