@@ -111,7 +111,7 @@ def test_a_resting_log_takes_its_columns_from_a_moving_one_of_its_form(
     draw = np.random.default_rng(0)
     resting = moving.iloc[[0] * len(moving)] + draw.normal(0, 1e-5, moving.shape)
     resting["timestamp"] = moving["timestamp"].to_numpy()
-    parts = {name: slice(k, k + 6) for name, k in (("a", 1), ("b", 7), ("current", 13))}
+    parts = {name: slice(k, k + 6) for name, k in (("u", 1), ("v", 7), ("current", 13))}
     given: list[Any] = [moving.to_numpy(), resting.to_numpy()]
     if form == "letters":
         names = ["t", *(f"{name}{k}" for name in parts for k in range(6))]

@@ -28,7 +28,9 @@ LINES = [
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "arm.yaml").write_text("study: mine\ntitle: My arm\nrecordings: []\n")
+    recording = "{name: free, robot: ur5e, format: rtde-csv, folder: ., file: free.csv, role: fit}"
+    study = f"study: mine\ntitle: My arm\nrecordings: [{recording}]\n"
+    (tmp_path / "arm.yaml").write_text(study)
     (tmp_path / "other.yaml").write_text("some: other program's\n")
     (tmp_path / "results" / "mine" / "tables").mkdir(parents=True)
     return tmp_path

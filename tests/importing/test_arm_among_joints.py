@@ -10,7 +10,9 @@ from mcap.writer import Writer
 
 from tests.recordings.test_bags import write_messages
 from ur5lib.errors import InputError
-from ur5lib.importing.contents import UserStatement
+from ur5lib.importing.blocks import ColumnBlock
+from ur5lib.importing.clocks import FileClocks
+from ur5lib.importing.contents import FileContents, TableHeader, UserStatement, arm_labels
 from ur5lib.importing.files import ImportedRecording, import_files
 from ur5lib.recordings.arm_joints import arms_among
 from ur5lib.recordings.array_files import LOADERS
@@ -165,3 +167,21 @@ def test_a_fault_of_ours_is_no_damage_of_the_file(
         LOADERS["rosbag"](write_messages(tmp_path / "run", [(UR, 6, 6, 6)]), None, [])
     assert "a fault of ur5 and not of the file" in str(refused.value)
     assert str(tmp_path) in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("places", "labels"),
+    [
+        (["/joint_states/left", "/joint_states/right"], ["left", "right"]),
+        (["/ur/joint_states/arm_1", "/ur/joint_states/arm_2"], ["arm_1", "arm_2"]),
+        (["/joint_states", "/motion"], []),
+        (["/ur/joint_states", "/ur/motion"], []),
+    ],
+)
+def test_topics_are_no_arms_of_one(places: list[str], labels: list[str]) -> None:
+    rows = np.zeros((5, 6))
+    blocks = [ColumnBlock((f"{place}/position",), rows, f"{place}/stamp") for place in places]
+    file = FileContents(
+        Path("run.bag"), "rosbag", TableHeader(), blocks, [], FileClocks({}, {}, {}), []
+    )
+    assert arm_labels(file) == labels

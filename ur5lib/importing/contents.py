@@ -52,6 +52,7 @@ from ur5lib.timeseries.arrays import Array
 TABLE_FORMAT = "table-csv"
 PARTED_FORMAT = "channel-files"
 BAG_FORMAT = "rosbag"
+TOPIC_NAME = re.compile(r"joint|state|motion", re.IGNORECASE)  # and no arm's
 MAX_POSSIBLE_VALUE = 1e9  # in any unit of a channel; larger numbers are none
 GRIPPER_RANGE = (-0.1, 1.1)  # rad, m, or the share that it is open
 REPEATED_INFIX = " again "  # and its number: a column whose name is taken
@@ -163,8 +164,6 @@ class FileContents:
         units |= {} if unit == "s" else {other: unit}
         clocks = FileClocks(self.clocks.stamps | {other: stamps}, units)
         return replace(self, blocks=blocks, clocks=clocks)
-
-
 def arm_labels(file: FileContents) -> list[str]:
     """Return what the names of each of several arms' positions have alone, as `left`; nothing of
     one arm.
@@ -176,6 +175,8 @@ def arm_labels(file: FileContents) -> list[str]:
     ]
     names = [own for own in names if not is_computed(own[0])]
     places = [own[0].split("/")[:-1] for own in names if file.format == BAG_FORMAT]
+    # /joint_states and /motion, /ur/joint_states and /ur/motion are topics, no arms of one
+    places = [place for place in places if len(place) > 2 and not TOPIC_NAME.search(place[-1])]
     topics = Counter("/".join(place[:-1]) for place in places)
     if of_topic := [place[-1] for place in places if topics["/".join(place[:-1])] > 1]:
         return of_topic

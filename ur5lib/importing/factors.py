@@ -29,7 +29,7 @@ def following_error(block: ColumnBlock, moving: ImportedMotion) -> str:
     It is one factor times target less position, or times the velocities, behind which a controller
     lags by one time on all joints. No torque of motors is, whose gravity depends on the posture.
     """
-    if named_unit(block.names[0]):
+    if named_unit(block.names[0]) or not np.isfinite(np.diff(moving.time)).any():
         return ""
     motion, target, position = moving.in_si(), moving.blocks.get("target_q"), moving.position
     if target is not None and (factor := _common_factor(block.rows, target.rows - position.rows)):
