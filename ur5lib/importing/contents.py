@@ -164,6 +164,8 @@ class FileContents:
         units |= {} if unit == "s" else {other: unit}
         clocks = FileClocks(self.clocks.stamps | {other: stamps}, units)
         return replace(self, blocks=blocks, clocks=clocks)
+
+
 def arm_labels(file: FileContents) -> list[str]:
     """Return what the names of each of several arms' positions have alone, as `left`; nothing of
     one arm.
