@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import scipy.io
 
 from tests.conftest import shared_folder
 from tests.entries import in_words, read_recording
@@ -218,3 +219,23 @@ def test_the_likeliest_arm_tells_a_wrench_s_frame(tmp_path: Path) -> None:
     assert one.arm == "my_arm"
     assert "actual_TCP_force" in one.entry["columns"]
     assert "is like ur5e; in the base's frame" in told
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_matrix_of_a_file_is_a_table(tmp_path: Path, made: Made, turned: bool) -> None:
+    """Without names and clock: its rate is what velocities say of positions."""
+    time, channels = made
+    matrix = np.hstack([channels[name] for name in ("actual_q", "actual_qd", "actual_current")])
+    scipy.io.savemat(tmp_path / "run.mat", {"data": matrix.T if turned else matrix})
+    one, _ = imported(tmp_path / "run.mat", "ur5")
+    assert one.entry["rate"] == pytest.approx(1 / np.diff(time).mean(), rel=0.01)
+    table = read_recording(one.entry).robot.table
+    for name in ("actual_q", "actual_qd"):
+        np.testing.assert_allclose(channel(table, name), channels[name], atol=1e-12)
+
+
+def test_a_public_matrix_is_read() -> None:
+    folder = shared_folder("ur10-picknplace", "its PROVENANCE.md names the source")
+    one, told = imported(folder / "URpickNplace.mat", "ur10")
+    assert one.entry["rate"] == pytest.approx(124.5, abs=1)
+    assert "the derivative of urPicknPlace_0 … urPicknPlace_5 on 6 joints" in told

@@ -70,7 +70,11 @@ class ColumnBlock:
     def only(self, kept: Iterable[int]) -> "ColumnBlock":
         """Return the block of some columns; those of an array have its name and a number."""
         kept = [*kept]
-        every = self.names if len(self.names) > 1 else [f"{self.names[0]}_{k}" for k in range(9)]
+        every = (
+            self.names
+            if len(self.names) > 1
+            else [f"{self.names[0]}_{k}" for k in range(self.rows.shape[1])]
+        )
         return replace(self, names=tuple(every[k] for k in kept), rows=self.rows[:, kept])
 
     @property

@@ -79,7 +79,7 @@ def _wanted(tables: Iterable[StoredTable]) -> set[str]:
     single = {
         name + suffix for channel, name in named for suffix in suffixes_of(channel, MOST_JOINTS)
     }
-    whole = {name.rpartition("_")[0] for _, name in named if name[-2:-1] == "_"}
+    whole = {name.rpartition("_")[0] for _, name in named if name.rpartition("_")[2].isdecimal()}
     return {name for _, name in named} | single | whole
 
 
