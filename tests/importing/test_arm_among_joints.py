@@ -153,9 +153,11 @@ def test_json_of_another_schema_is_named(tmp_path: Path) -> None:
 
 
 def test_numbers_in_json_are_columns(tmp_path: Path) -> None:
-    path = write_json(tmp_path / "a.mcap", "ur5lib.signals", {"actual_q_0": 1.5})
+    message = {"actual_q_0": 1.5, "interpolated": True}
+    path = write_json(tmp_path / "a.mcap", "ur5lib.signals", message)
     arrays = LOADERS["rosbag"](path, None, [])
     np.testing.assert_array_equal(arrays["/a/actual_q_0"], np.full(20, 1.5))
+    np.testing.assert_array_equal(arrays["/a/interpolated"], np.ones(20))
 
 
 def test_a_fault_of_ours_is_no_damage_of_the_file(

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pandas as pd
 import pytest
@@ -344,3 +345,17 @@ def test_a_unit_of_a_channel_that_no_column_became_is_refused(tmp_path: Path, ma
     assert imported_files([path], stated)
     with pytest.raises(InputError, match="no column became"):
         imported_files([path], replace(stated, units={"target_qdd": "deg"}))
+
+
+def test_positions_with_efforts_are_the_arm_s(tmp_path: Path, made: Made) -> None:
+    """Of several topics with positions; the others say that their stamps are different."""
+    time, channels = made
+    bare = {"states/actual_q": channels["actual_q"][:-5], "states/time": time[:-5]}
+    whole = {f"signals/{name}": channels[name] for name in MOVED}
+    with h5py.File(tmp_path / "run.h5", "w") as file:
+        for name, values in (bare | whole | {"signals/time": time}).items():
+            file[name] = values
+    entry, told = imported(tmp_path / "run.h5")
+    assert entry["channels"]["actual_q"] == "signals/actual_q"
+    assert "actual_current" in entry["channels"]
+    assert "left out: states/actual_q: nothing: its stamps are not those" in told

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ur5lib.channels import MOST_JOINTS
 from ur5lib.channels import columns as columns_of
 from ur5lib.checks.checked import described
 from ur5lib.errors import InputError, some
@@ -52,6 +53,7 @@ from ur5lib.timeseries.arrays import Array
 TABLE_FORMAT = "table-csv"
 PARTED_FORMAT = "channel-files"
 BAG_FORMAT = "rosbag"
+EFFORTS = "effort", "actual_current", "actual_current_as_torque", "actual_torque"
 TOPIC_NAME = re.compile(r"joint|state|motion", re.IGNORECASE)  # and no arm's
 MAX_POSSIBLE_VALUE = 1e9  # in any unit of a channel; larger numbers are none
 GRIPPER_RANGE = (-0.1, 1.1)  # rad, m, or the share that it is open
@@ -226,7 +228,9 @@ def contents(
         replace(b, joints=joints, stated=named.get(b.names[0]) or named.get(b.stem(), b.stated))
         for b in parts
     ]
-    all_blocks.sort(key=lambda block: is_computed(block.names[0]))  # a measured state first
+    beside_efforts = {block.clock for block in all_blocks if block.meaning() in EFFORTS}
+    # a measured state first, and one that has efforts
+    all_blocks.sort(key=lambda b: (is_computed(b.names[0]), b.clock not in beside_efforts))
     silent = [block for block in all_blocks if is_silent(block.rows)]
     blocks = [block for block in all_blocks if not is_silent(block.rows)]
     described_by = path, format, header, blocks, silent, clocks, findings, stated, joints, account
@@ -446,7 +450,7 @@ def _blocks(
     arrays: dict[str, np.ndarray], clocks: FileClocks, width: int | None, account: Account
 ) -> Iterator[ColumnBlock]:
     """Yield the arrays of several columns, and groups of single ones; width: of nameless ones."""
-    single = []
+    single, in_matrices = [], all(_is_matrix(values) for values in arrays.values())
     for name, values in arrays.items():
         clock = _clock_of(name, max(values.shape, default=0), clocks.stamps)
         if clock is None:
@@ -454,7 +458,8 @@ def _blocks(
             account.state("left out", (name,), name, "numbers", reason)
         elif values.ndim == 2 and 1 not in values.shape:
             tall = values if values.shape[0] == len(clocks.stamps[clock]) else values.T
-            yield ColumnBlock((name,), _possible(tall), clock)
+            block = ColumnBlock((name,), _possible(tall), clock)
+            yield from _of_matrix(block) if in_matrices else [block]
         else:
             single.append(name)
     starts = range(0, len(single), width) if width else []
@@ -466,6 +471,18 @@ def _blocks(
         else:
             title = ColumnBlock(names, np.empty((0, 0)), "").title
             account.state("left out", names, title, "numbers", "its columns differ in length")
+
+
+def _is_matrix(values: np.ndarray) -> bool:
+    """Return whether an array has more columns than any quantity: a table without names."""
+    return values.ndim == 2 and min(values.shape) > MOST_JOINTS
+
+
+def _of_matrix(block: ColumnBlock) -> Iterator[ColumnBlock]:
+    """Yield the quantities of a table without names, as many columns each as an arm has joints."""
+    count = block.rows.shape[1]
+    width = _width_of_nameless(count, None)
+    yield from (block.only(range(k, min(k + width, count))) for k in range(0, count, width))
 
 
 def _possible(values: np.ndarray) -> Array:

@@ -59,6 +59,7 @@ FROZEN_REASON = "no number of it changes, so it was not measured"
 SILENT_REASON = "zero throughout, so not recorded"
 STRAY_REASON = f"stray bytes, nearer to zero than {SMALLEST_VALUE:g}: not recorded"
 OTHER_CLOCK = "another clock; the rows are timed by the one above"
+OTHER_STAMPS = "its stamps are not those of the positions"
 FURTHER_CHANNELS = (
     *("joint_control_output", "actual_TCP_pose", "actual_TCP_force", "actual_TCP_speed"),
     "joint_temperatures",
@@ -318,6 +319,7 @@ def _account_for_the_rest(proposal: Proposal) -> None:
             first = next(iter(proposal.channels.get(meaning, [])), None)
             alike = f"named like {meaning}, as {first.title} before" if first else ""
             why = alike or unused(block.stem(), block.names, file.joints)
+            why = OTHER_STAMPS if meaning and block.clock != proposal.clock else why
             account.exclude(block, why, "name")
 
 

@@ -96,9 +96,9 @@ class NumberMessages:
 
 
 def are_numbers(content: Any) -> bool:
-    """Return whether a message is numbers by name, and no more."""
+    """Return whether a message is numbers by name, or yes and no, and no more."""
     return isinstance(content, dict) and all(
-        isinstance(value, int | float) and not isinstance(value, bool) for value in content.values()
+        isinstance(value, int | float) for value in content.values()
     )
 
 
