@@ -136,8 +136,6 @@ def residual_process(ours: Ours, fitted: Sequence[Run]) -> Predict:
     """
     learnt = [ours.inputs(run, ours.friction.fit_for(run.name)) for run in fitted]
     inputs, left = map(np.concatenate, zip(*learnt, strict=True))
-    whole = np.isfinite(left).all(axis=1)  # without the ends of low-passed torques
-    inputs, left = inputs[whole], left[whole]
     every = max(1, len(inputs) // POINTS_OF_PROCESS)
     samples = TrainingSamples(inputs[::every], left[::every])
     return standardised(gaussian_process.train, samples, samples)
@@ -148,8 +146,9 @@ def line(row: Row, judged: Sequence[Run]) -> list[str]:
     measured = np.concatenate([run.torque for run in judged])
     error = measured - np.concatenate(row.torque)
     nrmse = np.sqrt(np.nanmean(error**2, axis=0)) / np.nanstd(measured, axis=0)
-    within = np.abs(error) < np.concatenate(row.half) if row.half else None
-    share = "" if within is None else ", ".join(f"{own:.3f}" for own in within.mean(axis=0))
+    half = np.concatenate(row.half) if row.half else np.full_like(error, np.nan)
+    within = np.where(np.isfinite(half), np.abs(error) < half, np.nan)
+    share = ", ".join(f"{own:.3f}" for own in np.nanmean(within, axis=0)) if row.half else ""
     r2 = ", ".join(f"{own:.2f}" for own in 1 - nrmse**2)
     return [row.model, *(f"{own:.3f}" for own in nrmse), f"**{nrmse.mean():.3f}**", r2, share]
 

@@ -160,9 +160,13 @@ class Ours:
         return record
 
     def predicted(self, run: Run, fit: CurrentFit | None = None) -> tuple[Array, Array]:
-        """Return the torque (N, n) [Nm] of a run, low-passed, and half of its 95 % band."""
+        """Return the torque (N, n) [Nm] of a run, low-passed but at its ends, and half of its 95 %
+        band, NaN there.
+        """
         record, fit = self.record(run), fit or self.friction.fit
-        return SMOOTH(predict(fit, record), record), band(fit, record, SMOOTH)
+        predicted = predict(fit, record)
+        slow = SMOOTH(predicted, record)
+        return np.where(np.isfinite(slow), slow, predicted), band(fit, record, SMOOTH)
 
     def inputs(self, run: Run, fit: CurrentFit) -> tuple[Array, Array]:
         """Return (q, q̇, torque predicted) (N, 3 n) of a run, and the torque that is left."""
