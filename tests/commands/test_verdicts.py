@@ -41,7 +41,9 @@ def verdict(question: str, state: Any = "usable", arm: str = "ur5", **more: Any)
 def results(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A study whose results are made up: of a UR5, and of an arm that measures torques."""
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "arm.yaml").write_text("study: mine\ntitle: My arm\nrecordings: []\n")
+    recording = "{name: free, robot: ur5e, format: rtde-csv, folder: ., file: free.csv, role: fit}"
+    study = f"study: mine\ntitle: My arm\nrecordings: [{recording}]\n"
+    (tmp_path / "arm.yaml").write_text(study)
     folder = Path("results/mine")
     for name in ("ur5", "kuka-kr300"):
         own = robot_yaml(load_robot(robot_path(name)))

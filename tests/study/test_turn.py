@@ -74,24 +74,20 @@ def test_a_run_leaves_the_name_that_its_jobs_share(
     assert [*tmp_path.iterdir()] == []
 
 
+def with_pipes(code: str, folder: Path) -> subprocess.Popen[str]:
+    pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+    return subprocess.Popen([sys.executable, "-c", code, str(folder)], text=True, **pipes)
+
+
 def test_who_waited_for_a_removed_file_still_keeps_others_out(tmp_path: Path) -> None:
     held = HOLD.replace("time.sleep(60)", "sys.stdin.read()")
     second = held.replace("sys.argv[1])", "sys.argv[1]), wait=True")
-    runs = [
-        subprocess.Popen(
-            [sys.executable, "-c", code, str(tmp_path)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        for code in (held, second)
-    ]
-    first, waiting = runs
+    first = with_pipes(held, tmp_path)
     assert first.stdout is not None
+    assert first.stdout.readline() == "held\n"
+    waiting = with_pipes(second, tmp_path)
     assert waiting.stdout is not None
     assert waiting.stderr is not None
-    assert first.stdout.readline() == "held\n"
     assert "waiting until" in waiting.stderr.readline()
     first.communicate()
     assert waiting.stdout.readline() == "held\n"

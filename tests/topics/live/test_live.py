@@ -194,6 +194,12 @@ def test_nothing_is_learnt_from_rare_samples() -> None:
         learned([(arm_file(), run._replace(period=0.1))], 5, 1.0)
 
 
+def assert_same(one: Answer, other: Answer) -> None:
+    np.testing.assert_array_equal(one.wrench, other.wrench)
+    np.testing.assert_array_equal(one.std, other.std)
+    assert one.contact == other.contact
+
+
 def test_each_fault_of_the_stream_has_its_answer() -> None:
     stream, estimator = stream_of(samples(3.0, moving=True)), Live(arm_file())
     answer = fed(estimator, stream)[-1]
@@ -209,7 +215,7 @@ def test_each_fault_of_the_stream_has_its_answer() -> None:
         (time + PERIOD, q, lost, current),
         (np.nan, q, qd, current),
     ):
-        assert estimator.step(*one) is answer
+        assert_same(estimator.step(*one), answer)
     # the next is as if nothing had been
     later = Live(arm_file())
     fed(later, stream)
@@ -231,7 +237,7 @@ def test_a_step_too_short_for_a_double_s_inverse_changes_nothing() -> None:
     for qd_stated in (qd, None):
         estimator = Live(arm_file())
         first = estimator.step(0.0, q, qd_stated, current)
-        assert estimator.step(1e-310, q + 1e-6, qd_stated, current + 0.01) is first
+        assert_same(estimator.step(1e-310, q + 1e-6, qd_stated, current + 0.01), first)
         answer = estimator.step(PERIOD, q + PERIOD * qd, qd_stated, current)
         assert np.isfinite([*answer.wrench, *answer.std]).all()
 
