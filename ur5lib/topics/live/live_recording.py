@@ -184,7 +184,8 @@ class LiveRecording(Live):
         rested = self._rested(part, learns)
         before = np.array(rested[:-1])[:, None]
         state = self.states(part.slow_for, part.slow_ago, before, part.reach)
-        rest = self._rest(part, np.array(rested[1:]), learns)
+        # rested[1:] is without what a motion of the next sample ends
+        rest = self._rest(part, before[:, 0] + part.passed * (part.at_rest & learns), learns)
         torque, drift, scale = self._slow(part, state, rest[:-1], learns)
         sensed = torque, state, part.qd, part.jacobian, part.place
         wrench, std, evidence, blind = self.weighed(*sensed)
