@@ -30,6 +30,7 @@ from ur5lib.importing.parted_runs import PartedRun
 from ur5lib.importing.spellings import (
     ARM_NAME,
     CLOCK_NAME,
+    EFFORTS,
     NAME_COLUMN,
     is_computed,
     lettered_joints,
@@ -53,7 +54,6 @@ from ur5lib.timeseries.arrays import Array
 TABLE_FORMAT = "table-csv"
 PARTED_FORMAT = "channel-files"
 BAG_FORMAT = "rosbag"
-EFFORTS = "effort", "actual_current", "actual_current_as_torque", "actual_torque"
 TOPIC_NAME = re.compile(r"joint|state|motion", re.IGNORECASE)  # and no arm's
 MAX_POSSIBLE_VALUE = 1e9  # in any unit of a channel; larger numbers are none
 GRIPPER_RANGE = (-0.1, 1.1)  # rad, m, or the share that it is open

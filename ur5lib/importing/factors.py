@@ -11,11 +11,10 @@ from ur5lib.checks.readings import Order, usual_orders
 from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import ColumnBlock
 from ur5lib.importing.motion import ImportedMotion
-from ur5lib.importing.spellings import is_of_motors, named_unit
+from ur5lib.importing.spellings import TORQUES, is_of_motors, named_unit
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
-TORQUE_MEANINGS = ("effort", "actual_current_as_torque", "actual_torque")
 MAX_MISFIT = 1.2  # of a torque behind the gears to gravity's
 MIN_BEARING_JOINTS = 2  # that tell a gear together
 MIN_FOLLOWING_JOINTS = 3  # that lag by one time
@@ -67,7 +66,7 @@ def behind_gears(
     none: with them, gravity tells an arm's own torque on several joints, and without them none's.
     """
     geared = [arm for arm in arms if min(arm.gear_ratios()) > MAX_MISFIT]
-    named = block.meaning() in TORQUE_MEANINGS and is_of_motors(block.stem())
+    named = block.meaning() in TORQUES and is_of_motors(block.stem())
     pairs = [(arm, order) for order in usual_orders(block.rows.shape[1]) for arm in geared]
     if not named or not pairs or any(_shares(means, name, *pair, geared=False) for pair in pairs):
         return None

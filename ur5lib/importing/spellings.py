@@ -38,6 +38,9 @@ WHOLE_NAMES = {  # in full: of a polling script, of LeRobot's lists, of a force 
     **{"observation.velocity": "actual_qd", "observation.effort": "effort"},
     **{"action": "target_q", "ft": "wrench", "ft_f": "force", "ft_t": "torque"},
 }
+# Meanings of measured efforts, the first three of which may be torques.
+EFFORTS = "effort", "actual_current_as_torque", "actual_torque", "actual_current"
+TORQUES = EFFORTS[:3]
 TARGET_OR_TORQUE = "tq"  # the target of q in polling scripts, elsewhere a torque
 COMMAND_WORDS = _words_in(  # the last two of a policy
     "target tgt desired des ref reference cmd command commanded setpoint goal soll computed "
