@@ -35,6 +35,8 @@ def fit_live(
         return LiveFit()
     under = {name: arm.mounted(gravity) for name, gravity in gravities.items()}
     try:
+        for own in premises.values():  # the fit of all, which is exported, may be refused, too
+            numbers(arm, friction, "", own.load.payload, own.place, contact_force_n)
         runs = [
             (
                 numbers(under[name], friction, name, own.load.payload, own.place, contact_force_n),
