@@ -16,6 +16,7 @@ import pytest
 
 from tests import warm_snakemake
 from tests.command import Command
+from tests.session import pytest_sessionfinish as pytest_sessionfinish
 from tests.synthetic import write_recording
 from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Robot, load_robot, robot_path

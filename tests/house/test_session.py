@@ -1,0 +1,52 @@
+"""A run of the tests says what it took, and fails for a skip that nobody expected."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import PROJECT
+
+CONFTEST = "from tests.session import pytest_sessionfinish as pytest_sessionfinish\n"
+TESTS = """\
+import time
+
+import pytest
+
+
+@pytest.mark.parametrize("seconds", [0.0, 0.2])
+def test_sleeps(seconds):
+    time.sleep(seconds)
+
+
+def test_skips():
+    pytest.skip("no GPU is at hand")
+"""
+
+
+@pytest.mark.parametrize(
+    ("expected", "status"), [(None, 0), ("no GPU|no browser", 0), ("no brow", 1)]
+)
+def test_a_skip_fails_unless_it_is_expected(
+    expected: str | None, status: int, tmp_path: Path
+) -> None:
+    (tmp_path / "conftest.py").write_text(CONFTEST)
+    (tmp_path / "test_few.py").write_text(TESTS)
+    known = {key: value for key, value in os.environ.items() if key != "EXPECTED_SKIPS"}
+    known |= {"PYTHONPATH": str(PROJECT), "PYTEST_ADDOPTS": ""}
+    run = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "--rootdir", ".", "-n", "0"],
+        cwd=tmp_path,
+        env=known if expected is None else known | {"EXPECTED_SKIPS": expected},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert run.returncode == status, run.stdout
+    assert ("  Skipped: no GPU is at hand" in run.stdout) == bool(status)
+    [kept] = tmp_path.rglob("durations")
+    took = json.loads(kept.read_text())
+    assert next(iter(took)) == "test_few.py::test_sleeps[0.2]"
