@@ -1,8 +1,8 @@
 """Contacts in a recording that should be free of them, by its force sensor and its currents.
 
 While a joint moves, gravity, friction and inertia explain its current but for a small share of its
-motor's largest torque. While the arm rests, friction may hold any part of gravity, but its part
-hardly changes. What lasts for half a second and exceeds that is a contact, or a load.
+motor's largest torque. While the arm rests, friction may carry any part of gravity, but that part
+barely changes. What lasts for half a second and exceeds that is a contact, or a load.
 """
 
 from typing import NamedTuple
@@ -33,7 +33,7 @@ CONTACT_TIME = 0.5  # s, of all samples beyond that force
 def sensed_contacts(table: pd.DataFrame, mass: float) -> list[Finding]:
     """Find contacts at the force sensor of a recording that should be free of them.
 
-    table: `time` and ft_* as read; mass: [kg], behind the sensor, whose weight turns with it.
+    table: `time` and ft_* as read; mass: [kg], behind the sensor; its weight turns with it.
     """
     if "ft_fx" not in table:
         return []
@@ -106,7 +106,7 @@ def unfelt_contacts(arm: Robot) -> Finding:
 def deviations(means: BlockMeans, arm: Robot) -> Array:
     """Return the sizes [A] of what is unexplained in each window of each joint's current (W, n).
 
-    NaN where the joint neither moves nor the arm rests throughout, or too little is known.
+    NaN where the joint neither moves nor the arm rests throughout, or blocks are too few.
     """
     assert means.time is not None
     assert means.segment is not None

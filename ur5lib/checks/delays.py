@@ -82,7 +82,7 @@ class Delays(NamedTuple):
         return np.asarray(np.abs(self.seconds) >= self.shortest)
 
     def longest_unnoticed(self) -> float:
-        """Return the longest delay [s] that is hardly less likely than none."""
+        """Return the longest delay [s] that is almost as likely as none."""
         if not self.late().any():
             return MAX_DELAY
         return float(np.abs(self.seconds[self.behind() <= MIN_LEAD_OF_DELAY]).max())
@@ -120,7 +120,7 @@ def delayed_currents(delays: Delays, driven: bool, name: str) -> Iterator[Findin
 
 
 def delayed_joint(delays: Delays, rubs: bool, name: str) -> Iterator[Finding]:
-    """Find the one joint whose current, or torque, comes later or earlier than its motion.
+    """Find the one joint where the current, or torque, comes later or earlier than the motion.
 
     rubs: whether friction brakes what the efforts drive; name: of their channel.
     """

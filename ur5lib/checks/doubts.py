@@ -1,4 +1,4 @@
-"""What a description lacks whose links explain an arm's motion far worse than any links do."""
+"""What a description lacks if its links explain an arm's motion far worse than any links do."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from functools import partial

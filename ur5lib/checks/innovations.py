@@ -54,7 +54,7 @@ def innovation_likelihoods(robot: pd.DataFrame, step: float, shifts: Labels) -> 
 
 
 def _as_sampled(changes: Array, innovations: Array) -> bool:
-    """Return whether currents with these changes and innovations (n, 6) are neither held nor
+    """Return whether currents with these changes and innovations (n, 6) are neither repeated nor
     smoothed.
     """
     fresh = (changes != 0).any(axis=1).mean()

@@ -71,7 +71,8 @@ def as_text(ends: Ends) -> str:
 
 
 def parts_seen(details: Mapping[str, str], roles: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    """Yield recordings that are no unseen ones, and the fitted ones whose runs they go on or begin.
+    """Yield recordings that are no unseen ones, each with the fitted one of which it goes on or
+    begins the run.
 
     details: `as_text` of recordings; roles: by recording.
     """

@@ -47,9 +47,9 @@ def _foreign_size(ratio: float, arm: Robot, by_links: bool) -> Finding:
 
 
 def size_ratio(means: BlockMeans, arm: Robot) -> float | None:
-    """Return the size of torques relative to what holds the arm: its links or, where nobody knows
-    them, half of its weight in equal links with their centres midway; None where these bear little,
-    or its weight is unknown.
+    """Return the size of torques relative to those that carry the arm: its links or, where these
+    are unknown, half of its weight in equal links with their centres midway; None where they weigh
+    little on all joints, or its weight is unknown.
     """
     torque = means.effort
     if arm.tells_gravity():
