@@ -67,7 +67,7 @@ def constants_doubt(fit: CurrentFit) -> Array:
 
 
 def breakaway_torque(fit: CurrentFit) -> Array:
-    """Return Coulomb friction (6,) [Nm], up to which dry friction holds a joint.
+    """Return Coulomb friction (6,) [Nm], up to which dry friction keeps a joint at rest.
 
     Without its load-dependent part; at least MIN_BREAKAWAY_TORQUE.
     """
@@ -176,9 +176,9 @@ def unseen_difference(
 ) -> Array:
     """Return by how much parameters (P,) differ from those of all days, a standard deviation.
 
-    Friction F of D days and R recordings differs by F √(σ_day² / D + σ_run² / R), as far as it was
-    told by recordings. A bootstrap over U paths contains the deviations as if each path had a day
-    of its own: σ_day² (1 / D - 1 / U) remains.
+    Friction F of D days and R recordings differs by F √(σ_day² / D + σ_run² / R), as far as
+    recordings determined it. A bootstrap over U paths contains the deviations as if each path had a
+    day of its own: σ_day² (1 / D - 1 / U) remains.
     """
     if paths < MIN_UNITS:  # the bootstrap is over stretches
         variance = DAY_TO_DAY_STD**2 / days + RUN_TO_RUN_STD**2 / recordings

@@ -1,9 +1,9 @@
 """Links, rotors, gears and counterbalances of an arm from its measured torques alone.
 
-Of an arm whose description has placeholders for its links, torques show them together with the
-friction of its joints. On which joint a counterbalance acts, paths say that no fit has seen: it
-pulls as a mass would that no link has, so that it shows only where bodies of the arm's shape and
-weight cannot explain gravity.
+Where a description has placeholders for an arm's links, torques show them together with the
+friction of its joints. Paths that no fit has seen show on which joint a counterbalance acts: it
+pulls like a mass that no link has, so that it shows only where bodies of the arm's shape and weight
+cannot explain gravity.
 """
 
 from collections.abc import Collection, Sequence
@@ -121,7 +121,7 @@ class ArmFit:
         return np.array(errors) ** 2
 
     def balanced_joints(self, terms: Sequence[str]) -> list[int]:
-        """Return the joints, from 1, whose gravity only a counterbalance explains.
+        """Return the joints, from 1, on which only a counterbalance explains gravity.
 
         Without the constraint that links are bodies, it would explain nothing more: it pulls as the
         first moment of a link does.
@@ -163,7 +163,7 @@ def ratio(errors: Array, others: Array) -> Array:
 
 
 def with_bodies(value: Array, spread: Array, size: int, bounds: LinkBounds) -> Array:
-    """Return coefficients (C,) whose first `size`, the links', are those of bodies.
+    """Return coefficients (C,) of which the first `size`, the links', are those of bodies.
 
     value, S = spread: estimate and its covariance S Sᵀ. The nearest in its metric: the rest follows
     the links by what they share.

@@ -277,7 +277,7 @@ def rates(row: FalseAlarms) -> Iterator[dict[str, Any]]:
 
 def judge_pushes(study: StudyTables, robot: str) -> Iterator[Verdict]:
     """Yield the smallest push that trials find with a probability of 95 %, the axis that needs the
-    largest by motion, the hardest motion first; beside real contacts of that motion.
+    largest by motion, the hardest motion first; with the real contacts of that motion.
     """
     rows = study.rows("pushes", robot=robot)
     if rows.empty:
