@@ -89,9 +89,8 @@ def _unknown_torques(joints: Sequence[int]) -> Remark:
 def usual_model(fit: CurrentFit, cutoff: float) -> ResidualModel:
     """Return the residual model of an arm like others; arguments as above.
 
-    The errors are ERRORS_AT_USUAL_SPEED, beside those of coefficients that no
-    motion confirmed, at a usual speed
-    and load.
+    The errors are ERRORS_AT_USUAL_SPEED, in addition to those of coefficients that no motion
+    confirmed, at a usual speed and load.
     """
     coulomb, constant = breakaway_torque(fit), torque_constants(fit)
     load = USUAL_LOAD * coulomb  # Nm
@@ -150,7 +149,7 @@ def _remarks(
 
 
 def _residual_model(runs: Sequence[ForceInput], friction: Friction, cutoff: float) -> ResidualModel:
-    """Return what the runs show; other arms' errors stand for paths that are missing."""
+    """Return what the runs show; other arms' errors replace those of missing paths."""
     stretches = [
         TorqueStretch(one.torque[rows], one.states[rows], one.period)
         for one in runs
