@@ -152,7 +152,7 @@ def save(drawing: Drawing, path: str | Path) -> None:
     """Write a figure and its numbers, byte for byte the same for the same data.
 
     SVG: many vertices become an image inside the file, which is smaller; styles of lines become
-    keywords; the numbers lie beside it as CSV.
+    keywords; the numbers lie next to it as CSV.
     """
     path = Path(path)
     axes = drawing.figure.axes

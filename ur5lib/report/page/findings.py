@@ -32,7 +32,7 @@ def by_finding(quality: pd.DataFrame, most: int | None = MAX_NAMED_PLACES) -> pd
     """Group findings of all recordings, one row a finding, most serious first.
 
     Stop signs and errors keep each meaning, whatever its numbers and paths, and each run that
-    several recordings hold; of others, `detail` is that of the recording with the largest count,
+    several recordings contain; of others, `detail` is that of the recording with the largest count,
     and `alike` whether all recordings have the same. `recordings` is a list; most: as in
     `group_findings`.
     """
