@@ -203,7 +203,7 @@ class Mounting(Described):
     """Origins of the devices' frames in frame 6 [m]; their axes are parallel to frame 6, but for a
     force sensor that is turned, by the rotation vector from frame 6 to its axes.
 
-    imu_full_scale: of the IMU, None if it is not known.
+    imu_full_scale: of the IMU, None if unknown.
     """
 
     imu: Vector3 = (0.0, 0.0, 0.0)
@@ -236,7 +236,8 @@ class Gains(Described):
 
 
 class CoupledMotor(Described):
-    """A motor whose shaft turns with another joint, too: `ratio` times as far as with its own."""
+    """A motor with a shaft that turns with another joint, too: `ratio` times as far as with its
+    own."""
 
     motor: Annotated[int, Field(ge=1)]
     joint: Annotated[int, Field(ge=1)]
@@ -416,8 +417,8 @@ class Robot(Described):
         ]
 
     def tells_gravity(self) -> bool:
-        """Return whether its description says what its joints bear at rest: its links are known
-        apart from its recordings, and no counterbalance bears a part.
+        """Return whether its description says what its joints bear at rest: its links are
+        described, not found from its recordings, and no counterbalance bears a part.
         """
         return self.links == "known" and not self.balanced_joints
 
@@ -448,7 +449,7 @@ class Robot(Described):
         return [motor.acceleration_max or USUAL_ACCELERATION for motor in motors]
 
     def with_rotors(self) -> Self:
-        """Return the arm with the model `<chosen>+rotors`, if its joints' rotors are known."""
+        """Return the arm with the model `<chosen>+rotors`, if its joints' rotors are described."""
         name = f"{self.chosen_model}+rotors"
         rotors = [self.motor(joint).reflected_rotor() for joint in self.joint_numbers]
         if name in self.models or None in rotors:
