@@ -45,11 +45,11 @@ def along_chain(values: Array, joints: int) -> Array:
 class FrictionParameters:
     """Friction of an arm's joints, each parameter (n,).
 
-    coulomb: [Nm]; viscous: [Nm s/rad]; velocity_root: [Nm √(s/rad)], beside its nearest line,
-    see `ROOT_LINE`; load: Nm of friction per Nm of load; stiction: ratio of
-    breakaway to Coulomb torque; stribeck_velocity: [rad/s], at which stiction has vanished;
-    periodic, phase: of the torque periodic cos(q + phase) [Nm, rad]; presliding: [rad], elastic
-    deflection before slip; coulomb_warming, viscous_warming: relative change per kelvin [1/K].
+    coulomb: [Nm]; viscous: [Nm s/rad]; velocity_root: [Nm √(s/rad)], beyond its nearest line, see
+    `ROOT_LINE`; load: Nm of friction per Nm of load; stiction: ratio of breakaway to Coulomb
+    torque; stribeck_velocity: [rad/s], at which stiction has vanished; periodic, phase: of the
+    torque periodic cos(q + phase) [Nm, rad]; presliding: [rad], elastic deflection before slip;
+    coulomb_warming, viscous_warming: relative change per kelvin [1/K].
     """
 
     coulomb: Array

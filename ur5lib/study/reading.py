@@ -1,6 +1,6 @@
 """Reading of a study: all of its errors are reported at once.
 
-A pattern in the `file` of an entry stands for an entry of each file that it matches.
+A pattern in the `file` of an entry gives an entry of each file that it matches.
 """
 
 import math
@@ -121,7 +121,7 @@ def is_pattern(entry: Any) -> bool:
 
 
 def of_each_file(entry: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """Yield the entries that an entry with a pattern stands for, in the order of their paths.
+    """Yield the entries that an entry with a pattern gives, in the order of their paths.
 
     To the name, what the path has beyond the folder is added, without suffix; the date is the first
     in the path, as 2026-03-09, 2026_03_09 or 20260309, unless the entry has one.
@@ -252,7 +252,7 @@ def _missing_results(raw: PlainData) -> Iterator[str]:
 
 
 def _wrong_reference(file: Any) -> Iterator[str]:
-    """Yield the error of a file of published values that holds no YAML mapping."""
+    """Yield the error of a file of published values that is no YAML mapping."""
     if isinstance(file, str) and os.path.isfile(file):
         try:
             read_plain(Path(file))
@@ -300,7 +300,7 @@ def study_text(study: Study) -> str:
 
 
 def _different_arms(study: Study) -> Iterator[str]:
-    """Yield errors for different arms of one name, whose recordings would be fitted together."""
+    """Yield errors for different arms of one name: their recordings would be fitted together."""
     arms = study.arms()
     for recording in study.recordings:
         if recording.arm.itself() != arms[recording.arm.known_as]:
