@@ -74,7 +74,8 @@ def audit(
     """Return what can be said of the sensor, a row a value, and the time without contact.
 
     tool: on the flange, as declared.
-    currents: the load that the motor currents show beside the tool, None where they show none.
+    currents: the load that the motor currents show in addition to the tool, None where they show
+    none.
     """
     free, rows, moved = 0.0, list[AuditRow](), moved_tool(robot, kinematics, motion)
     if signals.ft_raw_wrench is not None:

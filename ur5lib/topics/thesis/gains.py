@@ -96,7 +96,7 @@ def estimate_gains(tracking: Tracking) -> list[JointGains]:
     95 % point of Fisher's distribution, n the number of independent samples; J_min is that of a
     joint that follows exactly, where the best of as many gains as the grid has would fit better by
     chance. Of a recording of more than MAX_MOTION_DURATION seconds, the gains come from those parts
-    in which a joint's target accelerates most. A joint whose target rests throughout determines
+    in which a joint's target accelerates most. A joint with a target at rest throughout determines
     nothing. Raises ValueError if no two successive samples are complete.
     """
     return [_estimate(joint) for joint in _joints(tracking)]

@@ -61,7 +61,7 @@ def compare_with_truth(
     friction: Mapping[str, Friction],
     lowpass: Butterworth,
 ) -> pd.DataFrame:
-    """Return the table of estimates beside the truth.
+    """Return the table of estimates compared with the truth.
 
     truth, truth_summary: files of `Truth` and `TrueParameters` of the simulated recordings;
     alignment to forces: by recording, described to friction: by arm; lowpass: of the accelerations.
