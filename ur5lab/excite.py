@@ -107,7 +107,8 @@ def _mounting(load: Payload, last: int) -> str:
 
 
 def earlier(options: ExciteOptions) -> tuple[Robot, Earlier | None]:
-    """Return the arm as it is known, and what a study of earlier recordings knows of it, if any.
+    """Return the arm as described or fitted, and what a study of earlier recordings has of it, if
+    any.
 
     Raises InputError for an unknown arm, and where a file of the study is missing.
     """

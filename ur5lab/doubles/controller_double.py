@@ -52,7 +52,7 @@ class Ports:
 
     @classmethod
     def free(cls) -> Self:
-        """Return four unused ports, for clients whose ports can be set."""
+        """Return four unused ports, for clients with ports that can be set."""
         with contextlib.ExitStack() as stack:
             sockets = [stack.enter_context(socket.socket()) for _ in range(4)]
             for free in sockets:
@@ -183,7 +183,7 @@ class _ControllerProcess:
         }
 
     async def run(self) -> None:
-        """Run until the process that holds the other end of the line is gone."""
+        """Run until the process at the other end of the line is gone."""
         loop = asyncio.get_running_loop()
         gone = loop.create_future()
         try:

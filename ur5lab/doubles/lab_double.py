@@ -36,8 +36,8 @@ PUSH = {"kind": "push", "start_s": 8, "seconds": 3, "force": [20.0, -10.0, 25.0]
 def lab_double(robot: Robot, is_pushed: bool, folder: Path) -> Iterator[LabSettings]:
     """Yield the settings of doubles, which answer on this computer alone.
 
-    They stand for an arm, an ATI Net F/T on its flange, and an Xsens MTi. is_pushed: whether the
-    arm is pushed 8 s after it is switched on. folder: of the recording; the truth is written beside
+    They replace an arm, an ATI Net F/T on its flange, and an Xsens MTi. is_pushed: whether the arm
+    is pushed 8 s after it is switched on. folder: of the recording; the truth is written next to
     its files.
     """
     plain = {"trajectory": {"kind": "standstill"}, "contacts": [PUSH] if is_pushed else []}

@@ -1,4 +1,5 @@
-"""The files of a designed trajectory: for `ur5 record`, for a UR's controller, for the stand."""
+"""The files of a designed trajectory: for `ur5 record`, for a UR's controller, for the test
+stand."""
 
 from collections.abc import Mapping
 from pathlib import Path as File

@@ -94,7 +94,7 @@ def conditioning(scale: Array) -> Criterion:
 
 
 def _model_criterion(problem: DesignProblem, _: WorkCell) -> Criterion:
-    """Return D-optimality plus two condition numbers, to which it is hardly sensitive.
+    """Return D-optimality plus two condition numbers, to which it is not very sensitive.
 
     That of the base parameters is in SI units, as in the literature; that of all parameters is in
     units of their prior standard deviations.
@@ -278,9 +278,9 @@ class Worth:
     log_det: log det of the information M (P, P) after the recording; gain: increase by the
     recording; regressor_condition: condition number of the base parameters' regressor in SI units
     (Gautier 1992); condition: condition number of J, each column in units of its prior standard
-    deviation, infinite where no target torque tells masses from gains; prior, before, after:
-    standard errors (P,) of `DesignProblem.names` in physical units, by the prior alone, before the
-    recording, and after it.
+    deviation, infinite where no target torque distinguishes masses from gains; prior, before,
+    after: standard errors (P,) of `DesignProblem.names` in physical units, by the prior alone,
+    before the recording, and after it.
     """
 
     log_det: float
