@@ -111,8 +111,8 @@ def read_text(path: Path) -> str:
 def plain_yaml(text: str, source: str) -> Any:
     """Return the content of YAML as plain data.
 
-    Raises yaml.YAMLError when it is not YAML, InputError when it has a key twice, holds a number
-    that is none, or is too large.
+    Raises yaml.YAMLError when it is not YAML, InputError when it has a key twice, has a number that
+    is none, or is too large.
     """
     try:
         _expect_few_levels(text, source)  # before libyaml, which crashes on a deep nest
@@ -203,7 +203,7 @@ def expect_few_values(data: Any, source: str) -> None:
     """Raise InputError where data are nested too deep, or huge through repeated aliases.
 
     data: plain data, or the nodes of a YAML file; source: its name, for the message. Each alias
-    (`*name`) stands for all that it names: nine lines can stand for a thousand million values.
+    (`*name`) repeats all that it names: nine lines can give a thousand million values.
     """
     if _measure(data, 0, {}, source)[0] > MOST_VALUES:
         raise _too_many(source)

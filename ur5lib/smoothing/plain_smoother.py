@@ -1,4 +1,5 @@
-"""The plain smoother beside ours: filterpy's extended Kalman filter, with fixed noise, and back."""
+"""The plain smoother to compare with ours: filterpy's extended Kalman filter, with fixed noise, and
+back."""
 
 from typing import NamedTuple
 

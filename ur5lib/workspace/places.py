@@ -1,4 +1,4 @@
-"""Where the workflow lies: in a clone beside the package, in an installed package inside it."""
+"""Where the workflow lies: in a clone next to the package, in an installed package inside it."""
 
 from pathlib import Path
 
