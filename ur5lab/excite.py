@@ -49,7 +49,7 @@ DRIVER_ADVICE = (
     "angles [rad], and add the recording to a study (docs/robots.md)."
 )
 PROGRESS_CONSOLE = Console(stderr=True)
-MAX_PRINTED_ERRORS = 6  # parameters whose standard errors are printed
+MAX_PRINTED_ERRORS = 6  # parameters with printed standard errors
 
 
 @dataclass(frozen=True)

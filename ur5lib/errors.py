@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from os import PathLike
 
 OVERRULED_BY = "; if the study is right, "  # between a stop sign and the line that overrules it
-SEPARATOR_CATEGORIES = {"Zl", "Zp"}  # beside "C…": controls, marks of direction, surrogates
+SEPARATOR_CATEGORIES = {"Zl", "Zp"}  # "C…" has controls, marks of direction, surrogates
 
 
 class InputError(Exception):

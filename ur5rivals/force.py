@@ -19,7 +19,7 @@ TorqueEstimate = Callable[[Run], Array]
 
 NO_TORQUE = np.zeros(6)  # Nm
 CUTOFF_HZ = 2.0  # of the study's low-pass
-TYPICAL_FORCE = 15.0  # N, of contacts with an arm that is not known
+TYPICAL_FORCE = 15.0  # N; typical contact with an arm that is not described
 
 
 def learned_noise(

@@ -33,8 +33,8 @@ from ur5lib.robots.statics import STANDARD_GRAVITY
 # A difference of log-likelihoods. In right recordings of four arms, it is at most 31.
 MIN_LEAD_OF_ARM = 40.0
 MIN_SLOPE = 1e-3  # slope of a current that gravity does not show, relative to the maker's
-STICTION_SHARE = 0.1  # share of a motor's largest torque that friction may hold at rest
-# Another mounting whose gain is this share of the largest is not excluded.
+STICTION_SHARE = 0.1  # share of a motor's largest torque that friction may carry at rest
+# Another mounting with this share of the largest gain is not excluded.
 MIN_SHARE_OF_LARGEST_GAIN = 0.5
 MOUNTINGS = [  # gravity in the base frame, of arms on floors, ceilings and walls
     tuple(sign * STANDARD_GRAVITY if axis == own else 0.0 for own in range(3))

@@ -27,13 +27,14 @@ from ur5lib.timeseries.arrays import Array
 MIN_ERRORS = 2.5  # standard errors over stretches, below which a lead may be chance
 MAX_LEAD_AGAINST = 0.1  # of what is declared by any links, at which these are not against a change
 # In right logs, exchanged efforts never lead beyond chance, exchanged joints by 0.27 at most by
-# the declared links, by 0.36 by any. Where friction is no known one, they lead by 0.72 and 0.34
-# in short logs.
+# the declared links, by 0.36 by any. Where friction is of no described form, they lead by 0.72 and
+# 0.34 in short logs.
 MIN_LEAD_OF_EFFORTS = 0.15
 CLEAR_LEAD_OF_JOINTS = 0.8  # by the declared links, from which on any links need not agree
 MIN_LEAD_OF_JOINTS, MIN_LEAD_OF_JOINTS_BY_ANY_LINKS = 0.35, 0.5
-# By declared links that are no UR's, whose are known, where two joints move alike: any links would
-# explain either order of them. A right log of a KUKA LWR leads by 1.2, simulated ones by 0.6.
+# This is by declared links where two joints move alike, but for a UR's, which are certain: any
+# links would explain either order of the joints. A right log of a KUKA LWR leads by 1.2, simulated
+# ones by 0.6.
 MIN_LEAD_OF_ALIKE = 2.5
 # A turned joint leads by at most 0.31 in right logs by the declared links. By any, the mean over
 # all joints is at most 0.05.
@@ -53,12 +54,12 @@ MIN_LACKING_CURRENT = 0.17
 # Ratio to the maker's constant, over the median of the other joints'. Where it is surely above
 # one by gravity (MIN_LOW_OF_WEAK), no right log has such a ratio.
 MIN_RATIO_TO_OTHERS = 1.3
-# Lead and mass [kg] of a load that no target tells. Right logs of UR's lead by at most 0.8, those
+# Lead and mass [kg] of a load that no target shows. Right logs of UR's lead by at most 0.8, those
 # with 3 kg by 2.4.
 MIN_LEAD_OF_LOAD, MIN_LOAD, MIN_ERRORS_OF_LOAD = 1.0, 1.0, 5.0
-MIN_MOVING_JOINTS = 3  # that tell arms apart
+MIN_MOVING_JOINTS = 3  # so many moving joints distinguish arms
 MIN_BLOCKS = (
-    90  # of a log that tells arms, or joints exchanged in all channels; ten stretches of it
+    90  # a log of so many blocks shows arms, or joints exchanged in all channels, in ten stretches
 )
 
 

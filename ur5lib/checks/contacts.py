@@ -22,7 +22,7 @@ from ur5lib.timeseries.segments import runs
 
 CONTACT = "contact"  # the finding of one that the recording's role rules out
 WINDOW_BLOCKS = 5  # blocks, 0.5 s; shorter deviations are those of friction
-SETTLING_BLOCKS = 5  # blocks after a stop until friction holds what it will
+SETTLING_BLOCKS = 5  # blocks after a stop until friction no longer changes
 MIN_MOVING_BLOCKS = 100  # blocks in which a joint moves, which its friction is fitted to
 REGRESSION_ROUNDS = 10  # of reweighted least squares
 OUTLIER_DISTANCE = 1.5  # robust standard deviations from which on a block counts less

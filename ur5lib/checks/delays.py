@@ -157,7 +157,7 @@ def delays_by_motion(robot: pd.DataFrame, arm: Robot, step: float, cutoff: float
     step *= count
     qd = np.gradient(q, step, axis=0)
     qdd = np.gradient(qd, step, axis=0)
-    # blocks whose current is known at every delay
+    # blocks with a current at every delay
     rows = np.arange(most, len(q) - most)
     later = np.lib.stride_tricks.sliding_window_view(current, len(lags), axis=0)  # (n, 6, lags)
     rows = rows[np.isfinite(later).all(axis=(1, 2)) & np.isfinite(q[rows]).all(axis=1)]

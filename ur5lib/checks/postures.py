@@ -20,15 +20,16 @@ from ur5lib.robots.description import Payload, Robot
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 
-# A difference of log-likelihoods of two exchanged joints. It is at most 46 where a few postures
-# are held.
+# A difference of log-likelihoods of two exchanged joints. It is at most 46 in recordings of a few
+# postures.
 MIN_LEAD_OF_EXCHANGED_JOINTS = 60.0
 PARTS, MIN_ERRORS_OF_ARM = 10, 2.5  # of postures, and standard errors over these, of another arm
 BEARING_JOINTS = 3  # joints from the base that bear others in every posture
 MIN_ERRORS_OF_CORRELATION = 5.0  # standard errors by which gravity shows in a current
-# Of the motor's largest torque: the standard deviation of gravity beside which friction is small.
+# Friction is small compared with gravity of this standard deviation, over the largest torque.
 MIN_GRAVITY_SHARE = 0.1
-MAX_CONSTANT_ERROR = 0.1  # relative, of a torque constant that contradicts the known one
+# A torque constant that contradicts the documented one errs by less, relatively.
+MAX_CONSTANT_ERROR = 0.1
 # Of the motor's largest torque: the static friction of a joint. It is 0.04 to 0.06 on the
 # measured arms.
 STATIC_FRICTION_SHARE = 0.06

@@ -34,7 +34,7 @@ SPREAD_OF_CONSTANTS = 0.2  # of torque constants around those of the joints' siz
 CLEAR_LEAD = 8.0  # difference of log-likelihoods from which on a reading is proven
 MAX_RANGE_RATIO = 1.05  # times the range of a joint, which a controller enforces
 IMPOSSIBLE_MOTION_PENALTY = 100.0  # on the log-likelihood of an arm that cannot move so
-MIN_TORQUE_FOR_CONSTANT = 0.5  # Nm, root mean square; less gravity tells no torque constant
+MIN_TORQUE_FOR_CONSTANT = 0.5  # Nm; gravity below this root mean square shows no torque constant
 
 
 def in_order(arm: Robot) -> Order:

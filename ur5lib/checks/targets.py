@@ -76,7 +76,7 @@ def unlike_targets(means: BlockMeans) -> Iterator[tuple[int, float]]:
         # without friction, which targets of some arms contain, and inertia: only a load shows it
         others = np.column_stack([friction, means.qdd[:, joint]])
         borne = target - others @ np.linalg.lstsq(others, target, rcond=None)[0]
-        # at rest, of a joint whose load others change
+        # at rest, of a joint where others change the load
         if (
             not (moves[joint] and np.sqrt((borne**2).mean()) > MIN_BORNE_CURRENT)
             and borne.std() <= MIN_BORNE_CURRENT

@@ -89,7 +89,7 @@ def print_findings_of(
     named: recordings whose findings are printed in detail; none: all, by finding; contract: that
     they are checked against.
     """
-    console = text_console(stderr=form.as_json)  # beside the JSON
+    console = text_console(stderr=form.as_json)  # the JSON is on stdout
     lacking = [f"contract: {one}" for one in contract.lacking(study)] if contract else []
     lacking += refused_arms(study)
     for sentence in lacking:

@@ -31,7 +31,7 @@ USUAL = re.compile(
     r"|Job stats|job +count|-+ +-+|\w+ +\d+$|Finished jobid|Complete log|Elapsed time|report: "
 )
 SECONDS_BETWEEN_LINES = 60.0
-Report = Callable[[int, int], None]  # is told the steps that are done, and all
+Report = Callable[[int, int], None]  # it takes the number of steps done, and of all
 
 
 def build(

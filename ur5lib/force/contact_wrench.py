@@ -101,7 +101,7 @@ def contact_wrench(
     # torque noise, load friction, and a moment that is taken for a force
     variance = np.linalg.diagonal(estimate.covariance) + _lever_variance(estimate, jacobian, prior)
     variance = variance + _load_friction_variance(estimate, jacobian, prior)
-    # torques hardly distinguish a moment from a force
+    # torques barely distinguish a moment from a force
     force = np.linalg.norm(estimate.mean[:, :3], axis=1)
     variance[:, 3:] += (UNRESOLVED_LEVER * force[:, None]) ** 2
     return ContactWrench(estimate.mean, variance)

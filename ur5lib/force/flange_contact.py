@@ -76,7 +76,7 @@ def flange_probability(
     samples together count as one: the arm moves little, and friction errs alike in all of them.
     """
     loaded = noise + diagonal((loss * torque) ** 2)
-    # a surface beside the place adds a moment
+    # a surface away from the place adds a moment
     wrenches = [wrench_covariance(size, SURFACE_DISTANCE) for size in sizes]
     # log p(τ | link), up to a constant: the mean over its places and the sizes
     evidence = []

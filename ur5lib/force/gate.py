@@ -198,7 +198,7 @@ def find_contacts(observations: Observations) -> tuple[Array, Gaussians]:
         contact = weight[:, len(free_covariances) :].sum(axis=1)  # (N,)
         # background given all τ, each weighted by the probability of a free arm
         measured = measurement_noise(free_covariances, weight, contact) / observations.worth
-        # a push at rest may renew the background: it changes what stiction holds
+        # a push at rest may renew the background: it changes what stiction carries
         renewed = noise.still * contact[:, None] / prior.duration
         rate = observations.model.rate[observations.states]
         smoother_inputs = observations.torque, measured, noise.spread

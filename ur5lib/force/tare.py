@@ -21,7 +21,7 @@ from ur5lib.timeseries.segments import extrapolated_samples, without_ends
 Span = tuple[float, float]  # s, from a recording's start
 
 MAX_POSTURE_CHANGE = 0.02  # rad, by which a joint may leave the tared posture
-MIN_REST_DURATION = 0.5  # s, of known torque at rest
+MIN_REST_DURATION = 0.5  # s; a tare has torques at rest for at least this long
 BLOCK_DURATION = 0.1  # s, of which readings are averaged
 SMOOTHING_WINDOW = 0.2  # s, over which positions as read are averaged
 

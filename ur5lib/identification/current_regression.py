@@ -53,9 +53,9 @@ from ur5lib.robots.friction import (
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.metrics import NORMAL95
 
-# A torque constant is doubted, or contradicts the known one, where it is off by more than both:
-# prior standard deviations, and a ratio. In right recordings of two arms, it is up to 5.6 standard
-# deviations off, with ratios of 0.68 to 1.29: wrists lose that in their gears.
+# A torque constant is doubted, or contradicts the documented one, where it is off by more than
+# both: prior standard deviations, and a ratio. In right recordings of two arms, it is up to 5.6
+# standard deviations off, with ratios of 0.68 to 1.29: wrists lose that in their gears.
 DOUBTFUL_DEVIATIONS = 3.0
 DOUBTFUL_RATIO = 1.5
 CONTRADICTING_DEVIATIONS = 5.0
@@ -63,7 +63,7 @@ CONTRADICTING_RATIO = 1.75
 # The gain of a measured torque is 1, or that of another side, link or sign than the description's.
 GAIN_RANGE = 0.9, 1.1
 # Usual errors of a current along a path that no fit has seen, by `MotionState`, and least ones,
-# relative to Coulomb friction: dry friction holds a joint at rest anywhere within it.
+# relative to Coulomb friction: at rest, dry friction lies anywhere within it.
 UNSEEN_ERRORS = 0.25, 0.5, 1.25, 1.25
 LEAST_ERRORS = 0.0, 0.0, 1 / np.sqrt(3), 1 / np.sqrt(3)
 

@@ -36,8 +36,8 @@ DAY_TO_DAY_STD = 0.07
 # The same from recording to recording of a day: median of the joints' Coulomb friction on nine
 # recordings of a UR5 0.046, on eight of a UR10e 0.008.
 RUN_TO_RUN_STD = 0.03
-# Relative variance of a joint's friction d days from a known date, σ² = a² + b² d: a prior by a
-# UR10e, whose friction differs by 0.012 within a day, 0.02 within a week, and 0.046 after 25 days.
+# Relative variance of a joint's friction d days from a recorded date, σ² = a² + b² d: a prior by a
+# UR10e. Its friction differs by 0.012 within a day, 0.02 within a week, and 0.046 after 25 days.
 SAME_DAY_STD, DAILY_STD = 0.006, 0.0084
 SEASON = 140.0  # days, which count as between recordings without dates
 MIN_BREAKAWAY_TORQUE = 0.1  # Nm

@@ -43,10 +43,10 @@ FOLDS = 5
 # What a balance takes at least off the squared error of its joint on unseen paths, and by how many
 # standard errors over the folds.
 MIN_SHARE, MIN_DEVIATIONS = 0.05, 2.0
-# Squared error with bodies over that with any numbers: of a joint whose counterbalance is found, at
-# most; of others of a right arm, at most (a UR3 whose currents lack its rotors has 3.4).
+# Squared error with bodies over that with any numbers: the largest one of a joint with a
+# counterbalance, and of others of a right arm (a UR3 with currents without its rotors has 3.4).
 MAX_ERROR_OF_BALANCED, MAX_ERROR_OF_BODIES = 1.5, 10.0
-# A centre of mass lies between its link's joints, or beside them by a share of the arm's length.
+# A centre of mass lies between its link's joints, or beyond them by a share of the arm's length.
 CENTER_MARGIN_SHARE = 0.12
 
 
@@ -202,7 +202,7 @@ def arm_prior(robot: Robot, rows: TorqueRows) -> tuple[Array, Array]:
     """
     tails = [link_tail(pose)[1] for pose in robot.link_poses()]
     length, largest = float(np.linalg.norm(tails, axis=1).sum()), rows.largest_torque()
-    # where the weight is not described, that which the largest torque holds at full length
+    # where the weight is not described, that which the largest torque carries at full length
     weight = robot.weight or float(largest.max()) / (STANDARD_GRAVITY * length)
     mass, square = weight / (2 * rows.joints), weight / (2 * rows.joints) * length**2
     links = [_uniform_link(mass, tail, 0.01 * square) for tail in tails]

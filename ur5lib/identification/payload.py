@@ -29,8 +29,8 @@ from ur5lib.timeseries.metrics import NORMAL95
 
 FRICTION_ROUNDS = 5  # of estimating load and friction in turn
 PAYLOAD_DRAWS = 50  # of the bootstrap
-UNSCALED_TORQUE_ERROR = 0.3  # relative, of a joint's torque under a load: before its scale is known
-SCALED_TORQUE_ERROR = 0.1  # and after
+UNSCALED_TORQUE_ERROR = 0.3  # relative error of a joint's torque under a load, before it is scaled
+SCALED_TORQUE_ERROR = 0.1  # the same after it is scaled
 RUN_PARTS = 3  # each of which must show the load
 AXIS_TOLERANCE = 1e-9  # of the longest principal axis: what is shorter is rounding
 PAYLOAD_PRIOR_STD = 100.0  # kg, kg m

@@ -15,7 +15,7 @@ from ur5lib.timeseries.arrays import Array, Mask
 
 # Usual standard deviation of a current's independent samples, relative to the largest torque's
 # current: the middle of 0.001 to 0.02 in single recordings of a UR5 and a UR10e. With 0.01, a
-# constant that is known 2.5 times too small was no longer contradicted by 24 s of motion.
+# constant that is given 2.5 times too small was no longer contradicted by 24 s of motion.
 CURRENT_NOISE_SHARE = 0.005
 # The same of friction at rest: anywhere within Coulomb friction, about a twentieth of that torque.
 REST_FRICTION_STD = 0.05 / np.sqrt(3)

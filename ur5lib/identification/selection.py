@@ -25,7 +25,7 @@ from ur5lib.timeseries.arrays import Array
 # What a change takes at least off the squared error on what is left out, in motion or at rest, and
 # by how many standard errors.
 MIN_SHARE, MIN_SHARE_AT_REST, MIN_DEVIATIONS = 0.02, 0.1, 2.0
-MIN_SHARE_OF_GAIN = 0.1  # the same of a gain in place of the known one
+MIN_SHARE_OF_GAIN = 0.1  # the same of a gain in place of the prior's
 
 
 class Shown(NamedTuple):

@@ -154,7 +154,7 @@ def _alarms_on(rows: pd.DataFrame, counts: Any, study: StudyTables) -> dict[str,
     false = counts.false_alarms_per_min
     if pd.isna(false):  # without a sensor
         false = (rows["kind"] == "false").sum() / minutes
-    own = rows[rows["kind"] != OFF_FLANGE]  # whose stated forces are of the flange
+    own = rows[rows["kind"] != OFF_FLANGE]  # stated forces are those of the flange
     bands = own.melt(
         ["peak_s", "posture_deg"], ["Fx_std", "Fy_std", "Fz_std"], "column", "std"
     ).dropna(subset="std")

@@ -152,7 +152,7 @@ def judge_friction(study: StudyTables, robot: str) -> Iterator[Verdict]:
         return
     half = rows[["low", "high"]].sub(rows["value"], axis="index").abs().max(axis="columns")
     shares = half / rows["value"].abs()
-    usable = rows[(rows["use"] == "yes") & (shares < 1)]  # no number whose error exceeds it
+    usable = rows[(rows["use"] == "yes") & (shares < 1)]  # no number smaller than its error
     others = rows[~rows["joint"].isin(usable["joint"])]
     reason = reason_in(
         next(iter(others["reason"].dropna().mode()), "undetermined" * bool(len(others)))

@@ -11,8 +11,8 @@ from ur5lib.timeseries.arrays import Array
 Source = Literal["study", "tool", "tcp_offset", "actual_TCP_pose", "sensor", "payload", "none"]
 
 TOOL_RADIUS = 0.03  # m, of a tool about its tool centre point
-TOOL_WEIGHT = 20.0  # samples, for which a place counts beside the contact's own
-WRIST_RADIUS = 0.1  # m, likewise where no tool centre point is known
+TOOL_WEIGHT = 20.0  # samples for which a place counts in addition to the contact's own
+WRIST_RADIUS = 0.1  # m; the same where there is no tool centre point
 WRIST_WEIGHT = 1.0
 MIN_TCP_DISTANCE = 0.005  # m from the flange: a nearer tool centre point was never set
 

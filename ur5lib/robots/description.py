@@ -28,7 +28,8 @@ JOINT_SIZES_FILE = DESCRIPTION_FOLDER / "joint_sizes.yaml"
 DROPPED_KEYS = ("friction_terms", "presliding")  # of older descriptions; without effect
 PROJECT_FOLDER = Path("robots")  # of the user's project, for further arms
 INVALID_DESCRIPTION = "is not a valid description of an arm (docs/robots.md)"
-LOAD_SHARE, LINKS_SHARE = 0.4, 0.1  # of a known load, in the rated payload, in the links' mass
+# An assumed load has these shares of the rated payload and of the links' mass.
+LOAD_SHARE, LINKS_SHARE = 0.4, 0.1
 LOAD_PLACE = (0.06, 0.0, 0.05)  # m, of its centre of mass
 SAME_LINKS = {"ur7e": "ur5e", "ur12e": "ur10e"}  # by their kinematics, masses and inertias
 GRAVITY_RANGE = (9.0, 10.5)  # m/s², on earth

@@ -15,7 +15,7 @@ BEARING_SHARE = 0.03  # of a joint's largest torque
 
 STANDARD_GRAVITY = 9.81  # m/s²
 MIN_SINGULAR_VALUE = 0.03  # of J_g, with rows in m and rad
-# Of the largest, of torques per mass and first moment. What is smaller does not tell links apart.
+# Share of the largest, of torques per mass and first moment. Smaller ones do not distinguish links.
 SMALLEST_SINGULAR_VALUE = 1e-3
 
 

@@ -185,7 +185,7 @@ def _search(pair: _Pair, stamps: ClockRelation) -> list[Array]:
         return float(misfit.var(axis=0).sum()) if len(misfit) >= enough else np.inf
 
     misfit = np.array([[variance(np.array([o, d])) for d in drifts] for o in offsets])
-    # offsets whose best misfit is not above that of their neighbours
+    # offsets with a best misfit that is not above that of their neighbours
     best = np.pad(misfit.min(axis=1), 1, constant_values=np.inf)
     valleys = np.isfinite(best[1:-1]) & (best[1:-1] <= np.minimum(best[:-2], best[2:]))
     rows = np.flatnonzero(valleys)

@@ -57,7 +57,7 @@ def estimate_forces(
         run = replace(run, static=static)
     estimates = {name: one.estimate(run) for name, one in ESTIMATORS.items()}
     background, time = run.background, motion.anew()
-    del run  # of a long recording, either all inputs are held or all results
+    del run  # of a long recording, memory has either all inputs or all results
     return Forces.of(time, estimates, background)
 
 

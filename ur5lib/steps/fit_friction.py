@@ -48,11 +48,12 @@ from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
 
-# Joints whose current does not follow their torque: the others tell a force.
+# At most so many joints may have a current that does not follow the torque: the others show a
+# force.
 MAX_JOINTS_WITHOUT_LOAD = 3
-# Joints whose torque has another gain, by a spring, a column or a link.
+# At most so many joints may have another gain of the torque, by a spring, a column or a link.
 MAX_JOINTS_OF_OTHER_GAIN = 1
-# Remarks on a joint that contradicts its known constant, which stands in.
+# Remarks on a joint that contradicts its documented constant, which is used instead.
 UNEXPLAINED = "current against constant", "torque against gain"
 MIN_GAIN = 0.4  # of such a joint; of a smaller one, a unit is wrong
 

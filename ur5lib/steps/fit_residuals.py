@@ -28,7 +28,7 @@ from ur5lib.records.motion import Motion
 from ur5lib.records.phrases import numbered
 from ur5lib.timeseries.segments import unbroken
 
-MIN_REST_DURATION = 10.0  # s, below which hardly anything shows what friction holds at rest
+MIN_REST_DURATION = 10.0  # s; a shorter rest shows almost nothing of what friction carries there
 # Usual error along a path that no fit has seen, by joint state, relative to Coulomb friction: in
 # motion the median of joints of four arms; at rest the root mean square of the joints of a UR5
 # (0.77, 1.02, 0.76) and a UR10e (0.31, 0.40, 0.36) fitted to one recording. The part of it that
@@ -37,7 +37,7 @@ MIN_REST_DURATION = 10.0  # s, below which hardly anything shows what friction h
 ERRORS_AT_USUAL_SPEED = np.array([0.13, 0.13, 0.6, 0.75, 0.6])
 ERRORS_IN_FAST_MOTION = np.array([0.5, 0.5, 0.5, 0.4, 0.15])
 USUAL_SPEED, USUAL_LOAD = 0.5, 3.0  # of an arm: [rad/s]; its load, in Coulomb friction
-FORCE_DIRECTIONS = 3  # of a force: as many joints, or all, must have a known torque
+FORCE_DIRECTIONS = 3  # a force needs a finite torque on so many joints, or on all
 
 
 def fit_residuals(

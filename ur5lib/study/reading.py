@@ -32,7 +32,7 @@ WILDCARD = re.compile(r"[*?\[]")
 DAY_IN_PATH = re.compile(r"(?<!\d)(20\d\d)[-_]?(\d\d)[-_]?(\d\d)(?!\d)")
 FORBIDDEN_CHARACTERS = re.compile(r"[^A-Za-z0-9_.-]+")
 ENTRY_PLACE = re.compile(r"recordings\[\d+\]")  # in the key of a mistake
-CODE_KEY = "__use_yte__"  # Snakemake runs what a file with this key holds
+CODE_KEY = "__use_yte__"  # Snakemake runs what is in a file with this key
 TRUTH_SUFFIXES = (".parquet", ".json")
 FILE_KEYS = {"folder", "file", "force_sensor", "imu", "truth", "home_deg", "directions"}
 
@@ -293,7 +293,7 @@ def study_text(study: Study) -> str:
     """Return a study with every default filled in, as YAML that `parse_study` reads."""
     plain = study.model_dump(exclude_none=True)
     for recording in plain["recordings"]:
-        if "simulate" in recording:  # whose files the test stand names
+        if "simulate" in recording:  # the test stand names its files
             for key in FILE_KEYS & recording.keys():
                 del recording[key]
     return yaml.dump(plain, Dumper=FAST_DUMPER, sort_keys=False, allow_unicode=True)

@@ -5,6 +5,6 @@ from pathlib import Path
 PACKAGE = Path(__file__).parents[1]
 _PACKAGED_WORKFLOW = PACKAGE / "workflow"  # pyproject.toml puts it there
 IN_CLONE = not _PACKAGED_WORKFLOW.is_dir()
-WORKFLOW = PACKAGE.parent if IN_CLONE else _PACKAGED_WORKFLOW  # holds Snakefile and profiles
+WORKFLOW = PACKAGE.parent if IN_CLONE else _PACKAGED_WORKFLOW  # Snakefile and profiles are there
 SNAKEFILE = WORKFLOW / "Snakefile"
 CITATION = WORKFLOW / "CITATION.cff"

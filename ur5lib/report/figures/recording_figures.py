@@ -32,7 +32,7 @@ from ur5lib.timeseries.segments import starts, without_ends
 
 OptionalLines = Mapping[
     str, tuple[Array | None, str]
-]  # values (N, 6), if known, and style, by label
+]  # values (N, 6), if there are any, and style, by label
 StyledLines = dict[str, tuple[Array, str]]
 TimedTable = Signals | Accelerations | Forces | SensorWrenches
 ESTIMATE_STYLES = (

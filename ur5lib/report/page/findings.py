@@ -8,7 +8,7 @@ from ur5lib.records.quality import SAME_RUN
 
 SEVERITIES = ("stop", "error", "warning", "note")  # most serious first; see docs/report.md
 
-MAX_NAMED_PLACES = 3  # places of a meaning that are named beside the findings of other recordings
+MAX_NAMED_PLACES = 3  # places of a meaning that are named next to the findings of other recordings
 PARTICULAR_WORD = re.compile(
     r"\S*(?:[/\\]|\d[\d.e]|\w\.\w)\S*"
 )  # a path, or a number of two digits

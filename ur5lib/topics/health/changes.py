@@ -37,7 +37,7 @@ MAX_CHANGES = 3  # of one series
 # Dates beyond which a series is one of spans, and their number; at 2 years, of 12 days each.
 MAX_SINGLE_DATES = 120
 SPAN_COUNT = 60
-# Largest correlation of neighbouring dates at which the chance of a false change holds.
+# Largest correlation of neighbouring dates at which the chance of a false change is as stated.
 WORST_CORRELATION = 0.5
 SEARCH_CORRELATIONS = np.linspace(0.0, WORST_CORRELATION, 6)  # where changes are searched
 # For sizes: residuals look less correlated than the noise is.

@@ -49,7 +49,7 @@ def _motion_estimates(moving: JointSamples, joint: JointFit) -> Estimates:
     torque, fitted_columns = moving.columns[:, 0], moving.columns[:, [*FITTED_COLUMNS.values()]]
     current = moving.current - _held_current_of_fit(moving, joint)
     inverse = joint.estimate.coefficients[0]
-    # offset, Coulomb and viscous friction with the torque constant held: k i = τ + τ_friction - b
+    # offset, Coulomb and viscous friction with the torque constant fixed: k i = τ + τ_friction - b
     value, error = _fitted_coefficients(fitted_columns, current - torque * inverse, moving)
     values, errors = np.array([-1.0, 1.0, 1.0]) * value / inverse, error / inverse
     quantities = dict(

@@ -43,7 +43,7 @@ class AccelerationError(Strict):
 
 
 NOT_PUBLISHED_VALUES = "does not hold published values"
-OLDER_MODEL = "[21]"  # a link model whose equations the thesis does not print
+OLDER_MODEL = "[21]"  # a link model with equations that the thesis does not print
 
 
 class Lookup(Strict):

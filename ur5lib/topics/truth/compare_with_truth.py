@@ -116,7 +116,7 @@ def arm_rows(robot: Robot, fits: Fits, truths: Truths) -> Iterator[Row]:
         return robot.models[truth.model].rotor_inertias or (0.0,) * len(robot.joints)
 
     def true_parameters(truth: TrueParameters) -> Array:
-        return LinkModel(robot, truth.model).parameters  # without a payload: it is known
+        return LinkModel(robot, truth.model).parameters  # without a payload: it is given
 
     rotors, identified, calibration, friction = fits
     if (inertias := shared(truths, rotors.from_, true_rotors)) is not None:
