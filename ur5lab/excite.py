@@ -49,7 +49,7 @@ DRIVER_ADVICE = (
     "angles [rad], and add the recording to a study (docs/robots.md)."
 )
 PROGRESS_CONSOLE = Console(stderr=True)
-MAX_PRINTED_ERRORS = 6  # parameters whose standard errors are printed
+MAX_PRINTED_ERRORS = 6  # parameters with printed standard errors
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,8 @@ def _mounting(load: Payload, last: int) -> str:
 
 
 def earlier(options: ExciteOptions) -> tuple[Robot, Earlier | None]:
-    """Return the arm as it is known, and what a study of earlier recordings knows of it, if any.
+    """Return the arm as described or fitted, and what a study of earlier recordings has of it, if
+    any.
 
     Raises InputError for an unknown arm, and where a file of the study is missing.
     """

@@ -43,7 +43,7 @@ def _closed_form(
 ) -> Array:
     """Return the solution (N, 6) [rad] of one configuration for the described lengths."""
     link_1, link_2, link_3, link_4, link_5, link_6 = robot.denavit_hartenberg
-    # joint 1: frame 5's origin lies d4 beside the plane of the upper arm
+    # joint 1: frame 5's origin lies d4 off the plane of the upper arm
     x, y = (position - link_6.d * rotation[:, :, 2])[:, :2].T
     q1 = np.arctan2(y, x) + shoulder * np.arccos(link_4.d / np.hypot(x, y)) + np.pi / 2
     s1, c1 = np.sin(q1), np.cos(q1)
@@ -52,7 +52,7 @@ def _closed_form(
     q5 = wrist * np.arccos(np.clip(across[:, 2], -1, 1))
     side = np.sign(np.sin(q5))
     q6 = np.arctan2(-side * across[:, 1], side * across[:, 0])
-    # joints 2 to 4: a planar arm in frame 1, whose last link must point along frame 4
+    # joints 2 to 4: a planar arm in frame 1; its last link must point along frame 4
     before_wrist = rotation @ _wrist_rotation(q5, q6).mT
     forward = np.stack([c1, s1, np.zeros_like(s1)], axis=1)
     axis_4 = before_wrist[:, :, 2]

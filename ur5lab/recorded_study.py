@@ -23,7 +23,7 @@ DEVICES_EXAMPLE = "devices: {robot: {address: 192.168.1.10}}"
 
 @dataclass(frozen=True)
 class StudyFile:
-    """The file of a study, to which a recording may be added, and what stands there."""
+    """The file of a study, to which a recording may be added, and its content."""
 
     path: Path
     plain: PlainData

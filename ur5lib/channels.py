@@ -130,7 +130,7 @@ MEASURED_CURRENT, TARGET_CURRENT = CURRENTS = ("actual_current", "target_current
 
 
 class Effort(NamedTuple):
-    """What tells the efforts of an arm's joints: the motors' currents, or torques.
+    """What the efforts of an arm's joints are measured as: the motors' currents, or torques.
 
     channel: of the measured ones; constant: what turns one into the torque of the joint.
     """
@@ -206,5 +206,5 @@ def meant(column: str) -> str | None:
 
 
 def is_unused(column: str) -> bool:
-    """Return whether a column holds an output of RTDE that nothing here uses."""
+    """Return whether a column has an output of RTDE that nothing here uses."""
     return re.fullmatch("|".join(UNUSED_CHANNELS), column) is not None

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from os import PathLike
 
 OVERRULED_BY = "; if the study is right, "  # between a stop sign and the line that overrules it
-SEPARATOR_CATEGORIES = {"Zl", "Zp"}  # beside "C…": controls, marks of direction, surrogates
+SEPARATOR_CATEGORIES = {"Zl", "Zp"}  # "C…" has controls, marks of direction, surrogates
 
 
 class InputError(Exception):
@@ -37,7 +37,7 @@ class Remark:
 
     code: by which tables and other steps know it; text: the sentence, made printable; kind: under
     which a study accepts a stop sign, empty if it cannot; motion: that it advises; constants: the
-    fitted and the known one of a joint [Nm/A, or Nm/Nm], where they contradict each other.
+    fitted and the documented one of a joint [Nm/A, or Nm/Nm], where they contradict each other.
     """
 
     code: str
@@ -81,7 +81,7 @@ def overrulable(sign: str, kind: str) -> str:
 
 
 def unknown(kind: str, name: object, known: Iterable[str]) -> InputError:
-    """Return the error of a name that is none of those known; kind: of what it would name."""
+    """Return the error of a name that is none of `known`; kind: of what it would name."""
     names = [*known]
     return InputError(
         f"unknown {kind} {name!r:.80}{perhaps(name, names)}; available: {', '.join(names)}"
@@ -89,7 +89,7 @@ def unknown(kind: str, name: object, known: Iterable[str]) -> InputError:
 
 
 def expect_known(kind: str, name: object, known: Iterable[str]) -> str:
-    """Return a name. Raises InputError for what is none of those known; kind: of what it names."""
+    """Return a name. Raises InputError for what is none of `known`; kind: of what it names."""
     names = [*known]
     if isinstance(name, str) and name in names:
         return name
@@ -105,7 +105,7 @@ def expect_text(given: object, what: str) -> str:
 
 
 def perhaps(name: object, known: Iterable[str]) -> str:
-    """Return " (did you mean `x`?)" of the known name that is closest, empty if none is close."""
+    """Return " (did you mean `x`?)" of the name that is closest, empty if none is close."""
     near = get_close_matches(str(name), [*known], n=1, cutoff=0.5)
     return f" (did you mean `{near[0]}`?)" if near else ""
 

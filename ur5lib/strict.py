@@ -18,7 +18,7 @@ MAX_LEVELS = 50  # levels of lists and mappings; a study has 8
 MAX_NUMBER_LENGTH = 100  # characters
 MAX_PATH_BYTES, MAX_PART_BYTES = 1000, 255  # bytes of a path, and of a name in it
 SNAKEMAKE_PLACEHOLDER = re.compile(r"\{\s*[.\w]+\s*[,}]|<[a-z]\w*>")  # replaced in a path
-MERGE_TAG = "tag:yaml.org,2002:merge"  # of the key <<, which may stand several times
+MERGE_TAG = "tag:yaml.org,2002:merge"  # tag of the key <<, which may occur several times
 FAST_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # libyaml's, if installed
 FAST_DUMPER: Any = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
 QUOTE = "'"  # pydantic puts it around a discriminator's name
@@ -111,8 +111,8 @@ def read_text(path: Path) -> str:
 def plain_yaml(text: str, source: str) -> Any:
     """Return the content of YAML as plain data.
 
-    Raises yaml.YAMLError when it is not YAML, InputError when it has a key twice, holds a number
-    that is none, or is too large.
+    Raises yaml.YAMLError when it is not YAML, InputError when it has a key twice, has a number that
+    is none, or is too large.
     """
     try:
         _expect_few_levels(text, source)  # before libyaml, which crashes on a deep nest
@@ -203,7 +203,7 @@ def expect_few_values(data: Any, source: str) -> None:
     """Raise InputError where data are nested too deep, or huge through repeated aliases.
 
     data: plain data, or the nodes of a YAML file; source: its name, for the message. Each alias
-    (`*name`) stands for all that it names: nine lines can stand for a thousand million values.
+    (`*name`) repeats all that it names: nine lines can give a thousand million values.
     """
     if _measure(data, 0, {}, source)[0] > MOST_VALUES:
         raise _too_many(source)

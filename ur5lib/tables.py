@@ -81,7 +81,7 @@ def intact(path: Source) -> Iterator[None]:
 
 
 def unit(column: str) -> str:
-    """Return the unit of a column's channel: the longest known name with which it begins.
+    """Return the unit of a column's channel: the longest channel's name with which it begins.
 
     Raises ValueError for an unknown channel.
     """
@@ -97,7 +97,7 @@ def column_unit(column: str, unit: str) -> str:
 
 
 def has_unit(column: str) -> bool:
-    """Return whether a column is a known channel."""
+    """Return whether a column is a channel with a unit."""
     return bool(channels_of(column))
 
 
@@ -162,8 +162,8 @@ def read_columns(
 ) -> Column:
     """Return columns of a table as an array (N, len(names)), without reading others.
 
-    rows: indices of the rows to return, ascending; all by default; footer: of `read_footer`, if it
-    is known: of a short table, it takes longer to read than the columns.
+    rows: indices of the rows to return, ascending; all by default; footer: of `read_footer`, if
+    there is one: of a short table, it takes longer to read than the columns.
     """
     with intact(path), pq.ParquetFile(path, metadata=footer) as file:
         count = file.metadata.num_rows if rows is None else len(rows)
@@ -211,7 +211,7 @@ def csv_text(table: pd.DataFrame, digits: int = 9, path: Path | None = None) -> 
 
 
 def write_exactly(table: pd.DataFrame, path: Path, header: bool = True) -> None:
-    """Write a table as CSV whose numbers, read again, are the same to the last bit."""
+    """Write a table as CSV with numbers that, read again, are the same to the last bit."""
     if any(kind.kind not in "iuf" for kind in table.dtypes):
         table.to_csv(path, index=False, header=header)
         return
@@ -225,7 +225,7 @@ def write_exactly(table: pd.DataFrame, path: Path, header: bool = True) -> None:
 
 
 def _write_numbers(table: pd.DataFrame, digits: int, path: Path) -> None:
-    """Write a table that holds float numbers alone, which pandas takes four times as long for."""
+    """Write a table of float numbers alone, which pandas takes four times as long for."""
     line = ",".join([f"%.{digits}g"] * table.shape[1]) + "\n"
     with path.open("w", encoding="utf-8", newline="") as file:
         table.iloc[:0].to_csv(file, index=False)
@@ -280,7 +280,7 @@ def _parsed(file: Any) -> pd.DataFrame:
 
 
 def read_cells(path: str | Path) -> pd.DataFrame:
-    """Read a table of results, each cell as the text that stands there."""
+    """Read a table of results, each cell as its text."""
     with _whole_lines(path) as file:
         return pd.read_csv(file, dtype=str, keep_default_na=False)
 

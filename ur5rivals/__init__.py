@@ -1,1 +1,1 @@
-"""Published estimators of the contact force, and own ones, beside those of this project."""
+"""Published estimators of the contact force, and own ones, compared with those of this project."""

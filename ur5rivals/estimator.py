@@ -34,5 +34,5 @@ class Contender:
 
 
 def ready(name: str) -> Callable[[Sequence[Run]], Learned]:
-    """Return how to learn an estimate that the study already holds: there is nothing to learn."""
+    """Return how to learn an estimate that the study already has: there is nothing to learn."""
     return lambda _: Learned(lambda run: run.ready.get(name), {})

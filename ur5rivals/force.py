@@ -19,7 +19,7 @@ TorqueEstimate = Callable[[Run], Array]
 
 NO_TORQUE = np.zeros(6)  # Nm
 CUTOFF_HZ = 2.0  # of the study's low-pass
-TYPICAL_FORCE = 15.0  # N, of contacts with an arm that is not known
+TYPICAL_FORCE = 15.0  # N; typical contact with an arm that is not described
 
 
 def learned_noise(
@@ -27,9 +27,9 @@ def learned_noise(
 ) -> ResidualModel:
     """Return the spread of an estimated torque on contact-free runs, by joint and its state.
 
-    breakaway: (6,) [Nm], up to which dry friction holds a joint; only our own estimate uses it. As
-    for the project's own estimates, the spread is wider by Student's t if there are few paths.
-    Raises InputError if a joint never moves.
+    breakaway: (6,) [Nm], up to which dry friction keeps a joint at rest; only our own estimate uses
+    it. As for the project's own estimates, the spread is wider by Student's t if there are few
+    paths. Raises InputError if a joint never moves.
     """
     stretches = [
         TorqueStretch(estimate[rows], run.states[rows], run.period)
@@ -58,7 +58,8 @@ def force(run: Run, torque: Array, noise: ResidualModel) -> Estimate:
 
 
 def breakaway_of(runs: Sequence[Run]) -> Array:
-    """Return the runs' median of the torque (6,) [Nm] up to which dry friction holds a joint."""
+    """Return the runs' median of the torque (6,) [Nm] up to which dry friction keeps a joint at
+    rest."""
     return np.asarray(np.median([run.breakaway for run in runs], axis=0))
 
 

@@ -1,4 +1,4 @@
-"""Covariances of joint torques whose energies are Gaussian processes [Giacomuzzo et al. 2024].
+"""Covariances of joint torques by energies that are Gaussian processes [Giacomuzzo et al. 2024].
 
 Kinetic and potential energy, T and U, are independent processes with covariances k_T and k_U. The
 torques are linear in them, by Lagrange's operator G = d/dt ∂/∂q̇ - ∂/∂q of T - U, and so are a
@@ -29,7 +29,7 @@ class Motion(NamedTuple):
 
     @classmethod
     def of(cls, columns: Array) -> "Motion":
-        """Return motions whose q, q̇, q̈ stand side by side (N, 3 n)."""
+        """Return motions from q, q̇, q̈ side by side (N, 3 n)."""
         return cls(*torch.as_tensor(columns).T.chunk(3))
 
     def of_joints(self, count: int) -> "Motion":

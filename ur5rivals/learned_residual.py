@@ -45,7 +45,7 @@ def residual(run: Run) -> TrainingSamples:
 
 
 def samples(runs: Sequence[Run], step: float, of: Learnable) -> TrainingSamples:
-    """Return the samples of runs every `step` seconds, where all is known."""
+    """Return the samples of runs every `step` seconds, where all is finite."""
     parts = []
     for run in runs:
         rows = slice(None, None, max(1, round(step / run.period)))

@@ -7,8 +7,8 @@ external torque:
 
     ẑ⁻ = ẑ + T d,   e = z - ẑ⁻,   ẑ = ẑ⁻ + (momentum's correction),   d = d + (torque's correction)
 
-Corrections a e and b e are those of a linear observer, whose transfer function from z to d is
-b (1 - p) / (1 + (a + T b - 2) p + (1 - a) p²), p being a delay by one sample.
+Corrections a e and b e are those of a linear observer. Its transfer function from z to d is b (1 -
+p) / (1 + (a + T b - 2) p + (1 - a) p²), p being a delay by one sample.
 """
 
 from abc import ABC, abstractmethod
@@ -63,7 +63,7 @@ class MomentumObserver(ABC):
 
 
 class LinearObserver(MomentumObserver):
-    """An observer whose corrections are proportional to e."""
+    """An observer with corrections proportional to e."""
 
     @abstractmethod
     def gains(self, period: float) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""An estimator from outside this project: found by its name, and held to the rule of all rivals.
+"""An estimator from outside this project: found by its name, and under the rule of all rivals.
 
 It gets copies of the runs that all estimators get, without the force sensor and without what the
 study's own estimates say. Whoever breaks the protocol is refused in one sentence.
@@ -120,7 +120,7 @@ def without_answers(run: Run) -> Run:
 
 
 def check(estimate: Any, run: Run, place: str) -> None:
-    """Raise unless it is an estimate at each sample whose inputs are known, or None."""
+    """Raise unless it is an estimate at each sample with complete inputs, or None."""
     if estimate is None:
         return
     if not isinstance(estimate, Estimate):
@@ -144,7 +144,7 @@ def check(estimate: Any, run: Run, place: str) -> None:
 
 
 def check_causal(method: Method, run: Run, place: str) -> None:
-    """Raise if the first half of a run has another force where the second half is not known yet."""
+    """Raise if the first half of a run has another force where the second half is not given yet."""
     half = len(run.q) // 2
     alone, whole = method(run.part(slice(half))), method(run)
     assert alone is not None

@@ -1,4 +1,4 @@
-"""A Gaussian process of a torque whose noise depends on the joint and on its regime of motion.
+"""A Gaussian process of a torque with noise that depends on the joint and its regime of motion.
 
 The mean's kernel is that of `estimators/gaussian_process.py`, with its prior; each of the noises
 has that of the noise there.

@@ -1,4 +1,5 @@
-"""`ur5 replay`: a model file beside a recording: its torques, and its motion in closed loop."""
+"""`ur5 replay`: a model file compared with a recording: its torques, and its motion in closed
+loop."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -102,7 +103,7 @@ def read_model(file: Path, gravity: Array, joints: int) -> mujoco.MjModel:
 
 
 def compiled(file: Path) -> mujoco.MjModel:
-    """Return a model as MuJoCo compiles it; of a URDF, without its shapes, whose files may lack."""
+    """Return a model as MuJoCo compiles it; of a URDF, without its shapes: their files may lack."""
     root = ElementTree.parse(file).getroot()
     if root.tag != "robot":
         return mujoco.MjModel.from_xml_path(str(file))

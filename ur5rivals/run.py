@@ -45,11 +45,11 @@ class Run:
     [Nm]; friction: predicted, without contact [Nm]; jacobian: J_g (N, 6, 6), base frame; torque:
     external, k (i_predicted - i), unfiltered [Nm]; smoothed: the same through the study's
     zero-phase low-pass; momentum: p = D q̇ [Nm s]; rate: dp/dt of an arm without contact,
-    tau_m - tau_f + Cᵀ q̇ - g [Nm]; breakaway: (6,) [Nm], up to which dry friction holds a joint;
-    gears: unfiltered; position_error: target less actual angles [rad], None where the target was
-    not recorded; measured: what the controller states, while all else is smoothed; arm: with its
-    fit; repeats: other runs of its path without contact; ready: estimates that the study already
-    holds; sensor: the force sensor's wrench less bias and tool weight, as in `Estimate`.
+    tau_m - tau_f + Cᵀ q̇ - g [Nm]; breakaway: (6,) [Nm], up to which dry friction keeps a joint at
+    rest; gears: unfiltered; position_error: target less actual angles [rad], None where the target
+    was not recorded; measured: what the controller states, while all else is smoothed; arm: with
+    its fit; repeats: other runs of its path without contact; ready: estimates that the study
+    already has; sensor: the force sensor's wrench less bias and tool weight, as in `Estimate`.
     """
 
     name: str
@@ -108,7 +108,7 @@ class Run:
         return self.measured._replace(current=self.measured.current - torque / constant)
 
     def complete(self) -> Mask:
-        """Return the samples (N,) in which all inputs are known."""
+        """Return the samples (N,) in which all inputs are finite."""
         inputs = [self.q, self.qd, self.qdd, self.model, self.friction, self.torque, self.smoothed]
         inputs += [self.momentum, self.rate, *self.jacobian.transpose(1, 0, 2)]
         if self.position_error is not None:
@@ -116,10 +116,10 @@ class Run:
         return finite_rows(np.sum(inputs, axis=0))
 
     def known(self) -> list[slice]:
-        """Return the stretches without a gap in which momentum and its rate are known."""
+        """Return the stretches without a gap in which momentum and its rate are finite."""
         return self.stretches(self.momentum + self.rate)
 
     def stretches(self, values: Array) -> list[slice]:
-        """Return the stretches without a gap in which values (N, 6) are known."""
+        """Return the stretches without a gap in which values (N, 6) are finite."""
         finite = finite_rows(values)
         return [rows for rows in unbroken(self.segment, finite) if finite[rows.start]]

@@ -1,4 +1,4 @@
-"""Errors of all estimates of a run, of the same samples, beside those of the project's own."""
+"""Errors of all estimates of a run, of the same samples, compared with the project's own."""
 
 from collections.abc import Iterator, Mapping
 from itertools import product
@@ -55,7 +55,7 @@ def axis_figures(figures: Mapping[str, Array], axis: int) -> dict[str, float]:
 def compared(
     sensor: Array, size: Array, estimates: EstimatesByName, ours: str
 ) -> dict[str, dict[str, dict[str, float]]]:
-    """Return the errors of the estimates in contact, beside ours, by axis and of the vector.
+    """Return the errors of the estimates in contact, compared with ours, by axis and of the vector.
 
     sensor: (N, 6) [N, Nm]; size: of its force (N,) [N].
     """

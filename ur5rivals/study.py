@@ -156,8 +156,8 @@ def read_run(
 def ready_estimates(
     study: FinishedStudy, name: str, robot: Robot, signals: Signals
 ) -> dict[str, Estimate]:
-    """Return the estimates that the study holds, the published ones as corrected; of a study
-    without published values, the controller's alone stands for these.
+    """Return the estimates that the study has, the published ones as corrected; in a study without
+    published values, the controller's alone replaces these.
     """
     forces = study.record(Forces, name)
     published: Mapping[str, Array] = controller_estimate(robot, signals)

@@ -1,6 +1,6 @@
 """One rule for the constants of all rivals, by contact-free recordings to fit on alone.
 
-Of the candidates whose latency is at most 50 ms, the one with the least false force is taken: the
+Of the candidates with a latency of at most 50 ms, the one with the least false force is taken: the
 median of |F| where nothing touches the arm. (Near a singularity, |F| without a prior has no bound,
 and a mean would judge those postures alone.) An estimate that uses later samples has no latency.
 """

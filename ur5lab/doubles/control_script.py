@@ -146,7 +146,8 @@ class ControlScript:
                 raise UnsupportedCommandError(f"command {command} of ur_rtde is not emulated")
 
     def _started(self, moves: Program) -> Program:
-        """Yield until moves have ended; if asynchronous, only start them beside the script."""
+        """Yield until moves have ended; if asynchronous, only start them in parallel with the
+        script."""
         if not self._integer(ASYNCHRONOUS_REGISTER):
             self._moves = None
             yield from moves

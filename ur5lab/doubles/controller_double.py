@@ -52,7 +52,7 @@ class Ports:
 
     @classmethod
     def free(cls) -> Self:
-        """Return four unused ports, for clients whose ports can be set."""
+        """Return four unused ports, for clients with ports that can be set."""
         with contextlib.ExitStack() as stack:
             sockets = [stack.enter_context(socket.socket()) for _ in range(4)]
             for free in sockets:
@@ -152,7 +152,7 @@ class ControllerDouble:
 
 
 def _run(setup: ControllerSetup, states: Path, line: Connection) -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that holds it
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that started it
     # `select` wakes within microseconds of the set time, `epoll` within 1 ms.
     loop = asyncio.SelectorEventLoop(selectors.SelectSelector())
     with states.open("wb") as truth:
@@ -174,16 +174,16 @@ class _ControllerProcess:
         self._clients: set[StreamWriter] = set()
         self._frozen = False
         self.orders: dict[str, Callable[..., Any]] = {
-            "touch": arm.touch,  # add a contact, whose start counts from the controller's start
+            "touch": arm.touch,  # add a contact, with its start counted from the controller's start
             "time": lambda: box.time,  # since the start, by the controller's clock [s]
             "stop": lambda: box.protective_stop("collision"),
-            "die": self._die,  # as when the power fails; the arm stands still
+            "die": self._die,  # as when the power fails; the arm stops
             "come back": self._open,
             "freeze": self._freeze,  # True: keep the connections and send nothing
         }
 
     async def run(self) -> None:
-        """Run until the process that holds the other end of the line is gone."""
+        """Run until the process at the other end of the line is gone."""
         loop = asyncio.get_running_loop()
         gone = loop.create_future()
         try:

@@ -28,7 +28,7 @@ FORCE_RATE, IMU_RATE = 500.0, 256.0  # Hz
 FORCE_CLOCK, IMU_CLOCK = DeviceClock(drift_ppm=40.0), DeviceClock(drift_ppm=-3000.0)
 ARM_CLOCK = DeviceClock(offset_s=4096.0, drift_ppm=25.0)
 FORCE_SENSOR, IMU = ForceSensor(bias=(-5.3, 1.8, -1.0, 0.07, 0.43, -0.11)), Imu()
-TRUTH_STEM = "truth"  # file of the truth beside a recording's files, without suffix
+TRUTH_STEM = "truth"  # file of the truth next to a recording's files, without suffix
 PUSH = {"kind": "push", "start_s": 8, "seconds": 3, "force": [20.0, -10.0, 25.0]}
 
 
@@ -36,8 +36,8 @@ PUSH = {"kind": "push", "start_s": 8, "seconds": 3, "force": [20.0, -10.0, 25.0]
 def lab_double(robot: Robot, is_pushed: bool, folder: Path) -> Iterator[LabSettings]:
     """Yield the settings of doubles, which answer on this computer alone.
 
-    They stand for an arm, an ATI Net F/T on its flange, and an Xsens MTi. is_pushed: whether the
-    arm is pushed 8 s after it is switched on. folder: of the recording; the truth is written beside
+    They replace an arm, an ATI Net F/T on its flange, and an Xsens MTi. is_pushed: whether the arm
+    is pushed 8 s after it is switched on. folder: of the recording; the truth is written next to
     its files.
     """
     plain = {"trajectory": {"kind": "standstill"}, "contacts": [PUSH] if is_pushed else []}

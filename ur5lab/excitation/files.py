@@ -1,4 +1,5 @@
-"""The files of a designed trajectory: for `ur5 record`, for a UR's controller, for the stand."""
+"""The files of a designed trajectory: for `ur5 record`, for a UR's controller, for the test
+stand."""
 
 from collections.abc import Mapping
 from pathlib import Path as File
@@ -13,7 +14,7 @@ from ur5lib.tables import json_text, write_text
 from ur5lib.timeseries.arrays import Array
 
 SERVO_RATE = 125.0  # Hz, at which servoj runs on every UR
-REST_DURATION = 3.0  # s, that the stand records before and after the motion, in total
+REST_DURATION = 3.0  # s; the test stand records so long before and after the motion, in total
 STATES_PER_MOVE = 20  # that are checked between two way-points
 WAY_POINT_SPACINGS = (1.0, 0.5, 0.25, 0.1, 0.04)  # s; the widest without collision is used
 APPROACH_ARGUMENTS = "a=0.5, v=0.5"  # rad/s², rad/s: of the movej to the start

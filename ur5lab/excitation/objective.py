@@ -24,14 +24,15 @@ from ur5lib.timeseries.profiles import fourier_terms
 Criterion = Callable[[Array], tuple[float, Array]]
 """From the information M (P, P) to a value, the larger the better, and its gradient (P, P)."""
 
-CONDITION_WEIGHT = 30.0  # of a condition number's logarithm beside log det
+CONDITION_WEIGHT = 30.0  # a condition number's logarithm has this weight relative to log det
 MIN_EIGENVALUE_SHARE = 1e-12  # of the largest eigenvalue: less is rounding
 MAX_SERIES_FREQUENCY = 0.6  # Hz, of the highest harmonic; faster ones excite elastic joints
 MIN_HARMONICS = 4
 MAX_HARMONICS = 30
 STATE_STEP = 0.05  # s, between the states at which the optimisation evaluates a path
 USED_LIMIT_SHARE = 0.97  # of each limit, which the optimisation may use
-MIN_KEPT_ERROR_SHARE = 0.9  # of a standard error, which a recording then hardly lowers
+# A recording that leaves this share of a standard error lowers it too little.
+MIN_KEPT_ERROR_SHARE = 0.9
 
 
 def d_optimality(estimated: Mask) -> Criterion:
@@ -94,7 +95,7 @@ def conditioning(scale: Array) -> Criterion:
 
 
 def _model_criterion(problem: DesignProblem, _: WorkCell) -> Criterion:
-    """Return D-optimality plus two condition numbers, to which it is hardly sensitive.
+    """Return D-optimality plus two condition numbers, to which it is not very sensitive.
 
     That of the base parameters is in SI units, as in the literature; that of all parameters is in
     units of their prior standard deviations.
@@ -278,9 +279,9 @@ class Worth:
     log_det: log det of the information M (P, P) after the recording; gain: increase by the
     recording; regressor_condition: condition number of the base parameters' regressor in SI units
     (Gautier 1992); condition: condition number of J, each column in units of its prior standard
-    deviation, infinite where no target torque tells masses from gains; prior, before, after:
-    standard errors (P,) of `DesignProblem.names` in physical units, by the prior alone, before the
-    recording, and after it.
+    deviation, infinite where no target torque distinguishes masses from gains; prior, before,
+    after: standard errors (P,) of `DesignProblem.names` in physical units, by the prior alone,
+    before the recording, and after it.
     """
 
     log_det: float

@@ -66,7 +66,7 @@ class Path:
 
 @dataclass(frozen=True)
 class Limits:
-    """The limits of a trajectory; those of joints hold for both signs.
+    """The limits of a trajectory; those of joints apply to both signs.
 
     position, velocity, acceleration, jerk, torque: (n,) [rad, rad/s, rad/s², rad/s³, Nm], the
     first from the middle of a joint's range; clearance: smallest allowed distance between parts

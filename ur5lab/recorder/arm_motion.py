@@ -19,7 +19,7 @@ PROGRAM_START_TIMEOUT = 5.0  # s, within which the control program starts
 POLL_INTERVAL = 0.01  # s, between queries of a motion's state
 STOP_DECELERATION = 5.0  # rad/s², deceleration of `stop`
 SERVOJ_LOOKAHEAD, SERVOJ_GAIN = 0.1, 300.0  # of servoj [s, 1], as URScript's defaults
-REST_TIME = 1.0  # s, before and after a motion, which tell a force sensor's bias
+REST_TIME = 1.0  # s; rest before and after a motion, which shows a force sensor's bias
 SERVOJ_RATE = 125.0  # Hz, of servoj, which every controller supports
 CATCH_UP_TIME = 3 * SERVOJ_LOOKAHEAD  # s, in which the arm reaches the last point of a stream
 

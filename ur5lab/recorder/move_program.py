@@ -62,7 +62,7 @@ class Move:
 
 
 def is_program(path: Path) -> bool:
-    """Return whether a file holds calls instead of numbers. Raises InputError if it is no text."""
+    """Return whether a file has calls instead of numbers. Raises InputError if it is no text."""
     return any("(" in line for _, line in read_calls(path, "moves"))
 
 

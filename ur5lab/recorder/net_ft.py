@@ -64,7 +64,7 @@ RECEIVE_BUFFER_BYTES = (
 
 
 def request(command: int) -> bytes:
-    """Return a request; STREAM: of records until STOP, whose count is zero."""
+    """Return a request; STREAM: of records until STOP, by a count of zero."""
     return REQUEST.pack(REQUEST_HEADER, command, 0)
 
 

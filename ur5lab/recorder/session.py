@@ -40,7 +40,7 @@ class Session:
 
     def __init__(self, devices: Mapping[str, DeviceSettings], folder: Path) -> None:
         self._devices, self._folder = devices, folder
-        # a fork would copy locks that other threads hold
+        # a fork would copy the locks of other threads
         self._context = multiprocessing.get_context("spawn")
         self._stop = self._context.Event()
         self._workers: dict[str, _Worker] = {}

@@ -20,7 +20,7 @@ SET_OUTPUT_CONFIGURATION = 0xC0  # identifier and rate [Hz] of each item of MTDa
 SET_PERIOD, SET_SKIP_FACTOR = 0x04, 0xD4  # the older MTi
 SET_OUTPUT_MODE, SET_OUTPUT_SETTINGS = 0xD0, 0xD2
 WITH_EACH_SAMPLE = 0xFFFF  # rate of counter and time
-PERIOD_CLOCK = 115_200  # Hz, in whose ticks the older MTi's sampling period is given
+PERIOD_CLOCK = 115_200  # Hz; the older MTi gives its sampling period in ticks of this clock
 
 UNITS = units_of("imu_a", "imu_g", "imu_m")
 

@@ -1,4 +1,4 @@
-"""Checks of the arm's mounting and its motors, by the gravity that currents hold.
+"""Checks of the arm's mounting and its motors by the gravity that the currents balance.
 
 What another mounting would explain far better is a contradiction. So is a torque constant far from
 the maker's: of a right recording's joints that bear something, the current per torque of gravity is
@@ -33,8 +33,8 @@ from ur5lib.robots.statics import STANDARD_GRAVITY
 # A difference of log-likelihoods. In right recordings of four arms, it is at most 31.
 MIN_LEAD_OF_ARM = 40.0
 MIN_SLOPE = 1e-3  # slope of a current that gravity does not show, relative to the maker's
-STICTION_SHARE = 0.1  # share of a motor's largest torque that friction may hold at rest
-# Another mounting whose gain is this share of the largest is not excluded.
+STICTION_SHARE = 0.1  # share of a motor's largest torque that friction may carry at rest
+# Another mounting with this share of the largest gain is not excluded.
 MIN_SHARE_OF_LARGEST_GAIN = 0.5
 MOUNTINGS = [  # gravity in the base frame, of arms on floors, ceilings and walls
     tuple(sign * STANDARD_GRAVITY if axis == own else 0.0 for own in range(3))
@@ -77,10 +77,10 @@ def gains_of_arms(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> dic
 
 
 def foreign_mountings(means: BlockMeans, arm: Robot, driven: bool) -> Iterator[Cause]:
-    """Find the mountings whose gravity explains the currents better by far, if any does.
+    """Find the mountings under which gravity explains the currents far better, if there are any.
 
-    Gravity from the other side is like currents of the opposite sign, which friction tells apart.
-    arm: with what it carries; driven: whether motors move it.
+    Gravity from the other side looks like currents of the opposite sign; friction distinguishes the
+    two. arm: with what it carries; driven: whether motors move it.
     """
     gains = gains_of_mountings(means, arm)
     least = max(MIN_LEAD_OF_ARM, MIN_SHARE_OF_LARGEST_GAIN * max(gains.values(), default=0.0))
@@ -147,7 +147,7 @@ class Constants:
     known: Sequence[float]
 
     def foreign(self) -> dict[int, float]:
-        """Return the joints whose constants are foreign, and their ratios."""
+        """Return the ratios of the joints with foreign constants."""
         low, high = 1 / MAX_CONSTANT_RATIO, MAX_CONSTANT_RATIO
         joints = (j for j in self.ratio if self.high[j] < low or self.low[j] > high)
         return {joint: self.ratio[joint] for joint in joints}
@@ -160,8 +160,8 @@ class Constants:
 def torque_constants(means: BlockMeans, arm: Robot, name: str = "") -> Constants:
     """Return the torque constants by gravity of the joints that bear something.
 
-    At rest, friction may hold a part of gravity; name: of the channel that holds efforts, by
-    default the measured one.
+    At rest, friction may carry a part of gravity; name: of the channel with the efforts, by default
+    the measured one.
     """
     efforts = means.currents[name] if name else means.effort
     gravity, moves = means.gravity(arm), moving_joints(means)
@@ -200,7 +200,7 @@ def foreign_constant(
 ) -> Finding:
     """Return the stop sign of a joint's torque constant.
 
-    joint: from 0; ratio: to the known one [Nm/A]; fitting: arms that would fit.
+    joint: from 0; ratio: to the maker's [Nm/A]; fitting: arms that would fit.
     """
     cause = f"; {' or '.join(robots_as_cause(fitting))} would fit" if fitting else ""
     detail = (

@@ -58,7 +58,7 @@ class BlockMeans:
 
     @property
     def measured(self) -> Effort:
-        """Return what tells the measured efforts."""
+        """Return which effort was measured."""
         return Effort.measured_in({f"{name}_0" for name in self.currents})
 
     @property
@@ -75,7 +75,7 @@ class BlockMeans:
         return replace(self, currents={self.measured.channel: efforts})
 
     def gravity(self, arm: Robot) -> Array:
-        """Return the torque (M, 6) [Nm] that holds an arm, payload included."""
+        """Return the torque (M, 6) [Nm] that balances the gravity of an arm, payload included."""
         return gravity_torque(arm, arm.chosen_model, self.q)
 
     def beside_inertia(self, torque: Array) -> Array:
@@ -116,7 +116,7 @@ def block_means(
 ) -> BlockMeans:
     """Return the means over blocks without a split, mostly of received frames.
 
-    robot: repaired, on a uniform grid with this period [s]; currents: channels that hold efforts.
+    robot: repaired, on a uniform grid with this period [s]; currents: channels of efforts.
     """
     names = ("actual_q", "actual_qd", "target_moment", *currents)
     channels = {name: channel(robot, name) for name in names if f"{name}_0" in robot}

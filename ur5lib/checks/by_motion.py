@@ -27,13 +27,14 @@ from ur5lib.timeseries.arrays import Array
 MIN_ERRORS = 2.5  # standard errors over stretches, below which a lead may be chance
 MAX_LEAD_AGAINST = 0.1  # of what is declared by any links, at which these are not against a change
 # In right logs, exchanged efforts never lead beyond chance, exchanged joints by 0.27 at most by
-# the declared links, by 0.36 by any. Where friction is no known one, they lead by 0.72 and 0.34
-# in short logs.
+# the declared links, by 0.36 by any. Where friction is of no described form, they lead by 0.72 and
+# 0.34 in short logs.
 MIN_LEAD_OF_EFFORTS = 0.15
 CLEAR_LEAD_OF_JOINTS = 0.8  # by the declared links, from which on any links need not agree
 MIN_LEAD_OF_JOINTS, MIN_LEAD_OF_JOINTS_BY_ANY_LINKS = 0.35, 0.5
-# By declared links that are no UR's, whose are known, where two joints move alike: any links would
-# explain either order of them. A right log of a KUKA LWR leads by 1.2, simulated ones by 0.6.
+# This is by declared links where two joints move alike, but for a UR's, which are certain: any
+# links would explain either order of the joints. A right log of a KUKA LWR leads by 1.2, simulated
+# ones by 0.6.
 MIN_LEAD_OF_ALIKE = 2.5
 # A turned joint leads by at most 0.31 in right logs by the declared links. By any, the mean over
 # all joints is at most 0.05.
@@ -53,12 +54,12 @@ MIN_LACKING_CURRENT = 0.17
 # Ratio to the maker's constant, over the median of the other joints'. Where it is surely above
 # one by gravity (MIN_LOW_OF_WEAK), no right log has such a ratio.
 MIN_RATIO_TO_OTHERS = 1.3
-# Lead and mass [kg] of a load that no target tells. Right logs of UR's lead by at most 0.8, those
+# Lead and mass [kg] of a load that no target shows. Right logs of UR's lead by at most 0.8, those
 # with 3 kg by 2.4.
 MIN_LEAD_OF_LOAD, MIN_LOAD, MIN_ERRORS_OF_LOAD = 1.0, 1.0, 5.0
-MIN_MOVING_JOINTS = 3  # that tell arms apart
+MIN_MOVING_JOINTS = 3  # so many moving joints distinguish arms
 MIN_BLOCKS = (
-    90  # of a log that tells arms, or joints exchanged in all channels; ten stretches of it
+    90  # a log of so many blocks shows arms, or joints exchanged in all channels, in ten stretches
 )
 
 
@@ -75,7 +76,7 @@ OF_ALIKE = Limits(MIN_LEAD_OF_ALIKE, np.inf)
 
 
 class MotionChecks:
-    """What the motion of an arm, with what it carries, tells of its efforts."""
+    """Checks of an arm's efforts by its motion, with what it carries."""
 
     def __init__(self, means: BlockMeans, arm: Robot, rubs: bool) -> None:
         """Take the means of blocks; rubs: whether friction brakes what the efforts drive."""
@@ -111,7 +112,7 @@ class MotionChecks:
     @cached_property
     def friction(self) -> dict[int, float]:
         """Return the friction of joints that move, from 0, at their usual speed, in standard
-        errors: the larger of those beside the declared links and beside any.
+        errors: the larger of the values fitted with the declared links and with any links.
         """
         if not self.rubs:
             return {}
@@ -147,7 +148,7 @@ class MotionChecks:
                 yield Cause(finding, self.gain(other), means, self.arm)
 
     def exchanges_of_efforts(self) -> Iterator[Cause]:
-        """Yield pairs of joints whose motion explains each other's efforts better."""
+        """Yield pairs of joints where each one's motion explains the other's efforts better."""
         for pair, other in self.exchanged_efforts.items():
             if have_exchanged_efforts(other, self.declared, pair):
                 efforts = self.means.effort[:, self._order(pair)]
@@ -156,9 +157,9 @@ class MotionChecks:
                 yield Cause(finding, self.gain(other), means, self.arm)
 
     def turned_by_links(self) -> Iterator[Cause]:
-        """Yield the joints whose turned efforts the declared links explain better, or, where nobody
-        knows links, the joint whose turned effort lets any explain those of all joints best. None
-        whose friction brakes as they are.
+        """Yield the joints where the declared links explain the turned efforts better. Where the
+        links are unknown, yield the one joint with which, turned, any links explain the efforts of
+        all joints best. Joints where friction brakes without a turn are left out.
         """
         brakes = {j for j, own in self.friction.items() if own > MIN_ERRORS_OF_FRICTION}
         others = {j: own for j, own in self.turned.items() if j not in brakes}
@@ -172,13 +173,13 @@ class MotionChecks:
             yield Cause(self._as_turned(joints, by_links=True), self.gain(other), means, self.arm)
 
     def turned_by_friction(self) -> Iterator[Finding]:
-        """Find efforts whose friction drives the motion instead of braking it."""
+        """Find efforts in which friction drives the motion instead of braking it."""
         joints = [j for j, own in self.friction.items() if own < -MIN_ERRORS_OF_FRICTION]
         if joints:
             yield self._as_turned(joints, by_links=False)
 
     def weak_currents(self) -> Iterator[Finding]:
-        """Find a current of a UR's motor that is too small for what it holds: gears win no torque.
+        """Find a current of a UR's motor that is too small for its load: gears add no torque.
 
         Where any links explain the joint far better, the description is in doubt instead.
         """
@@ -200,8 +201,8 @@ class MotionChecks:
                 yield foreign_constant(joint, shown.ratio[joint], shown.known[joint], self.arm)
 
     def scaled_current(self) -> Iterator[Finding]:
-        """Find a current of a UR's motor that is too small beside those of other joints that bear
-        something: a warning, since any links would explain it, too.
+        """Find a current of a UR's motor that is too small compared with those of other joints that
+        bear something: a warning, since any links would explain it, too.
         """
         if not self.arm.has_ur_motors() or not self.arm.tells_gravity():
             return
@@ -235,8 +236,8 @@ class MotionChecks:
             yield Finding("robot", "undeclared load", "warning", 1, detail, code="undeclared load")
 
     def other_arms(self, others: Sequence[Robot]) -> Iterator[Cause]:
-        """Yield the arm that explains the efforts best, also if each carried any load, with those
-        that hardly do so worse; others: under the load that this one carries.
+        """Yield the arm that explains the efforts best, also if each carried any load, and name
+        those that do so almost as well; others: under the load that this one carries.
         """
         ahead = {arm.name: own for arm in others if (own := self._lead_of_arm(arm)) is not None}
         tells = len(self.moving) >= MIN_MOVING_JOINTS and len(self.means.q) >= MIN_BLOCKS
@@ -280,7 +281,7 @@ class MotionChecks:
 
     def tells_sign(self, joint: int) -> bool:
         """Return whether the opposite sign of a joint's effort would be noticed, also where all are
-        turned, which links that nobody knows do not tell.
+        turned, which unknown links do not show.
         """
         brakes = [own > MIN_ERRORS_OF_FRICTION for own in self.friction.values()]
         if self.friction.get(joint, 0.0) > MIN_ERRORS_OF_FRICTION:
@@ -344,7 +345,7 @@ def have_exchanged_efforts(other: Explained, first: Explained, pair: Pair) -> bo
 
 
 def are_alike(motion: WholeMotion, pair: Pair) -> bool:
-    """Return whether only the described links could tell two joints apart, and nobody vouches for
+    """Return whether only the described links could distinguish two joints, and nobody vouches for
     them.
     """
     return motion.means.move_alike(pair) and not motion.arm.has_ur_motors()

@@ -42,12 +42,12 @@ MAX_MISSED_SHARE, MAX_MISSED_ANGLE = 0.1, 1e-3
 # The same share, from which on accelerations err by a third of their size and more. Fast motions of
 # a UR5, a UR3, a UR10e and a TX40: 0.1 to 0.5 at 10 Hz, 0.4 to 2.8 at 2 Hz.
 MAX_UNTOLD_SHARE = 0.5
-MIN_SAMPLES_OF_LOWPASS = 8  # samples, of which a low-pass makes one, and whose noise it takes out
+MIN_SAMPLES_OF_LOWPASS = 8  # a low-pass averages so many samples into one and removes their noise
 MAX_PERIOD_RATIO = 1.5  # of steps between samples, which are those of one rate
 MAX_SPEED_RATIO = 1.25  # times the largest speed of a joint; a UR5 exceeded its own by 6 %
 MAX_EXCESS = 0.05  # rad, of a joint beyond its described range, which no controller lets it leave
 FIRST_MOTION = 0.01  # rad, after which friction opposes the motion, whatever it did before
-MIN_LEVEL = 0.5  # A, Nm; below it, a channel holds only friction and noise
+MIN_LEVEL = 0.5  # A, Nm; below it, a channel contains only friction and noise
 
 
 def check_robot(
@@ -119,7 +119,7 @@ def too_short(segment: Labels, period: float, cutoff: float) -> list[Finding]:
 def fast_between_samples(
     q: Array, segment: Labels, period: float, velocity_max: Sequence[float]
 ) -> list[Finding]:
-    """Return a warning of the joints of a slow log that move faster than its samples tell.
+    """Return a warning of the joints of a slow log that move faster than its samples resolve.
 
     q: (N, n) [rad]; segment: (N,) labels; velocity_max: faster steps are no motion [rad/s].
     """
@@ -137,7 +137,8 @@ def fast_between_samples(
 def untold_motion(
     q: Array, segment: Labels, period: float, velocity_max: Sequence[float]
 ) -> Iterator[Finding]:
-    """Find joints whose accelerations the samples of a slow log do not tell; arguments as above."""
+    """Find joints with accelerations that the samples of a slow log do not resolve; arguments as
+    above."""
     if joints := _untold_joints(q, segment, period, velocity_max, MAX_UNTOLD_SHARE):
         detail = (
             f"samples {number(period, 'g')} s apart do not tell the motion of {numbered(joints)} "
@@ -150,10 +151,10 @@ def untold_motion(
 def _untold_joints(
     q: Array, segment: Labels, period: float, velocity_max: Sequence[float], share: float
 ) -> list[int]:
-    """Return the joints, from 1, whose samples miss more than a share of their curvature.
+    """Return the joints, from 1, where the samples miss more than a share of the curvature.
 
-    A spline through every second sample misses the one between by little where it tells the motion,
-    and by as much as a straight line where it tells nothing of it.
+    A spline through every second sample misses the one between by little where it follows the
+    motion, and by as much as a straight line where it does not.
     """
     farthest = MAX_SPEED_RATIO * period * np.array(velocity_max)
     leaps = (np.abs(np.diff(q, axis=0)) > farthest).any(axis=1)
@@ -174,8 +175,8 @@ def slow_samples(
 ) -> list[Finding]:
     """Return a note on a moving joint's currents that are too few for a low-pass to average.
 
-    A warning where those of the recordings to fit are not, whose bands are without that noise.
-    q: (N, n) [rad]; segment: (N,) labels; cutoff: [Hz]; of_fit: longest period of the fit [s].
+    It is a warning where those of the recordings to fit are not: their bands lack that noise. q:
+    (N, n) [rad]; segment: (N,) labels; cutoff: [Hz]; of_fit: longest period of the fit [s].
     """
     steps = np.diff(q, axis=0)[np.diff(segment) == 0]
     moves = bool((np.mean(steps**2, axis=0) > (MIN_MOVING_SPEED * period) ** 2).any())
@@ -277,7 +278,7 @@ def _twins(robot: pd.DataFrame) -> Iterator[Finding]:
 
 
 def _ratios(robot: pd.DataFrame) -> Iterator[Finding]:
-    """Find channels whose overall level shows that their unit is wrong."""
+    """Find channels with an overall level that shows a wrong unit."""
     for one, other, least, most in LEVEL_RATIOS:
         if are_recorded(robot, one, other):
             level, its = _level(robot, one), _level(robot, other)

@@ -1,4 +1,4 @@
-"""A recording beside what the study declares of it, as the checks of both take it."""
+"""A recording and what the study declares of it, as the checks of both take it."""
 
 from contextlib import suppress
 from dataclasses import dataclass
@@ -105,8 +105,8 @@ class Checked:
 
     @cached_property
     def motion(self) -> MotionChecks | None:
-        """Return what the whole motion tells of the efforts; None of an arm at rest, and where no
-        constant tells how large the torque of a current is.
+        """Return the checks of the efforts by the whole motion; None for an arm at rest, and where
+        a motor has no torque constant.
         """
         constants = self.arm.maker_torque_constants()
         if not self.shows_currents() or not np.isfinite(constants).all():
@@ -141,7 +141,7 @@ class Checked:
         return self.driven and self.arm.effort in ("current", "motor_torque")
 
     def tells_by_gravity(self) -> bool:
-        """Return whether gravity tells arm, joints and motors by the currents.
+        """Return whether gravity in the currents identifies arm, joints and motors.
 
         A push against an arm at rest looks like gravity.
         """
@@ -152,7 +152,7 @@ class Checked:
 
 def arms_alike(arm: Robot, payload: Payload | None) -> list[Robot]:
     """Return all described arms of an arm's number of joints, mounted alike, with a payload; those
-    whose gravity nothing tells are like none.
+    without described gravity are left out.
     """
     arms = filter(Robot.tells_gravity, described_arms().values())
     alike = [other for other in arms if len(other.joints) == len(arm.joints)]

@@ -1,8 +1,8 @@
 """Contacts in a recording that should be free of them, by its force sensor and its currents.
 
 While a joint moves, gravity, friction and inertia explain its current but for a small share of its
-motor's largest torque. While the arm rests, friction may hold any part of gravity, but its part
-hardly changes. What lasts for half a second and exceeds that is a contact, or a load.
+motor's largest torque. While the arm rests, friction may carry any part of gravity, but that part
+barely changes. What lasts for half a second and exceeds that is a contact, or a load.
 """
 
 from typing import NamedTuple
@@ -22,7 +22,7 @@ from ur5lib.timeseries.segments import runs
 
 CONTACT = "contact"  # the finding of one that the recording's role rules out
 WINDOW_BLOCKS = 5  # blocks, 0.5 s; shorter deviations are those of friction
-SETTLING_BLOCKS = 5  # blocks after a stop until friction holds what it will
+SETTLING_BLOCKS = 5  # blocks after a stop until friction no longer changes
 MIN_MOVING_BLOCKS = 100  # blocks in which a joint moves, which its friction is fitted to
 REGRESSION_ROUNDS = 10  # of reweighted least squares
 OUTLIER_DISTANCE = 1.5  # robust standard deviations from which on a block counts less
@@ -33,7 +33,7 @@ CONTACT_TIME = 0.5  # s, of all samples beyond that force
 def sensed_contacts(table: pd.DataFrame, mass: float) -> list[Finding]:
     """Find contacts at the force sensor of a recording that should be free of them.
 
-    table: `time` and ft_* as read; mass: [kg], behind the sensor, whose weight turns with it.
+    table: `time` and ft_* as read; mass: [kg], behind the sensor; its weight turns with it.
     """
     if "ft_fx" not in table:
         return []
@@ -106,7 +106,7 @@ def unfelt_contacts(arm: Robot) -> Finding:
 def deviations(means: BlockMeans, arm: Robot) -> Array:
     """Return the sizes [A] of what is unexplained in each window of each joint's current (W, n).
 
-    NaN where the joint neither moves nor the arm rests throughout, or too little is known.
+    NaN where the joint neither moves nor the arm rests throughout, or blocks are too few.
     """
     assert means.time is not None
     assert means.segment is not None

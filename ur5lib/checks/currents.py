@@ -33,7 +33,7 @@ MIN_ERRORS_OF_FRICTION = 4.0
 MIN_GEAR_RATIO = 20.0  # of smaller ones, friction may be less than what links leave unexplained
 # Nm; a joint with less gravity torque does not show the unit of its current
 MIN_GRAVITY_TORQUE = 3.0
-MIN_CONSTANT, MAX_CONSTANT = 2.5, 40.0  # Nm/A; the torque constants of known arms lie between
+MIN_CONSTANT, MAX_CONSTANT = 2.5, 40.0  # Nm/A; the torque constants of common arms lie between
 # To the maker's torque constant, or its inverse. Beyond all errors, right recordings need a
 # factor of 1.51, without the worst arm 1.34.
 MAX_CONSTANT_RATIO = 1.75
@@ -110,7 +110,7 @@ def exchanged_currents(answers: Answers) -> Iterator[Finding]:
 
 
 def exchanged_efforts(pair: tuple[int, int], measured: Effort) -> Finding:
-    """Return the stop sign of two joints, from 0, whose efforts are exchanged."""
+    """Return the stop sign of two joints, from 0, with exchanged efforts."""
     detail = (
         f"the {measured.quantity}s of joints {pair[0] + 1} and {pair[1] + 1} are exchanged: each "
         f"follows the motion of the other joint; correct the columns of {measured.channel}"
@@ -126,7 +126,8 @@ def rubbing_joints(arm: Robot) -> Mask:
 def friction_in_errors(means: BlockMeans, arm: Robot) -> dict[int, float]:
     """Return the friction of joints that move, from 0, at their usual speed, in standard errors.
 
-    Beside gravity: that of the arm's links, or, where nobody knows them, of any links.
+    It is fitted together with gravity: of the arm's links, or, where these are unknown, of any
+    links.
     """
     gravity, rest = gravity_columns(arm, means.q), [means.qdd, np.ones((len(means.q), 1))]
     speed, errors = np.sqrt((means.qd**2).mean(axis=0)), {}
@@ -183,7 +184,7 @@ class Held(NamedTuple):
 
 
 def foreign_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
-    """Find currents that are not in A: too many or too few of them hold gravity.
+    """Find currents that are not in A: they are too large or too small to balance gravity.
 
     arm: with what it carries.
     """
@@ -210,7 +211,7 @@ def foreign_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
 
 
 def possible_constants(arm: Robot, joint: int) -> tuple[float, float]:
-    """Return the torque constants [Nm/A] between which that of a joint lies: those of known arms,
+    """Return the torque constants [Nm/A] between which that of a joint lies: those of common arms,
     or that of the arm's description, where this is beyond; joint: from 0.
     """
     described = arm.maker_torque_constants()[joint]
@@ -247,7 +248,7 @@ def undeclared_load(
     """Find a load that neither the study nor the controller knows, by which currents differ.
 
     arm: with the payload that the controller knows; carrying: with the declared one;
-    odd: joints from 0 whose targets do not count.
+    odd: joints from 0 with targets that do not count.
     """
     if {"actual_current", "target_current"} - means.currents.keys():
         return
@@ -266,8 +267,8 @@ def undeclared_load(
 
 
 def held_gravity(means: BlockMeans, gravity: Array, current: Array, joint: int) -> Held:
-    """Return how much of a joint's current holds gravity, beside friction and inertia, by motion if
-    there is any.
+    """Return how much of a joint's current balances gravity, fitted together with friction and
+    inertia, by motion if there is any.
     """
     rows = means.rubbing(joint)
     effort = current[rows, joint]
@@ -282,11 +283,11 @@ def held_gravity(means: BlockMeans, gravity: Array, current: Array, joint: int) 
 def _unexpected_torque(
     means: BlockMeans, arm: Robot, declared: Array, odd: Container[int]
 ) -> tuple[Array, Array]:
-    """Return torque per load (n, 4), and the torque (n,) that measured currents hold beyond
+    """Return torque per load (n, 4), and the torque (n,) that measured currents have beyond
     target_current, both without friction and in units of its spread, of all joints that bear.
 
     Only of joints in motion: at rest, stiction bears an unknown part of what a posture demands,
-    which looks like a load. declared: torque (M, 6) [Nm] that is known to be in it.
+    which looks like a load. declared: its part (M, 6) [Nm] that the study declares.
     """
     gravity, loads = means.gravity(arm), load_torque(arm, means.q)
     measured, target = means.currents["actual_current"], means.currents["target_current"]

@@ -82,7 +82,7 @@ class Delays(NamedTuple):
         return np.asarray(np.abs(self.seconds) >= self.shortest)
 
     def longest_unnoticed(self) -> float:
-        """Return the longest delay [s] that is hardly less likely than none."""
+        """Return the longest delay [s] that is almost as likely as none."""
         if not self.late().any():
             return MAX_DELAY
         return float(np.abs(self.seconds[self.behind() <= MIN_LEAD_OF_DELAY]).max())
@@ -120,7 +120,7 @@ def delayed_currents(delays: Delays, driven: bool, name: str) -> Iterator[Findin
 
 
 def delayed_joint(delays: Delays, rubs: bool, name: str) -> Iterator[Finding]:
-    """Find the one joint whose current, or torque, comes later or earlier than its motion.
+    """Find the one joint where the current, or torque, comes later or earlier than the motion.
 
     rubs: whether friction brakes what the efforts drive; name: of their channel.
     """
@@ -157,7 +157,7 @@ def delays_by_motion(robot: pd.DataFrame, arm: Robot, step: float, cutoff: float
     step *= count
     qd = np.gradient(q, step, axis=0)
     qdd = np.gradient(qd, step, axis=0)
-    # blocks whose current is known at every delay
+    # blocks with a current at every delay
     rows = np.arange(most, len(q) - most)
     later = np.lib.stride_tricks.sliding_window_view(current, len(lags), axis=0)  # (n, 6, lags)
     rows = rows[np.isfinite(later).all(axis=(1, 2)) & np.isfinite(q[rows]).all(axis=1)]

@@ -1,4 +1,4 @@
-"""Checks of what each device of a recording wrote, beside what it should have written."""
+"""Checks of what each device of a recording wrote against what it should have written."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -23,8 +23,8 @@ MIN_GRAVITY_CHANGE = 3.0
 
 
 def checked_intake(intake: Intake, arm: Robot, names: Iterable[str] = ()) -> Intake:
-    """Return an intake whose findings include those of the checks of its devices; names: of its
-    files, that may say its rate.
+    """Return an intake with the findings of the checks of its devices added; names: of its files,
+    which may state its rate.
     """
     quality, limits = intake.quality, (arm.position_limits(), arm.velocity_limits())
     shown = check_robot(intake.robot, quality.period_s, *limits, arm.is_counted())
@@ -50,7 +50,7 @@ def check_force_sensor(table: pd.DataFrame) -> list[Finding]:
 def check_imu(table: pd.DataFrame, full_scale: FullScale | None) -> list[Finding]:
     """Check for saturation, and that the accelerometer measures gravity.
 
-    table: `time` and imu_* as read; full_scale: of the IMU, None if it is not known.
+    table: `time` and imu_* as read; full_scale: of the IMU, None if unknown.
     """
     clipped = _clipped(table, full_scale) if full_scale else ()
     return [*clipped, *_gravity(table)]

@@ -1,4 +1,4 @@
-"""What a description lacks whose links explain an arm's motion far worse than any links do."""
+"""What a description lacks if its links explain an arm's motion far worse than any links do."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
@@ -32,7 +32,7 @@ def doubted_links(checks: MotionChecks) -> Iterator[Finding]:
         doubted = [joint for joint in doubted if joint not in healed]
         if healed:
             yield _doubt(code, arm.name, healed)
-    if doubted and not arm.has_ur_motors():  # whose links are known
+    if doubted and not arm.has_ur_motors():  # a UR's links are certain
         yield _doubt(OTHER_LINKS, arm.name, doubted)
 
 
@@ -119,7 +119,7 @@ def _remedies(motion: WholeMotion, joints: list[int]) -> Iterator[tuple[str, Mis
     q = motion.means.q
     pairs = combinations(motion.joints, 2)
     alike = {joint for pair in pairs if motion.means.move_alike(pair) for joint in pair}
-    joints = [joint for joint in joints if joint not in alike]  # of whose, other links do as well
+    joints = [joint for joint in joints if joint not in alike]  # other links do as well there
     springs = np.zeros((*q.shape, 3 * len(joints)))
     for k, joint in enumerate(joints):
         own = q[:, joint]

@@ -1,4 +1,4 @@
-"""Checks of measured channels beside their targets: whether they are exchanged, or simulated."""
+"""Checks of measured channels against their targets: whether they are exchanged, or simulated."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""What tables tell of a recording's files: their size, clocks and findings, and copies of files."""
+"""What tables show of a recording's files: their size, clocks and findings, and copies of files."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, cast
@@ -116,7 +116,7 @@ def unreadable(reason: str) -> QualityRow:
 
 
 def spare_copies(quality: pd.DataFrame, roles: Mapping[str, str]) -> list[str]:
-    """Return the recordings that repeat the run of another one, whose results stand for both.
+    """Return the recordings that repeat the run of another one; its results count for both.
 
     quality: with all robots' rows; roles: of all recordings, by name.
     """
@@ -147,7 +147,7 @@ def _same_runs(runs: pd.DataFrame) -> Iterator[tuple[str, str]]:
 
 
 def _repeated(runs: pd.DataFrame, roles: Mapping[str, str]) -> dict[Any, dict[str, Any]]:
-    """Return the findings of the runs that several recordings hold, by their places."""
+    """Return the findings of the runs that several recordings contain, by their places."""
     holders: dict[str, set[str]] = {name: {name} for name in runs["recording"]}
     spare, standing = list[str](), set[str]()
     for pair in _same_runs(runs):

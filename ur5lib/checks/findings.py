@@ -1,4 +1,4 @@
-"""All that a recording shows beside what the study declares of it, to `ur5 check` and to a run."""
+"""All that a recording shows against what the study declares of it, for `ur5 check` and a run."""
 
 from collections.abc import Iterator, Mapping
 
@@ -22,7 +22,7 @@ def contradictions(
     cutoffs_hz: Mapping[str, float],
     accepted: Mapping[str, str],
 ) -> Contradictions:
-    """Return the stop signs of a recording, and further doubts, behind those that are known.
+    """Return the stop signs of a recording, and further doubts, after the given ones.
 
     sensed: whether it has a force sensor; cutoffs_hz: of all low-pass filters; accepted: why the
     study overrules stop signs, by kind.
@@ -61,7 +61,7 @@ def load_without_targets(checked: Checked) -> list[Finding]:
 
 
 def scaled_current(checked: Checked) -> list[Finding]:
-    """Return the warning of a joint whose current is too small beside the others'."""
+    """Return the warning of a joint with a current that is too small compared with the others'."""
     if checked.motion is None or not checked.driven or checked.contact is not None:
         return []
     return [*checked.motion.scaled_current()]

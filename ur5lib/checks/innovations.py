@@ -15,7 +15,8 @@ from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 # In s, between frames. Slower ones show the motion of all joints more than disturbances.
 MAX_STEP = 0.02
-# Share of frames whose currents differ from the previous ones. Fewer were held.
+# Share of frames with currents that differ from the previous ones. With fewer, currents are
+# repeated.
 MIN_SHARE_FRESH = 0.9
 # Share of the currents' changes that is new. It is 0.5 to 1 as recorded, 0.2 if smoothed.
 MIN_SHARE_NEW = 0.3
@@ -54,7 +55,7 @@ def innovation_likelihoods(robot: pd.DataFrame, step: float, shifts: Labels) -> 
 
 
 def _as_sampled(changes: Array, innovations: Array) -> bool:
-    """Return whether currents with these changes and innovations (n, 6) are neither held nor
+    """Return whether currents with these changes and innovations (n, 6) are neither repeated nor
     smoothed.
     """
     fresh = (changes != 0).any(axis=1).mean()

@@ -22,7 +22,7 @@ MAX_PERIODS = 5  # from one part to the next
 MAX_DEVIATION = 1e-3  # rad, of a posture from where the velocities lead
 MAX_ACCELERATION = 10.0  # rad/s², by which velocities of both sides may differ
 MAX_CHANGE = 0.02  # rad/s, of resting joints' velocities, beyond that
-SLOPE_STEPS = 4  # between the frames whose positions tell a velocity
+SLOPE_STEPS = 4  # a velocity follows from positions of frames so many steps apart
 
 
 class Ends(NamedTuple):
@@ -71,7 +71,8 @@ def as_text(ends: Ends) -> str:
 
 
 def parts_seen(details: Mapping[str, str], roles: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    """Yield recordings that are no unseen ones, and the fitted ones whose runs they go on or begin.
+    """Yield recordings that are no unseen ones, each with the fitted one of which it goes on or
+    begins the run.
 
     details: `as_text` of recordings; roles: by recording.
     """

@@ -1,4 +1,4 @@
-"""Checks of postures at rest: gravity is all that tells arm, order, units and signs."""
+"""Checks of postures at rest: only gravity shows arm, order, units and signs."""
 
 from collections.abc import Container, Iterator, Sequence
 from itertools import combinations
@@ -20,15 +20,16 @@ from ur5lib.robots.description import Payload, Robot
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 
-# A difference of log-likelihoods of two exchanged joints. It is at most 46 where a few postures
-# are held.
+# A difference of log-likelihoods of two exchanged joints. It is at most 46 in recordings of a few
+# postures.
 MIN_LEAD_OF_EXCHANGED_JOINTS = 60.0
 PARTS, MIN_ERRORS_OF_ARM = 10, 2.5  # of postures, and standard errors over these, of another arm
 BEARING_JOINTS = 3  # joints from the base that bear others in every posture
 MIN_ERRORS_OF_CORRELATION = 5.0  # standard errors by which gravity shows in a current
-# Of the motor's largest torque: the standard deviation of gravity beside which friction is small.
+# Friction is small compared with gravity of this standard deviation, over the largest torque.
 MIN_GRAVITY_SHARE = 0.1
-MAX_CONSTANT_ERROR = 0.1  # relative, of a torque constant that contradicts the known one
+# A torque constant that contradicts the documented one errs by less, relatively.
+MAX_CONSTANT_ERROR = 0.1
 # Of the motor's largest torque: the static friction of a joint. It is 0.04 to 0.06 on the
 # measured arms.
 STATIC_FRICTION_SHARE = 0.06
@@ -90,7 +91,7 @@ def _contradictions(
 
 
 def _exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
-    """Find the two joints that bear others whose exchange explains the currents best, by far."""
+    """Find the two joints that bear others and, exchanged, explain the currents best, by far."""
     in_place, measured = in_order(arm), of_measured(means)
     pairs = [*combinations(in_place[:BEARING_JOINTS], 2)]
     orders = [in_place, *(exchanged_order(in_place, *pair) for pair in pairs)]
@@ -106,7 +107,7 @@ def _exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
 
 
 def _foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iterator[Finding]:
-    """Find the arm whose gravity explains the currents best, by far; all under their load."""
+    """Find the arm that explains the currents best by its gravity, by far; all under their load."""
     if best := _likelier_arm(means, arm, others):
         detail = (
             f"the {means.measured.quantity}s are not those of {arm.name}: the gravity of `robot: "
@@ -132,7 +133,7 @@ def _likelier_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> str
 
 
 def what_gravity_shows(means: BlockMeans, arm: Robot, payload: Payload | None) -> list[Finding]:
-    """Return the note on what a recording of postures tells, and what it leaves unchecked.
+    """Return the note on what a recording of postures shows, and what it leaves unchecked.
 
     payload: on the arm's flange.
     """
@@ -164,7 +165,8 @@ def _alike_in_words(means: BlockMeans, arm: Robot, payload: Payload | None) -> s
 
 
 def large_constants(means: BlockMeans, arm: Robot) -> list[Finding]:
-    """Return a warning of torque constants far above the known ones; arm: with what it carries."""
+    """Return a warning of torque constants far above the documented ones; arm: with what it
+    carries."""
     each = [one for smaller, one in _unlike_constants(means, arm) if not smaller]
     detail = (
         f"gravity gives {means.measured.constant}s far above the known ones ({', '.join(each)}): "
@@ -175,8 +177,8 @@ def large_constants(means: BlockMeans, arm: Robot) -> list[Finding]:
 
 
 def _arms_alike(means: BlockMeans, arm: Robot, payload: Payload | None) -> list[str]:
-    """Return the other described arms whose gravity explains the currents hardly worse, and none
-    far better.
+    """Return the other described arms that explain the currents almost as well by their gravity,
+    without the one that does so far better.
     """
     loaded, others = arm.carrying(payload), arms_alike(arm, payload)
     gains = gains_of_arms(of_measured(means), loaded, others)
@@ -216,11 +218,11 @@ def _unexplained(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
 
 
 def _unlike_constants(means: BlockMeans, arm: Robot) -> Iterator[tuple[bool, str]]:
-    """Yield joints whose torque constant by gravity is far from the known one, and whether it is
-    smaller, which no lost torque explains: a unit, the arm or its load is wrong.
+    """Yield joints with a torque constant by gravity far from the documented one, and whether it is
+    smaller. No lost torque explains a smaller one: a unit, the arm or its load is wrong.
 
-    A joint whose friction may hold as much as gravity pulls is not judged: how its postures were
-    reached changes the constant more than the known ones differ. arm: with what it carries.
+    A joint is not judged where friction may carry as much as gravity pulls: how its postures were
+    reached changes the constant more than the documented ones differ. arm: with what it carries.
     """
     if len(means.q) < MIN_BLOCKS:
         return
@@ -238,7 +240,7 @@ def _unlike_constants(means: BlockMeans, arm: Robot) -> Iterator[tuple[bool, str
 
 
 def other_constant(joint: int, fitted: float, known: float, unit: str) -> str:
-    """Return a constant of a joint, from 1, that contradicts the known one, in words."""
+    """Return a constant of a joint, from 1, that contradicts the documented one, in words."""
     return f"joint {joint} with {number(fitted, '.3g')} instead of {number(known, '.3g')} {unit}"
 
 

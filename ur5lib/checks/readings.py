@@ -34,7 +34,7 @@ SPREAD_OF_CONSTANTS = 0.2  # of torque constants around those of the joints' siz
 CLEAR_LEAD = 8.0  # difference of log-likelihoods from which on a reading is proven
 MAX_RANGE_RATIO = 1.05  # times the range of a joint, which a controller enforces
 IMPOSSIBLE_MOTION_PENALTY = 100.0  # on the log-likelihood of an arm that cannot move so
-MIN_TORQUE_FOR_CONSTANT = 0.5  # Nm, root mean square; less gravity tells no torque constant
+MIN_TORQUE_FOR_CONSTANT = 0.5  # Nm; gravity below this root mean square shows no torque constant
 
 
 def in_order(arm: Robot) -> Order:
@@ -68,7 +68,7 @@ def readings(
 ) -> list[Reading]:
     """Return the readings of some arms and orders, the likeliest first, with each effort's unit.
 
-    means: `currents` holds the efforts, columns as in the file; units: possible ones.
+    means: with the efforts in `currents`, columns as in the file; units: possible ones.
     """
     columns, speed = np.array(orders), np.abs(means.qd).max(axis=0)
     lowest, highest = means.q.min(axis=0), means.q.max(axis=0)
@@ -96,8 +96,8 @@ def readings(
 
 
 def unit_scores(means: BlockMeans, effort: str, arm: Robot) -> dict[str, float]:
-    """Return the log-likelihood of each unit of an effort, that it holds no gravity, and that each
-    joint has a factor of its own.
+    """Return the log-likelihood of each unit of an effort, that it contains no gravity, and that
+    each joint has a factor of its own.
 
     means: with the joints in order.
     """

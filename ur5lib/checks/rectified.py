@@ -32,10 +32,11 @@ def rectified_efforts(means: BlockMeans, arm: Robot, name: str) -> Iterator[Find
 
 
 def unsigned_joints(means: BlockMeans, effort: Array, arm: Robot) -> list[int]:
-    """Return the joints, from 0, whose efforts (M, n) are likelier with the sign of their velocity.
+    """Return the joints, from 0, with efforts (M, n) that are likelier with the sign of the
+    velocity.
 
     None where any effort changes its sign. Friction changes it with the velocity; gravity does not,
-    so that the effort of one sign that holds an arm is less likely so.
+    so that the effort of one sign that carries an arm is less likely so.
     """
     joints = [j for j, qd in enumerate(means.qd.T) if _turns_both_ways(qd)]
     moving = {j: effort[np.abs(means.qd[:, j]) > MIN_MOVING_SPEED, j] for j in joints}

@@ -12,12 +12,12 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.inertia import link_tail
 from ur5lib.robots.statics import STANDARD_GRAVITY, gravity_regressor
 
-# To the torque that holds equal links of the described weight, or its inverse. It is 0.5 to 2.3
-# of right recordings of six arms.
+# Ratio to the torque that carries equal links of the described weight, or its inverse. It is 0.5 to
+# 2.3 in right recordings of six arms.
 MAX_SIZE_RATIO = 10.0
 # The same of described links, which may be guesses. A tenth of an arm's weight explains no unit.
 MAX_SIZE_RATIO_OF_LINKS = 100.0
-# Of what holds an arm stretched out. Of less, friction may be many times as large.
+# Share of the torque that carries an arm stretched out. Friction may be many times a smaller one.
 MIN_SHARE_BORNE = 0.25
 SMALLEST_CHANGE = 1e-9  # Nm, of a torque that is logged
 
@@ -47,9 +47,9 @@ def _foreign_size(ratio: float, arm: Robot, by_links: bool) -> Finding:
 
 
 def size_ratio(means: BlockMeans, arm: Robot) -> float | None:
-    """Return the size of torques relative to what holds the arm: its links or, where nobody knows
-    them, half of its weight in equal links with their centres midway; None where these bear little,
-    or its weight is unknown.
+    """Return the size of torques relative to those that carry the arm: its links or, where these
+    are unknown, half of its weight in equal links with their centres midway; None where they weigh
+    little on all joints, or its weight is unknown.
     """
     torque = means.effort
     if arm.tells_gravity():

@@ -1,4 +1,4 @@
-"""Whether the side of the gears on which an arm's torques are measured is known."""
+"""Whether a description has the side of the gears on which the arm's torques are measured."""
 
 from ur5lib.robots.description import Robot
 
@@ -6,7 +6,7 @@ from ur5lib.robots.description import Robot
 def unknown_side(arm: Robot) -> str:
     """Return why nothing can be fitted to torques that may be the motors'; empty where it can.
 
-    Of an arm whose links are found from the same torques, neither the side is described, nor a
+    The links are then found from the same torques, and the description has neither the side nor a
     weight that would contradict it.
     """
     if arm.effort != "torque" or arm.links == "known" or arm.weight is not None:

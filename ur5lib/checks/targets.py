@@ -1,6 +1,6 @@
-"""Checks of currents beside their targets: a fraction or a multiple of these, in joints that bear.
+"""Checks of currents against their targets: a fraction or a multiple of these, in joints that bear.
 
-Gravity tells which of the two is to blame, where one shows the motor's torque constant.
+Gravity shows which of the two is wrong, where one has the motor's torque constant.
 """
 
 from collections.abc import Container, Iterator
@@ -23,7 +23,7 @@ MIN_BORNE_CURRENT = 1.0  # A, root mean square of the target of a joint that bea
 def scaled_currents(means: BlockMeans, odd: Container[int]) -> Iterator[Finding]:
     """Find currents that are a fraction or a multiple of their targets.
 
-    odd: joints from 0 whose targets are to blame.
+    odd: joints from 0 with wrong targets.
     """
     for joint, ratio in unlike_targets(means):
         if joint not in odd:
@@ -53,7 +53,7 @@ def odd_targets(means: BlockMeans, arm: Robot) -> dict[int, Finding]:
 
 
 def _odd_target(joint: int, ratio: float, measured: Constants, targeted: Constants) -> Finding:
-    """Return the warning of a joint, from 0, by constants as multiples of the known one."""
+    """Return the warning of a joint, from 0, by constants as multiples of the maker's."""
     known = measured.known[joint]
     by_gravity, by_target = (one.ratio[joint] * known for one in (measured, targeted))
     detail = (
@@ -66,16 +66,17 @@ def _odd_target(joint: int, ratio: float, measured: Constants, targeted: Constan
 
 
 def unlike_targets(means: BlockMeans) -> Iterator[tuple[int, float]]:
-    """Yield joints, from 0, whose current is a fraction or multiple of its target, and which."""
+    """Yield joints, from 0, with a current that is a fraction or multiple of its target, and
+    which."""
     if {MEASURED_CURRENT, TARGET_CURRENT} - means.currents.keys():
         return
     moves = moving_joints(means)
-    for joint in range(min(3, len(moves))):  # wrists hardly bear anything
+    for joint in range(min(3, len(moves))):  # wrists bear almost nothing
         target, friction = means.currents[TARGET_CURRENT][:, joint], means.friction(joint)
         # without friction, which targets of some arms contain, and inertia: only a load shows it
         others = np.column_stack([friction, means.qdd[:, joint]])
         borne = target - others @ np.linalg.lstsq(others, target, rcond=None)[0]
-        # at rest, of a joint whose load others change
+        # at rest, of a joint where others change the load
         if (
             not (moves[joint] and np.sqrt((borne**2).mean()) > MIN_BORNE_CURRENT)
             and borne.std() <= MIN_BORNE_CURRENT

@@ -1,4 +1,4 @@
-"""Check of the tool's pose beside that of the flange, which the arm and its joints determine."""
+"""Check of the tool's pose against that of the flange, which the arm and its joints determine."""
 
 from collections.abc import Iterator
 

@@ -121,7 +121,7 @@ def _likelihood(means: BlockMeans, torque: Array, arm: Robot) -> float:
 
 
 def _fitting_arms(means: BlockMeans, torque: Array, arm: Robot) -> list[str]:
-    """Return the described arms whose torque it is."""
+    """Return the described arms that have this torque."""
     fitting = (one for one in arms_alike(arm, None) if _fits(means, torque, one))
     return robots_as_cause(one.name for one in fitting)
 

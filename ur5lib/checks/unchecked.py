@@ -37,7 +37,8 @@ def _note(finding: str, detail: str) -> Finding:
 
 
 def _arm(checked: Checked) -> Iterator[Finding]:
-    """Yield which other arms fit as well, where no torque of the controller tells all apart."""
+    """Yield which other arms fit as well, where no torque of the controller distinguishes them
+    all."""
     if checked.means.torque is not None or not checked.arm.tells_gravity():
         return
     own = checked.arm.name, checked.arm.link_poses()  # under whatever name
@@ -81,7 +82,7 @@ def _named(pairs: Iterable[Pair]) -> str:
 
 
 def _pairs_shown_by_pose(checked: Checked) -> Iterator[Pair]:
-    """Yield the pairs whose exchange would take the tool off the flange."""
+    """Yield the pairs that, exchanged, would take the tool off the flange."""
     if f"{POSE}_0" not in checked.robot:
         return
     (tool, q), order = tool_and_angles(checked.robot), in_order(checked.arm)
@@ -92,7 +93,7 @@ def _pairs_shown_by_pose(checked: Checked) -> Iterator[Pair]:
 
 
 def _pairs_shown_by_torque(checked: Checked) -> Iterator[Pair]:
-    """Yield the pairs whose exchange the controller's torque would not fit."""
+    """Yield the pairs that, exchanged, the controller's torque would not fit."""
     means, torque, in_place = checked.means, checked.means.torque, in_order(checked.arm)
     if torque is None:
         return
@@ -104,7 +105,7 @@ def _pairs_shown_by_torque(checked: Checked) -> Iterator[Pair]:
 
 
 def _pairs_shown_by_motion(checked: Checked) -> Iterator[Pair]:
-    """Yield the pairs whose exchange the efforts would not fit."""
+    """Yield the pairs that, exchanged, the efforts would not fit."""
     if checked.means.torque is None and checked.motion is not None:
         yield from filter(checked.motion.tells_order, checked.motion.exchanged_joints)
 
@@ -184,7 +185,7 @@ def _by_motion(checked: Checked, bearing: Container[int]) -> Iterator[Finding]:
 
 
 def _pairs_alike(checked: Checked) -> Iterator[Pair]:
-    """Yield the joints whose currents, or measured torques, may be exchanged."""
+    """Yield the pairs of joints that may have exchanged currents, or measured torques."""
     motion, lead = checked.motion, None
     if checked.answers is not None:
         lead = checked.answers.ahead().diagonal()

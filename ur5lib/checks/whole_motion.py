@@ -138,7 +138,7 @@ class WholeMotion:
 
     @cached_property
     def links(self) -> Array:
-        """Return the torque (M, n) [Nm] of the described links, rotors included where known."""
+        """Return the torque (M, n) [Nm] of the described links, rotors included where described."""
         bodies = rigid_bodies(self.arm, self.arm.fullest_model())
         return np.asarray(self.regressor @ inertial_parameters(self.arm, bodies))
 
@@ -175,7 +175,8 @@ class WholeMotion:
         return np.clip(self.slopes(torque), 1 / MAX_CONSTANT_RATIO, MAX_CONSTANT_RATIO)
 
     def slopes(self, torque: Array) -> Array:
-        """Return torque per torque of the described links (n,), beside friction and an offset."""
+        """Return torque per torque of the described links (n,), fitted together with friction and
+        an offset."""
         slopes = np.ones(len(self.joints))
         for joint in self.joints:
             columns = np.column_stack([self.links[:, joint], self.friction[:, joint]])
@@ -184,7 +185,8 @@ class WholeMotion:
 
     def friction_in_errors(self) -> Array:
         """Return each joint's friction (n,) at its usual speed, in standard errors (jackknife over
-        stretches): the larger of those beside the declared links, where known, and beside any.
+        stretches): the larger of the values fitted with the declared links, where described, and
+        with any links.
         """
         count, fits = len(self.joints), [(self.any_links, self.regressor.shape[2])]
         if self.arm.tells_gravity():
@@ -207,8 +209,8 @@ class WholeMotion:
         return loaded.misfit(self.torque - scale * self.links)
 
     def load(self) -> tuple[float, float, Lead]:
-        """Return the mass [kg] on the flange that efforts show beside the declared links, by the
-        maker's constants, its standard error (jackknife), and by how much it leads none.
+        """Return the mass [kg] on the flange that efforts show in addition to the declared links,
+        by the maker's constants, its standard error (jackknife), and by how much it leads none.
         """
         last, left = 10 * (len(self.joints) - 1), self.torque - self.links
         body = self.regressor[:, :, last : last + 4]  # mass and first moments

@@ -64,7 +64,7 @@ def print_findings(
 ) -> int:
     """Print the findings of a study's recordings, or those of some recordings in detail.
 
-    contract: that they are held against. Returns how many are stop signs or errors. Raises
+    contract: that they are checked against. Returns how many are stop signs or errors. Raises
     InputError when the study itself is wrong or lacks a recording that is named, or where an
     extension cannot be used.
     """
@@ -87,9 +87,9 @@ def print_findings_of(
     """Print the findings of recordings; returns how many are stop signs or errors.
 
     named: recordings whose findings are printed in detail; none: all, by finding; contract: that
-    they are held against.
+    they are checked against.
     """
-    console = text_console(stderr=form.as_json)  # beside the JSON
+    console = text_console(stderr=form.as_json)  # the JSON is on stdout
     lacking = [f"contract: {one}" for one in contract.lacking(study)] if contract else []
     lacking += refused_arms(study)
     for sentence in lacking:
@@ -148,7 +148,7 @@ def print_tables(
 ) -> int:
     """Print the quality and the clocks of recordings; returns how many stop signs and errors.
 
-    named: recordings all of whose findings and clocks are printed, as of a single one; none: each
+    named: recordings of which all findings and clocks are printed, as of a single one; none: each
     finding once, and the least certain clock of each device; roles: of all.
     """
     findings = {

@@ -55,7 +55,7 @@ def compensation(study: FinishedStudy | None, robot: str, only: str) -> str:
 
 
 def _recording(study: FinishedStudy, arm: Robot, entry: Recording) -> dict[str, Any] | None:
-    """Return what a recording tells of its sensor, and when it did; None without a sensor."""
+    """Return what a recording shows of its sensor, and when it did; None without a sensor."""
     quality, sensor = study.quality(entry.name), study.beside_sensor(entry.name)
     if sensor.offset is None:
         return None
@@ -91,7 +91,7 @@ def offset_of(offset: OffsetAccount) -> dict[str, Any]:
 
 
 def spread(recordings: Sequence[dict[str, Any]]) -> dict[str, Any] | None:
-    """Return how far the values of recordings lie apart, of those with a known mass.
+    """Return how far the values of recordings lie apart, of those with a mass.
 
     recordings: as of `compensation`. None with fewer than two.
     """
@@ -119,7 +119,7 @@ def _apart(intervals: Iterable[Interval | None]) -> dict[str, float] | None:
 
 
 def _start(quality: Quality, entry: Recording) -> str | None:
-    """Return when a recording began, else its date; None where neither is known."""
+    """Return when a recording began, else its date; None where there is neither."""
     if quality.start_epoch_s is None:
         return None if entry.date is None else str(entry.date)
     return datetime.fromtimestamp(quality.start_epoch_s, UTC).isoformat(timespec="seconds")
@@ -145,7 +145,7 @@ def _reading(quality: Quality) -> str:
 def _center(offset: OffsetAccount) -> tuple[Array, Array]:
     """Return the tool's centre of mass (3,) [m] and its error, NaN without a certain mass.
 
-    c = h / m, whose errors are independent: forces tell the mass, moments the first moment h.
+    c = h / m. Their errors are independent: forces show the mass, moments the first moment h.
     """
     if not abs(offset.mass) > NORMAL95 * offset.mass_std:
         return np.full(3, np.nan), np.full(3, np.nan)

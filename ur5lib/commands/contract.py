@@ -1,4 +1,4 @@
-"""What a lab wants of every recording, as a file: written from good ones, held against others."""
+"""What a lab wants of every recording, as a file: written from good ones, compared with others."""
 
 import json
 import math

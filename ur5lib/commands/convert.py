@@ -153,7 +153,7 @@ def _add_topic(writer: Writer, stream: Stream) -> int:
 
 
 def _stream(name: str, table: pd.DataFrame) -> Stream:
-    """Return a table as a topic, in whose schema each column's description is its unit."""
+    """Return a table as a topic; in its schema, each column's description is its unit."""
     kinds = {column: "boolean" if table[column].dtype == bool else "number" for column in table}
     units = table.attrs["units"]
     properties = {c: {"type": kind, "description": units[c]} for c, kind in kinds.items()}

@@ -65,8 +65,8 @@ def exported(
     """Return an arm with one of its link models, by default the chosen or the identified one, what
     its force sensor reads without contact, or what a topic exports.
 
-    results: of a study that identified it; as_in: recording of the study whose payload and mounting
-    the arm has, empty for none; ros_names: whether joints of a UR are called as ROS does; accept:
+    results: of a study that identified it; as_in: recording of the study that gives the arm payload
+    and mounting, empty for none; ros_names: whether joints of a UR are called as ROS does; accept:
     reason for which what the verdicts say not to use is exported, and which the file states. Raises
     InputError for unknown names, missing results, and such verdicts without a reason.
     """
@@ -131,7 +131,7 @@ def tool_centre_point(study: FinishedStudy | None, recording: str) -> TcpPose | 
 
 
 def called_by_ros(name: re.Match[str]) -> str:
-    """Return what ROS calls the joint of a match, whose group is its number."""
+    """Return what ROS calls the joint of a match, which has its number as group."""
     return ROS_NAMES[int(name[1]) - 1]
 
 

@@ -17,7 +17,7 @@ from ur5lib.robots.inertia import written_bodies
 from ur5lib.tables import columns
 from ur5lib.timeseries.arrays import Array
 
-BASE = "frame_0"  # of the URDF, in whose axes forces are
+BASE = "frame_0"  # frame of the URDF in which forces are given
 METRES_PER_NEWTON = 0.005  # length of an arrow
 SHAFT_SHARE, SHAFT_DIAMETER, HEAD_DIAMETER = 0.8, 0.015, 0.035  # of its length; m
 # Topic: table, columns' prefix, colour.

@@ -32,7 +32,7 @@ class Overruled:
         if not self.verdicts:
             return ""
         note = f"The study says: {' '.join(self.verdicts)} Exported nevertheless: {self.reason}"
-        # a comment of XML holds no two hyphens in a row
+        # a comment of XML may not contain two hyphens in a row
         return f"<!-- {re.sub('-(?=-)', '- ', note)} -->\n" if in_xml else f"# {note}\n"
 
 

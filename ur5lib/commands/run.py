@@ -31,7 +31,7 @@ USUAL = re.compile(
     r"|Job stats|job +count|-+ +-+|\w+ +\d+$|Finished jobid|Complete log|Elapsed time|report: "
 )
 SECONDS_BETWEEN_LINES = 60.0
-Report = Callable[[int, int], None]  # is told the steps that are done, and all
+Report = Callable[[int, int], None]  # it takes the number of steps done, and of all
 
 
 def build(
@@ -53,7 +53,7 @@ def build(
 
 @dataclass(frozen=True)
 class State:
-    """What is known of a study's results: who makes them, what is missing.
+    """The state of a study's results: who makes them, what is missing.
 
     report: its file, None while there is none; unreadable: reasons by recording; steps_to_run: that
     a run would take, None while another makes them; verdicts: states of cards, None without any.
@@ -88,7 +88,7 @@ class State:
 
 
 def state(study: Path, results: Path) -> State:
-    """Return what is known of a study's results. Raises InputError where it has mistakes."""
+    """Return the state of a study's results. Raises InputError where it has mistakes."""
     from ur5lib.commands.verdicts import card_states  # slow to import
 
     read_study(study)

@@ -21,7 +21,7 @@ class Dataset(Strict):
     address: its page; archive: URL of a zip file with its files; record: URL of its record at
     Zenodo; leave_out: unneeded files of the record; study: the study file that analyses it;
     checksums: SHA-256 of the archive's files by name; unverified: how many other recordings lie
-    beside them in the archive, whose SHA-256 is not listed.
+    next to them in the archive without a listed SHA-256.
     """
 
     holds: str

@@ -1,4 +1,4 @@
-"""Download of a published data set, whose files are verified."""
+"""Download of a published data set, with its files verified."""
 
 import shutil
 import zipfile
@@ -59,9 +59,9 @@ def fetch_archive(
     """Copy files into a folder, from a zip file in the network or from another folder.
 
     archive: URL of the zip file; checksums: SHA-256 by name; unverified: how many files of unknown
-    SHA-256 lie beside them in the archive. Every other file is verified before it is
-    put in place; files that exist already are kept. Returns the number of verified files added.
-    Raises InputError for a failure of the network, the source, a checksum or the target.
+    SHA-256 lie next to them in the archive. Every other file is verified before it is put in place;
+    files that exist already are kept. Returns the number of verified files added. Raises InputError
+    for a failure of the network, the source, a checksum or the target.
     """
     missing = {f: sha for f, sha in checksums.items() if not is_there(target / f, sha)}
     others = unverified and len(others_beside(target, checksums)) < unverified
@@ -135,7 +135,7 @@ def _retrieve(url: str, checksum: str | None, path: Path, remedy: str, most: int
 
 
 class _Bounded:
-    """A file to be written, of a size that is known beforehand."""
+    """A file to be written, of at most a given size."""
 
     def __init__(self, file: BinaryIO, most: int, url: str, remedy: str) -> None:
         self.file, self.most = file, most

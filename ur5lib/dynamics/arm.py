@@ -54,10 +54,10 @@ def build_arm(
 ) -> ArmTensors:
     """Build an arm under one of its models, e.g. "A", "B" or "C"; KeyError for an unknown model.
 
-    dtype: float64, or float32, whose results are within 1e-6 of the largest among them.
-    fused: torch.compile makes each term one loop. The first call takes 5 to 20 s, less if it was
-    compiled before; further calls take a third of the time, which pays from tens of millions of
-    samples on. Without a compiler, a warning is given and the terms run uncompiled.
+    dtype: float64, or float32, with results within 1e-6 of the largest among them. fused:
+    torch.compile makes each term one loop. The first call takes 5 to 20 s, less if it was compiled
+    before; further calls take a third of the time, which pays from tens of millions of samples on.
+    Without a compiler, a warning is given and the terms run uncompiled.
     """
     bodies = rigid_bodies(robot, model)
 

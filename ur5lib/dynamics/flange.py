@@ -11,7 +11,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import in_chunks
 
-TWIST_POSTURES = 20  # random ones that tell an arm's twists
+TWIST_POSTURES = 20  # so many random postures show an arm's twists
 RANK_TOLERANCE = 1e-6  # m and rad; what counts as zero
 
 

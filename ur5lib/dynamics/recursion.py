@@ -2,7 +2,7 @@
 
 Link k is seen from its own frame (`link_k` of the URDF): origin o_(k-1) on the axis of joint k,
 z along that axis, turned by q_k; its `Tail` leads to the Denavit-Hartenberg frame k. There, a
-joint's motion and torque are z components, and levers between joints have zeros in known places.
+joint's motion and torque are z components, and levers between joints have zeros in fixed places.
 Vectors and matrices are tuples of components.
 """
 

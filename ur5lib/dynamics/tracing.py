@@ -1,9 +1,9 @@
 """Tracing of kernels, functions of single components, into straight-line programs.
 
-A kernel takes a `Geometry` and tensors whose last dimension is the samples. It calculates with
+A kernel takes a `Geometry` and tensors with the samples as the last dimension. It calculates with
 rows of samples, and with plain numbers where the geometry knows them: zeros, ones and lengths.
-Tracing it once removes products with 0 and 1, sums with 0, unused operations, and all
-Python between the operations.
+Tracing it once removes products with 0 and 1, sums with 0, unused operations, and all Python
+between the operations.
 """
 
 import operator

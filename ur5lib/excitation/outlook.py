@@ -1,8 +1,8 @@
-"""What an arm's recordings have told of it, and what another would: the widths of bands.
+"""What an arm's recordings have shown of it, and what another would: the widths of bands.
 
-At random states, a predicted current errs by what recordings differ in, by the day, and by what is
-not known of the parameters. A force at the flange has the covariance (J Σ⁻¹ Jᵀ)⁻¹, with Σ that of
-the torques. A load's mass is found along as much motion again, beside the parameters.
+At random states, a predicted current errs by what recordings differ in, by the day, and by the
+errors of the parameters. A force at the flange has the covariance (J Σ⁻¹ Jᵀ)⁻¹, with Σ that of the
+torques. A load's mass is found along as much motion again, together with the parameters.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -68,7 +68,7 @@ class RecordedStates(NamedTuple):
 
 @dataclass(frozen=True)
 class Earlier:
-    """What is known of an arm from a study's recordings, and from other arms.
+    """What a study's recordings and other arms show of an arm.
 
     fit, parameters: of the currents; noise: (n,) [Nm], of the target torques; fitted: to how many
     recordings, 0 where the fit is what other arms have.
@@ -198,13 +198,13 @@ class Outlook:
     def ranked(self, candidates: Iterable[tuple[str, Array]]) -> list[Bands]:
         """Return the bands as they are, then those after each candidate, the least force first.
 
-        candidates: names, and what they would tell beyond the information so far, (P, P).
+        candidates: names, and what they would add to the information so far, (P, P).
         """
         rows = [self.bands(self.information + gain, name) for name, gain in candidates]
         return [self.bands(self.information), *sorted(rows, key=attrgetter("force"))]
 
     def candidates(self, seconds: float) -> Iterator[tuple[str, Array]]:
-        """Yield what recordings of some length would tell, (P, P)."""
+        """Yield the information that recordings of some length would add, (P, P)."""
         load = self._arm.known_load()
         loaded = [(f"all joints with {load.mass:g} kg", load, FAST_MOTION)] if load else []
         for name, load, motion in (

@@ -92,8 +92,7 @@ class DesignProblem:
     """The parameters θ = (β, the joints' a b c v l in turn, p) and their measurement.
 
     base: β, (B,); theta: (P,), nominal values; prior: (P, P), the information before any recording;
-    has_payload: whether p, whose nominal value is zero, is among the parameters; effort: that
-    is measured.
+    has_payload: whether p, nominally zero, is among the parameters; effort: that is measured.
     """
 
     base: BaseParameters

@@ -98,7 +98,7 @@ def alarms_of(estimate: Stated, threshold: float) -> Alarms:
 def all_alarms(
     estimates: Mapping[str, Stated], thresholds: Mapping[str, float]
 ) -> dict[str, Alarms]:
-    """Return the alarms of every estimate that the recording has and a threshold is known of."""
+    """Return the alarms of every estimate of the recording that has a threshold."""
     return {
         name: alarms_of(estimates[name], threshold)
         for name, threshold in thresholds.items()

@@ -69,7 +69,8 @@ def _precision(weight: Array, spread: Array, decay: Array) -> tuple[Array, Array
 def _covariance(diagonal: Array, off_diagonal: Array, factor: Array) -> Array:
     """Return the covariances (N, n, n) of b at each sample; factor: by `_factor`.
 
-    Its inverse is the sum of what the past tells, and the future, less Λ(t, t), which both contain.
+    Its inverse is the sum of the past's information and the future's, less Λ(t, t), which both
+    contain.
     """
     # from the last sample to the first, the past is the future
     following = np.roll(off_diagonal, -1, axis=0)

@@ -56,8 +56,8 @@ def figures_by_contact(
 
     reference: the sensor's wrench (N, 6), NaN where it is saturated; force: (N,) [N], of the
     sensor, which defines contacts; period: [s]. Where a band is stated, also in the contacts that
-    are missed. Samples without an estimate or a reading are excluded; a period without any known
-    sample has no figures.
+    are missed. Samples without an estimate or a reading are excluded; a period in which all samples
+    are excluded has no figures.
     """
     finite = np.isfinite(estimate).all(axis=1) & np.isfinite(reference).all(axis=1)
     parts = periods(force, period)
@@ -98,7 +98,8 @@ def error_parts(estimate: Array, reference: Array, force: Array) -> dict[str, Ar
 
 
 def mean_parts(parts: dict[str, Array], rows: slice = slice(None)) -> dict[str, Array]:
-    """Return the means (K,) of parts of an error over the samples that are known, at least zero."""
+    """Return the means (K,) of parts of an error over the samples that have all of them, at least
+    zero."""
     known = np.isfinite(parts["mae"][rows]).all(axis=1)
     count = max(int(known.sum()), 1)
     return {
@@ -230,8 +231,8 @@ def contact_errors(
 def _peak_and_impulse(estimate: Array, reference: Array, step: float) -> dict[str, Any]:
     """Return peak and impulse of a contact, each with its error along the sensor's direction.
 
-    estimate, reference: (M, D) [N]; step: [s]. Of what the sensor does not tell, all but the
-    largest force that it tells is NaN.
+    estimate, reference: (M, D) [N]; step: [s]. Where the sensor has no reading, all but the largest
+    force that it reads is NaN.
     """
     estimate = estimate + 0 * reference
     # the direction of the sensor at its peak, and of its impulse

@@ -28,8 +28,8 @@ class ContactPrior:
 
     Contacts: force [N], magnitude of a typical contact; lever [m], usual distance of a contact
     from the place where contacts are assumed; lever_weight: samples for which that distance counts
-    beside the contact's own; duration, pause: mean duration of contacts and of the pauses between
-    them [s]; unseen_duration: likewise of those that the gate may miss.
+    in addition to the contact's own; duration, pause: mean duration of contacts and of the pauses
+    between them [s]; unseen_duration: likewise of those that the gate may miss.
 
     Gears: load_friction: relative deviation of each joint's torque, or of joints 1 to 6 (6,), from
     the part of a contact that gears transmit according to the fit; friction_std: relative deviation

@@ -55,8 +55,8 @@ def at_rest(qd: Array) -> Mask:
 def torque_std(motor_torque: Array, constant_error: Array, torque_max: Array) -> Array:
     """Return the standard deviation (N, 6) [Nm] of the external torque of a resting arm.
 
-    motor_torque: (N, 6) [Nm], by the known constants, whose relative errors are constant_error,
-    (6,); torque_max: of the motors (6,) [Nm]. Friction lies anywhere within ± the breakaway torque.
+    motor_torque: (N, 6) [Nm], by constants with the relative errors constant_error, (6,);
+    torque_max: of the motors (6,) [Nm]. Friction lies anywhere within ± the breakaway torque.
     """
     # ± b, uniform: b / √3
     friction = BREAKAWAY_SHARE * torque_max / np.sqrt(3)  # of a uniform distribution
@@ -101,7 +101,7 @@ def contact_wrench(
     # torque noise, load friction, and a moment that is taken for a force
     variance = np.linalg.diagonal(estimate.covariance) + _lever_variance(estimate, jacobian, prior)
     variance = variance + _load_friction_variance(estimate, jacobian, prior)
-    # torques hardly distinguish a moment from a force
+    # torques barely distinguish a moment from a force
     force = np.linalg.norm(estimate.mean[:, :3], axis=1)
     variance[:, 3:] += (UNRESOLVED_LEVER * force[:, None]) ** 2
     return ContactWrench(estimate.mean, variance)
@@ -114,10 +114,10 @@ def learned_size(
 
     P maximises the evidence by expectation-maximisation, a contact of twice the typical covariance
     counting as one independent sample: P = (Σ w E[F Fᵀ] + 2 P_usual) / (w n + 1). Near a
-    singularity, little else tells how large the part is that torques do not show. The force part is
-    a full matrix; the moment part is isotropic and tied to the force by the prior's lever, which
-    counts for as many samples as the place is known. Otherwise a moment explains what friction took
-    of a short contact, and a small change of the prior gives another force.
+    singularity, little else shows the size of the part that torques do not contain. The force part
+    is a full matrix; the moment part is isotropic and tied to the force by the prior's lever, which
+    counts for as many samples as the place is certain. Otherwise a moment explains what friction
+    took of a short contact, and a small change of the prior gives another force.
     """
     measured = finite_rows(torque)
     torque, jacobian, noise = torque[measured], jacobian[measured], noise[measured]
@@ -139,7 +139,7 @@ def learned_size(
 def least_squares_wrench(torque: Array, jacobian: Array, noise: Array) -> ContactWrench:
     """Estimate a force without moment and without prior: F = (J_v S⁻¹ J_vᵀ)⁻¹ J_v S⁻¹ τ.
 
-    Arguments as above; NaN where the torque is unknown. It is the baseline of F̂ᵐᵃᵖ in known
+    Arguments as above; NaN where the torque is unknown. It is the baseline of F̂ᵐᵃᵖ in given
     contacts.
     """
     linear = jacobian[:, :3]  # J_v (n, 3, m)

@@ -1,7 +1,7 @@
 """The estimators of the contact wrench: their names, and what each states of a recording.
 
 Records, thresholds, tables, figures, the comparison with simulated truth and the benchmark take
-ESTIMATORS as they stand here; the first that a recording has leads its figures and sentences.
+ESTIMATORS in this order; the first that a recording has leads its figures and sentences.
 """
 
 import re
@@ -27,9 +27,9 @@ if TYPE_CHECKING:  # whoever reads estimates need not load what makes them
 class Stated(NamedTuple):
     """The environment on the arm, base axes, at the origin of frame 6.
 
-    wrench and std, its standard deviation: (N, 6) [N, Nm], NaN where nothing is known; std is None
-    of an estimator that states none; log_odds: (N,), that there is a contact, None of an estimator
-    that is not gated.
+    wrench and std, its standard deviation: (N, 6) [N, Nm], NaN where there is no estimate; std is
+    None of an estimator that states none; log_odds: (N,), that there is a contact, None of an
+    estimator that is not gated.
     """
 
     wrench: Array
@@ -157,7 +157,7 @@ OWN = added(ESTIMATORS)
 ESTIMATORS |= OWN
 NEW = {name: one.label for name, one in ESTIMATORS.items()}
 STATIC = "static"  # the estimate without any fit
-UNGATED = "ungated_least_squares"  # the rival of all others, known beside a sensor alone
+UNGATED = "ungated_least_squares"  # the rival of all others, given where there is a sensor alone
 ESTIMATES = PUBLISHED | NEW | {UNGATED: "plain least squares"}
 SPOKEN = PUBLISHED | {name: one.article + one.label for name, one in ESTIMATORS.items()}
 GATED = [name for name, one in ESTIMATORS.items() if one.gated]

@@ -117,8 +117,8 @@ def cause_of(contact: ContactError, alarm: Alarm) -> Cause | None:
 
 
 def kind_of(alarm: Alarm, is_free: bool) -> Kind:
-    """Return what an alarm is; is_free: whether nothing touches the arm, as far as is known without
-    a sensor.
+    """Return what an alarm is; is_free: whether nothing touches the arm, as far as this can be said
+    without a sensor.
 
     A sensor decides before a role. It does not feel contacts off the flange, which it does not
     make false.

@@ -3,8 +3,8 @@
 A force F at a place p of link k loads joints 1 to k: τ = J_pᵀ F + e, with no torque beyond. Links
 are compared by p(τ | link), the mean over places along the link and over sizes s of F ~ N(0, s² I),
 e ~ N(0, S). Place and size are left open: otherwise, a contact elsewhere on the arm, or a weak one,
-would be ascribed to the place that happens to explain it best. Torques hardly tell other links
-apart, but well where the flange is not touched: then, joints of the wrist carry nothing.
+would be ascribed to the place that happens to explain it best. Torques barely distinguish other
+links, but show well that the flange is not touched: then, joints of the wrist carry nothing.
 """
 
 from collections.abc import Mapping, Sequence
@@ -72,11 +72,11 @@ def flange_probability(
 
     torque: external, of the contact's samples, (n, 6) [Nm]; levers: J_g of the places of each link,
     (n, 6, 6) each, which are equally likely, too; noise: S (n, 6, 6) [Nm²]; sizes: s [N], equally
-    likely; loss: relative error of each joint's torque, whose gears rub under the contact. All
-    samples together count as one: the arm hardly moves on, and friction errs alike in all of them.
+    likely; loss: relative error of each joint's torque, as its gear rubs under the contact. All
+    samples together count as one: the arm moves little, and friction errs alike in all of them.
     """
     loaded = noise + diagonal((loss * torque) ** 2)
-    # a surface beside the place adds a moment
+    # a surface away from the place adds a moment
     wrenches = [wrench_covariance(size, SURFACE_DISTANCE) for size in sizes]
     # log p(τ | link), up to a constant: the mean over its places and the sizes
     evidence = []
@@ -92,7 +92,7 @@ def judged_by_torques(
 ) -> list[Alarm]:
     """Return alarms of F̂ᵐᵃᵖ with whether they are off the flange; time: (N,) [s].
 
-    Loads, and contacts in which no torque is known, stay as they are.
+    Loads, and contacts without a finite torque, stay as they are.
     """
     return [
         replace(own, off_flange=is_off_flange(robot, problem, time, prior, own)) for own in raised
@@ -121,7 +121,7 @@ def is_off_flange(
 
 
 def middle_half(run: ForceInput, time: Array, start: float, end: float) -> Labels:
-    """Return at most MAX_CONTACT_SAMPLES rows of known torque in the middle half of a contact [s].
+    """Return at most MAX_CONTACT_SAMPLES rows with a torque in the middle half of a contact [s].
 
     The low-pass blurs its ends.
     """

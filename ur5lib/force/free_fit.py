@@ -3,8 +3,8 @@
 The model is reading (N, 6) = terms (N, 6, P) times parameters (P,), plus noise, except in contact;
 readings of a sensor without moments are (N, 3), and all that is said to be (6,) is (3,) then.
 Candidates for the parameters come from consensus (RANSAC, Fischler and Bolles 1981): each is fitted
-to a few short quiet stretches, because a tool that a hand holds moves more than one that nothing
-touches. So the samples in contact may be the majority.
+to a few short quiet stretches, because a tool in a hand moves more than one that nothing touches.
+So the samples in contact may be the majority.
 """
 
 from dataclasses import dataclass

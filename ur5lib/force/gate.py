@@ -103,8 +103,8 @@ class Observations:
     """The samples that are used, and what is assumed of them.
 
     torque: external (N, n) [Nm], NaN where it or the arm's pose is unknown; jacobian: (N, 6, n), 0
-    where the pose is unknown; posed: (N,), where it is known; states: (N, n), of `model`; period:
-    [s]; gears: without friction where joints rest.
+    where the pose is unknown; posed: (N,), where there is a pose; states: (N, n), of `model`;
+    period: [s]; gears: without friction where joints rest.
     """
 
     torque: Array
@@ -198,7 +198,7 @@ def find_contacts(observations: Observations) -> tuple[Array, Gaussians]:
         contact = weight[:, len(free_covariances) :].sum(axis=1)  # (N,)
         # background given all τ, each weighted by the probability of a free arm
         measured = measurement_noise(free_covariances, weight, contact) / observations.worth
-        # a push at rest may renew the background: it changes what stiction holds
+        # a push at rest may renew the background: it changes what stiction carries
         renewed = noise.still * contact[:, None] / prior.duration
         rate = observations.model.rate[observations.states]
         smoother_inputs = observations.torque, measured, noise.spread
@@ -216,7 +216,7 @@ def measurement_noise(
 ) -> Array:
     """Return the covariance (N, n, n) of the torque as a measurement of the background.
 
-    Σ p(free state) cov / p(free); in contact, the sample hardly counts.
+    Σ p(free state) cov / p(free); in contact, the sample counts almost nothing.
     """
     share = weight[:, : len(free_covariances)] + 1e-12
     share = share / share.sum(axis=1, keepdims=True)

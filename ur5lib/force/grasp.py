@@ -1,4 +1,4 @@
-"""Loads grasped during a run: contacts whose external torque is that of a weight."""
+"""Loads grasped during a run: contacts with the external torque of a weight."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""Alarms beside contacts: which belong to each other, and what was found, missed and false."""
+"""Alarms matched with contacts: what was found, missed and false."""
 
 from dataclasses import dataclass
 

@@ -38,7 +38,7 @@ def probability_while_shut(
     It is c m / (c m + 1 - c). missed: m (N, 6), shares of contacts that are missed; in_contact:
     (N,), samples in contacts; period: [s]. The share c of time in contact is that of the run
     together with one usual contact and pause: where some contacts are found, more are missed. Each
-    axis reckons with contacts along it alone, since no direction is known.
+    axis reckons with contacts along it alone, since no direction is given.
     """
     contact = prior.unseen_duration / period
     cycle = contact + prior.pause / period
@@ -49,10 +49,10 @@ def probability_while_shut(
 
 
 def mixture_std(probability: Array, missed_variance: Array, free_variance: Array) -> Array:
-    """Return the standard deviation (N, K) whose ± 1.96 is the 95 % band of a mixture.
+    """Return the standard deviation σ (N, K) of a mixture, with ± 1.96 σ as its 95 % band.
 
     With a probability (N, K) the value is that of a missed contact, otherwise that of a free arm;
-    missed_variance, free_variance: variances (N, K) and (K,) of both, whose means are zero.
+    missed_variance, free_variance: variances (N, K) and (K,) of both, about zero.
     """
     missed_std, free_std = (
         np.sqrt(missed_variance),

@@ -57,7 +57,8 @@ class Problem(NamedTuple):
 
 
 def is_fitted(friction: Friction, contradictions: Contradictions) -> bool:
-    """Return whether friction is known, or withheld as recordings contradict the study."""
+    """Return whether friction is fitted or taken over, or withheld as recordings contradict the
+    study."""
     return bool(
         friction.from_ or friction.fit.joints or friction.stopped or contradictions.stop_signs
     )
@@ -66,8 +67,8 @@ def is_fitted(friction: Friction, contradictions: Contradictions) -> bool:
 def fmap_problem(motion: Motion, currents: Currents, residuals: Residuals) -> Problem | None:
     """Return the problem of F̂ᵐᵃᵖ.
 
-    None where its torque is not known, as throughout a recording of half a second, or not told from
-    friction.
+    None where its torque is unknown, as throughout a recording of half a second, or
+    indistinguishable from friction.
     """
     problem = _problem(motion, currents, residuals)
     if problem is None or unusual_friction(motion, currents, residuals) is not None:
@@ -76,8 +77,8 @@ def fmap_problem(motion: Motion, currents: Currents, residuals: Residuals) -> Pr
 
 
 def unusual_friction(motion: Motion, currents: Currents, residuals: Residuals) -> float | None:
-    """Return the share of usual friction that a motion shows, where that is too little to tell a
-    contact by it: nothing was fitted, and a hand leads the arm; None elsewhere.
+    """Return the share of usual friction that a motion shows, where that is too little to recognise
+    a contact by it: nothing was fitted, and a hand leads the arm; None elsewhere.
     """
     problem = _problem(motion, currents, residuals)
     if problem is None or not problem.model.usual:

@@ -20,7 +20,7 @@ RUBBING_SHARE = 1.25  # of a contact, that friction takes in motion, of the devi
 USUAL_RUBBING = 0.2  # likewise, in motion, where no recording was fitted to
 USUAL_REST_STD = 0.3  # likewise: deviation of a joint that settles or rests, where none does
 USUAL_REST_CHANGE = 0.2  # likewise, of its fast error, while the whole arm rests
-JOINTS_OF_A_FORCE = 2  # whose torques decide a component of a force
+JOINTS_OF_A_FORCE = 2  # the torques of so many joints decide a component of a force
 SHOWN_DURATION = 10.0  # s at rest, or settling, that count as much as what is usual
 GATE_PATHS = 5  # from which on the gate is as unsure as the bands
 MIN_STD_SHARE = 1e-3  # of breakaway: least standard deviation of a torque
@@ -45,11 +45,11 @@ class ResidualModel:
     spread, change: (S, n) [Nm], by joint state, of n joints: standard deviations of the sum, and of
     the fast error, which changes within SHORT_LAG; rate: (S,) [1/s], at which the background
     renews; independent: [s], between independent values of the fast error; breakaway: (n,) [Nm], up
-    to which dry friction holds a joint at rest; doubt: factor on bands of forces, beside the
-    deviations, since few paths hardly show how paths differ; constants_doubt: (n,), relative
+    to which dry friction keeps a joint at rest; doubt: factor on bands of forces, in addition to
+    the deviations, since few paths show little of how paths differ; constants_doubt: (n,), relative
     standard deviations of the torque constants that the torques come from; sensed: whether the
     torques are those of sensors at the links, behind the gears; usual: whether it is that of other
-    arms, so that nothing tells the background of a resting arm from a slow press.
+    arms, so that nothing distinguishes the background of a resting arm from a slow press.
     """
 
     spread: Array
@@ -93,8 +93,8 @@ class ResidualModel:
         )
 
     def with_usual_rest(self, stretches: Sequence[TorqueStretch]) -> "ResidualModel":
-        """Return the model with what is usual in the place of rest and stops that were hardly shown
-        by the stretches it was fitted to, and what dry friction may take of a contact.
+        """Return the model with what is usual in the place of rest and stops of which the stretches
+        it was fitted to show little, and what dry friction may take of a contact.
 
         That is, in motion, RUBBING_SHARE of the deviation there, and at rest half of it.
         """
@@ -128,7 +128,7 @@ class ResidualModel:
         """Return the model with Student's t for a number of paths, in deviations and bands.
 
         The deviations, which a contact has to exceed, grow as for at least GATE_PATHS paths: with
-        those for one path, hardly any push would be found. The rest goes into the bands.
+        those for one path, almost no push would be found. The rest goes into the bands.
         """
         # what the deviations do not take goes into the bands
         factor = few_paths(paths)
@@ -240,7 +240,7 @@ def _moments(stretches: Sequence[TorqueStretch], joints: int) -> Array:
 
 
 def _seconds(stretches: Sequence[TorqueStretch], joints: int) -> Array:
-    """Return the time (S, n) [s] of known torque by state and joint."""
+    """Return the time (S, n) [s] with a torque by state and joint."""
     seconds = np.zeros((FITTED_STATE_COUNT, joints))
     for torque, states, period in stretches:
         for state in range(FITTED_STATE_COUNT):

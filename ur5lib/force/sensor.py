@@ -221,8 +221,8 @@ def move_to_frame_6(wrench: Array, rotation: Array, position: Array) -> Array:
 def opposite_axes(sensor: Array, estimate: Array, rotation: Array) -> list[str]:
     """Return the axes of frame 6 along which sensor and estimate from currents are opposite.
 
-    sensor, estimate: forces on the arm, (N, 3) [N], base axes; rotation: R_6, (N, 3, 3). Axes
-    with hardly any force are not judged.
+    sensor, estimate: forces on the arm, (N, 3) [N], base axes; rotation: R_6, (N, 3, 3). Axes with
+    almost no force are not judged.
     """
     finite = finite_rows(sensor) & finite_rows(estimate)
     if not finite.any():

@@ -1,7 +1,7 @@
 """How a force sensor's bias drifts within a run, and the errors of what slow errors hide.
 
 The mean error of a block of samples is s (√(1-g) white + √g slow), where the slow part is an
-autoregression of first order, whose correlation at a distance of k blocks is ρᵏ.
+autoregression of first order with a correlation of ρᵏ at a distance of k blocks.
 """
 
 import numpy as np
@@ -49,7 +49,7 @@ def force_drift(residual: Array, pull: Array, time: Array, period: float) -> tup
 def slow_covariance(
     terms: Array, residual: Array, time: Array, weight: float, prior_precision: Array
 ) -> Array:
-    """Return the covariance (P, P) of θ = (w XᵀX + K)⁻¹ w Xᵀ y, whose errors may be slow.
+    """Return the covariance (P, P) of θ = (w XᵀX + K)⁻¹ w Xᵀ y under errors that may be slow.
 
     terms: X (N, P) of one component; residual: (N,), y - X θ; time: (N,) [s], increasing; weight:
     w; prior_precision: K, inverse variances (P,) of a prior about zero. With blocks of n samples, H
@@ -73,9 +73,9 @@ def _block_covariance(X: Array, block_residual: Array, block: Array) -> Array:
     """Return the covariance (M, M) of block means: the mean over ρ and g, weighted by likelihood.
 
     The likelihood is that of what the regression leaves (restricted, Harville 1974). A variance S/ν
-    of ν degrees of freedom is expected as S/(ν-2). Resampled blocks know no error slower than they
-    are long: where errors last for 20 s, their intervals of bias and drift held in 71 and 78 % of
-    96 cases at best, these in 96 and 90 %.
+    of ν degrees of freedom is expected as S/(ν-2). Resampled blocks contain no error slower than
+    they are long: where errors last for 20 s, their intervals covered bias and drift in 71 and 78 %
+    of 96 cases at best, these in 96 and 90 %.
     """
     vectors, values, _ = np.linalg.svd(X)
     rank = int((values > RANK_TOLERANCE * values[0]).sum())

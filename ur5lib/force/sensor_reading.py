@@ -71,11 +71,11 @@ def sensor_reading(
     tool: Payload | None = None,
     own: OwnClock | None = None,
 ) -> SensorReading:
-    """Return the reading of a force sensor, whose tool is placed by a first fit.
+    """Return the reading of a force sensor, with its tool placed by a first fit.
 
-    moved: motion of the tool; bias_window: [s], at the start, free of contact; tool: what is known
-    to be behind the sensor, for its moments of inertia; without it they are neglected; own: None
-    for a sensor on the robot's clock.
+    moved: motion of the tool; bias_window: [s], at the start, free of contact; tool: the body
+    behind the sensor, for its moments of inertia; without it they are neglected; own: None for a
+    sensor on the robot's clock.
     """
     assert signals.force_sensor is not None
     clock_std, values = own.std if own else 0.0, in_frame_6(signals.force_sensor, robot)

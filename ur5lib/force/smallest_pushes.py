@@ -104,8 +104,8 @@ def smallest_pushes(
 ) -> Iterator[SmallestPush]:
     """Yield the smallest push by motion along x, y and z, where any was tried.
 
-    basis: of the trials; has_one_path: whether the fit knows a single path, so that none was left
-    out to show how far its predictions are off, and smaller pushes may stand out than with more.
+    basis: of the trials; has_one_path: whether the fit has a single path, so that none was left out
+    to show the errors of its predictions, and smaller pushes may be detected than with more.
     """
     most = float(trials.force.max())
     for motion, moved in by_motion(trials):
@@ -133,7 +133,7 @@ def smallest_pushes(
 
 def needed(felt: Trials) -> Iterator[tuple[str, Needed]]:
     """Yield the push that is detected in units of its place, the axes together, by each motion in
-    which trials determine it; felt: trials, but for poses in which joints hardly feel any.
+    which trials determine it; felt: trials, but for poses in which joints feel almost none.
     """
     for motion, own in by_motion(felt):
         in_units = replace(own, force=own.force / own.unit, unit=np.ones_like(own.unit))
@@ -145,7 +145,7 @@ def needed(felt: Trials) -> Iterator[tuple[str, Needed]]:
 def found_by_force(felt: Trials, motions: set[str], most: float) -> Iterator[PushesFound]:
     """Yield which share of pushes up to the largest trial [N] is found in some motions.
 
-    felt: trials, but for poses in which joints hardly feel any.
+    felt: trials, but for poses in which joints feel almost none.
     """
     for motion, own in by_motion(felt):
         if motion in motions:
@@ -169,9 +169,9 @@ class Limit(NamedTuple):
 
 def detectable(trials: Trials, most: float) -> Limit:
     """Return the push that a logistic curve of trials of one axis and motion shows to be detected,
-    but for poses in which joints hardly feel any; most: the largest trial of all [N].
+    but for poses in which joints feel almost none; most: the largest trial of all [N].
 
-    Beyond this, the curve tells nothing: the push is the largest one. One whose 95 % interval
+    Beyond this, the curve shows nothing: the push is the largest one. One whose 95 % interval
     reaches zero is not determined.
     """
     felt = trials.where(trials.felt(FELT_SIZE * most))

@@ -21,7 +21,7 @@ from ur5lib.timeseries.segments import extrapolated_samples, without_ends
 Span = tuple[float, float]  # s, from a recording's start
 
 MAX_POSTURE_CHANGE = 0.02  # rad, by which a joint may leave the tared posture
-MIN_REST_DURATION = 0.5  # s, of known torque at rest
+MIN_REST_DURATION = 0.5  # s; a tare has torques at rest for at least this long
 BLOCK_DURATION = 0.1  # s, of which readings are averaged
 SMOOTHING_WINDOW = 0.2  # s, over which positions as read are averaged
 
@@ -29,7 +29,7 @@ SMOOTHING_WINDOW = 0.2  # s, over which positions as read are averaged
 def tare_doubts(
     span: Span, signals: Signals, arm: Robot, cutoff: float, qd: Array | None = None
 ) -> Iterator[Finding]:
-    """Yield why an untouched span is no tare, or may hold a contact.
+    """Yield why an untouched span is no tare, or may contain a contact.
 
     cutoff: of the currents' low-pass [Hz]; qd: (N, n) [rad/s], smoothed velocities, by default
     those of the positions.
@@ -79,7 +79,7 @@ def touched_by_sensor(span: Span, time: Array, reading: Array) -> Iterator[Findi
 
 
 def touched_by_own_clock(span: Span, sensor: pd.DataFrame, start: StartOffset) -> Iterator[Finding]:
-    """Yield the same of a sensor's samples, of which the start stamps are known."""
+    """Yield the same of a sensor's samples, timed from the start stamps."""
     reading = sensor[SENSOR_COLUMNS["force"][:3]].to_numpy(float)
     yield from touched_by_sensor(span, sensor["time"].to_numpy() + start.seconds, reading)
 
@@ -116,8 +116,8 @@ def tared(currents: Currents, motion: Motion, untouched: Span, cutoff: float) ->
 
     cutoff: of its low-pass [Hz].
     It counts from there until a joint is elsewhere: constants and a load then err differently, and
-    friction at rest is another. As it is where the span does not hold MIN_REST_DURATION, which
-    `tare_doubts` says.
+    friction at rest is another. It stays as it is where the span is shorter than MIN_REST_DURATION,
+    which `tare_doubts` says.
     """
     torque = currents.external_torque
     if torque is None:
@@ -132,7 +132,7 @@ def tared(currents: Currents, motion: Motion, untouched: Span, cutoff: float) ->
 
 
 def from_span(motion: Motion, known: Mask) -> Mask:
-    """Return the samples (N,) from the first known one on, until a joint is elsewhere."""
+    """Return the samples (N,) from the first of `known` on, until a joint is elsewhere."""
     first = np.argmax(known)
     away = np.abs(motion.q - motion.q[known].mean(axis=0)).max(axis=1) > MAX_POSTURE_CHANGE
     ends = away | (motion.segment != motion.segment[first])

@@ -225,7 +225,7 @@ def smoothed(wrench: Array, resting: Mask, samples: float) -> Array:
 
 
 def std_in_contact(likely: Array, contact: ContactWrench, doubt: float, shut: Array) -> Array:
-    """Return the standard deviation (n, 6) [N, Nm] in contact, whose 95 % band is 1.96 times it.
+    """Return the standard deviation σ (n, 6) [N, Nm] in contact, with ± 1.96 σ as its 95 % band.
 
     likely: (n,), probability p of contact; contact: the wrench F̂ in contact; doubt: factor on its
     deviation, of few paths; shut: (n, 6), deviation of a free arm.
@@ -268,7 +268,8 @@ def _slow_press(observations: Observations, background: Array) -> Array:
 
 
 def _std_while_shut(observations: Observations, contact_probability: Array, inside: Mask) -> Array:
-    """Return the standard deviation (n, 6) whose ± 1.96 is the 95 % band where the gate is shut.
+    """Return the standard deviation σ (n, 6), with ± 1.96 σ as the 95 % band where the gate is
+    shut.
 
     The band is that of a mixture of a free arm, with a force that does not count as contact, and a
     missed contact. contact_probability: probability of contact by the gate (n,); inside: the

@@ -1,4 +1,4 @@
-"""Postures at rest: what the currents that hold them tell of torque constants.
+"""Postures at rest: torque constants by the currents that balance gravity there.
 
 i = (τ + f - b) / k, with a static friction f that lies anywhere within ± Coulomb friction, by how
 the arm came to rest: it adds a variance. Its mean is no friction in motion, and differs between

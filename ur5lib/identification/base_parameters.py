@@ -104,9 +104,9 @@ class InertialEstimate:
 def base_parameters(regressor: Array) -> BaseParameters:
     """Determine the base parameters of an arm by a rank test (Gautier 1991).
 
-    regressor: (N, n, P), Y of τ = Y π at some hundred random states. A parameter whose column
-    depends on those before belongs to their groups. Links are taken from the base outwards, as
-    Khalil does, which keeps the groups short.
+    regressor: (N, n, P), Y of τ = Y π at some hundred random states. A parameter belongs to the
+    groups of those before if its column depends on theirs. Links are taken from the base outwards,
+    as Khalil does, which keeps the groups short.
     """
     rows = _triangle(regressor.reshape(-1, regressor.shape[2]))
     tolerance = RANK_TOLERANCE * np.linalg.norm(rows, axis=0).max()

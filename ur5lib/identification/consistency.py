@@ -45,8 +45,8 @@ def smallest_eigenvalues(parameters: Array) -> Array:
 
 
 class LinkBounds(NamedTuple):
-    """What is known of an arm's links: their weight together, at most [kg], None where unknown; the
-    corners (n, 3) [m] of boxes that hold their centres of mass, in the frames of π.
+    """Bounds of an arm's links: their weight together, at most [kg], None where unknown; the
+    corners (n, 3) [m] of boxes that contain their centres of mass, in the frames of π.
     """
 
     weight: float | None

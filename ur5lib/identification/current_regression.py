@@ -53,9 +53,9 @@ from ur5lib.robots.friction import (
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.metrics import NORMAL95
 
-# A torque constant is doubted, or contradicts the known one, where it is off by more than both:
-# prior standard deviations, and a ratio. In right recordings of two arms, it is up to 5.6 standard
-# deviations off, with ratios of 0.68 to 1.29: wrists lose that in their gears.
+# A torque constant is doubted, or contradicts the documented one, where it is off by more than
+# both: prior standard deviations, and a ratio. In right recordings of two arms, it is up to 5.6
+# standard deviations off, with ratios of 0.68 to 1.29: wrists lose that in their gears.
 DOUBTFUL_DEVIATIONS = 3.0
 DOUBTFUL_RATIO = 1.5
 CONTRADICTING_DEVIATIONS = 5.0
@@ -63,7 +63,7 @@ CONTRADICTING_RATIO = 1.75
 # The gain of a measured torque is 1, or that of another side, link or sign than the description's.
 GAIN_RANGE = 0.9, 1.1
 # Usual errors of a current along a path that no fit has seen, by `MotionState`, and least ones,
-# relative to Coulomb friction: dry friction holds a joint at rest anywhere within it.
+# relative to Coulomb friction: at rest, dry friction lies anywhere within it.
 UNSEEN_ERRORS = 0.25, 0.5, 1.25, 1.25
 LEAST_ERRORS = 0.0, 0.0, 1 / np.sqrt(3), 1 / np.sqrt(3)
 
@@ -74,7 +74,7 @@ def fit_currents(
     """Fit all joints to contact-free recordings.
 
     smooth: a zero-phase low-pass at, for example, 2 Hz: above, the measured current is noise.
-    A joint whose current does not follow its torque keeps the known torque constant.
+    A joint keeps the prior's torque constant if its current does not follow its torque.
     """
     samples = joint_samples(records, smooth, _tried(prior))
     shown, left = with_shown_terms(samples, prior)
@@ -91,7 +91,7 @@ def fit_currents(
 
 
 def _tried(prior: Prior) -> tuple[str, ...]:
-    """Return the terms that a prior has, and those that are tried or considered beside them."""
+    """Return the terms that a prior has, and those that are tried or considered in addition."""
     return tuple(dict.fromkeys([*prior.terms, *SPEED_TERMS, STRIBECK, *_considered(prior)]))
 
 
@@ -101,8 +101,8 @@ def _considered(prior: Prior) -> tuple[str, ...]:
 
 
 def _with_shown_gains(samples: Sequence[JointSamples], prior: Prior, vague: Mask) -> Mask:
-    """Return which joints (n,) of vague gains keep the known one: not those whose parts left out
-    show that their links' torque has another.
+    """Return which joints (n,) of vague gains keep the prior's: not those where the parts left out
+    show another gain of the links' torque.
     """
     joints = [bool(own and not shows_gain(samples[j], prior, j)) for j, own in enumerate(vague)]
     return np.array(joints)
@@ -118,12 +118,12 @@ def _with_known_where_lost(
     fitted: Callable[[Prior], CurrentFit],
     kept: Callable[[Mask], Mask] = np.array,
 ) -> tuple[CurrentFit, Prior]:
-    """Return a fit in which joints whose current does not follow their torque keep the prior's k,
-    and the prior that it is under.
+    """Return a fit in which joints keep the prior's k if their current does not follow their
+    torque, and the prior of this fit.
 
-    fitted: returns the fit under a prior; kept: which joints of vague gains keep the known one.
-    Gains of measured torques are on trial without what is known of them, since a fit that keeps to
-    it takes what contradicts it for noise: those that are known better before keep it, too.
+    fitted: returns the fit under a prior; kept: which joints of vague gains keep the prior's. Gains
+    of measured torques are first fitted without their prior, since a fit under it takes what
+    contradicts it for noise. Those that the prior gives better keep it, too.
     """
     sensed = prior.measured == TORQUE
     fit = fitted(prior.with_wide_gains() if sensed else prior)
@@ -153,7 +153,7 @@ def _with_known_where_lost(
 
 def _against(alone: float, known: float, sensed: bool) -> Remark:
     """Return the remark on a joint that by itself would have another constant, or gain, than the
-    known one.
+    documented one.
     """
     by_itself = f"by itself, it would give {number(alone, '.3g')}"
     if sensed:
@@ -238,10 +238,10 @@ def beyond_range(fit: CurrentFit) -> Mask:
 
 
 def too_large(fit: CurrentFit, prior: Prior) -> Mask:
-    """Return which torque constants (6,) are far larger than known, or negative.
+    """Return which torque constants (6,) are far larger than the prior's, or negative.
 
-    The current then hardly follows the joint's torque. The deviation is that of k, since 1/k
-    cannot be far below its known value; one that is less certain than the known k counts as far.
+    The current then follows little of the joint's torque. The deviation is that of k, since 1/k
+    cannot be far below the prior's; one that is less certain than the prior's k counts as far.
     """
     inverse, known_inverse, std = _inverse_constants(fit, prior)
     # σ_k = σ_(1/k) k², by the delta method
@@ -251,8 +251,8 @@ def too_large(fit: CurrentFit, prior: Prior) -> Mask:
 
 
 def too_small(fit: CurrentFit, prior: Prior) -> Mask:
-    """Return which torque constants (6,) are far smaller than known, and smaller by their own 95 %
-    intervals, too: a unit or arm is wrong.
+    """Return which torque constants (6,) are far smaller than the prior's, and smaller by their own
+    95 % intervals, too: a unit or arm is wrong.
     """
     inverse, known_inverse, std = _inverse_constants(fit, prior)
     far = inverse - known_inverse > CONTRADICTING_DEVIATIONS * std
@@ -266,7 +266,7 @@ def _inverse_half(fit: CurrentFit) -> Array:
 
 
 def _inverse_constants(fit: CurrentFit, prior: Prior) -> tuple[Array, Array, Array]:
-    """Return 1/k (6,) [A/Nm] as fitted, as known, and the standard deviation of the latter."""
+    """Return 1/k (6,) [A/Nm] as fitted and of the prior, and the prior's standard deviation."""
     return 1 / torque_constants(fit), prior.inverse_constant.mean, prior.std()
 
 
@@ -344,10 +344,10 @@ def _bands(samples: JointSamples, residual: Array, coulomb: float) -> Iterator[f
 
 
 def unseen_error(residual: Array, path: Labels, day: Labels, usual: float) -> float:
-    """Return the error [A] along one more path, 1.96 of which hold 95 %.
+    """Return the error σ [A] along one more path: ± 1.96 σ contain 95 %.
 
     Residuals r (n,) along P paths, path: (n,) labels, of which 95 % are below 1.96 m, say little of
-    another path, of which a usual error u [A] is known: s² = m² + u² / P. Or s = m t / 1.96, where
+    another path, for which a usual error u [A] is given: s² = m² + u² / P. Or s = m t / 1.96, where
     that is less, with Student's t of the dates, day: (n,) labels, or of the paths of a single one.
     Too few residuals say nothing.
     """

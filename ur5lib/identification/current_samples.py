@@ -45,7 +45,7 @@ def current_record(
     the payload.
 
     before: the motions of the recordings before, oldest first, each of which begins where the one
-    before ended: they show to which side friction holds the joints at the start. None where no
+    before ended: they show to which side friction acts on the joints at the start. None where no
     currents were recorded.
     """
     model = arm.fullest_model()
@@ -64,7 +64,7 @@ def measured_samples(
     torque: Array,
     before: Sequence[Motion] = (),
 ) -> CurrentSamples | None:
-    """Return motion and currents as measured, beside a torque (N, n) [Nm] of the rigid bodies.
+    """Return motion and currents as measured, with a torque (N, n) [Nm] of the rigid bodies.
 
     before: as of `current_record`. None where no currents were recorded.
     """
@@ -121,7 +121,7 @@ class Smoother:
 def controllers_ratio(signals: Signals, motion: Motion, odd: Sequence[int] = ()) -> Array:
     """Return the controller's own torque constants (6,) [Nm/A], NaN where undetermined.
 
-    odd: joints from 1 whose `target_current` is not that of their motors.
+    odd: joints from 1 with a `target_current` that is not that of their motors.
     """
     if signals.target_moment is None or signals.target_current is None:
         return np.full(motion.q.shape[1], np.nan)
@@ -154,7 +154,7 @@ def prior_of(robot: Robot, ratios: Sequence[Array]) -> Prior:
 
 
 def arm_terms(robot: Robot) -> list[str]:
-    """Return the terms of friction that an arm has beside the usual ones."""
+    """Return the terms of friction that an arm has in addition to the usual ones."""
     described = {
         "balance": robot.balanced_joints,
         "rotor": not robot.knows_rotors(),

@@ -36,8 +36,8 @@ DAY_TO_DAY_STD = 0.07
 # The same from recording to recording of a day: median of the joints' Coulomb friction on nine
 # recordings of a UR5 0.046, on eight of a UR10e 0.008.
 RUN_TO_RUN_STD = 0.03
-# Relative variance of a joint's friction d days from a known date, σ² = a² + b² d: a prior by a
-# UR10e, whose friction differs by 0.012 within a day, 0.02 within a week, and 0.046 after 25 days.
+# Relative variance of a joint's friction d days from a recorded date, σ² = a² + b² d: a prior by a
+# UR10e. Its friction differs by 0.012 within a day, 0.02 within a week, and 0.046 after 25 days.
 SAME_DAY_STD, DAILY_STD = 0.006, 0.0084
 SEASON = 140.0  # days, which count as between recordings without dates
 MIN_BREAKAWAY_TORQUE = 0.1  # Nm
@@ -67,7 +67,7 @@ def constants_doubt(fit: CurrentFit) -> Array:
 
 
 def breakaway_torque(fit: CurrentFit) -> Array:
-    """Return Coulomb friction (6,) [Nm], up to which dry friction holds a joint.
+    """Return Coulomb friction (6,) [Nm], up to which dry friction keeps a joint at rest.
 
     Without its load-dependent part; at least MIN_BREAKAWAY_TORQUE.
     """
@@ -176,9 +176,9 @@ def unseen_difference(
 ) -> Array:
     """Return by how much parameters (P,) differ from those of all days, a standard deviation.
 
-    Friction F of D days and R recordings differs by F √(σ_day² / D + σ_run² / R), as far as it was
-    told by recordings. A bootstrap over U paths contains the deviations as if each path had a day
-    of its own: σ_day² (1 / D - 1 / U) remains.
+    Friction F of D days and R recordings differs by F √(σ_day² / D + σ_run² / R), as far as
+    recordings determined it. A bootstrap over U paths contains the deviations as if each path had a
+    day of its own: σ_day² (1 / D - 1 / U) remains.
     """
     if paths < MIN_UNITS:  # the bootstrap is over stretches
         variance = DAY_TO_DAY_STD**2 / days + RUN_TO_RUN_STD**2 / recordings

@@ -77,11 +77,11 @@ def estimate_together(
 def shares_of_knowledge(
     prior_share: Array, covariance: Array, equations: Array, record: Labels, day: Labels
 ) -> Array:
-    """Return the shares (4, P) of what is known of a joint's coefficients, with the sum one.
+    """Return the shares (4, P) of the information on a joint's coefficients, with the sum one.
 
-    From the prior; recordings of other days than the recording r that tells most; others of its
-    day; r. The prior's share is the diagonal of M⁻¹ Λ (Rodgers 2000), Λ its information and M that
-    of all; the rest is divided as the recordings' parts of the variance, the diagonals of
+    They come from the prior; recordings of other days than the recording r that shows most; others
+    of its day; r. The prior's share is the diagonal of M⁻¹ Λ (Rodgers 2000), Λ its information and
+    M that of all; the rest is divided as the recordings' parts of the variance, the diagonals of
     M⁻¹ I M⁻¹. covariance: M⁻¹ (P, P) of the joint; equations: `block_sums`; record, day: (count,)
     labels of the blocks.
     """
@@ -125,7 +125,7 @@ def physical_values(coefficients: Array) -> Array:
 
 @dataclass(frozen=True)
 class NormalEquations:
-    """What samples tell of the joints' coefficients, block by block.
+    """The information of samples on the joints' coefficients, block by block.
 
     sums: `block_sums` of each joint; unit: of each block, -1 for one without samples; record, day:
     its labels, zero for one without samples.
@@ -142,7 +142,7 @@ class NormalEquations:
 
 
 def _in_motion(samples: Sequence[JointSamples], prior: Prior) -> NormalEquations | None:
-    """Return what samples in motion tell; None without any joint's."""
+    """Return the equations of samples in motion; None without any joint's."""
     if not samples:
         return None
     count = 1 + max(int(joint.block.max(initial=0)) for joint in samples)
@@ -162,7 +162,7 @@ def _in_motion(samples: Sequence[JointSamples], prior: Prior) -> NormalEquations
 
 
 def _at_rest(terms: Sequence[str], prior: Prior) -> NormalEquations | None:
-    """Return what postures at rest tell of torque constants, each a block; None without any.
+    """Return the equations of torque constants by postures at rest, each a block; None without any.
 
     A recording of them counts as a day of its own.
     """

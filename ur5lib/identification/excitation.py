@@ -33,7 +33,7 @@ def candidate_motions(
 ) -> dict[str, Motion]:
     """Return motions of n joints by name, (count, n) each: q, q̇, q̈ [rad, rad/s, rad/s²].
 
-    Holding still, one joint moving, two at the same time, and all: each in random poses over the
+    No joint moving, one joint moving, two at the same time, and all: each in random poses over the
     whole range, at random velocities up to `speed` and accelerations up to `acceleration`.
     """
     random = np.random.default_rng(0)
@@ -87,7 +87,7 @@ def _determined_parameters(rows: Array, base: BaseParameters, width: Array, nois
 
 
 def _combinations(rows: Array, base: BaseParameters, width: Array, noise: Array) -> int:
-    """Return the number of directions whose variance falls to a hundredth of the prior's."""
+    """Return the number of directions in which the variance falls to a hundredth of the prior's."""
     _, spread = solve(rows, noise, np.zeros(len(width)), width)
     prior_root, posterior_root = base.groups * width, base.groups @ spread
     ratio = eigh(posterior_root @ posterior_root.T, prior_root @ prior_root.T, eigvals_only=True)

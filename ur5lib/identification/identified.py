@@ -1,4 +1,4 @@
-"""What is known of rigid bodies that torques show: base parameters, errors, excitation."""
+"""What torques show of rigid bodies: base parameters, errors, excitation."""
 
 from collections.abc import Sequence
 from dataclasses import replace

@@ -74,8 +74,8 @@ def held_current(
     """Return the currents s (1 + D,) [A] of friction at rest beyond that in motion, of any sign;
     fitted: (n,), samples to which they are fitted, by default all.
 
-    Huber's estimate of s in residual = held s, over the samples at rest. Friction differs from stop
-    to stop, and one hardly shows s: HELD_FRICTION_SHARE of Coulomb friction, and nothing over other
+    Huber's estimate of s in residual = H s, over the samples at rest. Friction differs from stop to
+    stop, and one shows little of s: HELD_FRICTION_SHARE of Coulomb friction, and nothing over other
     distances, counts as one more, of mean length.
     """
     rows = np.arange(len(samples.current))[fitted]

@@ -1,9 +1,9 @@
 """Links, rotors, gears and counterbalances of an arm from its measured torques alone.
 
-Of an arm whose description has placeholders for its links, torques show them together with the
-friction of its joints. On which joint a counterbalance acts, paths say that no fit has seen: it
-pulls as a mass would that no link has, so that it shows only where bodies of the arm's shape and
-weight cannot explain gravity.
+Where a description has placeholders for an arm's links, torques show them together with the
+friction of its joints. Paths that no fit has seen show on which joint a counterbalance acts: it
+pulls like a mass that no link has, so that it shows only where bodies of the arm's shape and weight
+cannot explain gravity.
 """
 
 from collections.abc import Collection, Sequence
@@ -43,10 +43,10 @@ FOLDS = 5
 # What a balance takes at least off the squared error of its joint on unseen paths, and by how many
 # standard errors over the folds.
 MIN_SHARE, MIN_DEVIATIONS = 0.05, 2.0
-# Squared error with bodies over that with any numbers: of a joint whose counterbalance is found, at
-# most; of others of a right arm, at most (a UR3 whose currents lack its rotors has 3.4).
+# Squared error with bodies over that with any numbers: the largest one of a joint with a
+# counterbalance, and of others of a right arm (a UR3 with currents without its rotors has 3.4).
 MAX_ERROR_OF_BALANCED, MAX_ERROR_OF_BODIES = 1.5, 10.0
-# A centre of mass lies between its link's joints, or beside them by a share of the arm's length.
+# A centre of mass lies between its link's joints, or beyond them by a share of the arm's length.
 CENTER_MARGIN_SHARE = 0.12
 
 
@@ -121,7 +121,7 @@ class ArmFit:
         return np.array(errors) ** 2
 
     def balanced_joints(self, terms: Sequence[str]) -> list[int]:
-        """Return the joints, from 1, whose gravity only a counterbalance explains.
+        """Return the joints, from 1, on which only a counterbalance explains gravity.
 
         Without the constraint that links are bodies, it would explain nothing more: it pulls as the
         first moment of a link does.
@@ -163,7 +163,7 @@ def ratio(errors: Array, others: Array) -> Array:
 
 
 def with_bodies(value: Array, spread: Array, size: int, bounds: LinkBounds) -> Array:
-    """Return coefficients (C,) whose first `size`, the links', are those of bodies.
+    """Return coefficients (C,) of which the first `size`, the links', are those of bodies.
 
     value, S = spread: estimate and its covariance S Sᵀ. The nearest in its metric: the rest follows
     the links by what they share.
@@ -202,7 +202,7 @@ def arm_prior(robot: Robot, rows: TorqueRows) -> tuple[Array, Array]:
     """
     tails = [link_tail(pose)[1] for pose in robot.link_poses()]
     length, largest = float(np.linalg.norm(tails, axis=1).sum()), rows.largest_torque()
-    # where the weight is not described, that which the largest torque holds at full length
+    # where the weight is not described, that which the largest torque carries at full length
     weight = robot.weight or float(largest.max()) / (STANDARD_GRAVITY * length)
     mass, square = weight / (2 * rows.joints), weight / (2 * rows.joints) * length**2
     links = [_uniform_link(mass, tail, 0.01 * square) for tail in tails]

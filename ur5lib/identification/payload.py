@@ -29,8 +29,8 @@ from ur5lib.timeseries.metrics import NORMAL95
 
 FRICTION_ROUNDS = 5  # of estimating load and friction in turn
 PAYLOAD_DRAWS = 50  # of the bootstrap
-UNSCALED_TORQUE_ERROR = 0.3  # relative, of a joint's torque under a load: before its scale is known
-SCALED_TORQUE_ERROR = 0.1  # and after
+UNSCALED_TORQUE_ERROR = 0.3  # relative error of a joint's torque under a load, before it is scaled
+SCALED_TORQUE_ERROR = 0.1  # the same after it is scaled
 RUN_PARTS = 3  # each of which must show the load
 AXIS_TOLERANCE = 1e-9  # of the longest principal axis: what is shorter is rounding
 PAYLOAD_PRIOR_STD = 100.0  # kg, kg m
@@ -57,7 +57,7 @@ class PayloadEstimate:
 
 
 def error_growth(parameters: Array, std_error: Array, paths: int) -> Array:
-    """Return the factor (P,) by which standard errors grow to hold unloaded runs' apparent loads.
+    """Return the factor (P,) by which standard errors grow to cover unloaded runs' apparent loads.
 
     parameters x, std_error s: (R, P), of unloaded runs, each under a fit without it; paths: number
     of their trajectories. Birge's ratio √(Σ (x/s)² / Σ (1 - s²/σ²)), where a prior of 0 ± σ leaves
@@ -89,9 +89,9 @@ def judged_load(
 ) -> JudgedLoad:
     """Return the undeclared load; it is taken if it is certain.
 
-    unloaded: payloads of the recordings to fit on, of so many paths; configured: mass of the known
+    unloaded: payloads of the recordings to fit on, of so many paths; configured: mass of the given
     payload [kg]; may_be_taken: false where the study declares that payload, and in a recording to
-    fit on, whose payload is taken as it was given.
+    fit on, where the payload is taken as given.
     """
     growth = np.ones_like(payload.parameters)
     if estimates := [
@@ -121,7 +121,7 @@ def joint_gains(external_torque: Array, load: Array, count: int) -> Array:
 
     external_torque: (N, 6) [Nm], without the load's torque; load: the load's torque, low-passed
     alike; count: number of independent values among the samples. The torque constants of joints
-    that carry little are not well known. Least squares with a prior of 0 ± UNSCALED_TORQUE_ERROR.
+    that carry little are uncertain. Least squares with a prior of 0 ± UNSCALED_TORQUE_ERROR.
     """
     finite = np.isfinite(external_torque + load).all(axis=1)
     external_torque, load = external_torque[finite], load[finite]
@@ -144,9 +144,9 @@ def estimate_payload(
     """Estimate the payload that `record.torque` does not contain.
 
     regressor: (N, 6, P) torque [Nm] per mass [kg], first moment [kg m], ... of the payload; the
-    mass comes first; whole: the fit to all paths, whose replicates tell the errors of `fit`, which
-    may lack some; by default that itself. Only joints in motion count: at rest, friction hides a
-    load.
+    mass comes first; whole: the fit to all paths, with replicates that show the errors of `fit`,
+    which may lack some paths; by default `fit` itself. Only joints in motion count: at rest,
+    friction hides a load.
     """
     # regressor in units of each joint's band, low-passed and thinned, samples in motion only
     stride = max(1, round(INDEPENDENT_STEP / record.period))
@@ -220,7 +220,8 @@ def _motions_under(joints: Sequence[JointMotion], torque: Array) -> Iterator[Joi
 def _low_passed_columns(
     fit: CurrentFit, joints: Iterable[JointMotion], record: CurrentSamples, smooth: Smooth
 ) -> list[Array]:
-    """Return columns, held and current (n, P + D + 2) of each joint, low-passed and thinned.
+    """Return columns, those at rest, and current (n, P + D + 2) of each joint, low-passed and
+    thinned.
 
     They are NaN, and break the low-pass, where those of any joint are.
     """
@@ -246,10 +247,10 @@ def _unexplained_current(fit: CurrentFit, maps: Maps, sources: Sequence[Array]) 
 
 def _principal_axes(columns: Array) -> tuple[Array, Array]:
     """Return the principal axes (P, P) of columns (n, P), by rows, and the columns (n, P) along
-    them, zero for an axis that the data do not tell, as of an arm that moves in a plane.
+    them, zero for an axis that the data do not determine, as of an arm that moves in a plane.
 
-    What is not told then keeps the prior's mean: solved together, rounding would let precise data
-    outweigh the prior there.
+    What is not determined then keeps the prior's mean: solved together, rounding would let precise
+    data outweigh the prior there.
     """
     size = columns.shape[1]
     triangle = np.linalg.qr(np.concatenate([columns, np.zeros((size, size))]), mode="r")

@@ -15,7 +15,7 @@ from ur5lib.timeseries.arrays import Array, Mask
 
 # Usual standard deviation of a current's independent samples, relative to the largest torque's
 # current: the middle of 0.001 to 0.02 in single recordings of a UR5 and a UR10e. With 0.01, a
-# constant that is known 2.5 times too small was no longer contradicted by 24 s of motion.
+# constant that is given 2.5 times too small was no longer contradicted by 24 s of motion.
 CURRENT_NOISE_SHARE = 0.005
 # The same of friction at rest: anywhere within Coulomb friction, about a twentieth of that torque.
 REST_FRICTION_STD = 0.05 / np.sqrt(3)
@@ -59,10 +59,10 @@ class Prior:
     """Prior of n joints: of 1/k [A/Nm]; torque_max: of the motors (n,) [Nm]; measured: what is
     predicted; of torques, k is the gain [Nm/Nm].
 
-    terms: of friction, that are fitted; distances: [rad], over which friction at rest reverses
-    beside the usual one; pinned: joints from 0 whose 1/k keeps the prior's mean, regardless of the
-    data; typical: friction and offset by their names, none where they are unknown; at_rest:
-    postures of the arm, whose gravity tells 1/k beside its motions.
+    terms: of friction, that are fitted; distances: [rad], over which friction at rest reverses in
+    addition to the usual one; pinned: joints from 0 that keep the prior's mean of 1/k, regardless
+    of the data; typical: friction and offset by their names, none where they are unknown; at_rest:
+    postures of the arm, which show 1/k by gravity in addition to its motions.
     """
 
     inverse_constant: Normal
@@ -75,7 +75,7 @@ class Prior:
     measured: Effort = CURRENT
 
     def with_wide_gains(self) -> "Prior":
-        """Return the prior under which data alone tell the gains of torques."""
+        """Return the prior under which data alone determine the gains of torques."""
         wide = Normal(self.inverse_constant.mean, np.eye(len(self.torque_max)) * WIDE_GAIN_STD**-2)
         return replace(self, inverse_constant=wide)
 
@@ -95,7 +95,7 @@ class Prior:
         return variance
 
     def noise_at_rest(self) -> Array:
-        """Return the usual variance (n,) [A²] of the current that holds a posture."""
+        """Return the usual variance (n,) [A²] of the current in a posture at rest."""
         variance: Array = (REST_FRICTION_STD * self.torque_max * self.inverse_constant.mean) ** 2
         return variance
 

@@ -89,7 +89,7 @@ def _median(values: Array) -> float:
 
 
 def noise_of_one(residual: Array, block: Labels, blocks: int, expected: float = np.nan) -> float:
-    """Return the variance of independent samples whose block sums vary as much as these do.
+    """Return the variance of independent samples with block sums that vary as much as these do.
 
     A fit of P coefficients leaves nothing of P blocks. An expected variance therefore counts as
     USUAL_NOISE_BLOCKS further blocks of mean length; NaN for none.
@@ -164,7 +164,7 @@ def spread(replicates: Array) -> Array:
 def half_width(error: Array, units: int, prior_share: Array | float = 0.0) -> Array:
     """Return half of the 95 % interval (P,), by Student's t with units - 1 degrees of freedom.
 
-    prior_share: (P,), share of the variance that is the prior's, which is known, not estimated.
+    prior_share: (P,), share of the variance that is the prior's, which is given, not estimated.
     """
     estimated = stdtrit(max(1, units - 1), 0.975)
     share = np.clip(prior_share, 0.0, 1.0)

@@ -75,7 +75,8 @@ def repetition(runs: Sequence[PathRun]) -> Iterator[Repeated]:
 
 
 def common_errors(first: PathRun, second: PathRun, quantity: str) -> Common | None:
-    """Return the errors of two runs where they pass the same states; None where they hardly do."""
+    """Return the errors of two runs where they pass the same states; None where this is too
+    short."""
     if not (quantity in first.errors and quantity in second.errors):
         return None
     (one, of_one), (other, of_other) = (

@@ -86,7 +86,7 @@ def with_rotors(robot: Robot, rotors: Rotors) -> Robot:
         return robot
     name = f"{robot.chosen_model}+rotors"
     described = name if name in robot.models else robot.chosen_model
-    # A joint that kept still, or whose torque is no rotor's, keeps the inertia that was described.
+    # A joint that kept still, or has a torque that is no rotor's, keeps the described inertia.
     fitted = [
         value if value >= 0 else inertia
         for value, inertia in zip(

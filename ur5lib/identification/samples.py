@@ -42,7 +42,7 @@ MIN_PATHS = 3  # as many as README asks for
 class MotionState(IntEnum):
     """What a joint does throughout the reach of a low-pass, REVERSING: starts, stops and turns.
 
-    UNKNOWN: before its first motion, where nothing shows to which side friction holds it.
+    UNKNOWN: before its first motion, where nothing shows to which side friction acts.
     """
 
     MOVING, REVERSING, STANDING, UNKNOWN = range(4)
@@ -259,8 +259,8 @@ def columns_of(motion: JointMotion, terms: Sequence[str]) -> Array:
 
 
 def held_columns(motion: JointMotion, distances: Sequence[float]) -> Array:
-    """Return the columns (N, 1 + D) of the friction that holds a joint at rest: its direction, and
-    by how much that over each of other distances [rad] differs.
+    """Return the columns (N, 1 + D) of a joint's friction at rest: its direction, and by how much
+    that over each of other distances [rad] differs.
     """
     others = [motion.direction_over(distance) - motion.direction for distance in distances]
     columns: Array = np.stack([motion.direction, *others], axis=1) * rest_factor(motion.qd)[:, None]
@@ -289,7 +289,8 @@ def _record_samples(
     terms: tuple[str, ...],
     block: Labels,
 ) -> list[tuple[Array, Array, Array, Labels, Labels]]:
-    """Return columns, held, current, state and block of each joint, low-passed and thinned."""
+    """Return columns, those at rest, current, state and block of each joint, low-passed and
+    thinned."""
     stride = max(1, round(INDEPENDENT_STEP / record.period))
     state = record.once(smooth, lambda: motion_states(record, smooth)[::stride].copy())
     joints = []
@@ -306,7 +307,8 @@ def _record_samples(
 def _smoothed_columns(
     record: CurrentSamples, smooth: Smooth, terms: Sequence[str], joint: int, stride: int
 ) -> Array:
-    """Return the columns of a joint, held and current, low-passed, and every so many rows."""
+    """Return the columns of a joint, those at rest, and current, low-passed, and every so many
+    rows."""
     motion = record.joint(joint)
     sources = columns_of(motion, terms), held_columns(motion, REST_DISTANCES)
     return smooth(np.column_stack([*sources, record.current[:, joint]]), record)[::stride].copy()

@@ -1,8 +1,8 @@
-"""Which terms of friction an arm has beside the usual ones: those with which paths, or dates, are
-predicted better by fits that have not seen them.
+"""Which terms of friction an arm has in addition to the usual ones: those with which paths, or
+dates, are predicted better by fits that have not seen them.
 
 In motion, an arm may do without the root of the velocity, or have its square or Stribeck friction,
-too; at rest, a part of the friction that holds a joint may reverse over one other distance.
+too; at rest, a part of a joint's friction may reverse over one other distance.
 """
 
 from collections.abc import Sequence
@@ -25,7 +25,7 @@ from ur5lib.timeseries.arrays import Array
 # What a change takes at least off the squared error on what is left out, in motion or at rest, and
 # by how many standard errors.
 MIN_SHARE, MIN_SHARE_AT_REST, MIN_DEVIATIONS = 0.02, 0.1, 2.0
-MIN_SHARE_OF_GAIN = 0.1  # the same of a gain in place of the known one
+MIN_SHARE_OF_GAIN = 0.1  # the same of a gain in place of the prior's
 
 
 class Shown(NamedTuple):
@@ -78,7 +78,7 @@ def _over_distance(samples: Sequence[JointSamples], shown: Shown) -> Shown:
 
 
 def in_units(samples: JointSamples) -> JointSamples:
-    """Return samples whose paths are what is left out together."""
+    """Return samples with what is left out together as their paths."""
     if len(np.unique(samples.path)) >= MIN_PATHS:
         return samples
     return replace(samples, path=samples.unit, day=0 * samples.day)
@@ -119,7 +119,7 @@ def errors(
 def shows(
     samples: Sequence[JointSamples], known: Sequence[Array], trial: Sequence[Array], moving: bool
 ) -> bool:
-    """Return whether residuals on trial are less than the known ones, in motion or at rest."""
+    """Return whether residuals on trial are less than those before, in motion or at rest."""
     before, after = (errors(samples, known, left, moving) for left in (known, trial))
     met = before > 0
     share = MIN_SHARE if moving else MIN_SHARE_AT_REST
@@ -127,8 +127,8 @@ def shows(
 
 
 def shows_gain(samples: JointSamples, prior: Prior, joint: int) -> bool:
-    """Return whether parts of a joint, from 0, that are left out are predicted surely better by the
-    gain that the others and the prior give than by the known one; inertia alone tells none.
+    """Return whether the gain that the other parts and the prior give predicts left-out parts of a
+    joint, from 0, surely better than the prior's gain; inertia alone shows none.
     """
     wider = replace(prior, terms=(*prior.terms, INERTIA))
     own = in_units(samples.of(wider.terms, wider.distances))

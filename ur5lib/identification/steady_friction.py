@@ -58,7 +58,7 @@ def total_friction(fit: CurrentFit, load: Array) -> list[Parameter]:
     """Return the friction [Nm] of each joint at STATED_VELOCITIES, in positive direction.
 
     load: (n,) [Nm], as of `mean_load`; a joint without any has none. A total is determined where
-    the data tell more of it than other arms, and its sign.
+    the data contribute more to it than other arms do, and show its sign.
     """
     return [
         total
@@ -98,8 +98,8 @@ def _std_error(estimate: CoefficientEstimate, columns: Array) -> Array:
 
 
 def _shares(estimate: CoefficientEstimate, columns: Array) -> Array:
-    """Return the shares (4, V) of what is known of sums, see `shares_of_knowledge`: those of their
-    parts, each by the square of its own error in the sum. columns: (V, M).
+    """Return the shares (4, V) of the information on sums, see `shares_of_knowledge`: those of
+    their parts, each by the square of its own error in the sum. columns: (V, M).
     """
     squares = (columns * estimate.std_error[2:]) ** 2 + np.finfo(float).tiny
     shares: Array = estimate.shares[:, 2:] @ (squares / squares.sum(axis=1, keepdims=True)).T

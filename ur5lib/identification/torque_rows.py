@@ -1,4 +1,4 @@
-"""The rows of an arm's measured torques: links and rotors beside each joint's friction.
+"""The rows of an arm's measured torques: links and rotors with each joint's friction.
 
 τ = Y π + F c, low-passed and thinned; what is left out together, a path or a stretch, is one unit.
 """
@@ -31,7 +31,7 @@ Block = tuple[Array, Array]  # regressors (N, n, P) and torques (N, n) [Nm]
 
 @dataclass(frozen=True)
 class MeasuredRun:
-    """A recording with torques [Nm] in place of currents, whose rigid-body torque is unknown.
+    """A recording with torques [Nm] in place of currents, of unknown rigid-body torque.
 
     qdd: (N, n) [rad/s²]; regressor: returns Y (N, n, P) of q, q̇ and q̈, under its gravity.
     """
@@ -45,9 +45,9 @@ class MeasuredRun:
 class TorqueRows:
     """What recordings of an arm of n joints show.
 
-    units: blocks that are left out together; terms: of friction whose columns they have, after
-    those of the links: of joint 1 an offset, the terms' and a balance's, then of joint 2; motors:
-    those, from 1, that turn with two joints, whose one friction brakes both.
+    units: blocks that are left out together; terms: of friction that have columns, after those of
+    the links: of joint 1 an offset, the terms' and a balance's, then of joint 2; motors: those,
+    from 1, that turn with two joints and brake both by one friction.
     """
 
     units: Sequence[Block]
@@ -151,15 +151,15 @@ def own_columns(samples: CurrentSamples, joint: int, terms: Sequence[str]) -> Ar
 
 
 def coefficients(terms: Sequence[str]) -> list[str]:
-    """Return the names of a joint's coefficients beside the links' parameters."""
+    """Return the names of a joint's coefficients other than the links' parameters."""
     return ["offset", *coefficient_names([*terms, BALANCE])]
 
 
 def by_row(columns: Array, is_shared: Mask, shafts: Array) -> Array:
     """Return the columns (N, n, n C) of each joint's row, from the joints' own (N, n, C).
 
-    They stand in the row of their joint. Those of a coupled motor's shaft (C,) stand in the rows of
-    all joints that it turns with: τ = Sᵀ τ_shaft, S = shafts (n, n).
+    They are in the row of their joint. Those of a coupled motor's shaft (C,) are in the rows of all
+    joints that it turns with: τ = Sᵀ τ_shaft, S = shafts (n, n).
     """
     count, joints, width = columns.shape
     own = np.where(is_shared, 0.0, columns)

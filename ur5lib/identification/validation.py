@@ -121,7 +121,7 @@ def fitted_on_tested_on(records: Sequence[CurrentSamples], smooth: Smooth, prior
 def with_rotors_that_show(
     records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior
 ) -> list[CurrentSamples]:
-    """Return recordings without the accelerations of joints whose rotors do not show.
+    """Return recordings without the accelerations of joints that show no rotor.
 
     A rotor shows where it predicts paths that are left out clearly better, or parts in time where
     paths are few: sensors behind the gears feel none.
@@ -183,10 +183,10 @@ class ShareBySpeed:
             yield low, high, *bin_values
 
     def suffices(self) -> tuple[float, float]:
-        """Return the speeds [rad/s] from which and up to which every bin holds the wanted share.
+        """Return the speeds [rad/s] from which and up to which every bin has the wanted share.
 
-        Infinite where the fastest known bin does, too. Of several such ranges, the one with most
-        samples; NaN without any.
+        Infinite where the fastest bin with a share does, too. Of several such ranges, the one with
+        most samples; NaN without any.
         """
         known_bins = np.flatnonzero(np.isfinite(self.share))
         runs = [

@@ -26,7 +26,7 @@ def checksum_of_step(step: str, files: Collection[Path] = ()) -> str:
     """Return a checksum of a step's module, of all modules that it uses, and of files.
 
     files: of the library, too. It is the same wherever the library is installed. Extensions of a
-    user count as code of the steps whose modules take them up.
+    user count as code of the steps with modules that take them up.
     """
     modules = modules_of_step(step)
     every = [*modules, *sorted({*files}), *source_files({*modules})]

@@ -36,7 +36,7 @@ PLAIN = (str, int, float, bool)  # settings that need no conversion
 
 
 def arguments(step: Callable[..., Any], input: Files, params: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a step's arguments by name; one whose file or setting is missing has its default.
+    """Return a step's arguments by name; one without a file or setting has its default.
 
     input: paths; a parameter of type Mapping takes a list of files by the folders in which they
     lie, of recordings or arms. Raises InputError where a file is not as its type says.
@@ -51,7 +51,7 @@ def write(step: Callable[..., Any], result: Any, output: Files) -> None:
     """Write what a step returns: a record, or several under the names of the outputs.
 
     Several are the fields of a NamedTuple, or a dictionary. The numbers of a figure are written
-    beside it. None: the step has written its files itself.
+    next to it. None: the step has written its files itself.
     """
     kind = get_type_hints(step)["return"]
     for name, (own, value) in _parts(kind, result, output).items():
@@ -98,7 +98,7 @@ def _without_none(kind: Any) -> Any:
 
 
 def _read(kind: Any, paths: str | Sequence[str]) -> Any:
-    """Return what a file holds, or several files by their folders, each when it is used."""
+    """Return what is in a file, or in several files by their folders, each when it is used."""
     origin = get_origin(kind)
     if kind is Path or (origin in (list, Sequence) and get_args(kind) == (Path,)):
         return Path(paths) if isinstance(paths, str) else [*map(Path, paths)]
@@ -112,7 +112,7 @@ def _read(kind: Any, paths: str | Sequence[str]) -> Any:
 
 
 def read_file(kind: Any, path: Source) -> Any:
-    """Return the record that a file holds; in memory, a table."""
+    """Return the record in a file; in memory, a table."""
     if isinstance(kind, type) and issubclass(kind, Table):
         return kind.read(path)
     if kind is pd.DataFrame and not str(path).endswith(".csv"):

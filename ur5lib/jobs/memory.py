@@ -39,7 +39,7 @@ def contents(name: str, result: Any) -> dict[str, Content]:
 
 
 def record_of(kind: Any, content: Content) -> Any:
-    """Return the record that a file holds, or a text in its place."""
+    """Return the record in a file, or in a text in its place."""
     if not isinstance(content, str):
         return read_file(kind, content)
     if kind is Robot:

@@ -13,7 +13,7 @@ from ur5lib.errors import UnreadableError
 
 Files = Mapping[str, str | list[str]]  # of a job, by name
 MARK = '{"unreadable": '
-MAX_BYTES = 10_000  # of a file that holds a reason
+MAX_BYTES = 10_000  # a file with a reason is at most this large
 
 
 def marked(reason: str) -> str:

@@ -117,7 +117,7 @@ def in_warm_process(
 
 
 def ended_early(job: Job) -> str:
-    """Return the error of a job whose process was killed."""
+    """Return the error of a job after its process was killed."""
     return f"{job.step}: its process ended early, perhaps for lack of memory; see {job.log}"
 
 
@@ -132,7 +132,7 @@ def end_beside_the_schedule() -> None:
     """Have the signal to end (SIGTERM) handled in a thread of its own.
 
     Snakemake's handler takes the lock of its scheduler, which the thread that it interrupts may
-    hold: a run that was told to end while it chose its jobs waited for itself, for ever.
+    have: a run that was asked to end while it chose its jobs waited for itself, for ever.
     """
     handler = signal.getsignal(signal.SIGTERM)
     if callable(handler):

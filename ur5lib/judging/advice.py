@@ -24,8 +24,9 @@ def advice(study: StudyTables) -> Iterator[Advice]:
 
 
 def corrections(study: StudyTables) -> Iterator[Advice]:
-    """Ask to correct what contradicts the study: stop signs, contacts in recordings whose role
-    denies them, payloads that only the currents show, and constants beside known ones.
+    """Ask to correct what contradicts the study: stop signs, contacts in recordings with a role
+    that denies them, payloads that only the currents show, and constants far from the documented
+    ones.
     """
     for row in study.rows("quality", severity="stop")[:1].itertuples():
         yield Advice(
@@ -60,8 +61,9 @@ def _of_recordings(code: str, names: list[str], value: float | None = None) -> I
 
 
 def _contradicted(study: StudyTables) -> dict[str, tuple[list[int], list[int]]]:
-    """Return by arm the joints whose constants contradict the known ones for no known cause: those
-    that gravity loads, which show it, and the others, whose currents say little about a constant.
+    """Return by arm the joints with constants that contradict the documented ones for no clear
+    cause: those that gravity loads, which show it, and the others, whose currents say little about
+    a constant.
     """
     found: dict[str, tuple[list[int], list[int]]] = {}
     for row in study.rows("remarks", code=CONTRADICTIONS).itertuples():
@@ -75,7 +77,7 @@ def _listed(joints: list[int]) -> str:
 
 
 def faulty_files(study: StudyTables) -> Iterator[Advice]:
-    """Name recordings that lost many frames, and those whose force sensor's bias is in doubt."""
+    """Name recordings that lost many frames, and those with a doubtful bias of the force sensor."""
     shares = lost_shares(study)
     lost = {name: share for name, share in shares.items() if share >= HIGH_LOST_SHARE}
     names = sorted(lost, key=lambda name: -lost[name])

@@ -1,4 +1,4 @@
-"""Torque constants and gains: how many may be used, how well they are known, which are far."""
+"""Torque constants and gains: how many may be used, how certain they are, which are far."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -97,8 +97,8 @@ def _widest(rows: pd.DataFrame, robot: str) -> Iterator[Verdict]:
 
 
 def _farthest(rows: pd.DataFrame, study: StudyTables, robot: str) -> Iterator[Verdict]:
-    """Yield the constant farthest from the known one, of those that the recordings determine, also
-    where they contradict it.
+    """Yield the constant farthest from the documented one, of those that the recordings determine,
+    also where they contradict it.
     """
     refused = rows["contradicted"].notna()
     told = rows[(rows["determined"] == "yes") | refused].dropna(subset=["known", "known_std"])
@@ -126,8 +126,8 @@ def _farthest(rows: pd.DataFrame, study: StudyTables, robot: str) -> Iterator[Ve
 
 
 def judge_gravity(study: StudyTables, robot: str) -> Iterator[Verdict]:
-    """Yield by joint that gravity loads how far its constant is from the known one: whether arm,
-    mounting and payload are those described.
+    """Yield for each joint that gravity loads how far its constant is from the documented one:
+    whether arm, mounting and payload are those described.
     """
     rows = constants(study)
     if rows.empty or study.stopped():

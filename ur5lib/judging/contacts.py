@@ -154,7 +154,7 @@ def _alarms_on(rows: pd.DataFrame, counts: Any, study: StudyTables) -> dict[str,
     false = counts.false_alarms_per_min
     if pd.isna(false):  # without a sensor
         false = (rows["kind"] == "false").sum() / minutes
-    own = rows[rows["kind"] != OFF_FLANGE]  # whose stated forces are of the flange
+    own = rows[rows["kind"] != OFF_FLANGE]  # stated forces are those of the flange
     bands = own.melt(
         ["peak_s", "posture_deg"], ["Fx_std", "Fy_std", "Fz_std"], "column", "std"
     ).dropna(subset="std")
@@ -277,7 +277,7 @@ def rates(row: FalseAlarms) -> Iterator[dict[str, Any]]:
 
 def judge_pushes(study: StudyTables, robot: str) -> Iterator[Verdict]:
     """Yield the smallest push that trials find with a probability of 95 %, the axis that needs the
-    largest by motion, the hardest motion first; beside real contacts of that motion.
+    largest by motion, the hardest motion first; with the real contacts of that motion.
     """
     rows = study.rows("pushes", robot=robot)
     if rows.empty:

@@ -1,4 +1,4 @@
-"""Predicted currents on recordings that no fit has used, and how well friction is known."""
+"""Predicted currents on recordings that no fit has used, and how certain friction is."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -29,7 +29,8 @@ def moving(study: StudyTables, rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def errors(study: StudyTables, robot: str) -> list[JudgedError]:
-    """Return the errors of an arm's predicted currents by joint, beside plain least squares."""
+    """Return the errors of an arm's predicted currents by joint, compared with plain least
+    squares."""
     every = unseen(study)
     own = every[every["model"] == "fitted"]
     rows = moving(study, own).dropna(subset="error")
@@ -151,7 +152,7 @@ def judge_friction(study: StudyTables, robot: str) -> Iterator[Verdict]:
         return
     half = rows[["low", "high"]].sub(rows["value"], axis="index").abs().max(axis="columns")
     shares = half / rows["value"].abs()
-    usable = rows[(rows["use"] == "yes") & (shares < 1)]  # no number whose error exceeds it
+    usable = rows[(rows["use"] == "yes") & (shares < 1)]  # no number smaller than its error
     others = rows[~rows["joint"].isin(usable["joint"])]
     reason = reason_in(
         next(iter(others["reason"].dropna().mode()), "undetermined" * bool(len(others)))

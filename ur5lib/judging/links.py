@@ -62,8 +62,8 @@ def named(model: str) -> str:
 
 
 def errors(study: StudyTables, robot: str) -> list[JudgedError]:
-    """Return the errors below 2 Hz of the model that is closest on most joints, by joint, beside
-    those of the model that comes next.
+    """Return the errors below 2 Hz of the model that is closest on most joints, by joint, compared
+    with those of the model that comes next.
     """
     compared = compare(study)
     if compared is None:
@@ -81,7 +81,7 @@ def errors(study: StudyTables, robot: str) -> list[JudgedError]:
 
 def judge_links(study: StudyTables, robot: str) -> Iterator[Verdict]:
     """Judge the link model that is closest on most joints, below 2 Hz: gravity, which is most of
-    that, is known far better than by half.
+    that, is described far better than by half.
     """
     every = errors(study, robot)
     found = [one for one in every if one.state != "not determined"]

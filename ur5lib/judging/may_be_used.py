@@ -65,7 +65,8 @@ def codes_of(fitted: Friction, joint: int) -> set[str]:
 
 
 def contradicted(fitted: Friction, joint: int) -> float | None:
-    """Return the constant of a joint, from 1, that contradicts the known one; None without any."""
+    """Return the constant of a joint, from 1, that contradicts the documented one; None without
+    any."""
     joints = fitted.fit.joints
     return joints[joint - 1].contradicted if joints else None
 
@@ -76,7 +77,7 @@ def _rests(fitted: Friction) -> bool:
 
 
 def _is_far(constant: Parameter, fitted: Friction) -> bool:
-    """Return whether a constant is farther from the known one than on 95 % of arms."""
+    """Return whether a constant is farther from the documented one than on 95 % of arms."""
     known, joint = fitted.known_constants, constant.joint - 1
     if known is None:
         return False

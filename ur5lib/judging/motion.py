@@ -11,8 +11,8 @@ UNITS = {"linear": "m/s²", "angular": "rad/s²"}
 
 
 def errors(study: StudyTables, robot: str) -> list[JudgedError]:
-    """Return the errors of the acceleration from encoders by component, beside filterpy's plain
-    smoother.
+    """Return the errors of the acceleration from encoders by component, compared with filterpy's
+    plain smoother.
     """
     methods = study.tables["acceleration_mae"]
     methods = methods.assign(error=methods["mae"], zero=methods["zero_mae"])

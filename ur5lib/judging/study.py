@@ -33,9 +33,9 @@ OPTIONAL = {  # tables that not every study has
 class StudyTables:
     """The tables of a study, by name, and its configuration.
 
-    placeholders: the arms whose links are found from their measured torques; effort: that is
-    measured, of torques where all arms measure these; bearing: by arm, the joints that gravity
-    loads; loads: by arm, a known load [kg] that it carries well.
+    placeholders: the arms with links found from their measured torques; effort: that is measured,
+    of torques where all arms measure these; bearing: by arm, the joints that gravity loads; loads:
+    by arm, a load [kg] that it carries well.
     """
 
     study: Mapping[str, Any]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, kw_only=True)
 class AccelerationError:
-    """A row of acceleration_mae.csv: MAE of the end effector's acceleration beside the IMU, and
+    """A row of acceleration_mae.csv: MAE of the end effector's acceleration against the IMU, and
     that of zero [m/s², rad/s²].
     """
 

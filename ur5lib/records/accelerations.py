@@ -1,4 +1,4 @@
-"""Acceleration of the end effector, and its errors beside an IMU."""
+"""Acceleration of the end effector, and its errors against an IMU."""
 
 from dataclasses import dataclass, field
 
@@ -28,7 +28,7 @@ class Accelerations(SegmentedTable):
 
 @dataclass(frozen=True)
 class AccelerationErrors:
-    """MAE of an estimate beside the IMU by component, and that of zero [m/s², rad/s²]."""
+    """MAE of an estimate against the IMU by component, and that of zero [m/s², rad/s²]."""
 
     mae: dict[str, float]
     zero_mae: dict[str, float]
@@ -50,7 +50,7 @@ ByRange = dict[str, dict[str, Difference]]  # by range of frequency, in motion a
 
 @dataclass(frozen=True, kw_only=True)
 class ImuComparison:
-    """Errors by estimate beside the IMU, and differences by range of frequency.
+    """Errors by estimate against the IMU, and differences by range of frequency.
 
     calibrated_on: the recordings that calibrated the IMU; accelerometer_bias: (3,) [m/s²];
     plain_ranges: differences of a plain smoother. Empty where no IMU's clock could be estimated

@@ -16,7 +16,7 @@ def up_to_first_standing(signs: Iterable[Finding], accepted: Container[str]) -> 
 
 
 def accepting(found: Contradictions, accepted: Mapping[str, str]) -> Contradictions:
-    """Return contradictions whose accepted stop signs are warnings, and notes on needless reasons.
+    """Return contradictions with accepted stop signs as warnings, and notes on needless reasons.
 
     accepted: the study's reasons by kind.
     """

@@ -7,8 +7,8 @@ import numpy as np
 from ur5lib.errors import Remark
 from ur5lib.timeseries.arrays import Array
 
-# Of an unknown drift. Quartz is accurate to 1e-4, but stamps are made by a host's software: the
-# only host whose drift is known, the thesis's, is off by 0.0033.
+# Standard deviation of an unknown drift. Quartz is accurate to 1e-4, but a host's software makes
+# the stamps: the only host with a measured drift, the thesis's, is off by 0.0033.
 UNKNOWN_DRIFT_STD = 0.003
 
 

@@ -11,8 +11,8 @@ from ur5lib.timeseries.arrays import Array
 Source = Literal["study", "tool", "tcp_offset", "actual_TCP_pose", "sensor", "payload", "none"]
 
 TOOL_RADIUS = 0.03  # m, of a tool about its tool centre point
-TOOL_WEIGHT = 20.0  # samples, for which a place counts beside the contact's own
-WRIST_RADIUS = 0.1  # m, likewise where no tool centre point is known
+TOOL_WEIGHT = 20.0  # samples for which a place counts in addition to the contact's own
+WRIST_RADIUS = 0.1  # m; the same where there is no tool centre point
 WRIST_WEIGHT = 1.0
 MIN_TCP_DISTANCE = 0.005  # m from the flange: a nearer tool centre point was never set
 
@@ -20,7 +20,7 @@ MIN_TCP_DISTANCE = 0.005  # m from the flange: a nearer tool centre point was ne
 @dataclass(frozen=True)
 class ContactPlace:
     """Where contacts are assumed: point [m], in frame 6, within some metres; weight: samples for
-    which this counts beside those of a contact; source: what says so.
+    which this counts in addition to those of a contact; source: what says so.
     """
 
     point: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -65,7 +65,7 @@ def contact_place(
     centers: dict[Source, Sequence[float] | None],
 ) -> ContactPlace:
     """Return the place of contacts: as the study states it, else the first tool centre point, else
-    the first centre that is known; points [m], frame 6.
+    the first centre that is given; points [m], frame 6.
 
     stated: point and within how many metres; tools: tool centre points, of which those on the
     flange were never set; centers: of what is mounted on the flange, about which contacts may be

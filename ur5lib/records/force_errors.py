@@ -12,7 +12,7 @@ from ur5lib.records.verdicts import Reason, Use
 @dataclass(frozen=True, kw_only=True)
 class ForceError:
     """A row of force_mae.csv: the error of one component of an estimate of the contact wrench
-    beside the force sensor [N, Nm].
+    against the force sensor [N, Nm].
 
     kind: of the sensor's wrench, see `SensorWrenches`; during: all samples, in contact, free, or
     in contacts that no part of the estimate shows (missed); mae, max: mean absolute and largest
@@ -109,7 +109,7 @@ class SensorAccount:
 
 @dataclass(frozen=True, kw_only=True)
 class Compared(SensorAccount):
-    """beside_sensor.json: every estimate of the contact wrench beside the force sensor; empty
+    """beside_sensor.json: every estimate of the contact wrench against the force sensor; empty
     without one.
 
     sensed: what the sensor reads; errors: rows of force_mae.csv; contacts: of contact_errors.csv,

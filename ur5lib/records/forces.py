@@ -36,8 +36,8 @@ class Forces(SegmentedTable):
 
     wrench and, where it states one, std, its standard deviation, by estimate; log_odds: that there
     is a contact, (N,), given all samples; background: (N, 6) [Nm], slow external torque that is no
-    contact; if_untouched: (N,), where no contact is found: there, the leading estimate's band holds
-    only if nothing touches the arm.
+    contact; if_untouched: (N,), where no contact is found: there, the leading estimate's band is
+    valid only if nothing touches the arm.
     """
 
     wrench: dict[str, Array] = channel("{}", "N, Nm", WRENCH)
@@ -70,8 +70,8 @@ class Forces(SegmentedTable):
 
 @dataclass(frozen=True, kw_only=True)
 class FurtherForces(SegmentedTable):
-    """Estimates beside this study's, as of its controller or a topic, (N, 6) [N, Nm]: as printed,
-    and put right; the environment acting on the arm, base axes.
+    """Estimates other than this study's, as of its controller or a topic, (N, 6) [N, Nm]: as
+    printed, and put right; the environment acting on the arm, base axes.
     """
 
     printed: dict[str, Array] = channel("printed_{}", "N, Nm", WRENCH)
@@ -84,7 +84,7 @@ class SensorWrenches(SegmentedTable):
 
     printed: the raw reading; corrected: less its mean at the start, both placed by start stamps;
     compensated: by the best clock, less bias and tool weight; the last two at frame 6's origin.
-    plain: what plain least squares states beside it, the simplest rival of the estimates.
+    plain: what plain least squares states, the simplest rival of the estimates.
     """
 
     wrench: dict[str, Array] = channel("{}", "N, Nm", WRENCH, keys=REFERENCES)

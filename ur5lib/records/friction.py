@@ -20,7 +20,7 @@ class CoefficientEstimate:
     """The coefficients of one joint.
 
     coefficients: (P,), of the torque [A/Nm], an offset [A] and friction terms; shares: (4, P), of
-    what is known of them, see `shares_of_knowledge`; replicates: (B, P), of the bootstrap over
+    the information on them, see `shares_of_knowledge`; replicates: (B, P), of the bootstrap over
     recordings; std_error: (P,), of `physical_values` values.
     """
 
@@ -47,8 +47,8 @@ class JointFit:
     unseen: (P,), see `unseen_difference`; remarks: doubts about the fit; doubt:
     (P, P), covariance of the coefficients where no motion that was left out shows their errors;
     alone: (P,), coefficients that the currents alone would give, None unless their torque constant
-    contradicts the known one, which the estimate then keeps; alone_half: of the 95 % interval of
-    its 1/k [A/Nm].
+    contradicts the documented one, which the estimate then keeps; alone_half: of the 95 % interval
+    of its 1/k [A/Nm].
     """
 
     terms: tuple[str, ...]
@@ -76,12 +76,12 @@ class JointFit:
 
     @property
     def contradicted(self) -> float | None:
-        """The torque constant [Nm/A] that contradicts the known one, None without any."""
+        """The torque constant [Nm/A] that contradicts the documented one, None without any."""
         return None if self.alone is None else float(1 / self.alone[0])
 
     def surely_above(self, known: float) -> bool:
-        """Return whether the constant that contradicts is above a known one [Nm/A], or negative, by
-        its own error.
+        """Return whether the constant that contradicts is above `known` [Nm/A], or negative, by its
+        own error.
         """
         return self.alone is not None and float(self.alone[0]) + self.alone_half < 1 / known
 
@@ -93,7 +93,7 @@ class JointFit:
 @dataclass(frozen=True)
 class CurrentFit:
     """The maps of the joints; units: number of paths, or of stretches if paths are few; dates: of
-    the recordings, ISO 8601, as far as they are known.
+    the recordings, ISO 8601, as far as they are given.
     """
 
     joints: tuple[JointFit, ...]
@@ -105,7 +105,8 @@ class CurrentFit:
 class Parameter:
     """One fitted value in SI units, or the friction of all terms; joint 1 to 6; interval: 95 %.
 
-    prior_share, arm_share, day_share, run_share: of what is known of it, see `shares_of_knowledge`.
+    prior_share, arm_share, day_share, run_share: of the information on it, see
+    `shares_of_knowledge`.
     """
 
     joint: int
@@ -121,7 +122,7 @@ class Parameter:
 
     @property
     def rests_on_prior(self) -> bool:
-        """Return whether it is known by other arms more than by these recordings."""
+        """Return whether other arms determine it more than these recordings."""
         return self.prior_share > MAX_PRIOR_SHARE
 
 
@@ -138,7 +139,7 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class KnownConstants:
-    """Torque constants (6,) [Nm/A] that are known before the fit, and their standard errors."""
+    """Torque constants (6,) [Nm/A] that are given before the fit, and their standard errors."""
 
     value: Array
     std_error: Array
@@ -149,16 +150,16 @@ class Friction:
     """friction.json: the map from motion to motor current of an arm.
 
     from_: the recordings in motion of the fit, none where friction is what other arms have;
-    at_rest: those of postures, which tell torque constants alone; paths: number of trajectories;
-    period: the longest step between their samples [s], None without any;
-    left_out: fits that predict what they have not seen; explained: (6,), share of the currents'
-    variance that these explain, None of a single path; load: (6,) [Nm], mean size of the links'
-    torque in motion over the fit, NaN of a joint that does not move, None without recordings;
-    totals: friction of all terms at that load, see `total_friction`; least_squares: (6, 4), the
-    baseline's coefficients; cross_validation: (R, R, 6) [A], RMSE of a fit to one recording,
-    tested on another; model: link model of the torques; stopped: how the recordings contradict the
-    arm; refused: why else there is no fit; remarks: what the fit contradicts, but the study
-    accepts; effort: the quantity of `channels.Effort` that is predicted.
+    at_rest: those of postures, which show torque constants alone; paths: number of trajectories;
+    period: the longest step between their samples [s], None without any; left_out: fits that
+    predict what they have not seen; explained: (6,), share of the currents' variance that these
+    explain, None of a single path; load: (6,) [Nm], mean size of the links' torque in motion over
+    the fit, NaN of a joint that does not move, None without recordings; totals: friction of all
+    terms at that load, see `total_friction`; least_squares: (6, 4), the baseline's coefficients;
+    cross_validation: (R, R, 6) [A], RMSE of a fit to one recording, tested on another; model: link
+    model of the torques; stopped: how the recordings contradict the arm; refused: why else there is
+    no fit; remarks: what the fit contradicts, but the study accepts; effort: the quantity of
+    `channels.Effort` that is predicted.
     """
 
     __pydantic_config__ = BY_KEY
@@ -184,7 +185,7 @@ class Friction:
 
     @property
     def measured(self) -> Effort:
-        """Return what is predicted: currents, or torques, whose torque constants are gains."""
+        """Return what is predicted: currents, or torques, which have gains as torque constants."""
         return EFFORTS[self.effort]
 
     def fit_for(self, recording: str) -> CurrentFit:

@@ -52,7 +52,7 @@ class BaseParameter:
     """A base parameter in SI units.
 
     parameter: its name, with the parameters that are grouped with it; determined: whether the data
-    determine it; weights: (P,), of the arm's parameters π in the sum for which it stands.
+    determine it; weights: (P,), of the arm's parameters π in the sum that it is.
     """
 
     parameter: str

@@ -19,9 +19,9 @@ class Motion(SegmentedTable):
     """Positions [rad], velocities [rad/s] and accelerations [rad/s²] of the joints on the link's
     side, their standard deviations, and velocities on the motor's side, (N, 6) each.
 
-    Links vibrate against motors; friction acts on the motors' side. What the smoother took to drive
-    the joints and to disturb their encoders stands beside it where an IMU is to be added, (N, 6)
-    each: jerk, vibration: intensities of white jerks; position_noise, velocity_noise: standard
+    Links vibrate against motors; friction acts on the motors' side. Where an IMU is to be added, it
+    also has what the smoother took to drive the joints and to disturb their encoders, (N, 6) each:
+    jerk, vibration: intensities of white jerks; position_noise, velocity_noise: standard
     deviations; shared: the covariance that it leaves to velocities and accelerations.
     """
 

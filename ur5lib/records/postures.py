@@ -23,6 +23,7 @@ class Postures:
     contradictions: Contradictions
 
     def held_torque(self, arm: Robot, model: str) -> Array:
-        """Return the torque (M, n) [Nm] by which an arm holds the postures and its payload."""
+        """Return the torque (M, n) [Nm] by which an arm in the postures carries itself and its
+        payload."""
         loaded = arm.mounted(self.gravity).carrying(self.payload)
         return gravity_torque(loaded, model, self.q)

@@ -14,8 +14,8 @@ class Scores:
 
     rmse: of the raw current [A]; of the low-passed current: rmse_lowpassed [A], mae [A], r2, and
     coverage, the share of samples inside the 95 % band, and band_factor95, by which this would have
-    to be multiplied to hold 95 % of them; rmse_before_motion, coverage_before_motion: likewise
-    until a joint first moves, where nothing shows to which side friction holds it; NaN elsewhere.
+    to be multiplied to contain 95 % of them; rmse_before_motion, coverage_before_motion: likewise
+    until a joint first moves, where nothing shows to which side friction acts; NaN elsewhere.
     """
 
     rmse: Array
@@ -46,7 +46,7 @@ class LoadEstimate:
 
 @dataclass(frozen=True)
 class JudgedLoad(LoadEstimate):
-    """An undeclared load beside the payload that is known, of a mass `configured` [kg].
+    """An undeclared load in addition to the given payload, which has a mass `configured` [kg].
 
     carried: both masses together [kg]; taken: whether the load is included in the prediction;
     center_of_mass: (3,) [m], with its standard error; NaN of a load that is uncertain.
@@ -76,7 +76,7 @@ class Prediction:
         return self.load is not None and self.load.taken
 
     def with_load(self, payload: Payload | None) -> Payload | None:
-        """Return what the arm carries: a known payload, and the undeclared load that the prediction
+        """Return what the arm carries: a given payload, and the undeclared load that the prediction
         includes, a point mass, as one body.
         """
         if self.load is None or not self.load.taken:

@@ -56,7 +56,7 @@ class PushDirection:
     horizontal, from the base's x to its y, or vertical, from its x to its z [°]; unit: the push
     that is worth one standard deviation of the joints' torques [N], empty where no joint feels any;
     value: so many units that all axes together need in this motion [N], with its standard error,
-    empty where joints hardly feel any (see `blind`) and beyond the largest trial.
+    empty where joints feel almost none (see `blind`) and beyond the largest trial.
     """
 
     posture: str

@@ -75,8 +75,8 @@ class Finding:
 class StartOffset:
     """How much later a device's clock started than the robot's, by the start stamps [s].
 
-    drift_std: of a device whose samples the robot's host stamped, 0 of one that shares the robot's
-    clock, None for others.
+    drift_std: of a device with samples stamped by the robot's host, 0 of one that shares the
+    robot's clock, None for others.
     """
 
     seconds: float
@@ -148,7 +148,7 @@ class Contradictions:
     findings: list[Finding] = field(default_factory=list)
 
     def odd_targets(self) -> list[int]:
-        """Return the joints, from 1, whose `target_current` is not that of their motors."""
+        """Return the joints, from 1, with a `target_current` that is not that of their motors."""
         return [joint for one in self.findings if one.finding == ODD_TARGET for joint in one.joints]
 
 

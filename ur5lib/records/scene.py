@@ -22,7 +22,7 @@ class Scene:
     links: of the arm's n joints; upright: (3, 3), from base axes to those in which gravity acts
     along −z; segment: (K,), labels of unbroken stretches; q: (K, n) [rad]; torque: (K, n) [Nm], the
     external one; force, std: (K, 3) [N], the environment on the arm at the origin of frame n and
-    its standard deviation, base axes, by the estimate whose label is `estimate`; sensed: (K, 3)
+    its standard deviation, base axes, by the estimate with the label `estimate`; sensed: (K, 3)
     [N], the same by the force sensor; contacts, alarms: what the sensor and the estimate find;
     free: whether nothing touches the arm, so that each alarm is false.
     """

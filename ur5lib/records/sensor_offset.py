@@ -33,7 +33,7 @@ class Offset:
 class OffsetAccount(Offset):
     """What was subtracted from a force sensor's reading.
 
-    pull_at: (3,) [m], the point of frame 6 whose acceleration pulls on the tool: its centre of
+    pull_at: (3,) [m], the point of frame 6 at which acceleration pulls on the tool: its centre of
     mass, the sensor where that is unknown; clock_std: [s], error of the sensor's clock, over which
     this pull is averaged; inertia: of the tool, xx yy zz xy xz yz [kg m²], None where it was
     neglected; free: share of the samples that are free of contact; start_bias: (6,) [N, Nm], mean

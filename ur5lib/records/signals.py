@@ -37,15 +37,15 @@ def recorded(name: str, optional: bool = True) -> Any:
 class Signals(SegmentedTable):
     """All devices on the robot's clock, under RTDE's names; None where not recorded.
 
-    actual_torque: (N, n) [Nm], where torques are measured, whose actual_current is None;
-    interpolated: (N,), whether a frame was lost and filled in. Joint channels are (N, 6);
-    actual_TCP_force: (N, 6), the controller's estimate, base frame; ft_raw_wrench: (N, 6), of a
-    wrist sensor, axes of frame 6, with bias and tool; wrench_calc_from_currents: (N, 6), the
-    controller's estimate beside a wrist sensor, base frame; joint_temperatures: (N, 6) [°C], of the
-    motors; payload: (N,), payload_cog: (N, 3), frame 6, and payload_inertia: (N, 6), of xx, yy, zz,
-    xy, xz, yz, that the controller was given; tcp_offset: (N, 6), its tool centre point in frame 6,
-    position and rotation vector; force_sensor: (N, 6), force and torque in the sensor's frame;
-    accelerometer and gyroscope: (N, 3), of the IMU, in its frame.
+    actual_torque: (N, n) [Nm], where torques are measured, with actual_current None; interpolated:
+    (N,), whether a frame was lost and filled in. Joint channels are (N, 6); actual_TCP_force: (N,
+    6), the controller's estimate, base frame; ft_raw_wrench: (N, 6), of a wrist sensor, axes of
+    frame 6, with bias and tool; wrench_calc_from_currents: (N, 6), the controller's estimate in
+    addition to a wrist sensor, base frame; joint_temperatures: (N, 6) [°C], of the motors; payload:
+    (N,), payload_cog: (N, 3), frame 6, and payload_inertia: (N, 6), of xx, yy, zz, xy, xz, yz, that
+    the controller was given; tcp_offset: (N, 6), its tool centre point in frame 6, position and
+    rotation vector; force_sensor: (N, 6), force and torque in the sensor's frame; accelerometer and
+    gyroscope: (N, 3), of the IMU, in its frame.
     """
 
     interpolated: Mask = channel("interpolated", "1", dtype=np.bool_)

@@ -1,7 +1,7 @@
 """What the records of all tables have in common: columns as arrays, with names, units and shapes.
 
-A record is a frozen dataclass whose fields are declared with `channel`. It is read from and written
-to a table by these declarations alone.
+A record is a frozen dataclass with fields declared by `channel`. It is read from and written to a
+table by these declarations alone.
 """
 
 import math
@@ -31,9 +31,9 @@ Load = Callable[[list[str], type], Array]  # of some columns of a table, (N, len
 class Channel:
     """The columns of one quantity, <name>_<label> for each label, or <name> where it has none.
 
-    shape: of one sample, whose flat elements the labels name in order; -1 in it is the number of
-    joints, where the labels are JOINTS; optional: whether it may be absent; keys: for which `{}` in
-    the name may stand, any without them but those of standard deviations, which end in _std.
+    shape: of one sample; the labels name its flat elements in order; -1 in it is the number of
+    joints, where the labels are JOINTS; optional: whether it may be absent; keys: that may replace
+    `{}` in the name, any without them but those of standard deviations, which end in _std.
     """
 
     name: str
@@ -145,7 +145,8 @@ class Table:
         return made
 
     def anew(self, rows: Labels | None = None) -> Self:
-        """Return the table of a file with nothing loaded, so that what this one holds can be freed.
+        """Return the table of a file with nothing loaded, so that the memory of this one can be
+        freed.
 
         rows: ascending, those to read; all by default. A table in memory is returned as it is.
         """

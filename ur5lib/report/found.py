@@ -108,7 +108,7 @@ def _errors(results: Results) -> Iterator[str]:
 
 
 def _contradictions(results: Results) -> Iterator[str]:
-    """Report constants that contradict the known ones."""
+    """Report constants that contradict the documented ones."""
     rows = results.rows("remarks", code=CONTRADICTIONS)
     for (robot, remark), group in rows.groupby(["robot", "remark"], sort=False):
         numbers = group["joint"].dropna()
@@ -149,7 +149,8 @@ def _without_a_sensor(results: Results) -> dict[str, pd.DataFrame]:
 
 
 def _off_flange(results: Results) -> Iterator[str]:
-    """Report the contacts that are not on the flange: stated forces hold only for the flange."""
+    """Report the contacts that are not on the flange: stated forces are valid only for the
+    flange."""
     for name, rows in _without_a_sensor(results).items():
         if times := [*rows.loc[rows["kind"] == OFF_FLANGE, "peak_s"]]:
             yield (
@@ -173,7 +174,7 @@ def _withheld(results: Results) -> Iterator[str]:
 
 
 def _unused_wrenches(results: Results) -> Iterator[str]:
-    """Report the recordings whose file has a wrench that is not used."""
+    """Report the recordings that have an unused wrench in their file."""
     rows = results.rows("account", taken_for=NOTHING)
     named = rows["subject"].astype(str).str.contains(WRENCH_NAME)
     if names := sorted({*rows.loc[named, "recording"]}):

@@ -23,7 +23,7 @@ from ur5lib.report.stated import (
 )
 
 MAX_STEPS = 3  # that a reader remembers
-NO_PLACE = "[x, y, z]"  # of loads whose centres of mass are to be measured
+NO_PLACE = "[x, y, z]"  # it replaces a centre of mass that is to be measured
 
 
 class Asked(NamedTuple):

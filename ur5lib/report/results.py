@@ -25,7 +25,7 @@ PACKAGES += ["torch", "pytorch-kinematics", "mujoco", "matplotlib", "typst"]
 def with_zero(rows: pd.DataFrame, method: str, each: list[str]) -> pd.DataFrame:
     """Return rows, and after each recording's its `zero` as values of a further method "zero".
 
-    method: column of the methods' names; each: columns that tell apart a method's rows.
+    method: column of the methods' names; each: columns that distinguish a method's rows.
     """
     zero = rows.dropna(subset="zero").drop_duplicates(["recording", *each], keep="last")
     both = pd.concat([rows, zero.assign(**{method: "zero", "value": zero["zero"]})])

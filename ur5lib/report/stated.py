@@ -50,7 +50,7 @@ def capital(text: str) -> str:
 
 
 def with_error(value: float, std: float) -> str:
-    """Return a value with its standard error, if known, one digit of which decides both."""
+    """Return a value with its standard error, if there is one, of which one digit decides both."""
     if not 0 < std < math.inf:
         return f"{value:.3g}"
     digits = max(0, -math.floor(math.log10(std)))

@@ -1,5 +1,5 @@
-"""The summary of a study as data, `results.json`: verdicts beside those of the last build, what to
-do next, and findings.
+"""The summary of a study as data, `results.json`: verdicts with those of the last build, what to do
+next, and findings.
 """
 
 from collections.abc import Iterable, Mapping

@@ -28,7 +28,8 @@ JOINT_SIZES_FILE = DESCRIPTION_FOLDER / "joint_sizes.yaml"
 DROPPED_KEYS = ("friction_terms", "presliding")  # of older descriptions; without effect
 PROJECT_FOLDER = Path("robots")  # of the user's project, for further arms
 INVALID_DESCRIPTION = "is not a valid description of an arm (docs/robots.md)"
-LOAD_SHARE, LINKS_SHARE = 0.4, 0.1  # of a known load, in the rated payload, in the links' mass
+# An assumed load has these shares of the rated payload and of the links' mass.
+LOAD_SHARE, LINKS_SHARE = 0.4, 0.1
 LOAD_PLACE = (0.06, 0.0, 0.05)  # m, of its centre of mass
 SAME_LINKS = {"ur7e": "ur5e", "ur12e": "ur10e"}  # by their kinematics, masses and inertias
 GRAVITY_RANGE = (9.0, 10.5)  # m/s², on earth
@@ -203,7 +204,7 @@ class Mounting(Described):
     """Origins of the devices' frames in frame 6 [m]; their axes are parallel to frame 6, but for a
     force sensor that is turned, by the rotation vector from frame 6 to its axes.
 
-    imu_full_scale: of the IMU, None if it is not known.
+    imu_full_scale: of the IMU, None if unknown.
     """
 
     imu: Vector3 = (0.0, 0.0, 0.0)
@@ -236,7 +237,8 @@ class Gains(Described):
 
 
 class CoupledMotor(Described):
-    """A motor whose shaft turns with another joint, too: `ratio` times as far as with its own."""
+    """A motor with a shaft that turns with another joint, too: `ratio` times as far as with its
+    own."""
 
     motor: Annotated[int, Field(ge=1)]
     joint: Annotated[int, Field(ge=1)]
@@ -416,8 +418,8 @@ class Robot(Described):
         ]
 
     def tells_gravity(self) -> bool:
-        """Return whether its description says what its joints bear at rest: its links are known
-        apart from its recordings, and no counterbalance bears a part.
+        """Return whether its description says what its joints bear at rest: its links are
+        described, not found from its recordings, and no counterbalance bears a part.
         """
         return self.links == "known" and not self.balanced_joints
 
@@ -448,7 +450,7 @@ class Robot(Described):
         return [motor.acceleration_max or USUAL_ACCELERATION for motor in motors]
 
     def with_rotors(self) -> Self:
-        """Return the arm with the model `<chosen>+rotors`, if its joints' rotors are known."""
+        """Return the arm with the model `<chosen>+rotors`, if its joints' rotors are described."""
         name = f"{self.chosen_model}+rotors"
         rotors = [self.motor(joint).reflected_rotor() for joint in self.joint_numbers]
         if name in self.models or None in rotors:

@@ -113,10 +113,10 @@ def tool_motion(
 
 
 def expected_values(values: Array, segment: Labels, period: float, clock_std: float) -> Array:
-    """Return the mean of values (N, M) at times that are known to a standard error [s].
+    """Return the mean of values (N, M) at times with a standard error [s].
 
-    For a normal error of the clock this is a Gaussian filter. What moves faster than the clock is
-    known, such as a vibration, has a mean of zero: subtracting it unfiltered would add noise.
+    For a normal error of the clock this is a Gaussian filter. What moves faster than the clock's
+    error, such as a vibration, has a mean of zero: subtracting it unfiltered would add noise.
     """
     width = clock_std / period
     if width < MIN_GAUSSIAN_WIDTH:

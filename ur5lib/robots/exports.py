@@ -111,7 +111,7 @@ def sdf(robot: Robot, bodies: RigidBodies, friction: JointFriction | None = None
 
 
 def isaac(robot: Robot, model: str, friction: JointFriction | None) -> str:
-    """Return the joints of an arm as YAML: `arm` holds the fields of Isaac Lab's actuators.
+    """Return the joints of an arm as YAML: `arm` has the fields of Isaac Lab's actuators.
 
     The rotors of a link model are `armature`; Coulomb friction is `friction` (at rest) and
     `dynamic_friction`. Friction is left out where it is unknown.

@@ -23,7 +23,7 @@ ROTOR_ACCELERATION = 50.0  # rad/s²
 INERTIA_STD = 0.2  # relative, of the inertias of a description's links
 # Presliding distance: Coulomb torque over it is the stiffness of a gear, 1e4 to 1e5 Nm/rad.
 PRESLIDING_DISTANCE = 1e-4  # rad
-# Over which a part of the friction that holds a joint at rest may reverse: at once, as by noise and
+# A part of a joint's friction at rest may reverse over these distances: at once, as by noise and
 # hunting, or with a long memory.
 REST_DISTANCES = (1e-5, 1e-3)  # rad
 STRIBECK_SPEEDS = (0.01, 0.05, 0.2)  # rad/s, over which dry friction falls from rest
@@ -95,7 +95,7 @@ PARAMETER_UNITS = {  # of what is fitted to each joint, that shows its motor
 # Terms that are not fitted, but make the others less sure: over a part of a turn, a periodic term
 # looks like an offset, and together with gravity like a torque constant.
 CONSIDERED_TERMS = ("periodic",)
-# The same of measured torques, whose gain gravity tells: inertias are known less well than masses.
+# The same of measured torques. Gravity shows their gain: inertias are less certain than masses.
 INERTIA = "inertia"
 CONSIDERED_OF_TORQUES = (*CONSIDERED_TERMS, INERTIA)
 TERMS = {
@@ -110,7 +110,7 @@ TERMS = {
         parts=("sin", "cos"),
     ),
     # lubricated gears: friction grows less, or more, than in proportion to speed; the root is less
-    # its nearest line up to 1 rad/s, so that Coulomb and viscous friction are what is known of them
+    # its nearest line up to 1 rad/s, so that Coulomb and viscous friction keep their usual meaning
     "velocity_root": Term(
         lambda motion: [
             np.sqrt(np.abs(motion.qd)) * np.sign(motion.qd)
@@ -133,7 +133,7 @@ TERMS = {
         lambda motion: [motion.balanced * np.sin(motion.q), motion.balanced * np.cos(motion.q)],
         parts=("sin", "cos"),
     ),
-    # of an arm whose links have none
+    # of an arm with links that have none
     "rotor": Term(
         lambda motion: [motion.qdd * np.ones_like(motion.qd)],
         expected=lambda torque_max: torque_max / ROTOR_ACCELERATION,

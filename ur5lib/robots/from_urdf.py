@@ -41,10 +41,10 @@ def robot_from_urdf(
 ) -> tuple[Robot, list[str]]:
     """Return the arm between two links of a URDF, and in sentences what had to be assumed.
 
-    base: link that stands still, the root by default; tip: link whose frame is the flange's, the
-    one that the last joint turns by default. Joint k turns about the z axis of frame k - 1; frame 0
+    base: link that does not move, the root by default; tip: link with the flange's frame, the one
+    that the last joint turns by default. Joint k turns about the z axis of frame k - 1; frame 0
     lies where the first axis is nearest to the base link's origin. What is fixed to a link belongs
-    to it; what moves beside the chain is at its position zero.
+    to it; what moves off the chain is at its position zero.
 
     Where masses are left out, or the same in all links, the links are unknown; where limits of
     effort or velocity are, some are assumed. physical: add and choose the link model PHYSICAL,

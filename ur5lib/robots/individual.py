@@ -139,7 +139,7 @@ def _ros_matrix(link: Mapping[str, float]) -> Array:
 
 
 def _on_axis(axis: Array, nominal: Array) -> Array:
-    """Return a frame whose z axis is that of `axis`, as close as possible to the nominal frame."""
+    """Return a frame with the z axis of `axis`, as close as possible to the nominal frame."""
     z, origin = axis[:3, 2], axis[:3, 3]
     # the nominal x axis, made perpendicular to z
     x = nominal[:3, 0] - z * (z @ nominal[:3, 0])

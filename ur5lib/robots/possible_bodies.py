@@ -1,4 +1,4 @@
-"""The masses and inertias that a body may have, whose density is positive everywhere.
+"""The masses and inertias that a body may have if its density is positive everywhere.
 
 Its second moments of mass, S = ½ tr(I) 1 - I about the centre of mass, are positive definite: no
 principal moment of inertia exceeds the sum of the others (Wensing).

@@ -65,7 +65,7 @@ FIELDS_BEFORE_3_FROM_1_7 = {"actual_tool_accelerometer": (396, 3)}  # raw counts
 
 
 def fields(size: int) -> dict[str, slice]:
-    """Return which doubles after the size word hold each field, in the order sent.
+    """Return which doubles after the size word contain each field, in the order sent.
 
     The first double is the controller's timestamp. size: of the messages [bytes], which determines
     their layout.

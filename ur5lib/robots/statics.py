@@ -15,7 +15,7 @@ BEARING_SHARE = 0.03  # of a joint's largest torque
 
 STANDARD_GRAVITY = 9.81  # m/s²
 MIN_SINGULAR_VALUE = 0.03  # of J_g, with rows in m and rad
-# Of the largest, of torques per mass and first moment. What is smaller does not tell links apart.
+# Share of the largest, of torques per mass and first moment. Smaller ones do not distinguish links.
 SMALLEST_SINGULAR_VALUE = 1e-3
 
 
@@ -34,7 +34,7 @@ def link_frames(robot: Robot, q: Array) -> tuple[Array, Array]:
 
 
 def gravity_torque(robot: Robot, model: str, q: Array) -> Array:
-    """Return the torque (N, n) [Nm] that holds the arm, payload included; q: (N, n) [rad].
+    """Return the torque (N, n) [Nm] that carries the arm, payload included; q: (N, n) [rad].
 
     τ_j = −z_j · Σ_k≥j (c_k − o_j) × m_k g
     """
@@ -63,14 +63,14 @@ def bearing_joints(robot: Robot) -> list[int]:
 
 
 def load_torque(robot: Robot, q: Array) -> Array:
-    """Return the torque (N, n, 4) that holds a load on the flange, per mass [Nm/kg] and per first
+    """Return the torque (N, n, 4) that carries a load on the flange, per mass [Nm/kg] and per first
     moment in frame n [Nm/(kg m)]; q: (N, n) [rad].
     """
     return gravity_regressor(robot, q)[:, :, -1]
 
 
 def gravity_regressor(robot: Robot, q: Array) -> Array:
-    """Return the torque (N, n, n, 4) that holds each link (third axis), per mass [Nm/kg] and per
+    """Return the torque (N, n, n, 4) that carries each link (third axis), per mass [Nm/kg] and per
     first moment in its frame [Nm/(kg m)]; q: (N, n) [rad].
     """
     rotation, origin = link_frames(robot, q)
@@ -86,8 +86,8 @@ def gravity_regressor(robot: Robot, q: Array) -> Array:
 
 
 def gravity_columns(robot: Robot, q: Array) -> list[Array]:
-    """Return what gravity may be on each joint, columns (N, c): one of known links; where nobody
-    knows them, an orthonormal basis of what any links would need. q: (N, n) [rad].
+    """Return what gravity may be on each joint, columns (N, c): one of described links; where these
+    are unknown, an orthonormal basis of what any links would need. q: (N, n) [rad].
     """
     if robot.tells_gravity():
         return [*gravity_torque(robot, robot.chosen_model, q).T[..., None]]

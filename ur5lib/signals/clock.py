@@ -19,7 +19,7 @@ SHARED_METHOD = "robot's clock"
 def clock_from_stamps(offset: float, std: float, drift_std: float | None = None) -> ClockRelation:
     """Return the clock of start stamps `offset` [s] apart.
 
-    drift_std: error of the rate of a device whose samples the robot's host stamped, 0 of one that
+    drift_std: error of the rate of a device with samples stamped by the robot's host, 0 of one that
     shares the robot's clock; the drift of others is unknown.
     """
     if drift_std is None:
@@ -79,7 +79,7 @@ def settle_clocks(
     """Return the clocks of a recording's devices; drifts: of the hosts; duration: [s].
 
     A clock that was estimated by motion is kept; one of start stamps takes the drift and start of
-    its host if known.
+    its host if there are any.
     """
     settled = {}
     for device, clock in clocks.items():

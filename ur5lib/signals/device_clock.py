@@ -179,13 +179,13 @@ def _search(pair: _Pair, stamps: ClockRelation) -> list[Array]:
     drifts = np.linspace(-MAX_DRIFT, MAX_DRIFT, 3 + 2 * int(MAX_DRIFT * length / (2 * step)))
 
     def variance(clock: Array) -> float:
-        """Return the misfit's variance: without its mean, the bias; θ hardly matters here."""
+        """Return the misfit's variance: without its mean, the bias; θ matters little here."""
         misfit = _misfit(pair, clock)[1]
         enough = max(MIN_BLOCK_SAMPLES * JACKKNIFE_BLOCKS, len(pair.time) // 2)
         return float(misfit.var(axis=0).sum()) if len(misfit) >= enough else np.inf
 
     misfit = np.array([[variance(np.array([o, d])) for d in drifts] for o in offsets])
-    # offsets whose best misfit is not above that of their neighbours
+    # offsets with a best misfit that is not above that of their neighbours
     best = np.pad(misfit.min(axis=1), 1, constant_values=np.inf)
     valleys = np.isfinite(best[1:-1]) & (best[1:-1] <= np.minimum(best[:-2], best[2:]))
     rows = np.flatnonzero(valleys)

@@ -45,7 +45,7 @@ class ImuCalibration:
     """The calibration that all recordings share.
 
     mounting: (3,) [rad], rotation vector of R_m, the IMU's axes in frame 6; tilt: (2,) [rad],
-    components of "up" along the two `level_axes`, zero if the base stands as described;
+    components of "up" along the two `level_axes`, zero if the base is mounted as described;
     gyroscope_bias: (3,) [rad/s]; place: (3,) [m], in frame 6; each with its standard error.
     described: (3,) [m], the place in the arm's description; held_out: error of the specific force
     on recordings left out, with the estimated place by that with the described one, 1 if there is

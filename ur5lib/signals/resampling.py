@@ -43,11 +43,11 @@ def resample(device: pd.DataFrame, clock: ClockRelation, time: Array) -> pd.Data
 def _below_nyquist(grid: Array, even: Array, rate: float) -> Array:
     """Low-pass a device's even samples (K, C) below the Nyquist frequency of `rate` [Hz].
 
-    The filter is a symmetric window of finite length: no phase, hardly any ringing at a push, and
+    The filter is a symmetric window of finite length: no phase, almost no ringing at a push, and
     straight lines remain unchanged, up to the ends.
     """
     own_rate = 1 / (grid[1] - grid[0])
-    # a Kaiser window whose transition ends at the robot's Nyquist frequency
+    # a Kaiser window with a transition that ends at the robot's Nyquist frequency
     count, beta = signal.kaiserord(STOPBAND_ATTENUATION, (1 - PASSBAND_SHARE) * rate / own_rate)
     half = count // 2
     window = signal.firwin(

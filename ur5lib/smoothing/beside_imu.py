@@ -63,7 +63,8 @@ def beside_imu(
     motions: Mapping[str, Motion],
     calibration: ImuCalibration,
 ) -> "BesideImu":
-    """Return a recording beside its IMU, with filterpy's plain smoother among the motions."""
+    """Return a recording compared with its IMU, with filterpy's plain smoother among the
+    motions."""
     plain = smooth_plainly(signals.segment, *measured(signals), signals.period)
     modelled = at_the_imu(robot, kinematics, {**motions, "filterpy": plain}, calibration)
     return BesideImu(robot, signals, kinematics, modelled, calibration)

@@ -95,7 +95,7 @@ def smooth_with_imu(
     model: Model,
     encoders: KnownJoints,
 ) -> SmoothedMotion:
-    """Estimate the motion from joints and an IMU, whose biases continue across segments.
+    """Estimate the motion from joints and an IMU, with biases that continue across segments.
 
     Arguments as in smooth_encoders; readings: (N, 6) specific force [m/s²] and angular rate
     [rad/s], NaN where missing; model: the IMU's equation; encoders: from smooth_encoders.

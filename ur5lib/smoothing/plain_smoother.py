@@ -1,4 +1,5 @@
-"""The plain smoother beside ours: filterpy's extended Kalman filter, with fixed noise, and back."""
+"""The plain smoother to compare with ours: filterpy's extended Kalman filter, with fixed noise, and
+back."""
 
 from typing import NamedTuple
 
@@ -49,7 +50,7 @@ def white_noise(z: Array, segment: Labels) -> Array:
 
     White noise has third differences of 1 + 9 + 9 + 1 = 20 times its variance.
     """
-    # a smooth motion has hardly any third differences
+    # a smooth motion has almost no third differences
     differences = [np.diff(z[part], 3, axis=0) for part in unbroken(segment)]
     square = np.nanmean(np.concatenate(differences) ** 2, axis=0) / 20
     return np.maximum(np.sqrt(square), RECORDED_RESOLUTION)

@@ -95,7 +95,7 @@ class Touch:
             follows = (point - anchor) / contact.lag_s
         self.anchor = anchor + follows * step
         stretch = anchor + strength * np.array(contact.displacement) - point
-        # A hand takes hold and lets go gradually, without a jump of the force.
+        # A hand grasps and lets go gradually, without a jump of the force.
         grip = min(1.0, 4 * strength)
         pull = contact.stiffness_n_m * stretch + contact.damping_ns_m * (follows - velocity)
         return grip * pull

@@ -99,10 +99,10 @@ def channels(
 ) -> dict[str, Array]:
     """Return channels under RTDE names, (..., n) or (..., 6), in base axes, for true states (...).
 
-    The controller estimates a wrench from currents less the torques of model and known friction.
+    The controller estimates a wrench from currents less the torques of its model and its friction.
     `actual_TCP_force` is this wrench of the arm on its environment; for an arm with a wrist sensor,
-    `wrench_calc_from_currents` is this wrench of the environment on the arm, and
-    `actual_TCP_force` is zero, which the sensor's readings replace.
+    `wrench_calc_from_currents` is this wrench of the environment on the arm, and `actual_TCP_force`
+    is zero, which the sensor's readings replace.
     """
     drive, moment = rig.drive, model_torques(rig, targets)
     jacobian = jacobians(rig, states["q"])

@@ -66,7 +66,7 @@ def realtime_stream(frames: pd.DataFrame, sensors: Sensors, plan: SimulatedRecor
 
 
 def rtde_csv(frames: pd.DataFrame, sensors: Sensors, plan: SimulatedRecording) -> Files:
-    """Return one CSV with RTDE names, and sensors whose time counts from the robot's first row."""
+    """Return one CSV with RTDE names, and sensors with times from the robot's first row."""
     names = frames.columns.drop(["time", "sent", "kept"])
     header = ",".join(["timestamp", *names]) + "\n"
     rows = _rows(frames["time"] + CONTROLLER_UPTIME, frames[names].to_numpy(), ",")

@@ -27,9 +27,9 @@ CURRENT_NOISE, CURRENT_NOISE_AT_REST = 0.05, 0.01  # A
 class Drive:
     """PD control with feed-forward (Equations 2.69, 2.71); parameters of each joint, (n,).
 
-    position_gain: [1/s²]; velocity_gain: [1/s]; viscous, coulomb: friction known to the controller
-    [Nm s/rad, Nm]; torque_max: [Nm]; torque_constant: [Nm/A]. As in the target currents of a real
-    UR5, the feed-forward contains viscous friction only.
+    position_gain: [1/s²]; velocity_gain: [1/s]; viscous, coulomb: the controller's friction [Nm
+    s/rad, Nm]; torque_max: [Nm]; torque_constant: [Nm/A]. As in the target currents of a real UR5,
+    the feed-forward contains viscous friction only.
     """
 
     position_gain: Array
@@ -56,7 +56,7 @@ class Drive:
         return np.minimum(np.maximum(motors, -self.torque_max), self.torque_max)
 
     def known_friction(self, qd: Array) -> Array:
-        """Return the friction torques (..., n) [Nm] known to the controller; qd: [rad/s]."""
+        """Return the controller's friction torques (..., n) [Nm]; qd: [rad/s]."""
         # tanh instead of the sign: the current is continuous where the direction reverses
         return self.viscous * qd + self.coulomb * np.tanh(qd / MOVING_SPEED)
 
@@ -69,7 +69,7 @@ def link_torques(model: mujoco.MjModel, data: mujoco.MjData, qdd: Array) -> Arra
 
 
 def drive_of(robot: Robot, friction: FrictionParameters) -> Drive:
-    """Return the drives of an arm whose joints have this friction."""
+    """Return the drives of an arm with this friction in its joints."""
     joints = len(robot.joints)
     frequency = along_chain(NATURAL_FREQUENCY, joints)
     usual = along_chain(MAX_TORQUE_CONSTANT, joints)

@@ -19,7 +19,7 @@ from ur5lib.timeseries.arrays import Array
 # Of the UR5's joints, from base to wrist. Shares of the motor's largest torque:
 COULOMB_SHARE = np.array([0.054, 0.058, 0.054, 0.078, 0.083, 0.071])
 VISCOUS_SHARE = np.array([0.063, 0.060, 0.038, 0.077, 0.077, 0.048])  # per rad/s
-# Per root of rad/s, beside its nearest line, which is in the others.
+# The same per root of rad/s, beyond its nearest line, which is in the others.
 ROOT_SHARE = np.array([0.018, 0.009, 0.069, 0.054, 0.034, 0.0])
 ROOT_ONSET = 0.02  # rad/s, below which it is viscous, so that steps of a millisecond are stable
 LOAD_SHARE = 0.05  # Nm of friction per Nm of load
@@ -45,11 +45,11 @@ def along_chain(values: Array, joints: int) -> Array:
 class FrictionParameters:
     """Friction of an arm's joints, each parameter (n,).
 
-    coulomb: [Nm]; viscous: [Nm s/rad]; velocity_root: [Nm √(s/rad)], beside its nearest line,
-    see `ROOT_LINE`; load: Nm of friction per Nm of load; stiction: ratio of
-    breakaway to Coulomb torque; stribeck_velocity: [rad/s], at which stiction has vanished;
-    periodic, phase: of the torque periodic cos(q + phase) [Nm, rad]; presliding: [rad], elastic
-    deflection before slip; coulomb_warming, viscous_warming: relative change per kelvin [1/K].
+    coulomb: [Nm]; viscous: [Nm s/rad]; velocity_root: [Nm √(s/rad)], beyond its nearest line, see
+    `ROOT_LINE`; load: Nm of friction per Nm of load; stiction: ratio of breakaway to Coulomb
+    torque; stribeck_velocity: [rad/s], at which stiction has vanished; periodic, phase: of the
+    torque periodic cos(q + phase) [Nm, rad]; presliding: [rad], elastic deflection before slip;
+    coulomb_warming, viscous_warming: relative change per kelvin [1/K].
     """
 
     coulomb: Array

@@ -114,7 +114,7 @@ class Series(Planned):
 
 
 class Standstill(Planned):
-    """The arm holds a posture."""
+    """The arm stays in a posture."""
 
     kind: Literal["standstill"]
     posture: Joints = Field(POSTURE, description="joint angles [rad]")
@@ -187,7 +187,7 @@ class Wall(OnArm):
 
 
 class Load(Timed):
-    """A mass that is grasped, held and put down; its weight and inertia act at the point."""
+    """A mass that is grasped, carried and put down; its weight and inertia act at the point."""
 
     kind: Literal["load"]
     mass: float = Field(gt=0, le=20, description="mass [kg]")

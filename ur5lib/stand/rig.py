@@ -186,7 +186,7 @@ def perform(
     if robot.carrying(rig.declared) == rig.robot:  # then one model does for arm and controller
         mover = replace(rig, nominal=rig.plant, nominal_data=rig.data)
     for step in range(-SETTLING_STEPS, len(time)):
-        now = max(step, 0)  # while the arm settles, the first target holds
+        now = max(step, 0)  # while the arm settles, the first target applies
         mover.step(target_rows[now], warmth[now], rows[now])
     return Experiment(rig, plan, states, targets)
 

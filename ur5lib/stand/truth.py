@@ -58,8 +58,8 @@ class TrueDrive:
 class TrueParameters:
     """What estimates are compared with of truth.json, which `write_truth` writes.
 
-    model: simulated link model; friction: `FrictionParameters` (n,) of the stand, by name; clocks:
-    `offset_s` and `drift_ppm` by device.
+    model: simulated link model; friction: `FrictionParameters` (n,) of the test stand, by name;
+    clocks: `offset_s` and `drift_ppm` by device.
     """
 
     robot: str

@@ -24,7 +24,7 @@ CHANNELS += [f"imu_{sensor}{axis}" for sensor in "ag" for axis in "xyz"]
 
 
 class ComparedMotion(NamedTuple):
-    """A recording's motion beside its IMU, with its errors and the test of the smoother."""
+    """A recording's motion compared with its IMU, its errors and the test of the smoother."""
 
     fused: FusedMotion
     accelerations: Accelerations

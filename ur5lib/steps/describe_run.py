@@ -26,7 +26,7 @@ def describe_run(
     tables: list[Path],
     figures: list[Path],
 ) -> DescribedRun:
-    """Return what ro-crate-metadata.json holds; files: checksums of the recordings' files."""
+    """Return the content of ro-crate-metadata.json; files: checksums of the recordings' files."""
     folder = report[0].parent
     results, used = (
         [*map(str, one)] for one in ([*report, *tables, *figures], [*raw, *extensions])

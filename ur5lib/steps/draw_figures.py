@@ -34,7 +34,7 @@ def draw_figures(
     """
     hidden = kinematics.smallest_singular_value < min_singular_value
     beside = forces, sensor, hidden
-    # each figure reads its signals anew, so that none holds those of another
+    # each figure reads its signals anew, so that none keeps those of another in memory
     return {
         "packets": figures.packet_figure(signals.anew()),
         "torques": figures.torque_figure(signals.anew(), torques, arm),

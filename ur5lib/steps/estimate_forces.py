@@ -57,7 +57,7 @@ def estimate_forces(
         run = replace(run, static=static)
     estimates = {name: one.estimate(run) for name, one in ESTIMATORS.items()}
     background, time = run.background, motion.anew()
-    del run  # of a long recording, either all inputs are held or all results
+    del run  # of a long recording, memory has either all inputs or all results
     return Forces.of(time, estimates, background)
 
 
@@ -69,7 +69,7 @@ def most_probable(
     prior: ContactPrior,
     place: ContactPlace,
 ) -> WrenchEstimate | None:
-    """Return F̂ᵐᵃᵖ, None where its torque is not known."""
+    """Return F̂ᵐᵃᵖ, None where its torque is unknown."""
     problem = fmap_problem(motion, currents, residuals)
     if problem is None:
         return None
@@ -86,7 +86,7 @@ def static_forces(
     lowpass: Butterworth,
     typical_force: float,
 ) -> Stated | None:
-    """Return the wrench of a resting arm, NaN in motion; None without currents or known constants.
+    """Return the wrench of a resting arm, NaN in motion; None without currents or torque constants.
 
     jacobian: (N, 6, 6); lowpass: of currents; typical_force: of contacts [N].
     """
@@ -95,7 +95,7 @@ def static_forces(
         return None
     try:
         prior = prior_of(robot, [controllers_ratio(signals, motion)])
-    except ValueError:  # neither the maker nor the controller tells the constants
+    except ValueError:  # neither the maker nor the controller gives the constants
         return None
     smooth, inverse = Smoother(*lowpass), prior.inverse_constant.mean
     error = np.sqrt(np.diag(np.linalg.inv(prior.inverse_constant.precision))) / inverse

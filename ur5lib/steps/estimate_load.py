@@ -1,4 +1,4 @@
-"""The mass on the flange beyond the arm's model and known payload, from motor currents alone."""
+"""The mass on the flange beyond the arm's model and given payload, from motor currents alone."""
 
 from collections.abc import Mapping, Sequence
 

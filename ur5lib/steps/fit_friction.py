@@ -48,11 +48,12 @@ from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
 
-# Joints whose current does not follow their torque: the others tell a force.
+# At most so many joints may have a current that does not follow the torque: the others show a
+# force.
 MAX_JOINTS_WITHOUT_LOAD = 3
-# Joints whose torque has another gain, by a spring, a column or a link.
+# At most so many joints may have another gain of the torque, by a spring, a column or a link.
 MAX_JOINTS_OF_OTHER_GAIN = 1
-# Remarks on a joint that contradicts its known constant, which stands in.
+# Remarks on a joint that contradicts its documented constant, which is used instead.
 UNEXPLAINED = "current against constant", "torque against gain"
 MIN_GAIN = 0.4  # of such a joint; of a smaller one, a unit is wrong
 
@@ -119,7 +120,7 @@ def _unknown_links(arm: Robot) -> Remark:
 
 
 def with_causes(fit: CurrentFit, doubts: Mapping[int, Finding], arm: Robot) -> CurrentFit:
-    """Return a fit that names the cause of known constants that joints contradict, where the checks
+    """Return a fit that names the cause where joints contradict documented constants, if the checks
     of its recordings name one; doubts: about the arm's links, by joint from 1.
     """
 
@@ -189,7 +190,7 @@ def fitted_friction(
 
 
 def _expected_friction(prior: Prior, model: str, accepted: Mapping[str, str]) -> Friction:
-    """Return what is known without motion: without typical friction, torque constants alone."""
+    """Return what follows without motion: without typical friction, torque constants alone."""
     if not prior.typical and prior.at_rest is None:
         text = f"no recording with the role “fit” has {prior.measured.channel}"
         raise RefusalError("no fit recording", text)
@@ -214,7 +215,7 @@ def _expected_friction(prior: Prior, model: str, accepted: Mapping[str, str]) ->
 
 
 def known_constants(prior: Prior) -> KnownConstants:
-    """Return the torque constants known before the fit."""
+    """Return the torque constants given before the fit."""
     inverse = prior.inverse_constant.mean
     return KnownConstants(1 / inverse, prior.std() / inverse**2)
 
@@ -310,7 +311,7 @@ def require_known_side(arm: Robot) -> None:
 def require_gains_of_one(fit: CurrentFit) -> None:
     """Raise ContradictionError when measured torques are not those that the description needs.
 
-    Of a single joint, which a spring or a column may have, the known gain of 1 stands in.
+    A single joint, where a spring or a column may be the cause, keeps the gain of 1.
     """
     gains = [joint.contradicted for joint in fit.joints]
     each = [
@@ -337,9 +338,9 @@ def _other_gain(joint: int, gain: float) -> str:
 def require_known_constants(fit: CurrentFit, prior: Prior) -> None:
     """Raise ContradictionError when fitted torque constants are far from those of the arm.
 
-    One that is too small is a wrong unit, arm or payload. A few that are too large are joints
-    whose current does not follow their torque, which the fit has found itself. One that is so by
-    less than its own error tells nothing.
+    One that is too small is a wrong unit, arm or payload. A few that are too large belong to joints
+    with a current that does not follow the torque, which the fit has found itself. One that is so
+    by less than its own error shows nothing.
     """
     makers = (1 / prior.inverse_constant.mean).tolist()
     pairs = zip(fit.joints, makers, strict=True)

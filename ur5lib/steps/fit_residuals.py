@@ -28,7 +28,7 @@ from ur5lib.records.motion import Motion
 from ur5lib.records.phrases import numbered
 from ur5lib.timeseries.segments import unbroken
 
-MIN_REST_DURATION = 10.0  # s, below which hardly anything shows what friction holds at rest
+MIN_REST_DURATION = 10.0  # s; a shorter rest shows almost nothing of what friction carries there
 # Usual error along a path that no fit has seen, by joint state, relative to Coulomb friction: in
 # motion the median of joints of four arms; at rest the root mean square of the joints of a UR5
 # (0.77, 1.02, 0.76) and a UR10e (0.31, 0.40, 0.36) fitted to one recording. The part of it that
@@ -37,7 +37,7 @@ MIN_REST_DURATION = 10.0  # s, below which hardly anything shows what friction h
 ERRORS_AT_USUAL_SPEED = np.array([0.13, 0.13, 0.6, 0.75, 0.6])
 ERRORS_IN_FAST_MOTION = np.array([0.5, 0.5, 0.5, 0.4, 0.15])
 USUAL_SPEED, USUAL_LOAD = 0.5, 3.0  # of an arm: [rad/s]; its load, in Coulomb friction
-FORCE_DIRECTIONS = 3  # of a force: as many joints, or all, must have a known torque
+FORCE_DIRECTIONS = 3  # a force needs a finite torque on so many joints, or on all
 
 
 def fit_residuals(
@@ -89,9 +89,8 @@ def _unknown_torques(joints: Sequence[int]) -> Remark:
 def usual_model(fit: CurrentFit, cutoff: float) -> ResidualModel:
     """Return the residual model of an arm like others; arguments as above.
 
-    The errors are ERRORS_AT_USUAL_SPEED, beside those of coefficients that no
-    motion confirmed, at a usual speed
-    and load.
+    The errors are ERRORS_AT_USUAL_SPEED, in addition to those of coefficients that no motion
+    confirmed, at a usual speed and load.
     """
     coulomb, constant = breakaway_torque(fit), torque_constants(fit)
     load = USUAL_LOAD * coulomb  # Nm
@@ -150,7 +149,7 @@ def _remarks(
 
 
 def _residual_model(runs: Sequence[ForceInput], friction: Friction, cutoff: float) -> ResidualModel:
-    """Return what the runs show; other arms' errors stand for paths that are missing."""
+    """Return what the runs show; other arms' errors replace those of missing paths."""
     stretches = [
         TorqueStretch(one.torque[rows], one.states[rows], one.period)
         for one in runs

@@ -1,5 +1,5 @@
 """The link models that torques show: the controller's those of rotors, then of rigid bodies; the
-joints' own those of an arm whose links are unknown.
+joints' own those of an arm with unknown links.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -114,9 +114,9 @@ def with_unknown_links(
 def measured_runs(
     robot: Robot, name: str, signals: Signals, motion: Motion
 ) -> Iterator[MeasuredRun]:
-    """Yield a recording with measured torques, less that of the payload told to the controller.
+    """Yield a recording with measured torques, less that of the payload set in the controller.
 
-    robot: under the recording's gravity; of currents, its known constants give the torques.
+    robot: under the recording's gravity; of currents, its torque constants give the torques.
     """
     model, states = LinkModel(robot, robot.chosen_model), (motion.q, motion.motor_qd, motion.qdd)
     loaded = LinkModel(robot.carrying(configured_payload(signals)), robot.chosen_model)

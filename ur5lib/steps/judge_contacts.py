@@ -1,4 +1,5 @@
-"""Contacts by each estimate, beside the sensor; which of them are loads, or off the flange."""
+"""Contacts by each estimate, compared with the sensor; which of them are loads, or off the
+flange."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -66,7 +67,7 @@ def judge_contacts(
     gravity: list[float] | None = None,
     further: FurtherForces | None = None,
 ) -> Contacts:
-    """Return the contacts by each estimate that has a threshold, beside the sensor.
+    """Return the contacts by each estimate that has a threshold, compared with the sensor.
 
     Of the leading one, also whether they are at the flange. compared: with the errors of each
     contact at the sensor; arm: as fitted; role: of the recording, which says whether anything
@@ -120,7 +121,7 @@ def force_change(
 def place_row(
     place: ContactPlace, change: float | None, sensor: SensorWrenches, kinematics: Kinematics
 ) -> PlaceRow:
-    """Return where contacts are assumed, beside where a sensor shows them."""
+    """Return where contacts are assumed, and where a sensor shows them."""
     x, y, z = place.point
     row = PlaceRow(
         source=place.source, x_m=x, y_m=y, z_m=z, within_m=place.within, force_change_n=change

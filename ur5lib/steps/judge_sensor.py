@@ -1,4 +1,4 @@
-"""The force sensor's wrench, and every estimate of the contact wrench beside it."""
+"""The force sensor's wrench, and every estimate of the contact wrench compared with it."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -43,7 +43,8 @@ SATURATED_SHARE = 0.999  # of a channel's largest value, which is this value
 
 
 class JudgedSensor(NamedTuple):
-    """The force sensor's wrench, and every estimate beside it; both empty without a sensor."""
+    """The force sensor's wrench, and every estimate compared with it; both empty without a
+    sensor."""
 
     sensor: SensorWrenches
     compared: Compared
@@ -68,12 +69,12 @@ def judge_sensor(
     gravity: list[float] | None = None,
     further: FurtherForces | None = None,
 ) -> JudgedSensor:
-    """Return the force sensor's wrench, and every estimate of a recording beside it.
+    """Return the force sensor's wrench, and every estimate of a recording compared with it.
 
-    force: the sensor's samples on its own clock; arm: as fitted; role: of the recording, whose
-    errors are of no use where a fit has used it; bias_window_s: at the start, free
-    of contact; mounting: place [m] and turn [°] of the sensor as the study states them; gravity: in
-    the arm's base frame [m/s²], None as described.
+    force: the sensor's samples on its own clock; arm: as fitted; role: of the recording; errors are
+    of no use where a fit has used it; bias_window_s: at the start, free of contact; mounting: place
+    [m] and turn [°] of the sensor as the study states them; gravity: in the arm's base frame
+    [m/s²], None as described.
     """
     if signals.force_sensor is None:
         return JudgedSensor(SensorWrenches(time=signals.time, segment=signals.segment), Compared())
@@ -163,9 +164,9 @@ def beside_sensor(
     at_limit: Mask,
 ) -> Compared:
     """Return the offsets taken off the reading, doubts about them and the mounting, what the sensor
-    felt, and the errors beside it.
+    felt, and the errors against it.
 
-    What is in contact and what is free follows from the sensor less bias and tool weight. Beside a
+    What is in contact and what is free follows from the sensor less bias and tool weight. With a
     sensor without moments, forces alone are compared, and nothing where it is saturated, at_limit:
     (N,). compared: of `compared_estimates`.
     """

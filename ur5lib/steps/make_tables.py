@@ -142,7 +142,8 @@ def rows_of_recordings(
     contacts: Mapping[str, Contacts],
     imu: Mapping[str, ImuComparison],
 ) -> dict[str, Rows]:
-    """Return the rows that recordings have, by themselves and beside their sensors, by table."""
+    """Return the rows that recordings have, by themselves and compared with their sensors, by
+    table."""
     return {
         **{
             field.name: {name: getattr(one, field.name) for name, one in judged.items()}
@@ -179,9 +180,9 @@ def found_of_recordings(
 
 
 def beside_sensor_findings(own: list[Finding], compared: Compared, role: str) -> list[Finding]:
-    """Return the findings of a recording with those beside its force sensor.
+    """Return the findings of a recording, with those against its force sensor.
 
-    own: by its files, whose warning of a contact in the raw readings says less than the error.
+    own: by its files; their warning of a contact in the raw readings says less than the error.
     """
     if (touch := touched(compared.sensed, role)) is not None:
         raw = ("force", CONTACT)

@@ -9,7 +9,7 @@ from ur5lib.signals import clock
 def pool_drifts(
     clocks: Mapping[str, dict[str, OwnClock]], hosts: dict[str, list[str]]
 ) -> dict[str, HostDrift]:
-    """Return the drifts by device; hosts: the devices whose clocks are one.
+    """Return the drifts by device; hosts: the devices that share a clock.
 
     clocks: of the devices of an arm's contact-free recordings.
     """

@@ -1,4 +1,4 @@
-"""The current that motion without contact needs, and the external torque beside it."""
+"""The current that motion without contact needs, and the external torque beyond it."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace

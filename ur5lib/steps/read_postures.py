@@ -1,4 +1,4 @@
-"""A recording of postures at rest: what it tells of gravity, and what contradicts the study."""
+"""A recording of postures at rest: what it shows of gravity, and what contradicts the study."""
 
 from collections.abc import Mapping
 from dataclasses import replace

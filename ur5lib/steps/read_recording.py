@@ -24,7 +24,7 @@ NO_SAMPLES = pd.DataFrame({"time": pd.Series(dtype=float)})
 
 
 class ReadRecording(NamedTuple):
-    """A recording as read: each device on its own clock, and its clock beside the robot's.
+    """A recording as read: each device on its own clock, and its clock relative to the robot's.
 
     clocks: by device, from its start stamp and its motion.
     """

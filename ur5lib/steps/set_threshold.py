@@ -27,12 +27,13 @@ def set_threshold(
     """Return the threshold by estimate.
 
     forces, signals, further: of the arm's `fit` recordings; without published estimates, that of
-    the controller stands for them.
+    the controller replaces them.
     """
     odds: Evidence = [(dict(one.log_odds), one.period) for one in forces.values()]
     rate = false_alarms_per_min
     found = thresholds(GATED, odds, alarm_threshold, rate)
-    # without odds of contact, no force is stated, and nothing stands beside the published ones
+    # without odds of contact, no force is stated, and there is nothing to compare with the
+    # published ones
     if found:
         known = further or {}
         sizes: Evidence = []

@@ -42,12 +42,12 @@ class Accept(Strict):
     @field_validator("*", mode="before")
     @classmethod
     def _is_stated(cls, reason: Any) -> Any:
-        """Raise ValueError for a kind whose reason is left empty."""
+        """Raise ValueError for a kind without a reason."""
         return _stated("") if reason is None else reason
 
 
 def joined(general: Accept | None, own: Accept | None) -> Accept | None:
-    """Return the reasons of a study and of its recording, whose own ones go first."""
+    """Return the reasons of a study and of its recording, with its own ones first."""
     if general is None or own is None:
         return general or own
     return general.model_copy(update=own.model_dump(exclude_none=True))

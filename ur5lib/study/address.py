@@ -67,7 +67,7 @@ def _without_report(address: str) -> Path:
 
 
 def _expect_no_neighbour(path: Path) -> None:
-    """Raise InputError where a YAML file beside one that is missing has nearly its name."""
+    """Raise InputError where a YAML file next to a missing one has nearly its name."""
     if isdir(path.parent):
         files = [one.name for one in path.parent.iterdir() if one.suffix in YAML_SUFFIXES]
         if near := perhaps(path.name, files):

@@ -1,4 +1,5 @@
-"""What a study gives each step of the chain beside records: the same by rules and in memory."""
+"""What a study gives each step of the chain in addition to records: the same by rules and in
+memory."""
 
 from collections.abc import Callable, Mapping
 from functools import partial

@@ -1,7 +1,7 @@
 """Snakemake reads a study as `ur5 check` does.
 
-Its own reader runs code that a file holds, where the file has the key `__use_yte__`, and no option
-of Snakemake's prevents that: https://github.com/snakemake/snakemake/pull/2269. It reads what
+Its own reader runs code in a file, where the file has the key `__use_yte__`, and no option of
+Snakemake's prevents that: https://github.com/snakemake/snakemake/pull/2269. It reads what
 `--configfile` names before it looks at the Snakefile, but after the profile. Therefore the profiles
 call `read_studies_as_data`, which puts another reader in the place of Snakemake's, here alone.
 """

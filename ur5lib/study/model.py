@@ -153,7 +153,7 @@ class Part(Strict):
         return load.joined(tool.payload() if tool else None) if load else tool and tool.payload()
 
     def stated_contact_place(self) -> tuple[Vector3, float] | None:
-        """Return the place of contacts [m], frame 6, and within how many metres it is known."""
+        """Return the place of contacts [m], frame 6, and within how many metres they lie."""
         place = self.contact_place
         return None if place is None else (place.position_m, place.within_m)
 
@@ -230,7 +230,7 @@ class RtdeRecording(RtdeFiles, RecordedEntry):
 
 
 class TableRecording(TableFiles, Part):
-    """Any delimited table whose columns the study declares."""
+    """Any delimited table with columns that the study declares."""
 
 
 class StoredRecording(StoredFiles, Part):

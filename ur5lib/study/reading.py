@@ -1,6 +1,6 @@
 """Reading of a study: all of its errors are reported at once.
 
-A pattern in the `file` of an entry stands for an entry of each file that it matches.
+A pattern in the `file` of an entry gives an entry of each file that it matches.
 """
 
 import math
@@ -32,7 +32,7 @@ WILDCARD = re.compile(r"[*?\[]")
 DAY_IN_PATH = re.compile(r"(?<!\d)(20\d\d)[-_]?(\d\d)[-_]?(\d\d)(?!\d)")
 FORBIDDEN_CHARACTERS = re.compile(r"[^A-Za-z0-9_.-]+")
 ENTRY_PLACE = re.compile(r"recordings\[\d+\]")  # in the key of a mistake
-CODE_KEY = "__use_yte__"  # Snakemake runs what a file with this key holds
+CODE_KEY = "__use_yte__"  # Snakemake runs what is in a file with this key
 TRUTH_SUFFIXES = (".parquet", ".json")
 FILE_KEYS = {"folder", "file", "force_sensor", "imu", "truth", "home_deg", "directions"}
 
@@ -121,7 +121,7 @@ def is_pattern(entry: Any) -> bool:
 
 
 def of_each_file(entry: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """Yield the entries that an entry with a pattern stands for, in the order of their paths.
+    """Yield the entries that an entry with a pattern gives, in the order of their paths.
 
     To the name, what the path has beyond the folder is added, without suffix; the date is the first
     in the path, as 2026-03-09, 2026_03_09 or 20260309, unless the entry has one.
@@ -252,7 +252,7 @@ def _missing_results(raw: PlainData) -> Iterator[str]:
 
 
 def _wrong_reference(file: Any) -> Iterator[str]:
-    """Yield the error of a file of published values that holds no YAML mapping."""
+    """Yield the error of a file of published values that is no YAML mapping."""
     if isinstance(file, str) and os.path.isfile(file):
         try:
             read_plain(Path(file))
@@ -293,14 +293,14 @@ def study_text(study: Study) -> str:
     """Return a study with every default filled in, as YAML that `parse_study` reads."""
     plain = study.model_dump(exclude_none=True)
     for recording in plain["recordings"]:
-        if "simulate" in recording:  # whose files the test stand names
+        if "simulate" in recording:  # the test stand names its files
             for key in FILE_KEYS & recording.keys():
                 del recording[key]
     return yaml.dump(plain, Dumper=FAST_DUMPER, sort_keys=False, allow_unicode=True)
 
 
 def _different_arms(study: Study) -> Iterator[str]:
-    """Yield errors for different arms of one name, whose recordings would be fitted together."""
+    """Yield errors for different arms of one name: their recordings would be fitted together."""
     arms = study.arms()
     for recording in study.recordings:
         if recording.arm.itself() != arms[recording.arm.known_as]:

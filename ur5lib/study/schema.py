@@ -57,7 +57,7 @@ def _parts(schema: Schema) -> Iterator[tuple[str, str, Schema]]:
 
 
 def _named(node: Schema) -> Iterator[tuple[str, str, str]]:
-    """Yield the parts that a key may hold: [] for lists, kind, name of the schema."""
+    """Yield the parts that a key may have: [] for lists, kind, name of the schema."""
     if "$ref" in node:
         yield "", "", node["$ref"].rsplit("/", 1)[-1]
     kinds: dict[str, list[str]] = {}

@@ -129,7 +129,7 @@ class Selection:
         return some.get(step, [*self.recordings])
 
     def has_force_sensor(self, name: str) -> bool:
-        """Return whether a recording names or holds a file of a force sensor."""
+        """Return whether a recording names or has a file of a force sensor."""
         stated = getattr(self.recordings[name], "force_sensor", None)
         return bool(stated) or any("force_sensor" in path for path in self.raw_files(name))
 

@@ -21,7 +21,7 @@ def take_turn(results: Path, wait: bool = False) -> TextIO:
     """Return the open lock of a study's results; it is released when its process ends.
 
     Its file goes then, too, which names the user. wait: until another run of the study has ended.
-    Raises InputError that names the other run. On a shared folder, the lock holds between machines
+    Raises InputError that names the other run. On a shared folder, the lock works between machines
     where its file system passes `flock` on.
     """
     results.mkdir(parents=True, exist_ok=True)

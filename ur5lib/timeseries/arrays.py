@@ -11,7 +11,7 @@ from pydantic_core.core_schema import no_info_plain_validator_function as by
 
 @dataclass(frozen=True)
 class FromLists:
-    """Reads an array from JSON, where its rows are lists and null stands for NaN."""
+    """Reads an array from JSON, where its rows are lists and null is NaN."""
 
     dtype: type
 

@@ -194,9 +194,9 @@ def _filter_steps(system: LinearSystem, x: Array, P: Array) -> Iterator[FilterSt
 def _lane_ends(system: LinearSystem, before: Gaussians) -> Iterator[Gaussians]:
     """Yield the state after each lane, (1, B, X); before: that before the first.
 
-    All lanes are filtered side by side, each from a state of 0, exactly known. From any other state
-    x, a lane ends at A x + b with the same covariance C, and its measurements have a log-likelihood
-    of ηᵀ x - ½ xᵀ J x (Särkkä and García-Fernández, IEEE Trans. Automatic Control 66, 2021).
+    All lanes are filtered side by side, each from a state of exactly 0. From any other state x, a
+    lane ends at A x + b with the same covariance C, and its measurements have a log-likelihood of
+    ηᵀ x - ½ xᵀ J x (Särkkä and García-Fernández, IEEE Trans. Automatic Control 66, 2021).
     """
     lanes = max(1, len(system.z) // LANE_SAMPLES)
     parts = system.side_by_side(lanes)

@@ -59,8 +59,8 @@ def coverage(estimate: Array, std: Array, reference: Array, stated: float = 0.95
 
 
 def band_factor(estimate: Array, std: Array, reference: Array) -> Array:
-    """Return the factor by which each column's 95 % band would have to be wider to hold 95 % of the
-    references: below 1, it is too wide.
+    """Return the factor by which each column's 95 % band would have to be wider to contain 95 % of
+    the references: below 1, it is too wide.
     """
     band = NORMAL95 * np.where(std > 0, std, np.nan)
     return finite_quantile(np.abs(reference - estimate) / band, BAND_COVERAGE)

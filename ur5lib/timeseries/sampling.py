@@ -4,7 +4,8 @@ import numpy as np
 
 from ur5lib.timeseries.arrays import Array, Labels
 
-STEP_IN_PERIODS = 0.064  # of a low-pass's cut-off, between samples that hold all that it leaves
+# Samples so many periods of the cut-off apart contain all that a low-pass leaves.
+STEP_IN_PERIODS = 0.064
 
 
 def thinning(period: float, cutoff: float) -> int:

@@ -81,8 +81,8 @@ def group_by_path(runs: Iterable[PathStates]) -> Labels:
     """Return labels (R,) of runs by trajectory, from 0.
 
     A part of a longer run belongs to its trajectory; the relation is transitive. Runs that are no
-    part of an earlier one stand for their trajectory: the others are not compared with later ones,
-    so that of thousands of repetitions few are held.
+    part of an earlier one represent their trajectory: the others are not compared with later ones,
+    so that of thousands of repetitions few are kept.
     """
     labels, representatives = list[int](), list[tuple[int, PathStates]]()
     for place, run in enumerate(runs):

@@ -1,4 +1,4 @@
-"""Commands of the packages beside this one: an entry point of the project names each.
+"""Commands of the packages next to this one: an entry point of the project names each.
 
 In a clone, installed or not, pyproject.toml itself is read. A package that was deleted has none.
 """
@@ -26,7 +26,7 @@ class Command(NamedTuple):
 
 
 def commands_beside() -> Iterator[Command]:
-    """Yield the commands of the packages that lie beside this one, in the order of their names."""
+    """Yield the commands of the packages that lie next to this one, in the order of their names."""
     for name, place in sorted(entry_points().items()):
         module, _, _ = place.partition(":")
         package, _, _ = module.partition(".")

@@ -137,7 +137,7 @@ def _module(source: str, load: Callable[[], Any]) -> ModuleType:
 
 
 def failed(source: str, error: Exception) -> InputError:
-    """Return the error of an extension whose own code raised one."""
+    """Return the error of an extension in which its own code raised one."""
     cause = traceback.format_exception_only(error)[-1].strip()
     return InputError(f"{source}{_line_of(source, error)} fails ({cause}); correct it")
 

@@ -1,10 +1,10 @@
-"""Where the workflow lies: in a clone beside the package, in an installed package inside it."""
+"""Where the workflow lies: in a clone next to the package, in an installed package inside it."""
 
 from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1]
 _PACKAGED_WORKFLOW = PACKAGE / "workflow"  # pyproject.toml puts it there
 IN_CLONE = not _PACKAGED_WORKFLOW.is_dir()
-WORKFLOW = PACKAGE.parent if IN_CLONE else _PACKAGED_WORKFLOW  # holds Snakefile and profiles
+WORKFLOW = PACKAGE.parent if IN_CLONE else _PACKAGED_WORKFLOW  # Snakefile and profiles are there
 SNAKEFILE = WORKFLOW / "Snakefile"
 CITATION = WORKFLOW / "CITATION.cff"

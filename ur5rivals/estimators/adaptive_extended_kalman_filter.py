@@ -4,11 +4,10 @@
 
 The state is the external torque d, the logarithm α by which friction differs from the predicted
 one, and the logarithm κ by which the torque constant does. The torque wanders quickly and the
-logarithms slowly, which is what tells them apart; all are zero at first, because all estimators are
-given the same friction and constants. The paper filters angles and velocities of three joints and
-adapts the noise of the unknown input; here, the motion is given, the motor's torque k i is
-measured, and friction and torque constant adapt, as the thesis suggests in Section 6.3 (an adaptive
-observer).
+logarithms slowly, which distinguishes them; all are zero at first, because all estimators are given
+the same friction and constants. The paper filters angles and velocities of three joints and adapts
+the noise of the unknown input; here, the motion is given, the motor's torque k i is measured, and
+friction and torque constant adapt, as the thesis suggests in Section 6.3 (an adaptive observer).
 
 J. Jung, J. Lee, K. Huh: Robust contact force estimation for robot manipulators in three-dimensional
 space. Proceedings of the Institution of Mechanical Engineers, Part C 220(9) (2006).

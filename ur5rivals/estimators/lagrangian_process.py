@@ -1,9 +1,9 @@
 """A Gaussian process of an arm's energies for the motors' torque [Giacomuzzo et al. 2024].
 
 LIP learns the motors' whole torque without friction or rigid-body model; what is measured beyond
-it is the external torque, through the low-pass of causal least squares. Beside the energies of
-`lagrangian_kernel`, each joint has dry and viscous friction, and noise. Unlike in the paper, both
-factors of a square weigh alike, the constants have a prior, and samples are few, so that one
+it is the external torque, through the low-pass of causal least squares. In addition to the energies
+of `lagrangian_kernel`, each joint has dry and viscous friction, and noise. Unlike in the paper,
+both factors of a square weigh alike, the constants have a prior, and samples are few, so that one
 processor learns in seconds.
 
 G. Giacomuzzo, R. Carli, D. Romeres, A. Dalla Libera: A black-box physics-informed estimator based
@@ -70,7 +70,7 @@ class Process(NamedTuple):
 
 
 def process_of(logs: Tensor, joints: int) -> Process:
-    """Return the process whose constants have logarithms (n² + 5 n + 1,), in prior widths."""
+    """Return the process with constants of these logarithms (n² + 5 n + 1,), in prior widths."""
     rows, columns = torch.tril_indices(joints, joints)
     sizes = [len(rows), len(rows), joints, joints, joints, joints, 1]
     speed, turn, posture, dry, viscous, noise, size = (PRIOR_WIDTH * logs).split(sizes)

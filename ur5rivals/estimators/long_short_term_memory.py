@@ -110,7 +110,7 @@ def motion(run: Run, *, with_error: bool) -> TrainingSamples:
     """Return sequences of past states in the order of time, (N, SEQUENCE_LENGTH * 12 or 18), and
     k i [Nm].
 
-    At the start of a stretch, its first state stands for what was before.
+    At the start of a stretch, its first state replaces what was before.
     """
     states = [run.q, run.qd]
     if with_error and run.position_error is not None:

@@ -1,4 +1,4 @@
-"""This project's gated estimates, as the study holds them (docs/methods.md)."""
+"""This project's gated estimates, as the study has them (docs/methods.md)."""
 
 from ur5lib.force.estimators import ESTIMATES, GATED, LEADING
 from ur5rivals.estimator import Contender, ready

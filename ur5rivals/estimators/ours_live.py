@@ -25,7 +25,7 @@ FALSE_PER_MIN = 1.0  # alarms, by which no force changes
 
 @dataclass(frozen=True)
 class LiveMap:
-    """known: what runs without contact tell, as `learned` returns it."""
+    """known: what runs without contact show, as `learned` returns it."""
 
     known: dict[str, Any]
 

@@ -4,9 +4,9 @@
 
 The motors' torque is taken from the position error instead of the current: what the loop adds to
 the torque of the model. The paper detunes the loops of a robot, so that the error becomes large and
-a known gain turns it into a torque. The loops here are stiff and closed, and so gains and constant
+a given gain turns it into a torque. The loops here are stiff and closed, and so gains and constant
 follow from the contact-free recordings, by least squares against the friction that the loop must
-overcome there. The paper's estimator of the force, which is told what touches the robot, is left
+overcome there. The paper's estimator of the force, which is given what touches the robot, is left
 out: all estimators share the way from torque to force.
 
 A trial push cannot show a latency, because the motion does not react to it. That of the low-pass is

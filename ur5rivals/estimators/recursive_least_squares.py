@@ -3,11 +3,11 @@
     min Σ_i λ^(k-i) (τ_i - J_vᵀ F_k)ᵀ S⁻¹ (τ_i - J_vᵀ F_k)
 
 The dynamics pass a first-order filter, so that they need no acceleration: what they leave is the
-torque τ of the first-order momentum observer. The recursion is written by its information, whose
-sums forget exponentially, and gives the same force. As for all estimators, the joints are weighted
-by their noise S, which the paper does not do; the Jacobian, which changes little within the
-filter's time, is not filtered. The band counts one sample's information alone, because errors of
-friction last longer than the memory.
+torque τ of the first-order momentum observer. The recursion is written by its information, with
+sums that forget exponentially, and gives the same force. As for all estimators, the joints are
+weighted by their noise S, which the paper does not do; the Jacobian, which changes little within
+the filter's time, is not filtered. The band counts one sample's information alone, because errors
+of friction last longer than the memory.
 
 M. Van Damme, P. Beyl, B. Vanderborght, V. Grosu, R. Van Ham, I. Vanderniepen, A. Matthys,
 D. Lefeber: Estimating robot end-effector force from noisy actuator torque measurements. ICRA

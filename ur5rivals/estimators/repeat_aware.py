@@ -2,8 +2,8 @@
 
 Friction depends on position and direction in a way that no formula describes, but it repeats. Where
 a run passes the configuration of a contact-free one at the same velocity, the external torque of
-that one is subtracted. How well it repeats, contact-free runs tell that are subtracted from one
-another.
+that one is subtracted. Contact-free runs that are subtracted from one another show how well it
+repeats.
 """
 
 from collections.abc import Sequence

@@ -4,8 +4,8 @@
 
 K-VARK learns mean μ and variance σ² of what friction and model leave of the torque τ, as functions
 of the motion, and filters the external torque d by them; the noise of v adapts by variational
-Bayes. So far the paper's abstract. The rest is this benchmark's own: `regime_process`, whose noise
-depends on the joint and its regime (at rest, reversing, slow, fast), stands for its movement
+Bayes. So far the paper's abstract. The rest is this benchmark's own: `regime_process`, with noise
+that depends on the joint and its regime (at rest, reversing, slow, fast), replaces its movement
 primitives, each joint is filtered alone, and the variance before a sample adapts by the rule of
 Huang et al. 2018.
 
@@ -65,7 +65,7 @@ class VarianceAware:
 
 
 def moments(values: Array) -> tuple[Array, Array]:
-    """Return mean and variance (N, 6) that stand side by side."""
+    """Return mean and variance (N, 6) that are side by side."""
     return values[:, :6], values[:, 6:]
 
 

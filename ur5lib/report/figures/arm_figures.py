@@ -199,7 +199,7 @@ def _draw_frames(axis: Axes, rotation: Array, origin: Array, frames: Sequence[in
 def _draw_links(
     axis: Axes, origin: Array, parameters: Sequence[DenavitHartenberg], frames: Sequence[int]
 ) -> None:
-    """Draw the links between some frames, each with its parameters other than zero beside it."""
+    """Draw the links between some frames, each with its parameters other than zero next to it."""
     axis.plot(
         *(OBLIQUE_VIEW @ origin[[*frames]].T), "o-", color="#999999", markersize=4, linewidth=3
     )

@@ -24,8 +24,8 @@ LINE_DASHES = ("-", "--")
 
 @contextmanager
 def joint_panels(joints: int, axes: tuple[str, str]) -> Iterator[tuple[Figure, list[Axes]]]:
-    """Provide a figure and a panel for each joint; axes: labels of x and y with units, in which {}
-    stands for the joint.
+    """Provide a figure and a panel for each joint; axes: labels of x and y with units, with {} for
+    the joint.
     """
     rows = -(-joints // 3)
     with house_style(2.2 * rows, rows, 3) as (figure, panels):
@@ -60,8 +60,8 @@ def scatter_panels(
 
 
 def by_joint(columns: Mapping[str, Array]) -> pd.DataFrame:
-    """Return the numbers of panels, joint after joint; columns: (N, n), or fewer rows, by name, in
-    which {} stands for the joint.
+    """Return the numbers of panels, joint after joint; columns: (N, n), or fewer rows, by name,
+    with {} for the joint.
     """
     joints = range(next(iter(columns.values())).shape[1])
     named = {name.format(j + 1): own[:, j] for j in joints for name, own in columns.items()}

@@ -163,8 +163,8 @@ def current_figures(
 ) -> dict[str, Drawing]:
     """Return the figures of currents over torque and of residuals by name.
 
-    constant, known: torque constants (6,) [Nm/A] of the fit, and those known before it; effort:
-    that is measured.
+    constant, known: torque constants (6,) [Nm/A] of the fit, and those before it; effort: that is
+    measured.
     """
     symbol, unit = SYMBOLS[effort], effort.unit
     axis = f"{symbol} [{unit}]"

@@ -76,10 +76,11 @@ GAP_STYLE: Any = {"facecolor": "none", "edgecolor": "#999999", "hatch": "////", 
 SHADE_STYLE: Any = {"color": "#000000", "alpha": 0.12, "linewidth": 0}
 PAGE_WIDTH = 7.2  # inches, of A4 between margins
 ALONE_HEIGHT = 3.6  # inches, of a panel shown alone
-LABEL_DISTANCE = 0.6  # inches from a y-axis to its label, beside tick labels such as −0.0025
+# Inches from a y-axis to its label, which leaves room for ticks such as −0.0025.
+LABEL_DISTANCE = 0.6
 IMAGE_DPI = 130  # of images inside a figure
 LETTER_WIDTH = 0.6  # of their size
-LEGEND_LINE_LETTERS = 8  # that a line takes beside its label
+LEGEND_LINE_LETTERS = 8  # a line takes the space of so many letters next to its label
 SCREEN_DPI = 100  # of a figure in a notebook
 PALETTE_SIZE = 64  # of such an image: a fourth of the size of one with all colours
 EMBEDDED_IMAGE = re.compile(rb"(?<=data:image/png;base64,)[A-Za-z0-9+/=\s]+")
@@ -152,7 +153,7 @@ def save(drawing: Drawing, path: str | Path) -> None:
     """Write a figure and its numbers, byte for byte the same for the same data.
 
     SVG: many vertices become an image inside the file, which is smaller; styles of lines become
-    keywords; the numbers lie beside it as CSV.
+    keywords; the numbers lie next to it as CSV.
     """
     path = Path(path)
     axes = drawing.figure.axes

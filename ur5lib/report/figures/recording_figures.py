@@ -32,7 +32,7 @@ from ur5lib.timeseries.segments import starts, without_ends
 
 OptionalLines = Mapping[
     str, tuple[Array | None, str]
-]  # values (N, 6), if known, and style, by label
+]  # values (N, 6), if there are any, and style, by label
 StyledLines = dict[str, tuple[Array, str]]
 TimedTable = Signals | Accelerations | Forces | SensorWrenches
 ESTIMATE_STYLES = (
@@ -110,8 +110,8 @@ def estimate_figure(
 ) -> Drawing:
     """Return the new estimates, the band of the first, and the sensor; hidden: see Traces.
 
-    Drawn are forces and their size, or moments; beside a sensor, plain least squares in place of
-    the gated one, since it judges the others.
+    Drawn are forces and their size, or moments; with a sensor, plain least squares in place of the
+    gated one, since it judges the others.
     """
     part, panels = (_moments, MOMENT_PANELS) if moments else (_forces, FORCE_PANELS)
     wrenches = dict(forces.wrench)
@@ -155,7 +155,8 @@ def draw_lines(
     unfiltered: Array | None = None,
     errors: bool = True,
 ) -> Drawing:
-    """Draw the known lines over a table's time, and the errors of all others against the first.
+    """Draw the lines that there are over a table's time, and the errors of all others against the
+    first.
 
     Without the first line there are no errors. further: errors of what is not drawn itself; band,
     hidden: see Traces; unfiltered: the first line as recorded (N, n), drawn pale behind all;

@@ -18,7 +18,7 @@ from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import Span, starts
 
 SHORTEST_STEP = 0.1  # s between postures, which is shorter than what the low-pass leaves
-MOST_POSTURES = 1200  # of a recording, beside the last of each segment
+MOST_POSTURES = 1200  # a recording shows so many, in addition to the last of each segment
 DECIMALS = 4  # of stored numbers
 
 

@@ -43,7 +43,8 @@ def _read(numbers: Path) -> pd.DataFrame:
 
 
 def _joints(every: pd.DataFrame, names: list[str]) -> Iterator[pd.DataFrame]:
-    """Yield the samples of each joint; names: what their columns contain, beside the joint."""
+    """Yield the samples of each joint; names: what their columns contain in addition to the
+    joint."""
     joint = 1
     while of_joint := [own for own in every if re.search(rf"joint {joint}\b", own)]:
         columns = {name: column for name in names for column in of_joint if name in column}

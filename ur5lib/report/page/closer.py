@@ -43,7 +43,7 @@ def _text(path: Path) -> str:
 def packed_lines(path: str | Path) -> str:
     """Return the lines of a figure over time [s], packed; empty for other figures.
 
-    path: an SVG that `save` wrote, with its numbers as CSV beside it. Packed are panels (name and
+    path: an SVG that `save` wrote, with its numbers as CSV next to it. Packed are panels (name and
     unit), lines (label, colours and dashes), whether there is a band, where no contact is found
     (`_shut`), and columns (`_column`): the time, each line panel by panel, the edges of the band.
     """
@@ -118,7 +118,7 @@ def _column(values: Array, level: float | None = None) -> dict[str, Any]:
     """Return values (N,) as levels above the lowest, and these as steps from each to the next.
 
     level: to multiples of which values are rounded; by default, LEVELS are as far apart as the ends
-    allow, 0 if these are the same. None stands for a value that is not finite.
+    allow, 0 if these are the same. A value that is not finite is None.
     """
     known = np.isfinite(values)
     low, high = (values[known].min(), values[known].max()) if known.any() else (0.0, 0.0)

@@ -32,9 +32,9 @@ def run_crate(
 ) -> dict[str, Any]:
     """Return the content of ro-crate-metadata.json for the results of one study.
 
-    folder: holds configuration.yaml, Snakefile and the results. used: files of devices and of the
+    folder: of configuration.yaml, Snakefile and the results. used: files of devices and of the
     workspace's extensions, which stay where they are; their checksums identify them. citation: of
-    the software, as in CITATION.cff. known: checksums of files that need not be read again.
+    the software, as in CITATION.cff. checksums: of files that need not be read again.
     """
     crate = ROCrate(version="1.1")
     crate.metadata.extra_terms["sha256"] = SHA256_TERM
@@ -85,7 +85,7 @@ def _context(crate: ROCrate, identifier: str, kind: str, name: str, **about: str
 def _file(crate: ROCrate, path: Path, identifier: str, sha256: str = "") -> Any:
     """Add a file under an identifier, with its name, format, size [bytes] and checksum.
 
-    sha256: its checksum, if it is known.
+    sha256: its checksum; empty: it is read from the file.
     """
     about = {
         "name": path.name,

@@ -8,7 +8,7 @@ from ur5lib.records.quality import SAME_RUN
 
 SEVERITIES = ("stop", "error", "warning", "note")  # most serious first; see docs/report.md
 
-MAX_NAMED_PLACES = 3  # places of a meaning that are named beside the findings of other recordings
+MAX_NAMED_PLACES = 3  # places of a meaning that are named next to the findings of other recordings
 PARTICULAR_WORD = re.compile(
     r"\S*(?:[/\\]|\d[\d.e]|\w\.\w)\S*"
 )  # a path, or a number of two digits
@@ -32,7 +32,7 @@ def by_finding(quality: pd.DataFrame, most: int | None = MAX_NAMED_PLACES) -> pd
     """Group findings of all recordings, one row a finding, most serious first.
 
     Stop signs and errors keep each meaning, whatever its numbers and paths, and each run that
-    several recordings hold; of others, `detail` is that of the recording with the largest count,
+    several recordings contain; of others, `detail` is that of the recording with the largest count,
     and `alike` whether all recordings have the same. `recordings` is a list; most: as in
     `group_findings`.
     """

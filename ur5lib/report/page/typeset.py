@@ -44,7 +44,7 @@ def html_page(root: Path, page: str = "report") -> str:
 
 
 def report_and_details(root: Path) -> tuple[str, str]:
-    """Return the report and its supplement, to whose sections the report leads."""
+    """Return the report and its supplement; the report leads to the sections of the latter."""
     details = html_page(root, "details")
     known = json.dumps(SECTION.findall(details))
     (root / "data" / "supplement.json").write_text(known, encoding="utf-8")
@@ -117,7 +117,7 @@ def pdf_document(root: Path) -> bytes:
 
 
 def said(root: Path, selector: str, page: str = "report") -> list[Any]:
-    """Return what a page holds under a label: <card>, <table>. Typst queries paper alone."""
+    """Return what a page has under a label: <card>, <table>. Typst queries paper alone."""
     options = _options(root, page, "pdf")
     return list(json.loads(typst.query(root / "report.typ", selector, field="value", **options)))
 

@@ -50,7 +50,7 @@ def found_anywhere(results: Results) -> pd.DataFrame:
 
 
 def force_errors(results: Results) -> pd.DataFrame:
-    """Return all estimates' errors beside the sensor, with repeatability (`floor`) in contact."""
+    """Return all estimates' errors against the sensor, with repeatability (`floor`) in contact."""
     rows = results.rows("force_mae", kind="compensated", during=["contact", "free", "all"])
     rows = results.with_floor(rows, "force")
     return rows.assign(floor=rows["floor"].where(rows["during"] == "contact"))

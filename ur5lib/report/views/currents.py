@@ -14,7 +14,7 @@ UNMOVED = "no_motion"  # reason against a parameter of a joint that did not move
 
 
 def predicted(results: Results) -> list[str]:
-    """Return the validate recordings whose currents were predicted."""
+    """Return the validate recordings with predicted currents."""
     fitted = results.rows("current_rmse", model="fitted")["recording"]
     return results.shown(results.with_role("validate", fitted))
 

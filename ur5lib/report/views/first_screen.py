@@ -1,4 +1,4 @@
-"""The figure of the first screen, and the recording whose force errs most."""
+"""The figure of the first screen, and the recording with the largest error of the force."""
 
 from collections.abc import Iterator
 
@@ -12,7 +12,8 @@ def first_figure(results: Results) -> dict[str, str]:
 
 
 def worst_force(results: Results) -> list[str]:
-    """Return the recording whose error of the force is the largest share of it, if it is drawn."""
+    """Return the recording with the error of the force that is the largest share of it, if it is
+    drawn."""
     rows = results.rows("error_parts").sort_values("share", ascending=False)
     return results.shown([*rows["recording"]], 1)
 
@@ -20,7 +21,7 @@ def worst_force(results: Results) -> list[str]:
 def _figures(results: Results) -> Iterator[tuple[str, str]]:
     """Yield figures and their recordings, the most informative first.
 
-    Forces beside a sensor in contact; currents in motion, if possible without a load; torques in
+    Forces with a sensor in contact; currents in motion, if possible without a load; torques in
     motion; forces without a sensor; currents of the fit.
     """
     for name in results.shown([*contacts.decided(results)["recording"]]):

@@ -9,7 +9,7 @@ COMPONENTS = ("x", "y", "z", "rx", "ry", "rz")
 
 
 def drawn(results: Results) -> list[str]:
-    """Return the recordings whose acceleration is drawn: those of topics, or the first."""
+    """Return the recordings with a drawn acceleration: those of topics, or the first."""
     first = results.shown(shown_first(results, "acceleration_mae"))
     return first or results.shown(results.listed("acceleration_mae"), 1)
 

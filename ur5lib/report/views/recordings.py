@@ -68,7 +68,7 @@ def by_cause(results: Results) -> pd.DataFrame:
 
 
 def left_out(results: Results) -> list[str]:
-    """Return the recordings whose files cannot be used or repeat others."""
+    """Return the recordings with files that cannot be used or repeat others."""
     return results.unusable()
 
 

@@ -36,7 +36,7 @@ MIN_FREE_DURATION = 5.0  # s without contact, below which nothing is said
 MIN_WRENCH_ERROR = np.array([1.0] * 3 + [0.1] * 3)  # N, Nm; per minute
 MIN_TURN_DEG, MIN_SCALE_ERROR, MIN_MASS_ERROR, MIN_CENTER_ERROR = 2.0, 0.05, 0.1, 0.01
 MIN_ZERO_ERROR = 2 * MIN_WRENCH_ERROR
-SCALE_STD = 0.03  # of a sensor whose scale nothing tells but the mass that it weighs
+SCALE_STD = 0.03  # a scale has this prior where only the mass that a sensor weighs shows it
 # In m/s². Below, inertia, which a controller may leave in its force, does not matter.
 MAX_INERTIAL_ACCELERATION = 0.3
 
@@ -74,7 +74,8 @@ def audit(
     """Return what can be said of the sensor, a row a value, and the time without contact.
 
     tool: on the flange, as declared.
-    currents: the load that the motor currents show beside the tool, None where they show none.
+    currents: the load that the motor currents show in addition to the tool, None where they show
+    none.
     """
     free, rows, moved = 0.0, list[AuditRow](), moved_tool(robot, kinematics, motion)
     if signals.ft_raw_wrench is not None:

@@ -70,7 +70,7 @@ class SensorErrors:
     """A sensor's tool and its errors, each with its standard error.
 
     mass [kg]; center: (3,) [m], frame 6; turn: (3,) [rad], rotation vector of the sensor's axes in
-    frame 6; scale: (3,), of the forces, all 1 where the tool's mass was not known.
+    frame 6; scale: (3,), of the forces, all 1 where the tool's mass was unknown.
     """
 
     mass: float

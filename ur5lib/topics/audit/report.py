@@ -53,7 +53,7 @@ def free(results: Results) -> pd.DataFrame:
 
 
 def declared(results: Results) -> pd.DataFrame:
-    """Return the recordings whose sensor carries a load that is to be declared: mass and declared
+    """Return the recordings with a load on the sensor that is to be declared: mass and declared
     mass [kg], x, y, z [m].
     """
     found = list[dict[str, object]]()
@@ -68,8 +68,8 @@ def declared(results: Results) -> pd.DataFrame:
 
 
 def is_to_declare(audit: Mapping[str, pd.DataFrame]) -> bool:
-    """Return whether a sensor's load is known well enough to declare it, and none is declared or
-    its centre of mass is another, which no wrong scale of the sensor explains.
+    """Return whether a sensor's load is certain enough to declare it, and none is declared or its
+    centre of mass is another, which no wrong scale of the sensor explains.
 
     audit: the rows of a recording, by quantity.
     """

@@ -77,8 +77,8 @@ def _judged(name: str, row: pd.Series) -> str:
 
 
 def _payload(audit: AuditRows) -> Iterator[str]:
-    """Yield the mass on the sensor beside the declared one, the command that declares it, and that
-    by the currents.
+    """Yield the mass on the sensor with the declared one, the command that declares it, and that by
+    the currents.
     """
     mass = audit["mass"].loc[""]
     declared = "none is" if pd.isna(mass.expected) else f"{mass.expected:g} kg are"

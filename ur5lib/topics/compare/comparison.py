@@ -51,7 +51,7 @@ class Comparison:
 def compare(before: Path, after: Path) -> list[Comparison]:
     """Compare all numbers that the results of two studies, results/<study>, have in common.
 
-    Raises InputError where a folder holds no results.
+    Raises InputError where a folder has no results.
     """
     studies = FinishedStudy(before), FinishedStudy(after)
     return [comparison for topic in TOPICS.values() for comparison in topic(studies)]

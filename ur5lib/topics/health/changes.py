@@ -6,8 +6,8 @@ rises evenly from 0 to 1 for a drift, and is 0 before and 1 after a jump. A chan
 together with another group or covariate cannot be separated from it.
 
 The residuals are correlated from date to date, as of an autoregression of first order,
-y(t) = ρ y(t-1) + noise. Slow noise looks like a drift or a jump, and twenty dates hardly determine
-ρ. Therefore every likelihood is a mean over a range of ρ, all equally likely a priori.
+y(t) = ρ y(t-1) + noise. Slow noise looks like a drift or a jump, and twenty dates determine ρ
+poorly. Therefore every likelihood is a mean over a range of ρ, all equally likely a priori.
 
 Changes are added one by one, each the likeliest of all candidates. A change is accepted by the
 ratio of the likelihoods with and without it. Without any change, the distribution of that ratio
@@ -37,7 +37,7 @@ MAX_CHANGES = 3  # of one series
 # Dates beyond which a series is one of spans, and their number; at 2 years, of 12 days each.
 MAX_SINGLE_DATES = 120
 SPAN_COUNT = 60
-# Largest correlation of neighbouring dates at which the chance of a false change holds.
+# Largest correlation of neighbouring dates at which the chance of a false change is as stated.
 WORST_CORRELATION = 0.5
 SEARCH_CORRELATIONS = np.linspace(0.0, WORST_CORRELATION, 6)  # where changes are searched
 # For sizes: residuals look less correlated than the noise is.
@@ -292,9 +292,9 @@ def _indicators(series: DatedSeries) -> Array:
 def explained_shares(fixed: Array, tried: Array, values: Array) -> Array:
     """Return the share (B, K) of the remaining variance that each further column explains.
 
-    fixed: (n, P), columns whose effect is removed first; tried: (n, K), of which one at a time is
-    added; values: (B, n), rows to explain. F is share / (1 - share) times the degrees of freedom. A
-    column that hardly differs from the fixed ones explains nothing.
+    fixed: (n, P), columns with an effect that is removed first; tried: (n, K), of which one at a
+    time is added; values: (B, n), rows to explain. F is share / (1 - share) times the degrees of
+    freedom. A column that is almost a combination of the fixed ones explains nothing.
     """
     basis = np.linalg.qr(fixed)[0]
     remaining = tried - basis @ (basis.T @ tried)

@@ -1,8 +1,8 @@
 """The condition of each joint on one recording: the quantities that wear, grease and age change.
 
 Friction and the current's offset are fitted to one recording, with the torque constant and all
-other terms held at the arm's fit. The torque constant comes from a second fit, with friction free.
-One recording alone determines it badly; holding it in the first fit keeps its error out of the
+other terms fixed at the arm's fit. The torque constant comes from a second fit, with friction free.
+One recording alone determines it badly; fixing it in the first fit keeps its error out of the
 friction.
 """
 
@@ -49,7 +49,7 @@ def _motion_estimates(moving: JointSamples, joint: JointFit) -> Estimates:
     torque, fitted_columns = moving.columns[:, 0], moving.columns[:, [*FITTED_COLUMNS.values()]]
     current = moving.current - _held_current_of_fit(moving, joint)
     inverse = joint.estimate.coefficients[0]
-    # offset, Coulomb and viscous friction with the torque constant held: k i = τ + τ_friction - b
+    # offset, Coulomb and viscous friction with the torque constant fixed: k i = τ + τ_friction - b
     value, error = _fitted_coefficients(fitted_columns, current - torque * inverse, moving)
     values, errors = np.array([-1.0, 1.0, 1.0]) * value / inverse, error / inverse
     quantities = dict(
@@ -65,7 +65,7 @@ def _motion_estimates(moving: JointSamples, joint: JointFit) -> Estimates:
 
 
 def _held_current_of_fit(samples: JointSamples, joint: JointFit) -> Array:
-    """Return the current (n,) [A] of the friction terms that are held at the arm's fit."""
+    """Return the current (n,) [A] of the friction terms that are fixed at the arm's fit."""
     is_held = [name not in FITTED_COLUMNS for name in coefficient_names(joint.terms)]
     current: Array = samples.columns[:, 2:] @ (joint.estimate.coefficients[2:] * is_held)
     return current

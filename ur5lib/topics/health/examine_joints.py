@@ -31,7 +31,7 @@ def examine_joints(
     arm: Robot,
     lowpass: Butterworth,
 ) -> Checkup:
-    """Return the condition of each joint; without a date where it cannot be told.
+    """Return the condition of each joint; without a date where there is none.
 
     date: by the study, ISO 8601 or empty; friction, arm: fitted; lowpass: of the currents.
     """

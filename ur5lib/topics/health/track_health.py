@@ -108,7 +108,7 @@ def _changes(rows: Sequence[Condition]) -> Iterator[JointChange]:
 
 
 def _series(rows: Sequence[Condition]) -> DatedSeries:
-    """Return a quantity on all dates, temperatures as its covariate where all are known."""
+    """Return a quantity on all dates, temperatures as its covariate where there are all."""
     day = np.array([date.fromisoformat(row.date).toordinal() for row in rows], dtype=float)
     value, error = (
         np.array([getattr(row, name) for row in rows]) for name in ("value", "std_error")

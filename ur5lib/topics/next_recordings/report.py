@@ -26,7 +26,7 @@ def least_determined(results: Results) -> pd.DataFrame:
 
 def commands(results: Results) -> pd.DataFrame:
     """Return of each arm with fitted friction the command that designs a recording for what is
-    least determined, and the load [kg] next to the axis of the last joint, if any is known.
+    least determined, and the load [kg] next to the axis of the last joint, if there is any.
     """
     last = results.rows("friction").groupby("robot", sort=False)["joint"].max().reset_index()
     loads = [results.loads.get(robot) for robot in last["robot"]]

@@ -1,4 +1,4 @@
-"""How well the bands of currents hold on an arm's contact-free recordings.
+"""How well the bands of currents cover an arm's contact-free recordings.
 
 The share of each joint's efforts within their stated band, by its velocity.
 """
@@ -32,7 +32,7 @@ def measure_observability(
     predictions: Mapping[str, Prediction],
     friction: Friction,
 ) -> list[Observed]:
-    """Return how well the bands of contact-free recordings of an arm hold by speed."""
+    """Return how well the bands cover contact-free recordings of an arm by speed."""
     errors = list[Judged]()
     for name, moved in motion.items():
         predicted = currents[name]
@@ -127,7 +127,7 @@ def _factor_at_rest(joint: int, of_band: Array) -> Iterator[Observed]:
 
 
 def _predicted(joint: int, low: float, high: float) -> Observed:
-    """Return the range of speeds in which the stated band of a joint holds."""
+    """Return the range of speeds in which the stated band of a joint suffices."""
     return Observed(
         quantity="least_velocity",
         joint=joint,

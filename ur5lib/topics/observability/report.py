@@ -1,4 +1,4 @@
-"""The report's part on what can be observed: smallest pushes, and at which speeds bands hold."""
+"""The report's part on what can be observed: smallest pushes, and at which speeds bands suffice."""
 
 import pandas as pd
 
@@ -26,8 +26,8 @@ def real_contacts(results: Results) -> pd.DataFrame:
 
 def by_speed(results: Results) -> pd.DataFrame:
     """Return the shares of each joint's readings within their band by speed, least first; enough:
-    the share from which on a band counts as holding, holds: whether it does; speed [rad/s]: in the
-    middle of the range on a logarithmic scale.
+    the share from which on a band suffices, holds: whether it does; speed [rad/s]: in the middle of
+    the range on a logarithmic scale.
     """
     rows = results.rows("observability", quantity="friction_in_band").dropna(subset="value")
     low, high = rows["speed_low"].clip(lower=LEAST_DRAWN_SPEED), rows["speed_high"].astype(float)

@@ -1,4 +1,4 @@
-"""What can be observed on an arm: how well the bands of currents hold by speed."""
+"""What can be observed on an arm: how well the bands of currents cover them by speed."""
 
 from dataclasses import dataclass
 

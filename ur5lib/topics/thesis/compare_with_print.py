@@ -1,4 +1,4 @@
-"""Every published number beside the rebuilt one, and as the errata say that it was computed."""
+"""Every published number with the rebuilt one, and as the errata say that it was computed."""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -20,7 +20,7 @@ from ur5lib.topics.thesis.rows import ListedErratum
 
 
 class BesidePrint(NamedTuple):
-    """The published numbers beside ours, and the errata that explain some of them."""
+    """The published numbers with ours, and the errata that explain some of them."""
 
     printed: pd.DataFrame
     errata: list[ListedErratum]

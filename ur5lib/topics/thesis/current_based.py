@@ -8,7 +8,7 @@ from ur5lib.robots.description import CurrentToTorque, DeadZoneFriction
 from ur5lib.timeseries.arrays import Array, Labels
 
 # The published script takes the Jacobian by an index that starts 20 samples of 4 ms earlier
-# than the torques': found by matching Table 6.2, whose maxima for F are then met within 0.6 %.
+# than the torques': found by matching Table 6.2; its maxima for F are then met within 0.6 %.
 PUBLISHED_JACOBIAN_LAG = 0.08  # s
 
 

@@ -8,7 +8,7 @@ from ur5lib.topics.thesis.records import ClosedLoop
 
 
 def draw_tracking(signals: Signals, closed_loop: ClosedLoop, arm: Robot) -> dict[str, Drawing]:
-    """Return measured positions and velocities beside those of the closed loop."""
+    """Return measured positions and velocities and those of the closed loop."""
     known = signals, closed_loop, chosen_gains(arm)
     return {
         "positions": tracking_figure(*known, "q"),

@@ -83,6 +83,6 @@ def _changed(robot: Robot, way: LoopError) -> Robot:
 
 
 def _between(error: Array, places: tuple[float, ...]) -> Array:
-    """Return errors (N, 6) at places between their samples; NaN beside a NaN."""
+    """Return errors (N, 6) at places between their samples; NaN next to a NaN."""
     parts = [error if x == 0 else (1 - x) * error[:-1] + x * error[1:] for x in places]
     return np.concatenate(parts)

@@ -56,7 +56,7 @@ def tracking_figure(signals: Signals, closed_loop: ClosedLoop, gains: str, state
 def older_torque_figure(
     signals: Signals, modelled: Mapping[str, Array], printed: Sequence[float]
 ) -> Drawing:
-    """Return Figures 5.3 and 5.4 without the older model's torque, whose equations are not printed.
+    """Return Figures 5.3 and 5.4 without the older model's torque: its equations are not printed.
 
     modelled: torques (N, 6) [Nm] by label; printed: the older model's mean absolute error (6,).
     """

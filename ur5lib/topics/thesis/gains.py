@@ -24,8 +24,8 @@ GRID_NODES = 31  # of the grid of gains, on each axis
 DESCENT_STARTS = 5  # local minima of the grid from which least squares start
 PROFILE_STEP = 1e-3  # of a log gain, to which a profile's minima are searched
 CONFIDENCE_LEVEL = 0.95
-CACHED_SAMPLES = 64  # whose states under all gains of the grid fit into a cache
-MAX_MOTION_DURATION = 120.0  # s: more would make gains surer than the loop is known
+CACHED_SAMPLES = 64  # states of so many samples under all gains of the grid fit into a cache
+MAX_MOTION_DURATION = 120.0  # s; more would make gains surer than the model of the loop is
 MAX_RANGE_FACTOR = 10.0  # between the ends of a range, above which a gain is undetermined
 
 
@@ -96,7 +96,7 @@ def estimate_gains(tracking: Tracking) -> list[JointGains]:
     95 % point of Fisher's distribution, n the number of independent samples; J_min is that of a
     joint that follows exactly, where the best of as many gains as the grid has would fit better by
     chance. Of a recording of more than MAX_MOTION_DURATION seconds, the gains come from those parts
-    in which a joint's target accelerates most. A joint whose target rests throughout determines
+    in which a joint's target accelerates most. A joint with a target at rest throughout determines
     nothing. Raises ValueError if no two successive samples are complete.
     """
     return [_estimate(joint) for joint in _joints(tracking)]

@@ -1,4 +1,4 @@
-"""The printed motor constants and friction of an arm, to stand beside the fitted ones."""
+"""The printed motor constants and friction of an arm, to compare with the fitted ones."""
 
 from ur5lib.records.friction import Friction
 from ur5lib.robots.description import Robot

@@ -1,4 +1,4 @@
-"""Every published number beside the rebuilt one, and whether an erratum explains a difference."""
+"""Every published number with the rebuilt one, and whether an erratum explains a difference."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain

@@ -12,7 +12,7 @@ class ClosedLoop(SegmentedTable):
     or "estimated".
 
     q [rad], qd [rad/s], qdd [rad/s²]; torque: inverse dynamics at that motion [Nm], of the link
-    model whose gains they are.
+    model with these gains.
     """
 
     q: dict[str, Array] = channel("q_{}", "rad", JOINTS)

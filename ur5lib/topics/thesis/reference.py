@@ -14,10 +14,11 @@ from ur5lib.strict import Strict, explain, read_yaml
 class LoopError(Strict):
     """An error of the closed loop with published gains, as it must have been computed.
 
-    quantity: q [rad], qd [rad/s] or torque [Nm]; figure: over time; gains: whose; velocity_gains:
-    [1/s] of the joints, 1 to 6, with others; model: whose torque; masses [kg], centers_of_mass [m]:
-    of its links, 1 to 6, with others; from_s: first time [s] that counts; places: where between two
-    samples the error is taken, 0 to 1, by linear interpolation of all signals.
+    quantity: q [rad], qd [rad/s] or torque [Nm]; figure: over time; gains: of which model;
+    velocity_gains: [1/s] of the joints, 1 to 6, with others; model: of the torque; masses [kg],
+    centers_of_mass [m]: of its links, 1 to 6, with others; from_s: first time [s] that counts;
+    places: where between two samples the error is taken, 0 to 1, by linear interpolation of all
+    signals.
     """
 
     quantity: Literal["q", "qd", "torque"]
@@ -42,11 +43,11 @@ class AccelerationError(Strict):
 
 
 NOT_PUBLISHED_VALUES = "does not hold published values"
-OLDER_MODEL = "[21]"  # a link model whose equations the thesis does not print
+OLDER_MODEL = "[21]"  # a link model with equations that the thesis does not print
 
 
 class Lookup(Strict):
-    """Where the study's tables hold the numbers that belong to a published table.
+    """Where the study's tables have the numbers that belong to a published table.
 
     table: its name; value: column of the numbers, for all rows or by published row; row: column
     that names the published rows, empty if all share one row; number: column that identifies a
@@ -61,7 +62,7 @@ class Lookup(Strict):
     where: dict[str, str | dict[str, str]] = Field(default_factory=dict)
 
     def of(self, row: str) -> tuple[str, dict[str, str]]:
-        """Return the column of a published row's numbers, and what other columns hold there."""
+        """Return the column of a published row's numbers, and what other columns have there."""
 
         def of_row(value: str | dict[str, str]) -> str:
             return value if isinstance(value, str) else value[row]
@@ -105,7 +106,7 @@ Printed = dict[PrintedTableName, PrintedTable]
 
 
 class Published(NamedTuple):
-    """The published tables, of which some hold values of one recording."""
+    """The published tables, of which some have values of one recording."""
 
     printed: Printed
     recording: str
@@ -151,12 +152,12 @@ class PublishedValues(Strict):
         return {table.recording for table in tables if OLDER_MODEL in table.values}
 
     def tables(self) -> list[str]:
-        """Return the names of the study's tables that hold rebuilt and right numbers."""
+        """Return the names of the study's tables with rebuilt and right numbers."""
         lookups = ((table.rebuilt, table.right) for table in self.printed.values())
         return sorted({lookup.table for pair in lookups for lookup in pair if lookup})
 
     def explained(self) -> set[str]:
-        """Return the names of the recordings whose published values an erratum explains."""
+        """Return the names of the recordings with published values that an erratum explains."""
         ways = (way for erratum in self.errata for way in erratum.explains)
         return {self.printed[way.printed].recording for way in ways}
 

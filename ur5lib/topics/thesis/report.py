@@ -1,4 +1,4 @@
-"""The report's part on the thesis: its printed numbers beside ours."""
+"""The report's part on the thesis: its printed numbers and ours."""
 
 from collections.abc import Iterable, Iterator
 
@@ -67,14 +67,14 @@ def _in_loop(results: Results, quantity: str, recording: str) -> pd.DataFrame:
 
 
 def loop_drawn(results: Results) -> list[str]:
-    """Return the recordings whose closed loop is drawn."""
+    """Return the recordings with a drawn closed loop."""
     simulated = results.listed("closed_loop_mae")
     printed = results.shown(shown_first(results, "closed_loop_q"))
     return printed or results.shown([*results.with_role("validate", simulated), *simulated], 1)
 
 
 def beside_fit(results: Results) -> pd.DataFrame:
-    """Return the printed motor constants and friction, beside the fitted ones."""
+    """Return the printed motor constants and friction, with the fitted ones."""
     keys = ["robot", "joint", "parameter"]
     return results.rows("friction").merge(results.rows("printed_friction"), on=keys)
 
@@ -113,7 +113,7 @@ def _printed_offsets(results: Results, recording: str) -> "pd.Series[float]":
 
 
 def doubted_joint(results: Results, recording: str) -> int:
-    """Return the joint whose printed offset is furthest from this study's fit."""
+    """Return the joint with the printed offset that is furthest from this study's fit."""
     fitted = _fitted(results, recording).xs("offset", level="parameter")["value"]
     return int((_printed_offsets(results, recording) - fitted).abs().idxmax())
 
@@ -139,8 +139,8 @@ def by_source(results: Results) -> pd.DataFrame:
 
 
 def left_over(results: Results) -> pd.DataFrame:
-    """Return each unexplained number beside the nearest computed one, that of an erratum or else
-    the rebuilt one, and the share by which this is off.
+    """Return each unexplained number with the nearest computed one, that of an erratum or else the
+    rebuilt one, and the share by which this is off.
     """
     rows = results.tables["printed"]
     rows = rows[rows["status"] == UNEXPLAINED]
@@ -213,7 +213,7 @@ def offset_correlations(results: Results) -> pd.DataFrame:
 
 
 def _doubted(results: Results) -> Iterator[tuple[str, int]]:
-    """Yield the recordings with printed constants, and their joints whose offset is doubted."""
+    """Yield the recordings with printed constants, and their joints with a doubted offset."""
     for name in shown_first(results, "current_torque"):
         fitted = results.rows("friction", robot=results.arms()[name], parameter="offset")
         if not {*_printed_offsets(results, name).index}.isdisjoint(fitted["joint"]):
@@ -237,7 +237,7 @@ def gains_that_fit(results: Results) -> pd.DataFrame:
 
 def detected(results: Results) -> pd.DataFrame:
     """Return how the thesis's estimate detects pushes along z, and ours, each with its
-    `ClaimScore`, the pushes that are missed, and whether the thesis's claim holds.
+    `ClaimScore`, the pushes that are missed, and whether the thesis's claim is right.
     """
     scores = {name: score(results, name) for name in (CLAIMED_ESTIMATE, LEADING)}
     known = {name: own for name, own in scores.items() if own is not None}
@@ -250,8 +250,8 @@ def detected(results: Results) -> pd.DataFrame:
 
 
 def above_threshold(results: Results) -> pd.DataFrame:
-    """Return the time above the thesis's threshold along z and the pushes found by it, where the
-    thesis's estimate is known.
+    """Return the time above the thesis's threshold along z and the pushes found by it, where there
+    is the thesis's estimate.
     """
     rows = results.rows("fixed_threshold", component=CLAIMED_COMPONENT)
     return rows if (rows["estimate"] == CLAIMED_ESTIMATE).any() else rows[:0]

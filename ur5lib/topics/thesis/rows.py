@@ -21,7 +21,7 @@ class LoopError:
     """A row of closed_loop_mae.csv: mean and largest absolute error of a joint in closed loop, in
     q [rad] and qd [rad/s] against the measured motion, in torque [Nm] against the controller's.
 
-    model: whose gains the loop has, "target" of the targets themselves.
+    model: of the loop's gains, "target" of the targets themselves.
     """
 
     model: str
@@ -144,7 +144,8 @@ def estimated_gains(gains: GainSummary) -> Iterator[EstimatedGain]:
 
 
 def published_gains(gains: GainSummary) -> Iterator[PublishedGain]:
-    """Yield whether published gains fit as well as the best ones, of joints whose target moves."""
+    """Yield whether published gains fit as well as the best ones, of joints with a moving
+    target."""
     for model, costs in gains.published.items():
         for joint, (cost, found) in enumerate(zip(costs, gains.joints, strict=True), start=1):
             if found.excited:

@@ -1,4 +1,4 @@
-"""The page of the published numbers beside the rebuilt ones, as HTML."""
+"""The page of the published numbers and the rebuilt ones, as HTML."""
 
 from collections.abc import Mapping
 from pathlib import Path

@@ -123,7 +123,7 @@ def thresholds_of(study: FinishedStudy, robot: str) -> Thresholds:
 def free_samples(study: FinishedStudy, robot: str) -> dict[str, Free]:
     """Return the samples of an arm's recordings without contact that have an external torque.
 
-    Of a recording to fit, it is that beside the fit to the other paths.
+    Of a recording to fit, it is that beyond the fit to the other paths.
     """
     found = dict[str, Free]()
     for entry in study.configuration().recordings:
@@ -156,7 +156,7 @@ def speed_classes(free: Free, edges: Array) -> list[Mask]:
 def quantiles(torque: Array, classes: Sequence[Mask], rate: float) -> Array:
     """Return of each class the torques (C, n) [Nm] that a share of its samples exceeds.
 
-    torque, classes: (N, n). A class with fewer samples than tell the rate has that of all samples.
+    torque, classes: (N, n). A class with fewer samples than the rate needs has that of all samples.
     """
     every = np.ones_like(torque, bool)
     return np.array(

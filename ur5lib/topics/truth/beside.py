@@ -1,4 +1,4 @@
-"""Rows of estimates beside the truth of simulations."""
+"""Rows of estimates compared with the truth of simulations."""
 
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from typing import Any
@@ -131,7 +131,7 @@ def friction_rows(friction: Friction, drive: TrueDrive, true: Mapping[str, Array
     """Yield torque constants and friction; true: as simulated, by name.
 
     within95 uses the reported intervals, which are wider than normal ones for few recordings.
-    Fitted terms that the stand's friction does not have are left out.
+    Fitted terms that the test stand's friction does not have are left out.
     """
     truths = {
         "torque_constant": (friction.measured.constant_unit, drive.torque_constant),

@@ -61,7 +61,7 @@ def compare_with_truth(
     friction: Mapping[str, Friction],
     lowpass: Butterworth,
 ) -> pd.DataFrame:
-    """Return the table of estimates beside the truth.
+    """Return the table of estimates compared with the truth.
 
     truth, truth_summary: files of `Truth` and `TrueParameters` of the simulated recordings;
     alignment to forces: by recording, described to friction: by arm; lowpass: of the accelerations.
@@ -116,7 +116,7 @@ def arm_rows(robot: Robot, fits: Fits, truths: Truths) -> Iterator[Row]:
         return robot.models[truth.model].rotor_inertias or (0.0,) * len(robot.joints)
 
     def true_parameters(truth: TrueParameters) -> Array:
-        return LinkModel(robot, truth.model).parameters  # without a payload: it is known
+        return LinkModel(robot, truth.model).parameters  # without a payload: it is given
 
     rotors, identified, calibration, friction = fits
     if (inertias := shared(truths, rotors.from_, true_rotors)) is not None:
