@@ -6,21 +6,27 @@ from typing import Annotated, Literal
 import typer
 
 from ur5lib.commands.arguments import ADDRESS_HELP, Results, print_lines
-from ur5lib.study.address import results_folder
+from ur5lib.study.address import results_folder, study_file
 
 PANEL = "Lab"
 QUESTION = Literal["model", "undetermined", "friction", "payload", "force-bands"]
 
 
 def record(
-    study: Annotated[Path, typer.Argument(help="study with `devices`, e.g. config.yaml")],
+    study: Annotated[
+        Path,
+        typer.Argument(
+            parser=study_file, metavar="STUDY", help=f"a study with `devices`: {ADDRESS_HELP}"
+        ),
+    ],
     name: Annotated[str, typer.Argument(help="name of the recording")],
     role: Annotated[Literal["fit", "validate", "contact"], typer.Option()] = "contact",
     seconds: Annotated[
         float | None, typer.Option(help="length; default: until the motion ends or Ctrl-C", min=1)
     ] = None,
     without: Annotated[
-        list[str] | None, typer.Option(help="force_sensor or imu of the study, not to be recorded")
+        list[str] | None,
+        typer.Option(metavar="DEVICE", help="force_sensor or imu of the study, not to be recorded"),
     ] = None,
     move: Annotated[
         Path | None,
@@ -73,7 +79,9 @@ def excite(
     results: Annotated[
         Path | None,
         typer.Option(
-            parser=results_folder, help=f"a study that recorded this arm before: {ADDRESS_HELP}"
+            parser=results_folder,
+            metavar="STUDY",
+            help=f"a study that recorded this arm before: {ADDRESS_HELP}",
         ),
     ] = None,
     table: Annotated[

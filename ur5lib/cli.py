@@ -6,7 +6,7 @@ import shlex
 import signal
 import sys
 from inspect import cleandoc
-from itertools import takewhile
+from itertools import chain, takewhile
 from operator import itemgetter
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -24,12 +24,13 @@ from ur5lib.commands.arguments import (
     print_lines,
 )
 from ur5lib.errors import InputError, printable, unknown
-from ur5lib.study.address import results_folder
+from ur5lib.study.address import results_folder, study_file
 from ur5lib.workspace.beside import commands_beside
 from ur5lib.workspace.extensions import LEFT_OUT, NAMED, USE_VARIABLE
+from ur5lib.workspace.origin import commit, lock
 from ur5lib.workspace.topics import modules_of_topics
 
-PANELS = "Start", "Lab", "Results", "Arm", "Project"
+PANELS = "Start", "Lab", "Results", "Arm", "Others"
 ArmName = Annotated[str, typer.Option(help="name of an arm in ur5lib/robots, e.g. ur5")]
 
 
@@ -44,10 +45,32 @@ OTHERWISE = {  # options that commands had, with what is written now
     "fetch": {"--to": "--output"},
     "compare": {"--junit": "--output"},
 }
+KEPT = {  # after Ctrl-C; every file is renamed when it is complete
+    "run": "the steps that are done are kept, and the same command goes on",
+    "fetch": "the files that are complete are kept, and the same command fetches the others",
+}
+
+
+class Named(typer.core.TyperArgument):
+    """An argument, which help calls by its name alone, with dots where there may be several."""
+
+    def display_type_rich(self, ctx: Any) -> None:
+        """Return no type."""
+
+    def get_usage_pieces(self, _: Any) -> list[str]:
+        """Return the name, in brackets where it may be left out."""
+        return [str(self.metavar) if self.required else f"[{self.metavar}]"]
 
 
 class Panels(typer.core.TyperGroup):
     """Commands, listed by what they are for, on one screen."""
+
+    def __init__(self, **given: Any) -> None:
+        super().__init__(**given)
+        for one in chain.from_iterable(command.params for command in self.commands.values()):
+            if isinstance(one, typer.core.TyperArgument):
+                one.__class__ = Named
+                one.metavar = (one.metavar or one.name.upper()) + "..." * (one.nargs != 1)
 
     def format_commands(self, _: Any, formatter: Any) -> None:
         """Write the commands of each of PANELS in the order of definition."""
@@ -78,10 +101,15 @@ class Panels(typer.core.TyperGroup):
     def invoke(self, context: Any) -> Any:
         """Run a command; a wrong call is answered with an example, and exit status 2.
 
-        Raises InputError for a choice that an option does not have.
+        One that lacks its study lists those that there are, and one that is stopped says what is
+        kept. Raises InputError for a choice that an option does not have.
         """
         try:
             return super().invoke(context)
+        except KeyboardInterrupt as stop:
+            kept = KEPT.get(str(context.invoked_subcommand), "no file is left incomplete")
+            typer.echo(f"ur5: stopped; {kept}", err=True)
+            raise SystemExit(128 + signal.SIGINT) from stop
         except Exception as error:
             if not hasattr(error, "format_message"):
                 raise
@@ -90,6 +118,8 @@ class Panels(typer.core.TyperGroup):
                 said = error.format_message().rstrip(".")
                 command = self.commands.get(context.invoked_subcommand or "")
                 typer.echo(f"ur5: {said}; {_right_call(command, said)}", err=True)
+                if said.startswith("Missing argument 'STUDY"):
+                    _print_studies()
                 raise SystemExit(2) from error
             wrong, *choices = re.findall(r"'([^']*)'", message)
             option = getattr(getattr(error, "param", None), "name", "choice")
@@ -105,6 +135,12 @@ def _right_call(command: Any, said: str) -> str:
     return f"as in: {command.help.partition('Example: ')[2].strip()}"
 
 
+def _print_studies() -> None:
+    from ur5lib.commands.listed import studies_here
+
+    print_lines(studies_here())
+
+
 app = typer.Typer(
     cls=Panels,
     help="Dynamics, friction and contact force of robot arms, from recordings.",
@@ -117,7 +153,7 @@ app = typer.Typer(
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        typer.echo(f"ur5lib {__version__}")
+        typer.echo(f"ur5lib {__version__}, commit {commit()}, lock {lock()}")
         raise typer.Exit
 
 
@@ -222,7 +258,7 @@ def run(
     options = study_or_recordings[len(named) :]
     study = study_of(named, robot, output)
     built = build(study, results_folder(str(study)), options, verbose, quiet)
-    if built.is_file():  # not after a dry run
+    if built:
         _show(built, open_report)
 
 
@@ -249,6 +285,15 @@ def _show(report: Path, open_report: bool) -> None:
 
     shown = not open_report or webbrowser.open(report.resolve().as_uri())
     typer.echo(f"report: {report}" if shown else f"no browser is found; report: {report}")
+
+
+@app.command(name="list", rich_help_panel="Start")
+def list_() -> None:
+    """List the studies of this folder, and which are built.
+
+    Each by its name, its file and its report. Example: ur5 list
+    """
+    _print_studies()
 
 
 @app.command(rich_help_panel="Start")
@@ -315,7 +360,8 @@ def import_(
         float | None, typer.Option(help="rows per second [Hz] of files without a clock", min=1)
     ] = None,
     unit: Annotated[
-        list[str] | None, typer.Option(help="unit of a channel, as actual_current=mA")
+        list[str] | None,
+        typer.Option(metavar="CHANNEL=UNIT", help="unit of a channel, as actual_current=mA"),
     ] = None,
     joints: Annotated[
         str, typer.Option(help="names of the arm's joints, in its order, with commas between")
@@ -327,7 +373,14 @@ def import_(
         Path | None,
         typer.Option("--output", "-o", help="study file to write; default: print the entries"),
     ] = None,
-    add: Annotated[Path | None, typer.Option(help="study to append the entries to")] = None,
+    add: Annotated[
+        Path | None,
+        typer.Option(
+            parser=study_file,
+            metavar="STUDY",
+            help=f"append the entries to a study: {ADDRESS_HELP}",
+        ),
+    ] = None,
 ) -> None:
     """Write the study entry of recordings, with what is proven.
 
@@ -389,7 +442,11 @@ def export(
     ] = "urdf",
     results: Annotated[
         Path | None,
-        typer.Option(parser=results_folder, help=f"a study that identified it: {ADDRESS_HELP}"),
+        typer.Option(
+            parser=results_folder,
+            metavar="STUDY",
+            help=f"a study that identified it: {ADDRESS_HELP}",
+        ),
     ] = None,
     as_in: Annotated[
         str, typer.Option(help="a recording of that study: with its payload, mounting and TCP")
@@ -474,9 +531,11 @@ def convert(
     print_lines(write_recordings(results, recordings or [], format, output))
 
 
-@app.command(rich_help_panel="Project")
+@app.command(rich_help_panel="Others")
 def schema(
-    of: Annotated[Literal["study", "contract"], typer.Argument(help="kind of file")] = "study",
+    of: Annotated[
+        Literal["study", "contract"], typer.Argument(metavar="study|contract", help="kind of file")
+    ] = "study",
 ) -> None:
     """Print the JSON schema of a study, or of a contract for recordings.
 
@@ -488,7 +547,7 @@ def schema(
     typer.echo(schema_text() if of == "study" else contract_schema(), nl=False)
 
 
-@app.command(rich_help_panel="Project")
+@app.command(rich_help_panel="Others")
 def settings() -> None:
     """Print every setting of a study with its default.
 

@@ -8,7 +8,7 @@ import typer
 from ur5lib.commands.arguments import ADDRESS_HELP, Results, print_lines
 from ur5lib.study.address import results_folder
 
-PANEL = "Results"
+PANEL = "Others"
 
 
 def leaderboard(

@@ -15,8 +15,12 @@ from tests.conftest import PROJECT
 from tests.examples import check_command
 from ur5lib import cli
 from ur5lib.cli import app
-from ur5lib.commands import convert, exported
+from ur5lib.commands import convert, exported, listed
+from ur5lib.commands.arguments import ADDRESS_HELP
+from ur5lib.datasets import fetching
 from ur5lib.errors import InputError
+from ur5lib.study.address import results_folder, study_file
+from ur5lib.workspace import origin
 
 COMMANDS = {one.name or one.callback.__name__: one.callback for one in app.registered_commands}
 
@@ -62,7 +66,7 @@ def test_help_fits_a_screen(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_each_command_s_example_is_one_that_it_takes(command: str) -> None:
     example = re.search(r"Example: (ur5 .*)$", str(COMMANDS[command].__doc__).strip())
     assert example
-    assert example[1].startswith(f"ur5 {command} ")
+    assert example[1].split()[:2] == ["ur5", command]
     check_command(example[1])
 
 
@@ -91,7 +95,10 @@ WRONG_CALLS = [
     ("convert . --format matlab", 1, "did you mean `mat`"),
     ("export --robto ur5", 2, "Possible options: --robot"),
     ("chek mine", 2, "Did you mean 'check'"),
-    ("run", 2, "Missing argument 'STUDY | RECORDINGS'"),
+    ("run", 2, "Missing argument 'STUDY | RECORDINGS...'; as in: ur5 run raw/mine/*.csv"),
+    ("status", 2, "Missing argument 'STUDY'; as in: ur5 status mine"),
+    ("record lba.yaml free --seconds 2", 1, "lba.yaml"),
+    ("import a.csv --add mien", 1, "did you mean `mine`"),
     ("status nothing", 1, "this folder has no study; make one by `ur5 new .`"),
     ("run a.csv", 1, "a.csv"),
     ("run mine --cores 2", 2, "ur5 run mine -- --cores 4"),
@@ -135,8 +142,82 @@ def test_a_wrong_call_is_answered_with_the_right_one(
     assert len(told.err.replace("files to read: 1\n", "").splitlines()) == 1
 
 
-def test_the_version_is_told() -> None:
-    assert told("--version") == f"ur5lib {ur5lib.__version__}"
+def test_the_version_names_commit_and_lock() -> None:
+    commit = re.escape(origin.commit())
+    assert re.fullmatch(
+        rf"ur5lib {ur5lib.__version__}, commit {commit}, lock [0-9a-f]{{12}}", told("--version")
+    )
+
+
+def test_an_archive_states_the_commit_that_it_was_made_of(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`git archive` writes it in place of the mark, as .gitattributes asks for."""
+    attributes = (PROJECT / ".gitattributes").read_text().split()
+    assert attributes == [str(origin.STAMP.relative_to(PROJECT)), "export-subst"]
+    assert origin.STAMP.read_text() == "$Format:%H$\n"
+    monkeypatch.setattr(origin, "STAMP", tmp_path / "commit.txt")
+    origin.STAMP.write_text(f"{'0123456789' * 4}\n")
+    assert origin.commit() == "012345678901"
+
+
+def test_the_last_group_of_the_help_has_what_is_seldom_used() -> None:
+    panel = CliRunner().invoke(app, ["--help"]).output.split("\nOthers:\n")[1]
+    listed = re.findall(r"^  (\w+) ", panel, re.MULTILINE)
+    seldom = ("schema", "settings", "leaderboard", "replay")
+    assert listed == [name for name in seldom if name in COMMANDS]
+
+
+def test_help_names_arguments_without_their_types_in_python() -> None:
+    assert "Usage: root import [OPTIONS] FILES... Write" in told("import", "-h")
+    assert [name for name in COMMANDS if "<list[" in told(name, "-h")] == []
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_study_is_named_in_one_way(command: str) -> None:
+    for name, hint in COMMANDS[command].__annotations__.items():
+        for own in getattr(hint, "__metadata__", ()):
+            if own.parser in (study_file, results_folder) or name in ("study", "results"):
+                assert own.metavar == "STUDY"
+                assert ADDRESS_HELP in own.help
+
+
+def test_a_command_without_its_study_lists_those_that_there_are(
+    run_ur5: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert (
+        run_ur5("list").out == "this folder has no study; make one by `ur5 new .`, or name a file\n"
+    )
+    for name in ("mine", "other"):
+        Path(f"{name}.yaml").write_text(f"study: {name}\n")
+    report = Path("results/mine/report.html")
+    report.parent.mkdir(parents=True)
+    report.touch()
+    os.utime(report, (0, 86400 * 366))
+    answer = run_ur5("list")
+    assert re.fullmatch(
+        r"mine   mine.yaml   report of 1971-01-0\d \d\d:00\nother  other.yaml  not built\n",
+        answer.out,
+    )
+    assert [run_ur5(name).out for name in ("run", "report", "status")] == [answer.out] * 3
+
+
+@pytest.mark.parametrize(
+    ("words", "kept"),
+    [("fetch ur10-bag", "the files that are complete are kept"), ("list", "no file is left")],
+)
+def test_a_command_that_is_stopped_says_what_is_kept(
+    words: str, kept: str, run_ur5: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stop(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(fetching, "fetch", stop)
+    monkeypatch.setattr(listed, "studies_here", stop)
+    answer = run_ur5(*words.split())
+    assert answer.status == 130
+    assert answer.err.startswith(f"ur5: stopped; {kept}")
 
 
 def test_a_shell_completes_commands() -> None:

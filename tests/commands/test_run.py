@@ -92,6 +92,30 @@ def test_options_of_snakemake_follow_after_two_dashes(
     assert given == [(Path("arm.yaml"), ["--cores", "1"])]
 
 
+@pytest.mark.parametrize("options", ["-n", "--dry-run", "--quiet host -n", "-Fn"])
+def test_a_dry_run_prints_what_a_run_would_do_and_names_no_report(
+    options: str, here: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command
+) -> None:
+    snakemake_prints(monkeypatch, LINES, 0)
+    Path("results/mine/report.html").touch()
+    answer = run_ur5("run", "mine", "--", *options.split())
+    assert answer.out == ""
+    assert "read_recording    1" in answer.err.splitlines()
+
+
+def test_a_run_that_is_stopped_waits_for_snakemake_and_says_what_is_kept(
+    here: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command
+) -> None:
+    """As of Ctrl-C, which reaches both."""
+    program = "import os, pathlib, signal, time; os.kill(os.getppid(), signal.SIGINT); "
+    program += "time.sleep(1); pathlib.Path('removed').touch()"
+    monkeypatch.setattr(run, "_command", lambda *_: [sys.executable, "-c", program])
+    answer = run_ur5("run", "mine")
+    assert answer.status == 130
+    assert Path("removed").exists()
+    assert "the steps that are done are kept" in answer.err
+
+
 def test_recordings_do_not_overwrite_a_study(here: Path, run_ur5: Command) -> None:
     Path("raw/arm").mkdir(parents=True)
     Path("raw/arm/free.csv").write_text("time,actual_q_0\n")

@@ -51,6 +51,11 @@ def test_the_readme_is_short() -> None:
     assert len((PROJECT / "README.md").read_text().splitlines()) <= 80
 
 
+def test_the_changes_are_what_a_user_must_do() -> None:
+    """The rest is in the history: one reads them before an update."""
+    assert len((PROJECT / "CHANGELOG.md").read_text().split()) <= 1000
+
+
 FOREIGN = (  # messages of the shell, make and Snakemake
     "bad interpreter",
     "snakemake: command not found",

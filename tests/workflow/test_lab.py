@@ -22,7 +22,10 @@ from ur5lib.workspace.beside import commands_beside
 TREES = {path.name: path.name for path in PROJECT.glob("ur5*")}
 TREES |= {"workflow": "ur5lib/workflow/workflow"}
 TREES |= {"profiles": "ur5lib/workflow/profiles"}
-SINGLE = {name: f"ur5lib/workflow/{name}" for name in ("Snakefile", "CITATION.cff", "config.yaml")}
+SINGLE = {
+    name: f"ur5lib/workflow/{name}"
+    for name in ("Snakefile", "CITATION.cff", "config.yaml", "requirements.lock")
+}
 
 
 @dataclass

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from ur5lib.commands.verdicts import CardState
 
 from ur5lib.commands.console import text_console
+from ur5lib.commands.listed import written
 from ur5lib.errors import InputError, printable
 from ur5lib.jobs.unreadable import unreadable
 from ur5lib.study.reading import read_study
@@ -36,19 +37,26 @@ Report = Callable[[int, int], None]  # it takes the number of steps done, and of
 
 def build(
     study: Path, results: Path, options: Sequence[str], verbose: bool, quiet: bool = False
-) -> Path:
+) -> Path | None:
     """Build a study and return its report; print progress, and lines that are not usual, on stderr.
 
-    options: of Snakemake; verbose: print all of its lines; quiet: no progress. Raises InputError
-    where it fails.
+    options: of Snakemake; verbose: print all of its lines; quiet: no progress. Of a dry run, all
+    lines are printed, and no report is returned. Raises InputError where it fails.
     """
     read_study(study)
-    with nullcontext(_untold) if quiet else _progress() as report:
-        status = _watch(_command(study, options), report, verbose)
+    dry = _is_dry(options)
+    with nullcontext(_untold) if quiet or dry else _progress() as report:
+        status = _watch(_command(study, options), report, verbose or dry)
     if status:
         again = "" if verbose else "; `--verbose` shows every line of Snakemake's"
         raise InputError(f"{study} is not built (see above){again}")
-    return results / "report.html"
+    built = results / "report.html"
+    return built if built.is_file() and not dry else None
+
+
+def _is_dry(options: Sequence[str]) -> bool:
+    """Return whether Snakemake's options ask for a run that makes nothing."""
+    return any(re.fullmatch(r"--dry-?run|-[a-zA-Z]*n", option) for option in options)
 
 
 @dataclass(frozen=True)
@@ -92,14 +100,12 @@ def state(study: Path, results: Path) -> State:
     from ur5lib.commands.verdicts import card_states  # slow to import
 
     read_study(study)
-    report, holder, written = results / "report.html", running(results), None
-    if report.is_file():
-        written = time.strftime("%Y-%m-%d %H:%M", time.localtime(report.stat().st_mtime))
+    report, holder = results / "report.html", running(results)
     return State(
         str(study),
         holder or None,
-        str(report) if written else None,
-        written,
+        str(report) if report.is_file() else None,
+        written(report),
         unreadable(results) if results.is_dir() else {},
         None if holder else _steps_to_run(study),
         card_states(results),
@@ -136,11 +142,15 @@ def _watch(command: Sequence[str], report: Report, verbose: bool) -> int:
         command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace"
     ) as process:
         assert process.stdout is not None
-        for line in process.stdout:
-            if steps := PROGRESS.match(line):
-                report(int(steps[1]), int(steps[2]))
-            if verbose or not (steps or USUAL.match(line)):
-                print(printable(line), end="", file=sys.stderr, flush=True)
+        try:
+            for line in process.stdout:
+                if steps := PROGRESS.match(line):
+                    report(int(steps[1]), int(steps[2]))
+                if verbose or not (steps or USUAL.match(line)):
+                    print(printable(line), end="", file=sys.stderr, flush=True)
+        except KeyboardInterrupt:
+            process.communicate()  # Ctrl-C has reached it, too; it removes what is not complete
+            raise
     return process.returncode
 
 

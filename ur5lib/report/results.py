@@ -2,7 +2,6 @@
 
 import os
 import platform
-import subprocess
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from importlib import metadata
@@ -14,7 +13,7 @@ import pandas as pd
 from ur5lib.errors import InputError
 from ur5lib.judging.study import StudyTables, read_tables
 from ur5lib.robots.description import Robot
-from ur5lib.workspace.places import IN_CLONE, WORKFLOW
+from ur5lib.workspace.origin import commit
 
 MOST_SHOWN = 4  # recordings with tables and figures of their own in one section
 MOST_ROWS = 60  # of a table; of more recordings, none has a row of its own
@@ -110,19 +109,3 @@ def versions() -> dict[str, str]:
     return {"Python": platform.python_version()} | {
         name: metadata.version(name) for name in PACKAGES
     }
-
-
-def commit() -> str:
-    """Return the commit of the code, with "+ changes" when the files differ from it.
-
-    Of an installed package, which has none, its version is returned.
-    """
-    if not IN_CLONE:
-        return f"ur5lib {metadata.version('ur5lib')}"
-    command = ["git", "-C", str(WORKFLOW), "describe", "--always", "--abbrev=12"]
-    command += ["--dirty= + changes"]
-    try:
-        name = subprocess.check_output(command, text=True, stderr=subprocess.DEVNULL)
-    except (OSError, subprocess.CalledProcessError):
-        return "(unknown)"
-    return name.strip()

@@ -11,6 +11,7 @@ from ur5lib.errors import InputError, perhaps, unknown
 RESULTS_FOLDER = Path("results")
 YAML_SUFFIXES = (".yaml", ".yml")
 REPORTS = ("report.html", "report.pdf", "details.html", "results.json")  # in a folder of results
+NO_STUDY = "this folder has no study; make one by `ur5 new .`, or name a file"
 STUDIES = ("*.yaml", "config/*.yaml", "workflow/studies/*.yaml")  # in the working folder
 
 
@@ -28,12 +29,10 @@ def study_file(address: str) -> Path:
     if isdir(path) and path.parent.name != RESULTS_FOLDER.name and not isdir(path / "tables"):
         entries = f"ur5 import {quote(str(path))}/* --output {path.resolve().name}.yaml"
         raise InputError(f"{path} is a folder of recordings, no study; write one: {entries}")
-    names = dict(_studies())
+    names = dict(studies())
     found = [file for file, name in names.items() if name == path.name]
     if not names:
-        raise InputError(
-            f"{address}: this folder has no study; make one by `ur5 new .`, or name a file"
-        )
+        raise InputError(f"{address}: {NO_STUDY}")
     if not found:
         raise unknown("study", path.name, sorted(set(names.values())))
     if len(found) > 1:
@@ -74,7 +73,7 @@ def _expect_no_neighbour(path: Path) -> None:
             raise InputError(f"{path} does not exist{near}")
 
 
-def _studies() -> Iterator[tuple[Path, str]]:
+def studies() -> Iterator[tuple[Path, str]]:
     """Yield the studies of the working folder by their files, with their names."""
     for pattern in STUDIES:
         for file in sorted(Path().glob(pattern)):

@@ -11,8 +11,10 @@ from rocrate.model import ContextEntity
 from rocrate.model.file import File
 from rocrate.rocrate import ROCrate
 
-from ur5lib.report.results import commit, versions
+from ur5lib import __version__
+from ur5lib.report.results import versions
 from ur5lib.tables import checksum
+from ur5lib.workspace.origin import commit
 
 CRATE_PROFILES = {
     "https://w3id.org/ro/wfrun/process/0.5": "Process Run Crate",
@@ -63,7 +65,8 @@ def run_crate(
 
 def _workflow(crate: ROCrate, snakefile: Path, citation: Mapping[str, Any]) -> Any:
     """Add the workflow, with its authors and the software that it ran on."""
-    about = {"name": citation["title"], "license": crate.license, "version": commit()}
+    version = f"{__version__}, commit {commit()}"
+    about = {"name": citation["title"], "license": crate.license, "version": version}
     workflow = crate.add_workflow(
         snakefile, snakefile.name, main=True, lang="snakemake", properties=about
     )
