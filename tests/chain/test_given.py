@@ -228,7 +228,8 @@ def test_a_stop_sign_is_not_overruled_without_a_reason(free: ur5lib.Recordings) 
 
 
 def test_what_a_study_or_a_file_lacks_is_told(table: pd.DataFrame) -> None:
-    with pytest.raises(ur5lib.InputError, match="is a study: write columns"):
-        ur5lib.read("mine.yaml", rate=125)
+    for stated in ({"rate": 125}, {"role": "fit"}):
+        with pytest.raises(ur5lib.InputError, match="is a study: write columns"):
+            ur5lib.read("mine.yaml", **stated)  # type: ignore[arg-type]
     with pytest.raises(ur5lib.InputError, match="`columns` names speed, but it has timestamp"):
         ur5lib.read(table, columns={"actual_qd": "speed"})

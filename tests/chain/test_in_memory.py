@@ -73,6 +73,24 @@ def test_signals_are_frames_with_units(free: ur5lib.Recordings) -> None:
     assert [*free.current.index.unique("recording")] == free.names == ["free1", "free2"]
 
 
+def test_recordings_are_chosen_by_name_and_by_role(folder: Path) -> None:
+    files = [folder / name for name in (*FREE, "pushed.csv")]
+    runs = ur5lib.read(files, "ur5e", {"free2": "validate", "pushed": "contact"})
+    assert runs.roles == {"free1": "fit", "free2": "validate", "pushed": "contact"}
+    assert [one.names for one in runs] == [["free1"], ["free2"], ["pushed"]]
+    assert runs["pushed", "free1"].names == runs[["free1", "pushed"]].names == ["free1", "pushed"]
+    assert [*map(len, (runs.fit, runs.validate, runs.contact))] == [1, 1, 1]
+    assert runs.contact.names == ["pushed"]
+    with pytest.raises(ur5lib.InputError, match="none of free1 has the role `contact`"):
+        _ = runs.fit.contact
+    with pytest.raises(ur5lib.InputError, match="did you mean `free1`"):
+        _ = runs["free2", "free11"]
+    with pytest.raises(ur5lib.InputError, match="did you mean `pushed`"):
+        ur5lib.read(files, "ur5e", {"push": "contact"})
+    with pytest.raises(ur5lib.InputError, match="did you mean `contact`"):
+        ur5lib.read(files, "ur5e", {"pushed": "contacts"})  # type: ignore[dict-item]
+
+
 def test_a_push_is_told_with_its_band_and_odds(
     model: ur5lib.Model, pushed: ur5lib.Recordings
 ) -> None:
@@ -133,12 +151,12 @@ def test_each_object_shows_itself_on_one_screen(
     free: ur5lib.Recordings, model: ur5lib.Model
 ) -> None:
     one, names = free["free1"], [f"run{k}" for k in range(200)]
-    entries = [one.study.recordings[0].model_copy(update={"name": name}) for name in names]
+    entries = [one._study.recordings[0].model_copy(update={"name": name}) for name in names]
     crowd = ur5lib.Recordings(
-        one.study.model_copy(update={"recordings": entries}),
-        one.arm,
-        dict.fromkeys(names, one.files["free1"]),
-        dict.fromkeys(names, one.qualities["free1"]),
+        one._study.model_copy(update={"recordings": entries}),
+        one._arm,
+        dict.fromkeys(names, one._files["free1"]),
+        dict.fromkeys(names, one._qualities["free1"]),
     )
     shown: list[Shown] = [ur5lib.read_arm("ur5e"), free, model, crowd]
     for each in shown:

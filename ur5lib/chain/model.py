@@ -140,7 +140,7 @@ class Model(Shown):
         """
         recordings = as_recordings(recordings).accepting(accept)
         self._expect_arm_of(recordings)
-        study = recordings.study.model_copy(update={"settings": self.settings})
+        study = recordings._study.model_copy(update={"settings": self.settings})
         made = recordings.chain(study)
         chain = replace(made, arm=self.arm, several=self.fitted)
         moving = {name: own for name, own in made.recordings.items() if "robot" in own}
@@ -215,7 +215,7 @@ class Model(Shown):
                 f"the model is of {self.robot}, but {', '.join(recordings.names)} of "
                 f"{recordings.robot}; read them with the arm of the model"
             )
-        if text_of(recordings.arm["described"]) != text_of(self.arm["described"]):
+        if text_of(recordings._arm["described"]) != text_of(self.arm["described"]):
             raise InputError(
                 f"{self.robot} is described otherwise than when the model was fitted; fit it again"
             )
@@ -258,7 +258,7 @@ def fit(recordings: Recordings, accept: Mapping[str, str] | None = None) -> Mode
         6
     """
     recordings = as_recordings(recordings).accepting(accept)
-    chain = recordings.chain(recordings.study)
+    chain = recordings.chain(recordings._study)
     names = chain.selection.of_arm(chain.robot, "fit")
     at_rest = chain.selection.of_arm(chain.robot, "fit", at_rest=True)
     free = chain.selection.of_arm(chain.robot, "fit", "validate")
@@ -278,7 +278,7 @@ def fit(recordings: Recordings, accept: Mapping[str, str] | None = None) -> Mode
     each("compute_torques")
     expect_no_stop_sign({name: fitted[name] for name in names})
     chain.run("fit_friction")
-    model = Model(recordings.study.settings, chain.robot, chain.arm, fitted)
+    model = Model(recordings._study.settings, chain.robot, chain.arm, fitted)
     refused = model.friction.stopped or model.friction.refused
     if refused is not None:
         raise InputError(f"{chain.robot}: {refused.sentence()}")
