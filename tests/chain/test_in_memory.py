@@ -102,6 +102,53 @@ def test_a_push_is_told_with_its_band_and_odds(
     assert forces.attrs["units"]["Fmap_Fx"] == "N"
 
 
+def test_currents_are_predicted_beside_those_measured(
+    model: ur5lib.Model, free: ur5lib.Recordings, pushed: ur5lib.Recordings
+) -> None:
+    found = model.predict(pushed)
+    names = ("predicted_current", "current_band", "actual_current", "residual_current", "tau_ext")
+    assert [*found] == [f"{name}_{k}" for name in names for k in range(6)]
+    assert {**found.attrs["units"]} == dict(
+        zip(["time", *found], ["s", *24 * ["A"], *6 * ["Nm"]], strict=True)
+    )
+    measured = pushed.current.to_numpy()
+    left = measured - found.filter(like="predicted").to_numpy()
+    np.testing.assert_array_equal(found.filter(like="residual"), left)
+    assert found.loc[3.7:4.3, "tau_ext_1"].abs().min() > 5
+    rows = model.score(pushed).query("model == 'fitted'")
+    np.testing.assert_allclose(rows["rmse"], np.sqrt(np.mean(left**2, axis=0)), rtol=1e-6)
+    assert {*rows["fitted"]} == {"no"}
+    own = model.score(free).pivot_table(index="joint", columns="model", values="nrmse")
+    assert (own["fitted"] < 0.2).all()
+    assert (own["fitted"] < own["least_squares"]).all()
+
+
+def test_nothing_is_predicted_without_currents(
+    model: ur5lib.Model, free: ur5lib.Recordings
+) -> None:
+    only = free["free1"].device("robot").filter(like="actual_q")
+    silent = ur5lib.read({"silent": only}, "ur5e", "validate")
+    for answer in (model.predict, model.score):
+        with pytest.raises(ur5lib.InputError, match="silent: no current is predicted"):
+            answer(silent)
+
+
+def test_friction_at_a_velocity_is_that_of_the_table(model: ur5lib.Model) -> None:
+    rows = model.table("friction")
+    totals = rows[rows["parameter"].str.startswith("total_")].set_index(["joint", "parameter"])
+    velocities = [0.0, 0.1, 0.5, 1.0]
+    found = model.friction(velocities, totals["load"].groupby("joint").first())
+    assert found.index.name == "velocity"
+    for column, name in (("value", "tau_friction"), ("std_error", "tau_friction_std")):
+        by_joint = totals[column].to_numpy().reshape(6, 4).T
+        np.testing.assert_allclose(found[[f"{name}_{k}" for k in range(6)]], by_joint, rtol=1e-8)
+    assert found.attrs["units"] == {"velocity": "rad/s"} | dict.fromkeys(found, "Nm")
+    both = model.friction([-0.5, 0.5], 20)
+    np.testing.assert_array_equal(both.iloc[0].abs(), both.iloc[1])
+    with pytest.raises(ur5lib.InputError, match=r"load has 2 numbers; give one, or 6"):
+        model.friction(0.5, [1, 2])
+
+
 def test_a_model_is_the_same_after_it_was_saved(
     model: ur5lib.Model, pushed: ur5lib.Recordings, tmp_path: Path
 ) -> None:
