@@ -1,5 +1,6 @@
 """Recordings in a folder for the library in memory, and a study's results beside what it gives."""
 
+import json
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ import pandas as pd
 
 import ur5lib
 from ur5lib.chain.model import FIGURES, TABLES
+from ur5lib.jobs.memory import text_of
 from ur5lib.report.figures.house_style import Drawing, save
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.stand.plan import SimulatedRecording
@@ -46,14 +48,15 @@ def assert_as_in_study(
 ) -> None:
     """A study read and fitted in memory states what its report does, to the last bit.
 
-    names: recordings whose forces are estimated.
+    names: recordings whose currents and forces are estimated.
     """
     study = ur5lib.load(results)
     built = study.model(runs.robot)
-    for name, text in model.arm.items():
+    for name, text in model._arm.items():
         if name != "threshold":  # the published estimates have theirs, too
-            assert text == Path(built.arm[name]).read_text(), name
-    assert model.threshold.items() <= built.threshold.items()
+            assert text == Path(built._arm[name]).read_text(), name
+    own, all_of_study = (json.loads(text_of(one._arm["threshold"])) for one in (model, built))
+    assert own.items() <= all_of_study.items()
     for name in TABLES:
         table = study.table(name)
         reported = table[table["robot"] == runs.robot].reset_index(drop=True)
@@ -62,10 +65,18 @@ def assert_as_in_study(
     for joint, axis in enumerate(model.plot("friction").axes, start=1):
         dots = drawn[[f"{name}, joint {joint} [{unit}]" for name, unit in DOTS]]
         np.testing.assert_allclose(axis.lines[0].get_xydata(), dots, rtol=1e-5)
+    errors = study.table("current_rmse")
     for name in names:
         pd.testing.assert_frame_equal(
             model.estimate(runs[name]), study.forces(name), check_exact=True
         )
+        found, stated = model.predict(runs[name]), study.currents(name)
+        same = [*found.columns.intersection(stated.columns)]
+        assert len(same) == 18
+        pd.testing.assert_frame_equal(found[same], stated[same], check_exact=True)
+        rows = errors[errors["recording"] == name].reset_index(drop=True)
+        scored = model.score(runs[name]).drop(columns="nrmse")
+        pd.testing.assert_frame_equal(scored, rows, check_exact=True)
 
 
 def assert_draws_as_in_report(results: Path, folder: Path) -> None:

@@ -71,7 +71,7 @@ def test_a_model_takes_the_table_of_currents_and_not_the_summary_beside_it(resul
         write_text("{}", results / "parameters" / "ur5" / file)
     for file in ("currents.parquet", "currents.json", "payload.json"):
         write_text("{}", results / "recordings" / "pushed" / file)
-    own = ur5lib.load(results).model("ur5").fitted["pushed"]
+    own = ur5lib.load(results).model("ur5")._fitted["pushed"]
     assert own == {
         name: results / "recordings" / "pushed" / file
         for name, file in (("currents", "currents.parquet"), ("payload", "payload.json"))

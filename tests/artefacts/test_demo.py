@@ -263,7 +263,7 @@ def test_in_memory_all_is_as_in_the_report(
 ) -> None:
     """By the recordings and the model of the notebook, which estimates forces, too."""
     _, known = played
-    assert_as_in_study(known["runs"], known["model"], results)
+    assert_as_in_study(known["runs"], known["model"], results, "way_points")
     pd.testing.assert_frame_equal(
         known["forces"], FinishedStudy(results).forces("way_points_pushed"), check_exact=True
     )

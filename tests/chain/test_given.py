@@ -191,12 +191,16 @@ CALLS: dict[str, Callable[[Any, ur5lib.Recordings, ur5lib.Model, Path], object]]
         runs, accept={"order": "" if isinstance(it, str) else it}
     ),
     "estimate": lambda it, _, fitted, __: fitted.estimate(it),
+    "predict": lambda it, _, fitted, __: fitted.predict(it),
+    "score": lambda it, _, fitted, __: fitted.score(it),
+    "velocity": lambda it, _, fitted, __: fitted.friction([it]),
+    "load": lambda it, _, fitted, __: fitted.friction(0.1, [it]),
     "table": lambda it, _, fitted, __: fitted.table(it),
     "plot": lambda it, _, fitted, __: fitted.plot(it),
     "joint": lambda it, _, fitted, __: fitted.plot("friction", joint=[it]),  # type: ignore[arg-type]
     "save": lambda it, _, fitted, __: fitted.save(it),
     "load_model": lambda it, *_: ur5lib.load_model(it),
-    "load": lambda it, *_: ur5lib.load(it),
+    "load a study": lambda it, *_: ur5lib.load(it),
     "of a name": lambda it, runs, *_: runs[it],
     "channel": lambda it, runs, *_: runs.channel(it),
     "device": lambda it, runs, *_: runs.device(it),
@@ -228,7 +232,8 @@ def test_a_stop_sign_is_not_overruled_without_a_reason(free: ur5lib.Recordings) 
 
 
 def test_what_a_study_or_a_file_lacks_is_told(table: pd.DataFrame) -> None:
-    with pytest.raises(ur5lib.InputError, match="is a study: write columns"):
-        ur5lib.read("mine.yaml", rate=125)
+    for stated in ({"rate": 125}, {"role": "fit"}):
+        with pytest.raises(ur5lib.InputError, match="is a study: write columns"):
+            ur5lib.read("mine.yaml", **stated)  # type: ignore[arg-type]
     with pytest.raises(ur5lib.InputError, match="`columns` names speed, but it has timestamp"):
         ur5lib.read(table, columns={"actual_qd": "speed"})

@@ -73,6 +73,24 @@ def test_signals_are_frames_with_units(free: ur5lib.Recordings) -> None:
     assert [*free.current.index.unique("recording")] == free.names == ["free1", "free2"]
 
 
+def test_recordings_are_chosen_by_name_and_by_role(folder: Path) -> None:
+    files = [folder / name for name in (*FREE, "pushed.csv")]
+    runs = ur5lib.read(files, "ur5e", {"free2": "validate", "pushed": "contact"})
+    assert runs.roles == {"free1": "fit", "free2": "validate", "pushed": "contact"}
+    assert [one.names for one in runs] == [["free1"], ["free2"], ["pushed"]]
+    assert runs["pushed", "free1"].names == runs[["free1", "pushed"]].names == ["free1", "pushed"]
+    assert [*map(len, (runs.fit, runs.validate, runs.contact))] == [1, 1, 1]
+    assert runs.contact.names == ["pushed"]
+    with pytest.raises(ur5lib.InputError, match="none of free1 has the role `contact`"):
+        _ = runs.fit.contact
+    with pytest.raises(ur5lib.InputError, match="did you mean `free1`"):
+        _ = runs["free2", "free11"]
+    with pytest.raises(ur5lib.InputError, match="did you mean `pushed`"):
+        ur5lib.read(files, "ur5e", {"push": "contact"})
+    with pytest.raises(ur5lib.InputError, match="did you mean `contact`"):
+        ur5lib.read(files, "ur5e", {"pushed": "contacts"})  # type: ignore[dict-item]
+
+
 def test_a_push_is_told_with_its_band_and_odds(
     model: ur5lib.Model, pushed: ur5lib.Recordings
 ) -> None:
@@ -82,6 +100,53 @@ def test_a_push_is_told_with_its_band_and_odds(
     assert (during["log_odds_Fmap"] > 0).all()
     assert (during["Fmap_std_Fx"] > 0).all()
     assert forces.attrs["units"]["Fmap_Fx"] == "N"
+
+
+def test_currents_are_predicted_beside_those_measured(
+    model: ur5lib.Model, free: ur5lib.Recordings, pushed: ur5lib.Recordings
+) -> None:
+    found = model.predict(pushed)
+    names = ("predicted_current", "current_band", "actual_current", "residual_current", "tau_ext")
+    assert [*found] == [f"{name}_{k}" for name in names for k in range(6)]
+    assert {**found.attrs["units"]} == dict(
+        zip(["time", *found], ["s", *24 * ["A"], *6 * ["Nm"]], strict=True)
+    )
+    measured = pushed.current.to_numpy()
+    left = measured - found.filter(like="predicted").to_numpy()
+    np.testing.assert_array_equal(found.filter(like="residual"), left)
+    assert found.loc[3.7:4.3, "tau_ext_1"].abs().min() > 5
+    rows = model.score(pushed).query("model == 'fitted'")
+    np.testing.assert_allclose(rows["rmse"], np.sqrt(np.mean(left**2, axis=0)), rtol=1e-6)
+    assert {*rows["fitted"]} == {"no"}
+    own = model.score(free).pivot_table(index="joint", columns="model", values="nrmse")
+    assert (own["fitted"] < 0.2).all()
+    assert (own["fitted"] < own["least_squares"]).all()
+
+
+def test_nothing_is_predicted_without_currents(
+    model: ur5lib.Model, free: ur5lib.Recordings
+) -> None:
+    only = free["free1"].device("robot").filter(like="actual_q")
+    silent = ur5lib.read({"silent": only}, "ur5e", "validate")
+    for answer in (model.predict, model.score):
+        with pytest.raises(ur5lib.InputError, match="silent: no current is predicted"):
+            answer(silent)
+
+
+def test_friction_at_a_velocity_is_that_of_the_table(model: ur5lib.Model) -> None:
+    rows = model.table("friction")
+    totals = rows[rows["parameter"].str.startswith("total_")].set_index(["joint", "parameter"])
+    velocities = [0.0, 0.1, 0.5, 1.0]
+    found = model.friction(velocities, totals["load"].groupby("joint").first())
+    assert found.index.name == "velocity"
+    for column, name in (("value", "tau_friction"), ("std_error", "tau_friction_std")):
+        by_joint = totals[column].to_numpy().reshape(6, 4).T
+        np.testing.assert_allclose(found[[f"{name}_{k}" for k in range(6)]], by_joint, rtol=1e-8)
+    assert found.attrs["units"] == {"velocity": "rad/s"} | dict.fromkeys(found, "Nm")
+    both = model.friction([-0.5, 0.5], 20)
+    np.testing.assert_array_equal(both.iloc[0].abs(), both.iloc[1])
+    with pytest.raises(ur5lib.InputError, match=r"load has 2 numbers; give one, or 6"):
+        model.friction(0.5, [1, 2])
 
 
 def test_a_model_is_the_same_after_it_was_saved(
@@ -133,12 +198,12 @@ def test_each_object_shows_itself_on_one_screen(
     free: ur5lib.Recordings, model: ur5lib.Model
 ) -> None:
     one, names = free["free1"], [f"run{k}" for k in range(200)]
-    entries = [one.study.recordings[0].model_copy(update={"name": name}) for name in names]
+    entries = [one._study.recordings[0].model_copy(update={"name": name}) for name in names]
     crowd = ur5lib.Recordings(
-        one.study.model_copy(update={"recordings": entries}),
-        one.arm,
-        dict.fromkeys(names, one.files["free1"]),
-        dict.fromkeys(names, one.qualities["free1"]),
+        one._study.model_copy(update={"recordings": entries}),
+        one._arm,
+        dict.fromkeys(names, one._files["free1"]),
+        dict.fromkeys(names, one._qualities["free1"]),
     )
     shown: list[Shown] = [ur5lib.read_arm("ur5e"), free, model, crowd]
     for each in shown:

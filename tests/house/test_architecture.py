@@ -47,7 +47,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     # readers
     "report": BASE | METHODS - {"signals", "dynamics"} | {"judging", "records", "workspace"},
     "study": BASE | {"stand", "recordings", "records"},
-    "chain": BASE | {"jobs", "records", "study"},
+    "chain": BASE | {"identification", "jobs", "records", "study"},
     "finished": BASE | {"chain", "jobs", "records", "study"},
     "commands": BASE
     | METHODS - {"dynamics"}

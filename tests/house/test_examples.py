@@ -128,7 +128,17 @@ def fit(code: str, _: pytest.MonkeyPatch) -> None:
     known: dict[str, Any] = {}
     exec(code, known)
     assert known["forces"]["Fmap_Fx"].max() > 20
+    assert {*known["errors"]["recording"]} == {"pushed"}
     assert Path("model.json").is_file()
+
+
+def cross_validate(code: str, _: pytest.MonkeyPatch) -> None:
+    """On recordings of the names that it has: errors are below those of a constant current."""
+    put_recordings(Path())
+    known: dict[str, Any] = {}
+    exec(code, known)
+    assert [*known["table"].index] == [1, 2, 3, 4, 5, 6]
+    assert (known["table"]["fitted"] < 1).all()
 
 
 def read_frames(code: str, _: pytest.MonkeyPatch) -> None:
@@ -218,6 +228,7 @@ PYTHON: dict[str, Callable[[str, pytest.MonkeyPatch], None]] = {
     "from ur5lib import load": judge,
     "import matplotlib": draw,
     "import pandas as pd, ur5lib": read_frames,
+    "import pandas as pd\nimport ur5lib": cross_validate,
     "import ur5lib": fit,
     "import numpy as np": extend,
     "from live import Live": estimate_live,

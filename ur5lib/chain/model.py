@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib import __version__
+from ur5lib.chain.predicted import beside_measured, errors, expect_predicted, friction_at
 from ur5lib.chain.recordings import Recordings, as_recordings, frame_of
 from ur5lib.chain.shown import Shown, counted, frames
 from ur5lib.chain.steps import Chain, Files
@@ -46,37 +47,34 @@ JSON_FILES = ("drifts", "rotors", "summary", "friction", "residuals", "threshold
 class Model(Shown):
     """Torque constants, friction, links and residuals of an arm, as `ur5lib.fit` returns them.
 
-    settings: with which it was fitted; robot: the arm's name; arm: what was fitted; fitted: what
-    was made of each recording that it learnt from.
+    robot: the arm's name. `predict` gives the current of a motion (N, n), `score` its error,
+    `friction` the friction at velocities (M,), `estimate` contact forces (N, 6); `table`, `use` and
+    `plot` are the report's. SI units, in `attrs["units"]` of each frame. Raises InputError for
+    recordings of another arm, or with a stop sign, and for unknown names.
 
-        >>> forces = model.estimate(ur5lib.read("pushed.csv", "ur5e", role="contact"))
+        >>> pushed = ur5lib.read("pushed.csv", "ur5e", role="contact")
+        >>> forces = model.estimate(pushed)
         >>> forces.attrs["units"]["Fmap_Fx"], forces.attrs["units"]["Fmap_nx"]
         ('N', 'Nm')
         >>> model.save("model.json")
     """
 
-    settings: Settings
+    _settings: Settings
     robot: str
-    arm: Files
-    fitted: Mapping[str, Files]
+    _arm: Files
+    _fitted: Mapping[str, Files]
 
     @property
     def identified(self) -> Robot:
         """Return the arm with the link models that were identified."""
-        robot: Robot = record_of(Robot, self.arm["arm"])
+        robot: Robot = record_of(Robot, self._arm["arm"])
         return robot
 
     @property
-    def friction(self) -> Friction:
-        """Return torque constants and friction, with the fits that left each path out."""
-        friction: Friction = record_of(Friction, self.arm["friction"])
+    def _friction(self) -> Friction:
+        """Torque constants and friction, with the fits that left each path out."""
+        friction: Friction = record_of(Friction, self._arm["friction"])
         return friction
-
-    @property
-    def threshold(self) -> dict[str, float]:
-        """Return by estimate the log-odds of contact, or the force [N], that raise an alarm."""
-        threshold: dict[str, float] = record_of(dict[str, float], self.arm["threshold"])
-        return threshold
 
     @property
     def use(self) -> pd.DataFrame:
@@ -93,7 +91,7 @@ class Model(Shown):
         expect_known("table", name, TABLES)
         asked = parameter_types(step_named("make_tables")).items()
         inputs: dict[str, Contents] = {
-            key: {self.robot: self.arm[FILES_OF_TABLES[key]]} if key in FILES_OF_TABLES else {}
+            key: {self.robot: self._arm[FILES_OF_TABLES[key]]} if key in FILES_OF_TABLES else {}
             for key, kind in asked
             if get_origin(kind) is Mapping
         }
@@ -122,11 +120,59 @@ class Model(Shown):
                 "it from its study: ur5lib.load(...).model(...)"
             )
         alone = Study.model_construct(
-            study=self.robot, title="", settings=self.settings, recordings=[]
+            study=self.robot, title="", settings=self._settings, recordings=[]
         )
-        chain = Chain(Selection(alone), self.robot, self.arm, {}, self.fitted)
+        chain = Chain(Selection(alone), self.robot, self._arm, {}, self._fitted)
         figure = chain.result(FIGURES[name])[name].figure
         return figure if joint is None else figure.with_panel(joint)
+
+    def predict(
+        self, recordings: Recordings, accept: Mapping[str, str] | None = None
+    ) -> pd.DataFrame:
+        """Return what motion without contact needs, as currents.parquet of a study has it, beside
+        what was measured.
+
+        (N, n) each: `predicted_current_0` ..., half of its 95 % band `current_band_0` ..., the
+        measured `actual_current_0` ..., and that less the predicted one, `residual_current_0` ...
+        [A]; of an arm that measures torques, `torque` for `current` [Nm]. `tau_ext_0` ...: the
+        external torque [Nm]. The band is of currents below the low-pass of the fit. A recording of
+        the fit is predicted without its path. Index, accept, errors: as of `estimate`; and
+        InputError where nothing is predicted.
+
+            >>> model.predict(runs["free1"]).attrs["units"]["residual_current_0"]
+            'A'
+        """
+        moving = self._predicted(recordings, accept)
+        return frames({name: beside_measured(own, self._friction) for name, own in moving.items()})
+
+    def score(
+        self, recordings: Recordings, accept: Mapping[str, str] | None = None
+    ) -> pd.DataFrame:
+        """Return errors of predicted currents: the rows of a study's `current_rmse`, with `nrmse`.
+
+        By recording, joint and model: `fitted` is this one, `least_squares` the plain one. nrmse:
+        `rmse_lowpassed` over `zero_rmse_lowpassed`, the error of a constant current, so that 1 is
+        no better than that, as of a joint that rests. fitted: `yes` of a recording of the fit,
+        which is predicted without its path. A contact counts as an error. Arguments and errors: as
+        of `predict`.
+
+            >>> model.score(runs["free1"]).query("model == 'fitted'")["joint"].tolist()
+            [1, 2, 3, 4, 5, 6]
+        """
+        return errors(self._predicted(recordings, accept))
+
+    def friction(self, velocity: Any, load: Any = 0.0) -> pd.DataFrame:
+        """Return the friction of each joint at steady velocities, all terms together.
+
+        velocity: one, or (M,) [rad/s]; at 0, as a joint begins to move in positive direction; load:
+        size of the torque that a gear transmits [Nm], one, or (n,) by joint. `tau_friction_0` ...
+        [Nm] with their standard deviations `tau_friction_std_0` ..., (M, n) each, by `velocity`.
+        Springs, rotors and coupled motors are not in it. Raises InputError for what are no numbers.
+
+            >>> model.friction([0.1, 0.5], load=20.0).shape
+            (2, 12)
+        """
+        return friction_at(self._friction, velocity, load)
 
     def estimate(
         self, recordings: Recordings, accept: Mapping[str, str] | None = None
@@ -134,15 +180,34 @@ class Model(Shown):
         """Return the estimated contact wrenches of recordings, as forces.parquet of a study has
         them: `Fmap_Fx` ... `Fmap_nz` [N, Nm], `Fmap_std_Fx` ..., and `log_odds_Fmap` of a contact.
 
-        The environment on the arm, base axes, at the origin of frame 6; `time` [s] is the index, of
-        several recordings `recording` and `time`. accept: reasons for which stop signs are
-        overruled, by kind. Raises InputError for recordings of another arm, or with a stop sign.
+        The environment on the arm, base axes, at the origin of frame 6; NaN where nothing is known.
+        `time` [s] is the index, of several recordings `recording` and `time`. accept: reasons for
+        which stop signs are overruled, by kind. Raises InputError for recordings of another arm, or
+        with a stop sign.
+
+            >>> model.estimate(runs["free1"]).attrs["units"]["Fmap_std_nx"]
+            'Nm'
         """
+        steps = ("estimate_load", "predict_currents", "estimate_forces")
+        moving = self._run(recordings, accept, *steps)
+        return frames({name: frame_of(own["forces"]) for name, own in moving.items()})
+
+    def _predicted(
+        self, recordings: Recordings, accept: Mapping[str, str] | None
+    ) -> dict[str, Files]:
+        moving = self._run(recordings, accept, "estimate_load", "predict_currents")
+        expect_predicted(moving, self._friction)
+        return moving
+
+    def _run(
+        self, recordings: Recordings, accept: Mapping[str, str] | None, *steps: str
+    ) -> dict[str, Files]:
+        """Return the files of the recordings in motion after some steps; raises as `estimate`."""
         recordings = as_recordings(recordings).accepting(accept)
         self._expect_arm_of(recordings)
-        study = recordings.study.model_copy(update={"settings": self.settings})
+        study = recordings._study.model_copy(update={"settings": self._settings})
         made = recordings.chain(study)
-        chain = replace(made, arm=self.arm, several=self.fitted)
+        chain = replace(made, arm=self._arm, several=self._fitted)
         moving = {name: own for name, own in made.recordings.items() if "robot" in own}
         if not moving:
             raise InputError(
@@ -153,9 +218,9 @@ class Model(Shown):
                 chain.run(step, name)
         expect_no_stop_sign(moving)
         for name in moving:
-            for step in ("estimate_load", "predict_currents", "estimate_forces"):
+            for step in steps:
                 chain.run(step, name)
-        return frames({name: frame_of(own["forces"]) for name, own in moving.items()})
+        return moving
 
     def save(self, path: str | Path) -> None:
         """Write the model as JSON, which `ur5lib.load_model` reads; its recordings stay out.
@@ -178,7 +243,7 @@ class Model(Shown):
             }
             settings = Settings.model_validate(saved["settings"])
             model = cls(settings, str(saved["robot"]), texts, fitted)
-            model.identified, model.friction  # noqa: B018  raises where they are damaged
+            model.identified, model._friction  # noqa: B018  raises where they are damaged
         except OSError as error:
             raise InputError(f"{path} cannot be read ({error.strerror}); check its name") from error
         except (KeyError, TypeError, AttributeError, ValueError) as error:
@@ -195,16 +260,16 @@ class Model(Shown):
     __hash__ = None  # type: ignore[assignment]
 
     def _saved(self) -> dict[str, Any]:
-        texts = {name: text_of(self.arm[name]) for name in YAML_FILES}
-        plain = {name: json.loads(text_of(self.arm[name])) for name in JSON_FILES}
+        texts = {name: text_of(self._arm[name]) for name in YAML_FILES}
+        plain = {name: json.loads(text_of(self._arm[name])) for name in JSON_FILES}
         loads = {
             name: {part: json.loads(text_of(own[part])) for part in ("payload",) if part in own}
-            for name, own in self.fitted.items()
+            for name, own in self._fitted.items()
         }
         return {
             "ur5lib": __version__,
             "robot": self.robot,
-            "settings": self.settings.model_dump(mode="json"),
+            "settings": self._settings.model_dump(mode="json"),
             "arm": texts | plain,
             "fitted": loads,
         }
@@ -215,16 +280,16 @@ class Model(Shown):
                 f"the model is of {self.robot}, but {', '.join(recordings.names)} of "
                 f"{recordings.robot}; read them with the arm of the model"
             )
-        if text_of(recordings.arm["described"]) != text_of(self.arm["described"]):
+        if text_of(recordings._arm["described"]) != text_of(self._arm["described"]):
             raise InputError(
                 f"{self.robot} is described otherwise than when the model was fitted; fit it again"
             )
 
     def _moving(self) -> list[Files]:
-        return [own for name, own in self.fitted.items() if name in self.friction.from_]
+        return [own for name, own in self._fitted.items() if name in self._friction.from_]
 
     def _title(self) -> str:
-        friction = self.friction
+        friction = self._friction
         learnt = [*friction.from_, *friction.at_rest]
         links = "identified" if "identified" in self.identified.models else "as described"
         fitted = f"fitted to {some(learnt, 4)} on {counted(friction.paths, 'path')}; links {links}"
@@ -258,7 +323,7 @@ def fit(recordings: Recordings, accept: Mapping[str, str] | None = None) -> Mode
         6
     """
     recordings = as_recordings(recordings).accepting(accept)
-    chain = recordings.chain(recordings.study)
+    chain = recordings.chain(recordings._study)
     names = chain.selection.of_arm(chain.robot, "fit")
     at_rest = chain.selection.of_arm(chain.robot, "fit", at_rest=True)
     free = chain.selection.of_arm(chain.robot, "fit", "validate")
@@ -278,8 +343,8 @@ def fit(recordings: Recordings, accept: Mapping[str, str] | None = None) -> Mode
     each("compute_torques")
     expect_no_stop_sign({name: fitted[name] for name in names})
     chain.run("fit_friction")
-    model = Model(recordings.study.settings, chain.robot, chain.arm, fitted)
-    refused = model.friction.stopped or model.friction.refused
+    model = Model(recordings._study.settings, chain.robot, chain.arm, fitted)
+    refused = model._friction.stopped or model._friction.refused
     if refused is not None:
         raise InputError(f"{chain.robot}: {refused.sentence()}")
     each("estimate_load", "predict_currents")

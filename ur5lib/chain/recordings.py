@@ -1,6 +1,6 @@
 """Recordings that were read: what each holds, what may be used, and their signals as frames."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -59,45 +59,83 @@ class Arm(Shown):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Recordings(Shown):
-    """Recordings of one arm, as `ur5lib.read` returns them.
+    """Recordings of one arm, as `ur5lib.read` returns them; a loop yields each alone.
 
-    study: their entries and settings; arm: its description; files: of each recording as read;
-    qualities: what `ur5 check` finds in each, when it is asked.
+    `runs["free1"]` is one of them, `runs["free1", "free2"]` are several, and `runs.fit`,
+    `runs.validate` and `runs.contact` those of a role. A signal is a data frame (N, n) by `time`
+    [s], of several recordings by `recording` and `time`, with its units in `attrs["units"]`.
+    Raises InputError for unknown names, and for what was not recorded.
 
         >>> runs["free1"].current.attrs["units"]["actual_current_0"]
         'A'
+        >>> [run.names for run in runs.fit]
+        [['free1'], ['free2']]
     """
 
-    study: Study
-    arm: Files
-    files: Mapping[str, Files]
-    qualities: Mapping[str, Quality]
+    _study: Study
+    _arm: Files
+    _files: Mapping[str, Files]
+    _qualities: Mapping[str, Quality]
 
     @property
     def names(self) -> list[str]:
         """Return the names of the recordings."""
-        return [*self.files]
+        return [*self._files]
 
     @property
     def robot(self) -> str:
         """Return the arm's name in results."""
-        return next(iter(self.study.arms()))
+        return next(iter(self._study.arms()))
 
     @property
     def roles(self) -> dict[str, str]:
         """Return what each is for: fit, validate or contact."""
-        return {one.name: one.role for one in self.study.recordings}
+        return {one.name: one.role for one in self._study.recordings}
 
     def __len__(self) -> int:
         """Return how many they are."""
-        return len(self.files)
+        return len(self._files)
 
-    def __getitem__(self, name: str) -> "Recordings":
-        """Return one of them. Raises InputError for an unknown name."""
-        expect_known("recording", name, self.names)
-        entries = [one for one in self.study.recordings if one.name == name]
-        study = self.study.model_copy(update={"recordings": entries})
-        return replace(self, study=study, files={name: self.files[name]})
+    def __iter__(self) -> Iterator["Recordings"]:
+        """Yield each of them alone."""
+        return map(self.__getitem__, self.names)
+
+    def __getitem__(self, names: str | Sequence[str]) -> "Recordings":
+        """Return one of them, or several in their order here.
+
+        Raises InputError for an unknown name, and without any.
+        """
+        asked = names if isinstance(names, list | tuple) and names else [names]
+        chosen = [expect_known("recording", name, self.names) for name in asked]
+        entries = [one for one in self._study.recordings if one.name in chosen]
+        study = self._study.model_copy(update={"recordings": entries})
+        return replace(
+            self, _study=study, _files={one.name: self._files[one.name] for one in entries}
+        )
+
+    @property
+    def fit(self) -> "Recordings":
+        """Return those to learn from. Raises InputError without any, as the next two."""
+        return self._with_role("fit")
+
+    @property
+    def validate(self) -> "Recordings":
+        """Return those that nothing touches, and that no fit learns from."""
+        return self._with_role("validate")
+
+    @property
+    def contact(self) -> "Recordings":
+        """Return those in which something may touch the arm."""
+        return self._with_role("contact")
+
+    def _with_role(self, role: str) -> "Recordings":
+        names = [name for name, own in self.roles.items() if own == role]
+        if not names:
+            raise InputError(
+                f"none of {some(self.names)} has the role `{role}`; state it: "
+                f'ur5lib.read(..., role={{"{self.names[0]}": "{role}"}})'
+            )
+        return self[names]
 
     @property
     def q(self) -> pd.DataFrame:
@@ -135,7 +173,7 @@ class Recordings(Shown):
         rows = [
             {"recording": name, "severity": one.severity, "detail": one.sentence()}
             for name in self.names
-            for one in self.qualities[name].findings
+            for one in self._qualities[name].findings
         ]
         return pd.DataFrame(rows, columns=["recording", "severity", "detail"])
 
@@ -144,7 +182,7 @@ class Recordings(Shown):
         """Return what import took each column for: recording, and the columns of an `AccountRow`,
         subject, taken_for, evidence, confidence and reason.
         """
-        rows = {one.name: one.account for one in self.study.recordings}
+        rows = {one.name: one.account for one in self._study.recordings}
         return table_by_owner(AccountRow, rows)
 
     def line(self, name: str) -> str:
@@ -178,20 +216,20 @@ class Recordings(Shown):
             raise InputError(f"accept: {mistakes}") from error
         entries = [
             one.model_copy(update={"accept": joined(general, one.accept)})
-            for one in self.study.recordings
+            for one in self._study.recordings
         ]
-        return replace(self, study=self.study.model_copy(update={"recordings": entries}))
+        return replace(self, _study=self._study.model_copy(update={"recordings": entries}))
 
     def chain(self, study: Study) -> Chain:
         """Return their chain of steps, with copies of what was made of them so far."""
-        files = {name: dict(own) for name, own in self.files.items()}
+        files = {name: dict(own) for name, own in self._files.items()}
         selection = Selection(study)
-        return Chain(selection, self.robot, dict(self.arm), files, {})
+        return Chain(selection, self.robot, dict(self._arm), files, {})
 
     def _frame(self, file: str, channel: str = "") -> pd.DataFrame:
         parts = {
             name: own[file]
-            for name, own in self.files.items()
+            for name, own in self._files.items()
             if file in own and not isinstance(own[file], str)
         }
         every = {name: read_footer(one).schema.names for name, one in parts.items()}
@@ -208,7 +246,7 @@ class Recordings(Shown):
         return frames({name: frame_of(parts[name], own) for name, own in have.items()})
 
     def _title(self) -> str:
-        duration = sum(self.qualities[name].duration_s for name in self.names)
+        duration = sum(self._qualities[name].duration_s for name in self.names)
         stopped = [name for name in self.names if self._stop_signs(name)]
         unused = (
             f"; not used, for a stop sign (see findings()): {', '.join(stopped)}" if stopped else ""
@@ -216,13 +254,13 @@ class Recordings(Shown):
         return f"{counted(len(self), 'recording')} of {self.robot}, {duration:.0f} s{unused}"
 
     def _stop_signs(self, name: str) -> list[Finding]:
-        return [one for one in self.qualities[name].findings if one.severity in NO_USE]
+        return [one for one in self._qualities[name].findings if one.severity in NO_USE]
 
     def summary(self) -> pd.DataFrame:
         """Return role, length, rate and worst finding of each recording."""
         rows = []
         for name in self.names:
-            quality = self.qualities[name]
+            quality = self._qualities[name]
             worst = self._stop_signs(name) or quality.findings[:0]
             count = {
                 level: sum(one.severity == level for one in quality.findings)

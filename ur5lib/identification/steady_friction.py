@@ -68,14 +68,31 @@ def total_friction(fit: CurrentFit, load: Array) -> list[Parameter]:
     ]
 
 
+def steady_friction(model: JointFit, qd: Array, load: float) -> tuple[Array, Array]:
+    """Return a joint's friction (V,) [Nm] at steady velocities (V,) [rad/s], and its std error.
+
+    At 0, as the joint begins to move in positive direction; load: as of `friction_curve`.
+    """
+    columns = steady_columns(model.terms, qd, np.where(qd < 0, -1.0, 1.0), load)
+    value, error, unseen = _sums(model, columns)
+    return value, np.hypot(error, unseen)
+
+
+def _sums(model: JointFit, columns: Array) -> tuple[Array, Array, Array]:
+    """Return sums (V,) of friction's parameters, their standard errors, and by how much they differ
+    from those of all days; columns: (V, M).
+    """
+    friction = physical_values(model.estimate.coefficients)[2:]
+    # a day or recording differs by a share of friction, in all terms alike
+    unseen = np.abs(columns @ (np.sign(friction) * model.unseen[2:]))
+    return columns @ friction, _std_error(model.estimate, columns), unseen
+
+
 def _totals(joint: int, model: JointFit, load: float, units: int) -> Iterator[Parameter]:
     """Yield the totals of a joint, from 1; units: of the bootstrap."""
     qd, estimate = STATED_VELOCITIES, model.estimate
     columns = steady_columns(model.terms, qd, np.ones_like(qd), load)
-    friction, shares = physical_values(estimate.coefficients)[2:], _shares(estimate, columns)
-    value, error = columns @ friction, _std_error(estimate, columns)
-    # a day or recording differs by a share of friction, in all terms alike
-    unseen = np.abs(columns @ (np.sign(friction) * model.unseen[2:]))
+    (value, error, unseen), shares = _sums(model, columns), _shares(estimate, columns)
     half = np.hypot(half_width(error, units, shares[0]), NORMAL95 * unseen)
     rows = np.stack([value, np.hypot(error, unseen), value - half, value + half, *shares], axis=1)
     for velocity, row in zip(qd.tolist(), rows.tolist(), strict=True):

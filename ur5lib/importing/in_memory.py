@@ -61,7 +61,7 @@ def read_arm(name: str | Path) -> Arm:
 def read(
     recordings: object,
     arm: Arm | str | None = None,
-    role: Role | None = None,
+    role: Role | Mapping[str, Role] | None = None,
     *,
     columns: str | Sequence[str] | Mapping[str, str] = (),
     unit: Mapping[str, str] | None = None,
@@ -75,10 +75,10 @@ def read(
     archive. A line of each is printed; `account` of the result has what each column was taken for.
 
     arm: whose recordings they are, by default what the files or the study tell; role: `fit` or
-    `validate` of what nothing touches, or `contact`; by default as import finds it, or as the study
-    says. As of `ur5 import`, columns: the channels of a table's columns in order, `-` to skip one,
-    or the names of columns or arrays by channel; unit: by channel; rate: of rows without a clock
-    [Hz]. Raises InputError where a recording cannot be used.
+    `validate` of what nothing touches, or `contact`, of all or by name; by default as import finds
+    it, or as the study says. As of `ur5 import`, columns: the channels of a table's columns in
+    order, `-` to skip one, or the names of columns or arrays by channel; unit: by channel; rate: of
+    rows without a clock [Hz]. Raises InputError where a recording cannot be used.
 
         >>> runs = ur5lib.read(["free1.csv", "free2.csv"], "ur5e")
         >>> runs.names
@@ -92,22 +92,23 @@ def read(
     if not given:
         raise InputError("no recording is given to be read; name at least one")
     stated = _statement(arm, role, columns, unit, rate)
-    study = Path(given[0][1]) if len(given) == 1 and given[0][0] == "" else Path()
-    if study.suffix in YAML_SUFFIXES:
-        if columns or unit or rate:
-            raise InputError(f"{study} is a study: write columns, units and rates into it")
-        return _recordings(_of_arm(parse_study(read_plain(study), str(study)), stated.robot))
+    file = Path(given[0][1]) if len(given) == 1 and given[0][0] == "" else Path()
+    if file.suffix in YAML_SUFFIXES:
+        if columns or unit or rate or role:
+            raise InputError(f"{file} is a study: write columns, units, rates and roles into it")
+        return _recordings(_of_arm(parse_study(read_plain(file), str(file)), stated.robot))
     with TemporaryDirectory() as folder:
         try:
             files = expect_no_study([*as_files(given, Path(folder))])
             imported = import_files(runs_of(files), stated)
             expect_all(imported)
-            runs = _recordings(_of_arm(_study_of(imported, role, folder), ""))
+            study = _of_arm(_study_of(imported, role, folder), "")
+            runs = _recordings(study)
         except InputError as error:
             raise InputError(_in_python(str(error), folder)) from error
-        for entry in runs.study.recordings:
+        for entry in study.recordings:
             if entry.folder.startswith(folder):  # what is found there must be known before it goes
-                runs.qualities[entry.name]
+                runs[entry.name].findings()
     for name in runs.names:
         print(runs.line(name))
     return runs
@@ -118,7 +119,8 @@ def _statement(
 ) -> UserStatement:
     """Return what a caller states of recordings. Raises InputError for what states nothing."""
     if role is not None:
-        expect_known("role", role, get_args(Role))
+        for own in role.values() if isinstance(role, Mapping) else [role]:
+            expect_known("role", own, get_args(Role))
     name = arm.name if isinstance(arm, Arm) else arm
     if name is not None:
         described(expect_text(name, "arm"))
@@ -158,14 +160,24 @@ def _in_python(message: str, folder: str) -> str:
     return re.sub(r"--(columns|unit|rate)\b", r"`\1`", message)
 
 
-def _study_of(imported: ImportedFiles, role: Role | None, folder: str) -> Study:
-    """Return a study of what was imported; folder: of what was given in memory."""
+def _study_of(
+    imported: ImportedFiles, role: Role | Mapping[str, Role] | None, folder: str
+) -> Study:
+    """Return a study of what was imported; folder: of what was given in memory.
+
+    Raises InputError for the role of a recording that is not there.
+    """
     entries: list[dict[str, Any]] = yaml.safe_load(as_entries(imported))
+    names = [entry["name"] for entry in entries]
+    roles = role if isinstance(role, Mapping) else dict.fromkeys(names, role)
+    for name in roles:
+        expect_known("recording", name, names)
     for row in (row for entry in entries for row in entry["account"]):
         row |= {key: _in_python(text, folder) for key, text in row.items()}
-    stated = {} if role is None else {"role": role}
-    plain = {"study": "notebook", "title": "Recordings"}
-    return parse_study(plain | {"recordings": [e | stated for e in entries]}, "the recordings")
+    for entry in entries:
+        entry["role"] = roles.get(entry["name"]) or entry["role"]
+    plain = {"study": "notebook", "title": "Recordings", "recordings": entries}
+    return parse_study(plain, "the recordings")
 
 
 def _of_arm(study: Study, name: str) -> Study:

@@ -1,9 +1,12 @@
 """What is judged of a recording by itself, without a sensor and its contacts."""
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from ur5lib.records.account import AccountRow
+from ur5lib.records.prediction import Prediction
 from ur5lib.records.quality import Finding
+from ur5lib.timeseries.arrays import Array
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,6 +92,23 @@ class CurrentError:
     rmse_before_motion: float
     coverage95_before_motion: float
     zero_rmse_lowpassed: float
+
+
+def current_errors(prediction: Prediction) -> Iterator[CurrentError]:
+    """Yield the errors of each model's prediction of the currents."""
+    for model, scores in prediction.scores.items():
+        errors = vars(scores) | {"zero_rmse_lowpassed": scores.zero_rmse_lowpassed}
+        for name in ("coverage", "coverage_before_motion"):
+            errors[name.replace("coverage", "coverage95")] = errors.pop(name)
+        for joint, values in by_joint(errors):
+            yield CurrentError(model=model, fitted=prediction.fitted, joint=joint, **values)
+
+
+def by_joint(columns: Mapping[str, Array]) -> Iterator[tuple[int, dict[str, float]]]:
+    """Yield each joint, from 1, with its values of columns (n,)."""
+    names = [*columns]
+    for joint, values in enumerate(zip(*columns.values(), strict=True), start=1):
+        yield joint, dict(zip(names, map(float, values), strict=True))
 
 
 @dataclass(frozen=True, kw_only=True)

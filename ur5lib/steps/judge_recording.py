@@ -14,7 +14,13 @@ from ur5lib.records.account import AccountRow
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import Friction
-from ur5lib.records.judgement import CurrentError, Judgement, LoadRow, TorqueError
+from ur5lib.records.judgement import (
+    Judgement,
+    LoadRow,
+    TorqueError,
+    by_joint,
+    current_errors,
+)
 from ur5lib.records.motion import Alignment, Motion, posture_change
 from ur5lib.records.prediction import JudgedLoad, Prediction
 from ur5lib.records.premises import Premises
@@ -106,23 +112,6 @@ def torque_errors(signals: Signals, torques: Torques) -> Iterator[TorqueError]:
                 }
                 for joint, values in by_joint(errors):
                     yield TorqueError(motion=motion, model=model, joint=joint, **values)
-
-
-def current_errors(prediction: Prediction) -> Iterator[CurrentError]:
-    """Yield the errors of each model's prediction of the currents."""
-    for model, scores in prediction.scores.items():
-        errors = vars(scores) | {"zero_rmse_lowpassed": scores.zero_rmse_lowpassed}
-        for name in ("coverage", "coverage_before_motion"):
-            errors[name.replace("coverage", "coverage95")] = errors.pop(name)
-        for joint, values in by_joint(errors):
-            yield CurrentError(model=model, fitted=prediction.fitted, joint=joint, **values)
-
-
-def by_joint(columns: Mapping[str, Array]) -> Iterator[tuple[int, dict[str, float]]]:
-    """Yield each joint, from 1, with its values of columns (n,)."""
-    names = [*columns]
-    for joint, values in enumerate(zip(*columns.values(), strict=True), start=1):
-        yield joint, dict(zip(names, map(float, values), strict=True))
 
 
 def load_row(load: JudgedLoad) -> LoadRow:

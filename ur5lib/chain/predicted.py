@@ -1,0 +1,89 @@
+"""What a model predicts of motion without contact, as frames: efforts, their errors, friction."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.chain.recordings import frame_of
+from ur5lib.chain.steps import Files
+from ur5lib.errors import InputError
+from ur5lib.jobs.memory import record_of
+from ur5lib.records.friction import Friction
+from ur5lib.records.judgement import CurrentError, current_errors
+from ur5lib.records.prediction import Prediction
+from ur5lib.tables import as_written, columns, table_by_owner
+from ur5lib.timeseries.arrays import Array
+
+
+def beside_measured(own: Files, friction: Friction) -> pd.DataFrame:
+    """Return predicted and measured efforts of a recording, their difference, and the external
+    torque, (N, n) each, by `time`; own: its files after `predict_currents`.
+    """
+    effort, count = friction.measured, len(friction.fit.joints)
+    name, unit = effort.quantity, effort.unit
+    measured = frame_of(own["signals"], columns(effort.channel, count))
+    stated = [*columns(f"predicted_{name}", count), *columns(f"{name}_band", count)]
+    frame = frame_of(own["currents"], [*stated, *columns("tau_ext", count)])
+    left = measured.to_numpy() - frame[stated[:count]].to_numpy()
+    names = columns(f"residual_{name}", count)
+    parts = [frame[stated], measured, pd.DataFrame(left, frame.index, names)]
+    joined = pd.concat([*parts, frame.drop(columns=stated)], axis="columns")
+    joined.attrs["units"] = frame.attrs["units"] | dict.fromkeys([*measured, *names], unit)
+    return joined
+
+
+def errors(moving: Mapping[str, Files]) -> pd.DataFrame:
+    """Return the rows of `current_rmse` of recordings, each with its `nrmse`."""
+    rows = {
+        name: current_errors(record_of(Prediction, own["summary"])) for name, own in moving.items()
+    }
+    table = as_written(table_by_owner(CurrentError, rows))
+    share = table["rmse_lowpassed"] / table["zero_rmse_lowpassed"]
+    table.insert([*table].index("joint") + 1, "nrmse", share)
+    return table
+
+
+def friction_at(friction: Friction, velocity: object, load: object) -> pd.DataFrame:
+    """Return the friction of each joint and its standard error by velocity, see `Model.friction`.
+
+    Raises InputError for what are no numbers, and for a load that is not of each joint.
+    """
+    from ur5lib.identification.steady_friction import steady_friction  # scipy loads for a while
+
+    joints = friction.fit.joints
+    qd = np.atleast_1d(numbers("velocity", velocity, "rad/s"))
+    loads = numbers("load", load, "Nm")
+    if loads.ndim and len(loads) != len(joints):
+        raise InputError(f"load has {len(loads)} numbers; give one, or {len(joints)}, by joint")
+    each = zip(joints, np.broadcast_to(loads, len(joints)).tolist(), strict=True)
+    values, stds = zip(*(steady_friction(joint, qd, size) for joint, size in each), strict=True)
+    names = [name for of in ("", "_std") for name in columns(f"tau_friction{of}", len(joints))]
+    index = pd.Index(qd, name="velocity")
+    frame = pd.DataFrame(np.array([*values, *stds]).T, index, names)
+    frame.attrs["units"] = {"velocity": "rad/s"} | dict.fromkeys(names, "Nm")
+    return frame
+
+
+def numbers(name: str, given: Any, unit: str) -> Array:
+    """Return one number, or (M,). Raises InputError for anything else."""
+    try:
+        found = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        found = np.empty(0)
+    if found.ndim > 1 or not found.size or not np.isfinite(found).all():
+        raise InputError(f"{name}: {given!r:.80}; give a number, or several in a row [{unit}]")
+    return found
+
+
+def expect_predicted(moving: Mapping[str, Files], friction: Friction) -> None:
+    """Raise InputError where nothing was predicted of a recording."""
+    without = [
+        name for name, own in moving.items() if not record_of(Prediction, own["summary"]).scores
+    ]
+    if without:
+        raise InputError(
+            f"{', '.join(without)}: no {friction.effort} is predicted; record it, in steps no "
+            "longer than those of the fit"
+        )
