@@ -19,7 +19,7 @@ JOINT_QUANTITY_WORDS = {
     "q": _words_in("q position positions pos posn angle angles ang theta"),
     "current": _words_in("i current currents curr cur amp amps ampere"),
     "torque": _words_in("m torque torques torq trq tq tau moment moments"),
-    "effort": _words_in("effort efforts eff"),
+    "effort": _words_in("effort efforts eff input inputs"),
 }
 TOOL_QUANTITY_WORDS = {
     "actual_TCP_force": _words_in("force wrench"),
