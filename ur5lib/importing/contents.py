@@ -12,6 +12,7 @@ import numpy as np
 from ur5lib.channels import MOST_JOINTS
 from ur5lib.channels import columns as columns_of
 from ur5lib.checks.checked import described
+from ur5lib.checks.readings import Order
 from ur5lib.errors import InputError, some
 from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import (
@@ -112,12 +113,14 @@ class TableHeader:
 
 
 class Precedent(NamedTuple):
-    """What another file of the same form and arm tells of one: channel and factors of its efforts
-    by their columns; shown: whether its own numbers are whole milliamperes by these factors.
+    """What another file of the same form and arm tells of one: the order of its joints; channel and
+    factors of its efforts by their columns; shown: whether its own numbers are whole milliamperes
+    by these factors.
     """
 
     file: str
     arm: str
+    order: Order
     efforts: Mapping[tuple[str, ...], tuple[str, Factors]]
     shown: bool
 
