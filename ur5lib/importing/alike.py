@@ -6,7 +6,6 @@ import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,11 +16,9 @@ from ur5lib.importing.blocks import NAMELESS_PREFIX
 from ur5lib.importing.contents import Factors, Precedent
 from ur5lib.importing.efforts import EFFORT_MEANINGS, LESS_GRAVITY_CHANNEL, as_amperes
 from ur5lib.importing.identity import ORDER, UNDESCRIBED_ARM
-from ur5lib.importing.parted_runs import PartedRun
 from ur5lib.importing.proposal import Proposal
 from ur5lib.records.account import AccountRow
 
-Source = Path | PartedRun
 EFFORTS = (*EFFORT_MEANINGS, LESS_GRAVITY_CHANNEL)
 SAME_FACTOR = 2e-3  # relative difference of a driver's constants by two files
 
@@ -81,13 +78,14 @@ def form_of(proposal: Proposal) -> FormOfFile:
     return FormOfFile(file.path.name, columns, *told, rows)
 
 
-def precedents(forms: Mapping[Source, FormOfFile]) -> Iterator[tuple[Source, Precedent]]:
-    """Yield the files to be read anew, like the one that most files of their form and arm support.
+def precedents(forms: Mapping[int, FormOfFile]) -> Iterator[tuple[int, Precedent]]:
+    """Yield the numbers of files to be read anew, like the one that most of their form and arm
+    support.
 
     A file of which nothing tells the arm is of the only one of its form. Without names, columns
     tell no form.
     """
-    of_form = defaultdict[frozenset[Names], list[Source]](list)
+    of_form = defaultdict[frozenset[Names], list[int]](list)
     for source, form in forms.items():
         if not any(names[0].startswith(NAMELESS_PREFIX) for names in form.columns):
             of_form[form.columns].append(source)

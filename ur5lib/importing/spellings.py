@@ -252,11 +252,14 @@ def unused(stem: str, columns: Sequence[str], joints: int) -> str:
 
 
 def last_part(path: str) -> str:
-    """Return the last part of a path in a file that tells a quantity."""
+    """Return the last part of a path in a file that tells a quantity: of `position/left_joint` the
+    first.
+    """
     parts = path.rstrip("/").split("/")
-    return next(
-        (part for part in reversed(parts) if part.lower() not in CONTAINER_WORDS), parts[-1]
-    )
+    *above, last = [part for part in parts if part.lower() not in CONTAINER_WORDS] or parts[-1:]
+    of_joints = not words(ARM_NAME.sub("", last)) - JOINT_WORDS
+    told = of_joints and above and any(map(kind_of_quantity, words(above[-1])))
+    return above[-1] if told else last
 
 
 def _first_meaning(its: set[str], meanings: Mapping[str, set[str]]) -> str | None:
