@@ -68,7 +68,13 @@ def both_arms(made: Made) -> dict[str, tuple[Array, Array]]:
 
 
 @pytest.mark.parametrize("joints", [UR, NUMBERED])
-@pytest.mark.parametrize("pattern", ["{side}_{{n}}_{{kind}}", "{{kind}}_{side}_{{n}}"])
+@pytest.mark.parametrize(
+    "pattern",
+    [
+        *("{side}_{{n}}_{{kind}}", "{{kind}}_{side}_{{n}}"),
+        *("/joint_states/{{kind}}/{side}_{{n}}", "/{side}/state/{{kind}}/{{n}}"),
+    ],
+)
 def test_each_of_two_arms_has_an_entry(
     pattern: str, joints: list[str], made: Made, tmp_path: Path
 ) -> None:
@@ -85,6 +91,19 @@ def test_each_of_two_groups_of_arrays_has_an_entry(made: Made, tmp_path: Path) -
         for side, (q, qd) in both_arms(made).items():
             file[f"{side}_arm/q"], file[f"{side}_arm/dq"] = q, qd
     expect_both(tmp_path / "run.h5", made)
+
+
+def test_an_arm_that_is_refused_leaves_the_others(made: Made, tmp_path: Path) -> None:
+    """With three fingers, whose names nothing tells."""
+    with h5py.File(tmp_path / "run.h5", "w") as file:
+        file["time"] = made[0]
+        for side, (q, _) in both_arms(made).items():
+            file[f"{side}_arm/q"] = q if side == "left" else np.hstack([q, q[:, :3]])
+            file[f"{side}_arm/mode"] = np.round(made[0])
+    files = import_files([tmp_path / "run.h5"])
+    assert [one.entry["name"] for one in files] == ["run_left"]
+    assert not files.refused
+    assert "check: right: nothing: arm right of" in in_words(files[0].account)
 
 
 def expect_both(path: Path, made: Made) -> None:

@@ -175,6 +175,31 @@ def test_gears_explain_a_torque_of_motors(tmp_path: Path) -> None:
     assert "multiplied by the gear ratio, 101: it is then 0.981, 1 times the torque" in told
 
 
+def test_one_driver_has_one_order(tmp_path: Path) -> None:
+    """A file in which too little moves to tell it alone is read like the one beside it."""
+    table = pd.read_csv(case("base_fit.csv.gz", tmp_path))
+    quantities = {"q": "actual_q", "dq": "actual_qd", "i": "actual_current"}
+    renamed = {
+        f"{channel}_{joint}": f"{name}{column}"
+        for name, channel in quantities.items()
+        for column, joint in enumerate((2, 1, 0, 3, 4, 5))
+    }
+    moving = table.rename(columns=renamed)[["time", *renamed.values()]]
+    moving.to_csv(tmp_path / "moving.csv", index=False)
+    noise = np.random.default_rng(1).normal(0, 1e-3, (600, 19)) * moving.columns.str.startswith("i")
+    resting = moving.iloc[0] + 0.05 * (moving[:600] - moving.iloc[0]) + noise
+    resting.assign(time=moving["time"]).to_csv(tmp_path / "resting.csv", index=False)
+    paths = [tmp_path / "resting.csv", tmp_path / "moving.csv"]
+    for robot in ("", "ur5e"):
+        alone, told = imported(paths[0], robot)
+        assert "what moves shows no other" in told
+        first, second = import_files(paths, UserStatement(robot))
+        assert alone.entry["columns"] != first.entry["columns"] == second.entry["columns"]
+        assert "as in moving.csv, of the same form: one driver, one order" in in_words(
+            first.account
+        )
+
+
 def test_one_driver_has_one_unit(tmp_path: Path) -> None:
     """Of two parts of a UR3's recording, one alone seems to be in Nm; both are whole milliamperes
     times the constants that the other proves.

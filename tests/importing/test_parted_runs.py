@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.entries import read_recording
+from tests.conftest import shared_folder
+from tests.entries import in_words, read_recording
 from tests.synthetic import poor_log
 from ur5lib.errors import InputError
 from ur5lib.importing.contents import UserStatement
@@ -71,6 +72,27 @@ def test_other_rows_are_joined_by_time(tmp_path: Path, run: dict[str, Array]) ->
     table = read_recording(one.entry).robot.table
     assert np.isnan(channel(table, "actual_qd")[:5]).all()
     assert [row.taken_for for row in one.account if row.subject == "rows"] == ["those of q.csv"]
+
+
+def test_a_state_an_input_and_a_time_are_one_run(tmp_path: Path, run: dict[str, Array]) -> None:
+    """The last state has no input, as where an integrator wrote the files."""
+    state = np.hstack([run["q"], run["qd"]])
+    time = run["time"][:, None]
+    files = saved(tmp_path / "run", trajectory=state, input=run["i"][:-1], time=time)
+    expect_joined(files, run, slice(-1))
+    (one,) = import_files(runs_of(files), ARM)
+    assert "input.csv: the last of 1,500 rows is missing" in in_words(one.account)
+
+
+def test_public_states_inputs_and_times_are_runs() -> None:
+    folder = shared_folder("lwa4p-autokoopman", "its PROVENANCE.md names the source")
+    both = import_files(runs_of([folder / "measurement_1", folder / "measurement_2"]))
+    assert [one.entry["name"] for one in both] == ["measurement_1", "measurement_2"]
+    for one in both:
+        table = read_recording(one.entry).robot.table
+        assert len(table) == 937
+        assert np.diff(table["time"]) == pytest.approx(0.004, abs=1e-9)
+        assert "nothing tells its unit" in in_words(one.account)  # of a torque, in no file's name
 
 
 def test_other_rows_without_time_are_refused(tmp_path: Path, run: dict[str, Array]) -> None:

@@ -1,54 +1,64 @@
-"""Files of one form and arm, which one driver wrote: their efforts have one channel and unit."""
+"""Files of one form and arm, which one driver wrote: their joints have one order, and their efforts
+one channel and unit.
+"""
 
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ur5lib.checks.readings import Order
 from ur5lib.importing.account import Names
 from ur5lib.importing.blocks import NAMELESS_PREFIX
 from ur5lib.importing.contents import Factors, Precedent
 from ur5lib.importing.efforts import EFFORT_MEANINGS, LESS_GRAVITY_CHANNEL, as_amperes
-from ur5lib.importing.identity import UNDESCRIBED_ARM
-from ur5lib.importing.parted_runs import PartedRun
+from ur5lib.importing.identity import ORDER, UNDESCRIBED_ARM
 from ur5lib.importing.proposal import Proposal
 from ur5lib.records.account import AccountRow
 
-Source = Path | PartedRun
 EFFORTS = (*EFFORT_MEANINGS, LESS_GRAVITY_CHANNEL)
 SAME_FACTOR = 2e-3  # relative difference of a driver's constants by two files
 
 
 @dataclass(frozen=True)
 class FormOfFile:
-    """How a file was read: its columns; its arm; channel and factors of its efforts by their names;
-    the factors that make whole milliamperes of efforts; and how many rows it has.
+    """How a file was read: its columns; its arm; the order of its joints, and whether anything told
+    it; channel and factors of its efforts by their names; the factors that make whole milliamperes
+    of efforts; and how many rows it has.
     """
 
     name: str
     columns: frozenset[Names]
     arm: str
+    order: Order
+    is_ordered: bool
     efforts: Mapping[Names, tuple[str, Factors]]
     amperes: Mapping[Names, Factors]
     rows: int
 
     def is_like(self, other: "FormOfFile") -> bool:
-        """Return whether efforts are read as in another file."""
+        """Return whether joints and efforts are read as in another file."""
+        return self.order == other.order and self._has_efforts_like(other)
+
+    def _has_efforts_like(self, other: "FormOfFile") -> bool:
         return all(
             (own := self.efforts.get(names, ("", ())))[0] == told[0] and _same(own[1], told[1])
             for names, told in other.efforts.items()
         )
 
     def supports(self, other: "FormOfFile") -> bool:
-        """Return whether a file is read like another, or has whole milliamperes by its factors."""
-        return self.is_like(other) or all(
+        """Return whether a file is read like another, or has whole milliamperes by its factors; the
+        order of its joints counts where anything told it.
+        """
+        whole = all(
             _same(np.abs(self.amperes.get(names, ())), np.abs(factors))
             for names, (_, factors) in other.efforts.items()
         )
+        may_be = not self.is_ordered or self.order == other.order
+        return may_be and (whole or self._has_efforts_like(other))
 
 
 def _same(factors: Factors | np.ndarray, others: Factors | np.ndarray) -> bool:
@@ -57,28 +67,31 @@ def _same(factors: Factors | np.ndarray, others: Factors | np.ndarray) -> bool:
 
 def form_of(proposal: Proposal) -> FormOfFile:
     """Return how a file was read."""
-    file, chosen = proposal.contents, proposal.channels.items()
+    file, chosen, order = proposal.contents, proposal.channels.items(), proposal.order
+    ordered = [r.evidence != "position" for r in file.account.of_file if r.subject == ORDER]
     efforts = {b[0].names: (name, b[0].all_factors()) for name, b in chosen if name in EFFORTS}
     raw = [block for block in file.blocks if block.meaning() in EFFORTS]
     amperes = {b.names: divided.factors for b in raw if (divided := as_amperes(b)) is not b}
     columns = frozenset(block.names for block in file.blocks + file.silent)
     rows = len(proposal.moving.time)
-    return FormOfFile(file.path.name, columns, proposal.arm, efforts, amperes, rows)
+    told = proposal.arm, order, all(ordered), efforts, amperes
+    return FormOfFile(file.path.name, columns, *told, rows)
 
 
-def precedents(forms: Mapping[Source, FormOfFile]) -> Iterator[tuple[Source, Precedent]]:
-    """Yield the files to be read anew, like the one that most files of their form and arm support.
+def precedents(forms: Mapping[int, FormOfFile]) -> Iterator[tuple[int, Precedent]]:
+    """Yield the numbers of files to be read anew, like the one that most of their form and arm
+    support.
 
     A file of which nothing tells the arm is of the only one of its form. Without names, columns
     tell no form.
     """
-    of_form = defaultdict[frozenset[Names], list[Source]](list)
+    of_form = defaultdict[frozenset[Names], list[int]](list)
     for source, form in forms.items():
         if not any(names[0].startswith(NAMELESS_PREFIX) for names in form.columns):
             of_form[form.columns].append(source)
     for sources in of_form.values():
         arms = {forms[source].arm for source in sources} - {UNDESCRIBED_ARM}
-        for arm in arms:
+        for arm in arms or {UNDESCRIBED_ARM}:
             same = [one for one in sources if forms[one].arm == arm or len(arms) == 1]
             told = [forms[one] for one in same if forms[one].arm == arm and forms[one].efforts]
             votes = [sum(forms[one].supports(other) for one in same) for other in told]
@@ -86,7 +99,8 @@ def precedents(forms: Mapping[Source, FormOfFile]) -> Iterator[tuple[Source, Pre
             for source in same if ranked else ():
                 form, best = forms[source], ranked[-1][1]
                 if form.arm != arm or not form.is_like(best):
-                    yield source, Precedent(best.name, arm, best.efforts, form.supports(best))
+                    told_by_best = arm, best.order, best.efforts
+                    yield source, Precedent(best.name, *told_by_best, form.supports(best))
 
 
 def unlike(entry: Mapping[str, Any], others: Iterable[Mapping[str, Any]]) -> AccountRow | None:

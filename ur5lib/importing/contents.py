@@ -12,6 +12,7 @@ import numpy as np
 from ur5lib.channels import MOST_JOINTS
 from ur5lib.channels import columns as columns_of
 from ur5lib.checks.checked import described
+from ur5lib.checks.readings import Order
 from ur5lib.errors import InputError, some
 from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import (
@@ -26,7 +27,7 @@ from ur5lib.importing.blocks import (
 )
 from ur5lib.importing.chosen_joints import joint_arrays, joint_columns, of_joints, of_prefix
 from ur5lib.importing.clocks import ROW_CLOCK, FileClocks, clocks_of, equally_spaced
-from ur5lib.importing.parted_runs import PartedRun
+from ur5lib.importing.parted_runs import TEXT_ENDINGS, PartedRun
 from ur5lib.importing.spellings import (
     ARM_NAME,
     CLOCK_NAME,
@@ -38,7 +39,7 @@ from ur5lib.importing.spellings import (
     quantity,
 )
 from ur5lib.recordings.array_files import LOADERS, UNREAD, format_of
-from ur5lib.recordings.channel_files import at_stamps, has_stamps
+from ur5lib.recordings.channel_files import SHORT_TABLE, at_stamps, has_stamps
 from ur5lib.recordings.delimited import (
     expect_row_each_sample,
     first_cells,
@@ -112,12 +113,14 @@ class TableHeader:
 
 
 class Precedent(NamedTuple):
-    """What another file of the same form and arm tells of one: channel and factors of its efforts
-    by their columns; shown: whether its own numbers are whole milliamperes by these factors.
+    """What another file of the same form and arm tells of one: the order of its joints; channel and
+    factors of its efforts by their columns; shown: whether its own numbers are whole milliamperes
+    by these factors.
     """
 
     file: str
     arm: str
+    order: Order
     efforts: Mapping[tuple[str, ...], tuple[str, Factors]]
     shown: bool
 
@@ -271,7 +274,11 @@ def _together(run: PartedRun, findings: list[Finding], account: Account) -> dict
     Raises InputError where the files differ in rows and not each has stamps that tell how.
     """
     first, tables = run.files[0], LOADERS[PARTED_FORMAT](run.folder, run.files, findings)
-    stamps = {name: rows[:, 0] for name, rows in tables.items() if has_stamps(rows)}
+    timed = any(rows.shape[1] == 1 and CLOCK_NAME.search(name) for name, rows in tables.items())
+    stamps = {n: rows[:, 0] for n, rows in tables.items() if not timed and has_stamps(rows)}
+    for finding in findings:
+        if finding.finding == SHORT_TABLE:
+            account.tell("assumed", "rows", "those of all files", "position", finding.detail)
     if len({*map(len, tables.values())}) > 1 and len(stamps) < len(tables):
         counts = ", ".join(f"{name} {len(tables[name])}" for name in run.files)
         raise InputError(
@@ -459,7 +466,8 @@ def _blocks(
         elif values.ndim == 2 and 1 not in values.shape:
             tall = values if values.shape[0] == len(clocks.stamps[clock]) else values.T
             block = ColumnBlock((name,), _possible(tall), clock)
-            yield from _of_matrix(block) if in_matrices else [block]
+            is_table = in_matrices or (_is_matrix(tall) and name.endswith(TEXT_ENDINGS))
+            yield from _of_matrix(block) if is_table else [block]
         else:
             single.append(name)
     starts = range(0, len(single), width) if width else []

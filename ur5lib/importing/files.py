@@ -2,7 +2,8 @@
 
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from ur5lib.importing.blocks import NAMELESS_PREFIX
 from ur5lib.importing.contents import (
     NO_STATEMENT,
     FileContents,
+    Precedent,
     UserStatement,
     arm_labels,
     contents,
@@ -27,7 +29,7 @@ from ur5lib.importing.parted_runs import PartedRun
 from ur5lib.importing.proposal import Proposal, meanings, propose
 from ur5lib.importing.spellings import CLOCK_NAME
 from ur5lib.recordings.entries import SKIPPED_COLUMN
-from ur5lib.records.account import AccountRow
+from ur5lib.records.account import NOTHING, AccountRow
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import write_text
 
@@ -69,29 +71,17 @@ def import_files(
 
     Raises InputError, with all reasons, where no file can be read and has positions.
     """
-    imported: dict[Path | PartedRun, list[ImportedRecording]] = {}
-    refused: dict[Path | PartedRun, str] = {}
-    layouts: dict[Path | PartedRun, list[str]] = {}
-    forms: dict[Path | PartedRun, FormOfFile] = {}
-    for path in paths:
-        try:
-            file = contents(path, stated)
-            layouts[path] = [file.format, *file.account.order]
-            if arms := _of_each_arm(file, stated):
-                imported[path] = arms
-            else:
-                imported[path], forms[path] = _checked(_proposed(path, file))
-        except InputError as error:
-            refused[path] = str(error)
-    for path, precedent in precedents(forms):
-        file = replace(contents(path, stated), precedent=precedent)
-        imported[path], _ = _checked(_proposed(path, file))
-    for path, layout in layouts.items():
-        if isinstance(path, Path) and (path in refused or layout[1:2] == [f"{NAMELESS_PREFIX}1"]):
-            alike = [other for own, (other, *_) in imported.items() if layouts[own] == layout]
-            _take_columns(path, alike, imported)
-    files = ImportedFiles(one for path in layouts for one in imported.get(path, []))
-    files.refused = tuple(reason for path, reason in refused.items() if path not in imported)
+    parts = [part for path in paths for part in _parts(path, stated)]
+    forms = {k: part.form for k, part in enumerate(parts) if part.form}
+    for k, precedent in precedents(forms):
+        parts[k].propose(stated, precedent)
+    for part in parts:
+        if not part.imported or part.layout[2:3] == [f"{NAMELESS_PREFIX}1"]:
+            same = (other.imported for other in parts if other.layout == part.layout)
+            _take_columns(part, [*chain.from_iterable(same)])
+    _name_arms(parts)
+    files = ImportedFiles(chain.from_iterable(part.imported for part in parts))
+    files.refused = tuple(part.refused for part in parts if part.refused and not part.imported)
     if files.refused and not files:
         raise InputError("\n".join(files.refused))
     _name_each_once(files)
@@ -99,29 +89,72 @@ def import_files(
     return files
 
 
-def _of_each_arm(file: FileContents, stated: UserStatement) -> list[ImportedRecording]:
-    """Return the entries of several arms of one file, named after these; none of one arm."""
-    labels = [] if stated.prefix or stated.joint_names or stated.columns else arm_labels(file)
-    found = list[ImportedRecording]()
-    for label in labels:
-        own = contents(file.path, replace(stated, prefix=label))
-        for one in _checked(_proposed(file.path, own))[0]:
-            one.entry["name"] += f"_{identifier(label)}"
-            found.append(one)
-    return found
+@dataclass
+class _Part:
+    """A file, or one of several arms in it, and what became of it.
+
+    label: of that arm; layout: of its columns; form: how it was read; refused: why it was not.
+    """
+
+    file: Path | PartedRun
+    label: str = ""
+    layout: list[str] = field(default_factory=list)
+    imported: list[ImportedRecording] = field(default_factory=list)
+    form: FormOfFile | None = None
+    refused: str = ""
+
+    def propose(
+        self,
+        stated: UserStatement,
+        precedent: Precedent | None = None,
+        known: FileContents | None = None,
+    ) -> None:
+        """Read the entries, like a precedent if there is one; known: contents of the file."""
+        stated = replace(stated, prefix=self.label) if self.label else stated
+        try:
+            file = replace(known or contents(self.file, stated), precedent=precedent)
+            self.layout = [self.label, file.format, *file.account.order]
+            self.imported, self.form = _checked(_proposed(self.file, file))
+        except InputError as error:
+            self.refused = f"arm {self.label} of {error}" if self.label else str(error)
 
 
-def _take_columns(
-    path: Path,
-    alike: Sequence[ImportedRecording],
-    imported: dict[Path | PartedRun, list[ImportedRecording]],
-) -> None:
+def _parts(path: Path | PartedRun, stated: UserStatement) -> list[_Part]:
+    """Return a file, or each of the arms in it, with their entries."""
+    try:
+        file = contents(path, stated)
+    except InputError as error:
+        return [_Part(path, refused=str(error))]
+    chosen = stated.prefix or stated.joint_names or stated.columns
+    labels = [] if chosen else arm_labels(file)
+    parts = [_Part(path, label) for label in labels] or [_Part(path)]
+    for part in parts:
+        part.propose(stated, known=None if labels else file)
+    return parts
+
+
+def _name_arms(parts: Sequence[_Part]) -> None:
+    """Name the entries of several arms of one file after these; one that is refused has a row in
+    the accounts of the others.
+    """
+    for part in (part for part in parts if part.label):
+        beside = [one for other in parts if other.file == part.file for one in other.imported]
+        for one in part.imported:
+            one.entry["name"] += f"_{identifier(part.label)}"
+        for one in beside if not part.imported else ():
+            one.account.insert(0, AccountRow(part.label, NOTHING, "numbers", "check", part.refused))
+        part.refused = "" if beside else part.refused
+
+
+def _take_columns(part: _Part, alike: Sequence[ImportedRecording]) -> None:
     """Read a file that is refused, or has no names, like the one of its form of which most columns
     are known.
     """
-    other, present = min(alike, key=_skipped, default=None), imported.get(path, [None])[0]
-    if other is None or (
-        present and (present.arm != other.arm or _skipped(present) <= _skipped(other))
+    other, present = min(alike, key=_skipped, default=None), next(iter(part.imported), None)
+    if (
+        not isinstance(part.file, Path)
+        or other is None
+        or (present and (present.arm != other.arm or _skipped(present) <= _skipped(other)))
     ):
         return
     source = Path(other.entry["folder"], other.entry["file"])
@@ -129,9 +162,9 @@ def _take_columns(
     as_there = AccountRow("columns", f"as in {source}", "position", "assumed", reason)
     checks = [row for row in other.account if row.confidence == "check"]
     role = {"role": present.entry["role"]} if present else {}
-    entry = other.entry | place_of_file(path) | role
+    entry = other.entry | place_of_file(part.file) | role
     stops = _to_be_corrected(contradictions(entry))
-    imported[path] = [ImportedRecording(entry, [*stops, *checks, as_there])]
+    part.imported = [ImportedRecording(entry, [*stops, *checks, as_there])]
 
 
 def _proposed(path: Path | PartedRun, file: FileContents) -> Proposal:

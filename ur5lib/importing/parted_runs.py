@@ -13,7 +13,9 @@ from ur5lib.recordings.delimited import first_cells
 
 TEXT_ENDINGS = (".csv", ".txt", ".tsv", ".dat")
 STAMP_WORDS = {"t", "time", "times", "timestamp", "timestamps", "stamp", "stamps", "clock"}
+STATE_WORDS = {"state", "states", "trajectory"}  # positions and velocities
 BESIDE_QUANTITY = {"joint", "joints", "actual", "measured", "motor", "wrench", "ft", "force"}
+BESIDE_QUANTITY |= STATE_WORDS
 QUALIFYING_WORDS = BESIDE_QUANTITY | COMMAND_WORDS | TOOL_WORDS | STAMP_WORDS
 
 
@@ -84,15 +86,20 @@ def _is_parted(files: list[Path]) -> bool:
 
 def _names_positions(path: Path) -> bool:
     found = {*_quantity_words(_parts(path))}
-    return any(kind_of_quantity(word) == "q" for word in found) and not found & COMMAND_WORDS
+    positions = found & STATE_WORDS or any(kind_of_quantity(word) == "q" for word in found)
+    return bool(positions) and not found & COMMAND_WORDS
 
 
 def _is_narrow(path: Path) -> bool:
-    """Return whether a table has the columns of one quantity and of a clock at most."""
+    """Return whether a table has the columns of one quantity and of a clock at most, or those of a
+    state's two quantities.
+    """
     try:
-        return len(first_cells(path)[0]) <= MOST_JOINTS + 1
+        count = len(first_cells(path)[0])
     except InputError:
         return False
+    is_state = {*_quantity_words(_parts(path))} & STATE_WORDS and count % 2 == 0
+    return (count / 2 if is_state else count - 1) <= MOST_JOINTS
 
 
 def _parted(folder: Path, name: str, files: list[Path]) -> PartedRun:

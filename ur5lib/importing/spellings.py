@@ -19,7 +19,7 @@ JOINT_QUANTITY_WORDS = {
     "q": _words_in("q position positions pos posn angle angles ang theta"),
     "current": _words_in("i current currents curr cur amp amps ampere"),
     "torque": _words_in("m torque torques torq trq tq tau moment moments"),
-    "effort": _words_in("effort efforts eff"),
+    "effort": _words_in("effort efforts eff input inputs"),
 }
 TOOL_QUANTITY_WORDS = {
     "actual_TCP_force": _words_in("force wrench"),
@@ -252,11 +252,14 @@ def unused(stem: str, columns: Sequence[str], joints: int) -> str:
 
 
 def last_part(path: str) -> str:
-    """Return the last part of a path in a file that tells a quantity."""
+    """Return the last part of a path in a file that tells a quantity: of `position/left_joint` the
+    first.
+    """
     parts = path.rstrip("/").split("/")
-    return next(
-        (part for part in reversed(parts) if part.lower() not in CONTAINER_WORDS), parts[-1]
-    )
+    *above, last = [part for part in parts if part.lower() not in CONTAINER_WORDS] or parts[-1:]
+    of_joints = not words(ARM_NAME.sub("", last)) - JOINT_WORDS
+    told = of_joints and above and any(map(kind_of_quantity, words(above[-1])))
+    return above[-1] if told else last
 
 
 def _first_meaning(its: set[str], meanings: Mapping[str, set[str]]) -> str | None:

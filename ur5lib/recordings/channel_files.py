@@ -15,6 +15,7 @@ from ur5lib.recordings.text_blocks import text_blocks
 from ur5lib.records.quality import Finding, Log
 from ur5lib.timeseries.arrays import Array
 
+SHORT_TABLE = "missing last row"  # the finding on a file that has one row less
 BLANK_LINE = re.compile(rb"\n[ \t\r]*\n")
 MIN_STAMPS, MIN_SHARE_FORWARD = 4, 0.95  # of a table's stamps, and of their steps
 MAX_STEP = 1.5  # of a table's usual step, between rows that tell what is between them
@@ -28,14 +29,21 @@ def channel_file_arrays(
     """Return the numbers (n, k) of text files, by their names in a folder.
 
     Rows belong together by their number, so that a line that is lost inside a file would shift all
-    later ones: raises InputError for it.
+    later ones: raises InputError for it. A last one may be missing, as the input of a last state.
     """
     there = sorted(path.name for path in folder.iterdir() if path.is_file())
-    return {
+    tables = {
         name: _read_rows(folder / name, findings)
         for name in there
         if wanted is None or name in wanted
     }
+    most = max((len(rows) for rows in tables.values()), default=0)
+    for name, rows in tables.items():
+        if rows.shape[1] < len(rows) == most - 1 and not has_stamps(rows):
+            meaning = f"the last of {most:,} rows is missing, as the input of a last state"
+            Log(folder / name, "robot", findings).add(SHORT_TABLE, "note", 1, meaning)
+            tables[name] = np.vstack([rows, np.full(rows.shape[1], np.nan)])
+    return tables
 
 
 def has_stamps(rows: Array) -> bool:
