@@ -1,4 +1,6 @@
 # The workflow with all that it needs: docs/clusters.md, "Containers".
+# Its base is named by a tag, not by a digest: a digest would keep out Debian's security updates, and is of one kind of
+# processor. Packages of Python have hashes but for torch, for the reason in the Makefile.
 FROM debian:bookworm-slim
 RUN apt-get update \
     && apt-get install --yes --no-install-recommends python3-venv \

@@ -2,6 +2,10 @@
 PYTHON ?= python3
 DATA ?=
 ESTIMATOR ?=
+SECONDS ?= 600
+SEED ?=
+ROOM ?= force
+N ?= 60
 SPEED := dynamics smoothing study
 EXCEPT = and not thorough
 REAL_TIME = MAKEFLAGS= OMP_NUM_THREADS=1 pytest -m "real_time $(EXCEPT)" --numprocesses 1 -o cache_dir=.pytest_cache/real_time $$(grep -lr mark.real_time tests)
@@ -51,6 +55,12 @@ test-fast: lint ## check style and types, and run the tests that are not marked 
 
 lint: .venv/dev ## check style and types
 	MAKEFLAGS= nice -n 19 pre-commit run --all-files
+
+fuzz: .venv/dev ## damage recordings, studies, arms, models, streams and controllers for SECONDS (600); SEED repeats a run
+	OMP_NUM_THREADS=1 python -m tests.fuzz --seconds $(SECONDS) $(if $(SEED),--seed $(SEED))
+
+mutants: .venv/dev ## change N (60) operators, signs, numbers or axes of ROOM (force) one by one, and list those that its tests do not notice; SEED repeats a run
+	OMP_NUM_THREADS=1 python -m tests.mutants $(ROOM) --number $(N) $(if $(SEED),--seed $(SEED))
 
 bench: .venv/dev ## measure speed side by side: some ten minutes, the default study included
 	for name in $(SPEED); do echo "benchmarks/$$name.py"; python -m benchmarks.$$name || exit 1; done
@@ -114,4 +124,4 @@ help: ## list these commands
 		"the packages of requirements-dev.lock cannot be installed; check the network and the disk"; exit 1; }
 	@touch $@
 
-.PHONY: all thesis studies test test-all tests test-others test-real-time test-fast lint bench leaderboard pictures gallery docs schema lock clean help
+.PHONY: all thesis studies test test-all tests test-others test-real-time test-fast lint fuzz mutants bench leaderboard pictures gallery docs schema lock clean help

@@ -66,12 +66,12 @@ def left_behind(path: Path) -> list[str]:
     """Return what ended runs left of a file, a line for each journal."""
     parts = sorted(path.parent.glob(f"{path.stem}.*.part.csv"))
     return [
-        f"{part} was left by another run, with {_rows(part)} samples; it can be read as a CSV"
+        f"{part} was left by another run, with {rows_in(part)} samples; it can be read as a CSV"
         for part in parts
     ]
 
 
-def _rows(path: Path) -> int:
+def rows_in(path: Path) -> int:
     """Return the number of whole rows below the names."""
     with path.open("rb") as file:
         count = sum(data.count(b"\n") for data in iter(lambda: file.read(TAIL), b""))

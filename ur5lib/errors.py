@@ -8,6 +8,7 @@ from os import PathLike
 
 OVERRULED_BY = "; if the study is right, "  # between a stop sign and the line that overrules it
 SEPARATOR_CATEGORIES = {"Zl", "Zp"}  # "C…" has controls, marks of direction, surrogates
+_LINES = {"\n", "\t"}  # they are printed, but are no part of a name
 
 
 class InputError(Exception):
@@ -121,6 +122,11 @@ def printable(text: str) -> str:
     Line breaks and tabs stay.
     """
     return "".join(_escaped(letter) for letter in text)
+
+
+def with_controls(names: Iterable[str]) -> str | None:
+    """Return the first name with a character that controls a terminal, or ends a line or cell."""
+    return next((name for name in names if _LINES & {*name} or printable(name) != name), None)
 
 
 def _escaped(letter: str) -> str:

@@ -7,13 +7,16 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+import yaml
 
 from tests.command import SECONDS, Command, time_limit
 from tests.conftest import said
 from tests.corpus import rtde
+from tests.stored_files import frame, made_up_channels, write_hdf5
 from ur5lib.errors import InputError, Remark, printable
 from ur5lib.records.quality import Finding
 from ur5lib.report.stated import Step
+from ur5lib.robots.description import load_robot, read_description, robot_path
 from ur5lib.stand.trajectories import read_way_points
 from ur5lib.study.reading import parse_study
 
@@ -98,6 +101,45 @@ def test_control_characters_do_not_reach_the_terminal(
     for arguments in (["check", study], ["check", text.replace("\0", "")], [text], ["fetch", text]):
         said.append(run_ur5(*arguments))
     assert all(one.line.isprintable() for one in said)
+
+
+NAMES = ["\x1b[31m", "\u202e", "\u2028", "\x85", "\n  role: fit", "\t"]
+
+
+@pytest.mark.parametrize("text", NAMES)
+@pytest.mark.parametrize("kind", ["hdf5", "parquet", "csv"])
+def test_a_control_character_in_a_name_of_a_file_is_refused(
+    run_ur5: Command, tmp_path: Path, kind: str, text: str
+) -> None:
+    """By `ur5 import`, whose tables and entries would hand it on."""
+    if kind == "csv" and text in NAMES[-2:]:
+        pytest.skip("ends the line, or the cell")
+    time, channels = made_up_channels(tmp_path / "made", seconds=1)
+    named = {f"{name}{text}": values for name, values in channels.items()}
+    path = tmp_path / f"run.{kind}"
+    if kind == "hdf5":
+        write_hdf5(path, time, named)
+    elif kind == "parquet":
+        frame(time, channels).rename(columns=lambda name: name + text).to_parquet(path)
+    else:
+        frame(time, channels).rename(columns=lambda name: name + text + "x").to_csv(path)
+    said = run_ur5("import", path, "--robot", "ur5")
+    assert said.status == 1
+    assert said.out == ""
+    assert "has a control character; rename it there" in said.line
+    assert said.line.isprintable()
+
+
+@pytest.mark.parametrize("text", NAMES)
+def test_a_control_character_in_an_arm_s_names_is_refused(tmp_path: Path, text: str) -> None:
+    plain = read_description(robot_path("ur5"))
+    first, *others = plain["joints"]
+    plain["joints"] = [first + text, *others]
+    plain["motors"][first + text] = plain["motors"][first]
+    path = tmp_path / "mine.yaml"
+    path.write_text(yaml.safe_dump(plain))
+    with pytest.raises(InputError, match="has a control character; give another"):
+        load_robot(path)
 
 
 # Files that are none

@@ -531,3 +531,11 @@ def test_a_run_of_joint_1_has_the_columns_of_another_run(ur10e_data: Path) -> No
     assert other.entry["columns"][3:] == WHOLE
     assert one.entry["file"] != other.entry["file"]
     assert "columns, units and robot are those" in in_words(one.account)
+
+
+def test_two_rows_without_names_are_no_recording(tmp_path: Path) -> None:
+    """Between which no column has a slope to compare."""
+    path = tmp_path / "torn.csv"
+    path.write_text("0.0,0.1,0.2,0.3,0.4,0.5,0.6\n0.1,0.2,0.3,0.4,0.5,0.6,0.7\n")
+    with pytest.raises(InputError, match=r"torn\.csv"):
+        import_files([path])

@@ -5,19 +5,23 @@ import resource
 import signal
 import socket
 import struct
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
+from tests.conftest import PROJECT
 from tests.lab.test_recorder_faults import HERE, controller
 from tests.topics.live.made_arm import PERIOD, POSTURE, arm_file
 from ur5lab import rtde_variables as rtde
-from ur5lab.journal import Journal, left_behind, part_of
+from ur5lab.journal import FLUSH_PERIOD, Journal, left_behind, part_of
 from ur5lab.live import INPUTS, Ended, Stream, record
 from ur5lab.recorder import rtde_arm
 from ur5lib.errors import InputError
@@ -50,11 +54,15 @@ def stream_of(end: Serve, count: int = COUNT) -> Serve:
             }
             sent(client, kind, answers.get(kind, b"\1"))
         for k in range(count):
-            values = k * PERIOD, *POSTURE, *np.zeros(6), *np.full(6, 0.1)
-            sent(client, rtde.DATA_PACKAGE, b"\1" + struct.pack(">19d", *values))
+            send_sample(client, k)
         end(client)
 
     return serve
+
+
+def send_sample(client: socket.socket, number: int) -> None:
+    values = number * PERIOD, *POSTURE, *np.zeros(6), *np.full(6, 0.1)
+    sent(client, rtde.DATA_PACKAGE, b"\1" + struct.pack(">19d", *values))
 
 
 def silence(_: socket.socket) -> None:
@@ -142,6 +150,47 @@ def test_rows_are_written_each_second_and_the_next_run_says_what_was_left(tmp_pa
     assert part_of(path) != journal.path
     journal.close()
     assert len(pd.read_csv(journal.path)) == 4
+
+
+LIVE = """
+import sys
+from pathlib import Path
+from tests.topics.live.made_arm import arm_file
+from ur5lab.live import Stream, record
+from ur5lib.topics.live.live import Live
+stream = Stream("127.0.0.1", None, int(sys.argv[1]))
+record(Live(arm_file()), stream, Path(sys.argv[2]), lambda *_: None)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.real_time
+def test_a_killed_run_leaves_all_rows_but_of_the_last_second(tmp_path: Path) -> None:
+    """By SIGKILL, while samples come on."""
+    path, begun = tmp_path / "live.parquet", list[float]()
+
+    def go_on(client: socket.socket) -> None:
+        with suppress(OSError):  # of a client that was killed
+            while True:
+                send_sample(client, len(begun))
+                begun.append(time.monotonic())
+                time.sleep(PERIOD)
+
+    with controller(stream_of(go_on, count=0)) as port:
+        command = [sys.executable, "-c", LIVE, str(port), str(path)]
+        path_of = os.environ | {"PYTHONPATH": str(PROJECT)}
+        with subprocess.Popen(command, env=path_of, cwd=PROJECT) as live:
+            while not begun or time.monotonic() - begun[0] < 3.7:
+                time.sleep(0.05)
+            killed = time.monotonic()
+            live.kill()
+    [part] = tmp_path.iterdir()
+    table = pd.read_csv(part)
+    assert part.read_text().endswith("\n")
+    np.testing.assert_allclose(table["time"], PERIOD * np.arange(len(table)))
+    late = 0.5  # s, of a computer that does other work, too
+    assert len(table) > np.searchsorted(begun, killed - FLUSH_PERIOD - late)
+    assert f"{part} was left by another run, with {len(table)} samples" in left_behind(path)[0]
 
 
 def test_a_handshake_has_one_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

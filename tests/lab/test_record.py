@@ -340,6 +340,30 @@ def test_a_path_is_checked_without_gaps() -> None:
     np.testing.assert_array_equal(path[[0, -1]], ends)
 
 
+# What an earlier session left
+
+
+def test_what_a_session_that_was_cut_off_left_is_said_first(study: Path) -> None:
+    """Of the name that is asked for, too; nothing of whole ones, and of other folders."""
+    for name, manifest in {
+        "whole": '{"complete": true}',
+        "cut": '{"complete": false}',
+        "empty": '{"complete": false}',
+        "other": "{",
+    }.items():
+        folder = Path("raw/lab", name)
+        folder.mkdir(parents=True)
+        (folder / "manifest.json").write_text(manifest)
+    Path("raw/lab/cut/robot.csv").write_text("timestamp,host_time\n0.0,1.0\n0.1,1.1\n0.2,1")
+    screen = console()
+    with pytest.raises(InputError, match=r"raw/lab/cut exists; give the recording another name"):
+        record(study, RecordOptions("cut", "fit"), screen)
+    left = "was left by a session that was cut off; "
+    cut, empty = said(screen).splitlines()
+    assert cut == f"raw/lab/cut {left}robot.csv has 2 samples"
+    assert empty == f"raw/lab/empty {left}it has no files"
+
+
 # Warnings
 
 SOUND = {"status": 0.0, "safety_mode": 1.0}

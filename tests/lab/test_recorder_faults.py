@@ -7,7 +7,7 @@ import socket
 import struct
 import threading
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +36,8 @@ def controller(serve: Callable[[socket.socket], None]) -> Iterator[int]:
         def run() -> None:
             with server.accept()[0] as client:
                 serve(client)
-                client.recv(1 << 16)  # until the client has closed
+                with suppress(ConnectionResetError):
+                    client.recv(1 << 16)  # until the client has closed
 
         thread = threading.Thread(target=run)
         thread.start()
@@ -100,6 +101,18 @@ def test_a_damaged_stamp_of_the_realtime_port_ends_no_recording(damaged: float) 
             messages, lost = messages + new.messages, lost + new.lost
         arm.close()
     assert lost == LOST + (not math.isfinite(damaged))  # that cycle has no stamp either
+
+
+@pytest.mark.parametrize("second", [5e-324, 1e-9, -CYCLE, math.nan])
+def test_a_realtime_port_without_a_clock_is_refused(second: float) -> None:
+    """Of a step whose inverse is infinite, too."""
+    sent = [0.0, second, CYCLE]
+    stream = b"".join(MESSAGE_HEAD.pack(BYTES, one).ljust(BYTES, b"\0") for one in sent)
+    with (
+        controller(lambda client: client.sendall(stream)) as port,
+        pytest.raises(InputError, match="no timestamps"),
+    ):
+        RealtimeArm(HERE, port)
 
 
 @pytest.mark.parametrize("kinds", ["", "NOT_FOUND", "DOUBLE,", ",,"])

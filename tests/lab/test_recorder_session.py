@@ -25,7 +25,7 @@ from ur5lab.doubles.transmission import TransmissionFaults
 from ur5lab.doubles.xsens_double import XsensDouble
 from ur5lab.recorder.capture import Status, capture
 from ur5lab.recorder.opened import file_entry
-from ur5lab.recorder.session import MANIFEST, Session, cut_off, write_manifest
+from ur5lab.recorder.session import MANIFEST, Session, left_behind, write_manifest
 from ur5lib.errors import InputError
 from ur5lib.recordings.recording import RawRecording
 from ur5lib.recordings.starts import place_sensors
@@ -104,12 +104,13 @@ def recorded(
         with Session(devices.devices(), folder) as session:
             write_manifest(folder, session.identities(), None, None)
             assert not read_json(folder / MANIFEST)["complete"]
-            assert cut_off(folder)
+            assert left_behind(folder)
             lags = [behind(controller)]
             time.sleep(SECONDS)
             lags.append(behind(controller))
         assert max(lags) < 0.02, f"this computer is too busy: the arm is {lags} s behind"
         write_manifest(folder, session.identities(), session.statuses(), None)
+    assert not left_behind(folder)
     return devices, folder, controller
 
 
@@ -218,8 +219,10 @@ import sys, time
 from pathlib import Path
 if __name__ == "__main__":  # not in the processes that it starts
     from tests.lab.test_recorder_session import lab
-    from ur5lab.recorder.session import Session
-    with lab() as (devices, _), Session(devices.devices(), Path(sys.argv[1])) as session:
+    from ur5lab.recorder.session import Session, write_manifest
+    folder = Path(sys.argv[1])
+    with lab() as (devices, _), Session(devices.devices(), folder) as session:
+        write_manifest(folder, session.identities(), None, None)
         while True:
             if all(status.samples for status in session.statuses().values()):
                 print("recording", flush=True)
@@ -246,7 +249,9 @@ def test_a_killed_recorder_leaves_whole_files(tmp_path: Path) -> None:
         return len(sizes) > 40 and len(set(sizes[-40:])) == 1
 
     until(settled)
-    for file in folder.iterdir():
-        rows = file.read_text().splitlines()
+    said = left_behind(folder)
+    for name in ("robot", "force_sensor", "imu"):
+        rows = (folder / f"{name}.csv").read_text().splitlines()
         assert {row.count(",") for row in rows} == {rows[0].count(",")}
         assert len(rows) > 100
+        assert f"{name}.csv has {len(rows) - 1} samples" in said

@@ -22,6 +22,7 @@ from ur5lib.robots.realtime_message import SOFTWARE_BY_SIZE
 PORT = 30003
 MESSAGE_HEAD = struct.Struct(">id")  # size and timestamp of a message
 READ_TIMEOUT = 0.1  # s, for which one call waits
+MIN_CYCLE = 1e-4  # s, less than any controller has
 
 
 class RealtimeArm:
@@ -70,7 +71,7 @@ class RealtimeArm:
             raise ConnectionError(f"the layout of its messages of {size} bytes is unknown")
         both = self._ahead(size + MESSAGE_HEAD.size)
         first, second = MESSAGE_HEAD.unpack_from(both)[1], MESSAGE_HEAD.unpack_from(both, size)[1]
-        if not 0 < second - first < MAX_SILENCE:
+        if not MIN_CYCLE < second - first < MAX_SILENCE:
             raise ConnectionError("its messages have no timestamps")
         return size, first, second
 

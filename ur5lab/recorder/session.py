@@ -11,6 +11,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, Self
 
+from ur5lab.journal import rows_in
 from ur5lab.recorder.capture import Status, capture
 from ur5lab.recorder.device import Identity
 from ur5lib.errors import InputError
@@ -118,13 +119,19 @@ class Session:
                 worker.status.ended = f"the process that records {name} was killed"
 
 
-def cut_off(folder: Path) -> bool:
-    """Return whether a folder is that of a session that was cut off, as by a power failure."""
+def left_behind(folder: Path) -> str:
+    """Return as a line what a session that was cut off, as by a power failure, left in a folder;
+    of any other folder "".
+    """
     manifest = folder / MANIFEST
     try:
-        return manifest.is_file() and not read_json(manifest)["complete"]
+        if not manifest.is_file() or read_json(manifest)["complete"]:
+            return ""
     except (InputError, KeyError, TypeError):  # another one's file
-        return False
+        return ""
+    files = sorted(folder.glob("*.csv"))
+    counts = ", ".join(f"{file.name} has {rows_in(file)} samples" for file in files)
+    return f"{folder} was left by a session that was cut off; {counts or 'it has no files'}"
 
 
 def write_manifest(

@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, with_controls
 from ur5lib.robots.description import PROJECT_FOLDER, robot_names, robot_yaml
 from ur5lib.robots.from_urdf import robot_from_urdf
 from ur5lib.tables import write_text
@@ -19,9 +19,8 @@ def describe_urdf(
     """
     robot, remarks = robot_from_urdf(file, base, tip, physical)
     name = name or robot.name
-    told = [file.name, *remarks, *robot.joints]
-    if unprintable := next((text for text in told if not text.isprintable()), None):
-        raise InputError(f"{file}: {unprintable!r} has a control character; give it another name")
+    if controls := with_controls([file.name, *remarks]):
+        raise InputError(f"{file}: {controls!r} has a control character; give it another name")
     if not re.fullmatch(r"[\w-][\w.-]*", name, re.ASCII):
         raise InputError(f"{name!r} cannot name a file; letters, digits, `_`, `-` and dots can")
     if name in robot_names():

@@ -13,7 +13,7 @@ from ur5lib.channels import MOST_JOINTS
 from ur5lib.channels import columns as columns_of
 from ur5lib.checks.checked import described
 from ur5lib.checks.readings import Order
-from ur5lib.errors import InputError, some
+from ur5lib.errors import InputError, some, with_controls
 from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import (
     JOINTS_OF_UR,
@@ -210,6 +210,8 @@ def contents(
         expect_row_each_sample(path)
     header = read_header(path, stated) if format == TABLE_FORMAT else TableHeader()
     arrays = _arrays(file, path, header, stated, findings, account)
+    if controls := with_controls([path.name, *header.columns, *arrays]):
+        raise InputError(f"{path}: the name {controls!r} has a control character; rename it there")
     account.order.extend(header.columns or arrays)
     clocks = _clocks(arrays, stated, timed, account)
     rest = [name for name in arrays if name not in clocks.stamps and name not in clocks.doubts]

@@ -310,6 +310,8 @@ def _likely_pairs(
             for b in same
         ]
         slopes, rates = (np.nan_to_num(np.stack(part)) for part in zip(*pairs, strict=True))
+        if slopes.shape[1] == 0:  # of two rows
+            continue
         slopes, rates = map(_usual_part, (slopes, rates))  # without leaps between runs
         least = np.ones((len(same), len(same)))
         for slope, rate in zip(slopes.transpose(2, 0, 1), rates.transpose(2, 0, 1), strict=True):

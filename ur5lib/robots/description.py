@@ -19,7 +19,7 @@ from pydantic import (
 )
 
 from ur5lib.channels import CURRENT, TORQUE, Effort
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, with_controls
 from ur5lib.strict import Strict, explain, plain_yaml, read_text, read_yaml
 from ur5lib.timeseries.arrays import Array, Six
 
@@ -312,6 +312,8 @@ class Robot(Described):
         unknown = sorted(set(self.joints) - set(self.motors))
         if unknown:
             raise ValueError(f"`joints` names motors missing from `motors`: {', '.join(unknown)}")
+        if controls := with_controls([self.name, *self.joints, *self.models]):
+            raise ValueError(f"the name {controls!r} has a control character; give another")
         if self.chosen_model not in self.models:
             raise ValueError(f"`chosen_model` must be one of {', '.join(self.models)}")
         if not (self.denavit_hartenberg or self.calibration):

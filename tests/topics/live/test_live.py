@@ -419,6 +419,15 @@ def test_the_header_is_the_reference(program: Path, tmp_path: Path) -> None:
         check_header(program, arm, stream, tmp_path)
 
 
+def test_the_header_learns_from_rests_and_motions_as_the_reference(
+    program: Path, tmp_path: Path
+) -> None:
+    """Of an arm whose slow errors are learnt from for seconds, before it is pushed."""
+    arm, pushed = arm_file(1.0, slow=5.0), push(7.0, 8.0, 0.0, 30.0, 10.0)
+    for moving in (False, True):
+        check_header(program, arm, stream_of(samples(9.0, moving, pushed)), tmp_path)
+
+
 def test_the_header_takes_velocities_from_positions_as_the_reference_does(
     program: Path, tmp_path: Path
 ) -> None:
