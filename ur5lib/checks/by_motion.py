@@ -24,13 +24,14 @@ from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
-MIN_ERRORS = 2.5  # standard errors over stretches, below which a lead may be chance
-MAX_LEAD_AGAINST = 0.1  # of what is declared by any links, at which these are not against a change
+MIN_ERRORS = 2.5  # a lead of fewer standard errors over stretches may be chance
+# By any links, what is declared may lead a change by this much without being against it.
+MAX_LEAD_AGAINST = 0.1
 # In right logs, exchanged efforts never lead beyond chance, exchanged joints by 0.27 at most by
 # the declared links, by 0.36 by any. Where friction is of no described form, they lead by 0.72 and
 # 0.34 in short logs.
 MIN_LEAD_OF_EFFORTS = 0.15
-CLEAR_LEAD_OF_JOINTS = 0.8  # by the declared links, from which on any links need not agree
+CLEAR_LEAD_OF_JOINTS = 0.8  # from this lead on by the declared links, any links need not agree
 MIN_LEAD_OF_JOINTS, MIN_LEAD_OF_JOINTS_BY_ANY_LINKS = 0.35, 0.5
 # This is by declared links where two joints move alike, but for a UR's, which are certain: any
 # links would explain either order of the joints. A right log of a KUKA LWR leads by 1.2, simulated
@@ -39,7 +40,8 @@ MIN_LEAD_OF_ALIKE = 2.5
 # A turned joint leads by at most 0.31 in right logs by the declared links. By any, the mean over
 # all joints is at most 0.05.
 MIN_LEAD_OF_SIGN, MIN_LEAD_OF_SIGN_BY_ANY_LINKS = 0.5, 0.15
-MIN_ERRORS_OF_FRICTION = 3.0  # standard errors by which friction drives; in right logs, at most 0.6
+# Friction drives the motion beyond this many standard errors; in right logs, there are at most 0.6.
+MIN_ERRORS_OF_FRICTION = 3.0
 # Leads with what the arm carries, in right logs at most 0.26, and with any load.
 MIN_LEAD_OF_ARM, MIN_LEAD_OF_LOADED_ARM = 0.3, 0.1
 # By more, any links lead the declared ones only where a joint's description is in doubt. In right

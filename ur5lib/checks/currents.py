@@ -30,7 +30,7 @@ from ur5lib.timeseries.arrays import Array, Mask
 MIN_LEAD_OF_EXCHANGE = 60.0
 # Standard errors by which friction drives. In right recordings, they are at most 2.
 MIN_ERRORS_OF_FRICTION = 4.0
-MIN_GEAR_RATIO = 20.0  # of smaller ones, friction may be less than what links leave unexplained
+MIN_GEAR_RATIO = 20.0  # below it, friction may be less than what links leave unexplained
 # Nm; a joint with less gravity torque does not show the unit of its current
 MIN_GRAVITY_TORQUE = 3.0
 MIN_CONSTANT, MAX_CONSTANT = 2.5, 40.0  # Nm/A; the torque constants of common arms lie between

@@ -23,9 +23,10 @@ from ur5lib.timeseries.arrays import Array
 # A difference of log-likelihoods of two exchanged joints. It is at most 46 in recordings of a few
 # postures.
 MIN_LEAD_OF_EXCHANGED_JOINTS = 60.0
-PARTS, MIN_ERRORS_OF_ARM = 10, 2.5  # of postures, and standard errors over these, of another arm
+# Another arm leads by this many standard errors over these parts of the postures.
+PARTS, MIN_ERRORS_OF_ARM = 10, 2.5
 BEARING_JOINTS = 3  # joints from the base that bear others in every posture
-MIN_ERRORS_OF_CORRELATION = 5.0  # standard errors by which gravity shows in a current
+MIN_ERRORS_OF_CORRELATION = 5.0  # gravity shows in a current by this many standard errors
 # Friction is small compared with gravity of this standard deviation, over the largest torque.
 MIN_GRAVITY_SHARE = 0.1
 # A torque constant that contradicts the documented one errs by less, relatively.

@@ -17,7 +17,7 @@ from ur5lib.robots.description import Robot
 
 # Current per target. It is 0.87 to 1.5 in right recordings, loads included.
 MIN_RATIO_TO_TARGET, MAX_RATIO_TO_TARGET = 0.8, 2.0
-MIN_BORNE_CURRENT = 1.0  # A, root mean square of the target of a joint that bears something
+MIN_BORNE_CURRENT = 1.0  # A; a joint that bears something has a target of this root mean square
 
 
 def scaled_currents(means: BlockMeans, odd: Container[int]) -> Iterator[Finding]:
