@@ -23,7 +23,8 @@ from ur5lib.records.table import WRENCH
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import Span, inside_spans, overlap, spans
 
-FORCE_CLASSES = [TOUCH_FORCE, CONTACT_FORCE, 10.0, 15.0]  # N, that a contact reaches by the sensor
+# A contact is of the class that its force at the sensor reaches.
+FORCE_CLASSES = [TOUCH_FORCE, CONTACT_FORCE, 10.0, 15.0]  # N
 RELIABLE_FORCE_OF_THESIS = 10.0  # N; along z, detection is reliable from there on (Section 6)
 
 

@@ -145,7 +145,7 @@ def checked(estimator: Estimator, place: str, run: Run) -> Answer:
 
 
 PUBLISHED = {"Fu": "F̂ᵘ", "F": "F̂", "F*": "F̂*"}  # the controller's and the thesis's
-ESTIMATORS = {  # by their names in records and tables
+ESTIMATORS = {  # their keys are the names in records and tables
     "Fmap": Estimator("F̂ᵐᵃᵖ", lambda run: run.fmap),
     "least_squares": Estimator("gated least squares", least_squares, gated=False),
     "static": Estimator("uncalibrated static estimate", lambda run: run.static, False, "the "),

@@ -18,7 +18,7 @@ from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import Span, overlap
 
 TICK = 1e-6  # s, less than any sampling period
-SLOW = min(speed for speed in SPEEDS if speed > 0)  # m/s, below which a flange rests
+SLOW = min(speed for speed in SPEEDS if speed > 0)  # m/s; below it, a flange rests
 
 
 class Outcome(NamedTuple):

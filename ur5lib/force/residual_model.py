@@ -14,16 +14,16 @@ from ur5lib.timeseries.arrays import Array
 
 SHORT_LAG = 0.5  # s: half the duration of a push by hand
 LONG_LAG = 2.0  # s: twice its duration
-MIN_RENEWAL_RATE = 1 / 30  # 1/s, of the background
-USUAL_STICTION = 0.4  # in breakaway torques, where no recording rests
-RUBBING_SHARE = 1.25  # of a contact, that friction takes in motion, of the deviation there
-USUAL_RUBBING = 0.2  # likewise, in motion, where no recording was fitted to
-USUAL_REST_STD = 0.3  # likewise: deviation of a joint that settles or rests, where none does
-USUAL_REST_CHANGE = 0.2  # likewise, of its fast error, while the whole arm rests
+MIN_RENEWAL_RATE = 1 / 30  # 1/s; the background renews at least this fast
+USUAL_STICTION = 0.4  # in breakaway torques; it is used where no recording rests
+RUBBING_SHARE = 1.25  # in motion, friction takes this part of a contact, over the deviation there
+USUAL_RUBBING = 0.2  # the same in motion where no recording was fitted to
+USUAL_REST_STD = 0.3  # the same: deviation of a joint that settles or rests, where none does
+USUAL_REST_CHANGE = 0.2  # the same of its fast error, while the whole arm rests
 JOINTS_OF_A_FORCE = 2  # the torques of so many joints decide a component of a force
-SHOWN_DURATION = 10.0  # s at rest, or settling, that count as much as what is usual
-GATE_PATHS = 5  # from which on the gate is as unsure as the bands
-MIN_STD_SHARE = 1e-3  # of breakaway: least standard deviation of a torque
+SHOWN_DURATION = 10.0  # s; this long a rest or settling counts as much as what is usual
+GATE_PATHS = 5  # from this many paths on, the gate is as unsure as the bands
+MIN_STD_SHARE = 1e-3  # a torque's standard deviation is at least this share of breakaway
 # Of a joint that rests since a tare: most standard deviation of its background, in breakaway
 # torques, and rate of renewal, which is that of a joint that nobody touches.
 TARED_SPREAD_SHARE = 0.15

@@ -6,8 +6,8 @@ from ur5lib.force.sensed_contact import RELEASE_FORCE, TOUCH_FORCE
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import Span, spans
 
-ALARM_HYSTERESIS = 2.0  # in log-odds: an alarm ends this far below the threshold
-THRESHOLD_STEP = 0.5  # N, between the thresholds of forces that are tried
+ALARM_HYSTERESIS = 2.0  # an alarm ends this far below the threshold, in log-odds
+THRESHOLD_STEP = 0.5  # N; the tried thresholds of forces are this far apart
 
 
 def alarms(log_odds: Array, threshold: float) -> list[Span]:
