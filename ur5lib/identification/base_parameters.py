@@ -17,7 +17,8 @@ from ur5lib.timeseries.metrics import mean_absolute_error
 Blocks = Iterable[tuple[Array, Array]]
 
 LINK_PARAMETERS = ("m", "m c_x", "m c_y", "m c_z", "I_xx", "I_xy", "I_yy", "I_xz", "I_yz", "I_zz")
-PARAMETERS_PER_JOINT = len(LINK_PARAMETERS) + 1  # those of its link, and the rotor inertia
+# A joint has the parameters of its link, and the rotor inertia.
+PARAMETERS_PER_JOINT = len(LINK_PARAMETERS) + 1
 # Standard deviations of the prior around the published model.
 MASS_WIDTH = 0.5  # kg
 MOMENT_WIDTH = 0.1  # kg m

@@ -29,7 +29,7 @@ from ur5lib.robots.friction import OPTIONAL_TERMS, TERMS, JointMotion, coefficie
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
-MAX_GAIN_HALF = 0.05  # of the 95 % interval of a measured torque's gain: 1 before, to some per cent
+MAX_GAIN_HALF = 0.05  # a measured torque's gain, 1 before, has at most this half of a 95 % interval
 # Standard deviation of a joint's friction from day to day, relative, where recordings of one day do
 # not show it. On seven dates of a UR10e, it is 0.06 on the most different date and 0.035 on all.
 DAY_TO_DAY_STD = 0.07
@@ -39,9 +39,9 @@ RUN_TO_RUN_STD = 0.03
 # Relative variance of a joint's friction d days from a recorded date, σ² = a² + b² d: a prior by a
 # UR10e. Its friction differs by 0.012 within a day, 0.02 within a week, and 0.046 after 25 days.
 SAME_DAY_STD, DAILY_STD = 0.006, 0.0084
-SEASON = 140.0  # days, which count as between recordings without dates
+SEASON = 140.0  # recordings without dates count as this many days apart
 MIN_BREAKAWAY_TORQUE = 0.1  # Nm
-PASSIVE = "coulomb", "viscous", "rotor"  # below zero, they would drive the joint
+PASSIVE = "coulomb", "viscous", "rotor"  # these would drive the joint if they were below zero
 POSITIVE = ("torque_constant", *(f"{of}{name}" for of in ("", "coupled_") for name in PASSIVE))
 OPTIONAL_COEFFICIENTS = coefficient_names(OPTIONAL_TERMS)
 
