@@ -15,9 +15,9 @@ from ur5lib.records.friction import without_totals
 from ur5lib.tables import intact, write_text
 from ur5lib.timeseries.metrics import NORMAL95
 
-ERROR_CHANCE = 0.05  # of any false change in a topic, and of a miss of a single interval
+ERROR_CHANCE = 0.05  # chance of any false change in a topic, and of a miss of a single interval
 CHANGED_RATIO = 1.1  # ratio of two errors without interval from which they count as different
-PARAMETER_UNITS = {  # others: Nm
+PARAMETER_UNITS = {  # others have Nm
     **{"torque_constant": "Nm/A", "gain": "Nm/Nm", "viscous": "Nm s/rad", "load": ""}
 }
 WITH_DETERMINED = ["parameters", "friction"]  # tables that say which rows the data determine

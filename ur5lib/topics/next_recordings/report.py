@@ -7,7 +7,7 @@ from ur5lib.report.results import Results
 from ur5lib.report.stated import designing
 from ur5lib.topics.next_recordings.found import outlooks
 
-MAX_NAMED_PARAMETERS = 3  # parameters that the next recording is designed for
+MAX_NAMED_PARAMETERS = 3  # the next recording is designed for this many parameters
 
 
 def outlook(results: Results) -> pd.DataFrame:

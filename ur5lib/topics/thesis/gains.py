@@ -20,13 +20,13 @@ from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import chunks, unbroken
 from ur5lib.topics.thesis.records import Gain, JointGains
 
-GRID_NODES = 31  # of the grid of gains, on each axis
-DESCENT_STARTS = 5  # local minima of the grid from which least squares start
-PROFILE_STEP = 1e-3  # of a log gain, to which a profile's minima are searched
+GRID_NODES = 31  # the grid of gains has this many on each axis
+DESCENT_STARTS = 5  # least squares start from this many local minima of the grid
+PROFILE_STEP = 1e-3  # a profile's minima are searched to this step of a log gain
 CONFIDENCE_LEVEL = 0.95
 CACHED_SAMPLES = 64  # states of so many samples under all gains of the grid fit into a cache
 MAX_MOTION_DURATION = 120.0  # s; more would make gains surer than the model of the loop is
-MAX_RANGE_FACTOR = 10.0  # between the ends of a range, above which a gain is undetermined
+MAX_RANGE_FACTOR = 10.0  # a gain is undetermined if the ends of its range have a larger ratio
 
 
 @dataclass(frozen=True)

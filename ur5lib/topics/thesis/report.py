@@ -10,9 +10,9 @@ from ur5lib.report.results import Results
 from ur5lib.topics.thesis.found import score, shown_first
 from ur5lib.topics.thesis.printed_numbers import EQUAL, UNEXPLAINED
 
-COMPUTED_DIGITS = 4  # of computed numbers
+COMPUTED_DIGITS = 4  # computed numbers have this many
 PARAMETER_SYMBOLS = {"torque_constant": "k", "offset": "b"}
-CLAIMED_ESTIMATE, CLAIMED_COMPONENT = "F*", "Fz"  # by which the thesis detects pushes
+CLAIMED_ESTIMATE, CLAIMED_COMPONENT = "F*", "Fz"  # the thesis detects pushes by these
 AS_PRINTED = "torque_on_current"  # the direction of regression of Equation 6.5
 
 

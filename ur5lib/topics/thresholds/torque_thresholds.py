@@ -17,10 +17,11 @@ from ur5lib.records.motion import Motion
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import DEAD_ZONE
 
-LEVELS = {"lower": 0.01, "upper": 0.001}  # a contact, a collision: share of samples beyond
-FAST_SHARE = 0.5  # of the fastest that a joint was, from which on it is fast
-ACCELERATING_SHARE = 0.1  # of the largest acceleration, from which on it counts as accelerating
-LARGEST = 0.999  # quantile that is the largest acceleration: noise has larger ones
+# The levels of a contact and of a collision leave this share of samples beyond.
+LEVELS = {"lower": 0.01, "upper": 0.001}
+FAST_SHARE = 0.5  # from this share of its largest speed on, a joint is fast
+ACCELERATING_SHARE = 0.1  # from this share of the largest acceleration on, a joint accelerates
+LARGEST = 0.999  # this quantile is the largest acceleration: noise has larger ones
 UNITS = "Nm, rad/s, rad/s^2; joints from 1; rates: share of samples, of each joint by itself"
 
 
