@@ -44,8 +44,8 @@ from ur5lib.timeseries.segments import in_chunks
 from ur5lib.workspace.extensions import take_up_all
 
 ERROR_SEVERITIES = ("stop", "error")
-MAX_NAMED = 3  # recordings of a finding that are named
-MAX_PROPOSED_NAMES = 20  # names of recordings that are proposed
+MAX_NAMED = 3  # a finding names this many recordings
+MAX_PROPOSED_NAMES = 20  # an error proposes this many names of recordings
 SEVERITY_STYLES = {"stop": "bold red", "error": "bold red", "warning": "yellow", "note": ""}
 
 

@@ -23,7 +23,7 @@ from ur5lib.records.verdicts import ErrorParts, Reason, State, Verdict
 from ur5lib.timeseries.metrics import NORMAL95
 
 QUESTION = "force"
-RANK = {name: place for place, name in enumerate([*NEW, *PUBLISHED])}  # in the report's order
+RANK = {name: place for place, name in enumerate([*NEW, *PUBLISHED])}  # the report has this order
 RIVAL = "least squares without a detector"
 
 

@@ -16,7 +16,7 @@ from ur5lib.records.verdicts import Reason, RecordingUse, State, Verdict
 QUESTION = "recordings"
 LOST_FRAMES = "lost frames"
 OF_FRAMES = (LOST_FRAMES, "impossible frames")  # findings that count frames
-IN_WORDS = {TOUCHED: "contacts in a recording whose role denies them"}  # of findings
+IN_WORDS = {TOUCHED: "contacts in a recording whose role denies them"}  # words of findings
 SEVERITIES = ("stop", "error", "warning", "note")  # most serious first; see docs/report.md
 STATES: dict[str, tuple[State, Reason]] = {
     "stop": ("do not use", "stopped"),

@@ -22,7 +22,7 @@ from ur5lib.report.stated import (
     remedy,
 )
 
-MAX_STEPS = 3  # that a reader remembers
+MAX_STEPS = 3  # a reader remembers this many
 NO_PLACE = "[x, y, z]"  # it replaces a centre of mass that is to be measured
 
 

@@ -17,7 +17,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.workspace.places import IN_CLONE, WORKFLOW
 
 MOST_SHOWN = 4  # recordings with tables and figures of their own in one section
-MOST_ROWS = 60  # of a table; of more recordings, none has a row of its own
+MOST_ROWS = 60  # a table has at most this many; of more recordings, none has a row of its own
 PACKAGES = ["snakemake", "numpy", "scipy", "pandas", "pyarrow"]
 PACKAGES += ["torch", "pytorch-kinematics", "mujoco", "matplotlib", "typst"]
 

@@ -11,7 +11,8 @@ from ur5lib.robots.inertia import WRITTEN_SHARE
 from ur5lib.timeseries.arrays import Array
 
 THINNEST = 1e-4  # m: smallest radius of gyration, of a sheet across its plane
-ROUNDING = 1e-3  # of the sum of principal moments: a sheet's, written with three digits
+# A sheet's principal moments, written with three digits, err by this share of their sum.
+ROUNDING = 1e-3
 
 
 def impossibility(mass: float, inertia: Array) -> str:

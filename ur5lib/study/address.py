@@ -10,8 +10,10 @@ from ur5lib.errors import InputError, perhaps, unknown
 
 RESULTS_FOLDER = Path("results")
 YAML_SUFFIXES = (".yaml", ".yml")
-REPORTS = ("report.html", "report.pdf", "details.html", "results.json")  # in a folder of results
-STUDIES = ("*.yaml", "config/*.yaml", "workflow/studies/*.yaml")  # in the working folder
+# A folder of results has these files.
+REPORTS = ("report.html", "report.pdf", "details.html", "results.json")
+# Studies are looked for there in the working folder.
+STUDIES = ("*.yaml", "config/*.yaml", "workflow/studies/*.yaml")
 
 
 def study_file(address: str) -> Path:

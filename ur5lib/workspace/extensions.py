@@ -19,11 +19,11 @@ from typing import Any, NamedTuple
 from ur5lib.errors import InputError
 from ur5lib.workspace.places import PACKAGE
 
-FOLDER = Path("extensions")  # in the workspace, which is the working folder
+FOLDER = Path("extensions")  # it is in the workspace, which is the working folder
 ENTRY_POINT_GROUP = "ur5lib."  # its beginning: ur5lib.friction, ...
 PAGE = "docs/extensions.md shows how"
-USE_VARIABLE = "UR5_EXTENSIONS"  # in the environment of a command of `ur5`: NAMED, or LEFT_OUT
-NAMED = "named"  # each on stderr before it runs
+USE_VARIABLE = "UR5_EXTENSIONS"  # the environment of a command of `ur5` has it: NAMED, or LEFT_OUT
+NAMED = "named"  # each is named on stderr before it runs
 LEFT_OUT = "left out"
 
 

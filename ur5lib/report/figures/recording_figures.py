@@ -43,7 +43,7 @@ ESTIMATE_STYLES = (
     "fifth",
 )  # of estimates; the first has the band
 LATE_STEP_PERIODS = 1.5  # periods: a longer step lacks frames
-ENLARGED_SPAN = (-0.15, 0.35)  # s, around the first late frame
+ENLARGED_SPAN = (-0.15, 0.35)  # s; it counts from the first late frame
 RECEIVED_COLOUR, LOST_COLOUR, SPEED_COLOUR = JOINT_COLOURS[0], JOINT_COLOURS[1], "#666666"
 
 

@@ -10,9 +10,9 @@ import pandas as pd
 from ur5lib.tables import read_csv
 from ur5lib.timeseries.arrays import Array
 
-POINTS = 30  # of friction in one direction of motion
-PARTS = 24  # of the range of a joint's positions
-LEAST = 5  # samples of a part
+POINTS = 30  # friction has this many in one direction of motion
+PARTS = 24  # the range of a joint's positions has this many
+LEAST = 5  # a part has this many samples
 QUARTILES = {"low": 0.25, "median": 0.5, "high": 0.75}
 
 
