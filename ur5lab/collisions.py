@@ -20,7 +20,7 @@ from ur5lib.strict import Strict
 from ur5lib.timeseries.arrays import Array, Mask
 
 HOUSING_HEIGHT = 0.02  # m; the joints' housings protrude from the capsules by it
-# Between links of another arm that do not overlap by construction.
+# Links of another arm that do not overlap by construction have this distance.
 MIN_FREE_SPACE = 0.05  # m
 OVERLAP_POSTURES = 100  # this many random ones show which parts overlap by construction
 TABLE_NAME = "table"

@@ -30,7 +30,7 @@ SPECIAL_FILE_KINDS = {
     stat.S_ISCHR: "a device",
     stat.S_ISBLK: "a device",
 }
-# Of keys that people expect: what to do without them.
+# People expect these keys; this is what to do without them.
 INSTEAD_OF = dict.fromkeys(
     ("exclude_joints", "ignore_joints", "skip_joints"),
     "a force loads all joints, so that none can be left out; remove the key, and overrule a stop "

@@ -36,8 +36,8 @@ ELBOW_BODY = "link_2"
 SUPPLY_VOLTAGE = 48.0  # V; the supply has it
 STANDBY_POWER = 60.0  # W; an arm that does not move takes it
 
-PROTECTIVE_STOP_DECELERATION = 20.0  # rad/s², deceleration of a protective stop
-PROGRAM_END_DECELERATION = 4.0  # rad/s², deceleration where a program ends in motion
+PROTECTIVE_STOP_DECELERATION = 20.0  # rad/s²; a protective stop decelerates so
+PROGRAM_END_DECELERATION = 4.0  # rad/s²; an arm decelerates so where a program ends in motion
 
 JOINT_RUNNING, JOINT_IDLE = 253, 255  # RTDE's `joint_mode`
 POWER_ON_BIT, PROGRAM_BIT = 1, 2  # `robot_status_bits` has them

@@ -50,8 +50,8 @@ MAX_LEAD_OF_ANY_LINKS = 0.8
 # Ratios to the maker's constant, the best one and the lowest by its errors. In right logs, they
 # are at most RIGHT_RATIO and 1.00.
 MIN_RATIO_OF_WEAK, MIN_LOW_OF_WEAK, RIGHT_RATIO = 1.18, 1.06, 1.05
-# A, of what such a current lacks beyond those of right logs; 0.15 A that vary once per turn look
-# like more in 7 of 432 logs of a UR3e
+# Such a current lacks this [A] beyond those of right logs; 0.15 A that vary once per turn look like
+# more in 7 of 432 logs of a UR3e.
 MIN_LACKING_CURRENT = 0.17
 # Ratio to the maker's constant, over the median of the other joints'. Where it is surely above
 # one by gravity (MIN_LOW_OF_WEAK), no right log has such a ratio.

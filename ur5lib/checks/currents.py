@@ -34,8 +34,8 @@ MIN_GEAR_RATIO = 20.0  # below it, friction may be less than what links leave un
 # Nm; a joint with less gravity torque does not show the unit of its current
 MIN_GRAVITY_TORQUE = 3.0
 MIN_CONSTANT, MAX_CONSTANT = 2.5, 40.0  # Nm/A; the torque constants of common arms lie between
-# To the maker's torque constant, or its inverse. Beyond all errors, right recordings need a
-# factor of 1.51, without the worst arm 1.34.
+# It is the largest ratio to the maker's torque constant, or its inverse. Beyond all errors, right
+# recordings need a factor of 1.51, without the worst arm 1.34.
 MAX_CONSTANT_RATIO = 1.75
 MILLIAMPERE_CODES = ("current in mA", "current not in mA")
 OPPOSITE_CODE = "opposite current"

@@ -13,7 +13,7 @@ from ur5lib.checks.block_means import SMALLEST_SIZE
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-# In s, between frames. Slower ones show the motion of all joints more than disturbances.
+# Frames with longer steps [s] show the motion of all joints more than disturbances.
 MAX_STEP = 0.02
 # Share of frames with currents that differ from the previous ones. With fewer, currents are
 # repeated.

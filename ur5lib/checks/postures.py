@@ -29,10 +29,9 @@ BEARING_JOINTS = 3  # joints from the base that bear others in every posture
 MIN_ERRORS_OF_CORRELATION = 5.0  # gravity shows in a current by this many standard errors
 # Friction is small compared with gravity of this standard deviation, over the largest torque.
 MIN_GRAVITY_SHARE = 0.1
-# A torque constant that contradicts the documented one errs by less, relatively.
+# A torque constant that contradicts the documented one has a smaller relative error.
 MAX_CONSTANT_ERROR = 0.1
-# Of the motor's largest torque: the static friction of a joint. It is 0.04 to 0.06 on the
-# measured arms.
+# The static friction of a joint is 0.04 to 0.06 of the motor's largest torque on the measured arms.
 STATIC_FRICTION_SHARE = 0.06
 # Share of such a current's variance that may be left. Friction leaves 0.1.
 MAX_VARIANCE_UNEXPLAINED = 0.3

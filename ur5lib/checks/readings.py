@@ -27,7 +27,7 @@ SLOPE_BOUNDS = {  # effort per Nm
     "mA": (1e3 / MAX_CONSTANT, 1e3 / MIN_CONSTANT),
 }
 SLOPE_BOUNDS_OR_NONE = SLOPE_BOUNDS | {"neither": (0.0, 0.0)}  # or a torque without gravity
-OWN_FACTORS = "own factors"  # of each joint, as of a share of its rated torque, or of counts
+OWN_FACTORS = "own factors"  # each joint has one, as a share of its rated torque, or counts
 ALL_SLOPE_BOUNDS = SLOPE_BOUNDS_OR_NONE | {OWN_FACTORS: (0.0, math.inf)}
 EFFORT_NOISE = 2e-3  # A, Nm; no mean over a block of an effort is more precise
 SPREAD_OF_CONSTANTS = 0.2  # torque constants spread by this around those of the joints' sizes

@@ -24,7 +24,7 @@ from ur5lib.timeseries.arrays import Array
 
 STRETCHES = 10  # time is cut into this many stretches, each of which is left out once
 MAX_BLOCKS = 600  # this many blocks of a log are looked at
-# Of columns of unit size. The one that misses least is taken, so that few blocks are not
+# Columns have unit size. The ridge that misses least is taken, so that few blocks are not
 # overfitted.
 RIDGES = (1e-4, 3e-3, 3e-2)
 WEIGHING_ROUNDS = 3  # each round estimates each joint's noise

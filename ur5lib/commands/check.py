@@ -86,8 +86,8 @@ def print_findings_of(
 ) -> int:
     """Print the findings of recordings; returns how many are stop signs or errors.
 
-    named: recordings whose findings are printed in detail; none: all, by finding; contract: that
-    they are checked against.
+    named: recordings with findings printed in detail; none: all, by finding; contract: that they
+    are checked against.
     """
     console = text_console(stderr=form.as_json)  # the JSON is on stdout
     lacking = [f"contract: {one}" for one in contract.lacking(study)] if contract else []

@@ -39,7 +39,7 @@ WRITERS: dict[str, Callable[[Robot, str, JointFriction | None, TcpPose | None], 
     "sdf": lambda arm, model, friction, _: sdf(arm, written_bodies(arm, model), friction),
     "isaac": lambda arm, model, friction, _: isaac(arm, model, friction),
 }
-ROS_NAMES = [f"{joint}_joint" for joint in JOINTS]  # of a UR's joints, base to wrist
+ROS_NAMES = [f"{joint}_joint" for joint in JOINTS]  # a UR's joints have these, base to wrist
 OF_TOPICS = {
     name: write
     for topic in modules_of_topics("exports").values()

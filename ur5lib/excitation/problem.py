@@ -52,7 +52,7 @@ JOINT_PARAMETERS = (
 )
 # An arm with torque sensors has these parameters of each joint.
 SENSED_JOINT_PARAMETERS = ("gain", "bias", *JOINT_PARAMETERS[2:])
-UNITS_BY_START = {  # of a name
+UNITS_BY_START = {  # a name with this start has this unit
     **{"m of": "kg", "m c": "kg m", "I_": "kg m²", "rotor": "kg m²"},
     **dict(zip(JOINT_PARAMETERS, ("Nm/A", "Nm", "Nm", "Nm s/rad", "Nm/Nm"), strict=True)),
     **{"gain": "Nm/Nm", "bias": "Nm"},
@@ -60,10 +60,10 @@ UNITS_BY_START = {  # of a name
 PAYLOAD_PREFIX = "payload: "
 # Standard deviations of a load's ten parameters.
 LOAD_WIDTH = prior_width(PARAMETERS_PER_JOINT)[: len(LINK_PARAMETERS)]
-# Of the states at which forces are estimated.
+# Forces are estimated at states up to these.
 PREDICTED_SPEED = 1.0  # rad/s
 PREDICTED_ACCELERATION = 2.0  # rad/s²
-# Of the states that determine base parameters.
+# Random states up to these determine base parameters.
 RANK_TEST_SPEED = 1.5  # rad/s
 RANK_TEST_ACCELERATION = 3.0  # rad/s²
 

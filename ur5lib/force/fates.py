@@ -17,7 +17,7 @@ from ur5lib.records.pushes import SPEEDS
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import Span, overlap
 
-TICK = 1e-6  # s, less than any sampling period
+TICK = 1e-6  # s; any sampling period is longer
 SLOW = min(speed for speed in SPEEDS if speed > 0)  # m/s; below it, a flange rests
 
 

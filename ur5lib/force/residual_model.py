@@ -24,8 +24,8 @@ JOINTS_OF_A_FORCE = 2  # the torques of so many joints decide a component of a f
 SHOWN_DURATION = 10.0  # s; this long a rest or settling counts as much as what is usual
 GATE_PATHS = 5  # from this many paths on, the gate is as unsure as the bands
 MIN_STD_SHARE = 1e-3  # a torque's standard deviation is at least this share of breakaway
-# Of a joint that rests since a tare: most standard deviation of its background, in breakaway
-# torques, and rate of renewal, which is that of a joint that nobody touches.
+# The background of a joint that rests since a tare has at most this standard deviation, in
+# breakaway torques, and this rate of renewal, which is that of a joint that nobody touches.
 TARED_SPREAD_SHARE = 0.15
 TARED_RENEWAL_RATE = 1e-3  # 1/s
 

@@ -8,7 +8,7 @@ from ur5lib.force.external_torque import JointState, finite_rows
 from ur5lib.force.force_input import ForceInput
 from ur5lib.timeseries.arrays import Array
 
-# Of usual friction, the motors of a UR3, a UR5 and a UR10e showed 0.84 to 1.31 in 31 recordings;
+# The motors of a UR3, a UR5 and a UR10e showed 0.84 to 1.31 of usual friction in 31 recordings;
 # where a hand led a UR5e, or pushed it all the way, four recordings showed 0.51 to 0.60.
 MIN_SHARE = 0.7
 MIN_MOTION = 1.0  # s; one joint moves at least this long

@@ -171,7 +171,7 @@ def detectable(trials: Trials, most: float) -> Limit:
     """Return the push that a logistic curve of trials of one axis and motion shows to be detected,
     but for poses in which joints feel almost none; most: the largest trial of all [N].
 
-    Beyond this, the curve shows nothing: the push is the largest one. One whose 95 % interval
+    Beyond this, the curve shows nothing: the push is the largest one. One with a 95 % interval that
     reaches zero is not determined.
     """
     felt = trials.where(trials.felt(FELT_SIZE * most))

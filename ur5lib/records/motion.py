@@ -10,7 +10,7 @@ from ur5lib.records.table import JOINTS, XYZ, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.kalman import InnovationTest
 
-# rad, within which an arm at rest is read the same again. Friction reverses over as much.
+# An arm at rest is read the same again within this [rad]. Friction reverses over as much.
 SAME_POSTURE = 1e-4
 
 

@@ -241,7 +241,7 @@ def _pushes(asked: Asked) -> Step:
     return Step(f"{record}: without one, the error of the force is unknown.", "role: contact")
 
 
-ASKED: dict[str, Callable[[Asked], Step]] = {  # of the codes of advice.csv
+ASKED: dict[str, Callable[[Asked], Step]] = {  # the codes are those of advice.csv
     "stop_recording": _stop_recording,
     "stop_arm": _stop_arm,
     "touched": _touched,

@@ -17,7 +17,7 @@ from ur5lib.timeseries.segments import by_segment, period
 GAP_STEPS = 5.0  # mean steps of a device; a longer one is a gap
 BAND_LIMIT = 4.0  # Hz; motion of the arm is below, vibration above
 FILTER_ORDER = 4
-# Of the search, and of plausible offsets, in standard errors of the stamps.
+# The search, and plausible offsets, go up to these, in standard errors of the stamps.
 SEARCH_DEVIATIONS = 10.0
 PLAUSIBLE_DEVIATIONS = 5.0
 MAX_DRIFT = 0.01  # the drift of a quartz is far below

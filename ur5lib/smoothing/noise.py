@@ -20,7 +20,7 @@ JERK_BANK = np.geomspace(1e-2, 1e3, 11)  # rad/s³/√Hz; they go from standstil
 MAX_DRIVEN = 1e7
 VIBRATION_BANK = np.array([0.03, 0.2, 1.0, 4.0])  # they are relative to that of the whole recording
 NOISE_WINDOW = 0.1  # s; intensities and noise are taken as constant over it
-# With which the noise of the whole recording counts in a window.
+# The noise of the whole recording counts in a window with these.
 PRIOR_DEGREES_OF_FREEDOM = 8
 OUTLIER_SQUARE = 30.0  # beyond it, only the logarithm of a normalised innovation grows
 RECORDED_RESOLUTION = 1e-6  # rad, rad/s: the last digit of a recording, and the least noise

@@ -9,7 +9,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.stand.friction import FrictionParameters, along_chain
 from ur5lib.timeseries.arrays import Array
 
-# In rad/s. With these, joints deviate from their targets as much as the real ones do.
+# With these [rad/s], joints deviate from their targets as much as the real ones do.
 NATURAL_FREQUENCY = np.array([100.0, 130.0, 140.0, 160.0, 200.0, 140.0])
 KNOWN_FRICTION_SHARE = 0.8  # the controller has this share of the friction
 MOVING_SPEED = 0.05  # rad/s; there, a joint shows three quarters of the noise of a moving one

@@ -16,7 +16,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.friction import ROOT_LINE
 from ur5lib.timeseries.arrays import Array
 
-# Of the UR5's joints, from base to wrist. Shares of the motor's largest torque:
+# The UR5's joints, from base to wrist, have these shares of the motor's largest torque:
 COULOMB_SHARE = np.array([0.054, 0.058, 0.054, 0.078, 0.083, 0.071])
 VISCOUS_SHARE = np.array([0.063, 0.060, 0.038, 0.077, 0.077, 0.048])  # per rad/s
 # The same per root of rad/s, beyond its nearest line, which is in the others.

@@ -13,7 +13,7 @@ from ur5lib.timeseries.arrays import Array
 FRICTION_SHARE_BEHIND_SENSOR = 0.05
 GAIN_ERROR = 0.01  # all joints have it, alternating in sign
 BIAS_SHARE = 0.003  # it is relative to the joint's largest torque, alternating in sign
-# Of the largest torque, by the differences between samples of a real xMate 7's sensors.
+# It is relative to the largest torque, by differences between samples of a real xMate 7's sensors.
 NOISE_SHARE = 7e-4
 # What a controller that senses torque does not record, as it has no currents.
 UNRECORDED_CHANNELS = ("actual_current", "target_current", "target_moment", "actual_TCP_force")

@@ -95,7 +95,7 @@ class Selection:
 
     @cached_property
     def illustrated(self) -> list[str]:
-        """The recordings whose figures the report may show.
+        """The recordings of which the report may show figures.
 
         The first few with a contact or to validate, and the first.
         """

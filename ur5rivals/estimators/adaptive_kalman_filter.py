@@ -26,7 +26,7 @@ from ur5rivals.tuning import tuned
 
 SHORTEST_WINDOW, LONGEST_WINDOW = 2, 25  # samples, least and greatest length of the window
 SWITCHING_DEVIATIONS = (1.0, 2.0, 3.0)  # standard deviations of the short mean that switch the mode
-WANDERINGS = (5.0, 10.0, 20.0, 40.0)  # of the Kalman filter
+WANDERINGS = (5.0, 10.0, 20.0, 40.0)  # they are those of the Kalman filter
 MOMENTUM_NOISE = 0.1  # noise of the momentum, in units of what the torque's noise adds in a step
 
 

@@ -24,7 +24,7 @@ from ur5rivals.momentum import LinearObserver, added_momentum
 from ur5rivals.run import Run
 from ur5rivals.tuning import tuned, untuned
 
-WANDERINGS = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0)  # of d in a second, in units of w
+WANDERINGS = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0)  # d wanders by these in a second, in units of w
 MEASUREMENT_NOISES = (0.1, 1.0, 3.0)  # noise of z, in units of what w adds in a step
 SOURCE = "Hu and Xiong 2018"
 

@@ -17,7 +17,7 @@ from ur5rivals.learned_residual import Predict, TrainingSamples, on_top
 
 SAMPLE_STEP = 0.1  # s between samples
 HIDDEN_UNITS, TRAINING_STEPS = 32, 400  # units of a layer; steps of Adam, each over all samples
-LEARNING_RATE, WEIGHT_DECAY = 3e-3, 1e-2  # of Adam
+LEARNING_RATE, WEIGHT_DECAY = 3e-3, 1e-2  # Adam has these
 
 
 def network() -> nn.Sequential:

@@ -30,8 +30,9 @@ from ur5rivals.regime_process import motion, train
 from ur5rivals.run import Run
 from ur5rivals.tuning import tuned
 
-WANDERINGS = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0)  # of d in a second, in units of the usual σ
-PRIOR_WEIGHT, ROUNDS = 3.0, 3  # of the variance before a sample, and how often it adapts
+# The torque d wanders by these in a second, in units of the usual σ.
+WANDERINGS = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0)
+PRIOR_WEIGHT, ROUNDS = 3.0, 3  # the variance before a sample has this weight, and adapts this often
 
 
 @dataclass(frozen=True)

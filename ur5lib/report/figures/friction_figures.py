@@ -34,7 +34,7 @@ CURVE_POINTS = 30  # a curve has this many in one direction of motion
 BAND_PARTS = 15  # the samples of one direction have this many, and a band is a mean over each
 FRICTION_BAND_STYLE = {**BAND_STYLE, "label": "95 % band"}
 REST_STYLE: Any = {"color": "#444444", "capsize": 3, "linewidth": 1, "label": "95 % band at rest"}
-FRICTION_COLUMNS = (  # of the numbers
+FRICTION_COLUMNS = (  # the numbers have these
     "velocity, joint {} [rad/s]",
     "measured, joint {} [Nm]",
     "fitted, joint {} [Nm]",

@@ -145,7 +145,7 @@ def force(studies: StudyPair) -> Iterator[Comparison]:
     return compare_estimates("force", rows, names, ["N"] * len(rows))
 
 
-# Of columns: what results built before 0.2.0 call them, so that an update can be compared.
+# Results built before 0.2.0 have these names of columns; an update can be compared with them.
 OLDER_NAMES = {"rmse_lowpassed": "rmse_2hz"}
 TOPICS: dict[str, Callable[[StudyPair], Iterator[Comparison]]] = {
     "data": data,

@@ -40,7 +40,7 @@ SPAN_COUNT = 60
 # Largest correlation of neighbouring dates at which the chance of a false change is as stated.
 WORST_CORRELATION = 0.5
 SEARCH_CORRELATIONS = np.linspace(0.0, WORST_CORRELATION, 6)  # changes are searched under these
-# For sizes: residuals look less correlated than the noise is.
+# Sizes are estimated under these: residuals look less correlated than the noise is.
 SIZE_CORRELATIONS = np.linspace(0.0, 0.75, 6)
 NOISE_DRAWS = 20_000  # there are this many in all
 BATCH_DRAWS = 1_000  # there are this many at a time

@@ -5,7 +5,7 @@ import pandas as pd
 from ur5lib.report.results import Results
 from ur5lib.topics.health import found
 
-MIN_TEMPERATURE_EFFECT = 0.5  # %, smallest effect of temperature that is mentioned
+MIN_TEMPERATURE_EFFECT = 0.5  # %; a smaller effect of temperature is not mentioned
 
 
 def of_arms(results: Results) -> pd.DataFrame:
