@@ -154,9 +154,9 @@ def _overlapping_pairs(
 ) -> Iterator[tuple[str, str]]:
     """Yield the pairs of bodies that overlap by construction.
 
-    Of a UR: each link and the next one, in the wrist up to three apart, and link 1 and the table.
-    Of another arm: links with ends near each other in all random postures, and links that begin
-    just above the table in all of them. radii: (n,) [m].
+    For a UR, these are each link and the next one, in the wrist up to three apart, and link 1 and
+    the table. For another arm, these are links with ends near each other in all random postures,
+    and links that begin just above the table in all of them. radii: (n,) [m].
     """
     ends = np.clip(robot.position_limits(), -np.pi, np.pi)
     q = np.random.default_rng(0).uniform(ends[:, 0], ends[:, 1], (OVERLAP_POSTURES, len(radii)))

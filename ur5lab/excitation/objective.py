@@ -97,8 +97,8 @@ def conditioning(scale: Array) -> Criterion:
 def _model_criterion(problem: DesignProblem, _: WorkCell) -> Criterion:
     """Return D-optimality plus two condition numbers, to which it is not very sensitive.
 
-    That of the base parameters is in SI units, as in the literature; that of all parameters is in
-    units of their prior standard deviations.
+    The condition number of the base parameters is in SI units, as in the literature; that of all
+    parameters is in units of their prior standard deviations.
     """
     of_base = np.where(np.arange(len(problem.theta)) < problem.count, 1.0, 0.0)
     of_all = np.sqrt(np.diag(np.linalg.inv(problem.prior)))
@@ -295,7 +295,8 @@ class Worth:
     def least_determined(self) -> Labels:
         """Return the indices (P,) that sort the parameters, the least determined first.
 
-        By the ratio to the prior's standard error before the recording; equal ones by that after.
+        They are sorted by the ratio to the prior's standard error before the recording; equal ones
+        by that after.
         """
         return np.lexsort([-self.after / self.prior, -np.round(self.before / self.prior, 9)])
 

@@ -51,7 +51,7 @@ class BlockMeans:
     def part(self, rows: Labels | slice = ALL, columns: Sequence[int] | slice = ALL) -> Self:
         """Return the means of some blocks, and of the joints in an order of their columns.
 
-        Without `torque`, `time` and `segment`.
+        They have no `torque`, `time` and `segment`.
         """
         q, qd, qdd = (values[rows][:, columns] for values in (self.q, self.qd, self.qdd))
         currents = {name: values[rows][:, columns] for name, values in self.currents.items()}

@@ -1,4 +1,4 @@
-"""Which joint's motion a current belongs to, by how both change from frame to frame.
+"""Checks to which joint's motion a current belongs, by how both change from frame to frame.
 
 A servo answers each small disturbance of its own joint, also of joints that rest or move alike.
 Therefore, the innovations of a current, which its own past does not predict, follow from the

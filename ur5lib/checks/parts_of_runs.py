@@ -71,8 +71,8 @@ def as_text(ends: Ends) -> str:
 
 
 def parts_seen(details: Mapping[str, str], roles: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    """Yield recordings that are no unseen ones, each with the fitted one of which it goes on or
-    begins the run.
+    """Yield the recordings that continue or precede the run of a fitted one, and so are not unseen,
+    each with that one.
 
     details: `as_text` of recordings; roles: by recording.
     """

@@ -107,7 +107,8 @@ def _exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
 
 
 def _foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iterator[Finding]:
-    """Find the arm that explains the currents best by its gravity, by far; all under their load."""
+    """Find the arm with gravity that explains the currents far better than all others', each under
+    its load."""
     if best := _likelier_arm(means, arm, others):
         detail = (
             f"the {means.measured.quantity}s are not those of {arm.name}: the gravity of `robot: "

@@ -1,4 +1,4 @@
-"""Which order of the joints, which unit and which arm explain the efforts: by gravity.
+"""The order of the joints, the unit and the arm that explain the efforts by gravity.
 
 A joint's effort is gravity, by a slope that the unit bounds, and friction and inertia. What is left
 of each joint's effort, with a variance of its own, gives the likelihood of an order and an arm.

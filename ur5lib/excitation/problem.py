@@ -72,9 +72,9 @@ RANK_TEST_ACCELERATION = 3.0  # rad/s²
 class MeasurementNoise:
     """Standard deviations of target torques (n,) [Nm] and currents (n,) [A].
 
-    Of errors that are independent every INDEPENDENT_STEP; those that are so only every T seconds
-    count as √(T / INDEPENDENT_STEP) times as large. That of target torques is infinite where the
-    controller states none.
+    They are for errors that are independent every INDEPENDENT_STEP; errors that are so only every T
+    seconds count as √(T / INDEPENDENT_STEP) times as large. Target torques have an infinite one
+    where the controller states none.
     """
 
     torque: Array

@@ -96,7 +96,8 @@ class ResidualModel:
         """Return the model with what is usual in the place of rest and stops of which the stretches
         it was fitted to show little, and what dry friction may take of a contact.
 
-        That is, in motion, RUBBING_SHARE of the deviation there, and at rest half of it.
+        Friction may take RUBBING_SHARE of the deviation in motion, and half of the deviation at
+        rest.
         """
         seconds = _seconds(stretches, len(self.breakaway))
         unshown = SHOWN_DURATION / (SHOWN_DURATION + seconds)
@@ -196,8 +197,8 @@ def fit_residual_model(
 def few_paths(paths: int) -> float:
     """Return Student's t over the normal quantile, the factor of a 95 % band from few paths.
 
-    Of a path, JOINTS_OF_A_FORCE joints show a force's error independently. One path counts as two:
-    it does not determine the variation between paths.
+    JOINTS_OF_A_FORCE joints show a force's error independently along a path. One path counts as
+    two: it does not determine the variation between paths.
     """
     freedom = JOINTS_OF_A_FORCE * max(1, paths - 1)
     return float(stdtrit(freedom, 0.975) / ndtri(0.975))

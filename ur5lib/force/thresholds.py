@@ -43,8 +43,8 @@ def force_threshold(contact_free: list[Array], periods: list[float], per_minute:
     """Return the threshold [N] down to which contact-free recordings raise few enough alarms.
 
     contact_free: force (N,) [N] of each recording, at its period [s]; per_minute: alarms allowed.
-    From the largest force downwards, so that an alarm that never ends does not count as few. At
-    least what counts as touched at the sensor, 3 N.
+    Thresholds are tried from the largest force downwards, so that an alarm that never ends does not
+    count as few. The result is at least what counts as touched at the sensor, 3 N.
     """
     allowed = _allowed_alarms(contact_free, periods, per_minute)
     largest = max(float(np.nan_to_num(force).max()) for force in contact_free)

@@ -54,7 +54,7 @@ def torque_constants(fit: CurrentFit) -> Array:
 def constants_band(fit: CurrentFit) -> Array:
     """Return half of the relative 95 % intervals (6,) of the torque constants over 1.96.
 
-    Of few paths, that is more than `constants_doubt`: their standard errors are uncertain, too.
+    With few paths, that is more than `constants_doubt`: their standard errors are uncertain, too.
     """
     shares = np.array([joint.estimate.prior_share[0] for joint in fit.joints])
     return half_width(constants_doubt(fit), fit.units, shares) / NORMAL95

@@ -185,8 +185,8 @@ class ShareBySpeed:
     def suffices(self) -> tuple[float, float]:
         """Return the speeds [rad/s] from which and up to which every bin has the wanted share.
 
-        Infinite where the fastest bin with a share does, too. Of several such ranges, the one with
-        most samples; NaN without any.
+        Infinite where the fastest bin with a share does, too. The range with most samples is taken
+        of several; NaN without any.
         """
         known_bins = np.flatnonzero(np.isfinite(self.share))
         runs = [

@@ -99,7 +99,7 @@ class Results(StudyTables):
     def shown(self, names: Sequence[str], most: int = MOST_SHOWN) -> list[str]:
         """Return the first few recordings, as a report has room for, of those with figures.
 
-        Of many recordings, it is one: each has a page of its own.
+        A study of many recordings shows one: each has a page of its own.
         """
         most = 1 if self.many else most
         return [name for name in dict.fromkeys(names) if name in self.drawn][:most]
@@ -115,7 +115,7 @@ def versions() -> dict[str, str]:
 def commit() -> str:
     """Return the commit of the code, with "+ changes" when the files differ from it.
 
-    Of an installed package, which has none, its version is returned.
+    An installed package has no commit; its version is returned.
     """
     if not IN_CLONE:
         return f"ur5lib {metadata.version('ur5lib')}"

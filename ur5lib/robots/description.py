@@ -387,7 +387,7 @@ class Robot(Described):
     def maker_torque_constants(self) -> list[float]:
         """Return the manufacturer's Nm/A of each joint, after the gears; NaN where unknown.
 
-        Of measured torques, which are those of the joints, the gain: 1 Nm/Nm.
+        Measured torques are those of the joints; they have a gain of 1 Nm/Nm.
         """
         if self.measured == TORQUE:
             return [1.0 for _ in self.joints]
@@ -475,7 +475,7 @@ class Robot(Described):
 
     def known_load(self) -> Payload | None:
         """Return a load that shows the wrist's constants and that the arm carries well: a share of
-        the rated payload or, without one, of the links' mass; None of unknown links.
+        the rated payload or, without one, of the links' mass; None for unknown links.
         """
         mass = LOAD_SHARE * (self.rated_payload or 0.0)
         if not mass and self.links != "unknown":

@@ -1,7 +1,7 @@
 """Poses and torques of gravity in NumPy, for checks that do not load torch.
 
-`ur5lib/dynamics` computes poses and torques, too, and motion as well; the tests compare both. To
-load torch would make `ur5 check` of a recording without sensors take 3.5 s instead of 2.3 s.
+`ur5lib/dynamics` computes poses and torques, too, and motion as well; the tests compare both.
+Loading torch would make `ur5 check` of a recording without sensors take 3.5 s instead of 2.3 s.
 """
 
 import numpy as np

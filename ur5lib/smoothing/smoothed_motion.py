@@ -20,7 +20,7 @@ STATES = ("q", "qd", "qdd")
 def measured(signals: Signals) -> tuple[Array, Array]:
     """Return positions and velocities (N, 6), NaN where interpolated.
 
-    Without recorded velocities, differences of the positions.
+    Differences of the positions replace velocities that were not recorded.
     """
     q, qd = signals.actual_q.copy(), signals.actual_qd
     if qd is None:

@@ -123,8 +123,8 @@ def is_pattern(entry: Any) -> bool:
 def of_each_file(entry: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     """Yield the entries that an entry with a pattern gives, in the order of their paths.
 
-    To the name, what the path has beyond the folder is added, without suffix; the date is the first
-    in the path, as 2026-03-09, 2026_03_09 or 20260309, unless the entry has one.
+    The path beyond the folder, without suffix, is added to the name; the date is the first in the
+    path, as 2026-03-09, 2026_03_09 or 20260309, unless the entry has one.
     """
     folder = Path(entry["folder"])
     matches = (Path(file) for file in glob(entry["file"], root_dir=folder, recursive=True))

@@ -72,7 +72,7 @@ class Selection:
     def drawn(self, robot: str) -> list[str]:
         """Return the contact-free recordings of an arm on which contacts are tried.
 
-        Of many, some that are drawn by their names: another recording seldom changes the choice.
+        Some of many are drawn by their names: another recording seldom changes the choice.
         """
         names = self.of_arm(robot, "fit", "validate")
         if not self.is_large:

@@ -91,7 +91,7 @@ def take_up_all() -> None:
 def source_files(modules: Container[Path]) -> list[Path]:
     """Return the files of all extensions that these modules of ur5lib take up.
 
-    Of a module in a package, all files of the package's folder.
+    A module in a package counts with all files of the package's folder.
     """
     files = []
     for name in (name for name, kind in KINDS.items() if kind.file() in modules):

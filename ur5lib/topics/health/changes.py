@@ -135,10 +135,10 @@ class _ChangeRegression:
 def over_spans(series: DatedSeries) -> DatedSeries:
     """Return a series of many dates as one of the means of SPAN_COUNT successive spans of dates.
 
-    Of MAX_SINGLE_DATES dates or fewer, the series itself. A date's value is a constant of its group
-    and the mean of its span: groups differ by as much in every span. Standard errors are the larger
-    of two: by the stated ones, and by the scatter within the span. Simulating the noise of all
-    dates would take minutes, and a change need not be dated to the day.
+    A series of at most MAX_SINGLE_DATES dates stays as it is. A date's value is a constant of its
+    group and the mean of its span: groups differ by as much in every span. Standard errors are the
+    larger of two: by the stated ones, and by the scatter within the span. Simulating the noise of
+    all dates would take minutes, and a change need not be dated to the day.
     """
     if len(series.day) <= MAX_SINGLE_DATES:
         return series
@@ -312,8 +312,8 @@ def variance_between_dates(value: Array, std_error: Array) -> float:
 
     value, std_error: (n,).
 
-    From the median of squared successive differences, d² = (s₁² + s₂² + 2 σ²) χ²₁: neither a slow
-    drift nor a few jumps add to it.
+    It follows from the median of squared successive differences, d² = (s₁² + s₂² + 2 σ²) χ²₁:
+    neither a slow drift nor a few jumps add to it.
     """
     # median of d² = (2 s² + 2 σ²) median of χ²₁
     difference = np.median(np.diff(value) ** 2) / MEDIAN_CHI2

@@ -1,7 +1,7 @@
 """Torques that are seldom exceeded without contact: quantiles by joint, speed and acceleration.
 
-Of the external torques |τ_ext| of a joint in n samples without contact, the threshold of a rate r
-is the ⌈(1 - r) n⌉-th smallest: at most the share r is beyond it.
+The threshold of a rate r is the ⌈(1 - r) n⌉-th smallest of a joint's external torques |τ_ext| in n
+samples without contact: at most the share r is beyond it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -124,7 +124,7 @@ def thresholds_of(study: FinishedStudy, robot: str) -> Thresholds:
 def free_samples(study: FinishedStudy, robot: str) -> dict[str, Free]:
     """Return the samples of an arm's recordings without contact that have an external torque.
 
-    Of a recording to fit, it is that beyond the fit to the other paths.
+    In a recording to fit, it is the torque beyond the fit to the other paths.
     """
     found = dict[str, Free]()
     for entry in study.configuration().recordings:
