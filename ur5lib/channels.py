@@ -130,7 +130,7 @@ MEASURED_CURRENT, TARGET_CURRENT = CURRENTS = ("actual_current", "target_current
 
 
 class Effort(NamedTuple):
-    """What the efforts of an arm's joints are measured as: the motors' currents, or torques.
+    """The measured quantity for the efforts of an arm's joints: the motors' currents, or torques.
 
     channel: of the measured ones; constant: what turns one into the torque of the joint.
     """
@@ -143,7 +143,8 @@ class Effort(NamedTuple):
 
     @classmethod
     def measured_in(cls, names: Container[str]) -> "Effort":
-        """Return that of a table with these columns; that of motors where it has none."""
+        """Return the effort of a table with these columns; the motors' currents where it has
+        none."""
         return TORQUE if f"{TORQUE.channel}_0" in names else CURRENT
 
     def parameter(self, name: str) -> str:

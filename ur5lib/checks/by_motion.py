@@ -93,13 +93,14 @@ class MotionChecks:
 
     @cached_property
     def exchanged_efforts(self) -> dict[Pair, Explained]:
-        """Return how well they are with those of two joints that move exchanged."""
+        """Return how well efforts are explained with those of two moving joints exchanged."""
         torque, pairs = self.motion.torque, combinations(self.moving, 2)
         return {pair: self.motion.explained(torque[:, self._order(pair)]) for pair in pairs}
 
     @cached_property
     def exchanged_joints(self) -> dict[Pair, Explained]:
-        """Return how well they are with all channels of two joints that move exchanged."""
+        """Return how well efforts are explained with all channels of two moving joints
+        exchanged."""
         return {
             pair: WholeMotion(self.means.part(columns=self._order(pair)), self.arm).explained()
             for pair in combinations(self.moving, 2)
@@ -107,7 +108,7 @@ class MotionChecks:
 
     @cached_property
     def turned(self) -> dict[int, Explained]:
-        """Return how well they are with the opposite sign on a joint that moves."""
+        """Return how well efforts are explained with the opposite sign on a moving joint."""
         torque = self.motion.torque
         return {j: self.motion.explained(torque * self._signs([j])) for j in self.moving}
 
@@ -355,8 +356,8 @@ def are_alike(motion: WholeMotion, pair: Pair) -> bool:
 
 def are_exchanged(other: Explained, first: Explained, pair: Pair) -> bool:
     """Return whether two joints with all channels exchanged are likelier: clearly so by the
-    declared links, or by these and any links alike. All joints' torques must be, too, which hang on
-    the postures of both.
+    declared links, or by these and any links alike. All joints' torques must be likelier, too, as
+    they depend on the postures of both.
     """
     if not _leads(lead(other.by_known, first.by_known, first.motion.joints), 0.0):
         return False
@@ -371,9 +372,9 @@ def are_exchanged(other: Explained, first: Explained, pair: Pair) -> bool:
 
 
 def is_turned(other: Explained, first: Explained, joint: int) -> bool:
-    """Return whether the opposite sign of a joint, from 0, is likelier: by declared links that of
-    its own effort, by any links those of all joints, which hang on each other; clearly so of a
-    joint that moves as another does.
+    """Return whether the opposite sign of a joint, from 0, is likelier: by declared links for its
+    own effort, by any links for the efforts of all joints, which depend on each other. It must be
+    clearly so for a joint that moves as another does.
     """
     joints = first.motion.joints
     alike = any(are_alike(first.motion, (joint, one)) for one in joints if one != joint)

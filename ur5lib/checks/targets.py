@@ -66,8 +66,8 @@ def _odd_target(joint: int, ratio: float, measured: Constants, targeted: Constan
 
 
 def unlike_targets(means: BlockMeans) -> Iterator[tuple[int, float]]:
-    """Yield joints, from 0, with a current that is a fraction or multiple of its target, and
-    which."""
+    """Yield joints, from 0, with a current that is a fraction or multiple of its target, and the
+    ratio."""
     if {MEASURED_CURRENT, TARGET_CURRENT} - means.currents.keys():
         return
     moves = moving_joints(means)

@@ -75,7 +75,7 @@ def push_directions(
 ) -> Iterator[PushDirection]:
     """Yield the push by direction in each plane at each of POSTURES.
 
-    needed: by motion, places in another one count in nothing; felt: the largest push that may be
+    needed: by motion; places in another motion are ignored; felt: the largest push that may be
     worth two standard deviations, most: the largest trial [N].
     """
     for posture, place in postures(places, needed):

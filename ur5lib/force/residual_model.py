@@ -93,8 +93,8 @@ class ResidualModel:
         )
 
     def with_usual_rest(self, stretches: Sequence[TorqueStretch]) -> "ResidualModel":
-        """Return the model with what is usual in the place of rest and stops of which the stretches
-        it was fitted to show little, and what dry friction may take of a contact.
+        """Return the model with usual errors at rest and stops where the stretches that it was
+        fitted to show too little of these, and with what dry friction may take of a contact.
 
         Friction may take RUBBING_SHARE of the deviation in motion, and half of the deviation at
         rest.

@@ -27,7 +27,7 @@ def force_drift(residual: Array, pull: Array, time: Array, period: float) -> tup
 
     residual: (N, 3) [N], the reading less bias, weight and inertia of the tool; pull: (N, 3)
     [m/s²], on each of its kilograms, which may be weighed wrongly; time: (N,) [s]; period: [s].
-    r = M p + b + d t without contact. NaN where too little time is.
+    r = M p + b + d t without contact. NaN where there is too little time without contact.
     """
     minutes = (time - time[0]) / SECONDS_PER_MINUTE
     terms = np.column_stack([pull, np.ones(len(pull)), minutes])

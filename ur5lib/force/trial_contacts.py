@@ -136,7 +136,7 @@ def try_each_place(
 
     alarms_of: alarms with an additional external torque (N, 6) [Nm]; random: deals out peaks and
     axes; typical_force: of contacts [N]; later: by which part of the time from one push to the next
-    all of them are.
+    all pushes are delayed.
     """
     profile, places = trial_pushes(len(run.jacobian), run.period, later)
     free_places = run.free(places)

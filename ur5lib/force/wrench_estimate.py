@@ -69,7 +69,7 @@ class AtAllSamples:
 def at_all_samples(stretches: Iterable[tuple[slice, Array]], every: int) -> Array:
     """Return a quantity (N, ...) of stretches, interpolated between their thinned samples.
 
-    stretches: each with its rows, of which every so many-th has a value.
+    stretches: each with its rows, of which every n-th has a value.
     """
     parts = []
     for rows, thinned in stretches:
@@ -89,7 +89,7 @@ class WrenchEstimate:
     least_squares_std: (N, 6) [N, Nm], the wrench of the same contacts without a prior: NaN in them
     where the torque is unknown, zero elsewhere. NaN where the arm's pose is unknown. Each quantity
     is interpolated when it is asked for: those of a long recording take a gigabyte together.
-    stretches: each with its rows, of which every so many-th was used.
+    stretches: each with its rows, of which every n-th was used.
     """
 
     stretches: list[tuple[slice, StretchEstimate]]

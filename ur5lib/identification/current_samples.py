@@ -87,9 +87,8 @@ def measured_samples(
 
 
 def shafts_of(arm: Robot, motion: Motion, before: Sequence[Motion] = ()) -> Shafts | None:
-    """Return the motion of the coupled motor that each joint turns with, None of an arm without.
-
-    Its own where that is coupled, else the one that turns most with it.
+    """Return the motion of the coupled motor that each joint turns with, None for an arm without.
+    It is the joint's own motor where that is coupled, else the one that turns most with it.
     """
     if not arm.drives.coupling:
         return None

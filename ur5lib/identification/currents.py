@@ -69,7 +69,7 @@ def constants_doubt(fit: CurrentFit) -> Array:
 def breakaway_torque(fit: CurrentFit) -> Array:
     """Return Coulomb friction (6,) [Nm], up to which dry friction keeps a joint at rest.
 
-    Without its load-dependent part; at least MIN_BREAKAWAY_TORQUE.
+    It excludes the load-dependent part, and is at least MIN_BREAKAWAY_TORQUE.
     """
     coulomb = [
         dry_friction(joint.terms, physical_values(joint.estimate.coefficients))
@@ -193,8 +193,9 @@ def unseen_difference(
 def parameters(fit: CurrentFit, measured: Effort = CURRENT) -> list[Parameter]:
     """Return torque constants [Nm/A], offsets [Nm] and friction [Nm, Nm s/rad, ...].
 
-    measured: of torques, gains [Nm/Nm] in place of constants, which are determined within 5 %, and
-    offsets, friction and rotors are where their sign is. None is that drives the joint.
+    measured: torques have gains [Nm/Nm] in place of constants, which are determined within 5 %;
+    their offsets, friction and rotors are determined where the sign is. A parameter that drives the
+    joint is not determined.
     """
     friction = ["offset", *coefficient_names([*TERMS])]
     signed = ["torque_constant", *(friction if measured == TORQUE else ())]

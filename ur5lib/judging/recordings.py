@@ -89,8 +89,8 @@ def lost_shares(study: StudyTables) -> dict[str, float]:
 
 
 def felt_while_fitted(study: StudyTables) -> list[str]:
-    """Return the recordings of the role fit on which more contacts are found, by a fit without
-    them, than the rate of alarms on the arm's other ones, and on usual ones, lets expect.
+    """Return the recordings of the role fit on which a fit without them finds more contacts than
+    expected from the rate of alarms on the arm's other ones, and on usual ones.
     """
     alarms = study.rows("contacts", estimate=LEADING, kind=[*OF_CONTACTS, "false"])
     found = alarms["recording"].value_counts()

@@ -31,8 +31,8 @@ def measured(signals: Signals) -> tuple[Array, Array]:
 
 
 def motion_record(signals: Signals, motion: SmoothedJoints) -> Motion:
-    """Return positions, velocities and accelerations with their standard deviations, where an IMU
-    was recorded with the noise of the encoders.
+    """Return positions, velocities and accelerations with their standard deviations, and with the
+    noise of the encoders where an IMU was recorded.
     """
     record = Motion(time=signals.time, segment=signals.segment, **state_parts(motion))
     if signals.accelerometer is None:

@@ -2,8 +2,8 @@
 
 A mode-switching moving average of the joints' torque comes before a disturbance Kalman filter: its
 window grows while the torque stays within its noise, and is short again as soon as it leaves it.
-As the paper's abstract has it; the rule of switching below, by the mean of a short window, is this
-benchmark's own, and the average is taken of the torque, not of the current alone, so that the
+This follows the paper's abstract; the rule of switching below, by the mean of a short window, is
+this benchmark's own, and the average is taken of the torque, not of the current alone, so that the
 momentum's change is not late against the motors'.
 
 F. Cao, P. D. Docherty, S. Ni, X. Chen: Contact force and torque sensing for serial manipulator

@@ -1,10 +1,10 @@
 """A Gaussian process for what friction and model leave [Rasmussen and Williams 2006].
 
-Exact, on samples 0.4 s apart. The kernel is a squared exponential with one length each for q, q̇ and
-the model's torque, common to all joints; lengths, amplitude and noise maximise the marginal
+It is exact, on samples 0.4 s apart. The kernel is a squared exponential with one length each for q,
+q̇ and the model's torque, common to all joints; lengths, amplitude and noise maximise the marginal
 likelihood of the contact-free torque (their Equation 5.8) times a lognormal prior, without which
-few paths let the lengths run away. On top of least squares (offline) and of the momentum observer
-(causal).
+few paths let the lengths run away. It works on top of least squares (offline) and of the momentum
+observer (causal).
 
 C. E. Rasmussen, C. K. I. Williams: Gaussian Processes for Machine Learning. MIT Press (2006).
 """

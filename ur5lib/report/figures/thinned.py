@@ -17,8 +17,8 @@ QUARTILES = {"low": 0.25, "median": 0.5, "high": 0.75}
 
 
 def by_velocity(numbers: Path) -> pd.DataFrame:
-    """Return of the samples of `friction_figure` some of each joint and direction, evenly over
-    velocity: velocity [rad/s]; measured, fitted, half of the 95 % band, and that at rest, [Nm].
+    """Return some samples of `friction_figure` of each joint and direction, evenly over velocity:
+    velocity [rad/s]; measured, fitted, half of the 95 % band, and that at rest, [Nm].
     """
     return _joined(_some(own.sort_values("velocity")) for own in _directions(_read(numbers)))
 

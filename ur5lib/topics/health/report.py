@@ -9,8 +9,8 @@ MIN_TEMPERATURE_EFFECT = 0.5  # %; a smaller effect of temperature is not mentio
 
 
 def of_arms(results: Results) -> pd.DataFrame:
-    """Return of each arm the number of its dates, the first and the last, whether temperatures were
-    recorded, and the largest share of lost frames.
+    """Return for each arm the number of its dates, the first and the last, whether temperatures
+    were recorded, and the largest share of lost frames.
     """
     rows = results.rows("health")
     lost = rows["value"].where(rows["quantity"] == "lost_frames")

@@ -129,8 +129,8 @@ def on_every_run(results: Results, recording: str) -> pd.DataFrame:
 
 
 def by_source(results: Results) -> pd.DataFrame:
-    """Return of each published table how many numbers it has, are rebuilt, are explained by errata,
-    and remain unexplained.
+    """Return for each published table how many numbers it has, are rebuilt, are explained by
+    errata, and remain unexplained.
     """
     rows = results.tables["printed"]
     equal, left = rows["status"] == EQUAL, rows["status"] == UNEXPLAINED
@@ -186,8 +186,8 @@ def offsets_on_runs(results: Results) -> pd.DataFrame:
 
 
 def doubted_offsets(results: Results) -> pd.DataFrame:
-    """Return of each doubted joint the printed and the fitted offset, the least and the largest one
-    by the same regression, on so many recordings.
+    """Return for each doubted joint the printed and the fitted offset, and the least and the
+    largest one by the same regression, with the number of recordings.
     """
     every = results.tables["published_constants"]
     every = every[every["regression"] == AS_PRINTED]

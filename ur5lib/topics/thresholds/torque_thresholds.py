@@ -149,13 +149,13 @@ def speed_edges(free: Free) -> Array:
 
 
 def speed_classes(free: Free, edges: Array) -> list[Mask]:
-    """Return of each class of speeds which samples (N, n) are in it."""
+    """Return for each class of speeds which samples (N, n) are in it."""
     above = [free.speed > edge for edge in edges[1:]]
     return [~above[0], above[0] & ~above[1], above[1]]
 
 
 def quantiles(torque: Array, classes: Sequence[Mask], rate: float) -> Array:
-    """Return of each class the torques (C, n) [Nm] that a share of its samples exceeds.
+    """Return for each class the torques (C, n) [Nm] that a share of its samples exceeds.
 
     torque, classes: (N, n). A class with fewer samples than the rate needs has that of all samples.
     """
