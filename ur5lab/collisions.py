@@ -19,10 +19,10 @@ from ur5lib.robots.statics import link_frames
 from ur5lib.strict import Strict
 from ur5lib.timeseries.arrays import Array, Mask
 
-HOUSING_HEIGHT = 0.02  # m, by which the joints' housings protrude from the capsules
-# Between links of another arm that do not overlap by construction.
+HOUSING_HEIGHT = 0.02  # m; the joints' housings protrude from the capsules by it
+# Links of another arm that do not overlap by construction have this distance.
 MIN_FREE_SPACE = 0.05  # m
-OVERLAP_POSTURES = 100  # random ones, by which this is found
+OVERLAP_POSTURES = 100  # this many random ones show which parts overlap by construction
 TABLE_NAME = "table"
 
 
@@ -154,9 +154,9 @@ def _overlapping_pairs(
 ) -> Iterator[tuple[str, str]]:
     """Yield the pairs of bodies that overlap by construction.
 
-    Of a UR: each link and the next one, in the wrist up to three apart, and link 1 and the table.
-    Of another arm: links with ends near each other in all random postures, and links that begin
-    just above the table in all of them. radii: (n,) [m].
+    For a UR, these are each link and the next one, in the wrist up to three apart, and link 1 and
+    the table. For another arm, these are links with ends near each other in all random postures,
+    and links that begin just above the table in all of them. radii: (n,) [m].
     """
     ends = np.clip(robot.position_limits(), -np.pi, np.pi)
     q = np.random.default_rng(0).uniform(ends[:, 0], ends[:, 1], (OVERLAP_POSTURES, len(radii)))

@@ -14,7 +14,7 @@ from ur5lib.robots.statics import geometric_jacobian, link_frames
 from ur5lib.timeseries.arrays import Array
 
 NEWTON_STEPS = 3  # suffice for calibrations, which move frames by millimetres
-POSE_TOLERANCE = 1e-6  # m, rad; largest error of a solution
+POSE_TOLERANCE = 1e-6  # m, rad; a solution errs by at most this
 
 
 def inverse_kinematics(robot: Robot, rotation: Array, position: Array) -> Array:

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-FLUSH_PERIOD = 1.0  # s, of rows that a killed writer may lose
+FLUSH_PERIOD = 1.0  # s; a killed writer may lose rows of this time
 TAIL = 1 << 16  # bytes
 
 

@@ -17,7 +17,7 @@ INPUTS_PACKAGE = ord("I")
 START_PACKAGE = ord("S")
 PAUSE_PACKAGE = ord("P")
 DATA_PACKAGE = ord("U")
-STRUCT_FORMATS = {  # of the types, as in the module `struct`
+STRUCT_FORMATS = {  # the types have these in the module `struct`
     "BOOL": "?",
     "UINT8": "B",
     "UINT32": "I",

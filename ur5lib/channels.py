@@ -130,7 +130,7 @@ MEASURED_CURRENT, TARGET_CURRENT = CURRENTS = ("actual_current", "target_current
 
 
 class Effort(NamedTuple):
-    """What the efforts of an arm's joints are measured as: the motors' currents, or torques.
+    """The measured quantity for the efforts of an arm's joints: the motors' currents, or torques.
 
     channel: of the measured ones; constant: what turns one into the torque of the joint.
     """
@@ -143,7 +143,8 @@ class Effort(NamedTuple):
 
     @classmethod
     def measured_in(cls, names: Container[str]) -> "Effort":
-        """Return that of a table with these columns; that of motors where it has none."""
+        """Return the effort of a table with these columns; the motors' currents where it has
+        none."""
         return TORQUE if f"{TORQUE.channel}_0" in names else CURRENT
 
     def parameter(self, name: str) -> str:
@@ -155,7 +156,7 @@ CURRENT = Effort("current", MEASURED_CURRENT, "A", "torque constant", "Nm/A")
 TORQUE = Effort("torque", SENSED_TORQUE, "Nm", "gain", "Nm/Nm")
 EFFORTS = {own.quantity: own for own in (CURRENT, TORQUE)}
 EFFORT_CHANNELS = (*CURRENTS, SENSED_TORQUE)
-INTERNAL_CHANNELS = ("segment", "interpolated", "filled", "received")  # of repaired frames
+INTERNAL_CHANNELS = ("segment", "interpolated", "filled", "received")  # repaired frames have these
 RECORDED_CHANNELS = {name: spec for name, spec in CHANNELS.items() if name not in INTERNAL_CHANNELS}
 SUFFIXES = {name: spec.suffixes for name, spec in CHANNELS.items() if len(spec.suffixes) > 1}
 JOINT_CHANNELS = [name for name, spec in CHANNELS.items() if spec.of_joints]

@@ -86,7 +86,7 @@ class Panels(typer.core.TyperGroup):
             formatter.dedent()
 
     def resolve_command(self, context: Any, words: list[str]) -> Any:
-        """Return a command and its words; one with an option that it had answers how it is now."""
+        """Return a command and its words; a former option is answered by what it is called now."""
         name, command, rest = super().resolve_command(context, words)
         known = OTHERWISE.get(name or "", {})
         own = [*takewhile(lambda word: word != "--", rest)]

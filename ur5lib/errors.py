@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from os import PathLike
 
-OVERRULED_BY = "; if the study is right, "  # between a stop sign and the line that overrules it
+OVERRULED_BY = "; if the study is right, "  # it joins a stop sign and the line that overrules it
 SEPARATOR_CATEGORIES = {"Zl", "Zp"}  # "C…" has controls, marks of direction, surrogates
 _LINES = {"\n", "\t"}  # they are printed, but are no part of a name
 

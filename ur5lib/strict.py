@@ -12,12 +12,14 @@ from pydantic_core import ErrorDetails
 
 from ur5lib.errors import InputError, perhaps
 
-MOST_BYTES = 5_000_000  # of a file; a study of a thousand recordings has a twentieth of them
-MOST_VALUES = 100_000  # in a file; a study of a thousand recordings has a third of them
+# A file has at most this many bytes; a study of a thousand recordings has a twentieth of them.
+MOST_BYTES = 5_000_000
+# A file has at most this many values; a study of a thousand recordings has a third of them.
+MOST_VALUES = 100_000
 MAX_LEVELS = 50  # levels of lists and mappings; a study has 8
 MAX_NUMBER_LENGTH = 100  # characters
 MAX_PATH_BYTES, MAX_PART_BYTES = 1000, 255  # bytes of a path, and of a name in it
-SNAKEMAKE_PLACEHOLDER = re.compile(r"\{\s*[.\w]+\s*[,}]|<[a-z]\w*>")  # replaced in a path
+SNAKEMAKE_PLACEHOLDER = re.compile(r"\{\s*[.\w]+\s*[,}]|<[a-z]\w*>")  # it is replaced in a path
 MERGE_TAG = "tag:yaml.org,2002:merge"  # tag of the key <<, which may occur several times
 FAST_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # libyaml's, if installed
 FAST_DUMPER: Any = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
@@ -28,7 +30,7 @@ SPECIAL_FILE_KINDS = {
     stat.S_ISCHR: "a device",
     stat.S_ISBLK: "a device",
 }
-# Of keys that people expect: what to do without them.
+# People expect these keys; this is what to do without them.
 INSTEAD_OF = dict.fromkeys(
     ("exclude_joints", "ignore_joints", "skip_joints"),
     "a force loads all joints, so that none can be left out; remove the key, and overrule a stop "

@@ -33,9 +33,11 @@ from ur5lib.channels import CHANNELS, channels_of
 from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array, Labels
 
-ROWS = 1 << 16  # that are read or written at once
-FIRST_HALF = re.compile(r"_[0-2]$|_F[xyz]$")  # of a pose, a twist or a wrench
-NAMES = ("study", "recording", "robot", "arm", "model", "fitted_on", "tested_on")  # of any text
+ROWS = 1 << 16  # this many are read or written at once
+# It matches columns of the first half of a pose, a twist or a wrench.
+FIRST_HALF = re.compile(r"_[0-2]$|_F[xyz]$")
+# These columns may have any text.
+NAMES = ("study", "recording", "robot", "arm", "model", "fitted_on", "tested_on")
 Column = NDArray[Any]
 Source = str | Path | BytesIO  # a file, or one in memory
 Record = TypeVar("Record")
@@ -385,7 +387,7 @@ def key(field: str) -> str:
     return field.removesuffix("_")
 
 
-BY_KEY = {"alias_generator": key}  # __pydantic_config__ of a record with such a field
+BY_KEY = {"alias_generator": key}  # a record with such a field has it as `__pydantic_config__`
 
 
 def write_text(text: str, path: str | Path) -> None:

@@ -24,7 +24,7 @@ from ur5rivals.tuning import MAX_LATENCY, latency
 EXAMPLE_HINT = "docs/outside.md shows an example"
 ENTRY_POINTS = "ur5rivals.estimators"  # group in which a package names its estimators
 FIELD_TYPES = {"name": str, "source": str, "causal": bool}
-MAX_CAUSAL_DIFFERENCE = 0.01  # N, up to which two estimates of one sample are the same
+MAX_CAUSAL_DIFFERENCE = 0.01  # N; two estimates of one sample are the same up to it
 
 
 def outside(place: str, taken: Collection[str]) -> Contender:

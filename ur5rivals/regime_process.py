@@ -27,9 +27,9 @@ from ur5rivals.learned_residual import (
 )
 from ur5rivals.run import Run
 
-FAST_SPEED = 0.3  # rad/s, from which on a joint is fast
+FAST_SPEED = 0.3  # rad/s; a joint is fast from it on
 REST, REVERSAL, SLOW, FAST = REGIMES = range(4)
-MAX_SAMPLES = 300  # that the process is learnt from
+MAX_SAMPLES = 300  # the process is learnt from at most this many
 ROWS_TOGETHER = 1000  # samples that are predicted at once
 KERNEL_PRIOR, NOISE_PRIOR = PRIOR_LOGARITHMS[:4], PRIOR_LOGARITHMS[4:] * 6 * len(REGIMES)
 

@@ -25,8 +25,8 @@ from ur5lib.timeseries.segments import DEAD_ZONE, by_segment, unbroken
 
 DISABLED_FLAGS = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
 LOWPASS_ORDER, CUTOFF_HZ = 4, 2.0  # Hz; above, measured currents are mostly noise
-# In rad and s: those of the UR5e in MuJoCo Menagerie, 2000 Nm/rad and 400 Nm s/rad on joints of
-# 150 Nm.
+# These, in rad and s, are those of the UR5e in MuJoCo Menagerie, 2000 Nm/rad and 400 Nm s/rad on
+# joints of 150 Nm.
 SERVO_RANGE, SERVO_TIME = 0.075, 0.2
 SIMULATION_STEP = 0.002  # s, at most
 

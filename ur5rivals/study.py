@@ -35,7 +35,7 @@ from ur5lib.timeseries.trajectories import group_by_path
 from ur5rivals.momentum import momentum_rate
 from ur5rivals.run import Estimate, FittedArm, Run
 
-JOINT_COUNT = 6  # of the arms that estimators are written for
+JOINT_COUNT = 6  # estimators are written for arms with this many
 
 
 @dataclass(frozen=True)

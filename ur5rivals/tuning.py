@@ -18,11 +18,11 @@ from ur5rivals.estimator import Learned, Method
 from ur5rivals.force import TorqueEstimate, force, learned_noise
 from ur5rivals.run import Run
 
-MAX_LATENCY = 0.05  # s, latency that a causal estimate may have
+MAX_LATENCY = 0.05  # s; a causal estimate may have it
 STEP_SHARE = 1 - np.exp(-1)  # share of a step, after which its latency is counted
-PUSH_FORCE = 15.0  # N, a usual push by hand
+PUSH_FORCE = 15.0  # N; a usual push by hand has it
 SPAN_BEFORE, SPAN_AFTER = 3.0, 1.0  # s around the start of a trial push
-PUSH_PLACES = (0.25, 0.5, 0.75)  # of the longest run, at which trial pushes start
+PUSH_PLACES = (0.25, 0.5, 0.75)  # trial pushes start at these shares of the longest run
 
 
 class Candidate(Protocol):

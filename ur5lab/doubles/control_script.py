@@ -25,7 +25,8 @@ STATE_REGISTER, RESULT_REGISTER, PROGRESS_REGISTER = 0, 1, 2  # output integers
 READY_STATE, DONE_STATE = 1, 2
 STOP_COMMAND = 255
 REALTIME_COMMANDS = (9, 11, 26, 38, 58)
-RUNNING_BIT, COUNT_UNIT, OPERATION_UNIT = 1 << 15, 1 << 16, 1 << 24  # in the register of progress
+# The register of progress consists of these.
+RUNNING_BIT, COUNT_UNIT, OPERATION_UNIT = 1 << 15, 1 << 16, 1 << 24
 PROGRESS_MODULUS = 128  # counts and operations are counted modulo this
 
 

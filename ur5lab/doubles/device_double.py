@@ -14,7 +14,7 @@ from ur5lib.timeseries.arrays import Array
 
 HOST = "127.0.0.1"
 MIN_SLEEP = 0.001  # s; samples due meanwhile are sent together
-MAX_CATCH_UP_FACTOR = 3  # times the rate, at which samples are sent after the computer was busy
+MAX_CATCH_UP_FACTOR = 3  # after the computer was busy, samples are sent at this many times the rate
 Reading = Callable[[float], Array]  # of the host's monotonic time [s]
 
 

@@ -27,8 +27,8 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.profiles import duration
 
 STANDSTILL = np.zeros(6)
-STATES_KEPT = VELOCITY_WINDOW + 1  # last states, from which the controller computes velocities
-LIMIT_TOLERANCE = 1.02  # factor of the limits of position and speed, up to which targets may go
+STATES_KEPT = VELOCITY_WINDOW + 1  # the controller computes velocities from this many last states
+LIMIT_TOLERANCE = 1.02  # targets may go up to the limits of position and speed times this
 MAX_FOLLOWING_ERROR = 0.1  # rad; a larger deviation from the target stops the arm
 
 

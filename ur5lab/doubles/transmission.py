@@ -6,8 +6,8 @@ import time
 from asyncio import StreamWriter
 from dataclasses import dataclass
 
-SECOND_PART_DELAY = 0.003  # s, until the second part of a split packet follows
-MAX_BACKLOG_BYTES = 1 << 16  # unread by a client, beyond which it is sent no more
+SECOND_PART_DELAY = 0.003  # s; the second part of a split packet follows after it
+MAX_BACKLOG_BYTES = 1 << 16  # a client that has this many unread is sent no more
 
 
 @dataclass(frozen=True)

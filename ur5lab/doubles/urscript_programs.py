@@ -26,7 +26,8 @@ from ur5lib.robots.urscript import (
 )
 from ur5lib.timeseries.arrays import Array
 
-MIN_WAY = 1e-9  # rad, of a move with a duration: without a way, it would have no speed
+# A move with a duration has at least this way: without one, it would have no speed.
+MIN_WAY = 1e-9  # rad
 
 
 def program(lines: Sequence[str], box: ControlBox) -> Program:

@@ -15,7 +15,7 @@ from ur5lab.doubles.transmission import TransmissionFaults
 from ur5lab.recorder import xbus, xsens
 
 WAKE_UP_MESSAGE = 0x3E
-IDENTITY_ANSWERS = {  # to requests for the device's identity
+IDENTITY_ANSWERS = {  # they answer requests for the device's identity
     xsens.REQUEST_DEVICE_ID: bytes.fromhex("07700ABC"),
     xsens.REQUEST_FIRMWARE: bytes([1, 8, 2]),
     xsens.REQUEST_PRODUCT_CODE: b"MTi-30-2A5G4        ",
@@ -30,7 +30,7 @@ LEGACY_SETTINGS = {
     xsens.SET_OUTPUT_MODE: b"\x00\x02",
     xsens.SET_OUTPUT_SETTINGS: b"\x00\x00\x00\x01",
 }
-SERIAL_BUFFER_BYTES = 1 << 16  # bytes of a serial port that nobody reads
+SERIAL_BUFFER_BYTES = 1 << 16  # a serial port that nobody reads keeps this many
 INVALID_MESSAGE, INVALID_PARAMETER = b"\x04", b"\x21"
 
 

@@ -13,14 +13,15 @@ from ur5lab.excitation.trajectory import Margins, Path, WorkCell, resting_series
 from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array, Mask
 
-CHECK_RATE = 1000.0  # Hz, at which results are checked
-COARSE_CHECK_RATE = 25.0  # Hz, for attempts
-POSTURE_TRIALS = 1000  # random ones
-MAX_POSTURE_ANGLE = 2.6  # rad, of a joint from the middle of its range in random postures
-BISECTION_STEPS = 8  # for the largest share of a path
-SHRINK_FACTOR = 0.97  # of a path that fails the fine check
+CHECK_RATE = 1000.0  # Hz; results are checked at it
+COARSE_CHECK_RATE = 25.0  # Hz; attempts are checked at it
+POSTURE_TRIALS = 1000  # this many random ones are tried
+# Random postures keep each joint within this angle of the middle of its range.
+MAX_POSTURE_ANGLE = 2.6  # rad
+BISECTION_STEPS = 8  # the largest share of a path is found in this many
+SHRINK_FACTOR = 0.97  # a path that fails the fine check shrinks by it
 MAX_SHRINKS = 30
-LINE_SEARCH_FAILURE = 2  # SciPy's status of L-BFGS-B
+LINE_SEARCH_FAILURE = 2  # SciPy's L-BFGS-B has this status then
 
 
 @dataclass(frozen=True)

@@ -13,11 +13,11 @@ from ur5lib.robots.description import Payload
 from ur5lib.tables import json_text, write_text
 from ur5lib.timeseries.arrays import Array
 
-SERVO_RATE = 125.0  # Hz, at which servoj runs on every UR
+SERVO_RATE = 125.0  # Hz; servoj runs at it on every UR
 REST_DURATION = 3.0  # s; the test stand records so long before and after the motion, in total
-STATES_PER_MOVE = 20  # that are checked between two way-points
+STATES_PER_MOVE = 20  # this many are checked between two way-points
 WAY_POINT_SPACINGS = (1.0, 0.5, 0.25, 0.1, 0.04)  # s; the widest without collision is used
-APPROACH_ARGUMENTS = "a=0.5, v=0.5"  # rad/s², rad/s: of the movej to the start
+APPROACH_ARGUMENTS = "a=0.5, v=0.5"  # rad/s², rad/s; the movej to the start has them
 SERVO_ARGUMENTS = "t=0.008, lookahead_time=0.1, gain=300"
 STUDY_NAME = "excitation"
 

@@ -25,12 +25,12 @@ Criterion = Callable[[Array], tuple[float, Array]]
 """From the information M (P, P) to a value, the larger the better, and its gradient (P, P)."""
 
 CONDITION_WEIGHT = 30.0  # a condition number's logarithm has this weight relative to log det
-MIN_EIGENVALUE_SHARE = 1e-12  # of the largest eigenvalue: less is rounding
-MAX_SERIES_FREQUENCY = 0.6  # Hz, of the highest harmonic; faster ones excite elastic joints
+MIN_EIGENVALUE_SHARE = 1e-12  # less than this share of the largest eigenvalue is rounding
+MAX_SERIES_FREQUENCY = 0.6  # Hz; the highest harmonic has it; faster ones excite elastic joints
 MIN_HARMONICS = 4
 MAX_HARMONICS = 30
-STATE_STEP = 0.05  # s, between the states at which the optimisation evaluates a path
-USED_LIMIT_SHARE = 0.97  # of each limit, which the optimisation may use
+STATE_STEP = 0.05  # s; the optimisation evaluates a path at states this far apart
+USED_LIMIT_SHARE = 0.97  # the optimisation may use this share of each limit
 # A recording that leaves this share of a standard error lowers it too little.
 MIN_KEPT_ERROR_SHARE = 0.9
 
@@ -97,8 +97,8 @@ def conditioning(scale: Array) -> Criterion:
 def _model_criterion(problem: DesignProblem, _: WorkCell) -> Criterion:
     """Return D-optimality plus two condition numbers, to which it is not very sensitive.
 
-    That of the base parameters is in SI units, as in the literature; that of all parameters is in
-    units of their prior standard deviations.
+    The condition number of the base parameters is in SI units, as in the literature; that of all
+    parameters is in units of their prior standard deviations.
     """
     of_base = np.where(np.arange(len(problem.theta)) < problem.count, 1.0, 0.0)
     of_all = np.sqrt(np.diag(np.linalg.inv(problem.prior)))
@@ -295,7 +295,8 @@ class Worth:
     def least_determined(self) -> Labels:
         """Return the indices (P,) that sort the parameters, the least determined first.
 
-        By the ratio to the prior's standard error before the recording; equal ones by that after.
+        They are sorted by the ratio to the prior's standard error before the recording; equal ones
+        by that after.
         """
         return np.lexsort([-self.after / self.prior, -np.round(self.before / self.prior, 9)])
 

@@ -15,13 +15,13 @@ from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array
 
 WATCHDOG_RATE = 4.0  # Hz; the controller stops the arm when this program writes less often
-PROGRAM_START_TIMEOUT = 5.0  # s, within which the control program starts
-POLL_INTERVAL = 0.01  # s, between queries of a motion's state
-STOP_DECELERATION = 5.0  # rad/s², deceleration of `stop`
-SERVOJ_LOOKAHEAD, SERVOJ_GAIN = 0.1, 300.0  # of servoj [s, 1], as URScript's defaults
+PROGRAM_START_TIMEOUT = 5.0  # s; the control program starts within it
+POLL_INTERVAL = 0.01  # s; queries of a motion's state are this far apart
+STOP_DECELERATION = 5.0  # rad/s²; `stop` decelerates so
+SERVOJ_LOOKAHEAD, SERVOJ_GAIN = 0.1, 300.0  # servoj has these [s, 1], as URScript's defaults
 REST_TIME = 1.0  # s; rest before and after a motion, which shows a force sensor's bias
-SERVOJ_RATE = 125.0  # Hz, of servoj, which every controller supports
-CATCH_UP_TIME = 3 * SERVOJ_LOOKAHEAD  # s, in which the arm reaches the last point of a stream
+SERVOJ_RATE = 125.0  # Hz; every controller supports servoj at it
+CATCH_UP_TIME = 3 * SERVOJ_LOOKAHEAD  # s; the arm reaches the last point of a stream within it
 
 
 class MotionError(Exception):

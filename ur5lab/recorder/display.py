@@ -13,7 +13,7 @@ from ur5lab.rtde_variables import SafetyMode
 
 MAX_LOST_SHARE = 0.001  # share of samples that may be lost
 MIN_RATE_SHARE = 0.9  # least share of a device's nominal rate
-RATE_SETTLING_TIME = 2.0  # s, after which a rate can be judged
+RATE_SETTLING_TIME = 2.0  # s; after it, a rate can be judged
 MIN_TURN_FOR_FRICTION = 0.5  # rad; the friction of a joint that turns less cannot be identified
 
 

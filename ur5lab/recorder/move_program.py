@@ -33,9 +33,9 @@ from ur5lib.robots.urscript import (
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.profiles import duration, trapezoid
 
-SAMPLE_PERIOD = 0.008  # s, between the samples of a plan
+SAMPLE_PERIOD = 0.008  # s; samples of a plan are this far apart
 NEGLIGIBLE_WAY = 1e-9  # rad, m; shorter moves take no time
-GOAL_TOLERANCE = 1e-3  # rad, within which a straight line must end at its commanded angles
+GOAL_TOLERANCE = 1e-3  # rad; a straight line must end within it of its commanded angles
 ACCEPTED_CALLS = (
     "write movej([six angles]), movej(p[pose]), movel(p[pose]), movel([six angles]) or sleep(t)"
 )

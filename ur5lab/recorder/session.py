@@ -20,8 +20,8 @@ from ur5lib.tables import checksum, read_json, write_json
 
 MANIFEST = "manifest.json"
 HOST_CLOCK = "time.monotonic of the host, plus its difference to seconds since 1970 at the start"
-START_TIMEOUT = 30.0  # s, for a device to answer and its process to start
-CLOSING_TIMEOUT = 10.0  # s, for all processes to write their last samples
+START_TIMEOUT = 30.0  # s; a device answers and its process starts within it
+CLOSING_TIMEOUT = 10.0  # s; all processes write their last samples within it
 POLL_INTERVAL = 0.05  # s between queries of their reports meanwhile
 
 

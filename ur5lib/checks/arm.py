@@ -47,9 +47,8 @@ Gravity = tuple[float, ...]  # [m/s²], base frame
 
 
 class Cause(NamedTuple):
-    """What would explain the efforts better, and by how much, as its check counts it.
-
-    means, arm: with it, as they would be.
+    """An explanation of the efforts that is better than the declared one, and by how much, as its
+    check counts it. means, arm: as they would be under it.
     """
 
     finding: Finding

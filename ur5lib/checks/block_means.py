@@ -13,13 +13,14 @@ from ur5lib.robots.statics import gravity_torque
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-BLOCK_LENGTH = 0.1  # s, of the blocks
-DECORRELATION_TIME = 0.4  # s between errors that count as independent
+BLOCK_LENGTH = 0.1  # s; a block has this length
+DECORRELATION_TIME = 0.4  # s; errors this far apart count as independent
 # More of a block's frames may not be lost. In some recordings, half are.
 MAX_SHARE_FILLED = 0.6
 FULL_FRICTION_SPEED = 0.02  # rad/s; faster joints have their full friction
 MIN_RUBBING = 20  # blocks in motion that show a joint's slopes
-MIN_CORRELATION_OF_ALIKE = 0.99  # of two joints' velocities, of which one follows from the other
+# Two joints move alike if their velocities correlate by at least this.
+MIN_CORRELATION_OF_ALIKE = 0.99
 SMALLEST_SIZE = 1e-300  # keeps divisors above zero
 # Relative to the regressor's square. It keeps first moments small that nothing determines.
 FIRST_MOMENT_PRIOR = 1e-4
@@ -50,7 +51,7 @@ class BlockMeans:
     def part(self, rows: Labels | slice = ALL, columns: Sequence[int] | slice = ALL) -> Self:
         """Return the means of some blocks, and of the joints in an order of their columns.
 
-        Without `torque`, `time` and `segment`.
+        They have no `torque`, `time` and `segment`.
         """
         q, qd, qdd = (values[rows][:, columns] for values in (self.q, self.qd, self.qdd))
         currents = {name: values[rows][:, columns] for name, values in self.currents.items()}

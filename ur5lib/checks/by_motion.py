@@ -24,13 +24,14 @@ from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
-MIN_ERRORS = 2.5  # standard errors over stretches, below which a lead may be chance
-MAX_LEAD_AGAINST = 0.1  # of what is declared by any links, at which these are not against a change
+MIN_ERRORS = 2.5  # a lead of fewer standard errors over stretches may be chance
+# By any links, what is declared may lead a change by this much without being against it.
+MAX_LEAD_AGAINST = 0.1
 # In right logs, exchanged efforts never lead beyond chance, exchanged joints by 0.27 at most by
 # the declared links, by 0.36 by any. Where friction is of no described form, they lead by 0.72 and
 # 0.34 in short logs.
 MIN_LEAD_OF_EFFORTS = 0.15
-CLEAR_LEAD_OF_JOINTS = 0.8  # by the declared links, from which on any links need not agree
+CLEAR_LEAD_OF_JOINTS = 0.8  # from this lead on by the declared links, any links need not agree
 MIN_LEAD_OF_JOINTS, MIN_LEAD_OF_JOINTS_BY_ANY_LINKS = 0.35, 0.5
 # This is by declared links where two joints move alike, but for a UR's, which are certain: any
 # links would explain either order of the joints. A right log of a KUKA LWR leads by 1.2, simulated
@@ -39,7 +40,8 @@ MIN_LEAD_OF_ALIKE = 2.5
 # A turned joint leads by at most 0.31 in right logs by the declared links. By any, the mean over
 # all joints is at most 0.05.
 MIN_LEAD_OF_SIGN, MIN_LEAD_OF_SIGN_BY_ANY_LINKS = 0.5, 0.15
-MIN_ERRORS_OF_FRICTION = 3.0  # standard errors by which friction drives; in right logs, at most 0.6
+# Friction drives the motion beyond this many standard errors; in right logs, there are at most 0.6.
+MIN_ERRORS_OF_FRICTION = 3.0
 # Leads with what the arm carries, in right logs at most 0.26, and with any load.
 MIN_LEAD_OF_ARM, MIN_LEAD_OF_LOADED_ARM = 0.3, 0.1
 # By more, any links lead the declared ones only where a joint's description is in doubt. In right
@@ -48,8 +50,8 @@ MAX_LEAD_OF_ANY_LINKS = 0.8
 # Ratios to the maker's constant, the best one and the lowest by its errors. In right logs, they
 # are at most RIGHT_RATIO and 1.00.
 MIN_RATIO_OF_WEAK, MIN_LOW_OF_WEAK, RIGHT_RATIO = 1.18, 1.06, 1.05
-# A, of what such a current lacks beyond those of right logs; 0.15 A that vary once per turn look
-# like more in 7 of 432 logs of a UR3e
+# Such a current lacks this [A] beyond those of right logs; 0.15 A that vary once per turn look like
+# more in 7 of 432 logs of a UR3e.
 MIN_LACKING_CURRENT = 0.17
 # Ratio to the maker's constant, over the median of the other joints'. Where it is surely above
 # one by gravity (MIN_LOW_OF_WEAK), no right log has such a ratio.
@@ -91,13 +93,14 @@ class MotionChecks:
 
     @cached_property
     def exchanged_efforts(self) -> dict[Pair, Explained]:
-        """Return how well they are with those of two joints that move exchanged."""
+        """Return how well efforts are explained with those of two moving joints exchanged."""
         torque, pairs = self.motion.torque, combinations(self.moving, 2)
         return {pair: self.motion.explained(torque[:, self._order(pair)]) for pair in pairs}
 
     @cached_property
     def exchanged_joints(self) -> dict[Pair, Explained]:
-        """Return how well they are with all channels of two joints that move exchanged."""
+        """Return how well efforts are explained with all channels of two moving joints
+        exchanged."""
         return {
             pair: WholeMotion(self.means.part(columns=self._order(pair)), self.arm).explained()
             for pair in combinations(self.moving, 2)
@@ -105,7 +108,7 @@ class MotionChecks:
 
     @cached_property
     def turned(self) -> dict[int, Explained]:
-        """Return how well they are with the opposite sign on a joint that moves."""
+        """Return how well efforts are explained with the opposite sign on a moving joint."""
         torque = self.motion.torque
         return {j: self.motion.explained(torque * self._signs([j])) for j in self.moving}
 
@@ -353,8 +356,8 @@ def are_alike(motion: WholeMotion, pair: Pair) -> bool:
 
 def are_exchanged(other: Explained, first: Explained, pair: Pair) -> bool:
     """Return whether two joints with all channels exchanged are likelier: clearly so by the
-    declared links, or by these and any links alike. All joints' torques must be, too, which hang on
-    the postures of both.
+    declared links, or by these and any links alike. All joints' torques must be likelier, too, as
+    they depend on the postures of both.
     """
     if not _leads(lead(other.by_known, first.by_known, first.motion.joints), 0.0):
         return False
@@ -369,9 +372,9 @@ def are_exchanged(other: Explained, first: Explained, pair: Pair) -> bool:
 
 
 def is_turned(other: Explained, first: Explained, joint: int) -> bool:
-    """Return whether the opposite sign of a joint, from 0, is likelier: by declared links that of
-    its own effort, by any links those of all joints, which hang on each other; clearly so of a
-    joint that moves as another does.
+    """Return whether the opposite sign of a joint, from 0, is likelier: by declared links for its
+    own effort, by any links for the efforts of all joints, which depend on each other. It must be
+    clearly so for a joint that moves as another does.
     """
     joints = first.motion.joints
     alike = any(are_alike(first.motion, (joint, one)) for one in joints if one != joint)

@@ -43,10 +43,11 @@ MAX_MISSED_SHARE, MAX_MISSED_ANGLE = 0.1, 1e-3
 # a UR5, a UR3, a UR10e and a TX40: 0.1 to 0.5 at 10 Hz, 0.4 to 2.8 at 2 Hz.
 MAX_UNTOLD_SHARE = 0.5
 MIN_SAMPLES_OF_LOWPASS = 8  # a low-pass averages so many samples into one and removes their noise
-MAX_PERIOD_RATIO = 1.5  # of steps between samples, which are those of one rate
-MAX_SPEED_RATIO = 1.25  # times the largest speed of a joint; a UR5 exceeded its own by 6 %
-MAX_EXCESS = 0.05  # rad, of a joint beyond its described range, which no controller lets it leave
-FIRST_MOTION = 0.01  # rad, after which friction opposes the motion, whatever it did before
+MAX_PERIOD_RATIO = 1.5  # steps between samples of one rate differ by at most this factor
+# A joint may exceed its largest speed by this; a UR5 exceeded its own by 6 %.
+MAX_SPEED_RATIO = 1.25
+MAX_EXCESS = 0.05  # rad; a controller lets no joint leave its described range by more
+FIRST_MOTION = 0.01  # rad; after it, friction opposes the motion, whatever it did before
 MIN_LEVEL = 0.5  # A, Nm; below it, a channel contains only friction and noise
 
 

@@ -122,7 +122,7 @@ class Checked:
 
     @cached_property
     def odd_targets(self) -> dict[int, Finding]:
-        """Return warnings of targets of currents that are no targets, by joint from 0."""
+        """Return warnings of current targets that are not those of the motors, by joint from 0."""
         comparable = self.driven and self.answers is not None
         return odd_targets(self.means, self.loaded) if comparable else {}
 

@@ -24,10 +24,10 @@ CONTACT = "contact"  # the finding of one that the recording's role rules out
 WINDOW_BLOCKS = 5  # blocks, 0.5 s; shorter deviations are those of friction
 SETTLING_BLOCKS = 5  # blocks after a stop until friction no longer changes
 MIN_MOVING_BLOCKS = 100  # blocks in which a joint moves, which its friction is fitted to
-REGRESSION_ROUNDS = 10  # of reweighted least squares
-OUTLIER_DISTANCE = 1.5  # robust standard deviations from which on a block counts less
+REGRESSION_ROUNDS = 10  # least squares are reweighted this often
+OUTLIER_DISTANCE = 1.5  # from this many robust standard deviations on, a block counts less
 CONTACT_FORCE = 15.0  # N; a sensor's drift and the weight of its own half stay below
-CONTACT_TIME = 0.5  # s, of all samples beyond that force
+CONTACT_TIME = 0.5  # s; all samples beyond that force together last this long
 
 
 def sensed_contacts(table: pd.DataFrame, mass: float) -> list[Finding]:

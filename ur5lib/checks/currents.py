@@ -30,12 +30,12 @@ from ur5lib.timeseries.arrays import Array, Mask
 MIN_LEAD_OF_EXCHANGE = 60.0
 # Standard errors by which friction drives. In right recordings, they are at most 2.
 MIN_ERRORS_OF_FRICTION = 4.0
-MIN_GEAR_RATIO = 20.0  # of smaller ones, friction may be less than what links leave unexplained
+MIN_GEAR_RATIO = 20.0  # below it, friction may be less than what links leave unexplained
 # Nm; a joint with less gravity torque does not show the unit of its current
 MIN_GRAVITY_TORQUE = 3.0
 MIN_CONSTANT, MAX_CONSTANT = 2.5, 40.0  # Nm/A; the torque constants of common arms lie between
-# To the maker's torque constant, or its inverse. Beyond all errors, right recordings need a
-# factor of 1.51, without the worst arm 1.34.
+# It is the largest ratio to the maker's torque constant, or its inverse. Beyond all errors, right
+# recordings need a factor of 1.51, without the worst arm 1.34.
 MAX_CONSTANT_RATIO = 1.75
 MILLIAMPERE_CODES = ("current in mA", "current not in mA")
 OPPOSITE_CODE = "opposite current"

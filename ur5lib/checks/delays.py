@@ -22,8 +22,10 @@ MIN_LEAD_OF_DELAY = 20.0
 # The lead before shorter delays, which friction that follows the reversal looks like, by drives
 # and without friction. In right recordings, it is at most 1, of a sensor's torque 15.
 MIN_LEAD_BEFORE_SHORTER, MIN_LEAD_WITHOUT_FRICTION = 8.0, 40.0
-DELAY_STEP, MAX_DELAY = 0.02, 0.4  # s, of the delays that are tried; right recordings show none
-DELAY_IN_PERIODS = 0.06  # of the currents' low-pass; a shorter delay changes nothing that it leaves
+# These are the step and the largest of the tried delays; right recordings show none.
+DELAY_STEP, MAX_DELAY = 0.02, 0.4  # s
+# A delay of fewer periods of the currents' low-pass changes nothing that it leaves.
+DELAY_IN_PERIODS = 0.06
 CURRENT_NOISE = 0.02  # A, or Nm of torques; nothing is explained better
 # Distances [rad] over which friction may reverse: the usual one, and those that look like a delay.
 REVERSALS = (PRESLIDING_DISTANCE, 1e-3, 2e-3)

@@ -15,10 +15,10 @@ from ur5lib.records.phrases import number
 from ur5lib.records.quality import Device, Finding
 from ur5lib.robots.description import FullScale, Robot
 
-CLIPPING_SHARE = 0.999  # share of the full scale at which a sample counts as clipped
+CLIPPING_SHARE = 0.999  # from this share of the full scale on, a sample counts as clipped
 MIN_SATURATED_SAMPLES = 10  # samples at exactly the same extreme value indicate saturation
 MIN_GRAVITY, MAX_GRAVITY = 8.0, 12.0  # m/s², the median specific force that an IMU may measure
-# In m/s². Where an IMU turns, a component of gravity changes at least this much.
+# Where an IMU turns, a component of gravity changes at least this much [m/s²].
 MIN_GRAVITY_CHANGE = 3.0
 
 

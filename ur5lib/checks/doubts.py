@@ -14,7 +14,8 @@ from ur5lib.robots.inertia import inertial_parameters, rigid_bodies
 from ur5lib.timeseries.arrays import Array
 
 DOUBT = "links in doubt"  # the finding
-MAX_CENTER_DISTANCE = 0.3  # m, of a load's centre of mass from the last joint's frame
+# A load's centre of mass lies within this distance of the last joint's frame.
+MAX_CENTER_DISTANCE = 0.3  # m
 OTHER_LINKS = "doubtful links"  # its code where nothing else heals the description
 
 

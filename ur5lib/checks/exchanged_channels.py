@@ -9,7 +9,7 @@ from ur5lib.checks.channels import MIN_MOVING_SPEED, are_recorded
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Mask
 
-MIN_MOVING_FRAMES = 20  # in which a joint moves, from which its channels are compared
+MIN_MOVING_FRAMES = 20  # channels of a joint are compared if it moves in this many frames
 # A pair of channels is exchanged if it is closer by this factor than the targets. In right
 # recordings, none is by 0.95.
 MAX_DEVIATION_RATIO = 0.5

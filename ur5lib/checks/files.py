@@ -17,7 +17,7 @@ from ur5lib.records.signals import Signals
 
 UNUSED = "columns not used"  # the finding that import left them out
 SAME = "same file"  # the finding that a device's file is a copy of another recording's
-TRAVEL = 0.02  # rad, between the ends of the path of a joint that moves
+TRAVEL = 0.02  # rad; the ends of a moving joint's path are this far apart
 
 
 def summary(quality: Quality, signals: Signals | None) -> RecordingSummary:

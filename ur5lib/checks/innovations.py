@@ -1,4 +1,4 @@
-"""Which joint's motion a current belongs to, by how both change from frame to frame.
+"""Checks to which joint's motion a current belongs, by how both change from frame to frame.
 
 A servo answers each small disturbance of its own joint, also of joints that rest or move alike.
 Therefore, the innovations of a current, which its own past does not predict, follow from the
@@ -13,7 +13,7 @@ from ur5lib.checks.block_means import SMALLEST_SIZE
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-# In s, between frames. Slower ones show the motion of all joints more than disturbances.
+# Frames with longer steps [s] show the motion of all joints more than disturbances.
 MAX_STEP = 0.02
 # Share of frames with currents that differ from the previous ones. With fewer, currents are
 # repeated.
@@ -21,13 +21,13 @@ MIN_SHARE_FRESH = 0.9
 # Share of the currents' changes that is new. It is 0.5 to 1 as recorded, 0.2 if smoothed.
 MIN_SHARE_NEW = 0.3
 MIN_FRAMES, MAX_FRAMES = 100, 20_000  # frames that are looked at
-PREDICTOR_ORDER = 3  # frames by which a current is predicted
+PREDICTOR_ORDER = 3  # this many frames predict a current
 # Frames before and after, within which a current answers a motion, and a motion a current.
 RESPONSE_FRAMES = 2
 DECORRELATION_FRAMES = 2  # frames between innovations that count as independent
 # Quantiles of changes. Larger ones are jumps of all channels at once.
 JUMP_QUANTILES = (0.005, 0.995)
-RIDGE = 1e-6  # of the motions' unit size; for those that are nil or alike
+RIDGE = 1e-6  # relative to the motions' unit size, it regularises motions that are nil or alike
 
 
 def innovation_likelihoods(robot: pd.DataFrame, step: float, shifts: Labels) -> Array:

@@ -7,8 +7,8 @@ from ur5lib.records.phrases import number
 from ur5lib.records.quality import Finding
 
 NAMED = re.compile(r"(?<![\d.])(\d+(?:\.\d+)?)[ _-]?(k?hz|ms)(?![a-z])", re.IGNORECASE)
-MAX_DEVIATION = 0.03  # relative, of a rate from its rounded name
-MAX_RATIO = 1.9  # of a named rate to the stamps'; of more, every second sample may be left out
+MAX_DEVIATION = 0.03  # a rate differs from its rounded name by at most this share
+MAX_RATIO = 1.9  # ratio of a named rate to the stamps'; above, every second sample may be left out
 
 
 def other_named_rate(names: Iterable[str], period: float) -> Iterator[Finding]:

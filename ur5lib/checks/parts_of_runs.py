@@ -18,10 +18,10 @@ from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 
 ENDS, PARTS = "ends", "parts of one run"  # findings: of each recording, and of two
-MAX_PERIODS = 5  # from one part to the next
-MAX_DEVIATION = 1e-3  # rad, of a posture from where the velocities lead
-MAX_ACCELERATION = 10.0  # rad/s², by which velocities of both sides may differ
-MAX_CHANGE = 0.02  # rad/s, of resting joints' velocities, beyond that
+MAX_PERIODS = 5  # one part follows another within this many periods
+MAX_DEVIATION = 1e-3  # rad; a posture differs by at most this from where the velocities lead
+MAX_ACCELERATION = 10.0  # rad/s²; velocities of both sides may differ by it
+MAX_CHANGE = 0.02  # rad/s; velocities of resting joints may differ by this, too
 SLOPE_STEPS = 4  # a velocity follows from positions of frames so many steps apart
 
 
@@ -71,8 +71,8 @@ def as_text(ends: Ends) -> str:
 
 
 def parts_seen(details: Mapping[str, str], roles: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    """Yield recordings that are no unseen ones, each with the fitted one of which it goes on or
-    begins the run.
+    """Yield the recordings that continue or precede the run of a fitted one, and so are not unseen,
+    each with that one.
 
     details: `as_text` of recordings; roles: by recording.
     """

@@ -23,15 +23,15 @@ from ur5lib.timeseries.arrays import Array
 # A difference of log-likelihoods of two exchanged joints. It is at most 46 in recordings of a few
 # postures.
 MIN_LEAD_OF_EXCHANGED_JOINTS = 60.0
-PARTS, MIN_ERRORS_OF_ARM = 10, 2.5  # of postures, and standard errors over these, of another arm
+# Another arm leads by this many standard errors over these parts of the postures.
+PARTS, MIN_ERRORS_OF_ARM = 10, 2.5
 BEARING_JOINTS = 3  # joints from the base that bear others in every posture
-MIN_ERRORS_OF_CORRELATION = 5.0  # standard errors by which gravity shows in a current
+MIN_ERRORS_OF_CORRELATION = 5.0  # gravity shows in a current by this many standard errors
 # Friction is small compared with gravity of this standard deviation, over the largest torque.
 MIN_GRAVITY_SHARE = 0.1
-# A torque constant that contradicts the documented one errs by less, relatively.
+# A torque constant that contradicts the documented one has a smaller relative error.
 MAX_CONSTANT_ERROR = 0.1
-# Of the motor's largest torque: the static friction of a joint. It is 0.04 to 0.06 on the
-# measured arms.
+# The static friction of a joint is 0.04 to 0.06 of the motor's largest torque on the measured arms.
 STATIC_FRICTION_SHARE = 0.06
 # Share of such a current's variance that may be left. Friction leaves 0.1.
 MAX_VARIANCE_UNEXPLAINED = 0.3
@@ -107,7 +107,8 @@ def _exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
 
 
 def _foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iterator[Finding]:
-    """Find the arm that explains the currents best by its gravity, by far; all under their load."""
+    """Find the arm with gravity that explains the currents far better than all others', each under
+    its load."""
     if best := _likelier_arm(means, arm, others):
         detail = (
             f"the {means.measured.quantity}s are not those of {arm.name}: the gravity of `robot: "

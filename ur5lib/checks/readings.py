@@ -1,4 +1,4 @@
-"""Which order of the joints, which unit and which arm explain the efforts: by gravity.
+"""The order of the joints, the unit and the arm that explain the efforts by gravity.
 
 A joint's effort is gravity, by a slope that the unit bounds, and friction and inertia. What is left
 of each joint's effort, with a variance of its own, gives the likelihood of an order and an arm.
@@ -27,13 +27,13 @@ SLOPE_BOUNDS = {  # effort per Nm
     "mA": (1e3 / MAX_CONSTANT, 1e3 / MIN_CONSTANT),
 }
 SLOPE_BOUNDS_OR_NONE = SLOPE_BOUNDS | {"neither": (0.0, 0.0)}  # or a torque without gravity
-OWN_FACTORS = "own factors"  # of each joint, as of a share of its rated torque, or of counts
+OWN_FACTORS = "own factors"  # each joint has one, as a share of its rated torque, or counts
 ALL_SLOPE_BOUNDS = SLOPE_BOUNDS_OR_NONE | {OWN_FACTORS: (0.0, math.inf)}
 EFFORT_NOISE = 2e-3  # A, Nm; no mean over a block of an effort is more precise
-SPREAD_OF_CONSTANTS = 0.2  # of torque constants around those of the joints' sizes
-CLEAR_LEAD = 8.0  # difference of log-likelihoods from which on a reading is proven
-MAX_RANGE_RATIO = 1.05  # times the range of a joint, which a controller enforces
-IMPOSSIBLE_MOTION_PENALTY = 100.0  # on the log-likelihood of an arm that cannot move so
+SPREAD_OF_CONSTANTS = 0.2  # torque constants spread by this around those of the joints' sizes
+CLEAR_LEAD = 8.0  # from this difference of log-likelihoods on, a reading is proven
+MAX_RANGE_RATIO = 1.05  # a joint stays within its range times this, which a controller enforces
+IMPOSSIBLE_MOTION_PENALTY = 100.0  # log-likelihood that an arm loses if it cannot move so
 MIN_TORQUE_FOR_CONSTANT = 0.5  # Nm; gravity below this root mean square shows no torque constant
 
 

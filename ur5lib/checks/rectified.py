@@ -13,7 +13,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_columns
 from ur5lib.timeseries.arrays import Array
 
-MIN_BLOCKS_EACH_WAY = 5  # in which a joint turns, each way
+MIN_BLOCKS_EACH_WAY = 5  # a joint turns each way in this many blocks
 # A difference of log-likelihoods. In right recordings, no effort of one sign is likelier as a
 # size.
 MIN_LEAD_OF_SIZES = 3.0

@@ -19,7 +19,7 @@ MAX_SIZE_RATIO = 10.0
 MAX_SIZE_RATIO_OF_LINKS = 100.0
 # Share of the torque that carries an arm stretched out. Friction may be many times a smaller one.
 MIN_SHARE_BORNE = 0.25
-SMALLEST_CHANGE = 1e-9  # Nm, of a torque that is logged
+SMALLEST_CHANGE = 1e-9  # Nm; a logged torque changes by more
 
 
 def foreign_size(means: BlockMeans, arm: Robot) -> Iterator[Finding]:

@@ -17,7 +17,7 @@ from ur5lib.robots.description import Robot
 
 # Current per target. It is 0.87 to 1.5 in right recordings, loads included.
 MIN_RATIO_TO_TARGET, MAX_RATIO_TO_TARGET = 0.8, 2.0
-MIN_BORNE_CURRENT = 1.0  # A, root mean square of the target of a joint that bears something
+MIN_BORNE_CURRENT = 1.0  # A; a joint that bears something has a target of this root mean square
 
 
 def scaled_currents(means: BlockMeans, odd: Container[int]) -> Iterator[Finding]:
@@ -66,8 +66,8 @@ def _odd_target(joint: int, ratio: float, measured: Constants, targeted: Constan
 
 
 def unlike_targets(means: BlockMeans) -> Iterator[tuple[int, float]]:
-    """Yield joints, from 0, with a current that is a fraction or multiple of its target, and
-    which."""
+    """Yield joints, from 0, with a current that is a fraction or multiple of its target, and the
+    ratio."""
     if {MEASURED_CURRENT, TARGET_CURRENT} - means.currents.keys():
         return
     moves = moving_joints(means)

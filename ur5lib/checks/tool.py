@@ -13,7 +13,7 @@ from ur5lib.robots.statics import link_frames
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 
-# In m. In right recordings, the tool stays within 0.002 m of its place on the flange.
+# In right recordings, the tool stays within 0.002 m of its place on the flange.
 MAX_TOOL_DISTANCE = 0.01
 
 

@@ -20,7 +20,7 @@ from ur5lib.records.phrases import number, numbered
 from ur5lib.records.quality import Finding, Severity
 
 POSE, MOMENT = "actual_TCP_pose", "target_moment"
-MAX_NAMED = 3  # other arms
+MAX_NAMED = 3  # at most this many other arms are named
 
 
 def unchecked(checked: Checked) -> list[Finding]:

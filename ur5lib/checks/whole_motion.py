@@ -22,12 +22,12 @@ from ur5lib.robots.inertia import inertial_parameters, rigid_bodies
 from ur5lib.robots.newton_euler import torque_regressor
 from ur5lib.timeseries.arrays import Array
 
-STRETCHES = 10  # of time, each of which is left out once
-MAX_BLOCKS = 600  # of a log that are looked at
-# Of columns of unit size. The one that misses least is taken, so that few blocks are not
+STRETCHES = 10  # time is cut into this many stretches, each of which is left out once
+MAX_BLOCKS = 600  # this many blocks of a log are looked at
+# Columns have unit size. The ridge that misses least is taken, so that few blocks are not
 # overfitted.
 RIDGES = (1e-4, 3e-3, 3e-2)
-WEIGHING_ROUNDS = 3  # in which each joint's noise is estimated
+WEIGHING_ROUNDS = 3  # each round estimates each joint's noise
 TORQUE_NOISE = 0.02  # Nm; nothing is explained better
 
 

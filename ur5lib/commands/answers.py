@@ -13,7 +13,7 @@ from ur5lib.study.address import RESULTS_FOLDER
 from ur5lib.study.reading import read_study
 from ur5lib.workspace.topics import modules_of_topics
 
-MAX_PAYLOAD = 35.0  # kg: more than the maker's largest arm carries
+MAX_PAYLOAD = 35.0  # kg; the maker's largest arm carries less
 
 
 def payload_answers(study: Path) -> Iterator[str]:

@@ -44,8 +44,8 @@ from ur5lib.timeseries.segments import in_chunks
 from ur5lib.workspace.extensions import take_up_all
 
 ERROR_SEVERITIES = ("stop", "error")
-MAX_NAMED = 3  # recordings of a finding that are named
-MAX_PROPOSED_NAMES = 20  # names of recordings that are proposed
+MAX_NAMED = 3  # a finding names this many recordings
+MAX_PROPOSED_NAMES = 20  # an error proposes this many names of recordings
 SEVERITY_STYLES = {"stop": "bold red", "error": "bold red", "warning": "yellow", "note": ""}
 
 
@@ -86,8 +86,8 @@ def print_findings_of(
 ) -> int:
     """Print the findings of recordings; returns how many are stop signs or errors.
 
-    named: recordings whose findings are printed in detail; none: all, by finding; contract: that
-    they are checked against.
+    named: recordings with findings printed in detail; none: all, by finding; contract: that they
+    are checked against.
     """
     console = text_console(stderr=form.as_json)  # the JSON is on stdout
     lacking = [f"contract: {one}" for one in contract.lacking(study)] if contract else []

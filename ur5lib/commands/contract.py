@@ -23,7 +23,7 @@ from ur5lib.study.model import Recording, Study
 from ur5lib.study.reading import read_plain
 from ur5lib.tables import write_text
 
-MARGIN = 0.1  # share by which another recording may be shorter or slower than a good one
+MARGIN = 0.1  # another recording may be shorter or slower than a good one by this share
 FEW_MISSING = 0.01  # share of missing values that no contract forbids by itself
 BROKEN = "contract"  # the finding that a recording is not as a contract wants it
 Role = Literal["fit", "validate", "contact"]

@@ -39,7 +39,7 @@ WRITERS: dict[str, Callable[[Robot, str, JointFriction | None, TcpPose | None], 
     "sdf": lambda arm, model, friction, _: sdf(arm, written_bodies(arm, model), friction),
     "isaac": lambda arm, model, friction, _: isaac(arm, model, friction),
 }
-ROS_NAMES = [f"{joint}_joint" for joint in JOINTS]  # of a UR's joints, base to wrist
+ROS_NAMES = [f"{joint}_joint" for joint in JOINTS]  # a UR's joints have these, base to wrist
 OF_TOPICS = {
     name: write
     for topic in modules_of_topics("exports").values()
@@ -47,7 +47,7 @@ OF_TOPICS = {
 }
 FORMATS = (*WRITERS, "json", "sensor", *OF_TOPICS)
 FITTED = ("constants", "currents")  # questions of verdicts.csv about what is fitted to an arm
-MIN_MOVING_SAMPLES = 100  # from which a joint's friction is determined
+MIN_MOVING_SAMPLES = 100  # from this many samples on, a joint's friction is determined
 UNIT_NOTE = "SI: m, kg, s, rad, N, Nm, A; joints from 1; low and high: the 95 % interval"
 BANDS = "band_moving", "band_reversing", "band_standing", "band_unknown"
 FITTED_FIELDS = ("terms", "distances", "held", *BANDS, "contradicted")

@@ -19,7 +19,8 @@ from ur5lib.timeseries.arrays import Array
 
 BASE = "frame_0"  # frame of the URDF in which forces are given
 METRES_PER_NEWTON = 0.005  # length of an arrow
-SHAFT_SHARE, SHAFT_DIAMETER, HEAD_DIAMETER = 0.8, 0.015, 0.035  # of its length; m
+# An arrow's shaft has this share of its length; the diameters are in m.
+SHAFT_SHARE, SHAFT_DIAMETER, HEAD_DIAMETER = 0.8, 0.015, 0.035
 # Topic: table, columns' prefix, colour.
 ARROWS: dict[str, tuple[str, str, tuple[float, float, float]]] = {
     f"/arrow_{LEADING}": ("forces", LEADING, (0.0, 0.62, 0.45)),

@@ -15,7 +15,7 @@ Item = TypeVar("Item")
 Answer = TypeVar("Answer")
 
 MAX_PROCESSES = 4  # each has a recording in memory
-MIN_ITEMS = 4  # for each process, which takes a while to start
+MIN_ITEMS = 4  # each process has this many items, since it takes a while to start
 
 
 @contextmanager

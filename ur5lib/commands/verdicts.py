@@ -41,7 +41,8 @@ def card_states(results: Path) -> list[CardState] | None:
 def lines(states: list[CardState] | None, study: str) -> Iterator[str]:
     """Yield a line for each state of `card_states`, or one that says that there are none.
 
-    study: the address of its file. Of several arms, those of each replace that of all.
+    study: the address of its file. If there are several arms, the state of each replaces that of
+    all.
     """
     if states is None:
         yield f"no verdicts, as results of an earlier version; next: ur5 run {study}"

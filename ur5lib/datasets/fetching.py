@@ -16,7 +16,7 @@ from ur5lib.errors import InputError, unknown
 from ur5lib.tables import made, write_aside
 
 TIMEOUT_S = 30  # s
-MOST_GB = 10  # of an archive, and of what it unpacks to; the largest of the catalogue has below 1
+MOST_GB = 10  # an archive and its unpacked files are smaller; the catalogue's largest has below 1
 NAME_CHARACTERS = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.- ")
 
 

@@ -16,7 +16,7 @@ from torch.linalg import cross
 
 from ur5lib.dynamics.arm import ArmTensors
 
-LAST_LINK = -1  # of an arm
+LAST_LINK = -1  # index of an arm's last link
 
 
 @cache

@@ -177,9 +177,9 @@ def _torques(
 def regressor(arm: ArmTensors, q: Tensor, qd: Tensor, qdd: Tensor) -> Tensor:
     """Return Y(q, q̇, q̈) of τ = Y π, (N, n, 11 n), with π as in `ArmTensors.parameters`.
 
-    q, qd, qdd: (N, n) [rad, rad/s, rad/s²]. Of the arm, only its geometry matters.
-    The first 10 n columns are those of Pinocchio's computeJointTorqueRegressor.
-    Raises ValueError where states are not (N, n) of the same N, or not of the arm's precision.
+    q, qd, qdd: (N, n) [rad, rad/s, rad/s²]. Only the arm's geometry matters. The first 10 n columns
+    are those of Pinocchio's computeJointTorqueRegressor. Raises ValueError where states are not (N,
+    n) of the same N, or not of the arm's precision.
     """
     plain = replace(arm, fused=False)  # thousands of operations would compile for minutes
     return evaluate(plain, _columns, q, qd, qdd)

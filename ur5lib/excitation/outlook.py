@@ -35,12 +35,12 @@ from ur5lib.robots.friction import BASE_TERMS
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
-KEPT_COEFFICIENTS = ("torque_constant", "offset", *BASE_TERMS)  # of a fit's
-SCALING_ROUNDS = 4  # after which predicted standard errors are within 3 % of the study's
+KEPT_COEFFICIENTS = ("torque_constant", "offset", *BASE_TERMS)  # a fit keeps these coefficients
+SCALING_ROUNDS = 4  # after these, predicted standard errors are within 3 % of the study's
 # Speed and acceleration of recordings that may come next.
 FAST_MOTION = (1.5, 3.0)  # rad/s, rad/s²
 SLOW_MOTION = (0.2, 0.4)
-WEIGHING_DURATION = 20.0  # s, along which a load is found
+WEIGHING_DURATION = 20.0  # s; a load is found along this long a motion
 MIN_LEVER = 1e-6  # m; a smaller lever is none
 
 

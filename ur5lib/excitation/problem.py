@@ -31,16 +31,17 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.friction import BASE_TERMS
 from ur5lib.timeseries.arrays import Array
 
-CORRELATION_TIME = 1.0  # s, of the errors of real arms, the longest of 0.3 to 1 s
-DIRECTION_SPEED = 0.05  # rad/s, ε, over which dry friction reaches its full size
-TORQUE_NOISE = 0.02  # Nm, of target torques, unless a study has estimated it
-CURRENT_NOISE = 0.01  # relative to the current at the largest torque; likewise
+# Errors of real arms correlate for 0.3 to 1 s, of which this is the longest.
+CORRELATION_TIME = 1.0  # s
+DIRECTION_SPEED = 0.05  # rad/s; ε, at which dry friction reaches its full size
+TORQUE_NOISE = 0.02  # Nm; target torques have this noise, unless a study has estimated it
+CURRENT_NOISE = 0.01  # the same of currents, relative to the current at the largest torque
 CONSTANT_WIDTH = 0.3  # relative standard deviation of a maker's torque constants
-UR_CONSTANT_WIDTH = 0.1  # of those of a UR's motors
+UR_CONSTANT_WIDTH = 0.1  # the same for a UR's motors
 # Coulomb and viscous friction over the largest torque; load friction.
 NOMINAL_FRICTION = (0.06, 0.06, 0.05)
-SENSED_FRICTION_SHARE = 0.05  # of a joint's friction and offset, which its torque sensor sees
-SENSOR_NOISE = 0.003  # relative to the largest torque: what two real arms' sensors leave of a fit
+SENSED_FRICTION_SHARE = 0.05  # a torque sensor sees this share of its joint's friction and offset
+SENSOR_NOISE = 0.003  # a fit leaves this share of the largest torque with two real arms' sensors
 GAIN_WIDTH = 0.03  # standard deviation of calibrated torque sensors' gains
 JOINT_PARAMETERS = (
     "torque constant",
@@ -49,8 +50,9 @@ JOINT_PARAMETERS = (
     "viscous friction",
     "load friction",
 )
-SENSED_JOINT_PARAMETERS = ("gain", "bias", *JOINT_PARAMETERS[2:])  # of arms with torque sensors
-UNITS_BY_START = {  # of a name
+# An arm with torque sensors has these parameters of each joint.
+SENSED_JOINT_PARAMETERS = ("gain", "bias", *JOINT_PARAMETERS[2:])
+UNITS_BY_START = {  # a name with this start has this unit
     **{"m of": "kg", "m c": "kg m", "I_": "kg m²", "rotor": "kg m²"},
     **dict(zip(JOINT_PARAMETERS, ("Nm/A", "Nm", "Nm", "Nm s/rad", "Nm/Nm"), strict=True)),
     **{"gain": "Nm/Nm", "bias": "Nm"},
@@ -58,10 +60,10 @@ UNITS_BY_START = {  # of a name
 PAYLOAD_PREFIX = "payload: "
 # Standard deviations of a load's ten parameters.
 LOAD_WIDTH = prior_width(PARAMETERS_PER_JOINT)[: len(LINK_PARAMETERS)]
-# Of the states at which forces are estimated.
+# Forces are estimated at states up to these.
 PREDICTED_SPEED = 1.0  # rad/s
 PREDICTED_ACCELERATION = 2.0  # rad/s²
-# Of the states that determine base parameters.
+# Random states up to these determine base parameters.
 RANK_TEST_SPEED = 1.5  # rad/s
 RANK_TEST_ACCELERATION = 3.0  # rad/s²
 
@@ -70,9 +72,9 @@ RANK_TEST_ACCELERATION = 3.0  # rad/s²
 class MeasurementNoise:
     """Standard deviations of target torques (n,) [Nm] and currents (n,) [A].
 
-    Of errors that are independent every INDEPENDENT_STEP; those that are so only every T seconds
-    count as √(T / INDEPENDENT_STEP) times as large. That of target torques is infinite where the
-    controller states none.
+    They are for errors that are independent every INDEPENDENT_STEP; errors that are so only every T
+    seconds count as √(T / INDEPENDENT_STEP) times as large. Target torques have an infinite one
+    where the controller states none.
     """
 
     torque: Array

@@ -23,7 +23,8 @@ from ur5lib.records.table import WRENCH
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import Span, inside_spans, overlap, spans
 
-FORCE_CLASSES = [TOUCH_FORCE, CONTACT_FORCE, 10.0, 15.0]  # N, that a contact reaches by the sensor
+# A contact is of the class that its force at the sensor reaches.
+FORCE_CLASSES = [TOUCH_FORCE, CONTACT_FORCE, 10.0, 15.0]  # N
 RELIABLE_FORCE_OF_THESIS = 10.0  # N; along z, detection is reliable from there on (Section 6)
 
 
@@ -84,8 +85,8 @@ class Alarms(NamedTuple):
 
 
 def alarms_of(estimate: Stated, threshold: float) -> Alarms:
-    """Return the alarms of an estimate: by its odds of contact, where it states a force alone by
-    the size of this, of which the threshold then is [N].
+    """Return the alarms of an estimate by its odds of contact, or, where it states a force alone,
+    by the size of the force; the threshold is then in N.
     """
     wrench, std, odds = estimate
     std = np.full_like(wrench, np.nan) if std is None else std
@@ -222,9 +223,9 @@ def false_per_min(
 ) -> float | None:
     """Return how many alarms a minute are false, None without a sensor.
 
-    Those that overlap no touch, and those that go on for longer than CONTACT_CLEARANCE where
-    nothing touches: otherwise, an alarm that never ends would find a contact and never be false.
-    unfelt: stretches of contacts that the sensor does not feel.
+    False are those that overlap no touch, and those that go on for longer than CONTACT_CLEARANCE
+    where nothing touches: otherwise, an alarm that never ends would find a contact and never be
+    false. unfelt: stretches of contacts that the sensor does not feel.
     """
     force, step = sensed_force(sensor), sensor.period
     if force is None:

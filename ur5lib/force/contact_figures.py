@@ -24,11 +24,11 @@ from ur5lib.timeseries.metrics import (
 )
 from ur5lib.timeseries.segments import inside_spans, overlap
 
-NOMINAL_COVERAGES = (0.5, 0.8, 0.95)  # of bands
-CONTACT_RESAMPLES = 1000  # of a recording's contacts
-MIN_CONTACTS = 3  # for an interval by resampling
+NOMINAL_COVERAGES = (0.5, 0.8, 0.95)  # bands have these nominal coverages
+CONTACT_RESAMPLES = 1000  # a recording's contacts are resampled this often
+MIN_CONTACTS = 3  # an interval by resampling needs this many
 INTERVAL_ENDS = [0.025, 0.975]  # quantiles at the ends of a 95 % interval
-MIN_GAIN = 0.2  # of an estimate that shows the force
+MIN_GAIN = 0.2  # an estimate that shows the force has this gain
 SPLIT = ("mae_missed", "mae_shut", "mae_gain")  # parts of an error in contact
 MIN_MEAN = np.array([1.0, 1.0, 1.0, 0.1, 0.1, 0.1])  # N, Nm; a gain of less is none
 MIN_DIVISOR = 1e-12  # N, N s: replaces a zero divisor

@@ -10,8 +10,8 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import STANDARD_GRAVITY
 from ur5lib.timeseries.arrays import Array
 
-TYPICAL_LOAD_SHARE = 0.3  # weight of a typical contact, in the rated payload
-PAYLOAD_SHARE = 0.3  # of the links' mass: the payload of an arm for which none is described
+TYPICAL_LOAD_SHARE = 0.3  # a typical contact weighs this share of the rated payload
+PAYLOAD_SHARE = 0.3  # without a described payload, it is this share of the links' mass
 # Magnitudes among which the gate chooses, in typical forces.
 GATE_SIZES = (1 / 3, 3.0)
 

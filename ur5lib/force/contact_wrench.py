@@ -10,17 +10,17 @@ from ur5lib.force.gate import diagonal
 from ur5lib.timeseries.arrays import Array, Mask
 
 # The static wrench of a resting arm.
-STATIC_SPEED = 0.05  # rad/s, below which the torques of motion are far below friction
+STATIC_SPEED = 0.05  # rad/s; below it, the torques of motion are far below friction
 # Breakaway torque over a motor's largest; Coulomb friction of UR5 and UR10e is 0.04 to 0.06.
 BREAKAWAY_SHARE = 0.1
-MIN_CONSTANT_ERROR = 0.3  # relative, of a torque constant that nothing was fitted for
-STATIC_FORCE = 7.0  # standard deviation of the prior, in typical forces
-STATIC_LEVER = 0.1  # m, of its moment
+MIN_CONSTANT_ERROR = 0.3  # relative error of a torque constant that nothing was fitted for
+STATIC_FORCE = 7.0  # the prior has this standard deviation, in typical forces
+STATIC_LEVER = 0.1  # m; the prior's moment is its force at this lever
 # The wrench of a contact.
 # Weight of the typical covariance, as one sample: with 1, small changes decide.
 TYPICAL_SIZE_WEIGHT = 2.0
-EM_ROUNDS = 15  # of expectation-maximisation; most contacts converge in ten
-UNRESOLVED_LEVER = 0.05  # m, of a force in the moments that are stated
+EM_ROUNDS = 15  # expectation-maximisation has this many rounds; most contacts converge in ten
+UNRESOLVED_LEVER = 0.05  # m; a force has this lever in the moments that are stated
 
 
 class Posterior(NamedTuple):

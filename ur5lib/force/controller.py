@@ -28,8 +28,8 @@ def controller_estimate(robot: Robot, signals: Signals) -> dict[str, Array]:
 def further_or_controller(
     further: FurtherForces | None, robot: Robot, signals: Signals, withheld: bool = False
 ) -> FurtherForces:
-    """Return the estimates that a topic hands over, without any the controller's alone; none where
-    they are withheld.
+    """Return the estimates that a topic hands over, or, without any, the controller's alone; none
+    where they are withheld.
     """
     if further is not None:
         return further

@@ -99,10 +99,10 @@ def least_squares(run: Run) -> Answer:
 def controller(run: Run) -> Answer:
     """Return what an e-Series controller computes from currents, `wrench_calc_from_currents`.
 
-    Of this output, the field's public files state name, type and that it is a wrench (RTDE guide;
-    Universal_Robots_Client_Library, tests/fake_rtde_server.cpp), not frame, point nor sign. They
-    are taken to be those of the same controller's `actual_TCP_force`: the environment acting on
-    the arm, at the flange, which is the origin of frame 6, in base axes
+    Public files state the output's name and type, and that it is a wrench (RTDE guide;
+    Universal_Robots_Client_Library, tests/fake_rtde_server.cpp), but not frame, point nor sign.
+    They are taken to be those of the same controller's `actual_TCP_force`: the environment acting
+    on the arm, at the flange, which is the origin of frame 6, in base axes
     (Universal_Robots_ROS2_Driver, pull request 1615).
     """
     return None if run.controller is None else Stated(run.controller)
@@ -145,7 +145,7 @@ def checked(estimator: Estimator, place: str, run: Run) -> Answer:
 
 
 PUBLISHED = {"Fu": "F̂ᵘ", "F": "F̂", "F*": "F̂*"}  # the controller's and the thesis's
-ESTIMATORS = {  # by their names in records and tables
+ESTIMATORS = {  # their keys are the names in records and tables
     "Fmap": Estimator("F̂ᵐᵃᵖ", lambda run: run.fmap),
     "least_squares": Estimator("gated least squares", least_squares, gated=False),
     "static": Estimator("uncalibrated static estimate", lambda run: run.static, False, "the "),

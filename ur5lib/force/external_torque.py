@@ -13,19 +13,19 @@ from ur5lib.timeseries.trajectories import REST_SPEED
 States = NDArray[np.int8]
 
 MIN_STOP_DURATION = 0.4  # s; a joint that is slow for a shorter time reverses
-RELAXATION_TIME = 1.0  # s, for which friction relaxes after a stop
-REACH_IN_PERIODS = 0.5  # of the cut-off, over which a low-pass spreads the friction of a reversal
+RELAXATION_TIME = 1.0  # s; friction relaxes for this long after a stop
+REACH_IN_PERIODS = 0.5  # a low-pass spreads the friction of a reversal over this many periods
 
 
 class JointState(IntEnum):
     """The state of motion of a joint, on which the uncertainty of its friction depends."""
 
     MOVING = 0
-    REVERSING = 1  # near a change of direction
-    SETTLING = 2  # stopped for less than RELAXATION_TIME, or about to start
-    RESTING = 3  # while another joint moves
-    STILL = 4  # while all joints rest
-    TARED = 5  # as STILL, where a tare counts
+    REVERSING = 1  # it is near a change of direction
+    SETTLING = 2  # it has stopped for less than RELAXATION_TIME, or is about to start
+    RESTING = 3  # it rests while another joint moves
+    STILL = 4  # all joints rest
+    TARED = 5  # as STILL, and a tare counts
 
 
 FITTED_STATE_COUNT = len(JointState) - 1  # all but TARED, which follows from STILL

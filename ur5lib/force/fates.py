@@ -17,8 +17,8 @@ from ur5lib.records.pushes import SPEEDS
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import Span, overlap
 
-TICK = 1e-6  # s, less than any sampling period
-SLOW = min(speed for speed in SPEEDS if speed > 0)  # m/s, below which a flange rests
+TICK = 1e-6  # s; any sampling period is longer
+SLOW = min(speed for speed in SPEEDS if speed > 0)  # m/s; below it, a flange rests
 
 
 class Outcome(NamedTuple):
@@ -102,7 +102,7 @@ def band_of(alarm: Alarm) -> float | None:
 def cause_of(contact: ContactError, alarm: Alarm) -> Cause | None:
     """Return what makes most of the error of a contact that an alarm finds, None without an error.
 
-    What neither a late alarm nor a gain explains is friction, of a resting flange stiction.
+    What neither a late alarm nor a gain explains is friction, or stiction if the flange rests.
     """
     each = contact.mae, contact.mae_shut, contact.mae_gain
     mae, late, gain = np.nan_to_num([part or 0.0 for part in each]).tolist()
@@ -120,8 +120,8 @@ def kind_of(alarm: Alarm, is_free: bool) -> Kind:
     """Return what an alarm is; is_free: whether nothing touches the arm, as far as this can be said
     without a sensor.
 
-    A sensor decides before a role. It does not feel contacts off the flange, which it does not
-    make false.
+    A sensor decides before a role. It does not feel contacts off the flange, so these are not
+    false.
     """
     if alarm.kind == "load":
         return "load"

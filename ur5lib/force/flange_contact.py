@@ -25,11 +25,11 @@ from ur5lib.timeseries.arrays import Array, Labels
 
 # Least probability of the other links, from which on a contact at the flange is excluded.
 MIN_PROBABILITY_ELSEWHERE = 0.95
-PLACE_SPACING = 0.1  # m, largest distance of neighbouring places along a link
-TOOL_LENGTH = 0.2  # m, beyond the flange, of which link 6 may be touched
-SURFACE_DISTANCE = 0.05  # m, of a link's surface from the line between its frames
-GEAR_LOSS_STD = 0.15  # of the contact's torque on a joint, lost or gained in its gears
-MAX_CONTACT_SAMPLES = 20  # that are used; more add no information
+PLACE_SPACING = 0.1  # m; neighbouring places along a link are at most this far apart
+TOOL_LENGTH = 0.2  # m; link 6 may be touched this far beyond the flange
+SURFACE_DISTANCE = 0.05  # m; a link's surface is this far from the line between its frames
+GEAR_LOSS_STD = 0.15  # a joint's gears lose or gain this share of the contact's torque
+MAX_CONTACT_SAMPLES = 20  # this many samples are used; more add no information
 
 
 def places(rotation: Array, origin: Array) -> dict[int, list[Array]]:

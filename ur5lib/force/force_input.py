@@ -99,7 +99,7 @@ class ForceInput:
         return np.zeros(self.states.shape) if self.doubt is None else np.nan_to_num(self.doubt)
 
     def thinned(self, stride: int, rows: Labels | slice) -> Self:
-        """Return the run at some rows, of which every so many-th was taken."""
+        """Return the run at some rows, which were taken every `stride` samples."""
         return replace(
             self,
             **{name: getattr(self, name)[rows] for name in ("q", "qd", "torque", "states")},

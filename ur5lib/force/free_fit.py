@@ -18,13 +18,13 @@ from ur5lib.timeseries.metrics import STD_PER_MAD
 
 QUIET_STRETCH_DURATION = 0.1  # s
 CANDIDATE_COUNT = 600
-STRETCHES_PER_CANDIDATE = 3  # where one does not determine it
+STRETCHES_PER_CANDIDATE = 3  # a candidate has this many stretches where one does not determine it
 SINGULAR_VALUE_CUTOFF = 1e-3  # poorly determined combinations of parameters stay small
-MAX_FIT_ROUNDS = 20  # of fitting and excluding contacts; fewer suffice
+MAX_FIT_ROUNDS = 20  # contacts are fitted and excluded so often; fewer rounds suffice
 CONTACT_DEVIATIONS = 4.0  # standard deviations of a free reading: beyond, a sample is in contact
-REPEATABILITY = np.array([0.1] * 3 + [0.01] * 3)  # N, Nm: of a reading after a push
-FREE_CLEARANCE = 0.25  # s, of a free sample from any contact
-COMPARED_SAMPLES = 2_000  # on which parameters are compared
+REPEATABILITY = np.array([0.1] * 3 + [0.01] * 3)  # N, Nm; a reading after a push repeats within it
+FREE_CLEARANCE = 0.25  # s; a free sample is this far from any contact
+COMPARED_SAMPLES = 2_000  # parameters are compared on this many samples
 
 
 def agreement(parameters: Array, terms: Array, reading: Array, tolerance: Array) -> Mask:

@@ -20,15 +20,15 @@ from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.kalman import Gaussians
 
-MIN_STATE_PROBABILITY = 1e-300  # so that no evidence makes those of all states vanish
+MIN_STATE_PROBABILITY = 1e-300  # with it, no evidence makes those of all states vanish
 # Factor on the background's covariance in each round: small at first, so that possible contacts do
 # not become part of the background.
 BACKGROUND_COVARIANCE_FACTORS = (0.0, 0.5, 1.0, 1.0, 1.0)
 # Probability of contact above which a sample is no measurement of the background, and its weight.
 EXCLUSION_PROBABILITY = 0.5
 CONTACT_SAMPLE_WEIGHT = 1e-4
-QUIET_SHARE = 0.2  # of the fast error: a force that does not count as contact
-FAST_LOAD_ERROR_SHARE = 0.3  # of a load's error, which changes within half a push
+QUIET_SHARE = 0.2  # a force of this share of the fast error does not count as contact
+FAST_LOAD_ERROR_SHARE = 0.3  # this share of a load's error changes within half a push
 
 
 def posterior(evidence: Array, transitions: Array, start: Array) -> Array:

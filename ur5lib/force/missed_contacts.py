@@ -14,7 +14,7 @@ from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import NORMAL95
 
 MISSED_DEVIATIONS = 2.0  # κ: deviations up to which most contacts are missed
-BISECTION_STEPS = 30  # of an interval that contains a quantile
+BISECTION_STEPS = 30  # an interval that contains a quantile is halved so often
 
 
 def missed_contacts(jacobian: Array, hidden: Array, prior: ContactPrior) -> tuple[Array, Array]:

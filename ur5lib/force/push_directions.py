@@ -11,8 +11,8 @@ from ur5lib.records.motion import Motion
 from ur5lib.records.pushes import SPEEDS, PushDirection
 from ur5lib.timeseries.arrays import Array
 
-PLANES = {"horizontal": (0, 1), "vertical": (0, 2)}  # axes of the base
-ANGLES = np.arange(0.0, 360.0, 5.0)  # °, from the first axis of a plane
+PLANES = {"horizontal": (0, 1), "vertical": (0, 2)}  # their axes of the base
+ANGLES = np.arange(0.0, 360.0, 5.0)  # °; they count from the first axis of a plane
 
 
 class Place(NamedTuple):
@@ -75,7 +75,7 @@ def push_directions(
 ) -> Iterator[PushDirection]:
     """Yield the push by direction in each plane at each of POSTURES.
 
-    needed: by motion, places in another one count in nothing; felt: the largest push that may be
+    needed: by motion; places in another motion are ignored; felt: the largest push that may be
     worth two standard deviations, most: the largest trial [N].
     """
     for posture, place in postures(places, needed):

@@ -14,18 +14,18 @@ from ur5lib.timeseries.arrays import Array
 
 SHORT_LAG = 0.5  # s: half the duration of a push by hand
 LONG_LAG = 2.0  # s: twice its duration
-MIN_RENEWAL_RATE = 1 / 30  # 1/s, of the background
-USUAL_STICTION = 0.4  # in breakaway torques, where no recording rests
-RUBBING_SHARE = 1.25  # of a contact, that friction takes in motion, of the deviation there
-USUAL_RUBBING = 0.2  # likewise, in motion, where no recording was fitted to
-USUAL_REST_STD = 0.3  # likewise: deviation of a joint that settles or rests, where none does
-USUAL_REST_CHANGE = 0.2  # likewise, of its fast error, while the whole arm rests
+MIN_RENEWAL_RATE = 1 / 30  # 1/s; the background renews at least this fast
+USUAL_STICTION = 0.4  # in breakaway torques; it is used where no recording rests
+RUBBING_SHARE = 1.25  # in motion, friction takes this part of a contact, over the deviation there
+USUAL_RUBBING = 0.2  # the same in motion where no recording was fitted to
+USUAL_REST_STD = 0.3  # the same: deviation of a joint that settles or rests, where none does
+USUAL_REST_CHANGE = 0.2  # the same of its fast error, while the whole arm rests
 JOINTS_OF_A_FORCE = 2  # the torques of so many joints decide a component of a force
-SHOWN_DURATION = 10.0  # s at rest, or settling, that count as much as what is usual
-GATE_PATHS = 5  # from which on the gate is as unsure as the bands
-MIN_STD_SHARE = 1e-3  # of breakaway: least standard deviation of a torque
-# Of a joint that rests since a tare: most standard deviation of its background, in breakaway
-# torques, and rate of renewal, which is that of a joint that nobody touches.
+SHOWN_DURATION = 10.0  # s; this long a rest or settling counts as much as what is usual
+GATE_PATHS = 5  # from this many paths on, the gate is as unsure as the bands
+MIN_STD_SHARE = 1e-3  # a torque's standard deviation is at least this share of breakaway
+# The background of a joint that rests since a tare has at most this standard deviation, in
+# breakaway torques, and this rate of renewal, which is that of a joint that nobody touches.
 TARED_SPREAD_SHARE = 0.15
 TARED_RENEWAL_RATE = 1e-3  # 1/s
 
@@ -93,10 +93,11 @@ class ResidualModel:
         )
 
     def with_usual_rest(self, stretches: Sequence[TorqueStretch]) -> "ResidualModel":
-        """Return the model with what is usual in the place of rest and stops of which the stretches
-        it was fitted to show little, and what dry friction may take of a contact.
+        """Return the model with usual errors at rest and stops where the stretches that it was
+        fitted to show too little of these, and with what dry friction may take of a contact.
 
-        That is, in motion, RUBBING_SHARE of the deviation there, and at rest half of it.
+        Friction may take RUBBING_SHARE of the deviation in motion, and half of the deviation at
+        rest.
         """
         seconds = _seconds(stretches, len(self.breakaway))
         unshown = SHOWN_DURATION / (SHOWN_DURATION + seconds)
@@ -196,8 +197,8 @@ def fit_residual_model(
 def few_paths(paths: int) -> float:
     """Return Student's t over the normal quantile, the factor of a 95 % band from few paths.
 
-    Of a path, JOINTS_OF_A_FORCE joints show a force's error independently. One path counts as two:
-    it does not determine the variation between paths.
+    JOINTS_OF_A_FORCE joints show a force's error independently along a path. One path counts as
+    two: it does not determine the variation between paths.
     """
     freedom = JOINTS_OF_A_FORCE * max(1, paths - 1)
     return float(stdtrit(freedom, 0.975) / ndtri(0.975))

@@ -9,11 +9,11 @@ from ur5lib.timeseries.segments import Span, spans
 # At the sensor, a contact reaches the first force and lasts above the second.
 TOUCH_FORCE = 3.0  # N
 RELEASE_FORCE = 2.0  # N
-CONTACT_FORCE = 5.0  # N, above which a sample is in contact
-FREE_FORCE = 1.0  # N, below which a sample is free, if it is far from any touch
-CONTACT_CLEARANCE = 0.5  # s, of a free sample from any touch
+CONTACT_FORCE = 5.0  # N; above it, a sample is in contact
+FREE_FORCE = 1.0  # N; below it, a sample is free if it is far from any touch
+CONTACT_CLEARANCE = 0.5  # s; a free sample is this far from any touch
 TOUCHED = "touched"  # the finding that a sensor reads contacts which the role rules out
-FREE_ROLES = ("fit", "validate")  # of recordings in which nothing should touch the arm
+FREE_ROLES = ("fit", "validate")  # in recordings of these roles, nothing should touch the arm
 
 
 def contacts(force: Array, least_force: float = TOUCH_FORCE) -> list[Span]:

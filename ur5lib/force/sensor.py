@@ -25,19 +25,19 @@ from ur5lib.records.phrases import number
 from ur5lib.records.sensor_offset import Offset
 from ur5lib.timeseries.arrays import Array, Mask
 
-MAX_OFFSET_SAMPLES = 20_000  # for a fit
+MAX_OFFSET_SAMPLES = 20_000  # a fit uses at most this many
 # An offset is doubtful if fewer samples agree with it than the first share of all, if another has
 # more than the second share of its samples, or if fewer samples are free.
 MIN_AGREEING_SHARE = 0.5
 MAX_RIVAL_SHARE = 0.5
 MIN_FREE_SAMPLES = 100
-# Of gravity's unit vector in sensor axes: below, weight and bias are inseparable.
+# If gravity's unit vector in sensor axes varies less, weight and bias are inseparable.
 MIN_DIRECTION_STD = 0.2
 # Correlation of sensor and estimate along an axis: 0.55 to 1 on six recordings, three of them real,
 # and of opposite sign if the sensor is turned.
 OPPOSITE_CORRELATION = -0.5
-MIN_AXIS_RMS = 1.0  # N, along an axis that is judged
-# Of the squared force: along weaker axes, the estimate is mostly cross-talk.
+MIN_AXIS_RMS = 1.0  # N; an axis that is judged has at least this
+# Along axes with less of the squared force, the estimate is mostly cross-talk.
 MIN_AXIS_POWER_SHARE = 0.05
 NEGATIVE_MASS_TOLERANCE = 0.01  # kg
 

@@ -11,15 +11,15 @@ from ur5lib.force.sensed_contact import is_free
 from ur5lib.timeseries.arrays import Array
 
 SECONDS_PER_MINUTE = 60.0
-DRIFT_ROUNDS = 3  # of the samples without contact, and the drift by these
-MIN_FREE_DURATION = 5.0  # s without contact, below which no drift is stated
-MAX_DRIFT_SAMPLES = 5_000  # for a fit
+DRIFT_ROUNDS = 3  # samples without contact, and the drift by these, are found in this many rounds
+MIN_FREE_DURATION = 5.0  # s; with less time without contact, no drift is stated
+MAX_DRIFT_SAMPLES = 5_000  # a fit uses at most this many
 # Many more blocks than terms, however short the recording: otherwise the error is undetermined.
 ERROR_BLOCKS = 100
 # Correlations ρ of neighbouring blocks, and shares g of the slow part, all equally likely a priori.
 BLOCK_CORRELATIONS = np.exp(-1 / np.geomspace(1, 2 * ERROR_BLOCKS, 7))
 SLOW_SHARES = np.array([0.0, 0.25, 0.5, 0.75, 0.9, 0.97, 1.0])
-RANK_TOLERANCE = 1e-6  # singular value, relative to the largest, of linearly dependent terms
+RANK_TOLERANCE = 1e-6  # linearly dependent terms have such singular values, relative to the largest
 
 
 def force_drift(residual: Array, pull: Array, time: Array, period: float) -> tuple[Array, Array]:
@@ -27,7 +27,7 @@ def force_drift(residual: Array, pull: Array, time: Array, period: float) -> tup
 
     residual: (N, 3) [N], the reading less bias, weight and inertia of the tool; pull: (N, 3)
     [m/s²], on each of its kilograms, which may be weighed wrongly; time: (N,) [s]; period: [s].
-    r = M p + b + d t without contact. NaN where too little time is.
+    r = M p + b + d t without contact. NaN where there is too little time without contact.
     """
     minutes = (time - time[0]) / SECONDS_PER_MINUTE
     terms = np.column_stack([pull, np.ones(len(pull)), minutes])

@@ -16,8 +16,9 @@ from ur5lib.robots.description import Payload, Robot
 from ur5lib.robots.end_effector import ToolMotion, expected_values, tool_motion
 from ur5lib.timeseries.arrays import Array, Six
 
-MAX_CENTER_DISTANCE = 0.3  # m, of a tool's centre of mass
-CENTER_ROUNDS = 2  # of the tool's centre of mass, where its acceleration counts
+MAX_CENTER_DISTANCE = 0.3  # m; a tool's centre of mass is at most this far away
+# The tool's centre of mass, at which its acceleration counts, is found in this many rounds.
+CENTER_ROUNDS = 2
 
 
 @dataclass(frozen=True)

@@ -8,17 +8,17 @@ from ur5lib.force.external_torque import JointState, finite_rows
 from ur5lib.force.force_input import ForceInput
 from ur5lib.timeseries.arrays import Array
 
-# Of usual friction, the motors of a UR3, a UR5 and a UR10e showed 0.84 to 1.31 in 31 recordings;
+# The motors of a UR3, a UR5 and a UR10e showed 0.84 to 1.31 of usual friction in 31 recordings;
 # where a hand led a UR5e, or pushed it all the way, four recordings showed 0.51 to 0.60.
 MIN_SHARE = 0.7
-MIN_MOTION = 1.0  # s, of one joint
+MIN_MOTION = 1.0  # s; one joint moves at least this long
 
 
 def shown_friction(run: ForceInput, breakaway: Array) -> float:
     """Return the share of the expected friction that the currents show in motion.
 
-    By least squares over all joints, in breakaway torques (n,) [Nm]. NaN where no joint moves for
-    MIN_MOTION, or its friction is unknown.
+    It is found by least squares over all joints, in breakaway torques (n,) [Nm]. NaN where no joint
+    moves for MIN_MOTION, or its friction is unknown.
     """
     if run.gears is None:
         return np.nan

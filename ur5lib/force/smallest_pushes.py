@@ -32,12 +32,12 @@ from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import Span
 
 FLANGE_SPEEDS = (*SPEEDS, np.inf)  # m/s
-TRIAL_ROUNDS = 2  # of trial pushes
-MIN_TRIALS = 900  # of an arm: a hundred for each axis and range of speeds
-FELT_SIZE = GATE_SIZES[-1] / TRIAL_SIZES[-1]  # of the largest trial: the gate expects no more
+TRIAL_ROUNDS = 2  # trial pushes are made in this many rounds
+MIN_TRIALS = 900  # an arm has this many: a hundred for each axis and range of speeds
+FELT_SIZE = GATE_SIZES[-1] / TRIAL_SIZES[-1]  # share of the largest trial: the gate expects no more
 SETTLING_SPEED = 0.1  # m/s: an arm that settles is slow, and not at rest
-MIN_TRIALS_OF_A_LIMIT = 10  # of which some are detected and some are not
-FORCES_OF_A_CURVE = 40  # from the smallest to the largest trial
+MIN_TRIALS_OF_A_LIMIT = 10  # a limit needs this many, of which some are detected and some are not
+FORCES_OF_A_CURVE = 40  # a curve has this many from the smallest to the largest trial
 
 
 def where_pushed(
@@ -171,7 +171,7 @@ def detectable(trials: Trials, most: float) -> Limit:
     """Return the push that a logistic curve of trials of one axis and motion shows to be detected,
     but for poses in which joints feel almost none; most: the largest trial of all [N].
 
-    Beyond this, the curve shows nothing: the push is the largest one. One whose 95 % interval
+    Beyond this, the curve shows nothing: the push is the largest one. One with a 95 % interval that
     reaches zero is not determined.
     """
     felt = trials.where(trials.felt(FELT_SIZE * most))

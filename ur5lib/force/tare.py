@@ -20,10 +20,10 @@ from ur5lib.timeseries.segments import extrapolated_samples, without_ends
 
 Span = tuple[float, float]  # s, from a recording's start
 
-MAX_POSTURE_CHANGE = 0.02  # rad, by which a joint may leave the tared posture
+MAX_POSTURE_CHANGE = 0.02  # rad; a joint may leave the tared posture by it
 MIN_REST_DURATION = 0.5  # s; a tare has torques at rest for at least this long
-BLOCK_DURATION = 0.1  # s, of which readings are averaged
-SMOOTHING_WINDOW = 0.2  # s, over which positions as read are averaged
+BLOCK_DURATION = 0.1  # s; readings are averaged over it
+SMOOTHING_WINDOW = 0.2  # s; positions as read are averaged over it
 
 
 def tare_doubts(

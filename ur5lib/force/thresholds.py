@@ -6,8 +6,8 @@ from ur5lib.force.sensed_contact import RELEASE_FORCE, TOUCH_FORCE
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import Span, spans
 
-ALARM_HYSTERESIS = 2.0  # in log-odds: an alarm ends this far below the threshold
-THRESHOLD_STEP = 0.5  # N, between the thresholds of forces that are tried
+ALARM_HYSTERESIS = 2.0  # an alarm ends this far below the threshold, in log-odds
+THRESHOLD_STEP = 0.5  # N; the tried thresholds of forces are this far apart
 
 
 def alarms(log_odds: Array, threshold: float) -> list[Span]:
@@ -43,8 +43,8 @@ def force_threshold(contact_free: list[Array], periods: list[float], per_minute:
     """Return the threshold [N] down to which contact-free recordings raise few enough alarms.
 
     contact_free: force (N,) [N] of each recording, at its period [s]; per_minute: alarms allowed.
-    From the largest force downwards, so that an alarm that never ends does not count as few. At
-    least what counts as touched at the sensor, 3 N.
+    Thresholds are tried from the largest force downwards, so that an alarm that never ends does not
+    count as few. The result is at least what counts as touched at the sensor, 3 N.
     """
     allowed = _allowed_alarms(contact_free, periods, per_minute)
     largest = max(float(np.nan_to_num(force).max()) for force in contact_free)

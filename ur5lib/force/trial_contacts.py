@@ -13,10 +13,10 @@ from ur5lib.force.force_input import Gears
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import Span, overlap
 
-PUSH_DURATION = 1.0  # s, of trial pushes
-PAUSE_DURATION = 2.0  # s, between them
+PUSH_DURATION = 1.0  # s; a trial push lasts this long
+PAUSE_DURATION = 2.0  # s; trial pushes are this far apart
 TRIAL_SIZES = (1 / 12, 7.0)  # smallest and largest trial push, in typical forces
-LOG_STEEPNESS = 1.5  # of the logistic curve: from 25 to 75 % found within a factor of 1.6
+LOG_STEEPNESS = 1.5  # with it, the logistic curve goes from 25 to 75 % found within a factor of 1.6
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,7 @@ def try_each_place(
 
     alarms_of: alarms with an additional external torque (N, 6) [Nm]; random: deals out peaks and
     axes; typical_force: of contacts [N]; later: by which part of the time from one push to the next
-    all of them are.
+    all pushes are delayed.
     """
     profile, places = trial_pushes(len(run.jacobian), run.period, later)
     free_places = run.free(places)

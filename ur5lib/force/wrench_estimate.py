@@ -34,10 +34,10 @@ from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.sampling import interpolated, thinning
 from ur5lib.timeseries.segments import Span, inside_spans, spans, unbroken
 
-OPENING_PROBABILITY = 0.5  # that a contact reaches
-CLOSING_PROBABILITY = 0.1  # above which it lasts
-CONTACT_MARGIN = 0.15  # s, by which a contact is extended at both ends
-MIN_PROBABILITY_INSIDE = 0.999  # of a contact
+OPENING_PROBABILITY = 0.5  # a contact reaches it
+CLOSING_PROBABILITY = 0.1  # a contact lasts while above it
+CONTACT_MARGIN = 0.15  # s; a contact is extended by it at both ends
+MIN_PROBABILITY_INSIDE = 0.999  # inside a contact, its probability is at least this
 # Deviation of the average of a force on a resting arm, in periods of the low-pass.
 REST_SMOOTHING_PERIODS = 0.4
 
@@ -69,7 +69,7 @@ class AtAllSamples:
 def at_all_samples(stretches: Iterable[tuple[slice, Array]], every: int) -> Array:
     """Return a quantity (N, ...) of stretches, interpolated between their thinned samples.
 
-    stretches: each with its rows, of which every so many-th has a value.
+    stretches: each with its rows, of which every n-th has a value.
     """
     parts = []
     for rows, thinned in stretches:
@@ -89,7 +89,7 @@ class WrenchEstimate:
     least_squares_std: (N, 6) [N, Nm], the wrench of the same contacts without a prior: NaN in them
     where the torque is unknown, zero elsewhere. NaN where the arm's pose is unknown. Each quantity
     is interpolated when it is asked for: those of a long recording take a gigabyte together.
-    stretches: each with its rows, of which every so many-th was used.
+    stretches: each with its rows, of which every n-th was used.
     """
 
     stretches: list[tuple[slice, StretchEstimate]]

@@ -12,7 +12,7 @@ import numpy as np
 
 from ur5lib.timeseries.arrays import Array, Labels
 
-POSTURES_PER_STRETCH = 5  # in a row, which may have been reached in like ways
+POSTURES_PER_STRETCH = 5  # this many in a row may have been reached in like ways
 MIN_STRETCHES = 5  # with fewer, single postures are resampled
 
 

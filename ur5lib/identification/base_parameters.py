@@ -17,17 +17,19 @@ from ur5lib.timeseries.metrics import mean_absolute_error
 Blocks = Iterable[tuple[Array, Array]]
 
 LINK_PARAMETERS = ("m", "m c_x", "m c_y", "m c_z", "I_xx", "I_xy", "I_yy", "I_xz", "I_yz", "I_zz")
-PARAMETERS_PER_JOINT = len(LINK_PARAMETERS) + 1  # those of its link, and the rotor inertia
+# A joint has the parameters of its link, and the rotor inertia.
+PARAMETERS_PER_JOINT = len(LINK_PARAMETERS) + 1
 # Standard deviations of the prior around the published model.
 MASS_WIDTH = 0.5  # kg
 MOMENT_WIDTH = 0.1  # kg m
 INERTIA_WIDTH = 0.05  # kg m²
 ROTOR_WIDTH = 2.0  # kg m²
-# Of the largest column: rank tolerance, between rounding and independent columns.
+# This rank tolerance, relative to the largest column, lies between rounding and independent
+# columns.
 RANK_TOLERANCE = 1e-9
 MAX_BLOCKS = 100
 TORQUE_DIGIT = 1e-6  # Nm: the last digit of a logged torque
-# Of a determined parameter's variance, from the prior: a tenth of the prior's width.
+# A determined parameter has at most this share of the prior's variance: a tenth of its width.
 MAX_PRIOR_VARIANCE_SHARE = 0.01
 
 

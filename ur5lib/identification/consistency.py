@@ -11,8 +11,8 @@ from ur5lib.errors import RefusalError
 from ur5lib.identification.base_parameters import PARAMETERS_PER_JOINT, InertialEstimate
 from ur5lib.timeseries.arrays import Array
 
-LINK_LENGTH = 0.1  # m, which scales masses, moments and inertias alike
-SOLVED = cp.OPTIMAL, cp.OPTIMAL_INACCURATE  # the latter to 5e-5 of a standard error's square
+LINK_LENGTH = 0.1  # m; it scales masses, moments and inertias alike
+SOLVED = cp.OPTIMAL, cp.OPTIMAL_INACCURATE  # the latter is within 5e-5 of a standard error's square
 DEFINITENESS_MARGIN = 1e-6  # kg, kg m²: far below any link's, far above the solver's tolerance
 
 

@@ -12,7 +12,8 @@ from ur5lib.timeseries.lowpass import Butterworth, zero_phase_lowpass
 from ur5lib.timeseries.sampling import differentiate
 from ur5lib.timeseries.segments import BLOCK_DURATION, by_segment, unbroken
 
-ROW_STEP = 0.032  # s, between rows of the controller's torques, which have no noise to average
+# Rows of the controller's torques, which have no noise to average, are this far apart.
+ROW_STEP = 0.032  # s
 
 Block = tuple[Array, Array]  # regressors (N, n, P) and torques (N, n) [Nm]
 RotorSamples = tuple[Array, Array, Array]  # residual [Nm], q̇ and q̈, (N, n) each

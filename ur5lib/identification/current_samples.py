@@ -29,8 +29,8 @@ from ur5lib.timeseries.segments import by_segment, without_ends
 # Relative: of the maker's constants, and among joints with motors of one size.
 MAKERS = 0.3, 0.1
 OF_URS = 0.0, 0.1  # the same of a UR's motors
-OF_TORQUES = 0.0, 0.05  # of the gains of measured torques, which should be 1
-CONTROLLERS = 0.1  # relative, of the controller's ratio
+OF_TORQUES = 0.0, 0.05  # the same for gains of measured torques, which should be 1
+CONTROLLERS = 0.1  # the controller's ratio has this relative error
 
 
 def current_record(
@@ -87,9 +87,8 @@ def measured_samples(
 
 
 def shafts_of(arm: Robot, motion: Motion, before: Sequence[Motion] = ()) -> Shafts | None:
-    """Return the motion of the coupled motor that each joint turns with, None of an arm without.
-
-    Its own where that is coupled, else the one that turns most with it.
+    """Return the motion of the coupled motor that each joint turns with, None for an arm without.
+    It is the joint's own motor where that is coupled, else the one that turns most with it.
     """
     if not arm.drives.coupling:
         return None

@@ -29,7 +29,7 @@ from ur5lib.robots.friction import OPTIONAL_TERMS, TERMS, JointMotion, coefficie
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
-MAX_GAIN_HALF = 0.05  # of the 95 % interval of a measured torque's gain: 1 before, to some per cent
+MAX_GAIN_HALF = 0.05  # a measured torque's gain, 1 before, has at most this half of a 95 % interval
 # Standard deviation of a joint's friction from day to day, relative, where recordings of one day do
 # not show it. On seven dates of a UR10e, it is 0.06 on the most different date and 0.035 on all.
 DAY_TO_DAY_STD = 0.07
@@ -39,9 +39,9 @@ RUN_TO_RUN_STD = 0.03
 # Relative variance of a joint's friction d days from a recorded date, σ² = a² + b² d: a prior by a
 # UR10e. Its friction differs by 0.012 within a day, 0.02 within a week, and 0.046 after 25 days.
 SAME_DAY_STD, DAILY_STD = 0.006, 0.0084
-SEASON = 140.0  # days, which count as between recordings without dates
+SEASON = 140.0  # recordings without dates count as this many days apart
 MIN_BREAKAWAY_TORQUE = 0.1  # Nm
-PASSIVE = "coulomb", "viscous", "rotor"  # below zero, they would drive the joint
+PASSIVE = "coulomb", "viscous", "rotor"  # these would drive the joint if they were below zero
 POSITIVE = ("torque_constant", *(f"{of}{name}" for of in ("", "coupled_") for name in PASSIVE))
 OPTIONAL_COEFFICIENTS = coefficient_names(OPTIONAL_TERMS)
 
@@ -54,7 +54,7 @@ def torque_constants(fit: CurrentFit) -> Array:
 def constants_band(fit: CurrentFit) -> Array:
     """Return half of the relative 95 % intervals (6,) of the torque constants over 1.96.
 
-    Of few paths, that is more than `constants_doubt`: their standard errors are uncertain, too.
+    With few paths, that is more than `constants_doubt`: their standard errors are uncertain, too.
     """
     shares = np.array([joint.estimate.prior_share[0] for joint in fit.joints])
     return half_width(constants_doubt(fit), fit.units, shares) / NORMAL95
@@ -69,7 +69,7 @@ def constants_doubt(fit: CurrentFit) -> Array:
 def breakaway_torque(fit: CurrentFit) -> Array:
     """Return Coulomb friction (6,) [Nm], up to which dry friction keeps a joint at rest.
 
-    Without its load-dependent part; at least MIN_BREAKAWAY_TORQUE.
+    It excludes the load-dependent part, and is at least MIN_BREAKAWAY_TORQUE.
     """
     coulomb = [
         dry_friction(joint.terms, physical_values(joint.estimate.coefficients))
@@ -193,8 +193,9 @@ def unseen_difference(
 def parameters(fit: CurrentFit, measured: Effort = CURRENT) -> list[Parameter]:
     """Return torque constants [Nm/A], offsets [Nm] and friction [Nm, Nm s/rad, ...].
 
-    measured: of torques, gains [Nm/Nm] in place of constants, which are determined within 5 %, and
-    offsets, friction and rotors are where their sign is. None is that drives the joint.
+    measured: torques have gains [Nm/Nm] in place of constants, which are determined within 5 %;
+    their offsets, friction and rotors are determined where the sign is. A parameter that drives the
+    joint is not determined.
     """
     friction = ["offset", *coefficient_names([*TERMS])]
     signed = ["torque_constant", *(friction if measured == TORQUE else ())]

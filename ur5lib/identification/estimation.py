@@ -26,7 +26,7 @@ from ur5lib.records.friction import CoefficientEstimate
 from ur5lib.robots.friction import BASE_TERMS, coefficient_names
 from ur5lib.timeseries.arrays import Array, Labels
 
-VAGUE_PRECISION_SHARE = 1e-6  # of a precision, which leaves a value to the data
+VAGUE_PRECISION_SHARE = 1e-6  # this share of a precision leaves a value to the data
 
 
 def estimate_together(

@@ -21,7 +21,7 @@ from ur5lib.timeseries.arrays import Array, Mask
 
 Motion = tuple[Array, Array, Array]
 
-PARAMETER_GROUPS = {  # of parameters, by the words their names begin with
+PARAMETER_GROUPS = {  # the words that begin the names of a group's parameters
     "gravity": "m ",
     "inertia": "I_",
     "rotors": "rotor inertia",

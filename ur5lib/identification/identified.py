@@ -20,7 +20,7 @@ from ur5lib.records.models import BaseParameter, Identification
 from ur5lib.timeseries.arrays import Array
 
 TORQUE_RESOLUTION = 1e-3  # Nm: noise of a torque in the excitation check
-SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²: of the motions that it may suggest
+SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²; it may suggest motions up to these
 
 
 class RigidLinks(Protocol):

@@ -18,8 +18,8 @@ from ur5lib.identification.samples import JointSamples, apart_from
 from ur5lib.timeseries.arrays import Array, Mask
 
 HELD_FRICTION_SHARE = -0.45  # `held_current` over Coulomb friction: median of four arms' 24 joints
-MAX_FOLDS = 10  # of cross-fitting
-MIN_SAMPLES = 20  # (2 s) of which an error is stated
+MAX_FOLDS = 10  # cross-fitting has at most this many
+MIN_SAMPLES = 20  # an error is stated from this many samples (2 s) on
 
 
 def left_out_residuals(samples: JointSamples, prior: Prior) -> Array:

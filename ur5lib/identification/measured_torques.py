@@ -165,8 +165,8 @@ def ratio(errors: Array, others: Array) -> Array:
 def with_bodies(value: Array, spread: Array, size: int, bounds: LinkBounds) -> Array:
     """Return coefficients (C,) of which the first `size`, the links', are those of bodies.
 
-    value, S = spread: estimate and its covariance S Sᵀ. The nearest in its metric: the rest follows
-    the links by what they share.
+    value, S = spread: estimate and its covariance S Sᵀ. They are the nearest in its metric: the
+    rest follows the links by their covariance.
     """
     root = marginal_root(spread, size)
     parameters = nearest_bodies(value[:size], root, bounds)

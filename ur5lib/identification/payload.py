@@ -27,12 +27,12 @@ from ur5lib.robots.friction import GEAR_EFFICIENCY_STD, JointMotion
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.metrics import NORMAL95
 
-FRICTION_ROUNDS = 5  # of estimating load and friction in turn
-PAYLOAD_DRAWS = 50  # of the bootstrap
+FRICTION_ROUNDS = 5  # load and friction are estimated in turn so often
+PAYLOAD_DRAWS = 50  # the bootstrap has this many
 UNSCALED_TORQUE_ERROR = 0.3  # relative error of a joint's torque under a load, before it is scaled
 SCALED_TORQUE_ERROR = 0.1  # the same after it is scaled
-RUN_PARTS = 3  # each of which must show the load
-AXIS_TOLERANCE = 1e-9  # of the longest principal axis: what is shorter is rounding
+RUN_PARTS = 3  # a run has this many, each of which must show the load
+AXIS_TOLERANCE = 1e-9  # what is shorter than this share of the longest principal axis is rounding
 PAYLOAD_PRIOR_STD = 100.0  # kg, kg m
 Maps = Sequence[Array]  # coefficients (P,) of each joint, as fitted or drawn
 

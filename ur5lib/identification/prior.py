@@ -19,18 +19,18 @@ from ur5lib.timeseries.arrays import Array, Mask
 CURRENT_NOISE_SHARE = 0.005
 # The same of friction at rest: anywhere within Coulomb friction, about a twentieth of that torque.
 REST_FRICTION_STD = 0.05 / np.sqrt(3)
-PINNED_STD_SHARE = 1e-3  # of its standard deviation: what is left where a constant is pinned
+PINNED_STD_SHARE = 1e-3  # where a constant is pinned, this share of its standard deviation is left
 # Friction of a joint before any recording, mean and standard deviation, near those of the larger of
 # 20 joints of a UR3, a UR5, a UR10 and a UR10e: relative to the motor's largest torque, load
 # friction to the transmitted.
 COULOMB_PRIOR = (0.045, 0.011)
 VISCOUS_PRIOR = (0.06, 0.014)
 LOAD_PRIOR = (0.06, 0.04)
-OFFSET_STD_SHARE = 0.007  # of the largest torque
+OFFSET_STD_SHARE = 0.007  # an offset has this standard deviation, relative to the largest torque
 OFFSET_NAME = "offset"
-WIDE_GAIN_STD = 0.3  # of a measured torque's gain, where it is on trial
+WIDE_GAIN_STD = 0.3  # a measured torque's gain that is on trial has this standard deviation
 STANDSTILL_SPEED = 1e-3  # rad/s
-MIN_RATIO_TORQUE = 0.1  # Nm, of which a ratio to the current is taken
+MIN_RATIO_TORQUE = 0.1  # Nm; a ratio to the current is taken of larger torques
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from ur5lib.timeseries.metrics import NORMAL95, STD_PER_MAD
 
 HUBER_LIMIT = 1.345  # standard deviations; 95 % efficient where errors are normal (Huber 1964)
 REWEIGHTING_ROUNDS = 10
-USUAL_NOISE_BLOCKS = 3.0  # blocks of the data that the usual noise counts as
-REPLICATE_COUNT = 500  # of the bootstrap
+USUAL_NOISE_BLOCKS = 3.0  # the usual noise counts as this many blocks of the data
+REPLICATE_COUNT = 500  # the bootstrap has this many
 
 
 @dataclass(frozen=True)

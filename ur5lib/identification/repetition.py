@@ -22,7 +22,7 @@ from ur5lib.timeseries.trajectories import (
     scaled_states,
 )
 
-MIN_COMMON_DURATION = 1.0  # s, that two runs share, below which they are not compared
+MIN_COMMON_DURATION = 1.0  # s; two runs that share less are not compared
 
 
 class PathRun(NamedTuple):

@@ -19,7 +19,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.timeseries.arrays import Array
 
-RECORDING_PARTS = 8  # into which a single recording is divided
+RECORDING_PARTS = 8  # a single recording is divided into this many
 
 
 @dataclass(frozen=True)

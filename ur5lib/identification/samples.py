@@ -32,11 +32,11 @@ from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import BLOCK_DURATION, DEAD_ZONE, starts
 from ur5lib.timeseries.trajectories import PathStates, group_by_path
 
-INDEPENDENT_STEP = 0.1  # s, between samples that count as independent
-WHOLLY = 0.9  # share of the low-pass's weight that counts as its whole reach
+INDEPENDENT_STEP = 0.1  # s; samples this far apart count as independent
+WHOLLY = 0.9  # this share of the low-pass's weight counts as its whole reach
 MIN_UNITS = 5  # paths, or stretches; with fewer, smaller parts are resampled
 BLOCKS_PER_STRETCH = 5
-MIN_PATHS = 3  # as many as README asks for
+MIN_PATHS = 3  # README asks for this many
 
 
 class MotionState(IntEnum):

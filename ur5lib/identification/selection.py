@@ -37,11 +37,11 @@ class Shown(NamedTuple):
 
 
 def with_shown_terms(samples: Sequence[JointSamples], prior: Prior) -> tuple[Prior, list[Array]]:
-    """Return a prior over the terms and the distance that what is left out shows, of all joints,
-    and what each joint's fits to others then leave of its samples (n,) [A].
+    """Return a prior over the terms and the distance that left-out samples of all joints show, and
+    what each joint's fits to others then leave of its samples (n,) [A].
 
-    samples: of the joints, with all columns. Of fewer paths than MIN_PATHS, stretches are left out,
-    which show no Stribeck friction: it would be wrong at other speeds.
+    samples: of the joints, with all columns. With fewer paths than MIN_PATHS, stretches are left
+    out. They show no Stribeck friction: it would be wrong at other speeds.
     """
     parts = [*map(in_units, samples)]
     fits = fits_of(parts, prior)

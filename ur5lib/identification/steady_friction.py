@@ -19,7 +19,7 @@ from ur5lib.robots.friction import JointMotion, friction_columns
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
-# Of which totals are stated, in positive direction; at the first, as it begins to move.
+# Totals are stated at these, in positive direction; at the first, as the joint begins to move.
 STATED_VELOCITIES = np.array([0.0, 0.1, 0.5, 1.0])  # rad/s
 
 

@@ -24,7 +24,7 @@ from ur5lib.robots.friction import coefficient_names, friction_columns
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 BALANCE, COUPLED = "balance", "coupled"
-ROWS_PER_CUTOFF = 5  # per period of the low-pass's cut-off: a row each 0.1 s at 2 Hz
+ROWS_PER_CUTOFF = 5  # a period of the low-pass's cut-off has this many: a row each 0.1 s at 2 Hz
 
 Block = tuple[Array, Array]  # regressors (N, n, P) and torques (N, n) [Nm]
 

@@ -27,8 +27,8 @@ from ur5lib.timeseries.segments import DEAD_ZONE, in_chunks
 
 SPEED_BINS = np.array([0.0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, np.inf])  # rad/s
 ROTOR = "rotor"  # the term of a joint's rotor
-FOLDS = 10  # of paths, or of parts of one, each predicted from the others
-MIN_SHARE_IN_BAND = 0.9  # of the samples of a bin, in the 95 % band
+FOLDS = 10  # paths, or parts of one, form this many, each predicted from the others
+MIN_SHARE_IN_BAND = 0.9  # the 95 % band of a bin has this share of its samples
 
 
 def coefficients_of_constants(
@@ -185,8 +185,8 @@ class ShareBySpeed:
     def suffices(self) -> tuple[float, float]:
         """Return the speeds [rad/s] from which and up to which every bin has the wanted share.
 
-        Infinite where the fastest bin with a share does, too. Of several such ranges, the one with
-        most samples; NaN without any.
+        Infinite where the fastest bin with a share does, too. The range with most samples is taken
+        of several; NaN without any.
         """
         known_bins = np.flatnonzero(np.isfinite(self.share))
         runs = [

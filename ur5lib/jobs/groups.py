@@ -18,8 +18,9 @@ def groups_of_topics() -> dict[str, str]:
 def _groups(rules: Path) -> Iterator[tuple[str, str]]:
     """Yield each step of a file of rules with its group.
 
-    A step of a recording is one of its judgement, but for estimates of forces, for which thresholds
-    wait; one of an arm is one of the document, unless recordings wait for it as they do for fits.
+    A recording's step is in the group of its judgement, but for estimates of forces, for which
+    thresholds wait. An arm's step is in the group of the document, or in that of the fits if
+    recordings wait for it.
     """
     text = rules.read_text(encoding="utf-8")
     for step, body in RULE.findall(text):

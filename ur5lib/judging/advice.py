@@ -62,8 +62,8 @@ def _of_recordings(code: str, names: list[str], value: float | None = None) -> I
 
 def _contradicted(study: StudyTables) -> dict[str, tuple[list[int], list[int]]]:
     """Return by arm the joints with constants that contradict the documented ones for no clear
-    cause: those that gravity loads, which show it, and the others, whose currents say little about
-    a constant.
+    cause: those that gravity loads, which show it, and the others, with currents that say little
+    about a constant.
     """
     found: dict[str, tuple[list[int], list[int]]] = {}
     for row in study.rows("remarks", code=CONTRADICTIONS).itertuples():

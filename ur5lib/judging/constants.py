@@ -12,7 +12,7 @@ from ur5lib.records.quality import STOP
 from ur5lib.records.verdicts import Reason, State, Verdict, reason_in
 
 QUESTION = "constants"
-CONSTANTS = ["torque_constant", "gain"]  # the parameter, of currents and of measured torques
+CONSTANTS = ["torque_constant", "gain"]  # the parameter of currents and of measured torques
 
 
 def constants(study: StudyTables) -> pd.DataFrame:

@@ -16,7 +16,7 @@ from ur5lib.records.contacts import FATES, OFF_FLANGE
 from ur5lib.records.verdicts import FalseAlarms, Noticed, Reason, Verdict, reason_in
 from ur5lib.timeseries.metrics import NORMAL95
 
-EVERY_DAY, WITHOUT_FIT, FARTHEST = "all", "without fit", "farthest"  # days of a recording
+EVERY_DAY, WITHOUT_FIT, FARTHEST = "all", "without fit", "farthest"  # choices of a recording's days
 
 
 def at_sensors(study: StudyTables) -> pd.DataFrame:

@@ -23,7 +23,7 @@ from ur5lib.records.verdicts import ErrorParts, Reason, State, Verdict
 from ur5lib.timeseries.metrics import NORMAL95
 
 QUESTION = "force"
-RANK = {name: place for place, name in enumerate([*NEW, *PUBLISHED])}  # in the report's order
+RANK = {name: place for place, name in enumerate([*NEW, *PUBLISHED])}  # the report has this order
 RIVAL = "least squares without a detector"
 
 
@@ -222,7 +222,7 @@ def _worth(part: pd.DataFrame) -> Iterator[tuple[str, float, str, "pd.Series[Any
 
 
 def error_parts(study: StudyTables) -> Iterator[ErrorParts]:
-    """Yield by recording of what the error in contact consists, means over x, y, z; friction: what
+    """Yield the parts of the error in contact by recording, means over x, y, z; friction: what
     neither alarms nor a gain explain.
     """
     rows = in_contact(study)

@@ -16,7 +16,7 @@ from ur5lib.records.verdicts import Reason, RecordingUse, State, Verdict
 QUESTION = "recordings"
 LOST_FRAMES = "lost frames"
 OF_FRAMES = (LOST_FRAMES, "impossible frames")  # findings that count frames
-IN_WORDS = {TOUCHED: "contacts in a recording whose role denies them"}  # of findings
+IN_WORDS = {TOUCHED: "contacts in a recording whose role denies them"}  # words of findings
 SEVERITIES = ("stop", "error", "warning", "note")  # most serious first; see docs/report.md
 STATES: dict[str, tuple[State, Reason]] = {
     "stop": ("do not use", "stopped"),
@@ -89,8 +89,8 @@ def lost_shares(study: StudyTables) -> dict[str, float]:
 
 
 def felt_while_fitted(study: StudyTables) -> list[str]:
-    """Return the recordings of the role fit on which more contacts are found, by a fit without
-    them, than the rate of alarms on the arm's other ones, and on usual ones, lets expect.
+    """Return the recordings of the role fit on which a fit without them finds more contacts than
+    expected from the rate of alarms on the arm's other ones, and on usual ones.
     """
     alarms = study.rows("contacts", estimate=LEADING, kind=[*OF_CONTACTS, "false"])
     found = alarms["recording"].value_counts()

@@ -10,11 +10,11 @@ from ur5lib.timeseries.arrays import Array
 
 Source = Literal["study", "tool", "tcp_offset", "actual_TCP_pose", "sensor", "payload", "none"]
 
-TOOL_RADIUS = 0.03  # m, of a tool about its tool centre point
+TOOL_RADIUS = 0.03  # m; a tool reaches this far about its tool centre point
 TOOL_WEIGHT = 20.0  # samples for which a place counts in addition to the contact's own
 WRIST_RADIUS = 0.1  # m; the same where there is no tool centre point
 WRIST_WEIGHT = 1.0
-MIN_TCP_DISTANCE = 0.005  # m from the flange: a nearer tool centre point was never set
+MIN_TCP_DISTANCE = 0.005  # m; a tool centre point that is nearer to the flange was never set
 
 
 @dataclass(frozen=True)

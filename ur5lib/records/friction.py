@@ -11,8 +11,9 @@ from ur5lib.robots.friction import coefficient_names
 from ur5lib.tables import BY_KEY
 from ur5lib.timeseries.arrays import Array
 
-MAX_PRIOR_SHARE = 0.5  # above which the data do not determine a parameter
-TOTAL = "total_"  # begins the names of a joint's total friction, then its velocity [rad/s]
+MAX_PRIOR_SHARE = 0.5  # above it, the data do not determine a parameter
+# The names of a joint's total friction begin with it; the velocity [rad/s] follows.
+TOTAL = "total_"
 
 
 @dataclass(frozen=True)

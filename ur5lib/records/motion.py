@@ -10,7 +10,7 @@ from ur5lib.records.table import JOINTS, XYZ, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.kalman import InnovationTest
 
-# rad, within which an arm at rest is read the same again. Friction reverses over as much.
+# An arm at rest is read the same again within this [rad]. Friction reverses over as much.
 SAME_POSTURE = 1e-4
 
 
@@ -66,7 +66,7 @@ def motions_before(own: Motion, chain: Sequence[str], motion: Mapping[str, Motio
 class FusedMotion(Motion):
     """The same from encoders and IMU, and the IMU's biases, (N, 3) [m/s², rad/s].
 
-    Without any sample where no IMU's clock could be estimated from its motion.
+    It has no sample where no IMU's clock could be estimated from its motion.
     """
 
     accelerometer_bias: Array = channel("accelerometer_bias", "m/s2", XYZ)

@@ -19,7 +19,7 @@ MAX_SHARE_UNMODELLED = 0.15
 CONTACT_TORQUE_SHARE = 0.1
 ODD_TARGET = "odd target"  # the finding that a target of a current is to blame
 UNREADABLE = "unreadable"  # the finding that a recording cannot be read
-STOP = "stop sign"  # in the place of a step of a remark: no forces are stated for the arm
+STOP = "stop sign"  # it replaces a remark's step: no forces are stated for the arm
 SAME_RUN = "same run"  # the finding that a recording's contents are those of another one
 UNUSUAL_FRICTION = "unusual friction"  # the finding that friction hides a contact's force
 UNCHECKED = (  # findings of what could not be checked, the riskiest first
@@ -35,7 +35,7 @@ UNCHECKED = (  # findings of what could not be checked, the riskiest first
     "clock not checked",
     "contact not checked",
 )
-SENSORS: dict[str, Device] = {"force_sensor": "force", "imu": "imu"}  # by key of the study
+SENSORS: dict[str, Device] = {"force_sensor": "force", "imu": "imu"}  # their keys in the study
 
 
 @dataclass(frozen=True)

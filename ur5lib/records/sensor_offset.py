@@ -15,7 +15,7 @@ class Offset:
     frame; *_std: their standard errors; mass and arm are NaN if the arm turned too little to
     separate weight from bias (the bias then contains both); noise: (6,), standard deviation of a
     free sample; agreeing: share of the samples that agree with this offset; rival: largest share
-    of the others that agree on another offset. Of a sensor without moments, what needs them is NaN.
+    of the others that agree on another offset. What needs moments is NaN for a sensor without them.
     """
 
     bias: Array

@@ -14,9 +14,10 @@ from ur5lib.timeseries.segments import by_segment
 # Above it, measured accelerations are noise, the controller's are not; no setting changes it.
 ACCELERATION_ORDER, ACCELERATION_CUTOFF = 4, 2.0  # Hz
 
-MIN_TARGET_TRAVEL, MIN_LED_TRAVEL = 0.01, 0.1  # rad, of a target that moves, of a joint that is led
+# A target that moves, and a joint that is led, travel at least this far.
+MIN_TARGET_TRAVEL, MIN_LED_TRAVEL = 0.01, 0.1  # rad
 
-SENSOR_COLUMNS = {  # of force [N] and torque [Nm], of acceleration [m/s²] and rate [rad/s]
+SENSOR_COLUMNS = {  # they are of force [N] and torque [Nm], of acceleration [m/s²] and rate [rad/s]
     "force": columns("ft"),
     "imu": [*columns("imu_a"), *columns("imu_g")],
 }

@@ -18,7 +18,7 @@ from ur5lib.tables import ByKey, Source, read_columns, read_footer, write_table
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import period
 
-JOINTS = ("0", "1", "...")  # as many as the arm has
+JOINTS = ("0", "1", "...")  # there are as many as the arm has
 SIX = tuple("012345")
 WRENCH = ("Fx", "Fy", "Fz", "nx", "ny", "nz")
 WRENCH_UNITS = ["N"] * 3 + ["Nm"] * 3

@@ -25,12 +25,12 @@ from ur5lib.report.stated import (
 )
 from ur5lib.report.views.forces import leading, searched
 
-MOST_FINDINGS = 8  # that a reader takes in; the tables have all
+MOST_FINDINGS = 8  # a reader takes in this many; the tables have all
 MOST_OF_A_KIND = 3
-WRENCH_NAME = r"(?i)force|wrench|\bft[_x]|\bf_?[xyz]\b"  # among the columns of a file
+WRENCH_NAME = r"(?i)force|wrench|\bft[_x]|\bf_?[xyz]\b"  # columns of a file with a wrench match it
 EXPLAINED = "explained contradiction"  # code of a remark that names the cause
 CONTRADICTIONS = ["unlikely constant", "current against constant", "torque against gain", EXPLAINED]
-ASIDE = re.compile(r"\((by itself, .*)\)$")  # in the words of such a remark: the numbers
+ASIDE = re.compile(r"\((by itself, .*)\)$")  # the words of such a remark have its numbers there
 
 Found = tuple[str, list[str]]
 """A table, and the findings of one kind that are in it."""

@@ -22,7 +22,7 @@ from ur5lib.report.stated import (
     remedy,
 )
 
-MAX_STEPS = 3  # that a reader remembers
+MAX_STEPS = 3  # a reader remembers this many
 NO_PLACE = "[x, y, z]"  # it replaces a centre of mass that is to be measured
 
 
@@ -241,7 +241,7 @@ def _pushes(asked: Asked) -> Step:
     return Step(f"{record}: without one, the error of the force is unknown.", "role: contact")
 
 
-ASKED: dict[str, Callable[[Asked], Step]] = {  # of the codes of advice.csv
+ASKED: dict[str, Callable[[Asked], Step]] = {  # the codes are those of advice.csv
     "stop_recording": _stop_recording,
     "stop_arm": _stop_arm,
     "touched": _touched,

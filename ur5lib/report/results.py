@@ -16,7 +16,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.workspace.origin import commit
 
 MOST_SHOWN = 4  # recordings with tables and figures of their own in one section
-MOST_ROWS = 60  # of a table; of more recordings, none has a row of its own
+MOST_ROWS = 60  # a table has at most this many; of more recordings, none has a row of its own
 PACKAGES = ["snakemake", "numpy", "scipy", "pandas", "pyarrow"]
 PACKAGES += ["torch", "pytorch-kinematics", "mujoco", "matplotlib", "typst"]
 
@@ -98,7 +98,7 @@ class Results(StudyTables):
     def shown(self, names: Sequence[str], most: int = MOST_SHOWN) -> list[str]:
         """Return the first few recordings, as a report has room for, of those with figures.
 
-        Of many recordings, it is one: each has a page of its own.
+        A study of many recordings shows one: each has a page of its own.
         """
         most = 1 if self.many else most
         return [name for name in dict.fromkeys(names) if name in self.drawn][:most]

@@ -10,10 +10,11 @@ from ur5lib.errors import OVERRULED_BY, printable
 from ur5lib.report.results import Results
 
 MOST_NAMED = 3  # recordings that a sentence names
-MIN_CLAIM_WORDS = 4  # of a part of a finding that says what is wrong; a shorter one is a place
-LINE = re.compile(r"`([\w ]+: [^`]+)`")  # of a study or a description, in a sentence
+# A part of a finding that says what is wrong has this many words; a shorter one is a place.
+MIN_CLAIM_WORDS = 4
+LINE = re.compile(r"`([\w ]+: [^`]+)`")  # a sentence quotes a line of a study or a description so
 UNSPACED = re.compile(r"(?<=\d)%")
-LOAD_BESIDE_AXIS = "0.06 0 0.05"  # m, in frame 6, so that gravity loads the last joint
+LOAD_BESIDE_AXIS = "0.06 0 0.05"  # m; gravity on a load there, in frame 6, loads the last joint
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,8 @@ from ur5lib.strict import Strict
 
 SCHEMA_FILE = "results.schema.json"
 KEY = ("question", "arm", "quantity", "unit", "interval", "joint", "axis", "motion", "recording")
-WHOLE = {"rank", "joint", "count", "of"}  # numbers without decimals
-DIGITS = 3  # significant ones, by which a number is another one
+WHOLE = {"rank", "joint", "count", "of"}  # these numbers have no decimals
+DIGITS = 3  # another number differs in this many significant ones
 
 
 @dataclass(frozen=True)

@@ -25,16 +25,18 @@ from ur5lib.timeseries.arrays import Array, Six
 
 DESCRIPTION_FOLDER = Path(__file__).parent
 JOINT_SIZES_FILE = DESCRIPTION_FOLDER / "joint_sizes.yaml"
-DROPPED_KEYS = ("friction_terms", "presliding")  # of older descriptions; without effect
-PROJECT_FOLDER = Path("robots")  # of the user's project, for further arms
+DROPPED_KEYS = ("friction_terms", "presliding")  # older descriptions have them; they have no effect
+PROJECT_FOLDER = Path("robots")  # the user's project has further arms there
 INVALID_DESCRIPTION = "is not a valid description of an arm (docs/robots.md)"
-# An assumed load has these shares of the rated payload and of the links' mass.
+# The load that an arm carries well has these shares of the rated payload and of the links' mass.
 LOAD_SHARE, LINKS_SHARE = 0.4, 0.1
-LOAD_PLACE = (0.06, 0.0, 0.05)  # m, of its centre of mass
-SAME_LINKS = {"ur7e": "ur5e", "ur12e": "ur10e"}  # by their kinematics, masses and inertias
+LOAD_PLACE = (0.06, 0.0, 0.05)  # m; its centre of mass is there
+# Their kinematics, masses and inertias are those of the others.
+SAME_LINKS = {"ur7e": "ur5e", "ur12e": "ur10e"}
 GRAVITY_RANGE = (9.0, 10.5)  # m/s², on earth
 USUAL_ACCELERATION = 15.0  # rad/s²
-SMALLEST_DETERMINANT = 1e-3  # of a coupling's matrix, 1 of a single coupled motor
+# A coupling's matrix has at least this determinant; a single coupled motor has 1.
+SMALLEST_DETERMINANT = 1e-3
 
 Vector3 = tuple[float, float, float]
 T = TypeVar("T")
@@ -387,7 +389,7 @@ class Robot(Described):
     def maker_torque_constants(self) -> list[float]:
         """Return the manufacturer's Nm/A of each joint, after the gears; NaN where unknown.
 
-        Of measured torques, which are those of the joints, the gain: 1 Nm/Nm.
+        Measured torques are those of the joints; they have a gain of 1 Nm/Nm.
         """
         if self.measured == TORQUE:
             return [1.0 for _ in self.joints]
@@ -475,7 +477,7 @@ class Robot(Described):
 
     def known_load(self) -> Payload | None:
         """Return a load that shows the wrist's constants and that the arm carries well: a share of
-        the rated payload or, without one, of the links' mass; None of unknown links.
+        the rated payload or, without one, of the links' mass; None for unknown links.
         """
         mass = LOAD_SHARE * (self.rated_payload or 0.0)
         if not mass and self.links != "unknown":

@@ -17,21 +17,21 @@ from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import DEAD_ZONE, by_segment, starts
 from ur5lib.workspace.extensions import additions, failed
 
-GEAR_EFFICIENCY_STD = 0.03  # relative, of the gears' efficiency between runs and poses
-# With which the largest torque turns a rotor alone, at least: 90 rad/s² on a UR5, 360 on a TX40.
+GEAR_EFFICIENCY_STD = 0.03  # the gears' relative efficiency varies by this between runs and poses
+# The largest torque turns a rotor alone at least this fast: 90 rad/s² on a UR5, 360 on a TX40.
 ROTOR_ACCELERATION = 50.0  # rad/s²
-INERTIA_STD = 0.2  # relative, of the inertias of a description's links
+INERTIA_STD = 0.2  # the inertias of a description's links have this relative error
 # Presliding distance: Coulomb torque over it is the stiffness of a gear, 1e4 to 1e5 Nm/rad.
 PRESLIDING_DISTANCE = 1e-4  # rad
 # A part of a joint's friction at rest may reverse over these distances: at once, as by noise and
 # hunting, or with a long memory.
 REST_DISTANCES = (1e-5, 1e-3)  # rad
-STRIBECK_SPEEDS = (0.01, 0.05, 0.2)  # rad/s, over which dry friction falls from rest
+STRIBECK_SPEEDS = (0.01, 0.05, 0.2)  # rad/s; dry friction falls from rest over one of these
 ROOT_LINE = 4 / 15, 4 / 5  # nearest to the root of velocity from 0 to 1 rad/s, and its slope
 FINE_STEP = 0.01  # s; within steps of slower logs, joints reverse between samples
-START_DISTANCE = max(REST_DISTANCES)  # rad, within which a joint depends on what was before
+START_DISTANCE = max(REST_DISTANCES)  # rad; within it, a joint depends on what was before
 NEGLIGIBLE = 1e-3  # share of friction's direction
-# Of a joint in motion, at which friction has the coefficients of its other terms.
+# Friction of a joint in motion has the coefficients of its other terms at this temperature.
 USUAL_TEMPERATURE = 30.0  # °C
 
 
@@ -85,7 +85,7 @@ class Term:
 
 
 BASE_TERMS = ("coulomb", "viscous", "load")
-PARAMETER_UNITS = {  # of what is fitted to each joint, that shows its motor
+PARAMETER_UNITS = {  # what is fitted to each joint, and shows its motor, has these
     "torque_constant": "Nm/A",
     "gain": "Nm/Nm",
     "offset": "Nm",
@@ -146,7 +146,7 @@ TERMS = {
 }
 SPEED_TERMS = ("velocity_root", "velocity_square")  # kept, or added, by paths left out
 STRIBECK = "velocity_stribeck"  # the term that is tried last, as friction at rest looks like it
-# Which some arms or joints have.
+# Some arms or joints have these.
 OPTIONAL_TERMS = (*SPEED_TERMS, STRIBECK, "coupled", "balance", "rotor")
 
 

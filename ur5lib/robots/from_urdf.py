@@ -27,13 +27,13 @@ MIN_JOINTS = 2
 MAX_JOINTS = 8
 REVOLUTE_TYPES = ("revolute", "continuous")
 PLACEHOLDER_MASS, PLACEHOLDER_INERTIA = 1.0, 0.01 * np.eye(3)  # kg, kg m²
-ASSUMED_TORQUE, ASSUMED_VELOCITY = 1000.0, 3.0  # Nm, rad/s: where a file has no limits
-GRAVITY = (0.0, 0.0, -STANDARD_GRAVITY)  # m/s², in the axes of the base link
+ASSUMED_TORQUE, ASSUMED_VELOCITY = 1000.0, 3.0  # Nm, rad/s; they replace limits that a file lacks
+GRAVITY = (0.0, 0.0, -STANDARD_GRAVITY)  # m/s²; it is given in the axes of the base link
 MAX_USUAL_ANGLE, MAX_USUAL_LENGTH = 4 * np.pi, 10.0  # rad, m
 NUMERIC_TAGS = ("origin", "axis", "mass", "inertia", "limit")
 PHYSICAL = "physical"  # link model of possible bodies
-XACRO = "xacro"  # in the names of elements that xacro replaces
-RIGHT_ANGLE_TOLERANCE = 1e-11  # of a rotation's entry: 1.57079632679 is a right angle
+XACRO = "xacro"  # the names of elements that xacro replaces contain it
+RIGHT_ANGLE_TOLERANCE = 1e-11  # a rotation's entry may be off by it: 1.57079632679 is a right angle
 
 
 def robot_from_urdf(

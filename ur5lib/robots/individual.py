@@ -36,7 +36,7 @@ ROS_LINKS = ("shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3"
 # A calibration farther from the nominal frames is another arm's.
 MAX_FRAME_DISTANCE = 0.05  # m
 MAX_FRAME_TURN = 0.05  # rad
-FIRST_AXIS_TOLERANCE = 1e-6  # m, rad, to the axis of the base
+FIRST_AXIS_TOLERANCE = 1e-6  # m, rad; the first axis is within this of the base's
 
 
 def calibrated_robot(robot: Robot, path: str | Path) -> Robot:

@@ -9,7 +9,7 @@ import numpy as np
 from ur5lib.robots.description import Cylinder, Payload, Pose, Robot
 from ur5lib.timeseries.arrays import Array
 
-WRITTEN_SHARE = 1e-5  # of an inertia, which survives rounding to six digits
+WRITTEN_SHARE = 1e-5  # this share of an inertia survives rounding to six digits
 
 
 @dataclass(frozen=True)

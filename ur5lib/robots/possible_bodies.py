@@ -10,8 +10,9 @@ from scipy.optimize import nnls
 from ur5lib.robots.inertia import WRITTEN_SHARE
 from ur5lib.timeseries.arrays import Array
 
-THINNEST = 1e-4  # m: smallest radius of gyration, of a sheet across its plane
-ROUNDING = 1e-3  # of the sum of principal moments: a sheet's, written with three digits
+THINNEST = 1e-4  # m; a sheet has this radius of gyration across its plane
+# A sheet's principal moments, written with three digits, err by this share of their sum.
+ROUNDING = 1e-3
 
 
 def impossibility(mass: float, inertia: Array) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ur5lib.timeseries.arrays import Array
 
-SOFTWARE_BY_SIZE = {  # of the controller, by the size of its messages [bytes]
+SOFTWARE_BY_SIZE = {  # the size of its messages [bytes] shows the controller's software
     756: "1.5, 1.6",
     764: "1.7",
     812: "1.8",
@@ -17,7 +17,7 @@ SOFTWARE_BY_SIZE = {  # of the controller, by the size of its messages [bytes]
     1140: "3.14, 3.15, 5.9",
     1220: "5.10 and later",
 }
-# Of the first layouts from software 1.7 and 3.0 on.
+# The first layouts from software 1.7 and 3.0 on have these.
 SIZE_OF_1_7 = 764  # bytes
 SIZE_OF_3 = 1044  # bytes
 

@@ -1,7 +1,7 @@
 """Poses and torques of gravity in NumPy, for checks that do not load torch.
 
-`ur5lib/dynamics` computes poses and torques, too, and motion as well; the tests compare both. To
-load torch would make `ur5 check` of a recording without sensors take 3.5 s instead of 2.3 s.
+`ur5lib/dynamics` computes poses and torques, too, and motion as well; the tests compare both.
+Loading torch would make `ur5 check` of a recording without sensors take 3.5 s instead of 2.3 s.
 """
 
 import numpy as np
@@ -10,11 +10,11 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.inertia import link_tail, rigid_bodies
 from ur5lib.timeseries.arrays import Array
 
-POSTURES = 200  # at random, of which one loads each joint that gravity can load
-BEARING_SHARE = 0.03  # of a joint's largest torque
+POSTURES = 200  # of this many random ones, one loads each joint that gravity can load
+BEARING_SHARE = 0.03  # a joint bears something from this share of its largest torque on
 
 STANDARD_GRAVITY = 9.81  # m/s²
-MIN_SINGULAR_VALUE = 0.03  # of J_g, with rows in m and rad
+MIN_SINGULAR_VALUE = 0.03  # J_g has at least this one, with rows in m and rad
 # Share of the largest, of torques per mass and first moment. Smaller ones do not distinguish links.
 SMALLEST_SINGULAR_VALUE = 1e-3
 

@@ -15,8 +15,8 @@ from ur5lib.errors import InputError
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
 
-FRAMING_STARTS = ("def ", "sec ", "end", "global ")  # of lines without a command
-MOVE_ARGUMENTS: dict[str, dict[str, float | None]] = {  # with URScript's defaults, in SI units
+FRAMING_STARTS = ("def ", "sec ", "end", "global ")  # lines without a command begin so
+MOVE_ARGUMENTS: dict[str, dict[str, float | None]] = {  # their defaults are URScript's, in SI units
     "movej": {"q": None, "a": 1.4, "v": 1.05, "t": 0.0, "r": 0.0},
     "movel": {"pose": None, "a": 1.2, "v": 0.25, "t": 0.0, "r": 0.0},
 }

@@ -8,7 +8,8 @@ import numpy as np
 from ur5lib.records.clocks import ClockRelation, HostDrift, OwnClock, SettledClock
 from ur5lib.timeseries.arrays import Array
 
-CLOCK_WANDER = 0.004  # s, about a straight line: no jackknife of one recording contains it
+# A clock wanders by this about a straight line: no jackknife of one recording contains it.
+CLOCK_WANDER = 0.004  # s
 # Sources of a clock.
 STAMPS_METHOD = "start stamps"
 MOTION_METHOD = "angular rate"

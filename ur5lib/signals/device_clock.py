@@ -17,11 +17,11 @@ from ur5lib.timeseries.segments import by_segment, period
 GAP_STEPS = 5.0  # mean steps of a device; a longer one is a gap
 BAND_LIMIT = 4.0  # Hz; motion of the arm is below, vibration above
 FILTER_ORDER = 4
-# Of the search, and of plausible offsets, in standard errors of the stamps.
+# The search, and plausible offsets, go up to these, in standard errors of the stamps.
 SEARCH_DEVIATIONS = 10.0
 PLAUSIBLE_DEVIATIONS = 5.0
-MAX_DRIFT = 0.01  # far above the drift of a quartz
-MIN_EXPLAINED_SHARE = 0.8  # of the gyroscope's variance, by the joints
+MAX_DRIFT = 0.01  # the drift of a quartz is far below
+MIN_EXPLAINED_SHARE = 0.8  # joints explain at least this share of the gyroscope's variance
 JACKKNIFE_BLOCKS = 8  # few, so that each is longer than the residuals' correlation time
 MIN_BLOCK_SAMPLES = 20
 # Error that a jackknife of one recording does not contain: clocks from gyroscope and accelerometer

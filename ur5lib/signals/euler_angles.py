@@ -14,7 +14,7 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth, causal_lowpass
 
 CAUSAL = Butterworth(8, 4.7)  # N_b and Ω_c of Equation 5.12, which is Hz (erratum 4)
-EULER = {"euler": True, "euler, B corrected": False}  # whether by Equation 2.33 as printed
+EULER = {"euler": True, "euler, B corrected": False}  # whether Equation 2.33 is used as printed
 
 
 def by_euler_angles(

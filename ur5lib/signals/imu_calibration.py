@@ -15,7 +15,7 @@ from ur5lib.timeseries.segments import BLOCK_DURATION, by_segment
 RECORDING_PARAMETERS = (
     4  # parameters of a recording: the accelerometer's bias and a remaining clock error
 )
-PLACE_COLUMNS = slice(8, 11)  # of the IMU, after mounting, tilt and gyroscope's bias
+PLACE_COLUMNS = slice(8, 11)  # the IMU's follow mounting, tilt and gyroscope's bias
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ class ImuCalibration:
 
 
 _UNCHANGED: list[Any] = [*(np.zeros(n) for n in (3, 3, 2, 2, 3, 3, 3, 3, 3)), 1.0]
-NOMINAL_CALIBRATION = ImuCalibration(*_UNCHANGED)  # as in the arm's drawing
+NOMINAL_CALIBRATION = ImuCalibration(*_UNCHANGED)  # it is as in the arm's drawing
 
 
 def level_axes(gravity: Array) -> Array:

@@ -13,8 +13,8 @@ from ur5lib.signals.device_clock import even_samples, interpolate
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import by_segment
 
-PASSBAND_SHARE = 0.8  # of the robot's Nyquist frequency
-STOPBAND_ATTENUATION = 60.0  # dB, from the Nyquist frequency on
+PASSBAND_SHARE = 0.8  # the passband has this share of the robot's Nyquist frequency
+STOPBAND_ATTENUATION = 60.0  # dB; it applies from the Nyquist frequency on
 
 
 def resample(device: pd.DataFrame, clock: ClockRelation, time: Array) -> pd.DataFrame:

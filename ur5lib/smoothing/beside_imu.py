@@ -32,9 +32,9 @@ from ur5lib.timeseries.lowpass import Butterworth, inner_lowpass
 from ur5lib.timeseries.metrics import mean_absolute_error
 from ur5lib.timeseries.segments import DEAD_ZONE
 
-RANGE_ORDER = 4  # of the filters that separate ranges of frequency
+RANGE_ORDER = 4  # filters that separate ranges of frequency have this order
 FREQUENCY_RANGES = {"below 2 Hz": (None, 2.0), "below 5 Hz": (None, 5.0), "5 to 20 Hz": (5.0, 20.0)}
-QUANTILE_LEVELS = np.linspace(0, 1, 101)  # shares of which quantiles are stated
+QUANTILE_LEVELS = np.linspace(0, 1, 101)  # quantiles are stated for these shares
 
 Differences = Callable[[float], Mapping[str, Array]]
 """Returns by motion how far both differ in acceleration (N, 6), low-passed at a cut-off [Hz]."""

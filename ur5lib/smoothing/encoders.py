@@ -12,11 +12,12 @@ from ur5lib.timeseries.kalman import InnovationTest, LinearSystem, System, innov
 from ur5lib.timeseries.segments import starts
 
 STATES_PER_JOINT = 6  # θ, θ̇, θ̈, δ, δ̇, δ̈
-LINK_FROM_STATES = np.hstack([np.eye(3), np.eye(3)])  # from them to q, q̇, q̈
+LINK_FROM_STATES = np.hstack([np.eye(3), np.eye(3)])  # it leads from them to q, q̇, q̈
 TIME_TICK = 1e-6  # s; steps of time are rounded to it, and none is shorter
 TIME_DECIMALS = 6
 UNIT_VIBRATION_STEP = 0.1  # time step of a vibration with ω = 1
-INITIAL_STD = np.array([10.0, 10.0, 100.0])  # rad, rad/s, rad/s²: at the start of a segment
+# In rad, rad/s and rad/s², these apply at the start of a segment.
+INITIAL_STD = np.array([10.0, 10.0, 100.0])
 
 
 @dataclass(frozen=True)

@@ -20,12 +20,12 @@ from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.kalman import LinearSystem, System, innovation_test, smooth
 from ur5lib.timeseries.segments import chunks
 
-MOTION_STATES = 18  # of six joints: q, q̇, q̈
-BIAS_STATES = 6  # of the IMU: biases of accelerometer and gyroscope
-BIAS_STD = np.repeat([0.5, 0.1], 3)  # m/s², rad/s: of the biases, before any reading
-BIAS_WALK = np.repeat([1e-3, 1e-4], 3)  # m/s²/√s, rad/s/√s: their random walk
-IMU_WINDOW = 0.5  # s, over which the noise is taken as constant
-QUIET_WINDOW_SHARE = 0.05  # of the windows, the quietest, which set the least noise
+MOTION_STATES = 18  # six joints have this many: q, q̇, q̈
+BIAS_STATES = 6  # the IMU has this many: biases of accelerometer and gyroscope
+BIAS_STD = np.repeat([0.5, 0.1], 3)  # m/s², rad/s; the biases have these before any reading
+BIAS_WALK = np.repeat([1e-3, 1e-4], 3)  # m/s²/√s, rad/s/√s; they are the biases' random walk
+IMU_WINDOW = 0.5  # s; the noise is taken as constant over it
+QUIET_WINDOW_SHARE = 0.05  # this share of the windows, the quietest, sets the least noise
 JOINT_STATES = 6 * STATES_PER_JOINT  # entries of the state before the biases
 ALL_STATES = JOINT_STATES + BIAS_STATES
 # The matrix from motions, vibrations and biases to q, q̇, q̈ and biases.

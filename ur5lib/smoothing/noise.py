@@ -15,19 +15,19 @@ from ur5lib.smoothing.steady_filter import SteadyFilter, steady_filter
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import unbroken
 
-JERK_BANK = np.geomspace(1e-2, 1e3, 11)  # rad/s³/√Hz: from standstill to the hardest start
+JERK_BANK = np.geomspace(1e-2, 1e3, 11)  # rad/s³/√Hz; they go from standstill to the hardest start
 # Intensity relative to the finer noise, as in _Ratios. A filter of more is lost to rounding.
 MAX_DRIVEN = 1e7
-VIBRATION_BANK = np.array([0.03, 0.2, 1.0, 4.0])  # relative to that of the whole recording
-NOISE_WINDOW = 0.1  # s, over which intensities and noise are taken as constant
-# With which the noise of the whole recording counts in a window.
+VIBRATION_BANK = np.array([0.03, 0.2, 1.0, 4.0])  # they are relative to that of the whole recording
+NOISE_WINDOW = 0.1  # s; intensities and noise are taken as constant over it
+# The noise of the whole recording counts in a window with these.
 PRIOR_DEGREES_OF_FREEDOM = 8
-OUTLIER_SQUARE = 30.0  # of a normalised innovation, beyond which only its logarithm grows
+OUTLIER_SQUARE = 30.0  # beyond it, only the logarithm of a normalised innovation grows
 RECORDED_RESOLUTION = 1e-6  # rad, rad/s: the last digit of a recording, and the least noise
-POSITION_DECIMALS = 6  # in which positions are compared
-RARE_COUNT_SHARE = 0.05  # of the most frequent difference's count, below which another is rare
+POSITION_DECIMALS = 6  # positions are compared in this many
+RARE_COUNT_SHARE = 0.05  # below this share of the most frequent difference's count, another is rare
 MIN_INNOVATION_VARIANCE = 1e-20  # keeps the likelihood of perfect data bounded
-TUNING_DURATION = 40.0  # s, of the stretch from which constant parameters are estimated
+TUNING_DURATION = 40.0  # s; constant parameters are estimated from this long a stretch
 # What the optimiser varies: log jerk and log precision of velocities, both relative to the
 # positions' noise; lag in cycles; log intensity of the vibration, relative to that noise, too; log
 # damping of the vibration.
@@ -36,7 +36,7 @@ SIMPLEX_START = [-2.8, 0.2, 0.0, -6.0, -2.0]
 SIMPLEX_STEPS = [1.5, -1.0, 0.25, 4.0, 0.7]
 MIN_VIBRATION_FREQUENCY = 10.0  # Hz
 MAX_VIBRATION_FREQUENCY = 50.0  # Hz
-NYQUIST_SHARE = 0.7  # of the Nyquist frequency, up to which vibrations are found
+NYQUIST_SHARE = 0.7  # vibrations are found up to this share of the Nyquist frequency
 
 
 @dataclass(frozen=True)

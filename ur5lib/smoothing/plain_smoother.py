@@ -11,10 +11,11 @@ from ur5lib.smoothing.noise import RECORDED_RESOLUTION
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import starts, unbroken
 
-CANDIDATE_JERKS = (10.0, 30.0, 100.0, 300.0, 1000.0)  # rad/s³, of which the most likely is chosen
-TUNING_SAMPLES = 300  # with the most motion, on which the jerk is chosen
-SETTLED_GAIN_CHANGE = 1e-10  # of a gain in a sample, relative: below, the gain is kept
-INITIAL_STD = np.repeat([10.0, 10.0, 100.0], 6)  # rad, rad/s, rad/s²: at the start of a segment
+CANDIDATE_JERKS = (10.0, 30.0, 100.0, 300.0, 1000.0)  # rad/s³; the most likely is chosen
+TUNING_SAMPLES = 300  # the jerk is chosen on this many with the most motion
+SETTLED_GAIN_CHANGE = 1e-10  # below this relative change in a sample, the gain is kept
+# In rad, rad/s and rad/s², these apply at the start of a segment.
+INITIAL_STD = np.repeat([10.0, 10.0, 100.0], 6)
 
 
 class PlainMotion(NamedTuple):

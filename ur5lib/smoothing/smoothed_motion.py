@@ -20,7 +20,7 @@ STATES = ("q", "qd", "qdd")
 def measured(signals: Signals) -> tuple[Array, Array]:
     """Return positions and velocities (N, 6), NaN where interpolated.
 
-    Without recorded velocities, differences of the positions.
+    Differences of the positions replace velocities that were not recorded.
     """
     q, qd = signals.actual_q.copy(), signals.actual_qd
     if qd is None:
@@ -31,8 +31,8 @@ def measured(signals: Signals) -> tuple[Array, Array]:
 
 
 def motion_record(signals: Signals, motion: SmoothedJoints) -> Motion:
-    """Return positions, velocities and accelerations with their standard deviations, where an IMU
-    was recorded with the noise of the encoders.
+    """Return positions, velocities and accelerations with their standard deviations, and with the
+    noise of the encoders where an IMU was recorded.
     """
     record = Motion(time=signals.time, segment=signals.segment, **state_parts(motion))
     if signals.accelerometer is None:

@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 from ur5lib.timeseries.arrays import Array
 
 MAX_DOUBLINGS = 60
-CONVERGENCE_TOLERANCE = 1e-12  # relative change of P in a doubling, at which they end
+CONVERGENCE_TOLERANCE = 1e-12  # at this relative change of P, doublings end
 
 
 class SteadyFilter(NamedTuple):

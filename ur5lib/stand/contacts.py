@@ -9,7 +9,7 @@ from ur5lib.robots.mjcf import TOOL_BODY, flange
 from ur5lib.stand.plan import Contact, Hand, Load, Push, Spring, Timed, Wall
 from ur5lib.timeseries.arrays import Array
 
-GRASP_TIME = 0.2  # s, duration of lifting or putting down a load
+GRASP_TIME = 0.2  # s; a load is lifted or put down in it
 
 
 def _strength(contact: Timed, time: float) -> float:

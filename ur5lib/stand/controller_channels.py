@@ -19,14 +19,14 @@ from ur5lib.stand.trajectories import Targets
 from ur5lib.tables import named
 from ur5lib.timeseries.arrays import Array
 
-DECIMALS = 6  # of all channels, as in the thesis's logs
-ENCODER_COUNTS = 2**19  # of an encoder per turn
+DECIMALS = 6  # all channels have this many, as in the thesis's logs
+ENCODER_COUNTS = 2**19  # an encoder has this many per turn
 # Noise of moving joints, like the real residuals against the targets.
 POSITION_NOISE = np.array([5e-5, 4e-5, 6e-5, 15e-5, 9e-5, 15e-5])  # rad
 VELOCITY_NOISE = np.array([0.004, 0.006, 0.005, 0.025, 0.011, 0.033])  # rad/s
-VELOCITY_WINDOW = 4  # steps over which velocity is averaged, which delays it by 2 ms
-FORCE_CUTOFF = 5.0  # Hz, of the controller's force estimate
-SINGULARITY_DAMPING = 0.02**2 * np.eye(6)  # of that estimate near singularities
+VELOCITY_WINDOW = 4  # velocity is averaged over this many steps, which delays it by 2 ms
+FORCE_CUTOFF = 5.0  # Hz; the controller's force estimate has this cut-off
+SINGULARITY_DAMPING = 0.02**2 * np.eye(6)  # it damps that estimate near singularities
 TEMPERATURE_STEP = 1 / 16  # °C
 
 

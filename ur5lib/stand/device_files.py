@@ -15,9 +15,9 @@ from ur5lib.tables import channel, write_text
 
 EPOCH = 1388577600.0  # s; fictitious date of all recordings, 2014-01-01 12:00 UTC
 SECONDS_PER_DAY = 86400.0  # s
-STALE_RUN_AGE = 5000.0  # s; how much earlier the other run of a stale file was
-CONTROLLER_UPTIME = 4096.0  # s; time on the controller's clock when a recording begins
-MESSAGE_BYTES = 756  # of the realtime port, by software 1.5 and 1.6
+STALE_RUN_AGE = 5000.0  # s; the other run of a stale file was so much earlier
+CONTROLLER_UPTIME = 4096.0  # s; the controller's clock shows this when a recording begins
+MESSAGE_BYTES = 756  # the realtime port of software 1.5 and 1.6 sends this many
 UNCONNECTED_SENSOR_READING = -1e-6  # value that an unconnected force sensor writes
 
 Files = dict[str, str]  # text by name

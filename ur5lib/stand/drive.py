@@ -9,17 +9,18 @@ from ur5lib.robots.description import Robot
 from ur5lib.stand.friction import FrictionParameters, along_chain
 from ur5lib.timeseries.arrays import Array
 
-# In rad/s. With these, joints deviate from their targets as much as the real ones do.
+# With these [rad/s], joints deviate from their targets as much as the real ones do.
 NATURAL_FREQUENCY = np.array([100.0, 130.0, 140.0, 160.0, 200.0, 140.0])
-KNOWN_FRICTION_SHARE = 0.8  # share of the friction that the controller knows
-MOVING_SPEED = 0.05  # rad/s, at which a joint shows three quarters of the noise of a moving one
+KNOWN_FRICTION_SHARE = 0.8  # the controller has this share of the friction
+MOVING_SPEED = 0.05  # rad/s; there, a joint shows three quarters of the noise of a moving one
 
 # Values of the thesis's UR5, joint by joint: from its target currents at rest, and from its
 # currents above 2 Hz: a ripple of two (big joints) or four periods per motor turn, and noise.
 # Nm/A, an upper limit for all arms
 MAX_TORQUE_CONSTANT = np.array([10.7, 10.7, 10.7, 10.2, 11.9, 10.7])
 CURRENT_RIPPLE = np.array([0.50, 0.57, 0.33, 0.27, 0.11, 0.27])  # A, amplitude
-RIPPLE_PERIODS = np.array([202, 202, 202, 404, 404, 404])  # of the ripple per turn of the joint
+# The ripple has this many periods per turn of the joint.
+RIPPLE_PERIODS = np.array([202, 202, 202, 404, 404, 404])
 CURRENT_NOISE, CURRENT_NOISE_AT_REST = 0.05, 0.01  # A
 
 

@@ -11,8 +11,8 @@ from ur5lib.timeseries.arrays import Array, Mask
 
 FILE_BUFFER_BYTES = 4096  # bytes; a partly filled buffer is never written to the file
 LATE_PACKET_INTERVAL = 3  # packets: every third one is late
-FIRST_PART_BYTES = 694  # of the packet after a late one, which arrive with the late one
-SECOND_PART_DELAY = 0.001  # s, until the rest of that packet
+FIRST_PART_BYTES = 694  # this many of the packet after a late one arrive with the late one
+SECOND_PART_DELAY = 0.001  # s; the rest of that packet follows after it
 MOVING_SPEED = 1e-3  # rad/s; above it, the arm counts as moving
 
 

@@ -16,18 +16,18 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.friction import ROOT_LINE
 from ur5lib.timeseries.arrays import Array
 
-# Of the UR5's joints, from base to wrist. Shares of the motor's largest torque:
+# The UR5's joints, from base to wrist, have these shares of the motor's largest torque:
 COULOMB_SHARE = np.array([0.054, 0.058, 0.054, 0.078, 0.083, 0.071])
 VISCOUS_SHARE = np.array([0.063, 0.060, 0.038, 0.077, 0.077, 0.048])  # per rad/s
 # The same per root of rad/s, beyond its nearest line, which is in the others.
 ROOT_SHARE = np.array([0.018, 0.009, 0.069, 0.054, 0.034, 0.0])
-ROOT_ONSET = 0.02  # rad/s, below which it is viscous, so that steps of a millisecond are stable
+ROOT_ONSET = 0.02  # rad/s; it is viscous below, so that steps of a millisecond are stable
 LOAD_SHARE = 0.05  # Nm of friction per Nm of load
-PERIODIC_SHARE = 0.05  # of the Coulomb friction
-STICTION_RATIO = 1.15  # of breakaway to Coulomb torque
-STRIBECK_VELOCITY = 0.03  # rad/s, at which stiction has vanished
-PRESLIDING_DEFLECTION = 2e-4  # rad, of a joint that sticks, before it slips
-USUAL_TEMPERATURE = 30.0  # °C, of the values above
+PERIODIC_SHARE = 0.05  # it is this share of the Coulomb friction
+STICTION_RATIO = 1.15  # breakaway torque has this ratio to the Coulomb torque
+STRIBECK_VELOCITY = 0.03  # rad/s; there, stiction has vanished
+PRESLIDING_DEFLECTION = 2e-4  # rad; a joint that sticks deflects by it before it slips
+USUAL_TEMPERATURE = 30.0  # °C; the values above are for it
 # Relative change per kelvin: viscous friction of a UR3 and a UR5 is 17 to 20 % lower once the arm
 # is warm, and dry friction changes less.
 COULOMB_WARMING, VISCOUS_WARMING = -0.003, -0.009  # 1/K

@@ -22,7 +22,7 @@ from ur5lib.stand.plan import Imu, SimulatedRecording
 from ur5lib.stand.trajectories import Targets, plan_targets
 from ur5lib.timeseries.arrays import Array
 
-STEP = 0.001  # s, of the integration
+STEP = 0.001  # s; the integration has this step
 SETTLING_STEPS = 300  # steps simulated before anything is recorded
 MAX_INITIAL_FRICTION = 0.5  # largest initial dry friction, as a share of the breakaway torque
 WRENCH_TYPE = float, 6

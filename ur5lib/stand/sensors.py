@@ -12,8 +12,8 @@ from ur5lib.tables import named
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.sampling import interpolated
 
-FORCE_RATE, IMU_RATE = 207.6, 266.27  # Hz, by their own clocks
-IMU_TICK = 0.001  # s, of the IMU's stamps
+FORCE_RATE, IMU_RATE = 207.6, 266.27  # Hz; they count by their own clocks
+IMU_TICK = 0.001  # s; the IMU's stamps have this resolution
 FORCE_COLUMNS = columns("ft")
 IMU_COLUMNS = [name for part in "amg" for name in columns(f"imu_{part}")]
 
@@ -22,11 +22,11 @@ FORCE_NOISE = np.array([0.0013, 0.0015, 0.0022, 5e-5, 5e-5, 4e-5])
 # IMU: manufacturer's noise density per √Hz and bandwidth [Hz] (Table 4.5).
 GYROSCOPE_NOISE, GYROSCOPE_BANDWIDTH = np.deg2rad(0.05), 40.0
 ACCELEROMETER_NOISE, ACCELEROMETER_BANDWIDTH = 0.002, 30.0
-MAGNETOMETER_NOISE = 0.001  # relative to the Earth's field: 0.5 of about 500 mGauss
+MAGNETOMETER_NOISE = 0.001  # relative to the Earth's field, it is 0.5 of about 500 mGauss
 EARTH_FIELD = np.array([0.32, 0.05, -0.73])  # base axes, normalised
 # WristReader sensor: noise between samples of a real UR5e at rest [N, Nm].
 WRIST_NOISE = np.array([0.22, 0.22, 0.09, 0.006, 0.007, 0.005])
-ZEROING_TIME = 0.2  # s, at the start, in which a program zeroes the wrist sensor
+ZEROING_TIME = 0.2  # s; a program zeroes the wrist sensor for this long at the start
 MINUTE = 60.0  # s
 
 

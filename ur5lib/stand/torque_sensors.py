@@ -9,10 +9,11 @@ from ur5lib.robots.description import Robot
 from ur5lib.stand.rig import States
 from ur5lib.timeseries.arrays import Array
 
-FRICTION_SHARE_BEHIND_SENSOR = 0.05  # of a joint's friction: between its sensor and its link
-GAIN_ERROR = 0.01  # of all joints, alternating in sign
-BIAS_SHARE = 0.003  # of the joint's largest torque, alternating in sign
-# Of the largest torque, by the differences between samples of a real xMate 7's sensors.
+# This share of a joint's friction acts between its sensor and its link.
+FRICTION_SHARE_BEHIND_SENSOR = 0.05
+GAIN_ERROR = 0.01  # all joints have it, alternating in sign
+BIAS_SHARE = 0.003  # it is relative to the joint's largest torque, alternating in sign
+# It is relative to the largest torque, by differences between samples of a real xMate 7's sensors.
 NOISE_SHARE = 7e-4
 # What a controller that senses torque does not record, as it has no currents.
 UNRECORDED_CHANNELS = ("actual_current", "target_current", "target_moment", "actual_TCP_force")

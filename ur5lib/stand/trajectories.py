@@ -14,8 +14,8 @@ from ur5lib.stand.plan import Fourier, Joints, Movej, Series, Standstill
 from ur5lib.timeseries.arrays import Array, Six
 from ur5lib.timeseries.profiles import duration, fourier_terms, rest_conditions, trapezoid
 
-INITIAL_REST = 1.0  # s at rest at the beginning of every recording
-MIN_COMMAND_TIME = 0.008  # s, shortest duration of a command, even without motion
+INITIAL_REST = 1.0  # s; every recording begins with this long a rest
+MIN_COMMAND_TIME = 0.008  # s; a command lasts at least this long, even without motion
 
 
 class Targets(NamedTuple):

@@ -56,7 +56,7 @@ class TrueDrive:
 
 @dataclass(frozen=True)
 class TrueParameters:
-    """What estimates are compared with of truth.json, which `write_truth` writes.
+    """The part of truth.json that estimates are compared with; `write_truth` writes it.
 
     model: simulated link model; friction: `FrictionParameters` (n,) of the test stand, by name;
     clocks: `offset_s` and `drift_ppm` by device.

@@ -16,7 +16,7 @@ from ur5lib.tables import named, write_json, write_table
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import runs
 
-STATE_COLUMNS = {  # of the table: quantities of `rig.state_type`, their names and units there
+STATE_COLUMNS = {  # the table has quantities of `rig.state_type` under these names and units
     "q": ("q", "rad"),
     "qd": ("qd", "rad/s"),
     "qdd": ("qdd", "rad/s2"),

@@ -6,7 +6,7 @@ from ur5lib.report.figures.charts import response_panel
 from ur5lib.report.figures.house_style import Drawing
 from ur5lib.timeseries.lowpass import Butterworth, frequency_response
 
-SAMPLING_RATE = 125.0  # Hz, of a CB-series controller
+SAMPLING_RATE = 125.0  # Hz; a controller of the CB series has it
 FILTERED = {
     "motion": "measured motion",
     "accelerations": "accelerations compared",

@@ -55,7 +55,7 @@ MAX_JOINTS_WITHOUT_LOAD = 3
 MAX_JOINTS_OF_OTHER_GAIN = 1
 # Remarks on a joint that contradicts its documented constant, which is used instead.
 UNEXPLAINED = "current against constant", "torque against gain"
-MIN_GAIN = 0.4  # of such a joint; of a smaller one, a unit is wrong
+MIN_GAIN = 0.4  # such a joint has at least this one; with a smaller one, a unit is wrong
 
 
 def fit_friction(

@@ -36,7 +36,8 @@ MIN_REST_DURATION = 10.0  # s; a shorter rest shows almost nothing of what frict
 # exceeds that of a wrong level of friction.
 ERRORS_AT_USUAL_SPEED = np.array([0.13, 0.13, 0.6, 0.75, 0.6])
 ERRORS_IN_FAST_MOTION = np.array([0.5, 0.5, 0.5, 0.4, 0.15])
-USUAL_SPEED, USUAL_LOAD = 0.5, 3.0  # of an arm: [rad/s]; its load, in Coulomb friction
+# An arm usually has this speed [rad/s], and this load in Coulomb friction.
+USUAL_SPEED, USUAL_LOAD = 0.5, 3.0  # rad/s
 FORCE_DIRECTIONS = 3  # a force needs a finite torque on so many joints, or on all
 
 

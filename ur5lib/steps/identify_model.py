@@ -1,5 +1,5 @@
-"""The link models that torques show: the controller's those of rotors, then of rigid bodies; the
-joints' own those of an arm with unknown links.
+"""The link models that torques show: the controller's torques show rotors, then rigid bodies; the
+joints' own show those of an arm with unknown links.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -57,7 +57,7 @@ def identify_model(
     currents: Butterworth,
 ) -> IdentifiedModel:
     """Return the arm with rotors fitted to the controller's torques, and with the rigid bodies that
-    these show; of unknown links, with those that the measured torques of its joints show.
+    these show; an arm with unknown links has those that the measured torques of its joints show.
 
     signals, motion, gravities: of the arm's `fit` recordings; lowpass: of the controller's torques;
     currents: of currents, and of the torques in their place.

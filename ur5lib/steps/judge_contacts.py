@@ -69,8 +69,8 @@ def judge_contacts(
 ) -> Contacts:
     """Return the contacts by each estimate that has a threshold, compared with the sensor.
 
-    Of the leading one, also whether they are at the flange. compared: with the errors of each
-    contact at the sensor; arm: as fitted; role: of the recording, which says whether anything
+    Those by the leading one say whether they are at the flange, too. compared: with the errors of
+    each contact at the sensor; arm: as fitted; role: of the recording, which says whether anything
     touches the arm; gravity: in its base frame [m/s²], None as described.
     """
     withheld = bool(premises.contradictions.stop_signs or friction.stopped)

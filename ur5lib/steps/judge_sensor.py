@@ -38,8 +38,8 @@ from ur5lib.robots.description import Robot, Vector3
 from ur5lib.signals.resampling import by_stamps
 from ur5lib.timeseries.arrays import Array, Mask
 
-JUDGED = ("contact", "missed")  # periods by which a force is judged
-SATURATED_SHARE = 0.999  # of a channel's largest value, which is this value
+JUDGED = ("contact", "missed")  # these periods judge a force
+SATURATED_SHARE = 0.999  # a channel from this share of its largest value on counts as saturated
 
 
 class JudgedSensor(NamedTuple):

@@ -76,7 +76,7 @@ OF_ARMS = {
     "cross_validation": CrossValidation,
 }
 
-OF_MOTION = {  # of recordings, by another step; empty where all are at rest
+OF_MOTION = {  # another step makes them of recordings; they are empty where all are at rest
     "acceleration_mae": AccelerationError,
     "innovations": Innovation,
 }

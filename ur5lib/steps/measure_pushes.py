@@ -35,7 +35,7 @@ from ur5lib.timeseries.segments import Span
 
 
 class DetectedPushes(NamedTuple):
-    """Which pushes are detected on an arm: along axes, by direction, and by their force."""
+    """The pushes that are detected on an arm: along axes, by direction, and by their force."""
 
     pushes: list[SmallestPush]
     directions: list[PushDirection]
@@ -57,7 +57,7 @@ def measure_pushes(
 ) -> DetectedPushes:
     """Return which pushes are detected, nothing where no push can be tried.
 
-    By direction and force, nothing of an arm fitted to a single path.
+    An arm fitted to a single path has none by direction and force.
 
     motion to premises: of contact-free recordings; contact_force_n: [N], of a typical contact,
     None: by the arm's payload.

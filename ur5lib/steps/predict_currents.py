@@ -135,7 +135,7 @@ def with_load(
 ) -> tuple[CurrentSamples, Array]:
     """Return the record with a load's torque (N, 6) [Nm] in it, and that torque as motors feel it.
 
-    By which factor each motor feels a load, the same recording says.
+    The same recording shows by which factor each motor feels a load.
     """
     if load_torque.any():
         loaded = replace(record, torque=record.torque + load_torque)

@@ -10,9 +10,11 @@ from ur5lib.errors import InputError, perhaps, unknown
 
 RESULTS_FOLDER = Path("results")
 YAML_SUFFIXES = (".yaml", ".yml")
-REPORTS = ("report.html", "report.pdf", "details.html", "results.json")  # in a folder of results
+# A folder of results has these files.
+REPORTS = ("report.html", "report.pdf", "details.html", "results.json")
+# Studies are looked for there in the working folder.
+STUDIES = ("*.yaml", "config/*.yaml", "workflow/studies/*.yaml")
 NO_STUDY = "this folder has no study; make one by `ur5 new .`, or name a file"
-STUDIES = ("*.yaml", "config/*.yaml", "workflow/studies/*.yaml")  # in the working folder
 
 
 def study_file(address: str) -> Path:

@@ -31,7 +31,7 @@ from ur5lib.study.arms import ArmSettings, MountingSetting, Name, NamedArm, Tool
 from ur5lib.study.devices import LabSettings
 
 ORDER_TEXT = "order of the Butterworth filter, which runs forwards and backwards"
-PREVIOUS = "previous"  # of a pattern's files: each follows the one before
+PREVIOUS = "previous"  # each of a pattern's files follows the one before
 CUTOFF_TEXT = (
     "frequency at which a signal loses half its amplitude (-6 dB); a recording of at most twice "
     "this rate is not filtered"

@@ -31,7 +31,7 @@ PlainData = Mapping[str, Any]  # a configuration, or a part of it, before it is 
 WILDCARD = re.compile(r"[*?\[]")
 DAY_IN_PATH = re.compile(r"(?<!\d)(20\d\d)[-_]?(\d\d)[-_]?(\d\d)(?!\d)")
 FORBIDDEN_CHARACTERS = re.compile(r"[^A-Za-z0-9_.-]+")
-ENTRY_PLACE = re.compile(r"recordings\[\d+\]")  # in the key of a mistake
+ENTRY_PLACE = re.compile(r"recordings\[\d+\]")  # the key of a mistake begins so
 CODE_KEY = "__use_yte__"  # Snakemake runs what is in a file with this key
 TRUTH_SUFFIXES = (".parquet", ".json")
 FILE_KEYS = {"folder", "file", "force_sensor", "imu", "truth", "home_deg", "directions"}
@@ -123,8 +123,8 @@ def is_pattern(entry: Any) -> bool:
 def of_each_file(entry: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     """Yield the entries that an entry with a pattern gives, in the order of their paths.
 
-    To the name, what the path has beyond the folder is added, without suffix; the date is the first
-    in the path, as 2026-03-09, 2026_03_09 or 20260309, unless the entry has one.
+    The path beyond the folder, without suffix, is added to the name; the date is the first in the
+    path, as 2026-03-09, 2026_03_09 or 20260309, unless the entry has one.
     """
     folder = Path(entry["folder"])
     matches = (Path(file) for file in glob(entry["file"], root_dir=folder, recursive=True))

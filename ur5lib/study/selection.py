@@ -11,9 +11,9 @@ from ur5lib.strict import SNAKEMAKE_PLACEHOLDER
 from ur5lib.study.model import Study
 from ur5lib.study.succession import before
 
-MAX_EXAMINED_WHOLE = 100  # recordings of a study of which all are examined
-MAX_DRAWN = 40  # contact-free recordings of an arm on which contacts are tried, of many
-MAX_ILLUSTRATED = 4  # recordings with figures in a section of the report
+MAX_EXAMINED_WHOLE = 100  # all recordings of a study are examined up to this many
+MAX_DRAWN = 40  # contacts are tried on this many of an arm's contact-free recordings
+MAX_ILLUSTRATED = 4  # a section of the report has figures of this many recordings
 OF_THE_STUDY = ["name", "role", "robot", "date", "gravity", "mounting", "tool", "payload"]
 OF_THE_STUDY += [
     "after",
@@ -72,7 +72,7 @@ class Selection:
     def drawn(self, robot: str) -> list[str]:
         """Return the contact-free recordings of an arm on which contacts are tried.
 
-        Of many, some that are drawn by their names: another recording seldom changes the choice.
+        Some of many are drawn by their names: another recording seldom changes the choice.
         """
         names = self.of_arm(robot, "fit", "validate")
         if not self.is_large:
@@ -95,7 +95,7 @@ class Selection:
 
     @cached_property
     def illustrated(self) -> list[str]:
-        """The recordings whose figures the report may show.
+        """The recordings of which the report may show figures.
 
         The first few with a contact or to validate, and the first.
         """

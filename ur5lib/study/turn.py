@@ -14,7 +14,7 @@ from typing import TextIO, cast
 from ur5lib.errors import InputError
 
 LOCK_FILE = ".running"
-TURN_VARIABLE = "UR5_TURN"  # environment variable by which a run's jobs on a cluster know their run
+TURN_VARIABLE = "UR5_TURN"  # by this environment variable, a run's jobs on a cluster know their run
 
 
 def take_turn(results: Path, wait: bool = False) -> TextIO:

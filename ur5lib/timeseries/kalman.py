@@ -14,8 +14,8 @@ from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import chunks
 
 PORTMANTEAU_LAGS = 10  # samples
-CHUNK_NUMBERS = 1 << 20  # in the matrices F of a chunk: 4,608 samples of six joints
-LANE_SAMPLES = 256  # of the lanes of a chunk, which are filtered side by side
+CHUNK_NUMBERS = 1 << 20  # the matrices F of a chunk have this many: 4,608 samples of six joints
+LANE_SAMPLES = 256  # the lanes of a chunk, which are filtered side by side, have this many
 
 
 class Gaussians(NamedTuple):

@@ -12,7 +12,7 @@ from scipy import signal
 
 from ur5lib.timeseries.arrays import Array
 
-MAX_NUMBERS_TOGETHER = 1_000_000  # that are filtered at once, which takes less time
+MAX_NUMBERS_TOGETHER = 1_000_000  # up to this many are filtered at once, which takes less time
 IDENTITY_SECTION = np.array([[1.0, 0.0, 0.0, 1.0, 0.0, 0.0]])  # a second-order section
 
 

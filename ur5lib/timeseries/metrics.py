@@ -6,8 +6,8 @@ from scipy.special import ndtri
 from ur5lib.timeseries.arrays import Array
 
 BAND_COVERAGE = 0.95  # share of values that a band contains
-NORMAL95 = 1.96  # standard deviations to either side of the mean that contain 95 %
-STD_PER_MAD = 1.4826  # of a normal value, by its median absolute deviation
+NORMAL95 = 1.96  # this many standard deviations to either side of the mean contain 95 %
+STD_PER_MAD = 1.4826  # a normal value's standard deviation over its median absolute deviation
 
 
 def mean_absolute_error(estimate: Array, reference: Array) -> Array:

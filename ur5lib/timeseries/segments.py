@@ -12,7 +12,7 @@ from ur5lib.timeseries.arrays import Array, Labels, Mask
 T = TypeVar("T", bound=np.generic)
 Span = tuple[int, int]  # first sample, and the one after the last
 
-BLOCK_DURATION = 2.0  # s, several correlation times of residuals (0.3 to 1 s on both arms)
+BLOCK_DURATION = 2.0  # s; it is several correlation times of residuals (0.3 to 1 s on both arms)
 DEAD_ZONE = 0.02  # rad/s (Equation 6.4): below it, a joint rests and friction is stiction
 CHUNK_SAMPLES = 1 << 14
 

@@ -13,8 +13,8 @@ from ur5lib.timeseries.arrays import Array, Labels, Mask
 # Root sums of squares over all joints, up to which two states count as equal.
 POSITION_TOLERANCE = 0.02  # rad
 VELOCITY_TOLERANCE = 0.1  # rad/s
-REST_SPEED = 0.03  # rad/s, below which a joint rests or Coulomb friction changes its sign
-MIN_COMMON_SHARE = 0.9  # of the states of two runs along one path
+REST_SPEED = 0.03  # rad/s; below it, a joint rests or Coulomb friction changes its sign
+MIN_COMMON_SHARE = 0.9  # two runs along one path share this many of their states
 
 
 def scaled_states(q: Array, qd: Array) -> Array:

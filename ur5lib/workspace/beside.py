@@ -17,7 +17,7 @@ GROUP = "ur5lib.commands"
 class Command(NamedTuple):
     """A command: its name, what it runs, and the `PANEL` of its module, under which it is listed.
 
-    As it is imported whenever `ur5` runs, its module loads what it needs inside the function.
+    Its module loads what it needs inside the function, as `ur5` imports it whenever it runs.
     """
 
     name: str

@@ -19,11 +19,11 @@ from typing import Any, NamedTuple
 from ur5lib.errors import InputError
 from ur5lib.workspace.places import PACKAGE
 
-FOLDER = Path("extensions")  # in the workspace, which is the working folder
+FOLDER = Path("extensions")  # it is in the workspace, which is the working folder
 ENTRY_POINT_GROUP = "ur5lib."  # its beginning: ur5lib.friction, ...
 PAGE = "docs/extensions.md shows how"
-USE_VARIABLE = "UR5_EXTENSIONS"  # in the environment of a command of `ur5`: NAMED, or LEFT_OUT
-NAMED = "named"  # each on stderr before it runs
+USE_VARIABLE = "UR5_EXTENSIONS"  # the environment of a command of `ur5` has it: NAMED, or LEFT_OUT
+NAMED = "named"  # each is named on stderr before it runs
 LEFT_OUT = "left out"
 
 
@@ -91,7 +91,7 @@ def take_up_all() -> None:
 def source_files(modules: Container[Path]) -> list[Path]:
     """Return the files of all extensions that these modules of ur5lib take up.
 
-    Of a module in a package, all files of the package's folder.
+    A module in a package counts with all files of the package's folder.
     """
     files = []
     for name in (name for name, kind in KINDS.items() if kind.file() in modules):

@@ -9,7 +9,7 @@ from ur5lib.tables import made, write_text
 from ur5lib.workspace.places import WORKFLOW
 
 TEMPLATES = Path(__file__).parent / "templates"
-SCHEMA = "workflow/study.schema.json"  # which the first line of a study names
+SCHEMA = "workflow/study.schema.json"  # the first line of a study names it
 
 
 def new_workspace(folder: Path) -> str:

@@ -25,8 +25,8 @@ from ur5rivals.estimators.adaptive_kalman_filter import sample_noise
 from ur5rivals.run import Run
 from ur5rivals.tuning import tuned
 
-WANDERINGS = (1.0, 3.0, 10.0)  # of d in a second, in units of the torque's noise
-DRIFTS = (0.001, 0.01)  # of the logarithms in a second
+WANDERINGS = (1.0, 3.0, 10.0)  # d wanders by these in a second, in units of the torque's noise
+DRIFTS = (0.001, 0.01)  # the logarithms wander by these in a second
 
 
 @dataclass(frozen=True)

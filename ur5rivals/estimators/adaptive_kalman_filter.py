@@ -2,8 +2,8 @@
 
 A mode-switching moving average of the joints' torque comes before a disturbance Kalman filter: its
 window grows while the torque stays within its noise, and is short again as soon as it leaves it.
-As the paper's abstract has it; the rule of switching below, by the mean of a short window, is this
-benchmark's own, and the average is taken of the torque, not of the current alone, so that the
+This follows the paper's abstract; the rule of switching below, by the mean of a short window, is
+this benchmark's own, and the average is taken of the torque, not of the current alone, so that the
 momentum's change is not late against the motors'.
 
 F. Cao, P. D. Docherty, S. Ni, X. Chen: Contact force and torque sensing for serial manipulator
@@ -26,7 +26,7 @@ from ur5rivals.tuning import tuned
 
 SHORTEST_WINDOW, LONGEST_WINDOW = 2, 25  # samples, least and greatest length of the window
 SWITCHING_DEVIATIONS = (1.0, 2.0, 3.0)  # standard deviations of the short mean that switch the mode
-WANDERINGS = (5.0, 10.0, 20.0, 40.0)  # of the Kalman filter
+WANDERINGS = (5.0, 10.0, 20.0, 40.0)  # they are those of the Kalman filter
 MOMENTUM_NOISE = 0.1  # noise of the momentum, in units of what the torque's noise adds in a step
 
 

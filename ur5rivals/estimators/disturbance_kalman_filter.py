@@ -2,9 +2,9 @@
 
     z_k = z_k-1 + T (d_k-1 + w),   d_k = d_k-1 + v,   measured: z + n
 
-The stationary gains depend on the ratios of the noises alone; w has the unit 1. Causal, and offline
-through the smoother of Rauch, Tung and Striebel with the same noises. The paper's semiparametric
-model of the friction is left out: all estimators are given the same friction.
+The stationary gains depend on the ratios of the noises alone; w has the unit 1. It is causal, and
+offline through the smoother of Rauch, Tung and Striebel with the same noises. The paper's
+semiparametric model of the friction is left out: all estimators are given the same friction.
 
 J. Hu, R. Xiong: Contact force estimation for robot manipulator using semiparametric model and
 disturbance Kalman filter. IEEE Transactions on Industrial Electronics 65(4) (2018).
@@ -24,7 +24,7 @@ from ur5rivals.momentum import LinearObserver, added_momentum
 from ur5rivals.run import Run
 from ur5rivals.tuning import tuned, untuned
 
-WANDERINGS = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0)  # of d in a second, in units of w
+WANDERINGS = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0)  # d wanders by these in a second, in units of w
 MEASUREMENT_NOISES = (0.1, 1.0, 3.0)  # noise of z, in units of what w adds in a step
 SOURCE = "Hu and Xiong 2018"
 

@@ -25,10 +25,11 @@ from ur5rivals.estimators.ours import OURS
 from ur5rivals.force import breakaway_of, learned_noise
 from ur5rivals.run import Estimate, Run
 
-MEDIAN_SPAN = 10.0  # s, of the median
+MEDIAN_SPAN = 10.0  # s; the median is taken over it
 CONTACT_START, CONTACT_END = 8.0, 2.0  # deviations
 PRIOR_FORCE = 30.0  # N
-LEVER, RUBBING, LOSS = 0.03, 0.2, 0.1  # m, and shares of the breakaway torque, of a contact
+# A contact has it, and these shares of the breakaway torque.
+LEVER, RUBBING, LOSS = 0.03, 0.2, 0.1  # m
 
 
 def running_median(torque: Array, samples: int) -> Array:

@@ -1,10 +1,10 @@
 """A Gaussian process for what friction and model leave [Rasmussen and Williams 2006].
 
-Exact, on samples 0.4 s apart. The kernel is a squared exponential with one length each for q, q̇ and
-the model's torque, common to all joints; lengths, amplitude and noise maximise the marginal
+It is exact, on samples 0.4 s apart. The kernel is a squared exponential with one length each for q,
+q̇ and the model's torque, common to all joints; lengths, amplitude and noise maximise the marginal
 likelihood of the contact-free torque (their Equation 5.8) times a lognormal prior, without which
-few paths let the lengths run away. On top of least squares (offline) and of the momentum observer
-(causal).
+few paths let the lengths run away. It works on top of least squares (offline) and of the momentum
+observer (causal).
 
 C. E. Rasmussen, C. K. I. Williams: Gaussian Processes for Machine Learning. MIT Press (2006).
 """
@@ -21,12 +21,13 @@ from ur5lib.timeseries.arrays import Array
 from ur5rivals.learned_residual import Predict, TrainingSamples, on_top
 
 SAMPLE_STEP = 0.4  # s between samples, beyond which the torque's errors are nearly independent
-MAX_ITERATIONS = 60  # of L-BFGS
-LENGTH_OF_INPUT = torch.tensor([0] * 6 + [1] * 6 + [2] * 6)  # which length an input has
+MAX_ITERATIONS = 60  # L-BFGS has at most this many
+# Each input has the length with this index.
+LENGTH_OF_INPUT = torch.tensor([0] * 6 + [1] * 6 + [2] * 6)
 # Logarithms of the lengths, amplitude and noise, in units of the standard deviations: where the
 # search starts, and the prior's centre; its width is a factor of e.
 PRIOR_LOGARITHMS = [1.5, 1.5, 1.5, 0.0, -0.5]
-SEARCH_WIDTH = 5.0  # of the search, in widths of the prior
+SEARCH_WIDTH = 5.0  # the search has this width, in widths of the prior
 
 
 def kernel(first: torch.Tensor, second: torch.Tensor, logs: torch.Tensor) -> torch.Tensor:

@@ -33,14 +33,14 @@ from ur5rivals.learned_residual import (
 )
 from ur5rivals.run import Run
 
-SEARCH_SAMPLES = 120  # by which the constants are chosen
-MAX_SAMPLES, ROWS_TOGETHER = 300, 100  # that torques are predicted from; that are at once
-SMOOTH_SPEED = 0.01  # rad/s, over which dry friction reverses
+SEARCH_SAMPLES = 120  # the constants are chosen by this many
+MAX_SAMPLES, ROWS_TOGETHER = 300, 100  # torques are predicted from the first, the second at once
+SMOOTH_SPEED = 0.01  # rad/s; dry friction reverses over it
 ROUNDING = 1e-8  # share of the variance without which rounding spoils a matrix without noise
 # Centres of the prior; its width is a factor of e².
 SPEED_WEIGHT, ENERGY_SIZE = 0.3, 20.0  # kg m², J
 DRY, VISCOUS, NOISE = 3.0, 3.0, 1.0  # Nm, Nm s/rad, Nm
-PRIOR_WIDTH = 2.0  # of the logarithms
+PRIOR_WIDTH = 2.0  # the logarithms have it
 
 
 class Process(NamedTuple):

@@ -46,7 +46,7 @@ SEQUENCE_STEP = 0.05  # s between them
 SAMPLE_STEP = 0.04  # s between samples that are learnt from
 HIDDEN_UNITS, LEARNING_RATE = 64, 3e-3  # units; step size of Adam
 MAX_STEPS, BATCH_SIZE = 600, 128  # steps of training, samples of each
-STEPS_BETWEEN_CHECKS = 25  # of the error on the path left
+STEPS_BETWEEN_CHECKS = 25  # the error on the path left is checked every this many
 PATIENCE_STEPS = 200  # steps without a smaller error on the path left, after which training ends
 SOURCE = "Oh et al. 2026"
 

@@ -2,7 +2,7 @@
 
     r = K (p - ∫ (τ_m - τ_f + Cᵀ q̇ - g + r) dt),   dr/dt = K (τ_ext - r)
 
-Causal, and offline: forwards and backwards with the same K, by least squares and as F̂ᵐᵃᵖ.
+It is causal, and offline: forwards and backwards with the same K, by least squares and as F̂ᵐᵃᵖ.
 
 A. De Luca, R. Mattone: Actuator failure detection and isolation using generalized momenta. ICRA
 (2003). A. De Luca, A. Albu-Schäffer, S. Haddadin, G. Hirzinger: Collision detection and safe

@@ -2,7 +2,8 @@
 
 Two hidden layers of 32 units, Adam with weight decay. For each path of the recordings to fit on,
 one network learns from the others and stops where its error on that path is least; the same seed
-gives the same network. On top of least squares (offline) and of the momentum observer (causal).
+gives the same network. It works on top of least squares (offline) and of the momentum observer
+(causal).
 
 N. Yilmaz, J. Y. Wu, P. Kazanzides, U. Tumerdem: Neural network based inverse dynamics
 identification and external force estimation on the da Vinci Research Kit. ICRA (2020). There, a
@@ -17,7 +18,7 @@ from ur5rivals.learned_residual import Predict, TrainingSamples, on_top
 
 SAMPLE_STEP = 0.1  # s between samples
 HIDDEN_UNITS, TRAINING_STEPS = 32, 400  # units of a layer; steps of Adam, each over all samples
-LEARNING_RATE, WEIGHT_DECAY = 3e-3, 1e-2  # of Adam
+LEARNING_RATE, WEIGHT_DECAY = 3e-3, 1e-2  # Adam has these
 
 
 def network() -> nn.Sequential:

@@ -9,8 +9,8 @@ follow from the contact-free recordings, by least squares against the friction t
 overcome there. The paper's estimator of the force, which is given what touches the robot, is left
 out: all estimators share the way from torque to force.
 
-A trial push cannot show a latency, because the motion does not react to it. That of the low-pass is
-the most that the rule allows.
+A trial push cannot show a latency, because the motion does not react to it. The low-pass has the
+largest latency that the rule allows.
 
 A. Stolt, M. Linderoth, A. Robertsson, R. Johansson: Force controlled robotic assembly without a
 force sensor. ICRA (2012).

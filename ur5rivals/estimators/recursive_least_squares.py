@@ -29,8 +29,8 @@ from ur5rivals.force import learned_noise
 from ur5rivals.run import Estimate, Run
 from ur5rivals.tuning import least_false
 
-FILTER_GAINS = (30.0, 40.0, 60.0, 100.0)  # of the filter [1/s]
-MEMORY_SPANS = (0.01, 0.02, 0.03, 0.04)  # s, after which a sample's weight is 1/e
+FILTER_GAINS = (30.0, 40.0, 60.0, 100.0)  # the filter has one of these [1/s]
+MEMORY_SPANS = (0.01, 0.02, 0.03, 0.04)  # s; after one of these, a sample's weight is 1/e
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,7 @@ def _moves(run: Run) -> Mask:
 def noise_of_repeats(noise: ResidualModel, runs: Sequence[Run]) -> ResidualModel:
     """Return the noise in motion of runs of one trajectory, each less the others, at rest as it is.
 
-    With a single run, the repeatability is unknown. Wider by Student's t for few runs.
+    With a single run, the repeatability is unknown. It is wider by Student's t for few runs.
     """
     if len(runs) < 2:
         return noise

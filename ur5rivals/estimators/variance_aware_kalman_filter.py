@@ -4,10 +4,10 @@
 
 K-VARK learns mean μ and variance σ² of what friction and model leave of the torque τ, as functions
 of the motion, and filters the external torque d by them; the noise of v adapts by variational
-Bayes. So far the paper's abstract. The rest is this benchmark's own: `regime_process`, with noise
-that depends on the joint and its regime (at rest, reversing, slow, fast), replaces its movement
-primitives, each joint is filtered alone, and the variance before a sample adapts by the rule of
-Huang et al. 2018.
+Bayes. This is from the paper's abstract. The rest is this benchmark's own: `regime_process`, with
+noise that depends on the joint and its regime (at rest, reversing, slow, fast), replaces its
+movement primitives, each joint is filtered alone, and the variance before a sample adapts by the
+rule of Huang et al. 2018.
 
 O. Akbıyık, N. Alhousani, F. J. Abu-Dakka: K-VARK: Kernelized variance-aware residual Kalman filter
 for sensorless force estimation in collaborative robots. arXiv 2512.13009 (2025). Y. Huang,
@@ -30,8 +30,9 @@ from ur5rivals.regime_process import motion, train
 from ur5rivals.run import Run
 from ur5rivals.tuning import tuned
 
-WANDERINGS = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0)  # of d in a second, in units of the usual σ
-PRIOR_WEIGHT, ROUNDS = 3.0, 3  # of the variance before a sample, and how often it adapts
+# The torque d wanders by these in a second, in units of the usual σ.
+WANDERINGS = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0)
+PRIOR_WEIGHT, ROUNDS = 3.0, 3  # the variance before a sample has this weight, and adapts this often
 
 
 @dataclass(frozen=True)

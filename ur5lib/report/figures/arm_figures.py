@@ -22,12 +22,13 @@ UPRIGHT_POSTURE = [
     0.0,
     0.0,
 ]  # rad, position 2 of Figure 4.1 of a UR
-DRAWING_MARGIN = 0.03  # m, around the drawing
-MAX_DISTANCE_FROM_JOINTS = 0.3  # m, largest distance from the joints that is drawn
+DRAWING_MARGIN = 0.03  # m; the drawing has this margin
+MAX_DISTANCE_FROM_JOINTS = 0.3  # m; a drawn point is at most this far from the joints
 PANELS_PER_ROW = 4  # panels
-CIRCLE_ANGLES = np.linspace(0, 2 * np.pi, 48, endpoint=False)  # rad, along the edge of a circle
+CIRCLE_ANGLES = np.linspace(0, 2 * np.pi, 48, endpoint=False)  # rad; they go along a circle's edge
 SIDE_VIEW = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])  # along x: y to the right, z up
-OBLIQUE_VIEW = np.array([[-0.45, 1.0, 0.0], [-0.3, 0.0, 1.0]])  # the same, x towards the lower left
+# This is the same view, with x towards the lower left.
+OBLIQUE_VIEW = np.array([[-0.45, 1.0, 0.0], [-0.3, 0.0, 1.0]])
 AXIS_COLOURS = {"x": "#D55E00", "y": "#009E73", "z": "#0072B2"}
 AXIS_LENGTH = 0.11  # share of the drawing's largest extent
 LABEL_DISTANCE = 8  # points from the tip of an axis

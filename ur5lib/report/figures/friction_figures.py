@@ -27,14 +27,14 @@ from ur5lib.report.figures.house_style import (
 )
 from ur5lib.timeseries.arrays import Array
 
-DRAWN_STEP = 0.1  # s between the samples that are drawn
-BAR_HEIGHT = 0.16  # inches, with the space to the next
+DRAWN_STEP = 0.1  # s; the drawn samples are this far apart
+BAR_HEIGHT = 0.16  # inches; it contains the space to the next
 SYMBOLS = {CURRENT: "i_{0}", TORQUE: "measured τ_{0}"}
-CURVE_POINTS = 30  # of a curve in one direction of motion
-BAND_PARTS = 15  # of the samples of one direction, over each of which a band is a mean
+CURVE_POINTS = 30  # a curve has this many in one direction of motion
+BAND_PARTS = 15  # the samples of one direction have this many, and a band is a mean over each
 FRICTION_BAND_STYLE = {**BAND_STYLE, "label": "95 % band"}
 REST_STYLE: Any = {"color": "#444444", "capsize": 3, "linewidth": 1, "label": "95 % band at rest"}
-FRICTION_COLUMNS = (  # of the numbers
+FRICTION_COLUMNS = (  # the numbers have these
     "velocity, joint {} [rad/s]",
     "measured, joint {} [Nm]",
     "fitted, joint {} [Nm]",

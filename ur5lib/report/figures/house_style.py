@@ -74,17 +74,17 @@ DOT_STYLE: Any = {"markersize": 1.5, "alpha": 0.4, "rasterized": True}
 BAND_STYLE: Any = {"color": "#009E73", "alpha": 0.25, "linewidth": 0}
 GAP_STYLE: Any = {"facecolor": "none", "edgecolor": "#999999", "hatch": "////", "linewidth": 0}
 SHADE_STYLE: Any = {"color": "#000000", "alpha": 0.12, "linewidth": 0}
-PAGE_WIDTH = 7.2  # inches, of A4 between margins
-ALONE_HEIGHT = 3.6  # inches, of a panel shown alone
+PAGE_WIDTH = 7.2  # inches; A4 has this many between margins
+ALONE_HEIGHT = 3.6  # inches; a panel shown alone is this high
 # Inches from a y-axis to its label, which leaves room for ticks such as −0.0025.
 LABEL_DISTANCE = 0.6
-IMAGE_DPI = 130  # of images inside a figure
-LETTER_WIDTH = 0.6  # of their size
+IMAGE_DPI = 130  # images inside a figure have this resolution
+LETTER_WIDTH = 0.6  # letters have this share of their size
 LEGEND_LINE_LETTERS = 8  # a line takes the space of so many letters next to its label
-SCREEN_DPI = 100  # of a figure in a notebook
-PALETTE_SIZE = 64  # of such an image: a fourth of the size of one with all colours
+SCREEN_DPI = 100  # a figure in a notebook has this resolution
+PALETTE_SIZE = 64  # with this many colours, such an image has a fourth of the size of one with all
 EMBEDDED_IMAGE = re.compile(rb"(?<=data:image/png;base64,)[A-Za-z0-9+/=\s]+")
-MOST_VERTICES = 9000  # of lines kept as such; with more, an image is smaller
+MOST_VERTICES = 9000  # lines are kept as such up to this many; with more, an image is smaller
 
 
 class Ticks(ScalarFormatter):

@@ -43,13 +43,13 @@ ESTIMATE_STYLES = (
     "fifth",
 )  # of estimates; the first has the band
 LATE_STEP_PERIODS = 1.5  # periods: a longer step lacks frames
-ENLARGED_SPAN = (-0.15, 0.35)  # s, around the first late frame
+ENLARGED_SPAN = (-0.15, 0.35)  # s; it counts from the first late frame
 RECEIVED_COLOUR, LOST_COLOUR, SPEED_COLOUR = JOINT_COLOURS[0], JOINT_COLOURS[1], "#666666"
 
 
 def torque_figure(signals: Signals, torques: Torques, robot: Robot) -> Drawing:
-    """Return Figures 5.11 and 5.12: the chosen model, it with rotors, and the fullest, of which the
-    table of their errors names the closest, against the controller's torque, low-passed as there.
+    """Return Figures 5.11 and 5.12: the chosen model, the same with rotors, and the fullest against
+    the controller's torque, low-passed as in the table of their errors, which names the closest.
     """
     if signals.target_moment is None:
         return nothing_to_draw()

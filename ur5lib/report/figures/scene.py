@@ -17,9 +17,9 @@ from ur5lib.robots.inertia import link_tail
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import Span, starts
 
-SHORTEST_STEP = 0.1  # s between postures, which is shorter than what the low-pass leaves
+SHORTEST_STEP = 0.1  # s; postures this far apart are closer than what the low-pass leaves
 MOST_POSTURES = 1200  # a recording shows so many, in addition to the last of each segment
-DECIMALS = 4  # of stored numbers
+DECIMALS = 4  # stored numbers have this many
 
 
 def arm_scene(

@@ -10,15 +10,15 @@ import pandas as pd
 from ur5lib.tables import read_csv
 from ur5lib.timeseries.arrays import Array
 
-POINTS = 30  # of friction in one direction of motion
-PARTS = 24  # of the range of a joint's positions
-LEAST = 5  # samples of a part
+POINTS = 30  # friction has this many in one direction of motion
+PARTS = 24  # the range of a joint's positions has this many
+LEAST = 5  # a part has this many samples
 QUARTILES = {"low": 0.25, "median": 0.5, "high": 0.75}
 
 
 def by_velocity(numbers: Path) -> pd.DataFrame:
-    """Return of the samples of `friction_figure` some of each joint and direction, evenly over
-    velocity: velocity [rad/s]; measured, fitted, half of the 95 % band, and that at rest, [Nm].
+    """Return some samples of `friction_figure` of each joint and direction, evenly over velocity:
+    velocity [rad/s]; measured, fitted, half of the 95 % band, and that at rest, [Nm].
     """
     return _joined(_some(own.sort_values("velocity")) for own in _directions(_read(numbers)))
 

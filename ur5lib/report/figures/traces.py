@@ -34,15 +34,16 @@ from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import runs
 
 StyledLines = Mapping[str, tuple[Array, str]]
-MAX_DRAWN_POINTS = 1100  # about one for each dot across half a printed page
-MIN_PANEL_SPAN = 1e-3  # of a panel
+MAX_DRAWN_POINTS = 1100  # half a printed page has about as many dots across
+MIN_PANEL_SPAN = 1e-3  # a panel has at least this span
 MOST_LEGEND_COLUMNS = 6
 LEGEND_ROW = 0.17  # inches
-LEGEND_MARGIN = 0.1  # inches, around the rows
+LEGEND_MARGIN = 0.1  # inches; the rows have this margin around them
 UNFILTERED = "unfiltered"  # label of what was recorded, behind what is judged
-ERROR = "error of "  # before the label of a line
+ERROR = "error of "  # it precedes the label of a line
 HIDDEN = "near a singularity"
-LINE_COLUMN = re.compile(r"(.*), (.*) \[(.*)\]")  # of the numbers: line, panel and unit
+# It reads line, panel and unit from the name of a column of the numbers.
+LINE_COLUMN = re.compile(r"(.*), (.*) \[(.*)\]")
 BAND_EDGES = ("95 % band, lower", "95 % band, upper")
 TORQUE_PANELS = joint_quantity(r"\tau", "Nm")
 CURRENT_PANELS = joint_quantity("i", "A")

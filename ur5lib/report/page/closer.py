@@ -19,9 +19,9 @@ from ur5lib.timeseries.arrays import Array
 FOLDER = Path(__file__).parent / "templates" / "closer"
 VENDORED = FOLDER / "vendored"
 SCRIPTS = ("numbers.js", "stretch.js", "plots.js", "scene.js", "arm.js", "look.js")
-LEVELS = 256  # to which values are rounded: about two for each dot of a panel on the screen
-MILLI = 1e-3  # s and rad, to which times and angles are rounded
-CENTI = 1e-2  # N and Nm, to which what is measured is rounded
+LEVELS = 256  # values are rounded to this many: about two for each dot of a panel on the screen
+MILLI = 1e-3  # s, rad; times and angles are rounded to it
+CENTI = 1e-2  # N, Nm; what is measured is rounded to it
 JOINT_DASHES = (4, 1.5)
 
 

@@ -31,8 +31,8 @@ SOURCES = Path(__file__).parent
 TOPICS = sorted(PACKAGE.glob("topics/*/section.typ"))
 WORDS = (*sorted(SOURCES.glob("*.typ")), *sorted(SOURCES.glob("*/*.typ")), *TOPICS)
 ROWS = re.compile(r'rows-of\("([\w.]+)"\)')
-DIGITS = 15  # after the point, of numbers in JSON
-MOST_NAMED = 4  # recordings of a notice
+DIGITS = 15  # numbers in JSON have this many after the point
+MOST_NAMED = 4  # a notice names this many recordings
 
 
 class AbsentTableError(KeyError):

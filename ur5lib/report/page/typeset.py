@@ -22,9 +22,10 @@ EXPERIMENTAL = "html export is under active development"  # the one warning that
 LINES = re.compile(r'<script type="text/plain" data-lines="([^"]+)"></script>')
 SCENE = re.compile(r'<script type="text/plain" data-scene="([^"]+)"></script>')
 IMAGE = re.compile(r'src="(figures/[^"]+\.svg)"')
-REFERENCE = re.compile(r"(?<=[\"(])#([\w-]+)(?=[\")])")  # from one part of an SVG to another
+REFERENCE = re.compile(r"(?<=[\"(])#([\w-]+)(?=[\")])")  # one part of an SVG refers to another so
 STYLE = re.compile(r'style="([^"]*)"')
-IN_ADDRESS = str.maketrans({"%": "%25", "#": "%23", "&": "%26"})  # of a data URI in double quotes
+# These are escaped in a data URI in double quotes.
+IN_ADDRESS = str.maketrans({"%": "%25", "#": "%23", "&": "%26"})
 SCRIPTS = '<script type="text/plain" id="scripts"></script>'
 TABLES = Path(__file__).with_name("kit") / "tables.js"
 SECTION = re.compile(r'<section [^>]*\bid="([^"]+)"')

@@ -27,7 +27,7 @@ def decided(results: Results) -> pd.DataFrame:
 
 
 def split(results: Results) -> pd.DataFrame:
-    """Return of what the error in contact consists by recording, and the sensor's bias."""
+    """Return the parts of the error in contact by recording, and the sensor's bias."""
     bias = results.tables["sensed"].filter(regex="^recording$|^bias_")
     return results.rows("error_parts").merge(bias, "left")
 

@@ -9,8 +9,8 @@ from ur5lib.records.friction import without_totals
 from ur5lib.report.figures.thinned import by_position, by_velocity
 from ur5lib.report.results import Results
 
-CONSTANTS = ["torque_constant", "gain"]  # the parameter, of currents and of measured torques
-UNMOVED = "no_motion"  # reason against a parameter of a joint that did not move
+CONSTANTS = ["torque_constant", "gain"]  # the parameter of currents and of measured torques
+UNMOVED = "no_motion"  # the reason against a parameter of a joint that did not move
 
 
 def predicted(results: Results) -> list[str]:

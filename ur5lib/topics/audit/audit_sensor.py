@@ -28,16 +28,17 @@ from ur5lib.topics.audit.free_reading import (
 )
 from ur5lib.topics.audit.rows import AuditRow
 
-CENTER_ROUNDS = 3  # of the tool's centre of mass, where its acceleration counts
-# Of its scale; beyond, the declared payload is wrong, not the sensor.
+# The tool's centre of mass, at which its acceleration counts, is found in this many rounds.
+CENTER_ROUNDS = 3
+# Beyond this error of its scale, the declared payload is wrong, not the sensor.
 MAX_SCALE_ERROR_OF_SENSOR = 0.15
-MIN_FREE_DURATION = 5.0  # s without contact, below which nothing is said
+MIN_FREE_DURATION = 5.0  # s; with less time without contact, nothing is said
 # Errors that matter: a quarter of the maker's accuracy of 4 N and 0.3 Nm, and what 0.05 kg weigh.
 MIN_WRENCH_ERROR = np.array([1.0] * 3 + [0.1] * 3)  # N, Nm; per minute
 MIN_TURN_DEG, MIN_SCALE_ERROR, MIN_MASS_ERROR, MIN_CENTER_ERROR = 2.0, 0.05, 0.1, 0.01
 MIN_ZERO_ERROR = 2 * MIN_WRENCH_ERROR
 SCALE_STD = 0.03  # a scale has this prior where only the mass that a sensor weighs shows it
-# In m/s². Below, inertia, which a controller may leave in its force, does not matter.
+# Below this [m/s²], inertia, which a controller may leave in its force, does not matter.
 MAX_INERTIAL_ACCELERATION = 0.3
 
 

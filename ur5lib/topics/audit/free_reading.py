@@ -21,7 +21,7 @@ from ur5lib.force.sensor_drift import slow_covariance
 from ur5lib.robots.description import Payload
 from ur5lib.timeseries.arrays import Array
 
-MAX_AUDIT_SAMPLES = 5_000  # for a fit
+MAX_AUDIT_SAMPLES = 5_000  # a fit uses at most this many
 SECONDS_PER_MINUTE = 60.0
 UNIT_PULL = np.ones((1, 3))
 # Columns of the parameters.
@@ -33,14 +33,14 @@ DRIFT_COLUMNS = slice(24, 30)
 DECLARED_MASS_SHARE_STD = 0.3
 DECLARED_MASS_STD = 0.3  # kg
 UNDECLARED_MASS_STD = 3.0  # kg
-CENTER_DISTANCE_STD = 0.2  # m, of the tool's centre of mass from the sensor
+CENTER_DISTANCE_STD = 0.2  # m; the tool's centre of mass is this far from the sensor
 DRIFT_STD = np.array([5.0] * 3 + [0.5] * 3)  # N/min, Nm/min
 INERTIA_STD = 0.02  # kg m²
 TURN_STD = 1.0  # rad
 SCALE_STD = 0.3
 FREE_MASS_STD = 10.0  # kg
-SPAN_BEFORE_CONTACT = np.array([-1.25, -0.25])  # s, from its start
-SPAN_AFTER_CONTACT = np.array([0.25, 1.25])  # s, from its end
+SPAN_BEFORE_CONTACT = np.array([-1.25, -0.25])  # s; it counts from the start of a contact
+SPAN_AFTER_CONTACT = np.array([0.25, 1.25])  # s; it counts from the end of a contact
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from ur5lib.records.phrases import number
 from ur5lib.report.stated import with_error
 from ur5lib.topics.audit.report import is_to_declare
 
-JUDGED = {  # by quantity: its words, and the limit of a right one
+JUDGED = {  # each quantity has its words, and the limit of a right one
     "scale": ("the scale", "5 %"),
     "drift": ("the drift", "1 N/min"),
     "shift": ("the shift by a contact", "1 N"),

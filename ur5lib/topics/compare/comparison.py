@@ -15,9 +15,9 @@ from ur5lib.records.friction import without_totals
 from ur5lib.tables import intact, write_text
 from ur5lib.timeseries.metrics import NORMAL95
 
-ERROR_CHANCE = 0.05  # of any false change in a topic, and of a miss of a single interval
+ERROR_CHANCE = 0.05  # chance of any false change in a topic, and of a miss of a single interval
 CHANGED_RATIO = 1.1  # ratio of two errors without interval from which they count as different
-PARAMETER_UNITS = {  # others: Nm
+PARAMETER_UNITS = {  # others have Nm
     **{"torque_constant": "Nm/A", "gain": "Nm/Nm", "viscous": "Nm s/rad", "load": ""}
 }
 WITH_DETERMINED = ["parameters", "friction"]  # tables that say which rows the data determine
@@ -145,7 +145,7 @@ def force(studies: StudyPair) -> Iterator[Comparison]:
     return compare_estimates("force", rows, names, ["N"] * len(rows))
 
 
-# Of columns: what results built before 0.2.0 call them, so that an update can be compared.
+# Results built before 0.2.0 have these names of columns; an update can be compared with them.
 OLDER_NAMES = {"rmse_lowpassed": "rmse_2hz"}
 TOPICS: dict[str, Callable[[StudyPair], Iterator[Comparison]]] = {
     "data": data,

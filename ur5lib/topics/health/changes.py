@@ -29,25 +29,25 @@ from scipy.special import stdtrit
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.metrics import BAND_COVERAGE
 
-MIN_DEGREES_OF_FREEDOM = 3  # of the residuals
-MIN_DATES = MIN_DEGREES_OF_FREEDOM + 3  # for a constant, a covariate and a change
+MIN_DEGREES_OF_FREEDOM = 3  # the residuals have at least this many
+MIN_DATES = MIN_DEGREES_OF_FREEDOM + 3  # a constant, a covariate and a change take this many
 FALSE_ALARM_PROBABILITY = 0.05  # chance of any false change on an arm, at most
-MIN_DATES_BESIDE_JUMP = 2  # on either side: one alone may be an outlier
-MAX_CHANGES = 3  # of one series
+MIN_DATES_BESIDE_JUMP = 2  # a jump has this many on either side: one alone may be an outlier
+MAX_CHANGES = 3  # one series has at most this many
 # Dates beyond which a series is one of spans, and their number; at 2 years, of 12 days each.
 MAX_SINGLE_DATES = 120
 SPAN_COUNT = 60
 # Largest correlation of neighbouring dates at which the chance of a false change is as stated.
 WORST_CORRELATION = 0.5
-SEARCH_CORRELATIONS = np.linspace(0.0, WORST_CORRELATION, 6)  # where changes are searched
-# For sizes: residuals look less correlated than the noise is.
+SEARCH_CORRELATIONS = np.linspace(0.0, WORST_CORRELATION, 6)  # changes are searched under these
+# Sizes are estimated under these: residuals look less correlated than the noise is.
 SIZE_CORRELATIONS = np.linspace(0.0, 0.75, 6)
-NOISE_DRAWS = 20_000  # in all
-BATCH_DRAWS = 1_000  # at a time
-MEDIAN_CHI2 = 0.4549  # of one degree of freedom
-MIN_RELATIVE_DIVISOR = 1e-12  # over the scale of what is divided
-MAX_CONSTANT_RANGE = 1e-9  # of a covariate within the groups that counts as constant
-MIN_UNEXPLAINED_SHARE = 1e-6  # of a change, by the columns before it
+NOISE_DRAWS = 20_000  # there are this many in all
+BATCH_DRAWS = 1_000  # there are this many at a time
+MEDIAN_CHI2 = 0.4549  # one degree of freedom has this median
+MIN_RELATIVE_DIVISOR = 1e-12  # it is relative to the scale of what is divided
+MAX_CONSTANT_RANGE = 1e-9  # a covariate with this range within the groups counts as constant
+MIN_UNEXPLAINED_SHARE = 1e-6  # the columns before a change leave at least this share of it
 
 
 @dataclass(frozen=True)
@@ -135,10 +135,10 @@ class _ChangeRegression:
 def over_spans(series: DatedSeries) -> DatedSeries:
     """Return a series of many dates as one of the means of SPAN_COUNT successive spans of dates.
 
-    Of MAX_SINGLE_DATES dates or fewer, the series itself. A date's value is a constant of its group
-    and the mean of its span: groups differ by as much in every span. Standard errors are the larger
-    of two: by the stated ones, and by the scatter within the span. Simulating the noise of all
-    dates would take minutes, and a change need not be dated to the day.
+    A series of at most MAX_SINGLE_DATES dates stays as it is. A date's value is a constant of its
+    group and the mean of its span: groups differ by as much in every span. Standard errors are the
+    larger of two: by the stated ones, and by the scatter within the span. Simulating the noise of
+    all dates would take minutes, and a change need not be dated to the day.
     """
     if len(series.day) <= MAX_SINGLE_DATES:
         return series
@@ -312,8 +312,8 @@ def variance_between_dates(value: Array, std_error: Array) -> float:
 
     value, std_error: (n,).
 
-    From the median of squared successive differences, d² = (s₁² + s₂² + 2 σ²) χ²₁: neither a slow
-    drift nor a few jumps add to it.
+    It follows from the median of squared successive differences, d² = (s₁² + s₂² + 2 σ²) χ²₁:
+    neither a slow drift nor a few jumps add to it.
     """
     # median of d² = (2 s² + 2 σ²) median of χ²₁
     difference = np.median(np.diff(value) ** 2) / MEDIAN_CHI2

@@ -23,8 +23,9 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import unbroken
 
 QUANTITIES = ("coulomb", "viscous", "torque_constant", "offset", "noise")
-FITTED_COLUMNS = {"offset": 1, "coulomb": 2, "viscous": 3}  # of a joint's samples
-MAX_CONSTANT_ERROR = 0.2  # relative, beyond which a torque constant is not stated
+# A joint's samples have these coefficients in the given columns.
+FITTED_COLUMNS = {"offset": 1, "coulomb": 2, "viscous": 3}
+MAX_CONSTANT_ERROR = 0.2  # beyond this relative error, a torque constant is not stated
 UNKNOWN_ESTIMATE = float("nan"), float("nan")  # value and standard error
 Estimates = dict[str, tuple[float, float]]
 

@@ -29,8 +29,8 @@ PANEL_LABELS = {
     "noise": "noise",
     "temperature": "temperature [°C]",
 }
-FIGURE_HEIGHT = 7.4  # inches, of six rows of panels
-MOST_TICKS = 4  # of the values of a panel
+FIGURE_HEIGHT = 7.4  # inches; it fits six rows of panels
+MOST_TICKS = 4  # the values of a panel have this many
 DRIFT_STYLE: Any = SHADE_STYLE | {"alpha": 0.06}  # a drift, which lasts all the time
 
 

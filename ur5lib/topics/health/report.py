@@ -5,12 +5,12 @@ import pandas as pd
 from ur5lib.report.results import Results
 from ur5lib.topics.health import found
 
-MIN_TEMPERATURE_EFFECT = 0.5  # %, smallest effect of temperature that is mentioned
+MIN_TEMPERATURE_EFFECT = 0.5  # %; a smaller effect of temperature is not mentioned
 
 
 def of_arms(results: Results) -> pd.DataFrame:
-    """Return of each arm the number of its dates, the first and the last, whether temperatures were
-    recorded, and the largest share of lost frames.
+    """Return for each arm the number of its dates, the first and the last, whether temperatures
+    were recorded, and the largest share of lost frames.
     """
     rows = results.rows("health")
     lost = rows["value"].where(rows["quantity"] == "lost_frames")

@@ -21,7 +21,7 @@ from ur5lib.topics.health.changes import (
 )
 from ur5lib.topics.health.rows import Checkup, Condition, Health, JointChange
 
-MIN_TEMPERATURE_RANGE = 1.0  # K between dates, above which temperature is a covariate
+MIN_TEMPERATURE_RANGE = 1.0  # K; dates that differ by more make temperature a covariate
 
 
 class TrackedHealth(NamedTuple):

@@ -9,7 +9,7 @@ from ur5lib.report.results import Results
 from ur5lib.report.stated import Step, designing
 
 TABLES = ("next_recordings",)
-NOW = "now"  # without another recording
+NOW = "now"  # the bands without another recording
 
 Outlook = tuple[str, pd.Series, pd.Series]
 """An arm, its bands as they are, and after the recording that narrows forces most."""

@@ -11,8 +11,9 @@ from ur5lib.robots.description import Robot
 from ur5lib.topics.next_recordings.found import NOW
 from ur5lib.topics.next_recordings.rows import RankedBands
 
-WORTHWHILE_BAND_RATIO = 0.9  # of the band of a force now, that a worthwhile recording leaves
-CANDIDATE_DURATION = 20.0  # of the recordings that may come next, as `ur5 excite` designs them
+WORTHWHILE_BAND_RATIO = 0.9  # a worthwhile recording leaves at most this share of a force's band
+# Recordings that may come next last this long, as `ur5 excite` designs them.
+CANDIDATE_DURATION = 20.0  # s
 
 
 def rank_recordings(

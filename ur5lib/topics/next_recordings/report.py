@@ -7,11 +7,11 @@ from ur5lib.report.results import Results
 from ur5lib.report.stated import designing
 from ur5lib.topics.next_recordings.found import outlooks
 
-MAX_NAMED_PARAMETERS = 3  # parameters that the next recording is designed for
+MAX_NAMED_PARAMETERS = 3  # the next recording is designed for this many parameters
 
 
 def outlook(results: Results) -> pd.DataFrame:
-    """Return of each arm half of the 95 % band of a force [N] after the best recording and `now`,
+    """Return for each arm half of the 95 % band of a force [N] after the best recording and `now`,
     what that records, and whether it is worthwhile.
     """
     return pd.DataFrame([{**best, "now": now["force"]} for _, now, best in outlooks(results)])
@@ -25,7 +25,7 @@ def least_determined(results: Results) -> pd.DataFrame:
 
 
 def commands(results: Results) -> pd.DataFrame:
-    """Return of each arm with fitted friction the command that designs a recording for what is
+    """Return for each arm with fitted friction the command that designs a recording for what is
     least determined, and the load [kg] next to the axis of the last joint, if there is any.
     """
     last = results.rows("friction").groupby("robot", sort=False)["joint"].max().reset_index()

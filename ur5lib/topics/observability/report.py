@@ -7,7 +7,7 @@ from ur5lib.judging.contacts import at_sensors
 from ur5lib.report.results import Results
 
 AT_REST = ("friction_in_band", "rest_band_factor", "band_at_rest")
-LEAST_DRAWN_SPEED = 0.003  # rad/s, where the axis of speeds begins
+LEAST_DRAWN_SPEED = 0.003  # rad/s; the axis of speeds begins there
 
 
 def smallest_pushes(results: Results) -> pd.DataFrame:

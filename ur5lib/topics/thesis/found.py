@@ -10,7 +10,7 @@ from ur5lib.report.results import Results
 from ur5lib.topics.thesis.printed_numbers import EQUAL, UNEXPLAINED
 
 TABLES = ("printed",)
-CLAIMED_ESTIMATE, CLAIMED_COMPONENT = "F*", "Fz"  # by which the thesis detects pushes
+CLAIMED_ESTIMATE, CLAIMED_COMPONENT = "F*", "Fz"  # the thesis detects pushes by these
 
 
 class ClaimScore(NamedTuple):

@@ -20,13 +20,13 @@ from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import chunks, unbroken
 from ur5lib.topics.thesis.records import Gain, JointGains
 
-GRID_NODES = 31  # of the grid of gains, on each axis
-DESCENT_STARTS = 5  # local minima of the grid from which least squares start
-PROFILE_STEP = 1e-3  # of a log gain, to which a profile's minima are searched
+GRID_NODES = 31  # the grid of gains has this many on each axis
+DESCENT_STARTS = 5  # least squares start from this many local minima of the grid
+PROFILE_STEP = 1e-3  # a profile's minima are searched to this step of a log gain
 CONFIDENCE_LEVEL = 0.95
 CACHED_SAMPLES = 64  # states of so many samples under all gains of the grid fit into a cache
 MAX_MOTION_DURATION = 120.0  # s; more would make gains surer than the model of the loop is
-MAX_RANGE_FACTOR = 10.0  # between the ends of a range, above which a gain is undetermined
+MAX_RANGE_FACTOR = 10.0  # a gain is undetermined if the ends of its range have a larger ratio
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ def estimate_gains(tracking: Tracking) -> list[JointGains]:
     then that of the gains found. The 95 % range is J <= J_min [1 + 2/(n - 2) F(2, n - 2)]: F is the
     95 % point of Fisher's distribution, n the number of independent samples; J_min is that of a
     joint that follows exactly, where the best of as many gains as the grid has would fit better by
-    chance. Of a recording of more than MAX_MOTION_DURATION seconds, the gains come from those parts
+    chance. In a recording of more than MAX_MOTION_DURATION seconds, the gains come from those parts
     in which a joint's target accelerates most. A joint with a target at rest throughout determines
     nothing. Raises ValueError if no two successive samples are complete.
     """
@@ -206,7 +206,8 @@ class _JointLoop:
     def noise(self, errors: Array) -> Array:
         """Return σ √t (2,) of errors (2, N) in position and velocity.
 
-        By the mean square, and the correlation time by the positive sums of Geyer (1992).
+        σ follows from the mean square, the correlation time t from the positive sums of Geyer
+        (1992).
         """
         # autocovariances by the power spectrum, zero-padded
         lengths = [stretch.shape[1] for stretch in self.stretches]
@@ -227,7 +228,7 @@ class _JointLoop:
 def _joints(tracking: Tracking) -> list[_JointLoop]:
     """Split the recording by joint and into its complete stretches.
 
-    Of a long one, only the parts in which a joint's target accelerates most are kept.
+    A long one keeps only the parts in which a joint's target accelerates most.
     """
     t = tracking
     kinds = t.target_q, t.target_qd, t.target_qdd, t.actual_q, t.actual_qd

@@ -10,9 +10,9 @@ from ur5lib.report.results import Results
 from ur5lib.topics.thesis.found import score, shown_first
 from ur5lib.topics.thesis.printed_numbers import EQUAL, UNEXPLAINED
 
-COMPUTED_DIGITS = 4  # of computed numbers
+COMPUTED_DIGITS = 4  # computed numbers have this many
 PARAMETER_SYMBOLS = {"torque_constant": "k", "offset": "b"}
-CLAIMED_ESTIMATE, CLAIMED_COMPONENT = "F*", "Fz"  # by which the thesis detects pushes
+CLAIMED_ESTIMATE, CLAIMED_COMPONENT = "F*", "Fz"  # the thesis detects pushes by these
 AS_PRINTED = "torque_on_current"  # the direction of regression of Equation 6.5
 
 
@@ -129,8 +129,8 @@ def on_every_run(results: Results, recording: str) -> pd.DataFrame:
 
 
 def by_source(results: Results) -> pd.DataFrame:
-    """Return of each published table how many numbers it has, are rebuilt, are explained by errata,
-    and remain unexplained.
+    """Return for each published table how many numbers it has, are rebuilt, are explained by
+    errata, and remain unexplained.
     """
     rows = results.tables["printed"]
     equal, left = rows["status"] == EQUAL, rows["status"] == UNEXPLAINED
@@ -186,8 +186,8 @@ def offsets_on_runs(results: Results) -> pd.DataFrame:
 
 
 def doubted_offsets(results: Results) -> pd.DataFrame:
-    """Return of each doubted joint the printed and the fitted offset, the least and the largest one
-    by the same regression, on so many recordings.
+    """Return for each doubted joint the printed and the fitted offset, and the least and the
+    largest one by the same regression, with the number of recordings.
     """
     every = results.tables["published_constants"]
     every = every[every["regression"] == AS_PRINTED]

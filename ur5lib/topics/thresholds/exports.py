@@ -10,7 +10,7 @@ HELP = (
     "thresholds: torques that a controller takes for a contact, by joint and speed; "
     "thresholds.script: the same as a function of URScript"
 )
-QUESTIONS = ("force", "constants", "currents")  # of verdicts.csv, that forbid an export
+QUESTIONS = ("force", "constants", "currents")  # these of verdicts.csv forbid an export
 
 Format = Callable[["FinishedStudy | None", str, str, str], str]
 """Returns the text of an arm; see `ur5lib.commands.exported`."""

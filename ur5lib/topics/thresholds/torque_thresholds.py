@@ -1,7 +1,7 @@
 """Torques that are seldom exceeded without contact: quantiles by joint, speed and acceleration.
 
-Of the external torques |τ_ext| of a joint in n samples without contact, the threshold of a rate r
-is the ⌈(1 - r) n⌉-th smallest: at most the share r is beyond it.
+The threshold of a rate r is the ⌈(1 - r) n⌉-th smallest of a joint's external torques |τ_ext| in n
+samples without contact: at most the share r is beyond it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,10 +17,11 @@ from ur5lib.records.motion import Motion
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import DEAD_ZONE
 
-LEVELS = {"lower": 0.01, "upper": 0.001}  # a contact, a collision: share of samples beyond
-FAST_SHARE = 0.5  # of the fastest that a joint was, from which on it is fast
-ACCELERATING_SHARE = 0.1  # of the largest acceleration, from which on it counts as accelerating
-LARGEST = 0.999  # quantile that is the largest acceleration: noise has larger ones
+# The levels of a contact and of a collision leave this share of samples beyond.
+LEVELS = {"lower": 0.01, "upper": 0.001}
+FAST_SHARE = 0.5  # from this share of its largest speed on, a joint is fast
+ACCELERATING_SHARE = 0.1  # from this share of the largest acceleration on, a joint accelerates
+LARGEST = 0.999  # this quantile is the largest acceleration: noise has larger ones
 UNITS = "Nm, rad/s, rad/s^2; joints from 1; rates: share of samples, of each joint by itself"
 
 
@@ -123,7 +124,7 @@ def thresholds_of(study: FinishedStudy, robot: str) -> Thresholds:
 def free_samples(study: FinishedStudy, robot: str) -> dict[str, Free]:
     """Return the samples of an arm's recordings without contact that have an external torque.
 
-    Of a recording to fit, it is that beyond the fit to the other paths.
+    In a recording to fit, it is the torque beyond the fit to the other paths.
     """
     found = dict[str, Free]()
     for entry in study.configuration().recordings:
@@ -148,13 +149,13 @@ def speed_edges(free: Free) -> Array:
 
 
 def speed_classes(free: Free, edges: Array) -> list[Mask]:
-    """Return of each class of speeds which samples (N, n) are in it."""
+    """Return for each class of speeds which samples (N, n) are in it."""
     above = [free.speed > edge for edge in edges[1:]]
     return [~above[0], above[0] & ~above[1], above[1]]
 
 
 def quantiles(torque: Array, classes: Sequence[Mask], rate: float) -> Array:
-    """Return of each class the torques (C, n) [Nm] that a share of its samples exceeds.
+    """Return for each class the torques (C, n) [Nm] that a share of its samples exceeds.
 
     torque, classes: (N, n). A class with fewer samples than the rate needs has that of all samples.
     """

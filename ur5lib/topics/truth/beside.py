@@ -19,12 +19,12 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import coverage, mean_absolute_error
 
 Row = dict[Hashable, Any]
-COLUMNS = [  # of truth.csv
+COLUMNS = [  # truth.csv has them
     *("recording", "robot", "quantity", "method", "index", "unit"),
     *("truth", "estimate", "std_error", "within95", "zero"),
 ]
 AXIS_NAMES = ["x", "y", "z"]
-JACKKNIFE_PARTS = 8  # of an only recording, in a jackknife
+JACKKNIFE_PARTS = 8  # in a jackknife, an only recording has this many
 
 
 def rows(
