@@ -1,6 +1,7 @@
 """The tables of docs/report.md that say when a result is good: limits and words of the code."""
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -23,7 +24,7 @@ class Rule(NamedTuple):
     state: State
     questions: str
     when: str
-    reasons: list[Reason]
+    reasons: Sequence[Reason]
 
 
 def percent(share: float) -> str:
@@ -127,7 +128,7 @@ def with_rules(page: str) -> str:
     return replaced(replaced(page, "When a result is good", rules), "Reasons", reasons)
 
 
-def codes(reasons: list[Reason]) -> str:
+def codes(reasons: Sequence[Reason]) -> str:
     """Return codes as Markdown."""
     return ", ".join(f"`{one}`" for one in reasons)
 
