@@ -83,8 +83,7 @@ gallery: pictures studies docs ## the same for all public studies whose recordin
 
 docs: .venv/dev ## build the documents as a site, .site/html
 	rm -rf .site && mkdir -p .site/pages
-	cp -RL *.md CITATION.cff LICENSE Snakefile config.yaml config docs site ur5lib workflow .site/pages
-	mkdir .site/pages/raw && cp raw/README.md .site/pages/raw
+	cp -RL *.md CITATION.cff LICENSE Snakefile config.yaml docs site ur5lib workflow .site/pages
 	zensical build --strict >.site/log 2>&1 || { cat .site/log >&2; exit 1; }
 	@echo "site: .site/html/index.html"
 

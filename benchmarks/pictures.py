@@ -4,12 +4,14 @@
 
 Copies figures of results/demo and results/ur10-bag into docs/, photographs the first screen of the
 lesson's report by Chromium, and writes what cards say into docs/lesson.md and, of the studies that
-are built, docs/gallery.md; the columns of tables go into docs/report.md. `make pictures` builds the
-first two studies before, `make gallery` all. `--quick` leaves out the photograph.
+are built, docs/gallery.md and docs/bad_report.md; columns and rules go into docs/report.md.
+`make pictures` builds the first two studies before, `make gallery` all. `--quick` leaves out the
+photograph.
 """
 
 import re
 import shutil
+from collections.abc import Callable
 from dataclasses import fields, is_dataclass
 from importlib import import_module
 from pathlib import Path
@@ -17,6 +19,7 @@ from typing import Any, NamedTuple
 
 from benchmarks.harness.markdown import markdown, replaced, section
 from benchmarks.harness.options import built, options_of
+from benchmarks.harness.rules import with_rules
 from ur5lib.errors import InputError
 from ur5lib.jobs import files
 from ur5lib.records.verdicts import reason_in_words
@@ -48,6 +51,10 @@ GALLERY = {  # section of the page: the study
     "A UR3 without rotors": "ur3-cb",
     "A KUKA KR300 by its motors' torques": "kuka-kr300",
 }
+BAD = {  # section of the page on bad reports: the study
+    "A UR5e led by hand": "ur5e-demonstrations",
+    "A KR300 without links": "kuka-kr300",
+}
 VIEW = {"width": 1280, "height": 900}  # pixels
 
 
@@ -74,17 +81,24 @@ def main() -> None:
     for name, figure in FIGURES.items():
         shutil.copy(RESULTS_FOLDER / f"{figure}.svg", DOCUMENTS / f"{name}.svg")
     report = DOCUMENTS / "report.md"
-    write_text(with_columns(report.read_text()), report)
-    lesson, gallery = DOCUMENTS / "lesson.md", DOCUMENTS / "gallery.md"
+    write_text(with_rules(with_columns(report.read_text())), report)
+    lesson = DOCUMENTS / "lesson.md"
     write_text(with_verdicts(lesson.read_text(), first_screen(RESULTS_FOLDER / LESSON)), lesson)
-    text = gallery.read_text()
-    for title, study in GALLERY.items():
-        if (RESULTS_FOLDER / study / "results.json").exists():
-            told = first_screen(RESULTS_FOLDER / study).cards
-            text = replaced(text, title, states(told))
-    write_text(text, gallery)
+    write_screens(DOCUMENTS / "gallery.md", GALLERY, lambda told: states(told.cards))
+    write_screens(DOCUMENTS / "bad_report.md", BAD, lambda told: f"{cards(told)}\n\n{steps(told)}")
     if not given.quick:
         photograph(RESULTS_FOLDER / LESSON / "report.html", DOCUMENTS / "lesson_report.png")
+
+
+def write_screens(
+    page: Path, studies: dict[str, str], text_of: Callable[[FirstScreen], str]
+) -> None:
+    """Write into the sections of a page what the reports of their studies say, as far as built."""
+    text = page.read_text()
+    for title, study in studies.items():
+        if (RESULTS_FOLDER / study / "results.json").exists():
+            text = replaced(text, title, text_of(first_screen(RESULTS_FOLDER / study)))
+    write_text(text, page)
 
 
 def with_columns(page: str) -> str:
@@ -115,9 +129,9 @@ def first_screen(folder: Path) -> FirstScreen:
     results = read_results(folder)
     found = page_data(results)
     with handed_over(results, found) as root:
-        cards = [card(own, results) for own in said(root, "<card>")]
-    steps = [[own["sentence"], typed(own["command"])] for own in found["found"]["next"]]
-    return FirstScreen(cards, steps)
+        every = [card(own, results) for own in said(root, "<card>")]
+    following = [[own["sentence"], typed(own["command"])] for own in found["found"]["next"]]
+    return FirstScreen(every, following)
 
 
 def typed(command: str) -> str:
@@ -153,9 +167,17 @@ def with_verdicts(page: str, told: FirstScreen) -> str:
     """Return the lesson with the cards and the next steps of a report."""
     title = "Read the first screen"
     following = section(page, title).partition("\n\nSo a report")[2].partition("| next |")[0]
-    cards = markdown(["card", "state", "number", "why"], told.cards)
-    steps = markdown(["next", "command"], told.steps)
-    return replaced(page, title, f"{cards}\n\nSo a report{following}{steps}")
+    return replaced(page, title, f"{cards(told)}\n\nSo a report{following}{steps(told)}")
+
+
+def cards(told: FirstScreen) -> str:
+    """Return a table of all cards."""
+    return markdown(["card", "state", "number", "why"], told.cards)
+
+
+def steps(told: FirstScreen) -> str:
+    """Return a table of what to do next."""
+    return markdown(["next", "command"], told.steps)
 
 
 def photograph(report: Path, picture: Path) -> None:

@@ -8,11 +8,13 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.harness.rules import RULES, with_rules
 from benchmarks.pictures import with_columns
 from tests.conftest import PROJECT
 from ur5lib.jobs.code import all_steps
+from ur5lib.judging.errors import REASONS_BY_GRAVITY
 
-OTHERS = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "raw/README.md", "config/README.md")
+OTHERS = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "config/README.md")
 PAGES = [*(PROJECT / name for name in OTHERS), *sorted((PROJECT / "docs").glob("*.md"))]
 PICTURES = (".svg", ".png", ".csv")  # and the numbers of one
 LINK = re.compile(r"\]\((?!https?:)([^)#]*)(?:#([^)]*))?\)")
@@ -45,6 +47,14 @@ def test_the_report_s_page_lists_the_columns_of_all_tables() -> None:
     more = [line for line in listed if line not in written]
     assert [line for line in written if line not in listed] == [], "`make pictures` writes them"
     assert all("| …, " in line for line in more)
+
+
+def test_the_report_s_page_has_the_rules_of_the_code() -> None:
+    """Limits, reasons and their words, with the reasons that judges give."""
+    page = (PROJECT / "docs" / "report.md").read_text()
+    assert with_rules(page) == page, "`make pictures` writes them"
+    known = {reason for rule in RULES for reason in rule.reasons}
+    assert {*REASONS_BY_GRAVITY} - {""} <= known
 
 
 def test_the_readme_is_short() -> None:
@@ -86,7 +96,7 @@ def texts() -> Iterator[str]:
 
 def messages() -> list[str]:
     """What stands in the first column of the tables of messages."""
-    page = (PROJECT / "docs" / "troubleshooting.md").read_text()
+    page = (PROJECT / "docs" / "questions.md").read_text()
     cells = re.findall(r"^\| (.*?) \| ", page, re.MULTILINE)
     quoted = [text for cell in cells for text in re.findall(r"``(.*?) ?``|`([^`]+)`", cell)]
     return [double or single for double, single in quoted]

@@ -169,6 +169,20 @@ def judge(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
     ]
 
 
+def rows_to_type_in(code: str, _: pytest.MonkeyPatch) -> None:
+    """On a table with a row that may be used, one that may not, and one of another joint."""
+    rows = pd.DataFrame({"joint": [3, 3, 2], "parameter": ["total_0", "coulomb", "total_0"]})
+    rows = rows.assign(
+        value=[1.0, 2.0, 3.0], low=0.5, high=4.0, use=["yes", "no", "yes"], reason=""
+    )
+    Path("results/mine/tables").mkdir(parents=True)
+    rows.to_csv("results/mine/tables/friction.csv", index=False)
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        exec(code, {})
+    assert [line.split()[0] for line in printed.getvalue().splitlines()] == ["parameter", "total_0"]
+
+
 def read(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """On a table where the page says that it lies."""
     path = Path("results/mine/recordings/pushed/forces.parquet")
@@ -225,6 +239,7 @@ def estimate_live(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
 PYTHON: dict[str, Callable[[str, pytest.MonkeyPatch], None]] = {
     "import rtde_receive": record,
     ">>> import ur5lib": read,
+    "from ur5lib import load\n\nrows": rows_to_type_in,
     "from ur5lib import load": judge,
     "import matplotlib": draw,
     "import pandas as pd, ur5lib": read_frames,

@@ -189,7 +189,7 @@ def test_the_page_is_followed_word_for_word(
     """Its study, and its commands in their order, on the doubles of a laboratory."""
     pytest.importorskip("rtde_control")
     monkeypatch.chdir(tmp_path)
-    blocks = examples(PROJECT / "docs" / "recording.md")
+    blocks = examples(PROJECT / "docs" / "recordings.md")
     (page,) = (block.text for block in blocks if block.text.startswith("study: lab"))
     Path("lab.yaml").write_text(page)
     (way_points,) = (block.text for block in blocks if block.text.startswith("0.5, -1.6"))

@@ -82,7 +82,7 @@ def _beyond(frames: pd.DataFrame, bounds: Mapping[str, float], source: str) -> M
             f"{source}: {channel} exceeds {bounds[channel]:.4g} {unit(channel)} in "
             f"{beyond.mean():.0%} of the rows (median there {middle:.4g}); "
             f"{LIKELY_UNITS.get(unit(channel)[:3], '')}"
-            "correct the file, the column or unit that the study gives it (raw/README.md), or the "
+            "correct the file, the column or unit that the study gives it (docs/recordings.md), or the "
             "arm's limits (docs/robots.md)"
         )
     return beyond
@@ -96,7 +96,7 @@ def check_pace(time: Array, source: str, shortest: float = MIN_STEP) -> None:
         raise InputError(
             f"{source}: the median step between timestamps is {step:.4g} s; check that the time "
             "column is in seconds and has all its digits, or name its unit in the study "
-            "(raw/README.md)"
+            "(docs/recordings.md)"
         )
 
 
