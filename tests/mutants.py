@@ -67,7 +67,7 @@ def other_number(value: complex | bool, axis: bool) -> str:
 
 
 def mutants_of_python(file: Path, content: bytes) -> Iterator[Mutant]:
-    """Yield the mutants of a module, but for annotations."""
+    """Yield the mutants of a module."""
     starts = [0, *(match.end() for match in re.finditer(b"\n", content))]
     tree = ast.parse(content)
     axes = {
@@ -104,10 +104,10 @@ def mutants_of_python(file: Path, content: bytes) -> Iterator[Mutant]:
 
 
 def code_of(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield the nodes of a tree, but for annotations."""
+    """Yield the nodes of a tree, but for annotations and decorators."""
     yield node
     for name, value in ast.iter_fields(node):
-        if name not in ("annotation", "returns"):
+        if name not in ("annotation", "returns", "decorator_list"):
             for one in value if isinstance(value, list) else [value]:
                 if isinstance(one, ast.AST):
                     yield from code_of(one)

@@ -38,7 +38,7 @@ from ur5lib.signals.device_clock import (
     even_samples,
     interpolate,
 )
-from ur5lib.signals.resampling import resample
+from ur5lib.signals.resampling import PASSBAND_SHARE, resample
 
 OFFSET, DRIFT = -0.08, -3300e-6
 STAMPS = clock_from_stamps(-0.03, 0.1)
@@ -299,6 +299,14 @@ def test_what_the_robot_cannot_sample_disappears(rate: float, frequency: float) 
     """Without a low-pass, 100 Hz would come out as 25 Hz."""
     aligned = middle(resample(tone(frequency, rate), CLOCK, TIME[:1000]))
     assert np.abs(aligned).max() < 2e-3
+
+
+@pytest.mark.parametrize("rate", [500.0, 1000.0])
+@pytest.mark.parametrize("share", [0.5, 1.0])  # of the passband
+def test_what_the_robot_can_sample_stays(rate: float, share: float) -> None:
+    frequency = share * PASSBAND_SHARE * 125 / 2
+    aligned = middle(resample(tone(frequency, rate), CLOCK, TIME[:1000]))
+    np.testing.assert_allclose(aligned, middle(tone(frequency, 125)), atol=5e-3)
 
 
 @pytest.mark.parametrize(("rate", "jitter"), [(207.0, 0.0), (266.0, 1.0), (100.0, 0.0)])
