@@ -37,6 +37,23 @@ def test_a_recording_s_frame_has_time_channels_and_units(results: Path) -> None:
     assert forces.attrs["units"] == {"time": "s", "Fmap_Fx": "N", "Fmap_nx": "Nm"}
 
 
+def test_a_study_is_found_by_its_name(results: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(results.parents[1])
+    for address in ("mine", "results/mine", results, results / "report.html"):
+        assert ur5lib.load(address).recordings == ["pushed"]
+    with pytest.raises(InputError, match="other"):
+        ur5lib.load("other")
+
+
+def test_what_states_nothing_has_no_deviation(results: Path) -> None:
+    wave = {"time": [0.0, 0.1], "Fmap_Fx": [0.0, 4.0], "Fmap_std_Fx": [0.0, 1.0]}
+    units = dict.fromkeys(["Fmap_Fx", "Fmap_std_Fx"], "N")
+    write_table(pd.DataFrame(wave), results / "recordings/pushed/forces.parquet", units)
+    forces = ur5lib.load(results).forces("pushed")
+    assert forces.iloc[0].isna().all()
+    assert [*forces.iloc[1]] == [4.0, 1.0]
+
+
 def test_what_there_is_has_names(results: Path) -> None:
     study = ur5lib.load(str(results))
     assert study.recordings == ["pushed"]

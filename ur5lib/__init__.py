@@ -1,10 +1,15 @@
 """Dynamics, friction and contact force of robot arms, from recordings.
 
-    arm = ur5lib.read_arm("ur5e")
-    model = ur5lib.fit(ur5lib.read(["free1.csv", "free2.csv"], arm))
-    forces = model.estimate(ur5lib.read("pushed.csv", arm))
+    >>> arm = ur5lib.read_arm("ur5e")
+    >>> model = ur5lib.fit(ur5lib.read(["free1.csv", "free2.csv"], arm))
+    >>> forces = model.estimate(ur5lib.read("pushed.csv", arm, role="contact"))
+    >>> forces.attrs["units"]["Fmap_Fx"]
+    'N'
 
-Each name is loaded when it is used: `import ur5lib` alone takes milliseconds.
+`read` gives `Recordings`, `fit` a `Model`, `load` the `FinishedStudy` of `ur5 run`, `read_arm` an
+`Arm`; `load_model` reads a saved model, and what a user can correct is an `InputError`. SI units,
+float64, samples first: (N, n). Each name is loaded when it is used: `import ur5lib` alone takes
+milliseconds.
 """
 
 from importlib import import_module
@@ -48,4 +53,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted([*__all__, "__version__"])

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from difflib import get_close_matches
+from functools import cached_property
 from os.path import isdir, isfile  # unlike pathlib's, of names that are too long, too
 from pathlib import Path
 from typing import Any, TypeVar
@@ -9,9 +10,10 @@ from typing import Any, TypeVar
 import pandas as pd
 
 from ur5lib.chain.model import Model
-from ur5lib.chain.recordings import frame_of
+from ur5lib.chain.recordings import forces_of, frame_of
 from ur5lib.chain.shown import Shown
 from ur5lib.chain.steps import Files
+from ur5lib.channels import CURRENT, TORQUE
 from ur5lib.errors import InputError, expect_text, unknown
 from ur5lib.jobs.unreadable import reason
 from ur5lib.records.force_errors import SensorAccount
@@ -19,7 +21,9 @@ from ur5lib.records.judgement import Judgement
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Quality
 from ur5lib.records.table import Table
+from ur5lib.records.units import column_units
 from ur5lib.robots.description import Payload, Robot, load_robot
+from ur5lib.study.address import results_folder
 from ur5lib.study.model import Recording, Settings, Study
 from ur5lib.study.reading import parse_study, read_plain
 from ur5lib.tables import intact, read_csv, read_record
@@ -45,13 +49,16 @@ FILES_OF_FITTED = {  # of a recording that a model learnt from
 }
 
 
-def load(folder: str | Path) -> "FinishedStudy":
-    """Return the results of a study. Raises InputError where the folder holds none.
+def load(study: str | Path) -> "FinishedStudy":
+    """Return the results of a study.
 
-    >>> ur5lib.load("results/mine").forces("pushed")["Fmap_Fx"].max()
-    1.0
+    study: its name, as `mine`, its YAML file, or the folder of its results. Raises InputError where
+    there are none.
+
+        >>> ur5lib.load("mine").forces("pushed")["Fmap_Fx"].max()
+        1.0
     """
-    return FinishedStudy(folder)
+    return FinishedStudy(results_folder(expect_text(study, "study")))
 
 
 def arm_of(entry: Mapping[str, Any]) -> str:
@@ -69,11 +76,13 @@ def no_verdicts(folder: Path) -> str:
 class FinishedStudy(Shown):
     """The results in a folder `results/<study>`.
 
-        >>> ur5lib.load("results/mine").recordings
+        >>> ur5lib.load("mine").recordings
         ['pushed']
 
-    A frame of a recording has its `time` [s] as index, one column per channel, and the columns'
-    units in `frame.attrs["units"]`. Methods raise InputError for missing files and unknown names.
+    A frame of a recording has its `time` [s] as index (N,), one column per channel, in SI units. A
+    frame and a table have their columns' units in `attrs["units"]`; `N, Nm` is of forces and
+    moments, and where rows differ, `unit` or `parameter` says it. Methods raise InputError for
+    missing files and unknown names.
     """
 
     def __init__(self, folder: str | Path) -> None:
@@ -165,7 +174,10 @@ class FinishedStudy(Shown):
 
         E.g. `torque_constants` and `friction` by arm and joint, `force_mae` by recording.
         """
-        return read_csv(self.folder / "tables" / f"{self._known(name, self.tables, 'table')}.csv")
+        own = self._known(name, self.tables, "table")
+        table = read_csv(self.folder / "tables" / f"{own}.csv")
+        table.attrs["units"] = column_units(own, table, self._effort_unit)
+        return table
 
     def signals(self, recording: str) -> pd.DataFrame:
         """Return the signals of all devices on the robot's clock, `actual_q_0` ..., in SI units."""
@@ -195,9 +207,9 @@ class FinishedStudy(Shown):
         """Return the estimated contact wrenches, `Fmap_Fx` ... `Fmap_nz` [N, Nm], and their `_std`.
 
         The environment on the arm, base axes, at the origin of frame 6. `log_odds_Fmap`: that there
-        is a contact. Other estimators have columns of their names.
+        is a contact. Other estimators have columns of their names. NaN where one states nothing.
         """
-        return self.frame(recording, "forces")
+        return forces_of(self._of_recording(recording, "forces"))
 
     def sensor(self, recording: str) -> pd.DataFrame:
         """Return the force sensor's wrench [N, Nm] as read, less its mean at the start, and less
@@ -207,10 +219,12 @@ class FinishedStudy(Shown):
 
     def frame(self, recording: str, name: str) -> pd.DataFrame:
         """Return the table `recordings/<recording>/<name>.parquet`."""
+        return frame_of(self._of_recording(recording, name))
+
+    def _of_recording(self, recording: str, name: str) -> Path:
         own = self._known(recording, self.recordings, "recording")
         names = [path.stem for path in (self.folder / "recordings" / own).glob("*.parquet")]
-        path = self._existing("recordings", own, f"{self._known(name, names, 'file')}.parquet")
-        return frame_of(path)
+        return self._existing("recordings", own, f"{self._known(name, names, 'file')}.parquet")
 
     def start(self, recording: str) -> float | None:
         """Return time zero of a recording in seconds since 1970; None where unknown."""
@@ -257,6 +271,13 @@ class FinishedStudy(Shown):
         if name not in self.tables:
             raise InputError(no_verdicts(self.folder))
         return self.table(name)
+
+    @cached_property
+    def _effort_unit(self) -> str:
+        """The unit of the efforts that all arms of the study measure, else that of currents."""
+        arms = (self.folder / "parameters").glob("*/described.yaml")
+        units = {load_robot(arm).measured.unit for arm in arms}
+        return TORQUE.unit if units == {TORQUE.unit} else CURRENT.unit
 
     def _fitted(self, recording: str) -> Files:
         """Return the files that a model has of a recording; none of one that cannot be read."""

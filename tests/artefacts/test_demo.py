@@ -289,7 +289,7 @@ def test_the_script_of_the_documents_says_what_may_be_used(
         for example in examples(PROJECT / "docs" / "api.md")
         if example.text.startswith("from ur5lib import load")
     ]
-    exec(script.replace("results/mine", str(results)).replace("ur5e", "ur5"), {})
+    exec(script.replace('"mine"', f'"{results}"').replace("ur5e", "ur5"), {})
     said, study = capsys.readouterr().out.splitlines(), FinishedStudy(results)
     cards = study.verdicts.dropna(subset="state").query("rank == 1")
     assert len(said) == len(cards) + len(study.table("friction")) + len(study.uses)

@@ -1,6 +1,7 @@
 """The library in a notebook: arms, recordings and models as objects."""
 
 import os
+import re
 import subprocess
 import sys
 import time
@@ -20,14 +21,16 @@ from matplotlib.figure import Figure
 import ur5lib
 from tests.conftest import PROJECT
 from tests.in_memory import FREE
-from ur5lib.chain.model import FIGURES, TABLES
-from ur5lib.chain.shown import Shown
+from ur5lib.chain.model import FIGURES, TABLES, fit
+from ur5lib.chain.shown import Shown, bar
 from ur5lib.importing.in_memory import Role
 from ur5lib.records.motion import Motion, motions_before
+from ur5lib.records.units import BY_TABLE, column_units
 from ur5lib.records.verdicts import REASONS
 from ur5lib.tables import write_table
 
 SCREEN = 26  # lines
+ANSWERS = ["predict", "score", "friction", "estimate", "table"]  # of a model
 SCRIPT = """\
     import ur5lib
 
@@ -99,6 +102,9 @@ def test_a_push_is_told_with_its_band_and_odds(
     assert forces["Fmap_Fx"].loc[3:5].max() == pytest.approx(40, abs=6)
     assert (during["log_odds_Fmap"] > 0).all()
     assert (during["Fmap_std_Fx"] > 0).all()
+    before = forces.loc[1:2].filter(like="least_squares")  # which states nothing without a contact
+    assert before.isna().all(axis=None)
+    assert during.filter(regex="least_squares_(std_)?F").notna().all(axis=None)
     assert forces.attrs["units"]["Fmap_Fx"] == "N"
 
 
@@ -324,6 +330,38 @@ def test_a_recording_that_is_not_there_is_answered_with_its_neighbour(
         free.channel("actual_curent")
 
 
+@pytest.mark.parametrize("terminal", [True, False])
+def test_a_bar_is_shown_on_a_terminal_alone(
+    terminal: bool, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal)
+    monkeypatch.setenv("TERM", "xterm")
+    with bar(2) as advance:
+        advance("align_recording free1")
+        advance("identify_model")
+    shown = capsys.readouterr()
+    assert ("identify_model" in shown.err) == terminal
+    assert shown.out == ""
+
+
+def test_tables_have_the_units_of_their_columns(model: ur5lib.Model) -> None:
+    units = {name: model.table(name).attrs["units"] for name in TABLES}
+    assert units["torque_constants"]["low"] == "Nm/A"
+    assert units["cross_validation"] == {"rmse_lowpassed": "A"}
+    assert units["rotor_inertia"]["viscous"] == "Nm s/rad"
+    assert "value" not in units["friction"]  # each parameter has its own
+    assert column_units("current_rmse", ["rmse", "r2"], "Nm") == {"rmse": "Nm"}
+    assert column_units("false_alarms", ["per_min", "alarms"], "A") == {"per_min": "1/min"}
+
+
+def test_every_unit_is_of_a_table_and_a_column_that_there_are() -> None:
+    described = (PROJECT / "docs" / "report.md").read_text()
+    for table, patterns in BY_TABLE.items():
+        *_, row = re.findall(rf"^\| `{table}` \| (.*) \|$", described, re.MULTILINE)
+        for pattern in patterns:
+            assert any(re.search(pattern, name) for name in row.split(", ")), (table, pattern)
+
+
 def test_the_library_is_imported_in_an_instant() -> None:
     program = (
         "import sys, ur5lib; sys.exit(bool(sys.modules.keys() & {'pandas', 'numpy', 'torch'}))"
@@ -335,10 +373,11 @@ def test_the_library_is_imported_in_an_instant() -> None:
 
 
 def test_every_public_name_is_there_and_documented() -> None:
+    """On one screen, with the shapes of its arrays; a name that is no door is not shown."""
+    assert {*dir(ur5lib)} == {*ur5lib.__all__, "__version__"}
     for name in ur5lib.__all__:
         own = getattr(ur5lib, name)
-        assert own.__doc__, name
-        assert name in dir(ur5lib)
+        assert 0 < len(own.__doc__.splitlines()) <= SCREEN, name
     with pytest.raises(AttributeError, match="fitt"):
         _ = ur5lib.fitt  # type: ignore[attr-defined]
 
@@ -354,8 +393,12 @@ def test_the_example_of_every_public_name_runs(
     in_order = ["read_arm", "Arm", "read", "Recordings", "fit", "Model", "load_model"]
     in_order += ["load", "FinishedStudy", "InputError"]
     assert {*in_order} == {*ur5lib.__all__}
-    for name in in_order:
-        examples = DocTestParser().get_examples(getattr(ur5lib, name).__doc__)
+    of_methods = {f"Model.{name}": getattr(ur5lib.Model, name) for name in ANSWERS}
+    documented = {name: getattr(ur5lib, name) for name in in_order} | of_methods
+    for name, own in ({"ur5lib": ur5lib} | documented).items():
+        once = name == "ur5lib"  # its fit is that of the next examples
+        monkeypatch.setattr(ur5lib, "fit", (lambda _: model) if once else fit, raising=False)
+        examples = DocTestParser().get_examples(own.__doc__)
         assert examples, name
         for example in examples:
             if not example.want:

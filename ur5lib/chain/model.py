@@ -3,6 +3,7 @@
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
 from typing import Any, get_origin
 
@@ -11,8 +12,8 @@ import pandas as pd
 
 from ur5lib import __version__
 from ur5lib.chain.predicted import beside_measured, errors, expect_predicted, friction_at
-from ur5lib.chain.recordings import Recordings, as_recordings, frame_of
-from ur5lib.chain.shown import Shown, counted, frames
+from ur5lib.chain.recordings import Recordings, as_recordings, forces_of
+from ur5lib.chain.shown import Shown, bar, counted, frames
 from ur5lib.chain.steps import Chain, Files
 from ur5lib.errors import InputError, expect_known, expect_text, some
 from ur5lib.jobs.files import parameter_types
@@ -20,6 +21,7 @@ from ur5lib.jobs.job import step_named
 from ur5lib.jobs.memory import Contents, call, record_of, text_of
 from ur5lib.records.friction import Friction
 from ur5lib.records.premises import Premises
+from ur5lib.records.units import column_units
 from ur5lib.robots.description import Robot
 from ur5lib.robots.friction import PARAMETER_UNITS
 from ur5lib.study.model import Settings, Study
@@ -86,7 +88,11 @@ class Model(Shown):
     def table(self, name: str) -> pd.DataFrame:
         """Return a table of the arm as the report has it, one value a row, SI units: "friction",
         "torque_constants", "cross_validation", "rotor_inertia", "parameters", "excitation" or
-        "remarks". Raises InputError for another name.
+        "remarks", with the units of its columns in `attrs["units"]`. Raises InputError for another
+        name.
+
+            >>> model.table("torque_constants").attrs["units"]["torque_constant"]
+            'Nm/A'
         """
         expect_known("table", name, TABLES)
         asked = parameter_types(step_named("make_tables")).items()
@@ -97,7 +103,9 @@ class Model(Shown):
         }
         inputs["calibration"] = {self.robot: "{}"}  # no IMU is calibrated
         tables = call("make_tables", inputs, {"parts": [], "unreadable": {}})
-        return as_written(tables[name])
+        table = as_written(tables[name])
+        table.attrs["units"] = column_units(name, table, self.identified.measured.unit)
+        return table
 
     def plot(self, name: str, joint: int | None = None) -> Any:
         """Return a figure of the report, matplotlib's: "friction", "current_torque",
@@ -159,7 +167,7 @@ class Model(Shown):
             >>> model.score(runs["free1"]).query("model == 'fitted'")["joint"].tolist()
             [1, 2, 3, 4, 5, 6]
         """
-        return errors(self._predicted(recordings, accept))
+        return errors(self._predicted(recordings, accept), self._friction)
 
     def friction(self, velocity: Any, load: Any = 0.0) -> pd.DataFrame:
         """Return the friction of each joint at steady velocities, all terms together.
@@ -190,7 +198,7 @@ class Model(Shown):
         """
         steps = ("estimate_load", "predict_currents", "estimate_forces")
         moving = self._run(recordings, accept, *steps)
-        return frames({name: frame_of(own["forces"]) for name, own in moving.items()})
+        return frames({name: forces_of(own["forces"]) for name, own in moving.items()})
 
     def _predicted(
         self, recordings: Recordings, accept: Mapping[str, str] | None
@@ -314,9 +322,9 @@ def fit(recordings: Recordings, accept: Mapping[str, str] | None = None) -> Mode
     """Fit torque constants, friction, links and residuals to the recordings of the role `fit`.
 
     The steps, settings and selection are those of a study. accept: reasons for which stop signs
-    are overruled, by their kind, as `accept` of a study. Without such
-    recordings, friction is that of other arms. Raises InputError where a stop sign forbids a fit,
-    and where too little was recorded.
+    are overruled, by their kind, as `accept` of a study. Without such recordings, friction is that
+    of other arms. On a terminal, a bar shows the steps. Raises InputError where a stop sign forbids
+    a fit, and where too little was recorded.
 
         >>> model = ur5lib.fit(runs)
         >>> len(model.table("torque_constants"))
@@ -330,27 +338,26 @@ def fit(recordings: Recordings, accept: Mapping[str, str] | None = None) -> Mode
     replace(chain, several={one: chain.recordings[one] for one in free}).run("pool_drifts")
     fitted = {one: chain.recordings[one] for one in [*names, *at_rest]}
     chain = replace(chain, several=fitted)
-
-    def each(*steps: str) -> None:
-        for name in names:
-            for step in steps:
-                chain.run(step, name)
-
     aligned = [one for one in chain.selection.before(*names) if one in chain.recordings]
-    for name in dict.fromkeys([*aligned, *names]):
-        chain.run("align_recording", name)
-    chain.run("identify_model")
-    each("compute_torques")
-    expect_no_stop_sign({name: fitted[name] for name in names})
-    chain.run("fit_friction")
-    model = Model(recordings._study.settings, chain.robot, chain.arm, fitted)
-    refused = model._friction.stopped or model._friction.refused
-    if refused is not None:
-        raise InputError(f"{chain.robot}: {refused.sentence()}")
-    each("estimate_load", "predict_currents")
-    chain.run("fit_residuals")
-    each("estimate_forces")
-    chain.run("set_threshold")
+    torques = [("align_recording", one) for one in dict.fromkeys([*aligned, *names])]
+    torques += [("identify_model", ""), *product(["compute_torques"], names)]
+    forces = [(step, one) for one in names for step in ("estimate_load", "predict_currents")]
+    forces += [("fit_residuals", ""), *product(["estimate_forces"], names), ("set_threshold", "")]
+    with bar(len(torques) + 1 + len(forces)) as advance:
+
+        def run(*jobs: tuple[str, str]) -> None:
+            for step, one in jobs:
+                advance(f"{step} {one}")
+                chain.run(step, one)
+
+        run(*torques)
+        expect_no_stop_sign({name: fitted[name] for name in names})
+        run(("fit_friction", ""))
+        model = Model(recordings._study.settings, chain.robot, chain.arm, fitted)
+        refused = model._friction.stopped or model._friction.refused
+        if refused is not None:
+            raise InputError(f"{chain.robot}: {refused.sentence()}")
+        run(*forces)
     return model
 
 

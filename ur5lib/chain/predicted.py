@@ -13,6 +13,7 @@ from ur5lib.jobs.memory import record_of
 from ur5lib.records.friction import Friction
 from ur5lib.records.judgement import CurrentError, current_errors
 from ur5lib.records.prediction import Prediction
+from ur5lib.records.units import column_units
 from ur5lib.tables import as_written, columns, table_by_owner
 from ur5lib.timeseries.arrays import Array
 
@@ -34,7 +35,7 @@ def beside_measured(own: Files, friction: Friction) -> pd.DataFrame:
     return joined
 
 
-def errors(moving: Mapping[str, Files]) -> pd.DataFrame:
+def errors(moving: Mapping[str, Files], friction: Friction) -> pd.DataFrame:
     """Return the rows of `current_rmse` of recordings, each with its `nrmse`."""
     rows = {
         name: current_errors(record_of(Prediction, own["summary"])) for name, own in moving.items()
@@ -42,6 +43,9 @@ def errors(moving: Mapping[str, Files]) -> pd.DataFrame:
     table = as_written(table_by_owner(CurrentError, rows))
     share = table["rmse_lowpassed"] / table["zero_rmse_lowpassed"]
     table.insert([*table].index("joint") + 1, "nrmse", share)
+    table.attrs["units"] = column_units(
+        "current_rmse", table.columns.drop("nrmse"), friction.measured.unit
+    )
     return table
 
 

@@ -289,6 +289,18 @@ def as_recordings(recordings: object) -> Recordings:
     return recordings
 
 
+def forces_of(content: Content) -> pd.DataFrame:
+    """Return the estimates of the contact wrench: NaN, as is the standard deviation, where one
+    states nothing, as gated least squares outside contacts, for which the file has zeros.
+    """
+    frame = frame_of(content)
+    for std in [name for name in frame if "_std_" in name]:
+        stated = frame[std] != 0
+        for name in (std, std.replace("_std_", "_")):
+            frame[name] = frame[name].where(stated)
+    return frame
+
+
 def frame_of(content: Content, columns: list[str] | None = None) -> pd.DataFrame:
     """Return a table of samples with `time` [s] as index, and its units in `attrs["units"]`.
 

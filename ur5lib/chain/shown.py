@@ -1,9 +1,14 @@
 """Objects that show themselves on one screen of a terminal or of a notebook."""
 
+import sys
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from html import escape
 
 import pandas as pd
+from rich.console import Console
+from rich.progress import Progress
 
 from ur5lib.errors import printable
 
@@ -31,6 +36,18 @@ class Shown(ABC):
         table = self.summary()
         rows = table.to_html(index=False, max_rows=MOST_ROWS, border=0, escape=True)
         return f"<p>{escape(self._title())}</p>{'' if table.empty else rows}"
+
+
+@contextmanager
+def bar(count: int) -> Iterator[Callable[[str], None]]:
+    """Provide a function that names the next of some steps: on a terminal, a bar shows it."""
+    console = Console(stderr=True, markup=False, emoji=False)
+    with Progress(console=console, transient=True, disable=not sys.stderr.isatty()) as progress:
+        task = progress.add_task("", total=count)
+        started = iter(range(count))
+        yield lambda name: progress.update(
+            task, completed=next(started), description=printable(name)
+        )
 
 
 def counted(count: int, what: str) -> str:
