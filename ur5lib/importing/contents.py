@@ -236,10 +236,16 @@ def contents(
     beside_efforts = {block.clock for block in all_blocks if block.meaning() in EFFORTS}
     # a measured state first, and one that has efforts
     all_blocks.sort(key=lambda b: (is_computed(b.names[0]), b.clock not in beside_efforts))
-    silent = [block for block in all_blocks if is_silent(block.rows)]
-    blocks = [block for block in all_blocks if not is_silent(block.rows)]
+    silent = [b for b in all_blocks if is_silent(b.rows) and not _follows_a_hand(b, all_blocks)]
+    blocks = [block for block in all_blocks if not any(block is one for one in silent)]
     described_by = path, format, header, blocks, silent, clocks, findings, stated, joints, account
     return FileContents(*described_by)
+
+
+def _follows_a_hand(block: ColumnBlock, blocks: Sequence[ColumnBlock]) -> bool:
+    """Return whether target accelerations are zero of a target that moves: none was planned."""
+    zero = block.meaning() == "target_qdd" and not block.rows.any()
+    return zero and any(b.meaning() == "target_qd" and not is_silent(b.rows) for b in blocks)
 
 
 def _arrays(
