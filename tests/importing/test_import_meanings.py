@@ -175,6 +175,22 @@ def test_gears_explain_a_torque_of_motors(tmp_path: Path) -> None:
     assert "multiplied by the gear ratio, 101: it is then 0.981, 1 times the torque" in told
 
 
+@pytest.mark.parametrize(("planned", "role"), [(1.0, "fit"), (0.0, "contact")])
+def test_a_hand_that_leads_the_arm_plans_no_acceleration(
+    tmp_path: Path, made: Made, planned: float, role: str
+) -> None:
+    time, channels = made
+    q, qd = channels["actual_q"], channels["actual_qd"]
+    quantities = {"actual_q": q, "actual_qd": qd, "target_q": q, "target_qd": qd}
+    quantities["target_qdd"] = planned * np.gradient(qd, time, axis=0)
+    columns = {f"{name}_{k}": rows[:, k] for name, rows in quantities.items() for k in range(6)}
+    pd.DataFrame({"time": time} | columns).to_csv(tmp_path / "run.csv", index=False)
+    one, told = imported(tmp_path / "run.csv", "ur5")
+    assert one.entry["role"] == role
+    assert ("as of an arm that a hand leads" in told) == (role == "contact")
+    assert "target_qdd" in one.entry["columns"]
+
+
 def test_one_driver_has_one_order(tmp_path: Path) -> None:
     """A file in which too little moves to tell it alone is read like the one beside it."""
     table = pd.read_csv(case("base_fit.csv.gz", tmp_path))

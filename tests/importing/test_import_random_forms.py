@@ -63,8 +63,7 @@ def outcome(seed: int, folder: Path) -> Outcome:
     try:
         (found,) = import_files([log.path], log.told)
     except InputError as error:
-        turned, nameless = log.form["layout"] == "transposed", log.form["names"] == "none"
-        right = "transpose it" in str(error) if turned else nameless and "--columns" in str(error)
+        right = log.form["names"] == "none" and "--columns" in str(error)
         return Outcome(seed, log.form, REFUSED if right else UNTRUE, [], str(error))
     except Exception as error:
         return Outcome(seed, log.form, CRASH, [repr(error)], "")

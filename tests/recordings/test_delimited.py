@@ -1,7 +1,6 @@
 """Delimited tables: damage is located, whatever the size of the blocks."""
 
 import gzip
-import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -10,10 +9,8 @@ import pytest
 
 from tests.command import time_limit
 from tests.conftest import said
-from ur5lib.errors import InputError
-from ur5lib.importing.files import import_files
 from ur5lib.recordings import text_blocks
-from ur5lib.recordings.delimited import expect_row_each_sample, first_cells, read_numbers
+from ur5lib.recordings.delimited import first_cells, read_numbers
 from ur5lib.records.quality import Finding, Log
 
 
@@ -139,29 +136,38 @@ def test_words_in_brackets_are_no_lists(tmp_path: Path) -> None:
     ("numbered", "labelled", "ending", "mark"),
     [(False, False, ".csv", ","), (False, True, ".csv.gz", ";"), (True, True, ".txt", "\t")],
 )
-def test_a_table_with_a_row_a_joint_is_to_be_transposed(
+def test_a_table_with_a_row_a_joint_is_turned(
     tmp_path: Path, numbered: bool, labelled: bool, ending: str, mark: str
 ) -> None:
-    path = tmp_path / f"some{ending}"
+    path, findings = tmp_path / f"some{ending}", list[Finding]()
     rows = pd.DataFrame(np.random.default_rng(0).normal(size=(18, 12_000)))
-    rows.index = [f"q{k}" for k in range(18)]
+    names = rows.index = [f"q{k}" for k in range(18)]
     rows.to_csv(path, header=numbered, index=labelled, sep=mark)
-    with (
-        time_limit(5),
-        pytest.raises(InputError, match=r"one row a joint .*; transpose it") as error,
-    ):
-        import_files([path])
-    command = str(error.value).partition("transpose it: ")[2]
-    subprocess.run(["bash", "-c", command], cwd=tmp_path, check=True)
-    turned = pd.read_csv(tmp_path / "turned.csv", header=0 if labelled else None)
-    assert turned.shape == (12_000, 18 + numbered)
-    np.testing.assert_allclose(turned.iloc[:, -1], rows.iloc[-1])
+    names = [""] * numbered + names if labelled else [f"c{k}" for k in range(18)]
+    with time_limit(5):
+        table = read_numbers(Log(path, "robot", findings), names)
+    assert table.shape == (12_000, 18)
+    np.testing.assert_allclose(table.iloc[:, -1], rows.iloc[-1])
+    assert "turned table" in [finding.finding for finding in findings]
+    assert first_cells(path)[0][-1] == ("q17" if labelled else f"{rows.iloc[-1, 0]!s}")
+
+
+@pytest.mark.parametrize("mark", [" ", "\t"])
+def test_a_blank_or_a_tab_behind_an_index_without_a_name(tmp_path: Path, mark: str) -> None:
+    path = tmp_path / "some.txt"
+    rows = pd.DataFrame(np.random.default_rng(0).normal(size=(9, 3)), columns=["a", "b", "c"])
+    rows.to_csv(path, sep=mark)
+    assert first_cells(path)[0] == ["", "a", "b", "c"]
+    for names in (None, ["-", "a", "b", "c"]):
+        table = read_numbers(Log(path, "robot", []), names)
+        np.testing.assert_allclose(table[["a", "b", "c"]], rows)
 
 
 def test_a_short_table_of_many_channels_is_upright(tmp_path: Path) -> None:
     path = tmp_path / "some.csv"
-    pd.DataFrame(np.ones((3, 400))).add_prefix("actual_").to_csv(path, index=False)
-    expect_row_each_sample(path)
+    names = [f"actual_{k}" for k in range(400)]
+    pd.DataFrame(np.ones((3, 400)), columns=names).to_csv(path, index=False)
+    assert first_cells(path)[0] == names
 
 
 def test_an_empty_file_is_one_empty_block(tmp_path: Path) -> None:

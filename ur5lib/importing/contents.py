@@ -41,7 +41,7 @@ from ur5lib.importing.spellings import (
 from ur5lib.recordings.array_files import LOADERS, UNREAD, format_of
 from ur5lib.recordings.channel_files import SHORT_TABLE, at_stamps, has_stamps
 from ur5lib.recordings.delimited import (
-    expect_row_each_sample,
+    TURNED_TABLE,
     first_cells,
     number_in,
     read_numbers,
@@ -58,6 +58,7 @@ BAG_FORMAT = "rosbag"
 TOPIC_NAME = re.compile(r"joint|state|motion", re.IGNORECASE)  # and no arm's
 MAX_POSSIBLE_VALUE = 1e9  # in any unit of a channel; larger numbers are none
 GRIPPER_RANGE = (-0.1, 1.1)  # rad, m, or the share that it is open
+ROWS_TOLD = {SHORT_TABLE: "those of all files", TURNED_TABLE: "its columns"}  # by the finding
 REPEATED_INFIX = " again "  # and its number: a column whose name is taken
 NIST_COLUMNS = [  # of NIST's UR5 degradation measurements, whose files have no header
     "time",
@@ -206,12 +207,13 @@ def contents(
     format = PARTED_FORMAT if isinstance(file, PartedRun) else format_of(path) or TABLE_FORMAT
     if path.is_file() and path.stat().st_size == 0:
         raise InputError(f"{path} is empty; record it again, or copy it again from its source")
-    if format == TABLE_FORMAT:
-        expect_row_each_sample(path)
     header = read_header(path, stated) if format == TABLE_FORMAT else TableHeader()
     arrays = _arrays(file, path, header, stated, findings, account)
     if controls := with_controls([path.name, *header.columns, *arrays]):
         raise InputError(f"{path}: the name {controls!r} has a control character; rename it there")
+    for finding in findings:
+        if taken_for := ROWS_TOLD.get(finding.finding):
+            account.tell("assumed", "rows", taken_for, "position", finding.detail)
     account.order.extend(header.columns or arrays)
     clocks = _clocks(arrays, stated, timed, account)
     rest = [name for name in arrays if name not in clocks.stamps and name not in clocks.doubts]
@@ -236,10 +238,16 @@ def contents(
     beside_efforts = {block.clock for block in all_blocks if block.meaning() in EFFORTS}
     # a measured state first, and one that has efforts
     all_blocks.sort(key=lambda b: (is_computed(b.names[0]), b.clock not in beside_efforts))
-    silent = [block for block in all_blocks if is_silent(block.rows)]
-    blocks = [block for block in all_blocks if not is_silent(block.rows)]
+    silent = [b for b in all_blocks if is_silent(b.rows) and not _follows_a_hand(b, all_blocks)]
+    blocks = [block for block in all_blocks if not any(block is one for one in silent)]
     described_by = path, format, header, blocks, silent, clocks, findings, stated, joints, account
     return FileContents(*described_by)
+
+
+def _follows_a_hand(block: ColumnBlock, blocks: Sequence[ColumnBlock]) -> bool:
+    """Return whether target accelerations are zero of a target that moves: none was planned."""
+    zero = block.meaning() == "target_qdd" and not block.rows.any()
+    return zero and any(b.meaning() == "target_qd" and not is_silent(b.rows) for b in blocks)
 
 
 def _arrays(
@@ -278,9 +286,6 @@ def _together(run: PartedRun, findings: list[Finding], account: Account) -> dict
     first, tables = run.files[0], LOADERS[PARTED_FORMAT](run.folder, run.files, findings)
     timed = any(rows.shape[1] == 1 and CLOCK_NAME.search(name) for name, rows in tables.items())
     stamps = {n: rows[:, 0] for n, rows in tables.items() if not timed and has_stamps(rows)}
-    for finding in findings:
-        if finding.finding == SHORT_TABLE:
-            account.tell("assumed", "rows", "those of all files", "position", finding.detail)
     if len({*map(len, tables.values())}) > 1 and len(stamps) < len(tables):
         counts = ", ".join(f"{name} {len(tables[name])}" for name in run.files)
         raise InputError(

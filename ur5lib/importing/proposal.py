@@ -137,7 +137,7 @@ def propose(file: FileContents) -> Proposal:
     units |= {n: unit for n, block in named.items() if (unit := block.unit())}
     words = {n: unit for n, unit in file.stated.units.items() if number_in(unit.encode()) is None}
     units |= {n: unit for n, unit in words.items() if n in channels and unit != CHANNELS[n].unit}
-    pushed = _pushed(wrench, file)
+    pushed = _led(channels.get("target_qdd", []), file) or _pushed(wrench, file)
     measured = [block.names for name, block in named.items() if name.startswith("actual")]
     proving = [n for n, block in efforts.items() if block.names in measured][:1] if pushed else []
     proof = ordered and replace(ordered, currents={n: ordered.currents[n] for n in proving})
@@ -281,6 +281,15 @@ def _means(
     loads = means.currents.pop("wrench", np.empty((0, 6)))
     turned = np.ptp(means.q, axis=0) > MIN_TURN  # else postures of one kind, seen often
     return replace(means, offset=bool(turned.sum() < MIN_TURNING_JOINTS)), loads
+
+
+def _led(target: Sequence[ColumnBlock], file: FileContents) -> bool:
+    """Return whether target accelerations show that a hand leads the arm."""
+    led = [block.title for block in target if not block.rows.any()]
+    for title in led:
+        hand = f"{title} is zero while the target moves, as of an arm that a hand leads"
+        file.account.tell("check", "role", "contact", "numbers", f"{hand}; otherwise write fit")
+    return bool(led)
 
 
 def _pushed(wrench: Sequence[ColumnBlock], file: FileContents) -> bool:

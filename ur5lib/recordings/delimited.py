@@ -3,9 +3,9 @@
 import math
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
-from itertools import chain
+from itertools import chain, zip_longest
 from pathlib import Path
 from typing import NamedTuple
 
@@ -36,6 +36,7 @@ TAIL_LINES = 20  # lines that show what a complete last line looks like
 LEAD_LINES = 60  # lines that show where a table begins
 # A table without names that is wider, and so much wider than long, is transposed.
 MIN_SAMPLES, SAMPLES_A_ROW = 100, 5
+TURNED_TABLE = "turned table"  # the finding on one that has a row a joint
 MIN_LEAD_COUNT = 6  # rows and cells that a table has at least
 SEPARATORS_BESIDE_COMMAS = (b";", b"\t")  # separators beside which commas are decimal points
 UNNAMED_COLUMN = ""  # the column behind the last separator
@@ -72,7 +73,7 @@ def read_rows(log: Log, names: list[str] | None) -> tuple[pd.DataFrame, Labels]:
     (N,), skipped lines counted. Raises InputError when the file cannot be read, is not text, lacks
     a required header, has mostly damaged lines, or holds more than may be read.
     """
-    blocks = text_blocks(log)
+    blocks = _table_blocks(log)
     first = next(blocks)
     top, form = _form_of(first, log.path, names)
     tables, damaged, fault, line = list[pa.Table](), np.empty(0, int), "", 1
@@ -117,7 +118,7 @@ def first_cells(path: Path) -> tuple[list[str], list[str]]:
 
     Raises InputError as reading it.
     """
-    data = next(text_blocks(Log(path, "robot", [])))
+    data = next(_table_blocks(Log(path, "robot", [])))
     top, first, header = _first_row(data, path)
     below = data[_end_of_line(data, top) :].partition(b"\n")[0]
     lines = (header, first) if header else (first, below)
@@ -125,21 +126,30 @@ def first_cells(path: Path) -> tuple[list[str], list[str]]:
     return named, cells
 
 
-def expect_row_each_sample(path: Path) -> None:
-    """Raise InputError for a table that has a row for each joint, and a column for each sample."""
-    data = next(text_blocks(Log(path, "robot", [])))
-    lines = [line for line in data.split(b"\n", LEAD_LINES) if line.strip()]
+def _table_blocks(log: Log) -> Iterator[bytes]:
+    """Yield the blocks of a table; one that has a row for each column of samples is turned."""
+    blocks = text_blocks(log)
+    first = next(blocks)
+    lines = [line for line in first.split(b"\n", LEAD_LINES) if line.strip()]
     mark = _delimiter(lines[0]) if lines else b","
+    if _is_turned(lines, mark):
+        for block in blocks:
+            first += block
+            expect_room(log.path, first.count(mark))
+        rows = [line.split(mark) for line in first.split(b"\n") if line.strip()]
+        meaning = f"turned, for it has a row of {len(rows[0]):,} samples for each column"
+        log.add(TURNED_TABLE, "note", 1, meaning)
+        first = b"\n".join(map(mark.join, zip_longest(*rows, fillvalue=b""))) + b"\n"
+    yield first
+    yield from blocks
+
+
+def _is_turned(lines: Sequence[bytes], mark: bytes) -> bool:
+    """Return whether a table is far wider than long, and its first line holds numbers."""
     cells = lines[0].split(mark) if lines else []
     wide = len(cells) >= max(MIN_SAMPLES, SAMPLES_A_ROW * len(lines)) and len(lines) < LEAD_LINES
-    if wide and all(map(_is_cell, cells[1:])):
-        opener = "gzip.open" if path.suffix == ".gz" else "open"
-        rows = f"csv.reader({opener}({str(path)!r}, 'rt'), delimiter={mark.decode()!r})"
-        raise InputError(
-            f"{path}: the table has one row a joint ({len(lines)} rows of {len(cells)} cells); "
-            'transpose it: python -c "import csv, gzip; '
-            f"csv.writer(open('turned.csv', 'w', newline='')).writerows(zip(*{rows}))\""
-        )
+    point = b"," if mark in SEPARATORS_BESIDE_COMMAS else b"."
+    return wide and all(_is_cell(cell.replace(point, b".")) for cell in cells[1:])
 
 
 def _text(cell: bytes) -> str:
@@ -158,9 +168,11 @@ def _first_row(data: bytes, path: Path) -> tuple[int, bytes, bytes]:
     if any(line.count(mark) >= most for line in lines for mark in SEPARATORS):
         raise too_large(path, f"{most:,} columns")
     top += _length_of_title(lines)
-    first = data[top : _end_of_line(data, top)].strip()
+    first, below = data[top : _end_of_line(data, top)].rstrip(), data[_end_of_line(data, top) :]
+    mark, cells_below = _delimiter(first.strip()), below.partition(b"\n")[0].rstrip()
+    if not first.startswith(mark) or first.count(mark) != cells_below.count(mark):
+        first = first.strip()  # else a blank or a tab is behind the index, which has no name
     comment = data[:top].strip().rpartition(b"\n")[2].lstrip(b"#% \t").strip()
-    mark = _delimiter(first)
     cells = first.split(mark)
     names = comment.split(mark) if comment.count(mark) == len(cells) - 1 else []
     header = len(names) > 1 and _is_cell(cells[0]) and not any(map(_is_cell, names))
@@ -254,7 +266,8 @@ def _is_cell(cell: bytes) -> bool:
 def _is_header(line: bytes, delimiter: bytes, count: int) -> bool:
     """Return whether a line consists of as many names as there are columns."""
     cells = [cell.strip() for cell in line.split(delimiter)]
-    return len(cells) == count and all(re.match(rb"[A-Za-z#_/]", cell) for cell in cells)
+    named = [*filter(None, cells[:1]), *cells[1:]]  # an index has no name
+    return len(cells) == count and all(re.match(rb"[A-Za-z#_/]", cell) for cell in named)
 
 
 def _header_names(path: Path, line: bytes, delimiter: bytes) -> list[str]:
