@@ -14,6 +14,7 @@ PIP := .venv/bin/python -m pip --quiet --quiet --disable-pip-version-check
 # torch has no hash: its small CPU build is another file than that of its release elsewhere. pyproject.toml pins it.
 FREEZE := .venv/bin/python -m pip freeze --all --exclude pip --exclude ur5lib --exclude torch
 LOCKED := install --require-hashes --no-deps --requirement
+SBOM := .venv/bin/pipx run --spec cyclonedx-bom==7.5.0 cyclonedx-py environment --output-reproducible
 HASH := .venv/bin/pipx run uv pip compile --quiet --no-deps --generate-hashes --no-header --no-annotate
 
 all: .venv/ready ## set up, simulate and build the default study, name its report
@@ -87,6 +88,23 @@ docs: .venv/dev ## build the documents as a site, .site/html
 	zensical build --strict >.site/log 2>&1 || { cat .site/log >&2; exit 1; }
 	@echo "site: .site/html/index.html"
 
+release: export SOURCE_DATE_EPOCH = $(shell git log -1 --format=%ct)
+release: .venv/dev ## build wheel, sdist, site, SBOM and hashes of the last commit in dist, twice alike, and try the wheel in an empty environment
+	@test -z "$$(git status --porcelain)" || { echo "a release is of a commit alone: commit or remove what git status lists"; exit 1; }
+	rm -rf dist .release && mkdir -p dist .release/source
+	git archive HEAD | tar -x -C .release/source
+	for folder in dist .release/again; do \
+		(cd .release/source && python -m hatchling build --directory "$(CURDIR)/$$folder") || exit 1; done
+	diff -r dist .release/again
+	$(PYTHON) -m venv .release/empty
+	.release/empty/bin/python -m pip --quiet $(LOCKED) requirements.lock
+	.release/empty/bin/python -m pip --quiet install --find-links dist "ur5lib==$$(hatchling version)"
+	cd .release && empty/bin/ur5 --version && empty/bin/ur5 new lab && cd lab && ../empty/bin/ur5 run config.yaml
+	$(SBOM) .release/empty/bin/python --output-file dist/sbom.cdx.json
+	$(MAKE) docs
+	tar --create --sort=name --mtime="@$$SOURCE_DATE_EPOCH" --owner=0 --group=0 --numeric-owner -C .site html | gzip --no-name >dist/site.tar.gz
+	cd dist && sha256sum * >SHA256SUMS && cat SHA256SUMS
+
 schema: .venv/ready ## write the schema and the table of a study's settings anew
 	ur5 schema > workflow/study.schema.json
 	ur5 schema contract > workflow/contract.schema.json
@@ -102,7 +120,7 @@ lock: ## pin the newest versions that pyproject.toml allows, with the hashes of 
 	$(HASH) .venv/developers --output-file requirements-dev.lock
 
 clean: ## remove results and the environment; recordings stay
-	rm -rf .venv .snakemake results .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	rm -rf .venv .snakemake results dist .release .mypy_cache .pytest_cache .ruff_cache .hypothesis
 
 help: ## list these commands
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-11s %s\n", $$1, $$2}' Makefile
@@ -123,4 +141,4 @@ help: ## list these commands
 		"the packages of requirements-dev.lock cannot be installed; check the network and the disk"; exit 1; }
 	@touch $@
 
-.PHONY: all thesis studies test test-all tests test-others test-real-time test-fast lint fuzz mutants bench leaderboard pictures gallery docs schema lock clean help
+.PHONY: all thesis studies test test-all tests test-others test-real-time test-fast lint fuzz mutants bench leaderboard pictures gallery docs release schema lock clean help

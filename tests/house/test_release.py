@@ -2,8 +2,14 @@
 
 import json
 import re
+import subprocess
+import sys
+import tarfile
 import tomllib
+import zipfile
+from pathlib import Path
 
+import pytest
 import yaml
 
 import ur5lib
@@ -52,3 +58,33 @@ def test_the_catalogue_finds_workflow_and_configuration() -> None:
     assert usage["report"] is True
     assert (PROJECT / "workflow" / "Snakefile").is_file()
     assert (PROJECT / "config" / "README.md").is_file()
+
+
+def test_wheel_and_sdist_are_built_twice_alike_and_name_the_commit(tmp_path: Path) -> None:
+    """As `make release` builds them."""
+    if not (PROJECT / ".git").exists():
+        pytest.skip("no clone, so there is nothing to archive")
+    git = ["git", "-C", str(PROJECT)]
+    archive = tmp_path / "source.tar"
+    subprocess.run([*git, "archive", "--output", archive, "HEAD"], check=True)
+    built = []
+    for place in ("one", "two"):
+        with tarfile.open(archive) as files:
+            files.extractall(tmp_path / place, filter="data")
+        build = [
+            sys.executable,
+            "-m",
+            "hatchling",
+            "build",
+            "--directory",
+            tmp_path / place / "dist",
+        ]
+        subprocess.run(build, cwd=tmp_path / place, check=True, capture_output=True)
+        built.append(
+            {file.name: file.read_bytes() for file in (tmp_path / place / "dist").iterdir()}
+        )
+    assert built[0] == built[1]
+    assert {name.split(".")[-1] for name in built[0]} == {"whl", "gz"}
+    [wheel] = (tmp_path / "one" / "dist").glob("*.whl")
+    head = subprocess.check_output([*git, "rev-parse", "HEAD"], text=True)
+    assert zipfile.ZipFile(wheel).read("ur5lib/workspace/commit.txt").decode() == head

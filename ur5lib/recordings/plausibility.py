@@ -82,8 +82,8 @@ def _beyond(frames: pd.DataFrame, bounds: Mapping[str, float], source: str) -> M
             f"{source}: {channel} exceeds {bounds[channel]:.4g} {unit(channel)} in "
             f"{beyond.mean():.0%} of the rows (median there {middle:.4g}); "
             f"{LIKELY_UNITS.get(unit(channel)[:3], '')}"
-            "correct the file, the column or unit that the study gives it (docs/recordings.md), or the "
-            "arm's limits (docs/robots.md)"
+            "correct the file, the column or unit that the study gives it (docs/recordings.md), or "
+            "the arm's limits (docs/robots.md)"
         )
     return beyond
 
