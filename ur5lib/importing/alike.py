@@ -5,7 +5,7 @@ one channel and unit.
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ import numpy as np
 from ur5lib.checks.readings import Order
 from ur5lib.importing.account import Names
 from ur5lib.importing.blocks import NAMELESS_PREFIX
-from ur5lib.importing.contents import Factors, Precedent
+from ur5lib.importing.contents import Factors
 from ur5lib.importing.efforts import EFFORT_MEANINGS, LESS_GRAVITY_CHANNEL, as_amperes
 from ur5lib.importing.identity import ORDER, UNDESCRIBED_ARM
 from ur5lib.importing.proposal import Proposal
@@ -25,19 +25,19 @@ SAME_FACTOR = 2e-3  # relative difference of a driver's constants by two files
 
 @dataclass(frozen=True)
 class FormOfFile:
-    """How a file was read: its columns; its arm; the order of its joints, and whether anything told
+    """How a file was read: its columns; its arm; the order of its joints, None where nothing tells
     it; channel and factors of its efforts by their names; the factors that make whole milliamperes
-    of efforts; and how many rows it has.
+    of efforts; and how many rows it has. shown: whether a file that is read like it supports it.
     """
 
     name: str
     columns: frozenset[Names]
     arm: str
-    order: Order
-    is_ordered: bool
+    order: Order | None
     efforts: Mapping[Names, tuple[str, Factors]]
     amperes: Mapping[Names, Factors]
     rows: int
+    shown: bool = False
 
     def is_like(self, other: "FormOfFile") -> bool:
         """Return whether joints and efforts are read as in another file."""
@@ -57,7 +57,7 @@ class FormOfFile:
             _same(np.abs(self.amperes.get(names, ())), np.abs(factors))
             for names, (_, factors) in other.efforts.items()
         )
-        may_be = not self.is_ordered or self.order == other.order
+        may_be = self.order in (None, other.order)
         return may_be and (whole or self._has_efforts_like(other))
 
 
@@ -67,18 +67,18 @@ def _same(factors: Factors | np.ndarray, others: Factors | np.ndarray) -> bool:
 
 def form_of(proposal: Proposal) -> FormOfFile:
     """Return how a file was read."""
-    file, chosen, order = proposal.contents, proposal.channels.items(), proposal.order
-    ordered = [r.evidence != "position" for r in file.account.of_file if r.subject == ORDER]
+    file, chosen = proposal.contents, proposal.channels.items()
+    guessed = any(r.subject == ORDER and r.evidence == "position" for r in file.account.of_file)
     efforts = {b[0].names: (name, b[0].all_factors()) for name, b in chosen if name in EFFORTS}
     raw = [block for block in file.blocks if block.meaning() in EFFORTS]
     amperes = {b.names: divided.factors for b in raw if (divided := as_amperes(b)) is not b}
     columns = frozenset(block.names for block in file.blocks + file.silent)
     rows = len(proposal.moving.time)
-    told = proposal.arm, order, all(ordered), efforts, amperes
+    told = proposal.arm, None if guessed else proposal.order, efforts, amperes
     return FormOfFile(file.path.name, columns, *told, rows)
 
 
-def precedents(forms: Mapping[int, FormOfFile]) -> Iterator[tuple[int, Precedent]]:
+def precedents(forms: Mapping[int, FormOfFile]) -> Iterator[tuple[int, FormOfFile]]:
     """Yield the numbers of files to be read anew, like the one that most of their form and arm
     support.
 
@@ -99,8 +99,7 @@ def precedents(forms: Mapping[int, FormOfFile]) -> Iterator[tuple[int, Precedent
             for source in same if ranked else ():
                 form, best = forms[source], ranked[-1][1]
                 if form.arm != arm or not form.is_like(best):
-                    told_by_best = arm, best.order, best.efforts
-                    yield source, Precedent(best.name, *told_by_best, form.supports(best))
+                    yield source, replace(best, shown=form.supports(best))
 
 
 def unlike(entry: Mapping[str, Any], others: Iterable[Mapping[str, Any]]) -> AccountRow | None:

@@ -5,14 +5,13 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ur5lib.channels import MOST_JOINTS
 from ur5lib.channels import columns as columns_of
 from ur5lib.checks.checked import described
-from ur5lib.checks.readings import Order
 from ur5lib.errors import InputError, some, with_controls
 from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import (
@@ -51,6 +50,9 @@ from ur5lib.recordings.plausibility import is_silent
 from ur5lib.records.quality import Finding, Log
 from ur5lib.robots.description import robot_names
 from ur5lib.timeseries.arrays import Array
+
+if TYPE_CHECKING:
+    from ur5lib.importing.alike import FormOfFile
 
 TABLE_FORMAT = "table-csv"
 PARTED_FORMAT = "channel-files"
@@ -113,25 +115,12 @@ class TableHeader:
     entry: list[str] = field(default_factory=list)
 
 
-class Precedent(NamedTuple):
-    """What another file of the same form and arm tells of one: the order of its joints; channel and
-    factors of its efforts by their columns; shown: whether its own numbers are whole milliamperes
-    by these factors.
-    """
-
-    file: str
-    arm: str
-    order: Order
-    efforts: Mapping[tuple[str, ...], tuple[str, Factors]]
-    shown: bool
-
-
 @dataclass(frozen=True)
 class FileContents:
     """A file's blocks, and its clocks.
 
     silent: blocks without a number other than zero; findings: of the reader; joints: of the arm;
-    account: what is stated about the blocks; precedent: of another file, if it is read like it.
+    account: what is stated about the blocks; precedent: how another file is, if it is read like it.
     """
 
     path: Path
@@ -144,7 +133,7 @@ class FileContents:
     stated: UserStatement = NO_STATEMENT
     joints: int = JOINTS_OF_UR
     account: Account = field(default_factory=Account)
-    precedent: Precedent | None = None
+    precedent: "FormOfFile | None" = None
 
     def has_clock(self) -> bool:
         """Return whether the file has time stamps."""

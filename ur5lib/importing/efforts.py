@@ -234,7 +234,7 @@ def _like_precedent(
     channels = dict[str, ColumnBlock]()
     for block in blocks.values() if file.precedent else ():
         if file.precedent and block.names in file.precedent.efforts:
-            like = f"as in {file.precedent.file}, of the same form and arm: one driver, one unit"
+            like = f"as in {file.precedent.name}, of the same form and arm: one driver, one unit"
             multiples = "; its numbers are whole milliamperes by these factors, too"
             sure: Confidence = "assumed" if file.precedent.shown else "check"
             like += multiples if file.precedent.shown else "; alone, they do not show it"

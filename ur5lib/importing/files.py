@@ -18,7 +18,6 @@ from ur5lib.importing.blocks import NAMELESS_PREFIX
 from ur5lib.importing.contents import (
     NO_STATEMENT,
     FileContents,
-    Precedent,
     UserStatement,
     arm_labels,
     contents,
@@ -106,7 +105,7 @@ class _Part:
     def propose(
         self,
         stated: UserStatement,
-        precedent: Precedent | None = None,
+        precedent: FormOfFile | None = None,
         known: FileContents | None = None,
     ) -> None:
         """Read the entries, like a precedent if there is one; known: contents of the file."""

@@ -83,7 +83,7 @@ def identified(moving: ImportedMotion, means: BlockMeans | None) -> ArmIdentity:
     of_names = [reading for reading in likely if reading.arm in names]
     order = _order(moving, of_names, placed)
     if file.precedent and file.precedent.arm != UNDESCRIBED_ARM and not stated:
-        stated, of_form = file.precedent.arm, f"as in {file.precedent.file}, of the same form"
+        stated, of_form = file.precedent.arm, f"as in {file.precedent.name}, of the same form"
         file.account.tell("check", "robot", stated, "numbers", of_form)
         return ArmIdentity(stated, described(stated), order)
     if stated:
@@ -230,8 +230,8 @@ def _order(moving: ImportedMotion, likely: Sequence[Reading], placed: PosedReadi
     elif named:
         least = f"no number contradicts: {ahead:.3g} of log-likelihood before other orders"
         tell("assumed", ORDER, as_named, "name", least if scores else "nothing contradicts it")
-    elif file.precedent:
-        like = f"as in {file.precedent.file}, of the same form: one driver, one order"
+    elif file.precedent and file.precedent.order:
+        like = f"as in {file.precedent.name}, of the same form: one driver, one order"
         tell("check", ORDER, in_words(file.precedent.order), "numbers", like)
         return file.precedent.order
     elif len(posed) == 1:

@@ -12,9 +12,10 @@ from ur5lib.checks.block_means import BlockMeans, block_means
 from ur5lib.checks.checked import described
 from ur5lib.checks.readings import Order
 from ur5lib.errors import InputError
+from ur5lib.importing.account import Names
 from ur5lib.importing.blocks import ColumnBlock
 from ur5lib.importing.clocks import ROW_CLOCK
-from ur5lib.importing.contents import TABLE_FORMAT, FileContents, Precedent
+from ur5lib.importing.contents import TABLE_FORMAT, Factors, FileContents
 from ur5lib.importing.efforts import (
     EFFORT_MEANINGS,
     UNITS_BY_CHANNEL,
@@ -120,7 +121,7 @@ def propose(file: FileContents) -> Proposal:
     wrench = wrench_blocks(file, clock)
     means, loads = _means(moving, efforts, wrench)
     if file.precedent:
-        _scale_like(file.precedent, efforts, means)
+        _scale_like(file.precedent.efforts, efforts, means)
     elif means:
         _turn(efforts, means, file)
         _put_behind_gears(efforts, means, file)
@@ -207,11 +208,13 @@ def _following_the_motion(
 
 
 def _scale_like(
-    precedent: Precedent, efforts: dict[str, ColumnBlock], means: BlockMeans | None
+    scaled: Mapping[Names, tuple[str, Factors]],
+    efforts: dict[str, ColumnBlock],
+    means: BlockMeans | None,
 ) -> None:
     """Multiply efforts as another file's, in the blocks and in their means."""
     for name, block in efforts.items():
-        _, factors = precedent.efforts.get(block.names, ("", block.all_factors()))
+        _, factors = scaled.get(block.names, ("", block.all_factors()))
         scale = np.array(factors) / np.array(block.all_factors())
         efforts[name] = block.scaled(scale)
         if means:
