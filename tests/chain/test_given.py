@@ -193,7 +193,7 @@ CALLS: dict[str, Callable[[Any, ur5lib.Recordings, ur5lib.Model, Path], object]]
     "estimate": lambda it, _, fitted, __: fitted.estimate(it),
     "predict": lambda it, _, fitted, __: fitted.predict(it),
     "score": lambda it, _, fitted, __: fitted.score(it),
-    "velocity": lambda it, _, fitted, __: fitted.friction([it]),
+    "velocity": lambda it, _, fitted, __: fitted.friction([[it]]),
     "load": lambda it, _, fitted, __: fitted.friction(0.1, [it]),
     "table": lambda it, _, fitted, __: fitted.table(it),
     "plot": lambda it, _, fitted, __: fitted.plot(it),

@@ -217,6 +217,9 @@ def test_each_object_shows_itself_on_one_screen(
         html = Tags()
         html.feed(each._repr_html_())
         assert 2 <= html.rows <= SCREEN, type(each)
+    assert repr(model.identified).startswith("Robot(ur5e: 6 joints, links ")
+    assert repr(free._study) == "Study(notebook: 2 recordings of ur5e)"
+    assert max(len(repr(own)) for own in (model.identified, free._study)) < 200
 
 
 def test_text_from_outside_is_escaped(free: ur5lib.Recordings) -> None:

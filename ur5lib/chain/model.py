@@ -211,10 +211,10 @@ class Model(Shown):
         self, recordings: Recordings, accept: Mapping[str, str] | None, *steps: str
     ) -> dict[str, Files]:
         """Return the files of the recordings in motion after some steps; raises as `estimate`."""
-        recordings = as_recordings(recordings).accepting(accept)
+        recordings = as_recordings(recordings)._accepting(accept)
         self._expect_arm_of(recordings)
         study = recordings._study.model_copy(update={"settings": self._settings})
-        made = recordings.chain(study)
+        made = recordings._chain(study)
         chain = replace(made, arm=self._arm, several=self._fitted)
         moving = {name: own for name, own in made.recordings.items() if "robot" in own}
         if not moving:
@@ -238,7 +238,7 @@ class Model(Shown):
         write_text(json.dumps(self._saved(), indent=1) + "\n", expect_text(path, "file"))
 
     @classmethod
-    def read(cls, path: str | Path) -> "Model":
+    def _read(cls, path: str | Path) -> "Model":
         """Read a model that was saved. Raises InputError where the file holds none."""
         file = Path(expect_text(path, "file"))
         try:
@@ -330,8 +330,8 @@ def fit(recordings: Recordings, accept: Mapping[str, str] | None = None) -> Mode
         >>> len(model.table("torque_constants"))
         6
     """
-    recordings = as_recordings(recordings).accepting(accept)
-    chain = recordings.chain(recordings._study)
+    recordings = as_recordings(recordings)._accepting(accept)
+    chain = recordings._chain(recordings._study)
     names = chain.selection.of_arm(chain.robot, "fit")
     at_rest = chain.selection.of_arm(chain.robot, "fit", at_rest=True)
     free = chain.selection.of_arm(chain.robot, "fit", "validate")
@@ -367,7 +367,7 @@ def load_model(path: str | Path) -> Model:
     >>> ur5lib.load_model("model.json") == model
     True
     """
-    return Model.read(path)
+    return Model._read(path)
 
 
 def expect_no_stop_sign(files: Mapping[str, Files]) -> None:

@@ -195,7 +195,7 @@ class Recordings(Shown):
         words = "".join(f"; check {row.subject}: {row.taken_for}" for row in checks.itertuples())
         return printable(f"{name}: {self.roles[name]}, {', '.join(read)}{words}")
 
-    def accepting(self, reasons: Mapping[str, str] | None) -> Self:
+    def _accepting(self, reasons: Mapping[str, str] | None) -> Self:
         """Return them with reasons for which stop signs are overruled, by kind, as in a study.
 
         Raises InputError for an unknown kind, and one without a reason.
@@ -220,7 +220,7 @@ class Recordings(Shown):
         ]
         return replace(self, _study=self._study.model_copy(update={"recordings": entries}))
 
-    def chain(self, study: Study) -> Chain:
+    def _chain(self, study: Study) -> Chain:
         """Return their chain of steps, with copies of what was made of them so far."""
         files = {name: dict(own) for name, own in self._files.items()}
         selection = Selection(study)

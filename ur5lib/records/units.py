@@ -27,7 +27,6 @@ BY_TABLE: dict[str, dict[str, str]] = {  # a pattern of columns' names, and thei
     "error_parts": {"^error$": "N", "^drift": "N/min"},
     "force_mae": {"^(zero_)?(mae.*|max|interval_score95)$|mean_force": WRENCH},
     "friction": {"^load$": "Nm", "known|contradicted": f"Nm/{EFFORT}"},
-    "live_pushes": {"^(value|std_error|low|high|largest_tried)$": "N"},
     "model_errors": {"mae": "Nm"},
     "noticed": {"^(largest_missed|smallest_found|peak_bias|band)$": "N"},
     "payload": {"center_of_mass": "m", "^(mass|std_error|low|high|configured)$": "kg"},

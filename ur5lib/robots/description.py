@@ -400,6 +400,11 @@ class Robot(Described):
         """Return whether its controller counts otherwise than its joints turn."""
         return self.drives != Drives() or self.effort == "motor_torque"
 
+    def __repr__(self) -> str:
+        """Return what it is; all that is described takes some hundred lines."""
+        models = ", ".join(self.models)
+        return f"Robot({self.name}: {len(self.joints)} joints, links {self.links}, models {models})"
+
     @property
     def measured(self) -> Effort:
         """Return the channel and unit of its joints' measured efforts, and their words."""

@@ -388,6 +388,10 @@ class Study(Strict):
     )
     settings: Settings = Field(Settings(), description="settings of the analysis")
 
+    def __repr__(self) -> str:
+        """Return what it is; all of its settings take some hundred lines."""
+        return f"Study({self.study}: {len(self.recordings)} recordings of {', '.join(self.arms())})"
+
     def arms(self) -> dict[str, ArmSettings]:
         """Return the arms by their names in results, without mountings and tools."""
         arms = [recording.arm for recording in self.recordings]
