@@ -184,7 +184,7 @@ def test_lines_and_headers_beyond_measure_are_refused(
 def test_a_channel_may_be_one_long_row(tmp_path: Path) -> None:
     rows = np.random.default_rng(0).normal(size=(6, 20_000))
     np.savetxt(tmp_path / "q.txt", rows, delimiter=",")
-    np.testing.assert_allclose(LOADERS["channel-files"](tmp_path, None, [])["q.txt"], rows)
+    np.testing.assert_allclose(LOADERS["channel-files"](tmp_path, None, [])["q.txt"], rows.T)
     (tmp_path / "q.txt").write_text((tmp_path / "q.txt").read_text()[:-100])
     with pytest.raises(InputError, match=r"q\.txt: its lines differ in length.*; record it again"):
         LOADERS["channel-files"](tmp_path, None, [])

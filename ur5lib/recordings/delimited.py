@@ -5,7 +5,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
-from itertools import chain, zip_longest
+from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
 
@@ -36,6 +36,7 @@ TAIL_LINES = 20  # lines that show what a complete last line looks like
 LEAD_LINES = 60  # lines that show where a table begins
 # A table without names that is wider, and so much wider than long, is transposed.
 MIN_SAMPLES, SAMPLES_A_ROW = 100, 5
+BYTES_OF_CELL = 64  # of one apart, while a table is turned
 TURNED_TABLE = "turned table"  # the finding on one that has a row a joint
 MIN_LEAD_COUNT = 6  # rows and cells that a table has at least
 SEPARATORS_BESIDE_COMMAS = (b";", b"\t")  # separators beside which commas are decimal points
@@ -127,7 +128,10 @@ def first_cells(path: Path) -> tuple[list[str], list[str]]:
 
 
 def _table_blocks(log: Log) -> Iterator[bytes]:
-    """Yield the blocks of a table; one that has a row for each column of samples is turned."""
+    """Yield the blocks of a table; one that has a row for each column of samples is turned.
+
+    Raises InputError where these rows differ in length.
+    """
     blocks = text_blocks(log)
     first = next(blocks)
     lines = [line for line in first.split(b"\n", LEAD_LINES) if line.strip()]
@@ -135,11 +139,17 @@ def _table_blocks(log: Log) -> Iterator[bytes]:
     if _is_turned(lines, mark):
         for block in blocks:
             first += block
-            expect_room(log.path, first.count(mark))
-        rows = [line.split(mark) for line in first.split(b"\n") if line.strip()]
+        expect_room(log.path, BYTES_OF_CELL / 8 * first.count(mark))
+        between = None if mark == b" " else mark
+        rows = [line.split(between) for line in first.split(b"\n") if line.strip()]
+        if len({*map(len, rows)}) > 1:
+            raise InputError(
+                f"{log.path}: its lines differ in length, with a row of samples for each column; "
+                "record it again, or copy it again"
+            )
         meaning = f"turned, for it has a row of {len(rows[0]):,} samples for each column"
         log.add(TURNED_TABLE, "note", 1, meaning)
-        first = b"\n".join(map(mark.join, zip_longest(*rows, fillvalue=b""))) + b"\n"
+        first = b"\n".join(map(mark.join, zip(*rows, strict=True))) + b"\n"
     yield first
     yield from blocks
 
