@@ -1,5 +1,6 @@
 """The library in a notebook: arms, recordings and models as objects."""
 
+import json
 import os
 import re
 import subprocess
@@ -166,6 +167,34 @@ def test_a_model_is_the_same_after_it_was_saved(
         pd.testing.assert_frame_equal(again.table(name), model.table(name), check_exact=True)
     with pytest.raises(ur5lib.InputError, match="friction shows recordings"):
         again.plot("friction")
+
+
+@pytest.mark.parametrize(
+    "place",
+    [
+        ("arm", "drifts"),
+        ("arm", "rotors"),
+        ("arm", "summary"),
+        ("arm", "residuals"),
+        ("arm", "threshold"),
+        ("arm", "described"),
+        ("fitted", "free1", "payload"),
+        ("settings",),
+    ],
+)
+def test_a_damaged_model_is_refused_where_it_is_read(
+    model: ur5lib.Model, tmp_path: Path, place: Sequence[str]
+) -> None:
+    """Not by the first table or force that needs the part, by what reads that."""
+    model.save(path := tmp_path / "model.json")
+    part = whole = json.loads(path.read_text())
+    *way, last = place
+    for key in way:
+        part = part[key]
+    part[last] = ["damaged"]
+    path.write_text(json.dumps(whole))
+    with pytest.raises(ur5lib.InputError, match=r"holds no model of .*; save it anew"):
+        ur5lib.load_model(path)
 
 
 @pytest.mark.parametrize("name", FIGURES)

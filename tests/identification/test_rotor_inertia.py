@@ -54,6 +54,15 @@ def test_standard_errors_hold_what_they_promise() -> None:
     assert 0.6 < np.sqrt(np.mean(np.square(scores))) < 2.0
 
 
+def test_the_standard_error_is_the_jackknife_s() -> None:
+    """√((n - 1) / n Σ (θ without k - mean)²) of n recordings, by fits without each."""
+    recordings = [made_up(seed, 500) for seed in range(3)]
+    without = [astuple(fit(recordings[:k] + recordings[k + 1 :]).value) for k in range(3)]
+    squares = np.sum((np.array(without) - np.mean(without, axis=0)) ** 2, axis=0)
+    found = astuple(fit(recordings).std_error)
+    np.testing.assert_allclose(found, np.sqrt(2 / 3 * squares), rtol=1e-9)
+
+
 def test_a_stretch_of_contact_does_not_decide() -> None:
     recordings = [made_up(seed) for seed in range(4)]
     pushed = [(residual.copy(), qd, qdd) for residual, qd, qdd in recordings]

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from tests.current_study import (
     CONSTANT,
@@ -109,6 +110,25 @@ def test_a_joint_that_does_not_move_has_no_total(records: list[CurrentSamples]) 
     load = mean_load(resting, smooth, fit.joints[0].terms)
     assert np.isnan(load).tolist() == [False, False, False, False, True, False]
     assert {row.joint for row in total_friction(fit, load)} == {1, 2, 3, 4, 6}
+
+
+@pytest.mark.parametrize("prior_share", [0.0, 0.4, 1.0])
+def test_the_interval_of_a_total_is_by_student_as_far_as_the_data_tell_it(
+    prior_share: float,
+) -> None:
+    """By the normal quantile as far as other arms do; half of what is left is the arm's share."""
+    model, units = joint_fit(np.full(6, 0.1), drawn_values(np.eye(4))), 5
+    shares = np.zeros((4, 6))
+    shares[0], shares[1], shares[3] = prior_share, *2 * [(1 - prior_share) / 2]
+    model = replace(model, estimate=replace(model.estimate, shares=shares))
+    rows = [*total_friction(CurrentFit((model,), units), np.array([20.0]))]
+    student, normal = stats.t.ppf(0.975, units - 1), stats.norm.ppf(0.975)
+    factor = np.sqrt(prior_share * normal**2 + (1 - prior_share) * student**2)
+    for row in rows:
+        assert row.prior_share == pytest.approx(prior_share)
+        low, high = row.interval
+        assert high - row.value == pytest.approx(factor * row.std_error, rel=1e-3)
+        assert row.value - low == pytest.approx(factor * row.std_error, rel=1e-3)
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.8, -0.8])

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
-from typing import Any, get_origin
+from typing import Any, get_args, get_origin
 
 import numpy as np
 import pandas as pd
@@ -251,10 +251,10 @@ class Model(Shown):
             }
             settings = Settings.model_validate(saved["settings"])
             model = cls(settings, str(saved["robot"]), texts, fitted)
-            model.identified, model._friction  # noqa: B018  raises where they are damaged
+            model._expect_readable()
         except OSError as error:
             raise InputError(f"{path} cannot be read ({error.strerror}); check its name") from error
-        except (KeyError, TypeError, AttributeError, ValueError) as error:
+        except (LookupError, ArithmeticError, TypeError, AttributeError, ValueError) as error:
             raise InputError(
                 f"{path} holds no model of this version ({type(error).__name__}: "
                 f"{str(error).splitlines()[0]}); save it anew by `model.save`"
@@ -281,6 +281,16 @@ class Model(Shown):
             "arm": texts | plain,
             "fitted": loads,
         }
+
+    def _expect_readable(self) -> None:
+        """Read each of its files, and make its tables. Raises what that raises of damaged ones."""
+        loads = get_args(parameter_types(step_named("predict_currents"))["unloaded"])[1]
+        for own in self.fitted.values():
+            for content in own.values():
+                record_of(loads, content)
+        record_of(Robot, self.arm["described"])
+        record_of(parameter_types(step_named("align_recording"))["drifts"], self.arm["drifts"])
+        self.threshold, self.table(TABLES[0])
 
     def _expect_arm_of(self, recordings: Recordings) -> None:
         if recordings.robot != self.robot:
