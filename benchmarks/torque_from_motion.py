@@ -1,14 +1,18 @@
 """Torque from motion on public data: a part of docs/benchmark.md.
 
-    python -m benchmarks.torque_from_motion [--folder raw/kuka-kr300] [--test <folder>] [--page]
+    python -m benchmarks.torque_from_motion [--folder raw/kuka-kr300] [--test <path>] [--page]
 
 Fits to the motions train-*.csv of the KUKA KR300 (doi 10.26204/DATA/5, `ur5 fetch kuka-kr300`) and
-judges val-*.csv; with `--test`, the files of another folder in their place, in the same form (time,
+judges val-*.csv; with `--test`, the test part of the benchmark's own file in their place,
+inverse_identification_without_raw_data.mat, or the files of another folder, in the same form (time,
 six positions, six motor torques), none of which is a motion of the fit. Files follow each other by
-name. `--page` writes the part; `--quick` takes a few files.
+name. With `--test`, a column has the RMSE of identibench 0.4, BenchmarkRobotInverse_Simulation: the
+mean of those of the six motors' torques, without the first 100 samples. `--page` writes the part;
+`--quick` takes a few files.
 """
 
 import sys
+import tempfile
 from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import starmap
@@ -16,6 +20,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
+from scipy.io import loadmat
 
 from benchmarks.harness.markdown import markdown, replaced
 from benchmarks.harness.options import options_of
@@ -30,6 +36,7 @@ from benchmarks.harness.torque_models import (
     with_memory,
 )
 from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.robots.drives import as_counted
 from ur5lib.tables import write_text
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5rivals.estimators import gaussian_process
@@ -41,6 +48,7 @@ QUICK_FILES = 6
 POINTS_OF_PROCESS = 600  # that a Gaussian process learns from
 REPEATS_AFTER = 3  # files: the motion of file k is driven again in file k + 3
 SAME_MOTION = 0.1  # rad, within which two runs are drives of one motion
+FIRST_SCORED = 100  # samples that identibench gives to a model that learns from torques before
 FIRST_MOTION = 0.01  # rad, behind which no friction of before is left
 
 
@@ -56,9 +64,11 @@ def main() -> None:
     """Fit, predict, print and write."""
     options = options_of(__doc__)
     options.add_argument("--folder", type=Path, default=Path("raw/kuka-kr300"))
-    options.add_argument("--test", type=Path, help="folder of other files to judge")
+    options.add_argument("--test", type=Path, help="what to judge: a folder, or the MAT file")
     options.add_argument("--page", action="store_true", help="write docs/benchmark.md as well")
     given = options.parse_args()
+    if given.test and given.test.suffix == ".mat":
+        given.test = withheld_part(given.test, Path(tempfile.mkdtemp()))
     judged = sorted(given.test.glob("*.csv") if given.test else given.folder.glob("val-*.csv"))
     files = sorted(given.folder.glob("train-*.csv"))
     if not (files and judged):
@@ -70,10 +80,24 @@ def main() -> None:
     fitted, tested = [*map(run_of, files)], [*map(run_of, judged)]
     if seen := [run.name for run in tested if is_repeated(run, fitted)]:
         sys.exit(f"{', '.join(seen)}: motions of the fit; judge files that it has not seen")
-    text = table(fitted, tested, between)
+    text = table(fitted, tested, between, is_scored=given.test is not None)
     print(text)
     if given.page:
         write_text(replaced(PAGE.read_text(), TITLE, text), PAGE)
+
+
+def withheld_part(file: Path, folder: Path) -> Path:
+    """Write the test part of the benchmark's inverse task as a file of `folder`; return this.
+
+    It has u_test (18, N), of which the first six are positions [deg], y_test (6, N) [Nm], and
+    time_test (1, N) [s].
+    """
+    part = loadmat(file, variable_names=["time_test", "u_test", "y_test"])
+    columns = part["time_test"], np.deg2rad(part["u_test"][:6]), part["y_test"]
+    names = ["time", *(f"{name}_{k}" for name in ("q", "motor_torque") for k in range(6))]
+    table = pd.DataFrame(np.vstack(columns).T, columns=names)
+    table.to_csv(folder / "test.csv", index=False)
+    return folder
 
 
 def run_of(file: Path) -> Run:
@@ -92,16 +116,21 @@ def largest_difference(one: Run, two: Run) -> float:
     return float(np.abs(one.signals.actual_q[:length] - two.signals.actual_q[:length]).max())
 
 
-def table(fitted: Sequence[Run], judged: Sequence[Run], between: Sequence[Run] = ()) -> str:
-    """Return the table of NRMSE, R² and shares in the band, by joint; between: runs after those
-    fitted and before those judged.
+def table(
+    fitted: Sequence[Run], judged: Sequence[Run], between: Sequence[Run], is_scored: bool
+) -> str:
+    """Return the table of NRMSE, R² and shares in the band, by joint.
+
+    between: runs after those fitted and before those judged; is_scored: with identibench's score.
     """
     joints = [str(joint) for joint in judged[0].arm.joint_numbers]
     header = ["model", *joints, "mean", "R² of each joint", "in the 95 % band"]
+    header += ["RMSE [Nm]"] * is_scored
     following = chained([*fitted, *between, *judged])
     known = following[: len(fitted)], following[-len(judged) :]
-    lines = [line(row, judged) for row in (*rows(fitted, judged), *rows_after(*known))]
-    floor = repeated(judged)
+    predicted = [*rows(fitted, judged), *rows_after(*known)]
+    lines = [line(row, judged) + [scored(row, judged)] * is_scored for row in predicted]
+    floor = [cells + [""] * is_scored for cells in repeated(judged)]
     return markdown(header, [*lines, *floor])
 
 
@@ -151,6 +180,15 @@ def line(row: Row, judged: Sequence[Run]) -> list[str]:
     share = ", ".join(f"{own:.3f}" for own in np.nanmean(within, axis=0)) if row.half else ""
     r2 = ", ".join(f"{own:.2f}" for own in 1 - nrmse**2)
     return [row.model, *(f"{own:.3f}" for own in nrmse), f"**{nrmse.mean():.3f}**", r2, share]
+
+
+def scored(row: Row, judged: Sequence[Run]) -> str:
+    """Return identibench's score of a model: the mean RMSE [Nm] of the motors' torques without the
+    first samples of all.
+    """
+    error = np.concatenate([run.torque for run in judged]) - np.concatenate(row.torque)
+    of_motors = as_counted("actual_torque", error[FIRST_SCORED:], judged[0].arm)
+    return f"{np.sqrt(np.mean(of_motors**2, axis=0)).mean():.4f}"
 
 
 def repeated(judged: Sequence[Run]) -> Iterator[list[str]]:

@@ -1,4 +1,9 @@
-"""Results of version 0.2 are read: findings had values, rows were nested, live had columns here."""
+"""Results of version 0.2 are read: findings had values, rows were nested, live had columns here.
+
+`study_of_0_2.json` has files of a study, by their places, as the last code of 0.2 (commit 1dd188b1)
+built it from the two simulated recordings of tests/workflow/test_simulated.py, without samples and
+fits.
+"""
 
 import json
 from pathlib import Path
@@ -7,8 +12,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tests.workflow.test_simulated import POINTS
+from ur5lib.commands.verdicts import card_states, lines
 from ur5lib.finished import FinishedStudy
 from ur5lib.records.friction import Friction
+from ur5lib.report.summary import last_summary
 
 FINDINGS = [
     {"device": "robot", "finding": "lost frames", "severity": "warning", "count": 2}
@@ -78,3 +86,37 @@ def test_what_was_fitted_and_the_account_of_a_sensor_are_read(results: FinishedS
 
 def test_a_table_has_the_columns_that_it_had(results: FinishedStudy) -> None:
     assert results.table("detection")["causal_found"].tolist() == [2]
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of results of the study that 0.2 built."""
+    folder = tmp_path_factory.mktemp("results") / "made"
+    texts = json.loads(Path(__file__).with_name("study_of_0_2.json").read_text())
+    for name, text in texts.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+    return folder
+
+
+def test_a_study_that_0_2_built_opens(built: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In its workspace, where the files lie that its configuration names."""
+    monkeypatch.chdir(built.parent)
+    Path("points.txt").write_text(POINTS)
+    study = FinishedStudy(built)
+    assert study.recordings == ["held.1", "moved"]
+    assert [study.recording(name).role for name in study.recordings] == ["contact", "fit"]
+    assert {len(study.table(name).columns) > 1 for name in study.tables} == {True}
+    assert study.summary()["duration [s]"].tolist() == [3.0, 2.0]
+    assert study.quality("moved").findings
+    assert study.arm("ur5").is_ur()
+    assert set(study.uses["use"]) <= {"yes", "no"}
+
+
+def test_verdicts_of_0_2_are_printed_and_are_those_of_its_last_build(built: Path) -> None:
+    states = card_states(built)
+    assert states
+    assert all(": " in line for line in lines(states, "made"))
+    summary = last_summary(built / "results.json")
+    assert summary is not None
+    assert len(summary.verdicts) == len(FinishedStudy(built).verdicts)

@@ -3,11 +3,14 @@
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
+from scipy.io import savemat
 
-from benchmarks.torque_from_motion import is_repeated, run_of
+from benchmarks.torque_from_motion import Row, is_repeated, run_of, scored, withheld_part
 from tests.conftest import PROJECT, shared_folder
 from tests.house.test_benchmarks import run_benchmark
+from ur5lib.robots.drives import of_the_joints
 
 
 @pytest.mark.thorough
@@ -51,6 +54,21 @@ def test_a_motion_of_the_fit_is_not_judged(tmp_path: Path) -> None:
             PROJECT,
             *("--folder", str(tmp_path), "--test", str(tmp_path / "test")),
         )
+
+
+def test_the_benchmark_s_own_file_is_read_and_scored_as_identibench_scores(tmp_path: Path) -> None:
+    random = np.random.default_rng(0)
+    parts = {"time_test": 0.1 * np.arange(300)[None], "u_test": random.normal(size=(18, 300))}
+    parts["y_test"] = random.normal(size=(6, 300))
+    savemat(tmp_path / "inverse.mat", {**parts, "u_train": np.zeros((18, 9))})
+    [file] = withheld_part(tmp_path / "inverse.mat", tmp_path).glob("*.csv")
+    run = run_of(file)
+    counted = {"actual_q": np.deg2rad(parts["u_test"][:6].T), "actual_torque": parts["y_test"].T}
+    for name, found in (("actual_q", run.signals.actual_q), ("actual_torque", run.torque)):
+        np.testing.assert_allclose(found, of_the_joints(name, counted[name], run.arm), atol=1e-9)
+    of_motors = np.where(np.arange(300)[:, None] < 100, 1e9, np.arange(1.0, 7.0))
+    error = of_the_joints("actual_torque", of_motors, run.arm)
+    assert scored(Row("a model", [run.torque - error]), [run]) == "3.5000"
 
 
 @pytest.mark.parametrize("name", ["leaderboard", "live"])
