@@ -285,12 +285,12 @@ class Model(Shown):
     def _expect_readable(self) -> None:
         """Read each of its files, and make its tables. Raises what that raises of damaged ones."""
         loads = get_args(parameter_types(step_named("predict_currents"))["unloaded"])[1]
-        for own in self.fitted.values():
+        for own in self._fitted.values():
             for content in own.values():
                 record_of(loads, content)
-        record_of(Robot, self.arm["described"])
-        record_of(parameter_types(step_named("align_recording"))["drifts"], self.arm["drifts"])
-        self.threshold, self.table(TABLES[0])
+        record_of(Robot, self._arm["described"])
+        record_of(parameter_types(step_named("align_recording"))["drifts"], self._arm["drifts"])
+        self._threshold, self.table(TABLES[0])
 
     def _expect_arm_of(self, recordings: Recordings) -> None:
         if recordings.robot != self.robot:
