@@ -4,6 +4,8 @@ import json
 import random
 from pathlib import Path
 
+import pandas as pd
+
 import ur5lib
 from tests.damage import damaged_file
 from tests.damaged_values import other_value
@@ -16,7 +18,8 @@ def models(folder: Path) -> Attempt:
     """Return what loads a damaged model, shows it, and estimates a force with one that it takes."""
     put_recordings(folder)
     fitted = ur5lib.fit(ur5lib.read([folder / name for name in FREE], "ur5e"))
-    pushed = ur5lib.read(folder / "pushed.csv", "ur5e", role="contact")
+    pd.read_csv(folder / "pushed.csv")[:700].to_csv(folder / "short.csv", index=False)
+    pushed = ur5lib.read(folder / "short.csv", "ur5e", role="contact")
     fitted.save(folder / "model.json")
     text = (folder / "model.json").read_text()
 

@@ -10,6 +10,7 @@ from ur5lib.force.contact_figures import (
     error_figures,
     error_parts,
     figures_by_contact,
+    force_errors,
     mean_parts,
     periods,
     resampled_figures,
@@ -236,6 +237,20 @@ def test_figures_of_a_known_error() -> None:
         assert figures[name][0] == pytest.approx(value), name
     narrow = figures_by_contact(reference + 0.5, 0.5 * std, reference, force, PERIOD)["all"]
     assert [narrow[f"coverage{stated}"][0] for stated in (50, 80, 95)] == [0, 1, 1]
+
+
+def test_a_component_is_determined_where_its_skill_in_contact_is_above_zero() -> None:
+    """By the lower end of its interval, where contacts tell one; in the rows of all periods."""
+    mae, skill = np.ones(6), np.array([0.9, 0.5, 0.2, 0.1, 0.0, -0.3])
+    figures = {
+        "all": {"mae": mae, "skill": -skill},
+        "contact": {"mae": 2 * mae, "skill": skill},
+    }
+    for low in (skill, skill - 0.15):
+        figures["contact"]["skill_low"] = low
+        rows = [*force_errors("compensated", "Fmap", figures)]
+        assert [row.mae for row in rows] == [1.0] * 6 + [2.0] * 6
+        assert [bool(row.determined) for row in rows] == 2 * (low > 0).tolist()
 
 
 def test_a_gain_of_hardly_any_force_is_none() -> None:

@@ -1,4 +1,4 @@
-"""Which terms of friction recordings show that no fit has seen."""
+"""Which terms of friction recordings show that no fit has seen, and how much of it they show."""
 
 from dataclasses import replace
 
@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 
 from tests.current_study import CONSTANT, make_record, prior, smooth
+from ur5lib.force.external_torque import JointState
+from ur5lib.force.force_input import ForceInput, Gears
+from ur5lib.force.shown_friction import MIN_MOTION, shown_friction
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.samples import CurrentSamples, held_columns
 from ur5lib.identification.selection import is_less
@@ -72,3 +75,44 @@ def test_less_is_surely_less() -> None:
     assert not is_less(0.99 * errors, errors, 0.02, 2.0)
     assert not is_less(0.9 * noise, errors, 0.02, 2.0)
     assert not is_less(0.5 * errors[:2], errors[:2], 0.02, 2.0)
+
+
+PERIOD = 0.01  # s
+
+
+def led(share: float, moving: int) -> tuple[ForceInput, Array]:
+    """A motion in which the motors overcome a share of the friction, while a hand does the rest,
+    and the breakaway torques; moving: samples of joint 3, the others stop, and show anything.
+    """
+    random = np.random.default_rng(0)
+    friction, breakaway = random.normal(size=(400, 6)), np.geomspace(1.0, 50.0, 6)
+    friction *= breakaway
+    states = np.full((400, 6), JointState.RESTING, np.int8)
+    states[:moving, 2] = JointState.MOVING
+    moves = states == JointState.MOVING
+    torque = np.where(moves, (1 - share) * friction, 7 * friction)
+    q, segment = np.zeros((400, 6)), np.zeros(400, np.int64)
+    gears = Gears(0 * friction, 0 * friction, friction)
+    return ForceInput(q, q, torque, states, segment, PERIOD, gears=gears), breakaway
+
+
+@pytest.mark.parametrize("share", [1.0, 0.55, 0.0])
+def test_motors_show_the_share_of_friction_that_they_overcome(share: float) -> None:
+    run, breakaway = led(share, moving=300)
+    assert shown_friction(run, breakaway) == pytest.approx(share, abs=1e-12)
+    both = replace(run, states=run.states.copy(), torque=run.torque.copy())
+    both.states[:300, 5] = JointState.MOVING  # of which the motor overcomes all
+    both.torque[:300, 5] = 0.0
+    weights = [((run.gears.friction[:300, k] / breakaway[k]) ** 2).sum() for k in (2, 5)]
+    expected = (share * weights[0] + weights[1]) / sum(weights)
+    assert shown_friction(both, breakaway) == pytest.approx(expected, abs=1e-12)
+
+
+def test_a_moment_of_motion_shows_no_share() -> None:
+    enough = round(MIN_MOTION / PERIOD)
+    for moving, known in ((0, False), (enough, False), (enough + 1, True)):
+        assert np.isfinite(shown_friction(*led(0.5, moving))) == known
+    run, breakaway = led(0.5, 300)
+    assert np.isnan(shown_friction(replace(run, gears=None), breakaway))
+    run.torque[100:] = np.nan
+    assert np.isnan(shown_friction(run, breakaway))

@@ -5,64 +5,18 @@ one channel and unit.
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
-from ur5lib.checks.readings import Order
 from ur5lib.importing.account import Names
 from ur5lib.importing.blocks import NAMELESS_PREFIX
-from ur5lib.importing.contents import Factors
 from ur5lib.importing.efforts import EFFORT_MEANINGS, LESS_GRAVITY_CHANNEL, as_amperes
+from ur5lib.importing.form_of_file import FormOfFile
 from ur5lib.importing.identity import ORDER, UNDESCRIBED_ARM
 from ur5lib.importing.proposal import Proposal
 from ur5lib.records.account import AccountRow
 
 EFFORTS = (*EFFORT_MEANINGS, LESS_GRAVITY_CHANNEL)
-SAME_FACTOR = 2e-3  # relative difference of a driver's constants by two files
-
-
-@dataclass(frozen=True)
-class FormOfFile:
-    """How a file was read: its columns; its arm; the order of its joints, None where nothing tells
-    it; channel and factors of its efforts by their names; the factors that make whole milliamperes
-    of efforts; and how many rows it has. shown: whether a file that is read like it supports it.
-    """
-
-    name: str
-    columns: frozenset[Names]
-    arm: str
-    order: Order | None
-    efforts: Mapping[Names, tuple[str, Factors]]
-    amperes: Mapping[Names, Factors]
-    rows: int
-    shown: bool = False
-
-    def is_like(self, other: "FormOfFile") -> bool:
-        """Return whether joints and efforts are read as in another file."""
-        return self.order == other.order and self._has_efforts_like(other)
-
-    def _has_efforts_like(self, other: "FormOfFile") -> bool:
-        return all(
-            (own := self.efforts.get(names, ("", ())))[0] == told[0] and _same(own[1], told[1])
-            for names, told in other.efforts.items()
-        )
-
-    def supports(self, other: "FormOfFile") -> bool:
-        """Return whether a file is read like another, or has whole milliamperes by its factors; the
-        order of its joints counts where anything told it.
-        """
-        whole = all(
-            _same(np.abs(self.amperes.get(names, ())), np.abs(factors))
-            for names, (_, factors) in other.efforts.items()
-        )
-        may_be = self.order in (None, other.order)
-        return may_be and (whole or self._has_efforts_like(other))
-
-
-def _same(factors: Factors | np.ndarray, others: Factors | np.ndarray) -> bool:
-    return len(factors) == len(others) and np.allclose(factors, others, rtol=SAME_FACTOR)
 
 
 def form_of(proposal: Proposal) -> FormOfFile:

@@ -5,7 +5,6 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,6 +25,7 @@ from ur5lib.importing.blocks import (
 )
 from ur5lib.importing.chosen_joints import joint_arrays, joint_columns, of_joints, of_prefix
 from ur5lib.importing.clocks import ROW_CLOCK, FileClocks, clocks_of, equally_spaced
+from ur5lib.importing.form_of_file import FormOfFile
 from ur5lib.importing.parted_runs import TEXT_ENDINGS, PartedRun
 from ur5lib.importing.spellings import (
     ARM_NAME,
@@ -50,9 +50,6 @@ from ur5lib.recordings.plausibility import is_silent
 from ur5lib.records.quality import Finding, Log
 from ur5lib.robots.description import robot_names
 from ur5lib.timeseries.arrays import Array
-
-if TYPE_CHECKING:
-    from ur5lib.importing.alike import FormOfFile
 
 TABLE_FORMAT = "table-csv"
 PARTED_FORMAT = "channel-files"
@@ -98,7 +95,6 @@ class UserStatement:
 
 
 NO_STATEMENT = UserStatement()
-Factors = tuple[float, ...]  # by which the numbers of columns are multiplied
 
 
 @dataclass(frozen=True)
@@ -133,7 +129,7 @@ class FileContents:
     stated: UserStatement = NO_STATEMENT
     joints: int = JOINTS_OF_UR
     account: Account = field(default_factory=Account)
-    precedent: "FormOfFile | None" = None
+    precedent: FormOfFile | None = None
 
     def has_clock(self) -> bool:
         """Return whether the file has time stamps."""

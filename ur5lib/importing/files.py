@@ -13,7 +13,7 @@ from rich.table import Table
 from ur5lib.commands.check import look_through, severe
 from ur5lib.errors import InputError
 from ur5lib.importing.after import Ends, ends_of, links
-from ur5lib.importing.alike import FormOfFile, form_of, precedents, unlike
+from ur5lib.importing.alike import form_of, precedents, unlike
 from ur5lib.importing.blocks import NAMELESS_PREFIX
 from ur5lib.importing.contents import (
     NO_STATEMENT,
@@ -23,6 +23,7 @@ from ur5lib.importing.contents import (
     contents,
 )
 from ur5lib.importing.entry import StudyEntry, entry_of, episodes, identifier, place_of_file
+from ur5lib.importing.form_of_file import FormOfFile
 from ur5lib.importing.identity import ORDER, UNDESCRIBED_ARM
 from ur5lib.importing.parted_runs import PartedRun
 from ur5lib.importing.proposal import Proposal, meanings, propose

@@ -15,7 +15,7 @@ from ur5lib.errors import InputError
 from ur5lib.importing.account import Names
 from ur5lib.importing.blocks import ColumnBlock
 from ur5lib.importing.clocks import ROW_CLOCK
-from ur5lib.importing.contents import TABLE_FORMAT, Factors, FileContents
+from ur5lib.importing.contents import TABLE_FORMAT, FileContents
 from ur5lib.importing.efforts import (
     EFFORT_MEANINGS,
     UNITS_BY_CHANNEL,
@@ -30,6 +30,7 @@ from ur5lib.importing.efforts import (
     name_efforts,
 )
 from ur5lib.importing.factors import behind_gears, following_error
+from ur5lib.importing.form_of_file import Factors
 from ur5lib.importing.identity import arms_of, identified, tells_columns
 from ur5lib.importing.motion import ImportedMotion, find_motion, rests
 from ur5lib.importing.spellings import CLOCK_NAME, is_of_motors, unused
