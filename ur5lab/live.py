@@ -45,7 +45,7 @@ Show = Callable[[float, Answer], None]
 
 @dataclass(frozen=True)
 class Stream:
-    """An arm whose force is stated.
+    """An arm of which the force is stated.
 
     address, port: of its controller's RTDE; seconds: for which it is, None until it sends nothing
     for a second or Ctrl-C.
@@ -82,7 +82,7 @@ def live(
 ) -> Ended:
     """State the force of an arm that a study fitted; returns what was written.
 
-    as_in: recording whose payload and mounting it has, "" for none. Raises InputError where the
+    as_in: recording that gives it payload and mounting, "" for none. Raises InputError where the
     report states no force, or no controller answers.
     """
     study = FinishedStudy(results)
@@ -100,7 +100,7 @@ def live(
 
 
 def record(estimator: Live, stream: Stream, path: Path, show: Show) -> Ended:
-    """Write what is stated as it comes, as CSV beside `path`, and at the end as Parquet.
+    """Write what is stated as it comes, as CSV next to `path`, and at the end as Parquet.
 
     The file has the columns of `live_forces.parquet`, and `late`: from a sample's arrival to its
     answer. Nothing is sent to the arm but the request for its samples. Where the Parquet cannot be

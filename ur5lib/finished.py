@@ -86,7 +86,7 @@ class FinishedStudy(Shown):
     """
 
     def __init__(self, folder: str | Path) -> None:
-        """Take a folder `results/<study>`. Raises InputError where it holds no results."""
+        """Take a folder `results/<study>`. Raises InputError where it has no results."""
         self.folder = Path(expect_text(folder, "folder"))
         if not any(isdir(self.folder / part) for part in ("recordings", "tables")):
             raise InputError(

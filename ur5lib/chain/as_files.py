@@ -1,4 +1,4 @@
-"""Recordings in memory, as the files that hold them: read alike, they mean the same to the bit."""
+"""Recordings in memory, as the files of them: read alike, they mean the same to the bit."""
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
@@ -73,7 +73,7 @@ def _one(part: object) -> object:
 
 
 def _is_one(data: object) -> bool:
-    """Return whether data are one recording; a mapping of frames or files holds several."""
+    """Return whether data are one recording; a mapping of frames or files has several."""
     if isinstance(data, Mapping):
         return bool(data) and all(_is_array(values) or _is_rows(values) for values in data.values())
     return _is_path(data) or _is_frame(data) or _is_array(data)
@@ -99,7 +99,7 @@ def _is_rows(data: object) -> bool:
 
 
 def _frame(data: Any) -> pd.DataFrame:
-    """Return a frame whose index, where it says more than the row's number, is a column."""
+    """Return a frame with its index as a column, where that says more than the row's number."""
     if not isinstance(data, pd.DataFrame):
         if _is_array(data) and np.ndim(data) != (np.asarray(data).dtype.names is None) + 1:
             raise _no_recording(data)

@@ -111,8 +111,8 @@ class Model(Shown):
         """Return a figure of the report, matplotlib's: "friction", "current_torque",
         "current_torque_friction", "residuals", "knowledge", "models" or "frames".
 
-        joint: from 1, whose panel is wanted alone, of the first three. Raises InputError for
-        another name or joint, and of the first five where the model came from a file.
+        joint: from 1, to have its panel alone, of the first three. Raises InputError for another
+        name or joint, and of the first five where the model came from a file.
         """
         expect_known("figure", name, FIGURES)
         joints = len(self.identified.joints)
@@ -137,7 +137,7 @@ class Model(Shown):
     def predict(
         self, recordings: Recordings, accept: Mapping[str, str] | None = None
     ) -> pd.DataFrame:
-        """Return what motion without contact needs, as currents.parquet of a study has it, beside
+        """Return what motion without contact needs, as currents.parquet of a study has it, and
         what was measured.
 
         (N, n) each: `predicted_current_0` ..., half of its 95 % band `current_band_0` ..., the
@@ -239,7 +239,7 @@ class Model(Shown):
 
     @classmethod
     def _read(cls, path: str | Path) -> "Model":
-        """Read a model that was saved. Raises InputError where the file holds none."""
+        """Read a model that was saved. Raises InputError where the file has none."""
         file = Path(expect_text(path, "file"))
         try:
             saved = json.loads(file.read_text(encoding="utf-8"))
@@ -372,10 +372,8 @@ def fit(recordings: Recordings, accept: Mapping[str, str] | None = None) -> Mode
 
 
 def load_model(path: str | Path) -> Model:
-    """Return a model that `Model.save` wrote. Raises InputError where the file holds none.
-
-    >>> ur5lib.load_model("model.json") == model
-    True
+    """Return a model that `Model.save` wrote. Raises InputError where the file has none. >>>
+    ur5lib.load_model("model.json") == model True
     """
     return Model._read(path)
 

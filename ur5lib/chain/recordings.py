@@ -1,4 +1,4 @@
-"""Recordings that were read: what each holds, what may be used, and their signals as frames."""
+"""Recordings that were read: what each contains, what may be used, and their signals as frames."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -304,7 +304,7 @@ def forces_of(content: Content) -> pd.DataFrame:
 def frame_of(content: Content, columns: list[str] | None = None) -> pd.DataFrame:
     """Return a table of samples with `time` [s] as index, and its units in `attrs["units"]`.
 
-    columns: those to read beside the time; all by default.
+    columns: those to read in addition to the time; all by default.
     """
     assert not isinstance(content, str), "a table is no text"
     names = None if columns is None else ["time", *(c for c in columns if c != "time")]

@@ -20,7 +20,7 @@ class Shown(ABC):
 
     @abstractmethod
     def _title(self) -> str:
-        """Return what it is, how much it holds, and what may be done with it."""
+        """Return what it is, how much it contains, and what may be done with it."""
 
     @abstractmethod
     def summary(self) -> pd.DataFrame:

@@ -28,7 +28,7 @@ RESULTS = {
 # Steps that are given the arm as described; the others know the models that were identified.
 OF_DESCRIBED = {"read_recording", "read_postures", "identify_model"}
 OF_DESCRIBED |= {"estimate_forces", "set_threshold"}
-OTHER_NAMES = {"unloaded": "payload"}  # of parameters whose files are called otherwise
+OTHER_NAMES = {"unloaded": "payload"}  # the files of these parameters are called otherwise
 
 
 @dataclass(frozen=True)

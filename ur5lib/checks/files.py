@@ -185,7 +185,7 @@ def _part(name: str, fitted: Mapping[str, str]) -> str:
 
 
 def _run(names: Sequence[str], spare: Sequence[str], standing: bool) -> dict[str, Any]:
-    """Return what is found of recordings of one run; standing: none of them is left out."""
+    """Return what is found of recordings of one run; `standing`: none of them is left out."""
     same = f"{', '.join(names)} are one run: their rows are equal"
     detail = (
         f"{same}, so that it would count twice; keep one of them in the study"

@@ -36,14 +36,14 @@ class Account:
     def state(
         self, confidence: Confidence, names: Names, title: str, by: Evidence, reason: str
     ) -> None:
-        """State what columns hold, or why they are left out; title: their names in short."""
+        """State what columns contain, or why they are left out; title: their names in short."""
         row = AccountRow(title, "", by, confidence, reason)
         told = self.of_columns.setdefault(names, [])
         if row not in told:
             told.append(row)
 
     def hold(self, confidence: Confidence, block: ColumnBlock, by: Evidence, reason: str) -> None:
-        """State what a block holds, or how sure it is."""
+        """State what a block contains, or how sure it is."""
         self.state(confidence, block.names, block.title, by, reason)
 
     def prove(self, block: ColumnBlock, reason: str) -> None:

@@ -140,7 +140,8 @@ def _in_order(ends: Mapping[str, Ends]) -> Iterator[tuple[str, str]]:
 
 
 def _numbered(paths: Mapping[str, str]) -> list[tuple[str, str]]:
-    """Return the pairs of recordings in whose paths one number counts on, the last that does."""
+    """Return the pairs of recordings with paths in which one number counts on, the last that
+    does."""
     counted = {place: name for name, path in paths.items() for place in _places(path)}
     earlier = dict[str, str]()
     for place in sorted(counted, key=lambda place: place.from_end):

@@ -36,8 +36,8 @@ def precedents(forms: Mapping[int, FormOfFile]) -> Iterator[tuple[int, FormOfFil
     """Yield the numbers of files to be read anew, like the one that most of their form and arm
     support.
 
-    A file of which nothing tells the arm is of the only one of its form. Without names, columns
-    tell no form.
+    A file that shows no arm is taken for the only one of its form. Columns without names show no
+    form.
     """
     of_form = defaultdict[frozenset[Names], list[int]](list)
     for source, form in forms.items():
@@ -57,7 +57,7 @@ def precedents(forms: Mapping[int, FormOfFile]) -> Iterator[tuple[int, FormOfFil
 
 
 def unlike(entry: Mapping[str, Any], others: Iterable[Mapping[str, Any]]) -> AccountRow | None:
-    """Return what is to be checked of an entry whose efforts are read otherwise than those of a
+    """Return what is to be checked of an entry if its efforts are read otherwise than those of a
     recording of the same arm and form in its study.
     """
     (form, units) = _efforts_of(entry)

@@ -42,7 +42,7 @@ class ColumnBlock:
     names: as in a study, one for all columns or one for each; rows: (N, k); clock: name of their
     time stamps; factors: by which the file's numbers were multiplied, none if they are as read;
     joints: of the file's arm; stated: its meaning, where the user, the numbers or the whole of
-    which it is a part tell it, and not its own name.
+    which it is a part give it, and not its own name.
     """
 
     names: tuple[str, ...]
@@ -84,7 +84,8 @@ class ColumnBlock:
 
     @property
     def evidence(self) -> Evidence:
-        """Return what tells a block whose numbers prove nothing: the user, its name, its place."""
+        """Return what identifies a block if its numbers prove nothing: the user, its name, its
+        place."""
         return "option" if self.stated else "position" if self.is_nameless() else "name"
 
     def is_nameless(self) -> bool:
@@ -114,8 +115,8 @@ def _by_stem(names: Iterable[str]) -> dict[str, dict[int, str]]:
 def grouped(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
     """Yield the names of single columns that belong together: of joints, of a pose, x, y, z.
 
-    In the order of the joints' names, or else of their numbers; of motors whose names are not
-    known (`elbow_flex.pos`), in that of the file.
+    In the order of the joints' names, or else of their numbers; of motors with other names
+    (`elbow_flex.pos`), in that of the file.
     """
     if lettered := lettered_joints(names):
         yield lettered
@@ -195,7 +196,7 @@ def _with_meaning_of_unit(block: ColumnBlock) -> ColumnBlock:
 
 
 def joints_of(path: Path, blocks: Sequence[ColumnBlock]) -> int:
-    """Return of how many joints a file's blocks hold the positions: six, or others by their names.
+    """Return the number of joints with positions in a file's blocks: six, or others by their names.
 
     Raises InputError where they are more than an arm's.
     """

@@ -15,12 +15,12 @@ from ur5lib.recordings.roll_overs import without_roll_over
 from ur5lib.timeseries.arrays import Array, Mask
 
 ROW_CLOCK = "row number"  # the clock of a file without one
-ASSUMED_RATE = 125.0  # Hz, of rows until velocities tell another
+ASSUMED_RATE = 125.0  # Hz; rows have it until velocities show another
 USUAL_STEPS = {"s": (1e-4, 1.0), "ms": (1.0, 1e3), "us": (1e3, 5e5), "ns": (5e5, 1e9)}
 POSSIBLE_STEPS = (1e-4, 20.0)  # s
 MIN_CHANGES = 3  # of a clock
 MIN_SHARE_OF_NEW_ROWS = 0.5  # among those that are close to the one before
-MIN_SHARE_FORWARD = 0.95  # of steps; a clock hardly ever goes back
+MIN_SHARE_FORWARD = 0.95  # this share of steps goes forward; a clock almost never goes back
 MIN_EPOCH_STAMP = 1e9  # s; stamps after 2001 count from 1970
 # Size of second to first differences: below 1 of a motion, above of postures.
 MIN_POSTURE_ROUGHNESS = 1.2
@@ -85,8 +85,8 @@ def _by_place(arrays: Mapping[str, np.ndarray]) -> list[str]:
 
 
 def _rows_are_new(close: Mask, arrays: Iterable[np.ndarray]) -> bool:
-    """Return whether rows close (N - 1,) to the one before hold other data: a log that was polled
-    too fast repeats them, one of several topics leaves cells empty.
+    """Return whether rows close (N - 1,) to the one before contain other data: a log that was
+    polled too fast repeats them, one of several topics leaves cells empty.
     """
     beside = (values for values in arrays if values.shape == (len(close) + 1,))
     columns = (
@@ -124,7 +124,8 @@ def typical_step(stamps: Array) -> float:
 
 
 def alternatives(clocks: FileClocks, current: str) -> Iterator[tuple[str, str, Array]]:
-    """Yield name, unit and stamps (N,) [s] of clocks beside one in the file, in possible units."""
+    """Yield name, unit and stamps (N,) [s] of clocks in the same place of the file as one, in
+    possible units."""
     for name, stamps in clocks.stamps.items():
         beside = len(stamps) == len(clocks.stamps[current]) and "/" not in name + current
         if not (beside or name == current):

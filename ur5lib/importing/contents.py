@@ -58,8 +58,8 @@ TOPIC_NAME = re.compile(r"joint|state|motion", re.IGNORECASE)  # and no arm's
 MAX_POSSIBLE_VALUE = 1e9  # in any unit of a channel; larger numbers are none
 GRIPPER_RANGE = (-0.1, 1.1)  # rad, m, or the share that it is open
 ROWS_TOLD = {SHORT_TABLE: "those of all files", TURNED_TABLE: "its columns"}  # by the finding
-REPEATED_INFIX = " again "  # and its number: a column whose name is taken
-NIST_COLUMNS = [  # of NIST's UR5 degradation measurements, whose files have no header
+REPEATED_INFIX = " again "  # a column with a name that is taken has it, and its number
+NIST_COLUMNS = [  # NIST's UR5 degradation measurements have files without a header
     "time",
     *("target_q", "actual_q", "target_qd", "actual_qd", "target_current", "actual_current"),
     *("target_qdd", "target_moment", "joint_control_output"),
@@ -102,7 +102,7 @@ class TableHeader:
     """The columns of a delimited table, in the file's order.
 
     repeated: those with the name of an earlier column; layout: of a table without a header, the
-    source whose columns it is assumed to have; entry: the columns as the user gives them.
+    source of the columns that it is assumed to have; entry: the columns as the user gives them.
     """
 
     columns: list[str] = field(default_factory=list)
@@ -161,7 +161,7 @@ def arm_labels(file: FileContents) -> list[str]:
     """Return what the names of each of several arms' positions have alone, as `left`; nothing of
     one arm.
 
-    By the parts of a bag's topic, else by words that tell arms apart.
+    They come from the parts of a bag's topic, else from words that distinguish arms.
     """
     names = [
         b.names for b in file.blocks if names_positions(b.stem()) and b.rows.shape[1] >= MIN_MOTORS
@@ -266,7 +266,7 @@ def _arrays(
 def _together(run: PartedRun, findings: list[Finding], account: Account) -> dict[str, np.ndarray]:
     """Return the columns of a run's files: stamps of their own, and quantities by their files.
 
-    Raises InputError where the files differ in rows and not each has stamps that tell how.
+    Raises InputError where the files differ in rows and not each has stamps that show how.
     """
     first, tables = run.files[0], LOADERS[PARTED_FORMAT](run.folder, run.files, findings)
     timed = any(rows.shape[1] == 1 and CLOCK_NAME.search(name) for name, rows in tables.items())

@@ -36,9 +36,10 @@ LESS_GRAVITY = "neither"  # current nor torque: a torque less gravity, as some d
 ROUNDING_STEP = 1e-3  # A; URScript gives currents with three decimals
 LARGEST_MULTIPLE_RANGE = (100, 100_000)  # multiples of a rounded current's step that it reaches
 MAX_TORQUE_RATIO = 1.5  # of a torque in Nm to gravity's
-MAX_FACTOR_RATIO = 1.15  # of the largest to the smallest factor of joints that tell the same
-MIN_BEARING_JOINTS = 2  # that tell a unit together
-MIN_FOLDED_JOINTS = 3  # whose efforts would change their sign
+# The largest and the smallest factor of joints that show the same have this ratio.
+MAX_FACTOR_RATIO = 1.15
+MIN_BEARING_JOINTS = 2  # this many show a unit together
+MIN_FOLDED_JOINTS = 3  # efforts of this many would change their sign
 FOLDED_SHARE = 0.02  # of the largest effort, to which one that changes its sign falls
 UNKNOWN_UNIT = "nothing tells its unit; record more postures, or --columns and --unit name it"
 LESS_GRAVITY_REASON = (
@@ -88,7 +89,7 @@ def _without_constants(
 ) -> tuple[ColumnBlock, BlockMeans]:
     """Return an effort and its means without a driver's constants, where gravity agrees.
 
-    Multiples prove a step alone, as of a converter: as amperes, gravity must tell the arm's torque
+    Multiples prove a step alone, as of a converter: as amperes, gravity must show the arm's torque
     constants without the factors, and others with them. order: of the joints' columns.
     """
     divided = as_amperes(block)
@@ -170,7 +171,7 @@ def lead_of_opposite(means: BlockMeans, name: str, arms: Sequence[Robot]) -> flo
     """Return by how much of log-likelihood gravity explains an effort better with the opposite
     sign, 0 unless as read friction would drive the joints.
 
-    Joints that sense their torque have no friction; turned, these must hold the arm's gravity.
+    Joints that sense their torque have no friction; turned, these must balance the arm's gravity.
     """
     effort, brakes = means.currents[name], []
     for column in range(effort.shape[1]):
@@ -193,7 +194,8 @@ def name_efforts(
     identity: ArmIdentity,
     file: FileContents,
 ) -> dict[str, ColumnBlock]:
-    """Return the efforts by channel, in SI units, without those that neither name nor unit tells.
+    """Return the efforts by channel, in SI units, without those that neither name nor unit
+    identifies.
 
     blocks: by their names in `means`, which have the joints in order, None without a motion.
     """
@@ -244,7 +246,7 @@ def _like_precedent(
 
 
 class GravityShown(NamedTuple):
-    """What gravity tells of an effort.
+    """What gravity shows of an effort.
 
     scores: log-likelihood of each unit; constants: Nm per unit of the file, by joint from 0; known:
     the maker's [Nm/A], none of joints that sense their torque; own: log-likelihood of a factor a
@@ -279,12 +281,12 @@ class GravityShown(NamedTuple):
         return any(not 1 / most < ratio < most for ratio in self.ratios(unit))
 
     def confirms(self, unit: str) -> bool:
-        """Return whether several joints tell the known constants that a unit would have."""
+        """Return whether several joints show the maker's constants that a unit would have."""
         enough = len(self.constants) >= MIN_BEARING_JOINTS and bool(self.known or unit == "Nm")
         return enough and not self.contradicts(unit)
 
     def is_of_a_factor(self, unit: str) -> bool:
-        """Return whether joints contradict a unit, but all tell one other factor."""
+        """Return whether joints contradict a unit, but all show one other factor."""
         if not self.known:
             return False
         ratios = self.ratios("A")
@@ -301,7 +303,7 @@ class GravityShown(NamedTuple):
         return best, self.scores[best] - self.scores[rival] if self.scores else 0.0
 
     def in_words(self) -> str:
-        """Return the likeliest unit and its rival, and the constants beside the maker's."""
+        """Return the likeliest unit and its rival, and the constants with the maker's."""
         best, rival, *_ = sorted(self.scores, key=lambda unit: -self.scores[unit])
         before = f"log-likelihood before {UNIT_WORDS[rival]}"
         tells = f"gravity tells {UNIT_WORDS[best]}, by {self.likeliest()[1]:.3g} of {before}"
@@ -309,7 +311,7 @@ class GravityShown(NamedTuple):
         return f"{tells}: {words.constants_in_words()}" if self.constants else tells
 
     def constants_in_words(self) -> str:
-        """Return the constants beside the maker's."""
+        """Return the constants with the maker's."""
         joints = ", ".join(str(joint + 1) for joint in self.constants)
         constants = ", ".join(f"{constant:.3g}" for constant in self.constants.values())
         known = ", ".join(f"{self.known[joint]:.3g}" for joint in self.constants if self.known)
@@ -319,7 +321,7 @@ class GravityShown(NamedTuple):
 
 
 def _shown_by_gravity(means: BlockMeans | None, arm: Robot | None, name: str) -> GravityShown:
-    """Return what gravity tells of an effort by its name in the means, nothing without an arm."""
+    """Return what gravity shows of an effort by its name in the means, nothing without an arm."""
     if means is None or arm is None:
         return GravityShown({}, {}, ())
     fit = torque_constants(means, arm, name)
@@ -334,12 +336,12 @@ def _shown_by_gravity(means: BlockMeans | None, arm: Robot | None, name: str) ->
 
 
 def as_of(like: Robot) -> str:
-    """Return what a meaning depends on that only the likeliest arm tells."""
+    """Return what a meaning depends on that only the likeliest arm gives."""
     return f"if the arm, which nothing tells, is like {like.name}"
 
 
 def _named_unit(block: ColumnBlock) -> str | None:
-    """Return the unit of an effort that its name tells, None for none."""
+    """Return the unit of an effort that its name gives, None for none."""
     spelled = named_unit(block.names[0])
     return spelled if spelled in UNIT_WORDS else UNITS_BY_CHANNEL.get(block.meaning() or "")
 
@@ -375,7 +377,7 @@ def _unit(block: ColumnBlock, shown: GravityShown, file: FileContents) -> str | 
 
 
 def _unit_by_gravity(block: ColumnBlock, shown: GravityShown, account: Account) -> str | None:
-    """Return the unit that gravity tells clearly, and a name may contradict; None if unknown."""
+    """Return the unit that gravity shows clearly, and a name may contradict; None if unknown."""
     named, spelled = _named_unit(block), named_unit(block.names[0]) in UNIT_WORDS
     best, sentence = shown.likeliest()[0], shown.in_words()
     if named and named != best and shown.confirms(named):

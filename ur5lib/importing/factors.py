@@ -16,7 +16,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
 MAX_MISFIT = 1.2  # of a torque behind the gears to gravity's
-MIN_BEARING_JOINTS = 2  # that tell a gear together
+MIN_BEARING_JOINTS = 2  # this many show a gear together
 MIN_FOLLOWING_JOINTS = 3  # that lag by one time
 MIN_SHARE_FOLLOWED = 0.9  # of an error's squares
 MAX_LAG_RATIO = 1.15  # of the longest to the shortest lag of a joint
@@ -26,7 +26,8 @@ def following_error(block: ColumnBlock, moving: ImportedMotion) -> str:
     """Return why an effort is a following error, "" where nothing shows it.
 
     It is one factor times target less position, or times the velocities, behind which a controller
-    lags by one time on all joints. No torque of motors is, whose gravity depends on the posture.
+    lags by one time on all joints. No torque of motors is one, since its gravity depends on the
+    posture.
     """
     if named_unit(block.names[0]) or not np.isfinite(np.diff(moving.time)).any():
         return ""
@@ -63,7 +64,7 @@ def behind_gears(
     name: str, block: ColumnBlock, means: BlockMeans, arms: Sequence[Robot], account: Account
 ) -> Array | None:
     """Return the gear ratios (n,) of the columns of a torque of the motors' side, None where it is
-    none: with them, gravity tells an arm's own torque on several joints, and without them none's.
+    none: with them, gravity shows an arm's own torque on several joints, and without them none's.
     """
     geared = [arm for arm in arms if min(arm.gear_ratios()) > MAX_MISFIT]
     named = block.meaning() in TORQUES and is_of_motors(block.stem())

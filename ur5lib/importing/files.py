@@ -41,7 +41,7 @@ YAML_WIDTH = 100  # characters a line of YAML
 class ImportedRecording:
     """A recording's entry in a study, with its account, what each column was taken for.
 
-    ends: its first and last posture, None where that is not known.
+    ends: its first and last posture, None where that is unknown.
     """
 
     entry: StudyEntry
@@ -148,7 +148,7 @@ def _name_arms(parts: Sequence[_Part]) -> None:
 
 def _take_columns(part: _Part, alike: Sequence[ImportedRecording]) -> None:
     """Read a file that is refused, or has no names, like the one of its form of which most columns
-    are known.
+    are recognised.
     """
     other, present = min(alike, key=_skipped, default=None), next(iter(part.imported), None)
     if (
@@ -309,7 +309,7 @@ def write_study(imported: Sequence[ImportedRecording], path: Path) -> None:
 def add_to_study(imported: Sequence[ImportedRecording], path: Path) -> None:
     """Append the entries of recordings to a study that ends with its recordings.
 
-    Raises InputError where the study would not hold its own recordings and these, or one twice.
+    Raises InputError where the study would not have its own recordings and these, or one twice.
     """
     before = path.read_text(encoding="utf-8").rstrip() + "\n"
     plain = yaml.safe_load(before)

@@ -14,7 +14,7 @@ SAME_FACTOR = 2e-3  # relative difference of a driver's constants by two files
 
 @dataclass(frozen=True)
 class FormOfFile:
-    """How a file was read: its columns; its arm; the order of its joints, None where nothing tells
+    """How a file was read: its columns; its arm; the order of its joints, None where nothing shows
     it; channel and factors of its efforts by their names; the factors that make whole milliamperes
     of efforts; and how many rows it has. shown: whether a file that is read like it supports it.
     """
@@ -40,7 +40,7 @@ class FormOfFile:
 
     def supports(self, other: "FormOfFile") -> bool:
         """Return whether a file is read like another, or has whole milliamperes by its factors; the
-        order of its joints counts where anything told it.
+        order of its joints counts where anything showed it.
         """
         whole = all(
             _same(np.abs(self.amperes.get(names, ())), np.abs(factors))

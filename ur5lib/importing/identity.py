@@ -34,11 +34,12 @@ MAX_POSE_RATIO = 3.0  # times the distance of the best; readings farther away ar
 COMPARED_POSTURES = 12  # postures that are compared
 CLEAR_LEAD_OVER_NAMES = 3 * CLEAR_LEAD  # lead from which on numbers outdo the numbers of columns
 ORDER = "the joints' order"
-UNNAMED_JOINTS_FINDING = "unnamed joints"  # of a bag whose messages do not name an arm's joints
+# A bag has it if its messages do not name an arm's joints.
+UNNAMED_JOINTS_FINDING = "unnamed joints"
 UNDESCRIBED_ARM = "my_arm"  # in an entry for an arm that has no description yet
 NAME_IT = "name the right one, as with --robot ur5e, or describe it (`ur5 describe`)"
 JOINT_WORDS = ("shoulder pan", "shoulder lift", "elbow", "wrist 1", "wrist 2", "wrist 3")
-MAX_SHOWN_RATIO = 100.0  # times a known constant; beyond it, gravity shows none
+MAX_SHOWN_RATIO = 100.0  # beyond this many times the maker's constant, gravity shows none
 MAKERS_TOLERANCE = 0.1  # share by which a joint's constant may differ from the maker's
 
 
@@ -53,7 +54,7 @@ class PosedReading(NamedTuple):
 class ArmIdentity(NamedTuple):
     """A file's arm, None where it has no description, and the column of each of its joints.
 
-    like: of an arm that nothing tells, the likeliest of which the efforts have known constants.
+    like: of an arm that nothing identifies, the likeliest of which the efforts have the constants.
     """
 
     arm: str
@@ -99,13 +100,14 @@ def identified(moving: ImportedMotion, means: BlockMeans | None) -> ArmIdentity:
 
 
 def arms_of(file: FileContents) -> list[str]:
-    """Return the described arms with as many joints as a file, whose gravity may tell them."""
+    """Return the described arms with as many joints as a file, if their gravity may identify
+    them."""
     arms = described_arms()
     return [n for n, arm in arms.items() if len(arm.joints) == file.joints and tells_columns(arm)]
 
 
 def tells_columns(arm: Robot) -> bool:
-    """Return whether gravity on an arm's joints tells a file's columns, which are of these."""
+    """Return whether gravity on an arm's joints identifies a file's columns, which are of these."""
     return arm.tells_gravity() and not arm.is_counted()
 
 
@@ -129,7 +131,7 @@ class PosedReadings(NamedTuple):
 def fitting(
     q: Array, position: Array, arms: Sequence[Robot], orders: Sequence[Order]
 ) -> PosedReadings:
-    """Return the readings whose flange, or a tool on it, is at recorded positions.
+    """Return the readings with the flange, or a tool on it, at recorded positions.
 
     q: (N, n) [rad], columns as in the file; position: (N, 3) [m], in the base frame.
     """
@@ -160,7 +162,7 @@ def _flange_distance(arm: Robot, q: Array, position: Array, tool: bool) -> float
 
 
 def _by_pose(moving: ImportedMotion, stated: str, orders: Sequence[Order]) -> PosedReadings:
-    """Return the readings whose flange agrees with a recorded pose, none without a pose."""
+    """Return the readings with a flange that agrees with a recorded pose, none without a pose."""
     file = moving.file
     pose = file.meant("actual_TCP_pose", moving.position.clock) or _bare_position(moving)
     if pose is None or pose.rows.shape[1] < 3:
@@ -195,7 +197,8 @@ def _by_pose(moving: ImportedMotion, stated: str, orders: Sequence[Order]) -> Po
 
 
 def _bare_position(moving: ImportedMotion) -> ColumnBlock | None:
-    """Return the block of columns x, y and z alone, as of a pose whose rotation has other names."""
+    """Return the block of columns x, y and z alone, as of a pose with other names for the
+    rotation."""
     for block in moving.file.blocks:
         if block.clock == moving.position.clock and tuple(map(without_unit, block.names)) == AXES:
             return block
@@ -268,8 +271,8 @@ def _arm(
     likely: Sequence[Reading],
     placed: PosedReadings,
 ) -> tuple[str, bool]:
-    """Return the arm that nothing names, and whether it is told: by the pose, or by gravity, of
-    which it has the known constants and is likelier by far than the next; "" for none like it.
+    """Return the arm that nothing names, and whether it is certain: by the pose, or by gravity, if
+    the constants are the maker's and it is likelier by far than the next; "" for none like it.
     """
     possible = [*dict.fromkeys(reading.arm for reading in placed.good)]
     rivals = [reading for reading in (placed.beaten,) if reading and reading.arm not in possible]
@@ -297,7 +300,8 @@ def _arm(
 
 
 def _constants(means: BlockMeans, reading: Reading) -> tuple[str, bool]:
-    """Return, in words, the torque constants that gravity tells; and whether they are as known."""
+    """Return, in words, the torque constants that gravity shows; and whether they are the
+    maker's."""
     arm, ordered = described(reading.arm), means.part(columns=reading.order)
     units = zip(means.currents, reading.units, strict=True)
     effort, unit = next((pair for pair in units if pair[1] != "neither"), ("", ""))

@@ -67,18 +67,18 @@ def read(
     unit: Mapping[str, str] | None = None,
     rate: float | None = None,
 ) -> Recordings:
-    """Return recordings of any known format, or those of a study's YAML file, of one arm.
+    """Return recordings of any format that is read, or those of a study's YAML file, of one arm.
 
     recordings: a file; a data frame, with a clock as column or index; an array (N, M), which has no
     names; arrays by name, each (N,) or (N, n); or several of these, as a list, or by name as a
     mapping. A frame gives to the last bit what it gives as CSV, arrays what they give as a NumPy
     archive. A line of each is printed; `account` of the result has what each column was taken for.
 
-    arm: whose recordings they are, by default what the files or the study tell; role: `fit` or
-    `validate` of what nothing touches, or `contact`, of all or by name; by default as import finds
-    it, or as the study says. As of `ur5 import`, columns: the channels of a table's columns in
-    order, `-` to skip one, or the names of columns or arrays by channel; unit: by channel; rate: of
-    rows without a clock [Hz]. Raises InputError where a recording cannot be used.
+    arm: of the recordings, by default what the files or the study state; role: `fit` or `validate`
+    of what nothing touches, or `contact`, of all or by name; by default as import finds it, or as
+    the study says. As of `ur5 import`, columns: the channels of a table's columns in order, `-` to
+    skip one, or the names of columns or arrays by channel; unit: by channel; rate: of rows without
+    a clock [Hz]. Raises InputError where a recording cannot be used.
 
         >>> runs = ur5lib.read(["free1.csv", "free2.csv"], "ur5e")
         >>> runs.names
@@ -107,7 +107,7 @@ def read(
         except InputError as error:
             raise InputError(_in_python(str(error), folder)) from error
         for entry in study.recordings:
-            if entry.folder.startswith(folder):  # what is found there must be known before it goes
+            if entry.folder.startswith(folder):  # what is found there must be read before it goes
                 runs[entry.name].findings()
     for name in runs.names:
         print(runs.line(name))

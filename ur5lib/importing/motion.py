@@ -151,8 +151,8 @@ def slopes_and_rates(
     """Return smoothed slopes of positions (N, k) and velocities at the same times (M, k).
 
     Rows of a polled log that repeat a stamp count once, rows without positions (of other topics in
-    one table) not at all; velocities that stand in rows of their own are interpolated. span: of a
-    slope [s]; with_leaps: also across the start of another run, so that all blocks have as many.
+    one table) not at all; velocities in rows of their own are interpolated. span: of a slope [s];
+    with_leaps: also across the start of another run, so that all blocks have as many.
     """
     there = (np.diff(time, prepend=-np.inf) > 0) & np.isfinite(position).all(axis=1)
     apart = np.isfinite(velocity).all(axis=1)
@@ -177,7 +177,7 @@ def slopes_and_rates(
 def _leaps(rise: Array, travel: Array) -> Mask:
     """Return which steps (N, k) of positions leap to the start of another run in the same file.
 
-    They stand alone: the joint moves far less just before and after. travel: of each column (k,).
+    They are isolated: the joint moves far less just before and after. travel: of each column (k,).
     """
     size = np.abs(rise)
     around = np.zeros_like(size)
@@ -188,7 +188,7 @@ def _leaps(rise: Array, travel: Array) -> Mask:
 
 
 def _ratios(slopes: Array, rates: Array) -> tuple[list[float], list[float]]:
-    """Return the ratios of columns (N, k) that move, and those that are known."""
+    """Return the ratios of columns (N, k) that move, and those that are finite."""
     ratios = map(_ratio, slopes.T, rates.T)
     moving = [ratio for ratio in ratios if ratio is not None]
     return moving, [ratio for ratio in moving if np.isfinite(ratio)]
@@ -244,7 +244,7 @@ def _without_copies(file: FileContents) -> FileContents:
 
 
 def _by_name(file: FileContents) -> tuple[ColumnBlock, ColumnBlock | None] | None:
-    """Return the positions and the velocities that names tell."""
+    """Return the positions and the velocities that names identify."""
     position = next((block for block in file.blocks if block.meaning() == "actual_q"), None)
     if position is None:
         return None
@@ -378,7 +378,7 @@ def _on_best_clock(
         for name, unit, stamps in alternatives(file.clocks, current)
         if velocity or unit == units.get(name, "s")
     ]
-    if min(trial[0] for trial in tried) >= WORST_MISFIT:  # nothing moves that could tell
+    if min(trial[0] for trial in tried) >= WORST_MISFIT:  # nothing moves that could show it
         tried = [(irregularity(trial[3]), *trial[1:]) for trial in tried]
         velocity = None
     misfit, name, unit, stamps = min(tried, key=lambda trial: trial[0])
@@ -413,7 +413,7 @@ def _nearest(ratio: float) -> float:
 def _in_degrees(file: FileContents, position: ColumnBlock) -> bool:
     """Return whether joints would turn farther than any, were positions in radians."""
     reached = np.nanquantile(np.abs(position.rows), 0.99, axis=0)  # not by a damaged row
-    if file.stated.robot:  # whose controller may count turns of the motors
+    if file.stated.robot:  # its controller may count turns of the motors
         reached = reached / np.abs(np.diagonal(turns_matrix(described(file.stated.robot))))
     return bool(np.median(reached) > MAX_JOINT_ANGLE or np.max(reached) > 5 * MAX_JOINT_ANGLE)
 
@@ -491,7 +491,8 @@ def _velocity_in_degrees(
 def _beside_next_column(
     fit: Agreement, position: ColumnBlock, velocity: ColumnBlock, time: Array
 ) -> tuple[Confidence, str]:
-    """Return how sure velocities are derivatives, and what they miss beside the next columns."""
+    """Return how sure velocities are derivatives, and what they miss compared with the next
+    columns."""
     shifted = agreement(position.rows, np.roll(velocity.rows, 1, axis=1), time).missed
     rival = f"misses {shifted:.0%}" if np.isfinite(shifted) else "follows no column"
     misses = f"misses {100 * fit.missed:.2g} % of its squares; one column further, it {rival}"

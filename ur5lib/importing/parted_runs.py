@@ -1,4 +1,4 @@
-"""Runs whose quantities lie in files of their own, as q.csv, qd.csv and i.csv of one folder."""
+"""Runs with quantities in files of their own, as q.csv, qd.csv and i.csv of one folder."""
 
 import re
 from collections.abc import Collection, Iterable, Iterator
@@ -34,7 +34,7 @@ class PartedRun:
 
 def runs_of(paths: Iterable[Path]) -> list[Path | PartedRun]:
     """Return files in order, those of one run that have a quantity each as one; a folder without a
-    bag stands for its text files.
+    bag is replaced by its text files.
     """
     runs = dict[tuple[Path, str], list[Path]]()
     for path in (file for given in paths for file in _text_files(given)):
@@ -62,14 +62,14 @@ def _parts(path: Path) -> list[str]:
 
 
 def _quantity_words(parts: Collection[str]) -> Iterator[str]:
-    """Yield the words of a file's name that tell its quantity."""
+    """Yield the words of a file's name that name its quantity."""
     for word in sorted({word for part in parts for word in words(part)}):
         if kind_of_quantity(word) or word in QUALIFYING_WORDS:
             yield word
 
 
 def _rest_of_name(path: Path) -> str:
-    """Return the parts of a file's name that tell no quantity, as of the run."""
+    """Return the parts of a file's name that name no quantity, as of the run."""
     parts = _parts(path)
     return "_".join(
         part for part in parts if not {*_quantity_words([part])} == words(part) != set()
@@ -77,7 +77,7 @@ def _rest_of_name(path: Path) -> str:
 
 
 def _is_parted(files: list[Path]) -> bool:
-    """Return whether files hold a quantity each, no two the same, one of them positions."""
+    """Return whether files contain a quantity each, no two the same, one of them positions."""
     told = [(*_quantity_words(_parts(path)),) for path in files]
     positions = any(map(_names_positions, files))
     each_once = len({*told}) == len(files) > 1 and all(told)

@@ -115,7 +115,7 @@ class Proposal:
 
 
 def propose(file: FileContents) -> Proposal:
-    """Return the proposal for a file. Raises InputError where it holds no positions."""
+    """Return the proposal for a file. Raises InputError where it has no positions."""
     moving = find_motion(with_parted_wrench(file))
     file, clock = moving.file, moving.position.clock
     efforts = {f"effort{k}": in_stated_unit(b, file) for k, b in enumerate(_efforts(moving))}
@@ -189,7 +189,7 @@ def _following_the_motion(
     moving: ImportedMotion, efforts: Sequence[ColumnBlock]
 ) -> list[ColumnBlock]:
     """Return the efforts of many that angles and velocities of the joints explain best, by one
-    linear regression, whose cost grows with the number of columns alone.
+    linear regression, with a cost that grows with the number of columns alone.
     """
     q = moving.in_si()["actual_q"]
     rows = np.linspace(0, len(q) - 1, min(len(q), COMPARED_ROWS)).astype(int)
@@ -223,7 +223,8 @@ def _scale_like(
 
 
 def _possible_arms(file: FileContents) -> list[Robot]:
-    """Return the arms whose gravity may tell a file's efforts: the stated one, or all that fit."""
+    """Return the arms with gravity that may identify a file's efforts: the stated one, or all that
+    fit."""
     stated = file.stated.robot
     arms = [described(name) for name in ([stated] if stated else arms_of(file))]
     return [*filter(tells_columns, arms)]
@@ -309,7 +310,7 @@ def _pushed(wrench: Sequence[ColumnBlock], file: FileContents) -> bool:
 
 
 def _account_for_the_rest(proposal: Proposal) -> None:
-    """State what the names of the other blocks tell, or why these are left out."""
+    """State what the names of the other blocks say, or why these are left out."""
     file, account = proposal.contents, proposal.contents.account
     if file.header.layout:
         account.tell("assumed", "columns", f"those of {file.header.layout}", "position", "as many")

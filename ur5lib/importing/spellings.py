@@ -73,7 +73,7 @@ CLOCK_NAME = re.compile(r"time|stamp|clock|(^|[/_ ])t$|sec(s|onds)?$", re.IGNORE
 NAME_COLUMN = re.compile(r"(^|[._/])name[\d\[\]._]*$")  # a column of joints' names
 BRACKETED_UNIT = re.compile(r" *[\[(](?!J?\d*[\])])([^\])]*)[\])]$", re.IGNORECASE)  # a name's unit
 APPENDED_UNIT = re.compile(r"_(mA|A|Nm|deg|rad|degs|rads|deg_s|rad_s|ms|us|ns|s)$")
-NUMBERED_MOTOR = r"(.*?[mM]otor)[ _.]?(\d)[ _./](.{1,})"  # whose side a torque is of
+NUMBERED_MOTOR = r"(.*?[mM]otor)[ _.]?(\d)[ _./](.{1,})"  # a torque may be of its side
 NUMBERED_JOINT = r"(.*?)(?:[jJ]oint|[aA]xis|[aA]ctuator|(?<![A-Za-z])[jJaA])[ _.]?(\d)"
 UNIT_SPELLINGS = {  # of bracketed and appended units, as a study writes them
     **{"mA": "mA", "A": "A", "Nm": "Nm", "N m": "Nm", "N·m": "Nm", "N.m": "Nm", "N*m": "Nm"},
@@ -139,7 +139,7 @@ def names_share(name: str) -> bool:
 
 
 def without_joint(name: str) -> str:
-    """Return a name without a number at its end, behind which a unit may stand."""
+    """Return a name without a number at its end, which a unit may follow."""
     return re.sub(r"[ _.]?\d$", "", name) if re.search(r"[A-Za-z]_[A-Za-z]+_\d$", name) else name
 
 
@@ -252,7 +252,7 @@ def unused(stem: str, columns: Sequence[str], joints: int) -> str:
 
 
 def last_part(path: str) -> str:
-    """Return the last part of a path in a file that tells a quantity: of `position/left_joint` the
+    """Return the last part of a path in a file that names a quantity: of `position/left_joint` the
     first.
     """
     parts = path.rstrip("/").split("/")

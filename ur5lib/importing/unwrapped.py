@@ -14,9 +14,9 @@ ANGLES = ("actual_q", "target_q")
 
 
 def with_continuous_angles(file: FileContents) -> FileContents:
-    """Return a file whose angles wrap nowhere, with a sentence on those that did."""
+    """Return a file with angles that wrap nowhere, with a sentence on those that did."""
     named = {block.meaning() for block in file.blocks}
-    angles = ANGLES if "actual_q" in named else (*ANGLES, None)  # where no name tells them
+    angles = ANGLES if "actual_q" in named else (*ANGLES, None)  # where no name identifies them
     blocks = [
         _continuous(block, file) if block.meaning() in angles else block for block in file.blocks
     ]

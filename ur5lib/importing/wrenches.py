@@ -27,8 +27,9 @@ COLUMN_ORDERS.append((3, 4, 5, 0, 1, 2))  # moments before forces
 SENSOR_STEM = "ft_f"  # this project's own name of a sensor's force
 CLEAR_LEAD_OF_FRAME = 6.0  # difference of log-likelihoods of independent samples
 CONTACT_FORCE = 10.0  # N; a wrench that changes by more is a contact
-CLEAR_WORK = 2.0  # standard errors of a work that tells who leads
-MIN_BORNE_SHARE = 0.75  # of a force, by efforts that hold it alone; 0.4 to 0.6 where a hand led
+CLEAR_WORK = 2.0  # a work of this many standard errors shows who leads
+# Efforts that balance a force alone bear this share of it; 0.4 to 0.6 where a hand led.
+MIN_BORNE_SHARE = 0.75
 
 
 class WrenchFrame(NamedTuple):
@@ -47,7 +48,7 @@ class WrenchFrame(NamedTuple):
 
 
 def with_parted_wrench(file: FileContents) -> FileContents:
-    """Return a file with force and torque as two blocks, where one of six columns holds both."""
+    """Return a file with force and torque as two blocks, where one of six columns has both."""
     parts = [
         part
         for block in file.blocks
@@ -83,7 +84,7 @@ def frame_of(
     file: FileContents,
     doubt: str = "",
 ) -> WrenchFrame | None:
-    """Return the frame and the sign of a wrench, None where neither names nor efforts tell it.
+    """Return the frame and the sign of a wrench, None where neither names nor efforts show it.
 
     means: with the joints in order, and the effort that may prove it alone, None without one;
     values: force and torque (M, 6) [N, Nm] at the blocks; doubt: why the arm may be another one.
@@ -135,7 +136,7 @@ def _by_work(
     arm: Robot,
     file: FileContents,
 ) -> WrenchFrame:
-    """Return a frame with the sign that its work tells, where the efforts do not bear the force.
+    """Return a frame with the sign that its work shows, where the efforts do not bear the force.
 
     A hand that leads an arm puts work in. Friction takes up the hand, or drives help it, and then
     efforts may have the sign of the force on the arm. Where they bear it as they bear gravity, a
@@ -209,8 +210,8 @@ def _work_on_arm(
     frame: WrenchFrame, means: BlockMeans, values: Array, arm: Robot
 ) -> tuple[float, float]:
     """Return the work of a force on the arm [J], W = ∫ F·v dt, and that in standard errors of its
-    own, by spans whose errors are independent: once as read and once without the force of most of
-    the time, as of a sensor that was never zeroed, the one that tells less.
+    own, by spans with independent errors: once as read and once without the force of most of the
+    time, as of a sensor that was never zeroed, the one that shows less.
     """
     force = -values[:, :3] if frame.by_arm else values[:, :3]
     if frame.axes == "flange":
@@ -240,7 +241,7 @@ def _pooled_gain(
     torque: Array, beside: Array, means: BlockMeans, arm: Robot
 ) -> tuple[float, float]:
     """Return the gain of a torque (M, n) in the efforts by the maker's constants, one for all
-    joints, and its error; beside: another torque (M, n) that explains them.
+    joints, and its error; `beside`: another torque (M, n) that explains them.
     """
     (effort,), products, squares = means.currents.values(), 0.0, SMALLEST_SIZE
     for joint, constant in enumerate(arm.maker_torque_constants()):

@@ -78,7 +78,7 @@ def _expect_channels(imported: ImportedFiles, stated: UserStatement) -> None:
 def _channels(entry: StudyEntry) -> set[str]:
     """Return the channels that an entry names, with those of its force sensor."""
     if "columns" not in entry and "channels" not in entry:
-        return {"time", *RECORDED_CHANNELS}  # the format tells them
+        return {"time", *RECORDED_CHANNELS}  # the format has them
     sensor = entry.get("force_sensor", {}).get("channels", {})
     columns = {re.sub(r"_[\dxyz]$", "", name) for name in entry.get("columns", [])}
     return {*entry.get("channels", {}), *sensor, *columns, *entry.get("columns", [])} - {

@@ -41,13 +41,13 @@ class ArmJoints(NamedTuple):
 
 
 def joint_order(names: tuple[str, ...]) -> list[int] | None:
-    """Return where joints 1 to 6 stand among named ones; None where the names leave it open."""
+    """Return where joints 1 to 6 are among named ones; None where the names leave it open."""
     places = [[k for k, name in enumerate(names) if joint.search(name)] for joint in JOINT_NAMES]
     return [found[0] for found in places] if all(len(found) == 1 for found in places) else None
 
 
 def arms_among(names: Sequence[str]) -> list[ArmJoints]:
-    """Return the arms whose joints are among named ones.
+    """Return the arms with joints among named ones.
 
     By the names of a UR's joints or a seven-jointed arm's, else by one name with numbers, else by
     a common first word, else all that no gripper, rail or head is named like.

@@ -34,7 +34,7 @@ Load = Callable[[Path, Collection[str] | None, list[Finding]], Arrays]  # None: 
 LOADERS: dict[str, Load] = {}  # by the format's name in a study
 ENDINGS: dict[str, str] = {}  # the format of a file by its ending
 LEVELS_OF_DATA_SET = 4  # folders of a LeRobot data set above its files
-UNREAD = "unread"  # the finding on what of a file holds no rows of numbers
+UNREAD = "unread"  # the finding on what of a file has no rows of numbers
 UNPACKERS = ("array_files.py", "unpacked.py", "hdf5_links.py", "bag_chunks.py", "bag_files.py")
 OWN_CODE = Path(__file__).parents[1]
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"  # behind the 512 bytes of MATLAB's own head
@@ -123,7 +123,7 @@ def parquet_arrays(path: Path, wanted: Collection[str] | None, findings: list[Fi
 def named_elements(path: Path) -> dict[str, list[str]]:
     """Return the names of the elements of list columns, by the `info.json` of a LeRobot data set.
 
-    It lies beside the file, or in `meta` of a folder above it; none without it. The name of an
+    It lies next to the file, or in `meta` of a folder above it; none without it. The name of an
     element is `<column>/<name>`.
     """
     folders = path.absolute().parents[:LEVELS_OF_DATA_SET]
@@ -182,7 +182,7 @@ def _column(column: pa.ChunkedArray) -> np.ndarray:
 
 
 def format_of(path: Path) -> str | None:
-    """Return the format of a file by its ending, None where that tells none. A folder is a bag."""
+    """Return the format of a file by its ending, None where that shows none. A folder is a bag."""
     return "rosbag" if path.is_dir() else ENDINGS.get(path.suffix.lower())
 
 

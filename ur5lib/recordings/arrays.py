@@ -1,4 +1,4 @@
-"""Reader of files that hold arrays: the study names the array of each channel."""
+"""Reader of files of arrays: the study names the array of each channel."""
 
 from collections.abc import Iterable
 from itertools import takewhile
@@ -118,9 +118,9 @@ def _columns(
 
 
 def _array(arrays: Arrays, channel: str, given: str | list[str], path: Path) -> np.ndarray:
-    """Return the array that a channel names, or those that hold its columns, joined as (k, n).
+    """Return the array that a channel names, or those that have its columns, joined as (k, n).
 
-    A name stands for `<name>_0` ... too. Raises InputError where one is missing.
+    A name means `<name>_0` ... too. Raises InputError where one is missing.
     """
     if isinstance(given, str) and given in arrays:
         return arrays[given]

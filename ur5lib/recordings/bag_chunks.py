@@ -14,12 +14,12 @@ from ur5lib.recordings.limits import most_bytes, too_large
 
 Unpack = Callable[[bytes], bytes]
 CHUNK_SHARE = 0.2  # of the limit; a chunk has a megabyte or so, and is in memory three times
-USUAL_COMPRESSION = 20  # bytes for each byte of a file whose chunks are compressed
+USUAL_COMPRESSION = 20  # bytes for each byte of a file with compressed chunks
 
 
 @contextmanager
 def with_bounded_chunks(path: Path) -> Iterator[Unpack]:
-    """Let the library read a bag whose chunks raise InputError where they unpack to too much.
+    """Let the library read a bag with chunks that raise InputError where they unpack to too much.
 
     Yields how a message that is compressed by itself is unpacked, within the same limit.
     """

@@ -25,7 +25,7 @@ def bag_files(path: Path) -> tuple[list[Path], int]:
     """Return the files of a bag in order, and how many parts of it its folder lacks.
 
     path: a file, or a folder with a ROS 2 bag or the numbered parts of a bag. Raises InputError
-    where a folder holds no bag, or several.
+    where a folder has no bag, or several.
     """
     if not path.is_dir():
         return [path], 0

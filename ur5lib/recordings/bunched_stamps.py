@@ -67,7 +67,7 @@ def _far_step(steps: Array) -> float:
 
 
 def _are_new(frames: pd.DataFrame, close: Mask) -> bool:
-    """Return whether rows with positions, close behind another one, hold new data."""
+    """Return whether rows with positions, close behind another one, contain new data."""
     joints = frames[[name for name in frames if joint_count([name])]].to_numpy(float)
     new = (np.diff(joints, axis=0) != 0).any(axis=1)
     positioned = np.isfinite(frames.filter(regex=r"^actual_q_\d+$").to_numpy(float)).all(axis=1)

@@ -15,7 +15,7 @@ from ur5lib.timeseries.arrays import Array
 SHORT_TABLE = "missing last row"  # the finding on a file that has one row less
 BLANK_LINE = re.compile(rb"\n[ \t\r]*\n")
 MIN_STAMPS, MIN_SHARE_FORWARD = 4, 0.95  # of a table's stamps, and of their steps
-MAX_STEP = 1.5  # of a table's usual step, between rows that tell what is between them
+MAX_STEP = 1.5  # rows that show what is between them are within this many usual steps of a table
 
 
 @array_format("channel-files", "a folder of text files", is_folder=True)

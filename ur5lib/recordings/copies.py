@@ -1,6 +1,7 @@
 """One run in two recordings, found by its contents, whatever its format, name and length.
 
-Positions come again where a motion is repeated, but the noise of the efforts beside them does not.
+Positions come again where a motion is repeated, but the noise of the efforts recorded with them
+does not.
 """
 
 from collections import defaultdict
@@ -18,7 +19,7 @@ from ur5lib.timeseries.arrays import Array, Labels
 RESOLUTION, RESOLUTION_OF_EFFORTS = np.pi / 3000, np.pi / 300
 MAX_ROWS_KEPT = 256  # rows that are kept
 MIN_ROWS_COMPARED = 8  # rows from which on two recordings are compared
-MIN_COMMON_SHARE = 0.5  # share of common rows; of copies nearly all, of other runs hardly one
+MIN_COMMON_SHARE = 0.5  # share of common rows; copies have nearly all, other runs almost none
 MAX_STEPS = 1e9  # steps; damaged cells are larger
 EXACT_INTEGER_BITS = 53  # of an integer that every reader of JSON knows
 

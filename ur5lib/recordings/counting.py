@@ -11,7 +11,7 @@ from ur5lib.tables import channel, named
 
 
 def counted_as(recording: Files, arm: Robot) -> Robot:
-    """Return an arm whose joints are counted as a recording states, else as the arm does.
+    """Return an arm with its joints counted as a recording states, else as the arm does.
 
     Raises InputError where it does not state a value for each joint.
     """

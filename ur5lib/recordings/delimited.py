@@ -24,7 +24,7 @@ from ur5lib.timeseries.arrays import Array, Labels
 ISO_DATE = re.compile(rb"\d{4}-\d\d-\d\d[T ]\d\d:\d\d")
 TIME_OF_DAY = re.compile(rb"\d{1,2}:\d\d:\d\d(?:[:.,]\d{1,9})?$")  # Excel's form, LabVIEW's
 NAN_SPELLINGS = ["", "nan", "NaN", "NAN", "-nan", "NA", "N/A", "null", "NULL", "None"]
-SAMPLE_ROWS = 20  # rows that show what a column holds
+SAMPLE_ROWS = 20  # this many rows show what a column contains
 PREAMBLE = re.compile(rb"(?:[ \t]*(?:[#%][^\n]*|sep=.)?\n)*")  # blank, comment, Excel's "sep=;"
 # What spreadsheet programs turn numbers into: dates, times, thousands, ### in narrow cells.
 SPREADSHEET_CELL = re.compile(
@@ -39,7 +39,7 @@ MIN_SAMPLES, SAMPLES_A_ROW = 100, 5
 BYTES_OF_CELL = 64  # of one apart, while a table is turned
 TURNED_TABLE = "turned table"  # the finding on one that has a row a joint
 MIN_LEAD_COUNT = 6  # rows and cells that a table has at least
-SEPARATORS_BESIDE_COMMAS = (b";", b"\t")  # separators beside which commas are decimal points
+SEPARATORS_BESIDE_COMMAS = (b";", b"\t")  # with these separators, commas are decimal points
 UNNAMED_COLUMN = ""  # the column behind the last separator
 MAX_NAMED_LINES = 5  # damaged lines that are named
 MAX_DAMAGED_LINES = 1_000_000  # lines, before the file is given up
@@ -47,7 +47,8 @@ SEPARATORS = b",", b";", b"\t", b" "
 
 
 class Form(NamedTuple):
-    """The names of a table's columns, what separates them, and which hold dates or other text."""
+    """The names of a table's columns, what separates them, and which contain dates or other
+    text."""
 
     names: list[str]
     delimiter: bytes
@@ -68,11 +69,11 @@ def read_rows(log: Log, names: list[str] | None) -> tuple[pd.DataFrame, Labels]:
     """Return the complete rows of a delimited table; other lines are skipped and reported.
 
     names: of the columns, in order; None takes them from the header line. The separator is a
-    comma, semicolon, tab or blank; beside semicolons and tabs, commas are decimal points. Returns
+    comma, semicolon, tab or blank; with semicolons and tabs, commas are decimal points. Returns
     float64, with NaN for empty cells and those with the text NaN, dates as seconds since 1970, and
     no column of other text that is not named like a channel; and the number of each row from 0
     (N,), skipped lines counted. Raises InputError when the file cannot be read, is not text, lacks
-    a required header, has mostly damaged lines, or holds more than may be read.
+    a required header, has mostly damaged lines, or contains more than may be read.
     """
     blocks = _table_blocks(log)
     first = next(blocks)
@@ -269,7 +270,7 @@ def _cells(line: bytes, delimiter: bytes) -> tuple[int, int]:
 
 
 def _is_cell(cell: bytes) -> bool:
-    """Return whether a cell holds a number or is empty."""
+    """Return whether a cell contains a number or is empty."""
     return number_in(cell) is not None
 
 
@@ -424,7 +425,7 @@ def text_columns(
 ) -> tuple[list[str], list[str]]:
     """Return the names of the columns of dates, and of those of other text that nothing needs.
 
-    rows: cells of the first rows. None are returned where no column holds numbers.
+    rows: cells of the first rows. None are returned where no column contains numbers.
     """
     columns = dict(zip(names, zip(*rows, strict=True), strict=False))
     worded = [name for name, cells in columns.items() if _is_text(cells)]
@@ -437,12 +438,12 @@ def text_columns(
 
 
 def _is_stamp(cell: bytes) -> bool:
-    """Return whether a cell holds a date with a time, or the time of a day."""
+    """Return whether a cell contains a date with a time, or the time of a day."""
     return bool(ISO_DATE.match(cell.strip()) or TIME_OF_DAY.match(cell.strip()))
 
 
 def _is_text(cells: Sequence[bytes]) -> bool:
-    """Return whether cells hold text and no number."""
+    """Return whether cells contain text and no number."""
     found = [*map(number_in, cells)]
     return None in found and all(value is None or np.isnan(value) for value in found)
 

@@ -13,9 +13,10 @@ from ur5lib.timeseries.arrays import Array
 
 MIN_FROZEN_TIME = 1.0  # s; in right logs of eight arms, no value of a moving joint lasts for 0.25 s
 MIN_FROZEN_ROWS = 10
-# To how long values last that are rounded, or held until the next: nearly all others.
+# It is the ratio to how long values last that are rounded, or repeated until the next: nearly all
+# others.
 MIN_LENGTH_RATIO, USUAL_QUANTILE = 5.0, 0.99
-MIN_VALUES = 20  # of a column, which tell how long its values last
+MIN_VALUES = 20  # this many values of a column show how long they last
 MIN_TRAVEL = 0.05  # rad, by which a joint moves meanwhile
 MIN_SPEED = 0.1  # rad/s; drivers round smaller velocities to zero
 JOINT_CHANNELS = ("actual_q", "actual_current", "actual_torque", "actual_current_as_torque")

@@ -1,4 +1,4 @@
-"""What an HDF5 file does not hold itself: links and arrays that lead to other files."""
+"""What an HDF5 file does not contain itself: links and arrays that lead to other files."""
 
 from pathlib import Path
 from typing import Any

@@ -6,18 +6,18 @@ import numpy as np
 
 from ur5lib.timeseries.arrays import Array, Mask
 
-MIN_HELD_VALUES = 10  # values, by which a sensor shows how long its recorder holds each
-# Rows for which most values are held. Real sensors seldom repeat all components.
+MIN_HELD_VALUES = 10  # this many values show how long a sensor's recorder repeats each
+# Most values are repeated for this many rows. Real sensors seldom repeat all components.
 MIN_HELD_ROWS = 2.0
 # A sensor's rate is even: few values last half as long as most, as chance would have it.
 MAX_HOLD_RATIO = 2.0
 
 
 def fresh_samples(values: Array) -> Mask | None:
-    """Return which rows (N,) are new samples of a sensor whose recorder holds them.
+    """Return which rows (N,) are new samples of a sensor if its recorder repeats them.
 
     values: (N, M), in order, without NaN. A value that lasts is one that the sensor sent again.
-    None where the rows are the sensor's own: no rate is even by which values are held.
+    None where the rows are the sensor's own: no rate at which values are repeated is even.
     """
     changes = np.flatnonzero((np.diff(values, axis=0) != 0).any(axis=1)) + 1
     lasting = np.diff(changes)

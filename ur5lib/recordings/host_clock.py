@@ -1,8 +1,8 @@
 """Sensors placed on the robot's clock by the stamps of the computer that recorded all devices.
 
 A stamp is made when a sample arrives: late by a delay that varies and is rarely zero. So the
-relation of two clocks is the line below the stamps, through those that were hardly delayed. The
-least delay of a device, about half of the least round trip to it, does not show in its stamps.
+relation of two clocks is the line below the stamps, through those with almost no delay. The least
+delay of a device, about half of the least round trip to it, does not show in its stamps.
 """
 
 from dataclasses import dataclass, replace
@@ -51,8 +51,8 @@ def least_delayed(device: Array, host: Array, nominal: float | None = None) -> L
     nominal: slope of a record that is too short to determine one, None for that of its samples.
     No delay is negative, so the best line is a linear program; its solution is the edge of the
     lower convex hull of the stamps under their mean (S. B. Moon, P. Skelly, D. Towsley: Estimation
-    and removal of clock skew from network delay measurements, INFOCOM 1999). Samples that were
-    hardly delayed determine it, however late and however many the others are.
+    and removal of clock skew from network delay measurements, INFOCOM 1999). Samples with almost no
+    delay determine it, however late and however many the others are.
     """
     elapsed, since = device - device[0], host - host[0]
     if nominal is not None and since[-1] <= MIN_DRIFT_TIME:
@@ -109,7 +109,8 @@ def without_delays(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def on_robot_clock(raw: RawRecording) -> RawRecording:
-    """Return a recording whose sensors with stamps of the robot's host are on the robot's clock.
+    """Return a recording with the sensors that have stamps of the robot's host on the robot's
+    clock.
 
     The robot's table has its stamps as `received`, a sensor's are its `time`.
     """

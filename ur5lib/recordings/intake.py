@@ -84,7 +84,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     del whole
     rows, files = len(raw.robot.table), {d: checksum(r.source) for d, r in raw.sensors.items()}
     cycle, source, start = raw.cycle, raw.robot.source, raw.robot.start
-    del raw  # whose channels are freed while they are repaired
+    del raw  # its channels are freed while they are repaired
     robot, timing, repairs = repair_frames(frames, cycle, max_gap, source, bounds_of(arm))
     findings += repairs + remarks
     robot = with_wrist_sensor(robot, arm, "force" in placed, findings)
@@ -114,14 +114,15 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
 
 
 def _no_velocities(frames: pd.DataFrame) -> Iterator[Finding]:
-    """Yield a note on frames whose velocities are found from the positions."""
+    """Yield a note on frames with velocities found from the positions."""
     if "actual_q_0" in frames and "actual_qd_0" not in frames:
         detail = "no actual_qd: velocities are the slopes of actual_q, with the noise of these"
         yield Finding("robot", "no velocities", "note", len(frames), detail)
 
 
 def known_frames(raw: RawRecording, arm: Robot) -> tuple[pd.DataFrame, list[Finding]]:
-    """Return the robot's rows with the channels that are known, efforts among them, and findings.
+    """Return the robot's rows with the channels that are recognised, efforts among them, and
+    findings.
 
     Raises InputError where they have not the positions of the arm's joints.
     """
@@ -187,7 +188,7 @@ def bounds_of(arm: Robot) -> dict[str, float]:
 
 
 def _known_channels(table: pd.DataFrame, other: bool) -> tuple[pd.DataFrame, list[Finding]]:
-    """Return the channels whose meaning and unit are known, and notes on the others.
+    """Return the channels with a meaning and a unit, and notes on the others.
 
     other: whether a force sensor has a file of its own, which is used instead.
     """
@@ -246,7 +247,7 @@ def with_wrist_sensor(
     """Return a repaired table with `ft_fx` .. `ft_tz` of the arm's own force sensor.
 
     [N, Nm], environment on the arm, axes of frame 6, at the flange. robot: a repaired table; other:
-    whether the study names a force sensor, whose readings are used instead.
+    whether the study names a force sensor; its readings are used instead.
     """
     named_reading = _reading(robot, arm) if arm.wrist_sensor else None
     if named_reading is None:
@@ -304,8 +305,8 @@ def _with_torques_named(table: pd.DataFrame, arm: Robot, findings: list[Finding]
 def with_efforts(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> pd.DataFrame:
     """Return a table with the efforts that its arm measures: torques [Nm], or currents [A].
 
-    To torques less gravity, that of the arm is added. Where it has only torques of a motor whose
-    current is measured, they are divided by the torque constants of the arm's joints. A fit of
+    To torques less gravity, that of the arm is added. Where it has only torques of a motor with
+    measured currents, they are divided by the torque constants of the arm's joints. A fit of
     friction finds the constants anew, so that errors of these cancel where currents become torques
     again.
     """

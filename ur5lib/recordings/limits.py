@@ -1,4 +1,4 @@
-"""How much a file may hold: some kilobytes can unpack to many gigabytes."""
+"""How much a file may contain: some kilobytes can unpack to many gigabytes."""
 
 import math
 import os
@@ -51,7 +51,7 @@ def expect_short_text(path: Path, size: int) -> None:
 
 
 def too_large(path: Path, content: str) -> InputError:
-    """Return the error of a file that holds more than some content."""
+    """Return the error of a file that contains more than some content."""
     return InputError(
         f"{path} holds more than {content}; "
         f"if it should, allow more by `export {LIMIT_VARIABLE}=10` before the "

@@ -2,7 +2,8 @@
 
 import re
 
-HEAD_BYTES = 100_000  # bytes that show what the first row holds; NumPy breaks long lists into lines
+# This many show what the first row contains; NumPy breaks long lists into lines.
+HEAD_BYTES = 100_000
 LIST = re.compile(  # a tuple has two numbers at least
     rb'"?(?:array)?(?:\(?\[+|\((?=[^()]*[,;\s]))([-+.,;\s\deEnaifNAIF]*)[\])]+"?'
 )
@@ -15,8 +16,8 @@ LETTER, PLACE = re.compile(rb"[A-Za-z]"), b"\0"
 def with_lists_apart(block: bytes) -> bytes:
     """Return lines of a table with the numbers of each list in columns of their own.
 
-    In the header, the line above the first list, a list's name stands for `<name>_0` and so on.
-    Lists of other lengths make rows of other widths, which the reader reports.
+    In the header, the line above the first list, a list's name becomes `<name>_0` and so on. Lists
+    of other lengths make rows of other widths, which the reader reports.
     """
     lists = LIST.finditer(block[:HEAD_BYTES])
     start = next((found.start() for found in lists if _is_cell(found, block)), None)

@@ -60,7 +60,7 @@ def epochs(time: np.ndarray) -> np.ndarray:
 def continued(time: Array, epoch: Labels) -> Array:
     """Return timestamps (N,) [s] that go on by one usual step where the clock was reset.
 
-    epoch: (N,), from `epochs`. How long the clock stood still is not known.
+    epoch: (N,), from `epochs`. How long the clock stopped is unknown.
     """
     if not epoch.any():
         return time
@@ -78,7 +78,7 @@ def drop_repeats(
     """Return the frames without exact repeats, timestamps included.
 
     sent: columns that are the device's own, by default all; a recorder that polls the device faster
-    than it sends repeats these beside stamps of its own.
+    than it sends repeats these with stamps of its own.
     """
     if frames["time"].is_unique:  # the usual case, and quick to test
         return frames
@@ -92,7 +92,8 @@ def drop_repeats(
 
 
 def _nudge_stale_stamps(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
-    """Move new data whose timestamp was used before to the next slot, in place of what is there.
+    """Move new data with a timestamp that was used before to the next slot, in place of what is
+    there.
 
     Where a recorder reads the stamp before the data, the stamps after a stale one are stale, too.
     """
@@ -123,7 +124,7 @@ def report_crowded(findings: list[Finding], count: int) -> None:
 
 
 def _drop_stale_data(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
-    """Drop frames whose data equal those of the previous frame, noisy efforts included."""
+    """Drop frames with data equal to those of the previous frame, noisy efforts included."""
     efforts = frames.filter(regex=r"actual_current_|actual_torque_\d").columns
     if efforts.empty:
         return frames  # without a noisy channel, an arm at rest repeats itself legitimately

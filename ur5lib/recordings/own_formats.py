@@ -1,4 +1,4 @@
-"""Files of a workspace's own formats, whose readers it adds (docs/extensions.md)."""
+"""Files of a workspace's own formats, with the readers that it adds (docs/extensions.md)."""
 
 import re
 from collections.abc import Callable, Collection
@@ -14,7 +14,7 @@ from ur5lib.records.quality import Finding
 from ur5lib.strict import expect_file
 from ur5lib.workspace.extensions import additions
 
-OWN_FORMAT = "own"  # the formats' common name in a study; endings tell them apart
+OWN_FORMAT = "own"  # the formats' common name in a study; endings distinguish them
 Read = Callable[[Path], dict[str, Any]]
 
 

@@ -41,7 +41,7 @@ def drop_implausible(
     findings: list[Finding],
     bounds: Mapping[str, float] | None = None,
 ) -> pd.DataFrame:
-    """Return the frames whose values and times are possible.
+    """Return the frames with possible values and times.
 
     frames: in the file's order; bounds: impossible magnitudes of columns of this arm, where they
     are other than any Universal Robots arm's, infinite of a joint that turns without limit.
@@ -65,7 +65,7 @@ def drop_implausible(
 
 
 def _with_positions(frames: pd.DataFrame) -> Mask:
-    """Return which rows have a position: others are of topics beside them, in one table."""
+    """Return which rows have a position: others are of other topics in the same table."""
     q = frames.get("actual_q_0")
     return np.isfinite(q.to_numpy(float)) if q is not None else np.ones(len(frames), bool)
 
@@ -142,7 +142,7 @@ def _islands(time: Array) -> Mask:
 
 
 def is_silent(values: Array) -> bool:
-    """Return whether values (N, k) hold nothing but zeros, and numbers that nobody wrote."""
+    """Return whether values (N, k) are nothing but zeros, and numbers that nobody wrote."""
     return not (np.abs(values) >= SMALLEST_VALUE).any()
 
 

@@ -33,7 +33,7 @@ HEADER = b"received_s"
 BLOCK_BYTES = 1 << 21  # bytes that are searched at a time; no line may be twice as long
 HEAD_BYTES = 12  # bytes: size and timestamp
 RUN_MESSAGES = 1024  # messages processed together, so that they stay in the cache
-EVIDENCE_MESSAGES = 16  # messages whose timestamps decide between size words
+EVIDENCE_MESSAGES = 16  # timestamps of this many messages decide between size words
 MARGIN_BYTES = (EVIDENCE_MESSAGES + 2) * max(
     SOFTWARE_BY_SIZE
 )  # bytes that such a comparison may look at
@@ -136,8 +136,8 @@ def read_stream(path: Path) -> tuple[pd.DataFrame, list[Finding]]:
     `message_bytes`, and `software`, the controller versions that send it. When messages of
     several layouts occur, the most frequent layout is used.
 
-    Raises InputError when the file cannot be read as lines or has no complete message of a known
-    layout.
+    Raises InputError when the file cannot be read as lines or has no complete message of a layout
+    that is read.
     """
     expect_file(path)
     try:
@@ -162,7 +162,7 @@ def read_stream(path: Path) -> tuple[pd.DataFrame, list[Finding]]:
 
 
 def _read(path: Path) -> tuple[_Messages, list[int]]:
-    """Return the messages of a file, and the numbers of its damaged lines, whose bytes are lost.
+    """Return the messages of a file, and the numbers of its damaged lines; their bytes are lost.
 
     Raises InputError for a file without lines.
     """

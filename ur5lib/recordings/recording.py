@@ -16,7 +16,7 @@ class Stamp:
 
     seconds: since the epoch, since midnight UTC, since the start of the recording, or by the clock
     of the robot's host; std: standard uncertainty of that [s]; drift_std: standard uncertainty of
-    the clock's rate relative to the robot's, None if that is not known, 0 of the robot's own clock.
+    the clock's rate relative to the robot's, None if that is unknown, 0 of the robot's own clock.
     """
 
     seconds: float

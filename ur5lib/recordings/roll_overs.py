@@ -1,4 +1,4 @@
-"""Clocks of 32 bits that begin again on the way, made continuous: their step is known."""
+"""Clocks of 32 bits that begin again on the way, made continuous: their step is fixed."""
 
 import numpy as np
 

@@ -130,7 +130,7 @@ def rosbag_arrays(path: Path, wanted: Collection[str] | None, findings: list[Fin
     path: a file, or a folder with one bag. `<topic>/stamp` is the time in the messages' headers,
     `<topic>/bag_stamp` that of their receipt [s]. Joints come in the arm's order where the messages
     name them. Messages that cannot be read are skipped and reported. Raises InputError when the
-    file is damaged or no bag, and where a folder holds none or several.
+    file is damaged or no bag, and where a folder has none or several.
     """
     topics: dict[str, Messages] = {}
     files, missing = bag_files(path)

@@ -27,7 +27,7 @@ FORCES = FORCE_CHANNELS[:3]  # all that some sensors have
 UNCONNECTED_READING = 1e-6  # N, Nm; largest value that an unconnected force sensor writes
 # In usual steps. From the first on, samples count as lost; the second is reported even if single.
 GAP_STEPS, LONG_GAP_STEPS = 2.5, 4.0
-MAX_STAMP_LENGTH = 1000  # characters of a file that holds one
+MAX_STAMP_LENGTH = 1000  # a file with a stamp has at most this many characters
 MAX_SHARE_LOST = 0.01  # share of samples; fewer lost or stale ones are ordinary jitter
 STAMP_STD = 0.05  # s, uncertainty of a start stamp of unknown origin
 

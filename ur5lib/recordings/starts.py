@@ -55,9 +55,9 @@ def robot_coverage(robot: Span, sensors: Span) -> list[Finding]:
 def place_sensors(
     recording: RawRecording, findings: list[Finding]
 ) -> dict[Device, tuple[DeviceRecord, StartOffset]]:
-    """Return the sensors whose record overlaps the robot's, and when their clocks started.
+    """Return the sensors with a record that overlaps the robot's, and when their clocks started.
 
-    After a reset of the robot's clock, nothing tells where their samples belong: they are left out.
+    After a reset of the robot's clock, nothing shows where their samples belong: they are left out.
     """
     placed, robot = {}, _span(recording.robot)
     was_reset = bool(epochs(recording.robot.table["time"].to_numpy(float)).any())

@@ -37,7 +37,7 @@ ROBOT_START_STD, FORCE_START_STD, IMU_START_STD = 0.005, 0.003, 0.1
 
 
 def read_thesis_csv(recording: ThesisFiles) -> RawRecording:
-    """Read a recording of the thesis, whose folder holds `csv_files`.
+    """Read a recording of the thesis, with `csv_files` in its folder.
 
     Raises InputError when a robot channel is missing or has no complete row.
     """

@@ -1,4 +1,4 @@
-"""How many numbers a compressed file would unpack to, told before it is unpacked."""
+"""How many numbers a compressed file would unpack to, found before it is unpacked."""
 
 import io
 import math
@@ -22,12 +22,14 @@ NPY_HEADS: dict[tuple[int, ...], Callable[[IO[bytes]], tuple[Any, ...]]] = {  # 
     (2, 0): np.lib.format.read_array_header_2_0,
 }
 MATRIX_ELEMENT, COMPRESSED_ELEMENT = 14, 15  # kinds of elements of a MAT file
-NUMBERS_PER_ELEMENT = 4  # beside its content: an array of four elements takes 112 bytes in memory
+# An element takes this many in addition to its content: 112 bytes for an array of four.
+NUMBERS_PER_ELEMENT = 4
 MAT_SIZES = {1: 1, 2: 1, 3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8, 16: 1, 17: 2, 18: 4}
 
 
 def npz_numbers(archive: ZipFile, names: Collection[str]) -> float:
-    """Return how many numbers some files of a NumPy archive hold, by the heads of their arrays."""
+    """Return how many numbers some files of a NumPy archive contain, by the heads of their
+    arrays."""
     return sum(_npy_numbers(archive, name) for name in names)
 
 
@@ -42,7 +44,7 @@ def _npy_numbers(archive: ZipFile, name: str) -> float:
 
 
 def parquet_numbers(file: pq.ParquetFile, columns: Collection[str]) -> float:
-    """Return how many numbers some columns of a Parquet file hold, by the list at its end."""
+    """Return how many numbers some columns of a Parquet file contain, by the list at its end."""
     groups = map(file.metadata.row_group, range(file.num_row_groups))
     chunks = (group.column(k) for group in groups for k in range(group.num_columns))
     wanted = [chunk for chunk in chunks if _is_of(chunk.path_in_schema, columns)]
@@ -57,7 +59,7 @@ def _is_of(path: str, columns: Collection[str]) -> bool:
 
 
 def feather_numbers(path: Path) -> float:
-    """Return how many numbers a Feather file holds, by the heads of its batches and buffers.
+    """Return how many numbers a Feather file contains, by the heads of its batches and buffers.
 
     0 for the version that begins with FEA1, which compresses nothing.
     """
@@ -68,7 +70,7 @@ def feather_numbers(path: Path) -> float:
 
 
 def _batch_numbers(message: pa.Message) -> float:
-    """Return how many numbers a message of Arrow holds: by its rows, or by the sizes that its
+    """Return how many numbers a message of Arrow contains: by its rows, or by the sizes that its
     compressed buffers begin with.
 
     https://arrow.apache.org/docs/format/Columnar.html#recordbatch-message
@@ -109,7 +111,7 @@ def _pairs(data: bytes, vector: int) -> np.ndarray:
 
 
 def expect_mat_room(path: Path) -> None:
-    """Raise InputError where a MAT file of version 5 holds more numbers than may be read."""
+    """Raise InputError where a MAT file of version 5 contains more numbers than may be read."""
     with path.open("rb") as file:
         head = file.read(128)
         order = {b"IM": "<", b"MI": ">"}.get(head[126:])
@@ -121,7 +123,7 @@ def expect_mat_room(path: Path) -> None:
 
 
 def _mat_numbers(file: BinaryIO, order: str) -> Iterator[float]:
-    """Yield how many numbers each element of a MAT file holds, in arrays and structures.
+    """Yield how many numbers each element of a MAT file contains, in arrays and structures.
 
     order: of bytes. An element's content is passed by unread.
     """

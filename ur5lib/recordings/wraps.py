@@ -13,7 +13,7 @@ TURN = 2 * np.pi  # rad
 # All in turns, between rows that were received.
 MAX_MOTION = 0.25  # at a wrap, by which its jump differs from a turn
 MAX_SMOOTH_STEP = 0.125  # to the rows around a wrap
-TOLERANCE = 0.005  # of the motion at a wrap, beside what the rows around it move
+TOLERANCE = 0.005  # share of the motion at a wrap, in addition to what the rows around it move
 MAX_SPREAD = 1.002  # of an angle that wraps, without a few damaged rows
 MAX_SHARE_DAMAGED = 0.005  # of the rows, to either side
 MIN_SHARE_SMOOTH = 0.95  # of the steps; postures leap from row to row

@@ -22,13 +22,13 @@ from ur5lib.timeseries.arrays import Array
 SAMPLES_BESIDE_STEP = 20  # samples on each side of a step, which lie on two parallel lines
 MAX_PERIOD = 0.02  # s, between samples; to a slower sensor, the end of a contact is one step, too
 MIN_STEP = 2.0  # N, of a step
-# Of a step, how far the samples beside it may lie from their lines, and its end from zero unless
-# they lie farther. Of the steps of more than 1 N in the real recordings, where nobody zeroed the
-# sensor, none ends within 0.3 of zero, and none has samples so near their lines.
+# The samples around a step may lie this share of it from their lines, and its end this share from
+# zero unless they lie farther. Of the steps of more than 1 N in the real recordings, where nobody
+# zeroed the sensor, none ends within 0.3 of zero, and none has samples so near their lines.
 MAX_DISTANCE_FROM_LINES, MAX_DISTANCE_FROM_ZERO = 0.3, 0.1
 # In s from a step, after which currents have followed the end of a contact.
 REACTION_TIME, COMPARED_TIME = 0.02, 0.2
-# Of its torque, which currents then show. Friction holds some of it.
+# Currents then show this share of its torque. Friction carries some of it.
 MIN_SHARE_SHOWN_BY_CURRENTS = 0.25
 ON_ROBOT_CLOCK = StartOffset(0.0, 0.0, drift_std=0.0)
 MIN_STANDARD_ERRORS = 4.0  # standard errors by which a current changes
@@ -52,7 +52,7 @@ class ReadingStep:
 class Zeroing:
     """Where a sensor was zeroed: within a sample of a row; time: of that, by the robot's clock [s].
 
-    change: of all columns [N, Nm]; misfit: largest distance of the force beside it from two
+    change: of all columns [N, Nm]; misfit: largest distance of the force around it from two
     parallel lines, of its size; infinite where it does not end at zero.
     """
 

@@ -1,6 +1,6 @@
 """The units of the tables of results, by column.
 
-Where rows differ, the column `unit` or `parameter` says it, and none stands here.
+Where rows differ, the column `unit` or `parameter` says it, and none is listed here.
 """
 
 from collections.abc import Iterable

@@ -29,8 +29,8 @@ UNITS = "SI: m, kg, s, rad, N, Nm, A; links in the axes of their joint, joints f
 
 
 def known_of_arm(study: FinishedStudy, robot: str, as_in: str) -> dict[str, Any]:
-    """Return what the file of an arm holds; as_in: recording whose payload, declared or found,
-    place of contacts and mounting it has, "" for none.
+    """Return what the file of an arm contains; as_in: recording that gives it the payload, declared
+    or found, the place of contacts and the mounting, "" for none.
 
     Raises InputError where no force may be stated, with the report's reason.
     """

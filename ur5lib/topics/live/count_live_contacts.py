@@ -1,4 +1,4 @@
-"""The contacts that the live estimator states in a recording, beside those at the sensor."""
+"""The contacts that the live estimator states in a recording, compared with those at the sensor."""
 
 from dataclasses import fields
 
@@ -20,8 +20,8 @@ def count_live_contacts(
 ) -> list[LiveDetection]:
     """Return how many contacts at the sensor are found, by the force that they reach.
 
-    contacts: by all estimates of the whole recording, whose leading one finds loads and contacts
-    off the flange, which a sensor does not feel. Empty where the estimator states nothing.
+    contacts: by all estimates of the whole recording; the leading one finds loads and contacts off
+    the flange, which a sensor does not feel. Empty where the estimator states nothing.
     """
     if live.contact is None or live.known is None:
         return []

@@ -24,9 +24,9 @@ def estimate_live(
 ) -> LiveForces:
     """Return what the estimator that `ur5 export --format live` writes would have stated.
 
-    prediction: whose load the arm carries, if one was found; contact_force_n: of a typical contact
-    [N], None: by the arm's payload. Empty without a fit, without positions or currents, and where
-    the recording contradicts the study.
+    prediction: with the load that the arm carries, if one was found; contact_force_n: of a typical
+    contact [N], None: by the arm's payload. Empty without a fit, without positions or currents, and
+    where the recording contradicts the study.
     """
     run = Measured.of(signals)
     if run is None or premises.contradictions.stop_signs or not live.known:

@@ -39,7 +39,7 @@ NEXT, LAST = [1, 2, 0], [2, 0, 1]  # a × b = a[NEXT] b[LAST] - a[LAST] b[NEXT]
 
 
 class Answer(NamedTuple):
-    """What is known after a sample.
+    """What is stated after a sample.
 
     wrench: [F, n] (6,) [N, Nm], the environment acting on the arm, base axes, at the origin of the
     last frame; std: its standard deviation (6,); contact: "contact", "suspected", "free" or
@@ -313,7 +313,7 @@ class Live:
         self.answer = Answer(wrench, std, word)
 
     def is_fast(self, qd: Array) -> Any:
-        """Return whether a joint is faster (..., n) than the noise that the study saw tells of."""
+        """Return whether a joint is faster (..., n) than the noise that the study saw covers."""
         return (np.abs(qd) > self.set["faster"] * self.fastest).any(axis=-1)
 
     def is_large(self, wrench: Array) -> Any:

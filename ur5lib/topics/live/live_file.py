@@ -42,7 +42,7 @@ SIZES = (1 / 3, 1.0, 3.0, 9.0)
 ANYWHERE = ContactPlace()
 CONSTANTS: dict[str, Any] = {  # docs/live.md says on what they were chosen
     "gain": 20.0,  # 1/s, of the observer
-    "rare": 0.2,  # share of the samples of a free arm whose noise is `wide` times wider
+    "rare": 0.2,  # share of the samples of a free arm with a noise that is `wide` times wider
     "wide": 2.0,
     "doubt": 1.0,  # factor on deviations of the wrench, of few paths
     "duration": 0.05,  # s, for which evidence lasts before a contact is stated
@@ -60,8 +60,8 @@ CONSTANTS: dict[str, Any] = {  # docs/live.md says on what they were chosen
     "confirmed": 0.1,  # s of rest after that move: a motion that starts is no contact
     "stays": 0.4,  # s without a move, after which such a contact is over
     "large": 1.3,  # typical forces, which nothing but a contact may show
-    "blind": 3.5,  # typical forces, standard deviation of one that joints hardly feel
-    "faster": 1.5,  # times the speeds that the study saw, beyond which nothing is known
+    "blind": 3.5,  # typical forces, standard deviation of one that joints feel almost nothing of
+    "faster": 1.5,  # times the speeds that the study saw, beyond which nothing is stated
     "least_step": 1e-4,  # s between samples
     "dead_zone": DEAD_ZONE,  # rad/s
     "max_gap": 0.1,  # s without a sample, after which the run starts anew
@@ -86,7 +86,7 @@ BANDWIDTH = CONSTANTS["gain"] / (2 * np.pi)  # Hz
 
 @dataclass(frozen=True)
 class LiveFit:
-    """live.json: what recordings without contact tell, as `learned` returns it, empty without a
+    """live.json: what recordings without contact show, as `learned` returns it, empty without a
     fit; refused: why no force is stated.
     """
 
@@ -105,9 +105,9 @@ def numbers(
     """Return kinematics, links, rotors, gears and constants of an arm with a payload, and what is
     assumed of contacts with it.
 
-    robot: as mounted; recording: whose path the friction's fit left out, "" for that of all; place:
-    of contacts; contact_force_n: of a typical one [N], None: by the arm's payload. Raises
-    InputError where the friction has a term that is not that of a joint of its own.
+    robot: as mounted; recording: with the path that the friction's fit left out, "" for that of
+    all; place: of contacts; contact_force_n: of a typical one [N], None: by the arm's payload.
+    Raises InputError where the friction has a term that is not that of a joint of its own.
     """
     arm, joints = robot.carrying(payload), friction.fit_for(recording).joints
     constant = 1 / np.array([joint.estimate.coefficients[0] for joint in joints])
@@ -243,7 +243,7 @@ def learned(
 
 def unmoved_std(stretches: Sequence[TorqueStretch], breakaway: Array) -> Array:
     """Return the deviation (n,) [Nm] of joints that have not moved yet, the usual one of rest where
-    the stretches hardly show it.
+    the stretches show little of it.
     """
     shown = [own.period * (own.states == UNMOVED) for own in stretches]
     seconds = sum(one.sum(axis=0) for one in shown)
@@ -301,7 +301,8 @@ def _noise(
 
 
 def _threshold(followed: Sequence[tuple[Followed, float]], allowed: float) -> dict[str, float]:
-    """Return the log-odds with few enough alarms, and how many a minute of known time remain."""
+    """Return the log-odds with few enough alarms, and how many remain a minute, of the time in
+    which contacts are decided."""
     peaks = sorted(
         float(own.evidence[first:last].max()) for own, _ in followed for first, last in own.alarms()
     )

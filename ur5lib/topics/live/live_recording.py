@@ -22,7 +22,8 @@ BLOCK = 128  # samples, that are learnt from at once
 
 class Followed(NamedTuple):
     """The answers to samples: wrench, std (N, 6), evidence, contact, known (N,), and of n joints
-    torque [Nm], shift [rad] and state (N, n). Where `known` is false, nothing is known of contacts.
+    torque [Nm], shift [rad] and state (N, n). Where `known` is false, nothing is stated of
+    contacts.
     """
 
     wrench: Array
@@ -256,7 +257,7 @@ class LiveRecording(Live):
     def _slow(self, part: Sensed, state: Any, rest: Array, learns: bool) -> tuple[Array, ...]:
         """Return the torque (M, n) less slow errors, and drift and scale (M + 1, n).
 
-        Each sample changes the next: a Volterra equation, whose iterations converge.
+        Each sample changes the next: a Volterra equation, with iterations that converge.
         """
         per_scale = part.friction / (part.friction**2 + self.breakaway**2)
         share = part.passed[:, None] * (state == MOVING) * learns / self.set["slow"]

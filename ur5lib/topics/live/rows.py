@@ -60,5 +60,5 @@ class LivePush(SmallestPush):
     """A row of live_pushes.csv: as in pushes.csv, the push along an axis that the live estimator
     finds with 95 % while it lasts.
 
-    blind: of the trials, those where joints hardly feel any push, or the estimator knows nothing.
+    blind: of the trials, those where joints feel almost no push, or the estimator knows nothing.
     """
