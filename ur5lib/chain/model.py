@@ -290,7 +290,8 @@ class Model(Shown):
                 record_of(loads, content)
         record_of(Robot, self._arm["described"])
         record_of(parameter_types(step_named("align_recording"))["drifts"], self._arm["drifts"])
-        self._threshold, self.table(TABLES[0])
+        record_of(dict[str, float], self._arm["threshold"])
+        self.table(TABLES[0])
 
     def _expect_arm_of(self, recordings: Recordings) -> None:
         if recordings.robot != self.robot:
