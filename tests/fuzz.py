@@ -94,7 +94,7 @@ def fuzz(several: list[Target], seconds: float, seed: int) -> list[str]:
 
 def table(several: Iterable[Target]) -> str:
     """Return how often what was tried, and how it ended."""
-    rows = [("", "tried", *OUTCOMES)]
+    rows: list[tuple[str, ...]] = [("", "tried", *OUTCOMES)]
     for one in several:
         counts = (one.counts.total(), *(one.counts[outcome] for outcome in OUTCOMES))
         rows.append((one.name, *map(str, counts)))

@@ -386,6 +386,18 @@ def told(signs: list[int], unread: int = 0) -> tuple[list[str], Remark | None]:
     return opposite, mounting_doubt(offset, opposite)
 
 
+@pytest.mark.parametrize("size", [0.1, 1.0, 50.0])  # of the estimate beside the sensor
+@pytest.mark.parametrize(("share", "opposite"), [(0.3, []), (0.9, ["x", "y", "z"])])
+def test_an_axis_is_opposite_by_correlation_whatever_the_size(
+    size: float, share: float, opposite: list[str]
+) -> None:
+    """Of -share between white forces, below -0.5 or not."""
+    sensor, other = 20 * np.random.default_rng(0).normal(size=(2, 4000, 3))
+    estimate = size * (np.sqrt(1 - share**2) * other - share * sensor)
+    rotation = np.broadcast_to(np.eye(3), (4000, 3, 3))
+    assert opposite_axes(sensor, estimate, rotation) == opposite
+
+
 def test_a_sensor_as_mounted_is_not_doubted() -> None:
     assert told([1, 1, 1]) == ([], None)
 
