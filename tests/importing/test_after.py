@@ -123,4 +123,4 @@ def test_files_of_one_motion_are_imported_and_read_as_a_chain(tmp_path: Path) ->
     imported = import_files(files, UserStatement("ur5"))
     assert [one.entry.get("after") for one in imported] == [None, "run1", "run2"]
     assert "run1 ended in the posture in which this begins" in in_words(imported[1].account)
-    assert Selection(read(files, "ur5").study).before("run3") == ["run1", "run2"]
+    assert Selection(read(files, "ur5")._study).before("run3") == ["run1", "run2"]

@@ -719,6 +719,7 @@ ZOOM = """async (frames) => {
 }"""
 
 
+@pytest.mark.real_time
 def test_a_minute_zooms_at_the_rate_of_the_screen(page: Any) -> None:
     """Half of the frames come in time, even where other programs take the computer's time."""
     opened(page, "forces")

@@ -124,7 +124,7 @@ IMU = {"file": "b.csv", "columns": ["time"], "tim": 1}
         (HDF5 | {f"{RUN}channels": {"time": "t", "actual_curent": "i"}},
          f"`{RUN}channels` `actual_current` `actual_curent`,"),
         ({f"{RUN}name": "../run"}, f"`{RUN}name` '../run'; letters, digits,"),
-        ({f"{RUN}folder": "raw/nowhere"}, f"`{RUN}folder` 'raw/nowhere', {Path.cwd()}; `ur5"),
+        ({f"{RUN}folder": "tests/nowhere"}, f"`{RUN}folder` 'tests/nowhere', {Path.cwd()};"),
         ({f"{RUN}columns": ["time"]}, f"`{RUN}columns`; name, payload, simulate"),
         ({f"{RUN}gravity": [0, 0, 0.981]}, f"`{RUN}gravity` 0.981]; [m/s²] 9 10.5"),
         ({f"{RUN}payload": {"mass": float("nan")}}, f"`{RUN}payload.mass` nan; above 0"),

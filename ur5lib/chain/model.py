@@ -373,8 +373,10 @@ def fit(recordings: Recordings, accept: Mapping[str, str] | None = None) -> Mode
 
 
 def load_model(path: str | Path) -> Model:
-    """Return a model that `Model.save` wrote. Raises InputError where the file has none. >>>
-    ur5lib.load_model("model.json") == model True
+    """Return a model that `Model.save` wrote. Raises InputError where the file has none.
+
+    >>> ur5lib.load_model("model.json") == model
+    True
     """
     return Model._read(path)
 
