@@ -98,7 +98,7 @@ release: .venv/dev ## build wheel, sdist, site, SBOM and hashes of the last comm
 	diff -r dist .release/again
 	$(PYTHON) -m venv .release/empty
 	.release/empty/bin/python -m pip --quiet $(LOCKED) requirements.lock
-	.release/empty/bin/python -m pip --quiet install --find-links dist "ur5lib==$$(hatchling version)"
+	.release/empty/bin/python -m pip --quiet install dist/*.whl
 	cd .release && empty/bin/ur5 --version && empty/bin/ur5 new lab && cd lab && ../empty/bin/ur5 run config.yaml
 	$(SBOM) .release/empty/bin/python --output-file dist/sbom.cdx.json
 	$(MAKE) docs
