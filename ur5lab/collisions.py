@@ -19,8 +19,8 @@ from ur5lib.robots.statics import link_frames
 from ur5lib.strict import Strict
 from ur5lib.timeseries.arrays import Array, Mask
 
-HOUSING_HEIGHT = 0.02  # m; the joints' housings protrude from the capsules by it
-# Links of another arm that do not overlap by construction have this distance.
+HOUSING_HEIGHT = 0.02  # m; the joints' housings protrude this far from the capsules
+# Links of another arm keep this distance unless they overlap by construction.
 MIN_FREE_SPACE = 0.05  # m
 OVERLAP_POSTURES = 100  # this many random ones show which parts overlap by construction
 TABLE_NAME = "table"

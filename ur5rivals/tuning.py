@@ -18,9 +18,9 @@ from ur5rivals.estimator import Learned, Method
 from ur5rivals.force import TorqueEstimate, force, learned_noise
 from ur5rivals.run import Run
 
-MAX_LATENCY = 0.05  # s; a causal estimate may have it
+MAX_LATENCY = 0.05  # s; a causal estimate may be this late
 STEP_SHARE = 1 - np.exp(-1)  # share of a step, after which its latency is counted
-PUSH_FORCE = 15.0  # N; a usual push by hand has it
+PUSH_FORCE = 15.0  # N; a usual push by hand is this large
 SPAN_BEFORE, SPAN_AFTER = 3.0, 1.0  # s around the start of a trial push
 PUSH_PLACES = (0.25, 0.5, 0.75)  # trial pushes start at these shares of the longest run
 

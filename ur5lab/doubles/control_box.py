@@ -33,15 +33,15 @@ from ur5lib.timeseries.arrays import Array
 Program = Iterator[None]  # advanced once per cycle, until it ends
 Outputs = Mapping[str, Array | float]  # under RTDE names
 ELBOW_BODY = "link_2"
-SUPPLY_VOLTAGE = 48.0  # V; the supply has it
-STANDBY_POWER = 60.0  # W; an arm that does not move takes it
+SUPPLY_VOLTAGE = 48.0  # V; this is the voltage of the supply
+STANDBY_POWER = 60.0  # W; an arm at rest takes this power
 
-PROTECTIVE_STOP_DECELERATION = 20.0  # rad/s²; a protective stop decelerates so
-PROGRAM_END_DECELERATION = 4.0  # rad/s²; an arm decelerates so where a program ends in motion
+PROTECTIVE_STOP_DECELERATION = 20.0  # rad/s²; a protective stop brakes at this rate
+PROGRAM_END_DECELERATION = 4.0  # rad/s²; an arm brakes at this rate where a program ends in motion
 
 JOINT_RUNNING, JOINT_IDLE = 253, 255  # RTDE's `joint_mode`
-POWER_ON_BIT, PROGRAM_BIT = 1, 2  # `robot_status_bits` has them
-NORMAL_BIT, PROTECTIVE_BIT = 1, 4  # `safety_status_bits` has them
+POWER_ON_BIT, PROGRAM_BIT = 1, 2  # these are bits of `robot_status_bits`
+NORMAL_BIT, PROTECTIVE_BIT = 1, 4  # these are bits of `safety_status_bits`
 
 
 class UnsupportedCommandError(Exception):

@@ -36,7 +36,7 @@ from ur5lib.errors import InputError
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.stand.plan import SimulatedRecording, Standstill
 
-ANSWER_TIMEOUT = 60.0  # s; the process of a controller must answer within it
+ANSWER_TIMEOUT = 60.0  # s; the process of a controller must answer in this time
 MAX_LINE_BYTES = 1 << 24  # a client sends at most this many a line
 STANDSTILL_PLAN = SimulatedRecording(trajectory=Standstill(kind="standstill"))
 

@@ -17,7 +17,7 @@ from ur5lab.doubles.transmission import TransmissionFaults
 from ur5lab.recorder import net_ft
 from ur5lib.timeseries.arrays import Array
 
-INTERNAL_RATE = 7000  # Hz; ft_sequence counts at it
+INTERNAL_RATE = 7000  # Hz; ft_sequence counts at this rate
 SATURATION_STATUS = net_ft.ERROR_BIT | net_ft.SATURATION_BIT
 MAX_COUNT = 2**31 - 1  # count
 

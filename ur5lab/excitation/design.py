@@ -13,15 +13,15 @@ from ur5lab.excitation.trajectory import Margins, Path, WorkCell, resting_series
 from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array, Mask
 
-CHECK_RATE = 1000.0  # Hz; results are checked at it
-COARSE_CHECK_RATE = 25.0  # Hz; attempts are checked at it
+CHECK_RATE = 1000.0  # Hz; results are checked at this rate
+COARSE_CHECK_RATE = 25.0  # Hz; attempts are checked at this rate
 POSTURE_TRIALS = 1000  # this many random ones are tried
 # Random postures keep each joint within this angle of the middle of its range.
 MAX_POSTURE_ANGLE = 2.6  # rad
 BISECTION_STEPS = 8  # the largest share of a path is found in this many
-SHRINK_FACTOR = 0.97  # a path that fails the fine check shrinks by it
+SHRINK_FACTOR = 0.97  # a path that fails the fine check shrinks by this factor
 MAX_SHRINKS = 30
-LINE_SEARCH_FAILURE = 2  # SciPy's L-BFGS-B has this status then
+LINE_SEARCH_FAILURE = 2  # L-BFGS-B of SciPy returns this status
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from ur5lib.dynamics.flange import link_frames
 from ur5lib.report.figures.house_style import HOUSE_STYLE, JOINT_COLOURS, PAGE_WIDTH, Drawing
 from ur5lib.timeseries.arrays import Array
 
-DRAWN_RATE = 20.0  # Hz; states are drawn at it
+DRAWN_RATE = 20.0  # Hz; states are drawn at this rate
 DRAWN_POSTURES = 25  # each view of the arm's sweep has this many
 SWEEP_VIEWS = {
     "from above": (0, 1),

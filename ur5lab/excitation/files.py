@@ -17,7 +17,7 @@ SERVO_RATE = 125.0  # Hz; servoj runs at it on every UR
 REST_DURATION = 3.0  # s; the test stand records so long before and after the motion, in total
 STATES_PER_MOVE = 20  # this many are checked between two way-points
 WAY_POINT_SPACINGS = (1.0, 0.5, 0.25, 0.1, 0.04)  # s; the widest without collision is used
-APPROACH_ARGUMENTS = "a=0.5, v=0.5"  # rad/s², rad/s; the movej to the start has them
+APPROACH_ARGUMENTS = "a=0.5, v=0.5"  # rad/s², rad/s; the movej to the start uses these
 SERVO_ARGUMENTS = "t=0.008, lookahead_time=0.1, gain=300"
 STUDY_NAME = "excitation"
 

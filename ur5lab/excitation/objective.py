@@ -26,7 +26,7 @@ Criterion = Callable[[Array], tuple[float, Array]]
 
 CONDITION_WEIGHT = 30.0  # a condition number's logarithm has this weight relative to log det
 MIN_EIGENVALUE_SHARE = 1e-12  # less than this share of the largest eigenvalue is rounding
-MAX_SERIES_FREQUENCY = 0.6  # Hz; the highest harmonic has it; faster ones excite elastic joints
+MAX_SERIES_FREQUENCY = 0.6  # Hz; no harmonic is higher, since faster ones excite elastic joints
 MIN_HARMONICS = 4
 MAX_HARMONICS = 30
 STATE_STEP = 0.05  # s; the optimisation evaluates a path at states this far apart

@@ -21,8 +21,8 @@ VELOCITY_SHARE = 0.5
 ACCELERATION_SHARE = 0.5
 TORQUE_SHARE = 0.8
 MAX_JERK = 200.0  # rad/s³; no description states a limit
-ENDLESS_RANGE = 2 * np.pi  # rad; a joint that turns without end has it to either side
-MIN_CLEARANCE = 0.03  # m; capsules have it between them
+ENDLESS_RANGE = 2 * np.pi  # rad; a joint that turns without end may go this far to either side
+MIN_CLEARANCE = 0.03  # m; capsules stay at least this far apart
 DISTANCE_REACH = 0.1  # m; distances are measured up to it
 JOINT_LIMITS = ("position", "velocity", "acceleration", "jerk", "torque")
 

@@ -15,12 +15,12 @@ from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array
 
 WATCHDOG_RATE = 4.0  # Hz; the controller stops the arm when this program writes less often
-PROGRAM_START_TIMEOUT = 5.0  # s; the control program starts within it
+PROGRAM_START_TIMEOUT = 5.0  # s; the control program starts in this time
 POLL_INTERVAL = 0.01  # s; queries of a motion's state are this far apart
-STOP_DECELERATION = 5.0  # rad/s²; `stop` decelerates so
+STOP_DECELERATION = 5.0  # rad/s²; `stop` brakes at this rate
 SERVOJ_LOOKAHEAD, SERVOJ_GAIN = 0.1, 300.0  # servoj has these [s, 1], as URScript's defaults
 REST_TIME = 1.0  # s; rest before and after a motion, which shows a force sensor's bias
-SERVOJ_RATE = 125.0  # Hz; every controller supports servoj at it
+SERVOJ_RATE = 125.0  # Hz; every controller supports servoj at this rate
 CATCH_UP_TIME = 3 * SERVOJ_LOOKAHEAD  # s; the arm reaches the last point of a stream within it
 
 

@@ -16,7 +16,7 @@ from ur5lib.timeseries.arrays import Array
 CHUNK_BYTES = 1 << 16  # bytes read at a time
 MAX_GAP = 10.0  # s; after a longer jump, the counter is damaged or was restarted
 MAX_SILENCE = 1.0  # s
-ANSWER_TIMEOUT = 3.0  # s; a device answers within it
+ANSWER_TIMEOUT = 3.0  # s; a device answers in this time
 GATHERING_TIME = 0.05  # s; one call collects samples for this long
 
 

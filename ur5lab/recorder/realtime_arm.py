@@ -21,7 +21,7 @@ from ur5lib.robots.realtime_message import SOFTWARE_BY_SIZE
 
 PORT = 30003
 MESSAGE_HEAD = struct.Struct(">id")  # size and timestamp of a message
-READ_TIMEOUT = 0.1  # s; one call waits for it
+READ_TIMEOUT = 0.1  # s; one call waits at most this long
 MIN_CYCLE = 1e-4  # s; any controller has a longer one
 
 

@@ -42,7 +42,7 @@ RECORDED_OUTPUTS = (
     *("collision_detection_ratio", "joint_position_deviation_ratio"),
     *("speed_scaling", "robot_mode", "safety_mode", "runtime_state"),
 )
-RATE_BY_MAJOR_VERSION = {3: 125.0}  # Hz; the controller's software has it; later ones have 500
+RATE_BY_MAJOR_VERSION = {3: 125.0}  # Hz, by the controller's software; later ones send at 500
 DEFAULT_RATE = 500.0
 HANDSHAKE_TIMEOUT = 6.0  # s; the first data package comes within it after the connection
 READ_TIMEOUT = 0.1  # s; one call waits for samples for it

@@ -21,7 +21,7 @@ from ur5lib.tables import checksum, read_json, write_json
 MANIFEST = "manifest.json"
 HOST_CLOCK = "time.monotonic of the host, plus its difference to seconds since 1970 at the start"
 START_TIMEOUT = 30.0  # s; a device answers and its process starts within it
-CLOSING_TIMEOUT = 10.0  # s; all processes write their last samples within it
+CLOSING_TIMEOUT = 10.0  # s; all processes write their last samples in this time
 POLL_INTERVAL = 0.05  # s between queries of their reports meanwhile
 
 

@@ -20,7 +20,7 @@ from ur5lib.timeseries.arrays import Array
 ENDS, PARTS = "ends", "parts of one run"  # findings: of each recording, and of two
 MAX_PERIODS = 5  # one part follows another within this many periods
 MAX_DEVIATION = 1e-3  # rad; a posture differs by at most this from where the velocities lead
-MAX_ACCELERATION = 10.0  # rad/s²; velocities of both sides may differ by it
+MAX_ACCELERATION = 10.0  # rad/s²; velocities on both sides may differ by what this gives
 MAX_CHANGE = 0.02  # rad/s; velocities of resting joints may differ by this, too
 SLOPE_STEPS = 4  # a velocity follows from positions of frames so many steps apart
 

@@ -33,7 +33,7 @@ EFFORT_NOISE = 2e-3  # A, Nm; no mean over a block of an effort is more precise
 SPREAD_OF_CONSTANTS = 0.2  # torque constants spread by this around those of the joints' sizes
 CLEAR_LEAD = 8.0  # from this difference of log-likelihoods on, a reading is proven
 MAX_RANGE_RATIO = 1.05  # a joint stays within its range times this, which a controller enforces
-IMPOSSIBLE_MOTION_PENALTY = 100.0  # log-likelihood that an arm loses if it cannot move so
+IMPOSSIBLE_MOTION_PENALTY = 100.0  # an arm that cannot move like this loses this log-likelihood
 MIN_TORQUE_FOR_CONSTANT = 0.5  # Nm; gravity below this root mean square shows no torque constant
 
 

@@ -22,7 +22,7 @@ STRETCHES_PER_CANDIDATE = 3  # a candidate has this many stretches where one doe
 SINGULAR_VALUE_CUTOFF = 1e-3  # poorly determined combinations of parameters stay small
 MAX_FIT_ROUNDS = 20  # contacts are fitted and excluded so often; fewer rounds suffice
 CONTACT_DEVIATIONS = 4.0  # standard deviations of a free reading: beyond, a sample is in contact
-REPEATABILITY = np.array([0.1] * 3 + [0.01] * 3)  # N, Nm; a reading after a push repeats within it
+REPEATABILITY = np.array([0.1] * 3 + [0.01] * 3)  # N, Nm; a push changes a reading by this
 FREE_CLEARANCE = 0.25  # s; a free sample is this far from any contact
 COMPARED_SAMPLES = 2_000  # parameters are compared on this many samples
 

@@ -20,7 +20,7 @@ from ur5lib.timeseries.segments import extrapolated_samples, without_ends
 
 Span = tuple[float, float]  # s, from a recording's start
 
-MAX_POSTURE_CHANGE = 0.02  # rad; a joint may leave the tared posture by it
+MAX_POSTURE_CHANGE = 0.02  # rad; a joint may leave the tared posture this far
 MIN_REST_DURATION = 0.5  # s; a tare has torques at rest for at least this long
 BLOCK_DURATION = 0.1  # s; readings are averaged over it
 SMOOTHING_WINDOW = 0.2  # s; positions as read are averaged over it

@@ -36,7 +36,7 @@ from ur5lib.timeseries.segments import Span, inside_spans, spans, unbroken
 
 OPENING_PROBABILITY = 0.5  # a contact reaches it
 CLOSING_PROBABILITY = 0.1  # a contact lasts while above it
-CONTACT_MARGIN = 0.15  # s; a contact is extended by it at both ends
+CONTACT_MARGIN = 0.15  # s; a contact is extended this long at both ends
 MIN_PROBABILITY_INSIDE = 0.999  # inside a contact, its probability is at least this
 # Deviation of the average of a force on a resting arm, in periods of the low-pass.
 REST_SMOOTHING_PERIODS = 0.4

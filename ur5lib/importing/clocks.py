@@ -15,7 +15,7 @@ from ur5lib.recordings.roll_overs import without_roll_over
 from ur5lib.timeseries.arrays import Array, Mask
 
 ROW_CLOCK = "row number"  # the clock of a file without one
-ASSUMED_RATE = 125.0  # Hz; rows have it until velocities show another
+ASSUMED_RATE = 125.0  # Hz; rows are at this rate until velocities show another
 USUAL_STEPS = {"s": (1e-4, 1.0), "ms": (1.0, 1e3), "us": (1e3, 5e5), "ns": (5e5, 1e9)}
 POSSIBLE_STEPS = (1e-4, 20.0)  # s
 MIN_CHANGES = 3  # of a clock

@@ -58,7 +58,7 @@ TOPIC_NAME = re.compile(r"joint|state|motion", re.IGNORECASE)  # and no arm's
 MAX_POSSIBLE_VALUE = 1e9  # in any unit of a channel; larger numbers are none
 GRIPPER_RANGE = (-0.1, 1.1)  # rad, m, or the share that it is open
 ROWS_TOLD = {SHORT_TABLE: "those of all files", TURNED_TABLE: "its columns"}  # by the finding
-REPEATED_INFIX = " again "  # a column with a name that is taken has it, and its number
+REPEATED_INFIX = " again "  # is added, with a number, to the name of a column that is taken
 NIST_COLUMNS = [  # NIST's UR5 degradation measurements have files without a header
     "time",
     *("target_q", "actual_q", "target_qd", "actual_qd", "target_current", "actual_current"),

@@ -36,7 +36,7 @@ LESS_GRAVITY = "neither"  # current nor torque: a torque less gravity, as some d
 ROUNDING_STEP = 1e-3  # A; URScript gives currents with three decimals
 LARGEST_MULTIPLE_RANGE = (100, 100_000)  # multiples of a rounded current's step that it reaches
 MAX_TORQUE_RATIO = 1.5  # of a torque in Nm to gravity's
-# The largest and the smallest factor of joints that show the same have this ratio.
+# The factors of joints that show the same unit differ by no more.
 MAX_FACTOR_RATIO = 1.15
 MIN_BEARING_JOINTS = 2  # this many show a unit together
 MIN_FOLDED_JOINTS = 3  # efforts of this many would change their sign

@@ -34,7 +34,7 @@ MAX_POSE_RATIO = 3.0  # times the distance of the best; readings farther away ar
 COMPARED_POSTURES = 12  # postures that are compared
 CLEAR_LEAD_OVER_NAMES = 3 * CLEAR_LEAD  # lead from which on numbers outdo the numbers of columns
 ORDER = "the joints' order"
-# A bag has it if its messages do not name an arm's joints.
+# This is found of a bag with messages that do not name an arm's joints.
 UNNAMED_JOINTS_FINDING = "unnamed joints"
 UNDESCRIBED_ARM = "my_arm"  # in an entry for an arm that has no description yet
 NAME_IT = "name the right one, as with --robot ur5e, or describe it (`ur5 describe`)"

@@ -33,7 +33,7 @@ MAX_USUAL_ANGLE, MAX_USUAL_LENGTH = 4 * np.pi, 10.0  # rad, m
 NUMERIC_TAGS = ("origin", "axis", "mass", "inertia", "limit")
 PHYSICAL = "physical"  # link model of possible bodies
 XACRO = "xacro"  # the names of elements that xacro replaces contain it
-RIGHT_ANGLE_TOLERANCE = 1e-11  # a rotation's entry may be off by it: 1.57079632679 is a right angle
+RIGHT_ANGLE_TOLERANCE = 1e-11  # a rotation's entry may err by this: 1.57079632679 is a right angle
 
 
 def robot_from_urdf(

@@ -14,7 +14,7 @@ from ur5lib.timeseries.arrays import Array
 TOOL_BODY = "tool"
 RADIUS_SHARE = 0.09  # radius of a capsule by the longest link, at joint 1
 UR_RADIUS_FACTORS = (1.0, 1.0, 0.8, 0.65, 0.65, 0.65)  # links of a UR have these
-OTHER_RADIUS_FACTOR = 1.7  # all links of another arm have it; a Panda's have a radius of 6 cm
+OTHER_RADIUS_FACTOR = 1.7  # links of another arm are thicker by this; a Panda's radius is 6 cm
 POINT_MASS_INERTIA = 1e-12  # kg m²
 
 

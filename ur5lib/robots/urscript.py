@@ -15,7 +15,7 @@ from ur5lib.errors import InputError
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
 
-FRAMING_STARTS = ("def ", "sec ", "end", "global ")  # lines without a command begin so
+FRAMING_STARTS = ("def ", "sec ", "end", "global ")  # lines without a command begin with these
 MOVE_ARGUMENTS: dict[str, dict[str, float | None]] = {  # their defaults are URScript's, in SI units
     "movej": {"q": None, "a": 1.4, "v": 1.05, "t": 0.0, "r": 0.0},
     "movel": {"pose": None, "a": 1.2, "v": 0.25, "t": 0.0, "r": 0.0},

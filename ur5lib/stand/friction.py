@@ -26,7 +26,7 @@ LOAD_SHARE = 0.05  # Nm of friction per Nm of load
 PERIODIC_SHARE = 0.05  # it is this share of the Coulomb friction
 STICTION_RATIO = 1.15  # breakaway torque has this ratio to the Coulomb torque
 STRIBECK_VELOCITY = 0.03  # rad/s; there, stiction has vanished
-PRESLIDING_DEFLECTION = 2e-4  # rad; a joint that sticks deflects by it before it slips
+PRESLIDING_DEFLECTION = 2e-4  # rad; a joint that sticks deflects this far before it slips
 USUAL_TEMPERATURE = 30.0  # °C; the values above are for it
 # Relative change per kelvin: viscous friction of a UR3 and a UR5 is 17 to 20 % lower once the arm
 # is warm, and dry friction changes less.

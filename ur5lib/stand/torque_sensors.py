@@ -11,7 +11,7 @@ from ur5lib.timeseries.arrays import Array
 
 # This share of a joint's friction acts between its sensor and its link.
 FRICTION_SHARE_BEHIND_SENSOR = 0.05
-GAIN_ERROR = 0.01  # all joints have it, alternating in sign
+GAIN_ERROR = 0.01  # the gains of all joints err by this, alternating in sign
 BIAS_SHARE = 0.003  # it is relative to the joint's largest torque, alternating in sign
 # It is relative to the largest torque, by differences between samples of a real xMate 7's sensors.
 NOISE_SHARE = 7e-4

@@ -6,7 +6,7 @@ from ur5lib.report.figures.charts import response_panel
 from ur5lib.report.figures.house_style import Drawing
 from ur5lib.timeseries.lowpass import Butterworth, frequency_response
 
-SAMPLING_RATE = 125.0  # Hz; a controller of the CB series has it
+SAMPLING_RATE = 125.0  # Hz; a controller of the CB series samples at this rate
 FILTERED = {
     "motion": "measured motion",
     "accelerations": "accelerations compared",

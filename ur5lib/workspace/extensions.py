@@ -22,7 +22,7 @@ from ur5lib.workspace.places import PACKAGE
 FOLDER = Path("extensions")  # it is in the workspace, which is the working folder
 ENTRY_POINT_GROUP = "ur5lib."  # its beginning: ur5lib.friction, ...
 PAGE = "docs/extensions.md shows how"
-USE_VARIABLE = "UR5_EXTENSIONS"  # the environment of a command of `ur5` has it: NAMED, or LEFT_OUT
+USE_VARIABLE = "UR5_EXTENSIONS"  # a command of `ur5` sets this variable to NAMED or LEFT_OUT
 NAMED = "named"  # each is named on stderr before it runs
 LEFT_OUT = "left out"
 

@@ -28,8 +28,9 @@ from ur5rivals.run import Estimate, Run
 MEDIAN_SPAN = 10.0  # s; the median is taken over it
 CONTACT_START, CONTACT_END = 8.0, 2.0  # deviations
 PRIOR_FORCE = 30.0  # N
-# A contact has it, and these shares of the breakaway torque.
-LEVER, RUBBING, LOSS = 0.03, 0.2, 0.1  # m
+# A contact has this lever [m]; friction takes of it, in motion, this share of the breakaway torque
+# and, in the gears, this share of the torque that they carry.
+LEVER, RUBBING, LOSS = 0.03, 0.2, 0.1
 
 
 def running_median(torque: Array, samples: int) -> Array:

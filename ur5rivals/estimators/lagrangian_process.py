@@ -40,7 +40,7 @@ ROUNDING = 1e-8  # share of the variance without which rounding spoils a matrix 
 # Centres of the prior; its width is a factor of e².
 SPEED_WEIGHT, ENERGY_SIZE = 0.3, 20.0  # kg m², J
 DRY, VISCOUS, NOISE = 3.0, 3.0, 1.0  # Nm, Nm s/rad, Nm
-PRIOR_WIDTH = 2.0  # the logarithms have it
+PRIOR_WIDTH = 2.0  # this is the width of the prior of logarithms
 
 
 class Process(NamedTuple):

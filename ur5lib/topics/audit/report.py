@@ -11,7 +11,7 @@ MAX_RELATIVE_MASS_ERROR = (
     0.1  # largest relative error of a mass that the report proposes to declare
 )
 GRAVEST_FIRST = ("wrong", "unknown", "right", "")  # verdicts
-PLACES = ("first", "second", "third")  # a quantity's components are called so
+PLACES = ("first", "second", "third")  # these are the names of a quantity's components
 CARRIED = ("mass", "center_of_mass")
 
 

@@ -7,7 +7,7 @@ from ur5lib.report.figures.house_style import Drawing
 from ur5lib.signals.euler_angles import CAUSAL
 from ur5lib.timeseries.lowpass import Butterworth, frequency_response
 
-SAMPLING_RATE = 125.0  # Hz; the thesis's controller has it
+SAMPLING_RATE = 125.0  # Hz; the thesis's controller samples at this rate
 CURRENT_LOWPASS = Butterworth(5, 1.454)  # N_b and Ω_c of Section 6.1, which is Hz (erratum 4)
 
 

@@ -19,7 +19,7 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import coverage, mean_absolute_error
 
 Row = dict[Hashable, Any]
-COLUMNS = [  # truth.csv has them
+COLUMNS = [  # these are the columns of truth.csv
     *("recording", "robot", "quantity", "method", "index", "unit"),
     *("truth", "estimate", "std_error", "within95", "zero"),
 ]

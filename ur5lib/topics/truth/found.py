@@ -8,7 +8,7 @@ from ur5lib.report.results import Results
 
 TABLES = ("truth",)
 REMARKABLE_CHANCE = 0.025  # below it, the count of intervals that contain the truth is remarkable
-LEVEL = 0.95  # stated intervals have it
+LEVEL = 0.95  # stated intervals contain the truth with this probability
 
 
 class Count(NamedTuple):
