@@ -7,8 +7,6 @@ from contextlib import contextmanager
 from html import escape
 
 import pandas as pd
-from rich.console import Console
-from rich.progress import Progress
 
 from ur5lib.errors import printable
 
@@ -41,6 +39,9 @@ class Shown(ABC):
 @contextmanager
 def bar(count: int) -> Iterator[Callable[[str], None]]:
     """Provide a function that names the next of some steps: on a terminal, a bar shows it."""
+    from rich.console import Console  # rich takes a tenth of a second, which only a fit needs
+    from rich.progress import Progress
+
     console = Console(stderr=True, markup=False, emoji=False)
     with Progress(console=console, transient=True, disable=not sys.stderr.isatty()) as progress:
         task = progress.add_task("", total=count)
