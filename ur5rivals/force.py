@@ -18,7 +18,7 @@ TorqueEstimate = Callable[[Run], Array]
 """Returns the external torque (N, 6) [Nm] of a run, NaN where unknown."""
 
 NO_TORQUE = np.zeros(6)  # Nm
-CUTOFF_HZ = 2.0  # the study's low-pass has it
+CUTOFF_HZ = 2.0  # Hz; this is the cut-off of a study's low-pass
 TYPICAL_FORCE = 15.0  # N; typical contact with an arm that is not described
 
 
