@@ -132,6 +132,20 @@ def test_words_in_brackets_are_no_lists(tmp_path: Path) -> None:
     assert first_cells(path) == (["note", "q"], WORDS.strip().split(","))
 
 
+def test_a_turned_table_may_have_dates(tmp_path: Path) -> None:
+    rows = pd.DataFrame(np.random.default_rng(0).normal(size=(6, 2_000)))
+    dates = pd.date_range("2026-01-01", periods=2_000, freq="8ms").astype(str)
+    path = tmp_path / "some.csv"
+    path.write_text("t," + ",".join(dates) + "\n" + rows.to_csv(header=False))
+    assert first_cells(path)[0] == ["t", *map(str, range(6))]
+
+
+def test_a_nameless_index_stays_where_last_cells_are_empty(tmp_path: Path) -> None:
+    path = tmp_path / "some.txt"
+    path.write_text(" a b c\n0 1.0 2.0 \n1 1.5 2.5 3.5\n")
+    assert first_cells(path)[0] == ["", "a", "b", "c"]
+
+
 @pytest.mark.parametrize(
     ("numbered", "labelled", "ending", "mark"),
     [(False, False, ".csv", ","), (False, True, ".csv.gz", ";"), (True, True, ".txt", "\t")],

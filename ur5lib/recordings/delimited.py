@@ -156,11 +156,13 @@ def _table_blocks(log: Log) -> Iterator[bytes]:
 
 
 def _is_turned(lines: Sequence[bytes], mark: bytes) -> bool:
-    """Return whether a table is far wider than long, and its first line holds numbers."""
+    """Return whether a table is far wider than long, and its first line has numbers or dates."""
     cells = lines[0].split(mark) if lines else []
     wide = len(cells) >= max(MIN_SAMPLES, SAMPLES_A_ROW * len(lines)) and len(lines) < LEAD_LINES
     point = b"," if mark in SEPARATORS_BESIDE_COMMAS else b"."
-    return wide and all(_is_cell(cell.replace(point, b".")) for cell in cells[1:])
+    return wide and all(
+        _is_cell(cell.replace(point, b".")) or ISO_DATE.search(cell) for cell in cells[1:]
+    )
 
 
 def _text(cell: bytes) -> str:
@@ -180,8 +182,9 @@ def _first_row(data: bytes, path: Path) -> tuple[int, bytes, bytes]:
         raise too_large(path, f"{most:,} columns")
     top += _length_of_title(lines)
     first, below = data[top : _end_of_line(data, top)].rstrip(), data[_end_of_line(data, top) :]
-    mark, cells_below = _delimiter(first.strip()), below.partition(b"\n")[0].rstrip()
-    if not first.startswith(mark) or first.count(mark) != cells_below.count(mark):
+    mark, row = _delimiter(first.strip()), below.partition(b"\n")[0]
+    counts = {row.count(mark), row.rstrip().count(mark)}  # its last cells may be empty
+    if not first.startswith(mark) or first.count(mark) not in counts:
         first = first.strip()  # else a blank or a tab is behind the index, which has no name
     comment = data[:top].strip().rpartition(b"\n")[2].lstrip(b"#% \t").strip()
     cells = first.split(mark)
