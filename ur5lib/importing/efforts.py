@@ -172,8 +172,11 @@ def lead_of_opposite(means: BlockMeans, name: str, arms: Sequence[Robot]) -> flo
     sign, 0 unless as read friction would drive the joints.
 
     Joints that sense their torque have no friction; turned, these must balance the arm's gravity.
+    Where no joint's effort changes its sign, they may be sizes, for which neither sign is right.
     """
     effort, brakes = means.currents[name], []
+    if not ((effort < 0).any(axis=0) & (effort > 0).any(axis=0)).any():
+        return 0.0
     for column in range(effort.shape[1]):
         friction, speed = means.friction(column), np.abs(means.qd[:, column]).mean()
         terms = np.column_stack([friction, means.qdd, np.ones(len(effort))])
