@@ -1,5 +1,6 @@
 """An arm whose controller answers or stamps wrongly is recorded on, or refused with a reason."""
 
+import gc
 import math
 import multiprocessing
 import signal
@@ -18,7 +19,7 @@ from tests.lab.made_up_device import MadeUp
 from ur5lab import rtde_variables as rtde
 from ur5lab.recorder.capture import SampleFile, capture
 from ur5lab.recorder.realtime_arm import MESSAGE_HEAD, RealtimeArm
-from ur5lab.recorder.rtde_arm import RECORDED_OUTPUTS, RtdeArm
+from ur5lab.recorder.rtde_arm import RECORDED_OUTPUTS, RtdeArm, RtdeClient
 from ur5lib.errors import InputError
 from ur5lib.robots.realtime_message import SOFTWARE_BY_SIZE
 
@@ -113,6 +114,19 @@ def test_a_realtime_port_without_a_clock_is_refused(second: float) -> None:
         pytest.raises(InputError, match="no timestamps"),
     ):
         RealtimeArm(HERE, port)
+
+
+@pytest.mark.parametrize("device", [RealtimeArm, RtdeClient])
+def test_a_refused_controller_is_disconnected(
+    device: Callable[[str, int], object], recwarn: pytest.WarningsRecorder
+) -> None:
+    with (
+        controller(lambda client: client.sendall(bytes(BYTES))) as port,
+        pytest.raises(InputError),
+    ):
+        device(HERE, port)
+    gc.collect()
+    assert not [one for one in recwarn if one.category is ResourceWarning]
 
 
 @pytest.mark.parametrize("kinds", ["", "NOT_FOUND", "DOUBLE,", ",,"])

@@ -34,8 +34,11 @@ class RealtimeArm:
         """Raise InputError also where the messages have an unknown layout."""
         self._address = address
         try:
-            self._socket = socket.create_connection((address, port), ANSWER_TIMEOUT)
-            self._size, first, second = self._peek()
+            with contextlib.ExitStack() as refused:
+                self._socket = socket.create_connection((address, port), ANSWER_TIMEOUT)
+                refused.callback(self._socket.close)
+                self._size, first, second = self._peek()
+                refused.pop_all()
         except (OSError, struct.error) as error:
             raise no_controller("its stream", address, port, error) from error
         cycle = second - first

@@ -56,25 +56,30 @@ class RtdeClient:
         self._address, self._port = address, port
         self._buffer, self._until = b"", time.monotonic() + HANDSHAKE_TIMEOUT
         try:
-            self._socket = socket.create_connection((address, port), ANSWER_TIMEOUT)
-            self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            if self._ask(rtde.VERSION_PACKAGE, struct.pack(">H", PROTOCOL_VERSION)) != b"\x01":
-                raise ConnectionError("it does not speak version 2")
-            major, minor, bugfix, build = struct.unpack(">4I", self._ask(rtde.SOFTWARE_PACKAGE))
+            with contextlib.ExitStack() as refused:
+                self._socket = socket.create_connection((address, port), ANSWER_TIMEOUT)
+                refused.callback(self._socket.close)
+                self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+                if self._ask(rtde.VERSION_PACKAGE, struct.pack(">H", PROTOCOL_VERSION)) != b"\x01":
+                    raise ConnectionError("it does not speak version 2")
+                version = struct.unpack(">4I", self._ask(rtde.SOFTWARE_PACKAGE))
+                refused.pop_all()
         except (OSError, struct.error) as error:
             raise no_controller("RTDE", address, port, error) from error
-        self.software = int(major), int(minor), int(bugfix), int(build)
+        major, minor, bugfix, build = map(int, version)
+        self.software = major, minor, bugfix, build
 
     def start(self, names: Sequence[str], rate: float) -> list[str]:
         """Start data packages and return their outputs: those of `names` that the controller has.
 
-        rate: [Hz]. Raises InputError when the controller refuses.
+        rate: [Hz]. Raises InputError, and closes the connection, when the controller refuses.
         """
         try:
             names, kinds = self._set_up(names, rate)
             if self._ask(rtde.START_PACKAGE) != b"\x01":
                 raise ConnectionError("it does not start")
         except OSError as error:
+            self.close()
             raise no_controller("RTDE", self._address, self._port, error) from error
         self._layout = layout(kinds)
         return names
