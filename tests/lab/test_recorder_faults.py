@@ -35,10 +35,9 @@ def controller(serve: Callable[[socket.socket], None]) -> Iterator[int]:
     with socket.create_server((HERE, 0)) as server:
 
         def run() -> None:
-            with server.accept()[0] as client:
+            with server.accept()[0] as client, suppress(ConnectionError):
                 serve(client)
-                with suppress(ConnectionResetError):
-                    client.recv(1 << 16)  # until the client has closed
+                client.recv(1 << 16)  # until the client has closed
 
         thread = threading.Thread(target=run)
         thread.start()
