@@ -140,6 +140,7 @@ def test_no_source_of_the_page_is_forgotten() -> None:
     assert {path.suffix for path in WORDS} == {".typ"}
 
 
+@pytest.mark.thorough
 def test_the_default_study_is_typeset_whatever_is_empty(demo: Workflow) -> None:
     from tests.typeset_page import built
 
