@@ -88,6 +88,7 @@ def followed(serve: Serve, path: Path, seconds: float | None = None) -> Ended:
         return record(Live(arm_file()), Stream(HERE, seconds, port), path, lambda *_: None)
 
 
+@pytest.mark.real_time
 @pytest.mark.parametrize(
     ("end", "why", "lost"),
     [
