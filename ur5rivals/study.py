@@ -19,6 +19,7 @@ from ur5lib.identification.currents import (
     torque_constants,
 )
 from ur5lib.identification.samples import path_of
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces, FurtherForces, SensorWrenches
@@ -115,7 +116,9 @@ def read_run(
     signals, motion = study.record(Signals, name), study.record(Motion, name)
     currents, torques = study.record(Currents, name), study.record(Torques, name)
     loaded = study.record(Prediction, name, "currents").is_loaded
-    record = current_record(name, signals, motion, torques, robot)
+    record = current_record(
+        AlignedRecording(name=name, signals=signals, motion=motion, torques=torques), robot
+    )
     if record is None or currents.external_torque is None or loaded:
         return None
     fit = fitted.fit_for(name)

@@ -54,6 +54,7 @@ def known_of(
     usual: dict[str, Any] = {
         "name": "made",
         "role": "contact",
+        "before": {},
         "quality": Quality(),
         "force": NO_SAMPLES,
         "alignment": aligned(),
