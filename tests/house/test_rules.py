@@ -121,7 +121,7 @@ def used(function: Callable[..., Any], taken: str, record: type[Opened]) -> set[
 
 def root(node: ast.expr) -> str:
     """The name of a record, or of the mapping that it is taken from."""
-    node = node.value if isinstance(node, ast.Subscript | ast.Starred) else node
+    node = node.value if isinstance(node, ast.Subscript) else node
     return node.id if isinstance(node, ast.Name) else ""
 
 
