@@ -15,6 +15,7 @@ from tests.conftest import PROJECT
 from tests.made_tables import COLUMNS, record, table
 from ur5lib.force.residual_model import Residuals
 from ur5lib.records.accelerations import Difference, ImuComparison
+from ur5lib.records.arm_fits import ArmFits
 from ur5lib.records.contacts import Contacts
 from ur5lib.records.estimated_recording import EstimatedRecording
 from ur5lib.records.force_errors import Compared
@@ -23,7 +24,6 @@ from ur5lib.records.judgement import CurrentError, Judgement
 from ur5lib.records.models import Identification, Rotors
 from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Robot
-from ur5lib.steps.fitted_arm import FittedArm
 from ur5lib.steps.make_tables import OF_ARMS, OF_MOTION, OF_RECORDINGS, joined, make_tables
 from ur5lib.tables import read_csv, write_csv
 
@@ -34,8 +34,7 @@ PARAMETER = {"joint": 2, "name": "coulomb", "value": 6.0, "std_error": 0.1, "int
 def made(arm: Robot, judgements: dict[str, Judgement], **more: Any) -> dict[str, pd.DataFrame]:
     """The tables of a study of one arm."""
     friction = record(Friction, {"parameters": [PARAMETER]})
-    fits = {"rotors": Rotors(), "identification": Identification(), "calibration": {}}
-    fits |= {"friction": friction, "residuals": Residuals()}
+    fits = {"rotors": Rotors(), "identification": Identification(), "friction": friction}
     nothing = {"compared": Compared(), "contacts": Contacts(), "comparison": ImuComparison()}
     known = {field: more.pop(field, {}) for field in nothing}
     recordings = {
@@ -44,8 +43,10 @@ def made(arm: Robot, judgements: dict[str, Judgement], **more: Any) -> dict[str,
         )
         for name in chain.from_iterable(known.values())
     }
-    arms = {"ur5": FittedArm(identified=arm, **fits)}
-    return make_tables(judgements, recordings, arms, **{"parts": [], "unreadable": {}} | more)
+    arms = {"ur5": ArmFits(identified=arm, **fits)}
+    known = {"calibration": {"ur5": {}}, "residuals": {"ur5": Residuals()}}
+    known |= {"parts": [], "unreadable": {}}
+    return make_tables(judgements, recordings, arms, **known | more)
 
 
 def judged(*findings: str) -> Judgement:

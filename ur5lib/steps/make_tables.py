@@ -17,6 +17,7 @@ from ur5lib.judging.may_be_used import friction_rows, torque_constants
 from ur5lib.records.acceleration_errors import AccelerationBand, AccelerationError, Innovation
 from ur5lib.records.accelerations import ImuComparison
 from ur5lib.records.account import AccountRow
+from ur5lib.records.arm_fits import ArmFits
 from ur5lib.records.contact_place import PlaceRow
 from ur5lib.records.contacts import Contact, ContactError, Contacts, Detection, FixedThreshold
 from ur5lib.records.estimated_recording import EstimatedRecording
@@ -45,7 +46,6 @@ from ur5lib.records.judgement import (
 from ur5lib.records.models import Identification, Rotors, Terms
 from ur5lib.records.quality import STOP, Finding
 from ur5lib.signals.imu_calibration import ImuCalibration
-from ur5lib.steps.fitted_arm import FittedArm
 from ur5lib.tables import read_cells, table_by_owner
 
 OF_RECORDINGS = {
@@ -89,17 +89,20 @@ Rows = Mapping[str, Iterable[object]]  # of a table, by recording or arm
 def make_tables(
     judgements: Mapping[str, Judgement],
     recordings: Mapping[str, EstimatedRecording],
-    arms: Mapping[str, FittedArm],
+    arms: Mapping[str, ArmFits],
+    calibration: Mapping[str, dict[str, ImuCalibration]],
+    residuals: Mapping[str, Residuals],
     parts: list[Path],
     unreadable: dict[str, str],
     roles: dict[str, str] | None = None,
 ) -> dict[str, pd.DataFrame]:
     """Return each table by its name.
 
-    judgements: of all recordings; recordings: those in motion; parts: CSV files that steps write
-    for each recording or arm, in the folder of its name: together they are the table of their name;
-    unreadable: the recordings without a judgement, each with the reason; roles: of all, by which a
-    copy of another recording is left out, and which say where nothing touches the arm.
+    judgements: of all recordings; recordings: those in motion; calibration: of each arm's IMU;
+    parts: CSV files that steps write for each recording or arm, in the folder of its name: together
+    they are the table of their name; unreadable: the recordings without a judgement, each with the
+    reason; roles: of all, by which a copy of another recording is left out, and which say where
+    nothing touches the arm.
     """
     roles, judged, moved = roles or {}, dict(judgements), dict(recordings)
     compared = {name: recording.compared for name, recording in moved.items()}
@@ -107,7 +110,9 @@ def make_tables(
     imu = {name: recording.comparison for name, recording in moved.items()}
     rows = rows_of_recordings(judged, compared, contacts, imu)
     rows["quality"] = found_of_recordings(judged, compared, contacts, unreadable, roles)
-    each = {robot: rows_of_arm(arm) for robot, arm in arms.items()}
+    each = {
+        robot: rows_of_arm(arm, calibration[robot], residuals[robot]) for robot, arm in arms.items()
+    }
     of_arms = {name: {robot: own[name] for robot, own in each.items()} for name in OF_ARMS}
     tables = {name: table_by_owner(kind, {}) for name, kind in OF_MOTION.items()} | joined(parts)
     tables |= {name: table_by_owner(kind, rows[name]) for name, kind in OF_RECORDINGS.items()}
@@ -116,18 +121,20 @@ def make_tables(
     }
 
 
-def rows_of_arm(arm: FittedArm) -> dict[str, Iterable[object]]:
+def rows_of_arm(
+    arm: ArmFits, calibration: Mapping[str, ImuCalibration], residuals: Residuals
+) -> dict[str, Iterable[object]]:
     """Return the rows of an arm by table."""
     friction, identification = arm.friction, arm.identification
     return {
-        "imu_calibration": calibrated(arm.calibration),
+        "imu_calibration": calibrated(calibration),
         "rotor_inertia": rotor_rows(arm.rotors),
         "parameters": identification.parameters,
         "excitation": excited(identification),
         "friction": friction_rows(friction, arm.identified),
         "torque_constants": torque_constants(friction, arm.identified),
         "cross_validation": cross_validated(friction),
-        "remarks": remarks(identification, friction, arm.residuals),
+        "remarks": remarks(identification, friction, residuals),
     }
 
 

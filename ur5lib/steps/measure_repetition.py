@@ -51,7 +51,8 @@ def measure_repetition(
 
 def torque_error(recording: PredictedRecording, model: str) -> Array | None:
     """Return by how much a link model's torque (N, n) [Nm] misses the controller's, below 2 Hz."""
-    signals, torques = recording.signals, recording.torques
+    # anew, so that memory has none of them while forces are computed
+    signals, torques = recording.signals.anew(), recording.torques.anew()
     if signals.target_moment is None:
         return None
     known = torques.target if model in torques.target else torques.measured

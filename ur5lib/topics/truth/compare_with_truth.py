@@ -12,11 +12,12 @@ from scipy.stats import norm
 from ur5lib.dynamics.flange import point_acceleration
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.records.accelerations import COMPONENTS
+from ur5lib.records.arm_fits import ArmFits
 from ur5lib.records.estimated_recording import EstimatedRecording
 from ur5lib.records.motion import Motion
 from ur5lib.robots.description import Robot
+from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.stand.truth import TrueParameters, Truth
-from ur5lib.steps.fitted_arm import FittedArm
 from ur5lib.tables import json_text, read_record
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth, inner_lowpass
@@ -46,13 +47,15 @@ def compare_with_truth(
     truth_summary: list[Path],
     simulated: list[str],
     recordings: Mapping[str, EstimatedRecording],
-    arms: Mapping[str, FittedArm],
+    arms: Mapping[str, ArmFits],
+    calibration: Mapping[str, dict[str, ImuCalibration]],
     lowpass: Butterworth,
 ) -> pd.DataFrame:
     """Return the table of estimates compared with the truth.
 
     truth, truth_summary: files of `Truth` and `TrueParameters` of the simulated recordings, of
-    which recordings has those that can be read; lowpass: of the accelerations.
+    which recordings has those that can be read; calibration: of each arm's IMU; lowpass: of the
+    accelerations.
     """
     known = [read_record(TrueParameters, path) for path in truth_summary]
     truths = dict(zip(simulated, known, strict=True))
@@ -60,7 +63,7 @@ def compare_with_truth(
     rows = list[Row]()
     for robot, arm in arms.items():
         of_arm = {name: one for name, one in truths.items() if one.robot == robot}
-        rows += [{"robot": robot} | row for row in arm_rows(arm, of_arm)]
+        rows += [{"robot": robot} | row for row in arm_rows(arm, calibration[robot], of_arm)]
     for name, recording in recordings.items():
         parameters, samples = truths[name], Truth.read(paths[name])
         about = {"recording": name, "robot": parameters.robot}
@@ -69,7 +72,9 @@ def compare_with_truth(
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
-def arm_rows(arm: FittedArm, truths: Truths) -> Iterator[Row]:
+def arm_rows(
+    arm: ArmFits, calibration: Mapping[str, ImuCalibration], truths: Truths
+) -> Iterator[Row]:
     """Yield rows about parameters fitted to several recordings with a common truth."""
     robot = arm.described
 
@@ -87,7 +92,7 @@ def arm_rows(arm: FittedArm, truths: Truths) -> Iterator[Row]:
             if row.determined:
                 numbers = [float(row.weights @ true)], [row.value], [row.std_error]
                 yield from values("base_parameter", [row.parameter], "", *numbers)
-    imu = arm.calibration.get("all")
+    imu = calibration.get("all")
     if imu and (plan := shared(truths, imu.from_, attrgetter("plan.imu"))):
         yield from imu_rows(imu, plan)
     if truth := shared(truths, friction.from_, attrgetter("drive", "friction")):
@@ -96,7 +101,7 @@ def arm_rows(arm: FittedArm, truths: Truths) -> Iterator[Row]:
 
 def recording_rows(
     recording: EstimatedRecording,
-    arm: FittedArm,
+    arm: ArmFits,
     truth: TrueParameters,
     samples: Truth,
     lowpass: Butterworth,
