@@ -26,6 +26,7 @@ from benchmarks.harness.stand import CURRENTS, MOTIONS, SETTINGS
 from ur5lib.identification.currents import RUN_TO_RUN_STD, SEASON, friction_std
 from ur5lib.identification.payload import PayloadEstimate
 from ur5lib.recordings.entries import ENTRY
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.quality import Quality
@@ -33,7 +34,7 @@ from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, robot_of
 from ur5lib.robots.from_urdf import robot_from_urdf
 from ur5lib.steps.align_recording import align_recording
-from ur5lib.steps.compute_torques import RecordingTorques, compute_torques
+from ur5lib.steps.compute_torques import compute_torques
 from ur5lib.steps.estimate_load import estimate_load
 from ur5lib.steps.fit_friction import fit_friction
 from ur5lib.steps.identify_model import identify_model
@@ -140,39 +141,28 @@ def fitted(arm: Robot, logs: Mapping[str, Log]) -> Fit:
     motion = {name: log.motion for name, log in logs.items()}
     found = identify_model(arm, signals, motion, dict.fromkeys(logs), MOTIONS, CURRENTS)
     known = robot_of(yaml.safe_load(found.arm))
-    torques = {name: torques_of(known, log, "fit") for name, log in logs.items()}
-    friction = fit_friction(
-        known,
-        signals,
-        motion,
-        {name: own.torques for name, own in torques.items()},
-        {name: own.premises for name, own in torques.items()},
-        {name: log.quality for name, log in logs.items()},
-        {},
-        dict.fromkeys(logs, ""),
-        CURRENTS,
-    )
+    recordings = {name: with_torques(known, log, "fit") for name, log in logs.items()}
+    friction = fit_friction(known, recordings, {}, dict.fromkeys(logs, ""), CURRENTS)
     loads = {
-        name: estimate_load(name, *of, torques[name].torques, friction, known, CURRENTS)
-        for name, of in ((name, (signals[name], motion[name])) for name in logs)
+        name: estimate_load(own, friction, known, CURRENTS) for name, own in recordings.items()
     }
     return Fit(known, friction, loads)
 
 
-def torques_of(arm: Robot, log: Log, role: str) -> RecordingTorques:
-    """Return the torques of a recording, which nothing contradicts."""
-    found = compute_torques(log.file, log.motion, arm, role, {"currents": CURRENTS.cutoff})
+def with_torques(arm: Robot, log: Log, role: str) -> AlignedRecording:
+    """Return a recording, which nothing contradicts, with its torques."""
+    known: dict[str, Any] = {"name": log.file.stem, "role": role, "quality": log.quality}
+    known |= {"signals": log.signals, "motion": log.motion}
+    found = compute_torques(AlignedRecording(**known), arm, {"currents": CURRENTS.cutoff})
     assert not found.premises.contradictions.stop_signs, "the checks refuse a right recording"
-    return found
+    return AlignedRecording(**known, torques=found.torques, premises=found.premises)
 
 
 def predicted(fit: Fit, log: Log) -> PredictedCurrents:
     """Return the prediction of a recording that no fit has seen."""
-    name, role, states = log.file.stem, "validate", (log.signals, log.motion)
-    torques, premises = torques_of(fit.arm, log, role)
-    load = estimate_load(name, *states, torques, fit.friction, fit.arm, CURRENTS)
-    known = premises, load, fit.loads, fit.friction, fit.arm
-    return predict_currents(name, role, *states, torques, *known, CURRENTS)
+    recording = with_torques(fit.arm, log, "validate")
+    load = estimate_load(recording, fit.friction, fit.arm, CURRENTS)
+    return predict_currents(recording, load, fit.loads, fit.friction, fit.arm, CURRENTS)
 
 
 def least_squares(made: MadeUpArm, folder: Path, fit: str, unseen: str) -> Array:

@@ -15,8 +15,9 @@ rigid-body model stays the study's: the controller's own torque tells it, not th
 """
 
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +52,7 @@ from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces, FurtherForces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
+from ur5lib.records.predicted_recording import PredictedRecording
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Quality
@@ -70,7 +72,12 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
 from ur5lib.timeseries.trajectories import group_by_path
 
-TABLES: dict[str, type[Table]] = {"signals": Signals, "motion": Motion, "torques": Torques}
+TABLES: dict[str, type[Table]] = {
+    "signals": Signals,
+    "motion": Motion,
+    "torques": Torques,
+    "kinematics": Kinematics,
+}
 ALARMS = ["recording", "estimate", "alarms", "minutes", "in_alarm", "deviations", "date"]
 MOVES = 2.0  # s, for which a joint moves at least where its friction is judged
 
@@ -100,6 +107,16 @@ class Recording:
     def premises(self) -> Premises:
         """Return what its torques rest on."""
         return read_record(Premises, self.file("premises.json"))
+
+    def opened(self, **known: Any) -> PredictedRecording:
+        """Return what the study made of it; known: what it did not."""
+        loads: dict[str, Callable[[], Any]] = {
+            name: partial(kind.read, self.file(f"{name}.parquet")) for name, kind in TABLES.items()
+        }
+        loads["premises"] = self.premises
+        loads["quality"] = partial(read_record, Quality, self.file("quality.json"))
+        stated = {"name": self.name, "date": self.day, "gravity": self.entry.get("gravity")}
+        return PredictedRecording(loads, **stated | known)
 
     def sensed(self) -> Array:
         """Return the sensor's wrench (N, 6), bias and tool removed; empty without a sensor."""
@@ -225,11 +242,7 @@ class Fold:
         """Fit, and predict the currents of all recordings; raises InputError if it is refused."""
         friction = fit_friction(
             arm=self.arm,
-            **{name: self.of_fitted(kind, f"{name}.parquet") for name, kind in TABLES.items()},
-            premises={own.name: own.premises() for own in self.fitted},
-            quality={
-                own.name: read_record(Quality, own.file("quality.json")) for own in self.fitted
-            },
+            recordings={own.name: own.opened() for own in self.fitted},
             postures={},
             dates={own.name: own.day for own in self.fitted},
             lowpass=self.study.lowpass,
@@ -275,7 +288,7 @@ class Fold:
 
     def payload(self, own: Recording) -> None:
         """What the currents tell of a load."""
-        write_json(estimate_load(**self.inputs_of(own)), self.own(own, "payload.json"))
+        write_json(estimate_load(own.opened(), **self.known()), self.own(own, "payload.json"))
 
     def load_of(self, own: Recording) -> PayloadEstimate:
         """Return what the currents told of a load."""
@@ -284,14 +297,12 @@ class Fold:
     def currents(self, own: Recording, role: str) -> None:
         """The external torque of a recording."""
         untouched = own.entry.get("untouched")
+        stated = {"role": role, "untouched": None if untouched is None else tuple(untouched)}
         predicted = predict_currents(
-            **self.inputs_of(own),
-            role=role,
-            date=own.day,
-            premises=own.premises(),
+            own.opened(**stated),
             payload=self.load_of(own),
             unloaded={other.name: self.load_of(other) for other in self.fitted},
-            untouched=None if untouched is None else tuple(untouched),
+            **self.known(),
         )
         predicted.currents.write(self.own(own, "currents.parquet"))
         write_json(predicted.summary, self.own(own, "currents.json"))
@@ -299,24 +310,16 @@ class Fold:
     def forces(self, own: Recording) -> None:
         """All estimates of a recording's forces."""
         forces = estimate_forces(
-            **{name: kind.read(own.file(f"{name}.parquet")) for name, kind in TABLES.items()},
-            kinematics=Kinematics.read(own.file("kinematics.parquet")),
-            currents=Currents.read(self.own(own, "currents.parquet")),
-            premises=own.premises(),
-            friction=self.friction,
+            own.opened(currents=Currents.read(self.own(own, "currents.parquet"))),
             residuals=read_record(Residuals, self.shared("residuals.json")),
-            arm=self.arm,
-            lowpass=self.study.lowpass,
+            **self.known(),
             contact_force_n=self.study.settings.contact.force_n,
         )
         forces.write(self.own(own, "forces.parquet"))
 
-    def inputs_of(self, own: Recording) -> dict[str, Any]:
-        """What both steps on currents read."""
-        tables = {name: kind.read(own.file(f"{name}.parquet")) for name, kind in TABLES.items()}
-        settings = {"recording": own.name, "gravity": own.entry.get("gravity")}
-        known = {"friction": self.friction, "arm": self.arm, "lowpass": self.study.lowpass}
-        return tables | settings | known
+    def known(self) -> dict[str, Any]:
+        """What all steps on currents are given."""
+        return {"friction": self.friction, "arm": self.arm, "lowpass": self.study.lowpass}
 
     def alarms(self, tested: list[Recording]) -> pd.DataFrame:
         """A row for each recording and estimate: alarms, minutes, of them minutes in alarm, and the
@@ -447,8 +450,7 @@ def held_by_state(fold: Fold, own: Recording) -> pd.DataFrame:
     currents = Currents.read(fold.own(own, "currents.parquet"))
     if currents.external_torque is None:
         return pd.DataFrame()
-    signals, motion, torques = (kind.read(own.file(f"{n}.parquet")) for n, kind in TABLES.items())
-    record = current_record(own.name, signals, motion, torques, fold.arm)
+    record = current_record(own.opened(), fold.arm)
     state = motion_states(record, Smoother(*fold.study.lowpass))
     error = currents.external_torque / torque_constants(fold.friction.fit_for(own.name))
     columns = {"of_band": np.abs(error) / currents.band, "state": state}

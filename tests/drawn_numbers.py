@@ -74,7 +74,7 @@ def check_drawn_numbers(results: Path, monkeypatch: pytest.MonkeyPatch) -> list[
             {Path(key).stem: path for key, path in files.items()},
             {**settings, "role": entry["role"]},
         )
-        figures, received = draw_figures(**given), ~given["signals"].interpolated
+        figures, signals = draw_figures(**given), given["recording"].signals
         own = {
             table: rows[rows["recording"] == name]
             for table, rows in told.items()
@@ -82,9 +82,9 @@ def check_drawn_numbers(results: Path, monkeypatch: pytest.MonkeyPatch) -> list[
         }
         compared += check_currents(figures["currents"], own["current_rmse"])
         compared += check_torques(
-            figures["torques"], own["torque_mae"], received, closest.get(arm, set())
+            figures["torques"], own["torque_mae"], ~signals.interpolated, closest.get(arm, set())
         )
-        told_by_sensor = ~at_limit(folder, given["signals"])
+        told_by_sensor = ~at_limit(folder, signals)
         compared += check_forces(figures["forces_estimated"], own["force_mae"], told_by_sensor)
         compared += check_accelerations(figures["accelerations"], own["acceleration_mae"])
     for robot, rows in told["friction"].groupby("robot"):

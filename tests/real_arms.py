@@ -33,6 +33,7 @@ from ur5lib.identification.current_samples import (
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import CurrentSamples, Smooth
 from ur5lib.recordings.intake import Intake
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.carried import carried
 from ur5lib.records.clocks import ClockRelation
 from ur5lib.records.currents import Currents
@@ -123,7 +124,8 @@ class RealRecording:
     @cached_property
     def record(self) -> CurrentSamples:
         """What its currents are fitted on."""
-        record = current_record(self.name, self.signals, self.motion, self.torques, self.robot)
+        own = {"signals": self.signals, "motion": self.motion, "torques": self.torques}
+        record = current_record(AlignedRecording(name=self.name, **own), self.robot)
         assert record is not None
         return record
 

@@ -2,7 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -25,6 +27,7 @@ from ur5lib.records.forces import Forces, FurtherForces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.measured import Measured
 from ur5lib.records.motion import Motion
+from ur5lib.records.predicted_recording import PredictedRecording
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.premises import Premises
 from ur5lib.records.signals import Signals
@@ -36,6 +39,7 @@ from ur5rivals.momentum import momentum_rate
 from ur5rivals.run import Estimate, FittedArm, Run
 
 JOINT_COUNT = 6  # estimators are written for arms with this many
+RECORDS: tuple[type[Any], ...] = (Signals, Motion, Torques, Kinematics, Currents, Premises)
 
 
 @dataclass(frozen=True)
@@ -112,17 +116,16 @@ def read_run(
     cutoff: of the currents' low-pass [Hz].
     """
     name, robot = entry.name, arm.mounted(entry.known_gravity())
-    signals, motion = study.record(Signals, name), study.record(Motion, name)
-    currents, torques = study.record(Currents, name), study.record(Torques, name)
-    loaded = study.record(Prediction, name, "currents").is_loaded
-    record = current_record(name, signals, motion, torques, robot)
-    if record is None or currents.external_torque is None or loaded:
+    recording = opened(study, name)
+    signals, motion, currents = recording.signals, recording.motion, recording.currents
+    record = current_record(recording, robot)
+    if record is None or currents.external_torque is None or recording.prediction.is_loaded:
         return None
     fit = fitted.fit_for(name)
     constant = torque_constants(fit)
     assert currents.predicted is not None
     torque = constant * (currents.predicted - record.current)
-    premises = study.record(Premises, name)
+    premises = recording.premises
     bare = robot.mounted([0, 0, 0])
     weightless = LinkModel(bare.carrying(premises.load.payload), robot.fullest_model())
     return Run(
@@ -136,7 +139,7 @@ def read_run(
         qdd=motion.qdd,
         model=record.torque,
         friction=constant * currents.predicted - record.torque,
-        jacobian=study.record(Kinematics, name).jacobian,
+        jacobian=recording.kinematics.jacobian,
         torque=torque,
         smoothed=currents.external_torque,
         momentum=weightless.momentum(motion.q, motion.qd),
@@ -151,6 +154,13 @@ def read_run(
         ready=ready_estimates(study, name, robot, signals),
         sensor=study.record(SensorWrenches, name, "sensor").wrench.get("compensated"),
     )
+
+
+def opened(study: FinishedStudy, name: str) -> PredictedRecording:
+    """Return what the study has of a recording."""
+    loads = {kind.__name__.lower(): partial(study.record, kind, name) for kind in RECORDS}
+    loads["prediction"] = partial(study.record, Prediction, name, "currents")
+    return PredictedRecording(loads, name=name)
 
 
 def ready_estimates(

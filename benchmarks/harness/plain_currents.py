@@ -19,6 +19,7 @@ from ur5lib.identification.current_samples import (
 )
 from ur5lib.identification.currents import predict
 from ur5lib.identification.samples import INDEPENDENT_STEP, CurrentSamples, smoothed_moving
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
@@ -53,7 +54,9 @@ def sampled(own: Recording, arm: Robot) -> tuple[CurrentSamples, Array]:
         for kind, name in ((Signals, "signals"), (Motion, "motion"))
     )
     torques = Torques.read(own.file("torques.parquet"))
-    record = current_record(own.name, signals, motion, torques, arm)
+    record = current_record(
+        AlignedRecording(name=own.name, signals=signals, motion=motion, torques=torques), arm
+    )
     assert record is not None
     return record, controllers_ratio(signals, motion, own.premises().contradictions.odd_targets())
 

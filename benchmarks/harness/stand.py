@@ -21,6 +21,7 @@ from ur5lib.identification.rotor_inertia import fitted_rotors
 from ur5lib.identification.samples import CurrentSamples
 from ur5lib.recordings.entries import RtdeFiles, ThesisFiles
 from ur5lib.recordings.intake import Intake, read_and_repair
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.carried import carried
 from ur5lib.records.clocks import OwnClock
 from ur5lib.records.currents import Currents
@@ -111,7 +112,8 @@ class Taken:
     def record(self) -> CurrentSamples:
         """Smoothed motion, its torque under the true model, the measured current."""
         name = f"seed {self.summary.plan.seed}"
-        record = current_record(name, self.signals, self.motion, self.torques, self.robot)
+        own = {"signals": self.signals, "motion": self.motion, "torques": self.torques}
+        record = current_record(AlignedRecording(name=name, **own), self.robot)
         assert record is not None
         return record
 

@@ -19,6 +19,7 @@ from ur5lib.identification.current_samples import Smoother, current_record, prio
 from ur5lib.identification.currents import band, predict
 from ur5lib.identification.samples import CurrentSamples, tracks
 from ur5lib.recordings.entries import ENTRY
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.carried import carried
 from ur5lib.records.friction import CurrentFit
 from ur5lib.records.motion import Motion, posture_change
@@ -155,7 +156,11 @@ class Ours:
         """Return a run's samples with the torque of the links found."""
         signals, motion = run.signals, run.motion
         torques = joint_torques(self.arm, carried(None, signals), signals, motion)
-        record = current_record(run.name, signals, motion, torques, self.arm, run.before)
+        record = current_record(
+            AlignedRecording(name=run.name, signals=signals, motion=motion, torques=torques),
+            self.arm,
+            run.before,
+        )
         assert record is not None
         return record
 

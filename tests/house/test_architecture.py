@@ -316,6 +316,16 @@ def test_functions_are_short() -> None:
     assert max(lengths) <= 40
 
 
+def test_functions_take_at_most_eight_parameters() -> None:
+    """But commands, with the options of the command line."""
+    commands = {PROJECT / "ur5lib" / "cli.py", PROJECT / "ur5lab" / "commands.py"}
+    for path in {*EVERY} - commands:
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.FunctionDef):
+                taken = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
+                assert len([own for own in taken if own.arg not in {"self", "cls"}]) <= 8, node.name
+
+
 STEPS = [*(PROJECT / "ur5lib" / "steps").glob("[!_]*.py"), *map(module_of, STEPS_OF_TOPICS)]
 
 

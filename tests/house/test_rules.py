@@ -1,12 +1,15 @@
 """What a step is given is what its rule declares: a result follows from what it depends on."""
 
+import ast
 import json
 import re
 import subprocess
 import sys
 from collections.abc import Callable
-from inspect import Parameter, signature
+from inspect import Parameter, getsource, signature
 from pathlib import Path
+from textwrap import dedent
+from types import FunctionType
 from typing import Any, get_args, get_origin, get_type_hints
 
 import pytest
@@ -14,7 +17,9 @@ import pytest
 from tests.conftest import PROJECT
 from tests.synthetic import write_recording
 from ur5lib.jobs.code import all_steps, imported_modules
+from ur5lib.jobs.files import opened
 from ur5lib.jobs.job import load_step
+from ur5lib.records.opened import Opened
 from ur5lib.report.figures.house_style import Drawing
 from ur5lib.steps.make_tables import OF_ARMS, OF_MOTION, OF_RECORDINGS
 
@@ -81,11 +86,43 @@ def declared(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Names]:
 def parameters(step: str) -> dict[str, bool]:
     """What a step takes, and whether it must be given.
 
-    What could not be read is no file: whoever runs the step knows it.
+    Of a record of files, what it uses. What could not be read is no file: whoever runs the step
+    knows it.
     """
-    taken = signature(load_step(step)).parameters
-    needed = {name: own.default is Parameter.empty for name, own in taken.items()}
-    return {name: need for name, need in needed.items() if name != "unreadable"}
+    function = load_step(step)
+    needed = dict[str, bool]()
+    for name, own in signature(function).parameters.items():
+        if (record := opened(get_type_hints(function)[name])) is not None:
+            needed |= {field: not hasattr(record, field) for field in used(function, name, record)}
+        elif name != "unreadable":
+            needed[name] = own.default is Parameter.empty
+    return needed
+
+
+def used(function: Callable[..., Any], taken: str, record: type[Opened]) -> set[str]:
+    """The fields of a record that a function uses, which takes it, or a mapping of several, as a
+    parameter; one of several is called `recording` or `arm`, and is the parameter's of a function
+    that it is handed to.
+
+    The name of one of several is that of its folder.
+    """
+    fields, found, each = get_type_hints(record), set[str](), {taken, taken.removesuffix("s")}
+    for node in ast.walk(ast.parse(dedent(getsource(function)))):
+        if isinstance(node, ast.Attribute) and root(node.value) in each:
+            method = getattr(record, node.attr, None)
+            found |= used(method, "self", record) if callable(method) else {node.attr}
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+            callee = function.__globals__.get(node.func.id)
+            handed = [k for k, own in enumerate(node.args) if root(own) in each]
+            for place in handed if isinstance(callee, FunctionType) else ():
+                found |= used(callee, [*signature(callee).parameters][place], record)
+    return (found & fields.keys()) - ({"name"} if taken.endswith("s") else set())
+
+
+def root(node: ast.expr) -> str:
+    """The name of a record, or of the mapping that it is taken from."""
+    node = node.value if isinstance(node, ast.Subscript) else node
+    return node.id if isinstance(node, ast.Name) else ""
 
 
 def test_every_rule_is_looked_at_and_every_step_has_one(declared: dict[str, Names]) -> None:

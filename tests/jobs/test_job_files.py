@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from tests.made_records import same, stretch
 from ur5lib.errors import InputError
 from ur5lib.jobs.files import arguments, write
+from ur5lib.records.opened import Opened
 from ur5lib.records.table import SegmentedTable
 from ur5lib.report.figures.house_style import Drawing
 from ur5lib.robots.description import Payload, Robot, robot_path
@@ -112,6 +113,56 @@ def test_files_of_several_lie_in_the_folders_of_their_names(files: Path) -> None
     assert given["loads"]["b"].mass == ord("b")
     alone = arguments(step, {"tables": tables[0], "loads": []}, {})
     assert ([*alone["tables"]], dict(alone["loads"])) == (["a"], {})
+
+
+class Results(Opened):
+    """Files of a recording."""
+
+    table: SegmentedTable
+    load: Load
+    other: Load
+    role: str = "fit"
+
+
+def test_a_record_of_files_opens_each_when_it_is_first_used(files: Path) -> None:
+    """And keeps it; an error of a file names it."""
+
+    def step(recording: Results, limit: float) -> None: ...
+
+    given = {name: f"{files}/a/{name}" for name in ("table.parquet", "load.json")}
+    named = {Path(name).stem: path for name, path in given.items()}
+    own = arguments(step, named, {"limit": 1.0, "role": "contact"})
+    recording = own["recording"]
+    assert (own["limit"], recording.role) == (1.0, "contact")
+    same(recording.table, table("a"))
+    for path in given.values():
+        Path(path).write_text("[]")
+    same(recording.table, table("a"))
+    with pytest.raises(InputError, match=r"a/load\.json"):
+        _ = recording.load
+    with pytest.raises(AttributeError, match="Results was given no other"):
+        _ = recording.other
+
+
+def test_records_of_several_have_what_lies_in_the_folders_of_their_names(files: Path) -> None:
+    """A field is not that of a parameter of its name."""
+
+    def step(recordings: Mapping[str, Results], other: Load, role: str) -> None: ...
+
+    tables, loads = [f"{files}/{own}/table.parquet" for own in "ab"], [f"{files}/b/load.json"]
+    inputs: dict[str, Any] = {"table": tables, "load": loads, "other": f"{files}/load.json"}
+    given = arguments(step, inputs, {"role": "validate"})
+    recordings = given["recordings"]
+    assert [(name, own.name, own.role) for name, own in recordings.items()] == [
+        ("a", "a", "fit"),
+        ("b", "b", "fit"),
+    ]
+    same(recordings["b"].table, table("b"))
+    assert recordings["b"].load.mass == ord("b")
+    assert given["other"].mass == LOAD.mass
+    for missing in ("load", "other"):
+        with pytest.raises(AttributeError, match=missing):
+            getattr(recordings["a"], missing)
 
 
 def test_what_is_not_there_has_its_default(files: Path) -> None:

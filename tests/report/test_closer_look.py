@@ -22,6 +22,7 @@ from tests.made_records import signals_of, stretch
 from tests.made_study import study
 from tests.typeset_page import sources
 from ur5lib.records.currents import Currents
+from ur5lib.records.estimated_recording import EstimatedRecording
 from ur5lib.records.forces import Forces, SensorWrenches
 from ur5lib.records.scene import Scene
 from ur5lib.report.figures.charts import response_panel
@@ -81,7 +82,8 @@ def pushed(role: str = "contact", read: float | None = 1.0) -> Scene:
     forces = Forces(**samples, wrench={"Fmap": wrench}, std={"Fmap": std}, log_odds={"Fmap": odds})
     by_sensor = {} if read is None else {"compensated": read * sensed}
     sensor = SensorWrenches(**samples, wrench=by_sensor)
-    return arm_scene(arm(), signals, currents, forces, sensor, {"Fmap": 0.0}, role)
+    known = {"signals": signals, "currents": currents, "forces": forces, "sensor": sensor}
+    return arm_scene(EstimatedRecording(role=role, **known), arm(), {"Fmap": 0.0})
 
 
 SECTION = """

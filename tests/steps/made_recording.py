@@ -1,13 +1,13 @@
 """What the steps know of a made-up recording: records that say nothing but what a test gives."""
 
 from collections.abc import Callable
-from inspect import signature
 from types import SimpleNamespace
 from typing import Any
 
 from tests.made_records import stretch, torques_of
 from tests.made_tables import record
 from ur5lib.force.residual_model import Residuals
+from ur5lib.jobs.files import assembled
 from ur5lib.records.carried import Carried
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
@@ -43,8 +43,7 @@ class Known(SimpleNamespace):
         return Known(**vars(self) | others)
 
     def run(self, step: Callable[..., Any]) -> Any:
-        asked = signature(step).parameters
-        return step(**{name: own for name, own in vars(self).items() if name in asked})
+        return step(**assembled(step, {}, vars(self)))
 
 
 def known_of(
@@ -53,8 +52,9 @@ def known_of(
     """Nothing is known besides: no currents, no forces, no sensor."""
     grid = stretch(signals.time)
     usual: dict[str, Any] = {
-        "recording": "made",
+        "name": "made",
         "role": "contact",
+        "before": {},
         "quality": Quality(),
         "force": NO_SAMPLES,
         "alignment": aligned(),
@@ -63,6 +63,7 @@ def known_of(
         "currents": Currents(**grid),
         "prediction": Prediction(False),
         "forces": Forces(**grid),
+        "further": None,
         "sensor": SensorWrenches(**grid),
         "compared": Compared(),
         "friction": Friction(),

@@ -25,6 +25,7 @@ from ur5lib.identification.currents import breakaway_torque, torque_constants
 from ur5lib.identification.payload import SCALED_TORQUE_ERROR, PayloadEstimate, judged_load
 from ur5lib.identification.samples import CurrentSamples
 from ur5lib.identification.validation import least_squares_coefficients
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.carried import Carried
 from ur5lib.records.contacts import Contact, Contacts
 from ur5lib.records.currents import Currents
@@ -164,6 +165,11 @@ class Predicted:
         return float(np.nanmedian(np.abs(self.currents.external_torque[:, 1])))
 
 
+def recording_of(loaded: Loaded, **known: Any) -> AlignedRecording:
+    own = {"signals": loaded.signals, "motion": loaded.motion, "torques": loaded.torques}
+    return AlignedRecording(name="made", **own | known)
+
+
 def predicted(
     loaded: Loaded,
     friction: Friction,
@@ -176,12 +182,7 @@ def predicted(
 ) -> Predicted:
     """What predict_currents makes of two kilograms that were found beside a known load."""
     currents, summary = predict_currents(
-        "made",
-        role,
-        loaded.signals,
-        loaded.motion,
-        loaded.torques,
-        premises(*signs, load=known),
+        recording_of(loaded, role=role, premises=premises(*signs, load=known)),
         found,
         {"a": unloaded},
         friction,
@@ -281,8 +282,7 @@ def test_a_load_is_told_by_an_arm_that_moves(
 
     def estimated(friction: Friction, **others: Any) -> PayloadEstimate:
         own = replace(loaded, **others)
-        known = own.signals, own.motion, own.torques, friction, ur5, CURRENTS_LOWPASS
-        return estimate_load("made", *known)
+        return estimate_load(recording_of(own), friction, ur5, CURRENTS_LOWPASS)
 
     assert estimated(friction).parameters[0] == pytest.approx(2.0, rel=0.1)
     still = replace(loaded.motion, motor_qd=0 * loaded.motion.qd)

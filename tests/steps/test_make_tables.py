@@ -3,6 +3,7 @@
 import re
 from ast import literal_eval
 from dataclasses import fields, replace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,9 @@ from tests.conftest import PROJECT
 from tests.made_tables import COLUMNS, record, table
 from ur5lib.force.residual_model import Residuals
 from ur5lib.records.accelerations import Difference, ImuComparison
+from ur5lib.records.arm_fits import ArmFits
 from ur5lib.records.contacts import Contacts
+from ur5lib.records.estimated_recording import EstimatedRecording
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.friction import Friction
 from ur5lib.records.judgement import CurrentError, Judgement
@@ -31,13 +34,19 @@ PARAMETER = {"joint": 2, "name": "coulomb", "value": 6.0, "std_error": 0.1, "int
 def made(arm: Robot, judgements: dict[str, Judgement], **more: Any) -> dict[str, pd.DataFrame]:
     """The tables of a study of one arm."""
     friction = record(Friction, {"parameters": [PARAMETER]})
-    more = {"beside_sensor": {}, "contacts": {}} | more
-    fits = {"rotors": Rotors(), "identification": Identification(), "calibration": {}}
-    fits |= {"fitted": friction, "residuals": Residuals()}
-    each = {name: {"ur5": own} for name, own in {"arm": arm, **fits}.items()}
-    return make_tables(
-        judgements, **{"parts": [], "unreadable": {}, "beside_imu": {}} | each | more
-    )
+    fits = {"rotors": Rotors(), "identification": Identification(), "friction": friction}
+    nothing = {"compared": Compared(), "contacts": Contacts(), "comparison": ImuComparison()}
+    known = {field: more.pop(field, {}) for field in nothing}
+    recordings = {
+        name: EstimatedRecording(
+            **nothing | {f: own[name] for f, own in known.items() if name in own}
+        )
+        for name in chain.from_iterable(known.values())
+    }
+    arms = {"ur5": ArmFits(identified=arm, **fits)}
+    known = {"calibration": {"ur5": {}}, "residuals": {"ur5": Residuals()}}
+    known |= {"parts": [], "unreadable": {}}
+    return make_tables(judgements, recordings, arms, **known | more)
 
 
 def judged(*findings: str) -> Judgement:
@@ -81,7 +90,7 @@ def test_bands_of_acceleration_are_of_the_other_recordings(ur5: Robot) -> None:
     )
     judgements = dict.fromkeys("ab", Judgement())
     both, alone = (
-        made(ur5, judgements, beside_imu={name: replace(imu) for name in names})
+        made(ur5, judgements, comparison={name: replace(imu) for name in names})
         for names in ("ab", "a")
     )
     assert {*both["acceleration_bands"]["recording"]} == {"a", "b"}
@@ -149,7 +158,7 @@ def test_a_sensor_that_reads_contacts_beats_the_role(ur5: Robot) -> None:
         ]
     )
     judgements = dict.fromkeys(ROLES, raw)
-    found = of_roles(ur5, judgements=judgements, beside_sensor=dict.fromkeys(ROLES, sensed(2)))
+    found = of_roles(ur5, judgements=judgements, compared=dict.fromkeys(ROLES, sensed(2)))
     rows = found["quality"].groupby("recording")
     for name, role in ROLES.items():
         own = rows.get_group(name).set_index(["device", "finding"])
@@ -164,7 +173,7 @@ def test_a_sensor_that_reads_contacts_beats_the_role(ur5: Robot) -> None:
     )
 
 
-@pytest.mark.parametrize("others", [{"beside_sensor": dict.fromkeys(ROLES, sensed(0))}, {}])
+@pytest.mark.parametrize("others", [{"compared": dict.fromkeys(ROLES, sensed(0))}, {}])
 def test_a_raw_contact_alone_stays_a_warning(ur5: Robot, others: dict[str, Any]) -> None:
     """As of an undeclared load that turns."""
     raw = Judgement(findings=[Finding("force", "contact", "warning", 9, "up to 42 N")])
@@ -178,7 +187,7 @@ def test_what_sensor_and_contacts_tell_is_in_the_tables(ur5: Robot) -> None:
     found = made(
         ur5,
         dict.fromkeys("ab", Judgement()),
-        beside_sensor={"a": Compared(), "b": beside},
+        compared={"a": Compared(), "b": beside},
         contacts={"a": Contacts(), "b": contacts},
     )
     filled = {name for name, rows in found.items() if [*rows.get("recording", ())] == ["b"]}

@@ -20,6 +20,7 @@ from ur5lib.force.trial_contacts import PUSH_DURATION, Trials
 from ur5lib.records import verdicts
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.estimated_recording import EstimatedRecording
 from ur5lib.records.friction import Friction
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.pushes import Reason, SmallestPush
@@ -164,7 +165,7 @@ def test_pushes_on_fit_recordings_alone_say_so() -> None:
 @pytest.fixture(scope="module")
 def known(ur5: Robot) -> dict[str, Any]:
     """What the step is given of two recordings without contact, of which one was fitted to."""
-    made: dict[str, dict[str, Any]] = {}
+    made: dict[str, EstimatedRecording] = {}
     for seed, name in enumerate(("seen", "new")):
         run = free_run(ur5, seed, seconds=60, period=0.016)
         one = known_of(
@@ -178,19 +179,16 @@ def known(ur5: Robot) -> dict[str, Any]:
             residuals=Residuals(MODEL),
             friction=Friction(from_=["seen"]),
         )
-        made[name] = {key: getattr(one, key) for key in ("motion", "currents", "kinematics")}
-        made[name] |= {
-            "forces": one.run(estimate_forces),
-            "predictions": Prediction(name == "seen"),
-            "premises": one.premises,
-        }
+        known = one.but(forces=one.run(estimate_forces), prediction=Prediction(name == "seen"))
+        made[name] = EstimatedRecording(**vars(known))
     return made
 
 
-def measured(known: dict[str, Any], names: Sequence[str], ur5: Robot, paths: int) -> DetectedPushes:
-    keys = ("motion", "currents", "kinematics", "forces", "predictions", "premises")
+def measured(
+    known: dict[str, EstimatedRecording], names: Sequence[str], ur5: Robot, paths: int
+) -> DetectedPushes:
     return measure_pushes(
-        **{key: {name: known[name][key] for name in names} for key in keys},
+        {name: known[name] for name in names},
         friction=Friction(paths=paths),
         residuals=Residuals(MODEL),
         threshold={"Fmap": 0.0},
@@ -220,7 +218,10 @@ def test_what_the_trials_rest_on(
 
 def test_a_recording_with_a_load_is_not_pushed(known: dict[str, Any], ur5: Robot) -> None:
     load = SimpleNamespace(is_loaded=True, fitted=False)
-    loaded = {"new": known["new"] | {"predictions": load}, "seen": known["seen"]}
+    loaded = {
+        "new": EstimatedRecording(**vars(known["new"]) | {"prediction": load}),
+        "seen": known["seen"],
+    }
     assert {row.basis for row in measured(loaded, ["seen", "new"], ur5, 2).pushes} == {"fit"}
     assert measured(loaded, ["new"], ur5, 2) == ([], [], [])
 

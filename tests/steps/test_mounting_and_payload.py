@@ -8,6 +8,7 @@ import pytest
 
 from tests.made_records import motion_of
 from ur5lib.identification.current_samples import current_record
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, load_robot
 from ur5lib.stand.controller_channels import frames
@@ -34,19 +35,19 @@ class Made:
         plan_of = SimulatedRecording.model_validate(wanted)
         arm, random = robot.mounted(gravity), np.random.default_rng(0)
         self.done: Experiment = perform(arm, plan_of, random)
-        self.gravity, self.file = gravity, folder / "signals.parquet"
+        self.gravity, file = gravity, folder / "signals.parquet"
         sent = frames(self.done, CYCLE, None)
         told = sent.drop(columns=["sent", "kept"], errors="ignore")
-        write_table(told.assign(segment=0, interpolated=False), self.file)
-        self.signals = Signals.read(self.file)
+        write_table(told.assign(segment=0, interpolated=False), file)
+        self.signals = Signals.read(file)
         states = (self.done.motion[name][::EVERY] for name in ("q", "qd", "qdd"))
         self.motion = motion_of(sent["time"].to_numpy(), *states)
 
     def torques(self, arm: Robot, declared: Payload | None) -> RecordingTorques:
         """With the payload that the study declares."""
-        return compute_torques(
-            self.file, self.motion, arm, "contact", {"currents": 2.0}, self.gravity, declared
-        )
+        known = {"signals": self.signals, "motion": self.motion, "gravity": self.gravity}
+        recording = AlignedRecording(role="contact", **known)
+        return compute_torques(recording, arm, {"currents": 2.0}, declared)
 
     @property
     def true_torque(self) -> np.ndarray:
@@ -60,7 +61,8 @@ def test_targets_are_compared_as_told_and_currents_as_carried(ur5: Robot, tmp_pa
     made, physical = Made(ur5, tmp_path, WALL, **payloads), TOLD.joined(HIDDEN)
     torques, premises = made.torques(ur5, physical)
     np.testing.assert_allclose(torques.target[MODEL], made.signals.target_moment, atol=1e-4)
-    record = current_record("", made.signals, made.motion, torques, ur5)
+    known = {"signals": made.signals, "motion": made.motion, "torques": torques}
+    record = current_record(AlignedRecording(**known), ur5)
     assert record is not None
     np.testing.assert_allclose(record.torque, made.true_torque, atol=1e-6)
     assert np.abs(torques.payload_torque).max() > 3

@@ -10,6 +10,7 @@ import pytest
 
 from tests.steps.made_recording import known_of
 from ur5lib.identification.current_samples import current_record
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.judgement import Judgement
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
@@ -76,9 +77,8 @@ class Mounted:
         signals = Signals.read(file)
         known = {"other": signals}, {"other": read.kinematics}, {"other": aligned.alignment}
         self.calibration = calibrate_imu(arm, *known, {"other": gravity}, LOWPASS)
-        torques, premises = compute_torques(
-            file, aligned.motion, arm, "fit", {"currents": CUTOFF}, gravity, entry.known_payload()
-        )
+        own = AlignedRecording(role="fit", signals=signals, motion=aligned.motion, gravity=gravity)
+        torques, premises = compute_torques(own, arm, {"currents": CUTOFF}, entry.known_payload())
         self.known = known_of(
             arm,
             signals,
@@ -91,10 +91,9 @@ class Mounted:
             premises=premises,
             gravity=gravity,
         )
-        self.beside = compare_accelerations(
-            *("made", read.quality, read.imu, read.kinematics, signals, aligned.motion),
-            *(aligned.alignment, arm, self.calibration, self.calibration, LOWPASS, gravity),
-        )
+        known = {"imu": read.imu, "calibration": self.calibration, "lowpass": LOWPASS}
+        known |= {"calibration_without_each": self.calibration}
+        self.beside = self.known.but(**known).run(compare_accelerations)
         self.fused, self.beside_imu = self.beside.fused, self.beside.comparison
         self.sensor, self.beside_sensor = self.known.run(judge_sensor)
 
@@ -105,7 +104,7 @@ class Mounted:
     def by_currents(self) -> Array:
         """Contact force (N, 3) [N] by what currents, link model and known payload leave."""
         own = self.known
-        record = current_record("made", own.signals, own.motion, own.torques, own.arm)
+        record = current_record(AlignedRecording(**vars(own)), own.arm)
         assert record is not None
         external = record.torque - self.parameters.drive.torque_constant * record.current
         wrench = np.linalg.solve(own.kinematics.jacobian.mT, external[..., None])

@@ -19,6 +19,7 @@ from ur5lib.timeseries.arrays import Array
 
 INTERNAL_RATE = 7000  # Hz; ft_sequence counts at this rate
 SATURATION_STATUS = net_ft.ERROR_BIT | net_ft.SATURATION_BIT
+COUNTS = 1_000_000  # counts per unit, of force and torque
 MAX_COUNT = 2**31 - 1  # count
 
 SETTINGS_PAGE = """<?xml version="1.0"?>
@@ -26,7 +27,7 @@ SETTINGS_PAGE = """<?xml version="1.0"?>
 <runstat>0x00000000</runstat><prodname>Net F/T (emulated)</prodname>
 <cfgnam>lab</cfgnam><cfgcalsel>0</cfgcalsel><cfgcalsn>FT00001</cfgcalsn>
 <scfgfu>{force_unit}</scfgfu><scfgtu>{torque_unit}</scfgtu>
-<cfgcpf>{force_counts}</cfgcpf><cfgcpt>{torque_counts}</cfgcpt>
+<cfgcpf>{counts}</cfgcpf><cfgcpt>{counts}</cfgcpt>
 <comrdte>Enabled</comrdte><comrdtrate>{rate:.0f}</comrdtrate><comrdtbsiz>1</comrdtbsiz>
 <mfgdigver>2.2.59</mfgdigver>
 </netft>
@@ -36,8 +37,8 @@ SETTINGS_PAGE = """<?xml version="1.0"?>
 class NetFTDouble(DeviceDouble):
     """A box on 127.0.0.1, at free ports: `port` for RDT and `http_port` for its page.
 
-    reading: force and torque (6,), in the box's units; force_counts, torque_counts: counts per
-    unit; saturation: largest force [box's unit], beyond which the status is SATURATION_STATUS.
+    reading: force and torque (6,), in the box's units; saturation: largest force [box's unit],
+    beyond which the status is SATURATION_STATUS.
     """
 
     is_stream = False
@@ -50,18 +51,14 @@ class NetFTDouble(DeviceDouble):
         faults: TransmissionFaults = TransmissionFaults(),
         force_unit: str = "N",
         torque_unit: str = "Nm",
-        force_counts: int = 1_000_000,
-        torque_counts: int = 1_000_000,
         saturation: float = np.inf,
     ) -> None:
         super().__init__(reading, rate_hz, clock, faults)
-        self._counts = np.repeat([force_counts, torque_counts], 3)
         self._saturation = saturation
         self._page = SETTINGS_PAGE.format(
             force_unit=force_unit,
             torque_unit=torque_unit,
-            force_counts=force_counts,
-            torque_counts=torque_counts,
+            counts=COUNTS,
             rate=rate_hz,
         ).encode()
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -105,7 +102,7 @@ class NetFTDouble(DeviceDouble):
         self._sequence += 1
         internal = round(self.shown(sample) * INTERNAL_RATE)
         wrench = np.concatenate([clipped, true[3:]])
-        counts = np.rint((wrench - self._zero) * self._counts).clip(-MAX_COUNT, MAX_COUNT)
+        counts = np.rint((wrench - self._zero) * COUNTS).clip(-MAX_COUNT, MAX_COUNT)
         numbers = [self._sequence, internal, status, *counts.astype(int)]
         return b"".join((int(n) % 2**32).to_bytes(4, "big") for n in numbers)
 

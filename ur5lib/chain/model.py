@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
-from typing import Any, get_args, get_origin
+from typing import Any, get_args
 
 import numpy as np
 import pandas as pd
@@ -31,10 +31,10 @@ from ur5lib.tables import as_written, write_text
 TABLES = ["friction", "torque_constants", "cross_validation", "rotor_inertia", "parameters"]
 TABLES += ["excitation", "remarks"]
 FILES_OF_TABLES = {
-    "arm": "arm",
+    "identified": "arm",
     "rotors": "rotors",
     "identification": "summary",
-    "fitted": "friction",
+    "friction": "friction",
     "residuals": "residuals",
 }
 OF_JOINTS = ("friction", "current_torque", "current_torque_friction")  # a panel each
@@ -95,13 +95,10 @@ class Model(Shown):
             'Nm/A'
         """
         expect_known("table", name, TABLES)
-        asked = parameter_types(step_named("make_tables")).items()
-        inputs: dict[str, Contents] = {
-            key: {self.robot: self._arm[FILES_OF_TABLES[key]]} if key in FILES_OF_TABLES else {}
-            for key, kind in asked
-            if get_origin(kind) is Mapping
-        }
-        inputs["calibration"] = {self.robot: "{}"}  # no IMU is calibrated
+        files = {key: self._arm[file] for key, file in FILES_OF_TABLES.items()}
+        files["calibration"] = "{}"  # no IMU is calibrated
+        inputs: dict[str, Contents] = {key: {self.robot: file} for key, file in files.items()}
+        inputs["judgements"] = {}
         tables = call("make_tables", inputs, {"parts": [], "unreadable": {}})
         table = as_written(tables[name])
         table.attrs["units"] = column_units(name, table, self.identified.measured.unit)

@@ -67,7 +67,8 @@ class Chain:
                 inputs[parameter] = self._motions_before(recording)
             elif get_origin(kind) is Mapping:
                 found = {one: files[name] for one, files in self.several.items() if name in files}
-                if found or signature(function).parameters[parameter].default is Parameter.empty:
+                taken = signature(function).parameters.get(parameter)
+                if found or (taken and taken.default is Parameter.empty):
                     inputs[parameter] = found
             elif name in own or name in self.arm:
                 inputs[parameter] = own[name] if name in own else self.arm[name]
@@ -77,7 +78,8 @@ class Chain:
         """Return the motions of the recordings that one, or the arm's to fit, follow."""
         names = [recording] if recording else self.selection.of_arm(self.robot, "fit")
         before = self.selection.before(*names)
-        return {one: self.recordings[one]["motion"] for one in before if one in self.recordings}
+        files = {one: self.recordings.get(one, {}) for one in before}
+        return {one: own["motion"] for one, own in files.items() if "motion" in own}
 
     def _paths(self, step: str, recording: str) -> dict[str, list[Path]]:
         """Return the files of the user's that a step reads."""

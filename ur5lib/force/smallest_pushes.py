@@ -25,7 +25,7 @@ from ur5lib.force.trial_contacts import (
 )
 from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.prediction import Prediction
+from ur5lib.records.predicted_recording import PredictedRecording
 from ur5lib.records.pushes import SPEEDS, Basis, PushesFound, Reason, SmallestPush
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
@@ -79,7 +79,7 @@ def pushed(
 
 
 def pushes_of_arm(
-    trials: Mapping[str, Trials], predictions: Mapping[str, Prediction], paths: int
+    trials: Mapping[str, Trials], recordings: Mapping[str, PredictedRecording], paths: int
 ) -> list[SmallestPush]:
     """Return the smallest pushes by trials on an arm's recordings, none without any trial.
 
@@ -88,7 +88,7 @@ def pushes_of_arm(
     tried = [name for name, own in trials.items() if len(own.force)]
     if not tried:
         return []
-    basis: Basis = "fit" if all(predictions[name].fitted for name in tried) else "unseen"
+    basis: Basis = "fit" if all(recordings[name].prediction.fitted for name in tried) else "unseen"
     together = Trials.joined([trials[name] for name in tried])
     return [*smallest_pushes(together, basis, has_one_path=paths == 1)]
 

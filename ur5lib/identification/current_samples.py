@@ -15,7 +15,7 @@ from ur5lib.identification.prior import (
     typical_friction,
 )
 from ur5lib.identification.samples import CurrentSamples, Shafts
-from ur5lib.records.dynamics import Torques
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
@@ -34,12 +34,7 @@ CONTROLLERS = 0.1  # the controller's ratio has this relative error
 
 
 def current_record(
-    name: str,
-    signals: Signals,
-    motion: Motion,
-    torques: Torques,
-    arm: Robot,
-    before: Sequence[Motion] = (),
+    recording: AlignedRecording, arm: Robot, before: Sequence[Motion] = ()
 ) -> CurrentSamples | None:
     """Return motion and currents as measured, and the torque of an arm's fullest link model and
     the payload.
@@ -48,9 +43,9 @@ def current_record(
     before ended: they show to which side friction acts on the joints at the start. None where no
     currents were recorded.
     """
-    model = arm.fullest_model()
-    torque = torques.measured[model] + torques.payload_torque
-    samples = measured_samples(name, signals, motion, arm, torque, before)
+    model, motion = arm.fullest_model(), recording.motion
+    torque = recording.torques.measured[model] + recording.torques.payload_torque
+    samples = measured_samples(recording.name, recording.signals, motion, arm, torque, before)
     if samples is None or arm.measured == CURRENT:
         return samples
     return replace(samples, inertial=torque - gravity_torque(arm, model, motion.q))

@@ -1,20 +1,23 @@
 """Files of a job as the typed arguments of its step, and the step's results as files.
 
-A step is a function of records. Its parameters have the names of its rule's inputs and params, and
-their types say how a file is read; what it returns is written under the names of its outputs.
+A step is a function of records. Its parameters, and the fields of what it takes as `Opened`, have
+the names of its rule's inputs and params, and their types say how a file is read; what it returns
+is written under the names of its outputs.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
 from io import BytesIO
+from itertools import chain
 from pathlib import Path
-from types import UnionType
+from types import GenericAlias, UnionType
 from typing import Any, get_args, get_origin, get_type_hints
 
 import pandas as pd
 from pydantic import TypeAdapter
 
 from ur5lib.jobs.unreadable import Files, marked
+from ur5lib.records.opened import Opened
 from ur5lib.records.table import Table
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.tables import (
@@ -42,9 +45,42 @@ def arguments(step: Callable[..., Any], input: Files, params: Mapping[str, Any])
     lie, of recordings or arms. Raises InputError where a file is not as its type says.
     """
     kinds = parameter_types(step)
-    files = {name: _read(kinds[name], paths) for name, paths in input.items() if name in kinds}
+    loads = {name: partial(_read, kinds[name], of) for name, of in input.items() if name in kinds}
     settings = {name: setting(kinds[name], own) for name, own in params.items() if name in kinds}
-    return files | settings
+    return assembled(step, loads, settings)
+
+
+def assembled(
+    step: Callable[..., Any], loads: Mapping[str, Callable[[], Any]], known: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return a step's arguments by name.
+
+    loads: what reads a parameter, now, or a field of an `Opened`, when it is first used; known:
+    parameters and fields in memory.
+    """
+    own = _annotated(step)
+    given = {name: load() for name, load in loads.items() if name in own}
+    given |= {name: value for name, value in known.items() if name in own}
+    for name, kind in own.items():
+        if (record := opened(kind)) is not None:
+            fields = get_type_hints(record).keys() - own.keys()
+            files = {field: load for field, load in loads.items() if field in fields}
+            of_one = {field: value for field, value in known.items() if field in fields}
+            given[name] = record(files, **of_one) if kind is record else _each(record, files)
+    return given
+
+
+def _each(record: type[Opened], loads: Mapping[str, Callable[[], Any]]) -> Mapping[str, Opened]:
+    """Return a record of each recording or arm by its name; loads: of each field by name."""
+    several = {field: load() for field, load in loads.items()}
+
+    def of(name: str) -> Opened:
+        known = {field: each for field, each in several.items() if name in each}
+        files = {field: partial(each.__getitem__, name) for field, each in known.items()}
+        return record(files, name=name)
+
+    names = dict.fromkeys(chain.from_iterable(several.values()))
+    return ByKey({name: partial(of, name) for name in names})
 
 
 def write(step: Callable[..., Any], result: Any, output: Files) -> None:
@@ -84,9 +120,29 @@ def _parts(kind: Any, result: Any, output: Files) -> dict[str, tuple[Any, Any]]:
 
 @cache
 def parameter_types(step: Callable[..., Any]) -> dict[str, Any]:
-    """Return the types of a step's parameters; of an optional one, without None."""
+    """Return the types of what a step is given, by name: of its parameters and, in place of an
+    `Opened`, of its fields; of what is optional, without None.
+    """
+    types = dict[str, Any]()
+    for name, kind in _annotated(step).items():
+        if (record := opened(kind)) is None:
+            types[name] = kind
+            continue
+        for field, own in get_type_hints(record, include_extras=True).items():
+            types.setdefault(field, own if kind is record else GenericAlias(Mapping, (str, own)))
+    return {name: _without_none(kind) for name, kind in types.items()}
+
+
+@cache
+def _annotated(step: Callable[..., Any]) -> dict[str, Any]:
     types = get_type_hints(step, include_extras=True)
-    return {name: _without_none(kind) for name, kind in types.items() if name != "return"}
+    return {name: kind for name, kind in types.items() if name != "return"}
+
+
+def opened(kind: Any) -> type[Opened] | None:
+    """Return the record of files that a parameter takes, one or a Mapping of several."""
+    own = get_args(kind)[1] if get_origin(kind) is Mapping else kind
+    return own if isinstance(own, type) and issubclass(own, Opened) else None
 
 
 def _without_none(kind: Any) -> Any:

@@ -9,7 +9,7 @@ from typing import Any, get_args, get_origin
 
 import pandas as pd
 
-from ur5lib.jobs.files import parameter_types, read_file, setting
+from ur5lib.jobs.files import assembled, parameter_types, read_file, setting
 from ur5lib.jobs.job import step_named
 from ur5lib.records.table import Table
 from ur5lib.robots.description import Robot, robot_of
@@ -23,13 +23,13 @@ Contents = Content | Mapping[str, Content]  # several by recording, or by arm
 def call(step: str, inputs: Mapping[str, Contents], params: Mapping[str, Any]) -> Any:
     """Return what a step returns.
 
-    inputs: what its parameters of records are read from; params: plain data of a study, paths.
+    inputs: what its records are read from; params: plain data of a study, paths.
     """
     function = step_named(step)
     kinds = parameter_types(function)
-    records = {name: _given(kinds[name], one) for name, one in inputs.items()}
+    loads = {name: partial(_given, kinds[name], one) for name, one in inputs.items()}
     settings = {name: setting(kinds[name], own) for name, own in params.items()}
-    return function(**records, **settings)
+    return function(**assembled(function, loads, settings))
 
 
 def contents(name: str, result: Any) -> dict[str, Content]:

@@ -168,6 +168,12 @@ class Table:
         }
         return type(self)(**taken)
 
+    @property
+    def file(self) -> Source:
+        """Return the file of a table that was read from one."""
+        source: Source = self.__dict__["_path"]
+        return source
+
     @classmethod
     def from_table(cls, table: pd.DataFrame) -> Self:
         """Return the record of a table in memory; raises as `read`."""

@@ -3,14 +3,10 @@
 from collections.abc import Iterator
 from typing import NamedTuple
 
-import pandas as pd
-
 from ur5lib.records.acceleration_errors import AccelerationError, Innovation
 from ur5lib.records.accelerations import Accelerations, ImuComparison
-from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.motion import Alignment, FusedMotion, Motion, MotionAccount
-from ur5lib.records.quality import Quality
-from ur5lib.records.signals import Signals
+from ur5lib.records.aligned_recording import AlignedRecording
+from ur5lib.records.motion import FusedMotion, MotionAccount
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import ImuCalibration, calibration_for
 from ur5lib.signals.imu_samples import has_valid_imu
@@ -34,33 +30,29 @@ class ComparedMotion(NamedTuple):
 
 
 def compare_accelerations(
-    recording: str,
-    quality: Quality,
-    imu: pd.DataFrame,
-    kinematics: Kinematics,
-    signals: Signals,
-    motion: Motion,
-    alignment: Alignment,
+    recording: AlignedRecording,
     arm: Robot,
     calibration: dict[str, ImuCalibration],
     calibration_without_each: dict[str, ImuCalibration],
     lowpass: Butterworth,
-    gravity: list[float] | None = None,
 ) -> ComparedMotion:
     """Return the motion from encoders and IMU, and the end effector's acceleration from joints,
     through Euler angles and from the IMU; empty without a valid IMU.
 
-    imu: its samples, by its own clock; calibrations: from all `fit` recordings, and from contact-
+    calibrations: from all `fit` recordings, and from contact-
     free ones without each; lowpass: of the accelerations.
     """
-    robot, fused, account = arm.mounted(gravity), no_fused_motion(), dict[str, MotionAccount]()
+    signals, motion, alignment = recording.signals, recording.motion, recording.alignment
+    robot, kinematics = arm.mounted(recording.gravity), recording.kinematics
+    fused, account = no_fused_motion(), dict[str, MotionAccount]()
     accelerations = Accelerations(time=signals.time, segment=signals.segment)
     comparison = ImuComparison()
     if has_valid_imu(alignment.clocks):
-        known = calibration_for(recording, calibration)
+        known = calibration_for(recording.name, calibration)
         fused, account = fuse_imu(robot, kinematics, signals, motion, alignment, known)
-        unseen = calibration_for(recording, calibration_without_each)
-        placed = by_stamps(imu, quality.starts["imu"], signals.time, "imu")
+        unseen = calibration_for(recording.name, calibration_without_each)
+        start = recording.quality.starts["imu"]
+        placed = by_stamps(recording.imu, start, signals.time, "imu")
         motions = {"encoders": motion, "encoders+imu": fused}
         own = beside_imu(robot, kinematics, signals, motions, unseen)
         accelerations, comparison = judged(own, lowpass, placed, motion.qd)

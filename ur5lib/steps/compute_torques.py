@@ -1,6 +1,5 @@
 """Joint torques of every link model, at the targets and at the measured motion; what is doubted."""
 
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +11,8 @@ from ur5lib.checks.findings import contradictions
 from ur5lib.checks.stop_signs import CHECKED_COLUMNS
 from ur5lib.checks.tool import shown_tool_center
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.force.tare import Span, tare_doubts
+from ur5lib.force.tare import tare_doubts
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.carried import Carried, carried, disagreements, medians
 from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.contact_place import contact_place as contact_place_of
@@ -21,7 +21,7 @@ from ur5lib.records.motion import Motion
 from ur5lib.records.premises import Premises
 from ur5lib.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.robots.description import Payload, Robot, Vector3
-from ur5lib.tables import read_footer, read_table
+from ur5lib.tables import Source, read_footer, read_table
 from ur5lib.timeseries.arrays import Six
 
 
@@ -33,33 +33,28 @@ class RecordingTorques(NamedTuple):
 
 
 def compute_torques(
-    signals: Path,
-    motion: Motion,
+    recording: AlignedRecording,
     arm: Robot,
-    role: str,
     cutoffs_hz: dict[str, float],
-    gravity: list[float] | None = None,
     payload: Payload | None = None,
     tcp: Six | None = None,
     accepted: dict[str, str] | None = None,
-    untouched: Span | None = None,
     contact_place: tuple[Vector3, float] | None = None,
 ) -> RecordingTorques:
     """Return the torques of every link model, and what in the recording contradicts the study.
 
-    signals: file of `Signals`; gravity, payload, tcp: as the study declares them; role: of the
-    recording; cutoffs_hz: of the low-pass filters by name; accepted: why the study overrules stop
-    signs, by kind; untouched: span [s] that the study declares as a tare; contact_place: as it
-    states it [m], frame 6, and within how many metres.
+    payload, tcp: as the study declares them; cutoffs_hz: of the low-pass filters by name; accepted:
+    why the study overrules stop signs, by kind; contact_place: as it states it [m], frame 6, and
+    within how many metres.
     """
-    known, robot = Signals.read(signals), arm.mounted(gravity)
+    known, motion, robot = recording.signals, recording.motion, arm.mounted(recording.gravity)
     load = carried(payload, known)
     doubts, cutoff = disagreements(payload, tcp, known), cutoffs_hz["currents"]
-    if untouched is not None:
-        doubts += tare_doubts(untouched, known, robot, cutoff, motion.motor_qd)
-    table, fitted = checked_columns(signals), role == "fit"
+    if recording.untouched is not None:
+        doubts += tare_doubts(recording.untouched, known, robot, cutoff, motion.motor_qd)
+    table, fitted = checked_columns(known.file), recording.role == "fit"
     checked = Checked(table, robot, load.configured, load.payload, fitted, cutoff)
-    if role != "contact":
+    if recording.role != "contact":
         doubts += sensed_contacts(table, load.mass)
     sensed = known.force_sensor is not None
     found = contradictions(checked, doubts, sensed, cutoffs_hz, accepted or {})
@@ -91,7 +86,7 @@ def place_of_contacts(
     )
 
 
-def checked_columns(signals: Path) -> pd.DataFrame:
+def checked_columns(signals: Source) -> pd.DataFrame:
     """Return what the checks need of a file of `Signals`."""
     names = CHECKED_COLUMNS.union(SENSOR_COLUMNS["force"])
     return read_table(signals, [*names.intersection(read_footer(signals).schema.names)])

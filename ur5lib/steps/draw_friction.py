@@ -6,11 +6,8 @@ import numpy as np
 
 from ur5lib.identification.current_samples import Smoother, current_record
 from ur5lib.identification.currents import torque_constants
-from ur5lib.records.currents import Currents
-from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import Friction
-from ur5lib.records.motion import Motion
-from ur5lib.records.signals import Signals
+from ur5lib.records.predicted_recording import PredictedRecording
 from ur5lib.report.figures.friction_figures import (
     MovingSamples,
     current_figures,
@@ -25,20 +22,17 @@ from ur5lib.timeseries.lowpass import Butterworth
 def draw_friction(
     arm: Robot,
     friction: Friction,
-    signals: Mapping[str, Signals],
-    motion: Mapping[str, Motion],
-    torques: Mapping[str, Torques],
-    currents: Mapping[str, Currents],
+    recordings: Mapping[str, PredictedRecording],
     lowpass: Butterworth,
 ) -> dict[str, Drawing]:
-    """Return the figures of a fit; signals to currents: of the recordings to fit."""
+    """Return the figures of a fit; recordings: that it was fitted to."""
     fit, parts, known = friction.fit, list[MovingSamples](), friction.known_constants
     constant = torque_constants(fit) if fit.joints else np.ones(len(arm.joints))
     if fit.joints and known is not None:
-        for name in signals:
-            record = current_record(name, signals[name], motion[name], torques[name], arm)
+        for recording in recordings.values():
+            record = current_record(recording, arm)
             if record is not None:
-                made = record, friction, currents[name], Smoother(*lowpass)
+                made = record, friction, recording.currents, Smoother(*lowpass)
                 parts.append(MovingSamples.from_record(*made))
     samples = MovingSamples.joined(parts, len(constant))
     before = constant if known is None else known.value

@@ -18,24 +18,17 @@ from ur5lib.identification.current_samples import (
 )
 from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.currents import Currents
-from ur5lib.records.dynamics import Kinematics, Torques
+from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.forces import Forces
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
-from ur5lib.records.premises import Premises
-from ur5lib.records.signals import Signals
+from ur5lib.records.predicted_recording import PredictedRecording
 from ur5lib.robots.description import Robot
-from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
 
 
 def estimate_forces(
-    signals: Signals,
-    kinematics: Kinematics,
-    motion: Motion,
-    torques: Torques,
-    currents: Currents,
-    premises: Premises,
+    recording: PredictedRecording,
     friction: Friction,
     residuals: Residuals,
     arm: Robot,
@@ -46,14 +39,16 @@ def estimate_forces(
 
     contact_force_n: of a typical contact [N], None: by the arm's payload.
     """
-    run = Run(motion.anew(), currents.anew(), kinematics.anew(), signals.wrench_calc_from_currents)
+    motion, currents = recording.motion, recording.currents
+    kinematics, premises = recording.kinematics, recording.premises
+    wrench = recording.signals.wrench_calc_from_currents
+    run = Run(motion.anew(), currents.anew(), kinematics.anew(), wrench)
     prior = ContactPrior.of(arm, contact_force_n, premises.place)
     if is_fitted(friction, premises.contradictions):
         fmap = most_probable(motion, currents, residuals, kinematics, prior, premises.place)
         run = replace(run, fmap=fmap)
     else:
-        tables = signals, motion, torques
-        static = static_forces(arm, *tables, kinematics.jacobian, lowpass, prior.force)
+        static = static_forces(recording, arm, lowpass, prior.force)
         run = replace(run, static=static)
     estimates = {name: one.estimate(run) for name, one in ESTIMATORS.items()}
     background, time = run.background, motion.anew()
@@ -78,23 +73,17 @@ def most_probable(
 
 
 def static_forces(
-    robot: Robot,
-    signals: Signals,
-    motion: Motion,
-    torques: Torques,
-    jacobian: Array,
-    lowpass: Butterworth,
-    typical_force: float,
+    recording: PredictedRecording, robot: Robot, lowpass: Butterworth, typical_force: float
 ) -> Stated | None:
     """Return the wrench of a resting arm, NaN in motion; None without currents or torque constants.
 
-    jacobian: (N, 6, 6); lowpass: of currents; typical_force: of contacts [N].
+    lowpass: of currents; typical_force: of contacts [N].
     """
-    record = current_record("", signals, motion, torques, robot)
+    record = current_record(recording, robot)
     if record is None:
         return None
     try:
-        prior = prior_of(robot, [controllers_ratio(signals, motion)])
+        prior = prior_of(robot, [controllers_ratio(recording.signals, recording.motion)])
     except ValueError:  # neither the maker nor the controller gives the constants
         return None
     smooth, inverse = Smoother(*lowpass), prior.inverse_constant.mean
@@ -103,4 +92,4 @@ def static_forces(
     torque = smooth(record.torque, record) - motor
     torque[~at_rest(record.qd)] = np.nan
     std = torque_std(motor, np.maximum(error, MIN_CONSTANT_ERROR), prior.torque_max)
-    return Stated(*static_wrench(torque, std, jacobian, typical_force))
+    return Stated(*static_wrench(torque, std, recording.kinematics.jacobian, typical_force))

@@ -36,14 +36,12 @@ from ur5lib.identification.validation import (
 )
 from ur5lib.recordings.copies import same_runs
 from ur5lib.records.accepted import ACCEPTED, accepted_sign
-from ur5lib.records.dynamics import Torques
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.friction import CurrentFit, Friction, KnownConstants, LeftOut
 from ur5lib.records.motion import Motion, motions_before
 from ur5lib.records.phrases import number
 from ur5lib.records.postures import Postures
-from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Contradictions, Finding, Quality
-from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
@@ -60,11 +58,7 @@ MIN_GAIN = 0.4  # such a joint has at least this one; with a smaller one, a unit
 
 def fit_friction(
     arm: Robot,
-    signals: Mapping[str, Signals],
-    motion: Mapping[str, Motion],
-    torques: Mapping[str, Torques],
-    premises: Mapping[str, Premises],
-    quality: Mapping[str, Quality],
+    recordings: Mapping[str, AlignedRecording],
     postures: Mapping[str, Postures],
     dates: dict[str, str],
     lowpass: Butterworth,
@@ -74,23 +68,23 @@ def fit_friction(
 ) -> Friction:
     """Return torque constants and friction of an arm; refused where they cannot be fitted.
 
-    signals to quality: of the arm's `fit` recordings, postures: of those at rest; dates: of the
-    former, ISO 8601 or empty; accepted: why the study overrules stop signs of the arm, by kind;
-    before: motions of the recordings before, of which chains have the names, oldest first.
+    recordings: the arm's `fit` ones, postures: of those at rest; dates: of the former, ISO 8601 or
+    empty; accepted: why the study overrules stop signs of the arm, by kind; before: motions of the
+    recordings before, of which chains have the names, oldest first.
     """
     if arm.links == "unknown":
         return Friction(refused=_unknown_links(arm))
     model, smooth = arm.fullest_model(), Smoother(*lowpass)
-    contradictions = {name: one.contradictions for name, one in premises.items()}
+    contradictions, quality = dict[str, Contradictions](), dict[str, Quality]()
     records, ratios = [], []
-    for name in signals:
-        recorded, moved = signals[name], motion[name]
-        earlier = motions_before(moved, (chains or {}).get(name, []), before or {})
-        record = current_record(name, recorded, moved, torques[name], arm, earlier)
+    for name, recording in recordings.items():
+        contradictions[name], quality[name] = recording.premises.contradictions, recording.quality
+        earlier = motions_before(recording.motion, (chains or {}).get(name, []), before or {})
+        record = current_record(recording, arm, earlier)
         if record is not None:
             records.append(replace(record, day=dates[name]))
             odd = contradictions[name].odd_targets()
-            ratios.append(controllers_ratio(recorded, moved, odd))
+            ratios.append(controllers_ratio(recording.signals, recording.motion, odd))
     at_rest = dict(postures.items())
     contradictions |= {name: one.contradictions for name, one in at_rest.items()}
     held = [(one.held_torque(arm, model), one.current) for one in at_rest.values()]

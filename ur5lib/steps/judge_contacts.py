@@ -33,15 +33,10 @@ from ur5lib.force.sensed_contact import FREE_ROLES
 from ur5lib.force.trial_contacts import flange_speed
 from ur5lib.records.contact_place import ContactPlace, PlaceRow
 from ur5lib.records.contacts import ContactError, Contacts
-from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.force_errors import Compared
-from ur5lib.records.forces import Forces, FurtherForces, SensorWrenches
+from ur5lib.records.estimated_recording import EstimatedRecording
+from ur5lib.records.forces import SensorWrenches
 from ur5lib.records.friction import Friction
-from ur5lib.records.motion import Motion
-from ur5lib.records.prediction import Prediction
-from ur5lib.records.premises import Premises
-from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.segments import Span, inside_spans
 
@@ -49,38 +44,28 @@ PLACE_ERROR = 0.05  # m
 
 
 def judge_contacts(
-    kinematics: Kinematics,
-    signals: Signals,
-    motion: Motion,
-    premises: Premises,
-    currents: Currents,
-    prediction: Prediction,
-    forces: Forces,
-    sensor: SensorWrenches,
-    compared: Compared,
+    recording: EstimatedRecording,
     arm: Robot,
     friction: Friction,
     residuals: Residuals,
     threshold: dict[str, float],
-    role: str,
     contact_force_n: float | None,
-    gravity: list[float] | None = None,
-    further: FurtherForces | None = None,
 ) -> Contacts:
     """Return the contacts by each estimate that has a threshold, compared with the sensor.
 
-    Those by the leading one say whether they are at the flange, too. compared: with the errors of
-    each contact at the sensor; arm: as fitted; role: of the recording, which says whether anything
-    touches the arm; gravity: in its base frame [m/s²], None as described.
+    Those by the leading one say whether they are at the flange, too. arm: as fitted. The role of
+    the recording says whether anything touches the arm.
     """
+    premises, kinematics, motion = recording.premises, recording.kinematics, recording.motion
+    forces, sensor = recording.forces, recording.sensor
     withheld = bool(premises.contradictions.stop_signs or friction.stopped)
-    others = further_or_controller(further, arm, signals, withheld)
+    others = further_or_controller(recording.further, arm, recording.signals, withheld)
     found = all_alarms(all_stated(forces, others.corrected), threshold)
-    loads = load_finder(arm.mounted(gravity), motion, currents, forces, friction, residuals)
+    loads = load_finder(recording, arm.mounted(recording.gravity), friction, residuals)
     speed = flange_speed(kinematics.jacobian, motion.qd)
     alarms = {name: raised(own, sensor, motion.q, speed, loads) for name, own in found.items()}
-    problem = fmap_problem(motion, currents, residuals)
-    is_free = role in FREE_ROLES and not prediction.is_loaded
+    problem = fmap_problem(motion, recording.currents, residuals)
+    is_free = recording.role in FREE_ROLES and not recording.prediction.is_loaded
     places = []
     if problem is not None and LEADING in alarms:
         prior = ContactPrior.of(arm, contact_force_n, premises.place)
@@ -89,7 +74,7 @@ def judge_contacts(
             change = force_change(problem, kinematics, prior, premises.place, found[LEADING])
             places.append(place_row(premises.place, change, sensor, kinematics))
     return Contacts(
-        errors=[*errors_with_fates(compared.contacts, alarms)],
+        errors=[*errors_with_fates(recording.compared.contacts, alarms)],
         detections=[
             row
             for name, own in found.items()
@@ -145,17 +130,13 @@ def errors_with_fates(
 
 
 def load_finder(
-    robot: Robot,
-    motion: Motion,
-    currents: Currents,
-    forces: Forces,
-    friction: Friction,
-    residuals: Residuals,
+    recording: EstimatedRecording, robot: Robot, friction: Friction, residuals: Residuals
 ) -> Named:
     """Return a function that decides whether an alarm is a grasped load, and estimates its mass.
 
     robot: under the recording's gravity.
     """
+    motion, currents, forces = recording.motion, recording.currents, recording.forces
     external, background = currents.external_torque, forces.background
     model = residuals.tau_ext
     if external is None or background is None or model is None or not friction.from_:

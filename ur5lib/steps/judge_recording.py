@@ -11,7 +11,6 @@ from ur5lib.checks.succession import moved_between, stated_succession
 from ur5lib.force.problem import unusual_friction
 from ur5lib.force.residual_model import Residuals
 from ur5lib.records.account import AccountRow
-from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import Friction
 from ur5lib.records.judgement import (
@@ -21,9 +20,9 @@ from ur5lib.records.judgement import (
     by_joint,
     current_errors,
 )
-from ur5lib.records.motion import Alignment, Motion, posture_change
-from ur5lib.records.prediction import JudgedLoad, Prediction
-from ur5lib.records.premises import Premises
+from ur5lib.records.motion import posture_change
+from ur5lib.records.predicted_recording import PredictedRecording
+from ur5lib.records.prediction import JudgedLoad
 from ur5lib.records.quality import UNUSUAL_FRICTION, Finding, Quality
 from ur5lib.records.signals import Signals, is_led, slowly
 from ur5lib.timeseries.arrays import Array
@@ -31,39 +30,31 @@ from ur5lib.timeseries.metrics import mean_absolute_error
 
 
 def judge_recording(
-    quality: Quality,
-    signals: Signals,
-    motion: Motion,
-    alignment: Alignment,
-    torques: Torques,
-    premises: Premises,
-    currents: Currents,
-    prediction: Prediction,
-    friction: Friction,
-    residuals: Residuals,
-    cutoff_hz: float,
-    before: Mapping[str, Motion] | None = None,
+    recording: PredictedRecording, friction: Friction, residuals: Residuals, cutoff_hz: float
 ) -> Judgement:
     """Return a recording's findings, and its rows of tables.
 
-    cutoff_hz: of the currents' low-pass [Hz]; before: the recording that it follows, if any.
+    recording: with the motion of the one that it follows, if any; cutoff_hz: of the currents'
+    low-pass [Hz].
     """
-    changes = {name: posture_change(own, motion) for name, own in (before or {}).items()}
+    quality, signals, motion = recording.quality, recording.signals, recording.motion
+    clocks, prediction = recording.alignment.clocks, recording.prediction
+    changes = {name: posture_change(own, motion) for name, own in recording.before.items()}
     moved = [one for name, own in changes.items() if (one := moved_between(name, own))]
     slower = slower_than_fit(
         signals.actual_q, signals.segment, signals.period, cutoff_hz, friction.period
     )
-    share = unusual_friction(motion, currents, residuals)
+    share = unusual_friction(motion, recording.currents, residuals)
     doubts = [*slower, *moved] if share is None else [*slower, *moved, _unusual(share)]
-    known = premises.contradictions
+    known = recording.premises.contradictions
     contradictions = replace(known, findings=[*known.findings, *doubts])
     return Judgement(
-        findings=files.findings(quality, contradictions, alignment.clocks),
+        findings=files.findings(quality, contradictions, clocks),
         recordings=[files.summary(quality, signals)],
         files=files.files_read(quality),
         account=[*_account(quality, changes)],
-        clocks=files.clock_rows(alignment.clocks),
-        torque_mae=[*torque_errors(signals, torques)],
+        clocks=files.clock_rows(clocks),
+        torque_mae=[*torque_errors(signals, recording.torques)],
         current_rmse=[*current_errors(prediction)],
         payload=[load_row(prediction.load)] if prediction.load else [],
     )

@@ -22,14 +22,10 @@ from ur5lib.force.sensor import (
 )
 from ur5lib.force.sensor_reading import OwnClock, SensorReading, moved_tool, sensor_reading
 from ur5lib.force.touched import sensed_contact
-from ur5lib.records.currents import Currents
-from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.estimated_recording import EstimatedRecording
 from ur5lib.records.force_errors import Compared, ForceError, Sensed
 from ur5lib.records.forces import Forces, FurtherForces, SensorWrenches
 from ur5lib.records.friction import Friction
-from ur5lib.records.motion import Alignment, Motion
-from ur5lib.records.premises import Premises
-from ur5lib.records.quality import Quality
 from ur5lib.records.sensor_offset import OffsetAccount
 from ur5lib.records.signals import Signals
 from ur5lib.records.table import WRENCH
@@ -51,55 +47,54 @@ class JudgedSensor(NamedTuple):
 
 
 def judge_sensor(
-    quality: Quality,
-    force: pd.DataFrame,
-    kinematics: Kinematics,
-    signals: Signals,
-    motion: Motion,
-    alignment: Alignment,
-    premises: Premises,
-    currents: Currents,
-    forces: Forces,
+    recording: EstimatedRecording,
     arm: Robot,
     friction: Friction,
-    role: str,
     bias_window_s: float,
     min_singular_value: float,
     mounting: tuple[Vector3 | None, Vector3 | None] = (None, None),
-    gravity: list[float] | None = None,
-    further: FurtherForces | None = None,
 ) -> JudgedSensor:
     """Return the force sensor's wrench, and every estimate of a recording compared with it.
 
-    force: the sensor's samples on its own clock; arm: as fitted; role: of the recording; errors are
-    of no use where a fit has used it; bias_window_s: at the start, free of contact; mounting: place
-    [m] and turn [°] of the sensor as the study states them; gravity: in the arm's base frame
-    [m/s²], None as described.
+    arm: as fitted; bias_window_s: at the start, free of contact; mounting: place [m] and turn [°]
+    of the sensor as the study states them. Errors are of no use where a fit has used the recording.
     """
+    signals, rotation = recording.signals, recording.kinematics.rotation
     if signals.force_sensor is None:
         return JudgedSensor(SensorWrenches(time=signals.time, segment=signals.segment), Compared())
-    robot = arm.mounted(gravity).with_force_sensor(*mounting)
-    moved = moved_tool(robot, kinematics, motion)
-    if (start := quality.starts.get("force")) is None:
-        whole = signals.ft_raw_wrench is not None  # else, the controller takes its tool off
-        tool = premises.load.payload if whole else None
-        reading = sensor_reading(robot, signals, moved, bias_window_s, tool)
-    else:
-        clock_std, step = alignment.clocks["force"].end_std, float(np.diff(force["time"]).mean())
-        own = OwnClock(by_stamps(force, start, signals.time, "force"), clock_std, step)
-        reading = sensor_reading(robot, signals, moved, bias_window_s, own=own)
-    sensor = sensor_wrenches(robot, signals, reading, kinematics.rotation)
-    withheld = bool(premises.contradictions.stop_signs or friction.stopped)
-    others = further_or_controller(further, arm, signals, withheld)
-    estimates = compared_estimates(robot, signals, reading, others, forces)
-    if (torque := currents.external_torque) is not None and forces.wrench:
-        plain = plain_least_squares(torque, kinematics.jacobian, min_singular_value)
+    robot = arm.mounted(recording.gravity).with_force_sensor(*mounting)
+    reading = sensors_reading(recording, robot, bias_window_s)
+    sensor = sensor_wrenches(robot, signals, reading, rotation)
+    withheld = bool(recording.premises.contradictions.stop_signs or friction.stopped)
+    others = further_or_controller(recording.further, arm, signals, withheld)
+    estimates = compared_estimates(robot, signals, reading, others, recording.forces)
+    torque = recording.currents.external_torque
+    if torque is not None and recording.forces.wrench:
+        plain = plain_least_squares(torque, recording.kinematics.jacobian, min_singular_value)
         estimates["compensated"] |= {UNGATED: Stated(plain)}
         sensor = replace(sensor, plain=plain)
-    at_limit = saturated(signals.force_sensor, force, quality.saturated_channels())
-    compared = beside_sensor(reading, sensor, estimates, kinematics.rotation, at_limit)
-    errors = [used(row, role, compared.offset_doubt is not None) for row in compared.errors]
+    channels = recording.quality.saturated_channels()
+    at_limit = saturated(signals.force_sensor, recording.force, channels)
+    compared = beside_sensor(reading, sensor, estimates, rotation, at_limit)
+    is_doubted = compared.offset_doubt is not None
+    errors = [used(row, recording.role, is_doubted) for row in compared.errors]
     return JudgedSensor(sensor, replace(compared, errors=errors))
+
+
+def sensors_reading(
+    recording: EstimatedRecording, robot: Robot, bias_window_s: float
+) -> SensorReading:
+    """Return the sensor's reading; robot: under the recording's gravity, with the sensor."""
+    signals = recording.signals
+    moved = moved_tool(robot, recording.kinematics, recording.motion)
+    if (start := recording.quality.starts.get("force")) is None:
+        whole = signals.ft_raw_wrench is not None  # else, the controller takes its tool off
+        tool = recording.premises.load.payload if whole else None
+        return sensor_reading(robot, signals, moved, bias_window_s, tool)
+    clock_std = recording.alignment.clocks["force"].end_std
+    step = float(np.diff(recording.force["time"]).mean())
+    own = OwnClock(by_stamps(recording.force, start, signals.time, "force"), clock_std, step)
+    return sensor_reading(robot, signals, moved, bias_window_s, own=own)
 
 
 def saturated(reading: Array, force: pd.DataFrame, channels: Sequence[str]) -> Mask:

@@ -17,8 +17,10 @@ from ur5lib.judging.may_be_used import friction_rows, torque_constants
 from ur5lib.records.acceleration_errors import AccelerationBand, AccelerationError, Innovation
 from ur5lib.records.accelerations import ImuComparison
 from ur5lib.records.account import AccountRow
+from ur5lib.records.arm_fits import ArmFits
 from ur5lib.records.contact_place import PlaceRow
 from ur5lib.records.contacts import Contact, ContactError, Contacts, Detection, FixedThreshold
+from ur5lib.records.estimated_recording import EstimatedRecording
 from ur5lib.records.fits import (
     CalibratedQuantity,
     CrossValidation,
@@ -43,7 +45,6 @@ from ur5lib.records.judgement import (
 )
 from ur5lib.records.models import Identification, Rotors, Terms
 from ur5lib.records.quality import STOP, Finding
-from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.tables import read_cells, table_by_owner
 
@@ -87,14 +88,9 @@ Rows = Mapping[str, Iterable[object]]  # of a table, by recording or arm
 
 def make_tables(
     judgements: Mapping[str, Judgement],
-    beside_imu: Mapping[str, ImuComparison],
-    beside_sensor: Mapping[str, Compared],
-    contacts: Mapping[str, Contacts],
-    arm: Mapping[str, Robot],
-    rotors: Mapping[str, Rotors],
-    identification: Mapping[str, Identification],
+    recordings: Mapping[str, EstimatedRecording],
+    arms: Mapping[str, ArmFits],
     calibration: Mapping[str, dict[str, ImuCalibration]],
-    fitted: Mapping[str, Friction],
     residuals: Mapping[str, Residuals],
     parts: list[Path],
     unreadable: dict[str, str],
@@ -102,37 +98,43 @@ def make_tables(
 ) -> dict[str, pd.DataFrame]:
     """Return each table by its name.
 
-    judgements: of all recordings; beside_imu to contacts: of those in motion; arm to residuals: of
-    all arms; parts: CSV files that steps write for each recording or arm, in the folder of its
-    name: together they are the table of their name; unreadable: the recordings without a judgement,
-    each with the reason; roles: of all, by which a copy of another recording is left out, and which
-    say where nothing touches the arm.
+    judgements: of all recordings; recordings: those in motion; calibration: of each arm's IMU;
+    parts: CSV files that steps write for each recording or arm, in the folder of its name: together
+    they are the table of their name; unreadable: the recordings without a judgement, each with the
+    reason; roles: of all, by which a copy of another recording is left out, and which say where
+    nothing touches the arm.
     """
-    roles = roles or {}
-    rows = rows_of_recordings(
-        dict(judgements), dict(beside_sensor), dict(contacts), dict(beside_imu)
-    )
-    known = dict(judgements), dict(beside_sensor), dict(contacts)
-    rows["quality"] = found_of_recordings(*known, unreadable, roles)
-    of_arms: dict[str, Rows] = {
-        "imu_calibration": {robot: calibrated(own) for robot, own in calibration.items()},
-        "rotor_inertia": {robot: rotor_rows(own) for robot, own in rotors.items()},
-        "parameters": {robot: own.parameters for robot, own in identification.items()},
-        "excitation": {robot: excited(own) for robot, own in identification.items()},
-        "friction": {robot: friction_rows(own, arm[robot]) for robot, own in fitted.items()},
-        "torque_constants": {
-            robot: torque_constants(own, arm[robot]) for robot, own in fitted.items()
-        },
-        "cross_validation": {robot: cross_validated(own) for robot, own in fitted.items()},
-        "remarks": {
-            robot: remarks(identification[robot], own, residuals[robot])
-            for robot, own in fitted.items()
-        },
+    roles, judged, moved = roles or {}, dict(judgements), dict(recordings)
+    compared = {name: recording.compared for name, recording in moved.items()}
+    contacts = {name: recording.contacts for name, recording in moved.items()}
+    imu = {name: recording.comparison for name, recording in moved.items()}
+    rows = rows_of_recordings(judged, compared, contacts, imu)
+    rows["quality"] = found_of_recordings(judged, compared, contacts, unreadable, roles)
+    each = {
+        robot: rows_of_arm(arm, calibration[robot], residuals[robot]) for robot, arm in arms.items()
     }
+    of_arms = {name: {robot: own[name] for robot, own in each.items()} for name in OF_ARMS}
     tables = {name: table_by_owner(kind, {}) for name, kind in OF_MOTION.items()} | joined(parts)
     tables |= {name: table_by_owner(kind, rows[name]) for name, kind in OF_RECORDINGS.items()}
     return without_copies(tables, roles) | {
         name: table_by_owner(kind, of_arms[name], "robot") for name, kind in OF_ARMS.items()
+    }
+
+
+def rows_of_arm(
+    arm: ArmFits, calibration: Mapping[str, ImuCalibration], residuals: Residuals
+) -> dict[str, Iterable[object]]:
+    """Return the rows of an arm by table."""
+    friction, identification = arm.friction, arm.identification
+    return {
+        "imu_calibration": calibrated(calibration),
+        "rotor_inertia": rotor_rows(arm.rotors),
+        "parameters": identification.parameters,
+        "excitation": excited(identification),
+        "friction": friction_rows(friction, arm.identified),
+        "torque_constants": torque_constants(friction, arm.identified),
+        "cross_validation": cross_validated(friction),
+        "remarks": remarks(identification, friction, residuals),
     }
 
 

@@ -21,13 +21,9 @@ from ur5lib.force.smallest_pushes import (
 from ur5lib.force.thresholds import alarms
 from ur5lib.force.trial_contacts import Trials, Untouched
 from ur5lib.records.contact_place import ContactPlace
-from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.forces import Forces
+from ur5lib.records.estimated_recording import EstimatedRecording
 from ur5lib.records.friction import Friction
-from ur5lib.records.motion import Motion
-from ur5lib.records.prediction import Prediction
-from ur5lib.records.premises import Premises
 from ur5lib.records.pushes import PushDirection, PushesFound, SmallestPush
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
@@ -43,12 +39,7 @@ class DetectedPushes(NamedTuple):
 
 
 def measure_pushes(
-    motion: Mapping[str, Motion],
-    currents: Mapping[str, Currents],
-    kinematics: Mapping[str, Kinematics],
-    forces: Mapping[str, Forces],
-    predictions: Mapping[str, Prediction],
-    premises: Mapping[str, Premises],
+    recordings: Mapping[str, EstimatedRecording],
     friction: Friction,
     residuals: Residuals,
     threshold: dict[str, float],
@@ -59,23 +50,24 @@ def measure_pushes(
 
     An arm fitted to a single path has none by direction and force.
 
-    motion to premises: of contact-free recordings; contact_force_n: [N], of a typical contact,
-    None: by the arm's payload.
+    recordings: without contact; contact_force_n: [N], of a typical contact, None: by the arm's
+    payload.
     """
     trials, places = dict[str, Trials](), list[Place]()
-    least = MIN_TRIALS // max(1, len(motion))
-    for name, moved in motion.items():
-        if LEADING not in threshold or predictions[name].is_loaded:
+    least = MIN_TRIALS // max(1, len(recordings))
+    for name, recording in recordings.items():
+        if LEADING not in threshold or recording.prediction.is_loaded:
             continue
-        problem = fmap_problem(moved, currents[name], residuals)
-        odds = forces[name].log_odds.get(LEADING)
+        moved, kinematics = recording.motion, recording.kinematics
+        problem = fmap_problem(moved, recording.currents, residuals)
+        odds = recording.forces.log_odds.get(LEADING)
         if problem is not None and odds is not None:
-            place = premises[name].place
+            place = recording.premises.place
             prior = ContactPrior.of(arm, contact_force_n, place)
-            run = untouched(problem, kinematics[name], place, alarms(odds, threshold[LEADING]))
+            run = untouched(problem, kinematics, place, alarms(odds, threshold[LEADING]))
             trials[name] = trials_on(problem, run, prior, threshold[LEADING], least)
-            places += places_of(name, run, moved, kinematics[name])
-    rows = pushes_of_arm(trials, predictions, friction.paths)
+            places += places_of(name, run, moved, kinematics)
+    rows = pushes_of_arm(trials, recordings, friction.paths)
     if not rows or friction.paths == 1:
         return DetectedPushes(rows, [], [])
     together = Trials.joined([own for own in trials.values() if len(own.force)])

@@ -15,25 +15,16 @@ from ur5lib.identification.repetition import path_run, repetition
 from ur5lib.recordings.copies import same_runs
 from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.currents import Currents
-from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.friction import CurrentFit, Friction
-from ur5lib.records.motion import Motion
-from ur5lib.records.prediction import Prediction
-from ur5lib.records.quality import Quality
+from ur5lib.records.predicted_recording import PredictedRecording
 from ur5lib.records.repetition import Repeated
-from ur5lib.records.signals import Signals, slowly
+from ur5lib.records.signals import slowly
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
 
 def measure_repetition(
-    signals: Mapping[str, Signals],
-    motion: Mapping[str, Motion],
-    torques: Mapping[str, Torques],
-    currents: Mapping[str, Currents],
-    kinematics: Mapping[str, Kinematics],
-    predictions: Mapping[str, Prediction],
-    quality: Mapping[str, Quality],
+    recordings: Mapping[str, PredictedRecording],
     friction: Friction,
     residuals: Residuals,
     arm: Robot,
@@ -41,24 +32,27 @@ def measure_repetition(
 ) -> list[Repeated]:
     """Return what repetition alone leaves of an arm's errors; empty where no path was repeated.
 
-    signals … quality: of contact-free recordings, of which copies do not count;
-    contact_force_n: [N], of a typical contact, None: by the arm's payload.
+    recordings: without contact, of which copies do not count; contact_force_n: [N], of a typical
+    contact, None: by the arm's payload.
     """
     prior, runs = ContactPrior.of(arm, contact_force_n, ContactPlace()), []
-    copies = {other for _, other in same_runs({n: one.fingerprint for n, one in quality.items()})}
-    for name, moved in motion.items():
-        if not predictions[name].is_loaded and name not in copies:
+    prints = {name: recording.quality.fingerprint for name, recording in recordings.items()}
+    copies = {other for _, other in same_runs(prints)}
+    for name, recording in recordings.items():
+        if not recording.prediction.is_loaded and name not in copies:
             errors = {
-                "torque": torque_error(signals[name], torques[name], arm.fullest_model()),
-                "current": current_error(currents[name], friction.fit_for(name)),
-                "force": force_error(moved, currents[name], kinematics[name], residuals, prior),
+                "torque": torque_error(recording, arm.fullest_model()),
+                "current": current_error(recording.currents, friction.fit_for(name)),
+                "force": force_error(recording, residuals, prior),
             }
-            runs.append(path_run(moved, errors))
+            runs.append(path_run(recording.motion, errors))
     return [*repetition(runs)]
 
 
-def torque_error(signals: Signals, torques: Torques, model: str) -> Array | None:
+def torque_error(recording: PredictedRecording, model: str) -> Array | None:
     """Return by how much a link model's torque (N, n) [Nm] misses the controller's, below 2 Hz."""
+    # anew, so that memory has none of them while forces are computed
+    signals, torques = recording.signals.anew(), recording.torques.anew()
     if signals.target_moment is None:
         return None
     known = torques.target if model in torques.target else torques.measured
@@ -72,17 +66,14 @@ def current_error(currents: Currents, fit: CurrentFit) -> Array | None:
 
 
 def force_error(
-    motion: Motion,
-    currents: Currents,
-    kinematics: Kinematics,
-    residuals: Residuals,
-    prior: ContactPrior,
+    recording: PredictedRecording, residuals: Residuals, prior: ContactPrior
 ) -> Array | None:
     """Return the force (N, 3) [N] for which the error of the currents would pass in a contact."""
-    problem = fmap_problem(motion, currents, residuals)
+    problem = fmap_problem(recording.motion, recording.currents, residuals)
     if problem is None:
         return None
     one, model = problem
     noise = diagonal(model.variance(model.spread, one.states))  # S
-    wrench = regularised_wrench(one.torque, kinematics.jacobian, noise, prior.unknown()).mean
+    jacobian = recording.kinematics.jacobian
+    wrench = regularised_wrench(one.torque, jacobian, noise, prior.unknown()).mean
     return np.where(finite_rows(one.torque)[:, None], wrench[:, :3], np.nan)

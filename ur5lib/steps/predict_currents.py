@@ -1,6 +1,6 @@
 """The current that motion without contact needs, and the external torque beyond it."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -27,12 +27,11 @@ from ur5lib.identification.payload import (
 )
 from ur5lib.identification.samples import CurrentSamples, blocks
 from ur5lib.identification.validation import baseline_current, coefficients_of_constants, score
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import CurrentFit, Friction
-from ur5lib.records.motion import Motion, motions_before
 from ur5lib.records.prediction import Prediction, Scores
-from ur5lib.records.premises import Premises
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
@@ -48,34 +47,22 @@ class PredictedCurrents(NamedTuple):
 
 
 def predict_currents(
-    recording: str,
-    role: str,
-    signals: Signals,
-    motion: Motion,
-    torques: Torques,
-    premises: Premises,
+    recording: AlignedRecording,
     payload: PayloadEstimate,
     unloaded: Mapping[str, PayloadEstimate],
     friction: Friction,
     arm: Robot,
     lowpass: Butterworth,
-    date: str = "",
-    gravity: list[float] | None = None,
-    before: Mapping[str, Motion] | None = None,
-    chain: Sequence[str] = (),
-    untouched: tuple[float, float] | None = None,
 ) -> PredictedCurrents:
     """Return the current that motion without contact needs, and the torque left for a contact.
 
-    payload, unloaded: loads of the recording and of the arm's `fit` recordings; date: ISO 8601, or
-    empty; untouched: [s], in which nothing touches the resting arm; before: motions of the
-    recordings before, of which chain has the names, oldest first. Both are empty without currents
-    or a fit, where the recording contradicts the study or is slower than the fit.
+    Both are empty without currents or a fit, where the recording contradicts the study or is slower
+    than the fit. payload, unloaded: loads of the recording and of the arm's `fit` recordings.
     """
-    summary = Prediction(recording in friction.from_)
-    earlier = motions_before(motion, chain, before or {})
-    record = current_record(recording, signals, motion, torques, arm, earlier)
-    fit, smooth = friction.fit_for(recording), Smoother(*lowpass)
+    signals, motion, premises = recording.signals, recording.motion, recording.premises
+    summary = Prediction(recording.name in friction.from_)
+    record = current_record(recording, arm, recording.earlier())
+    fit, smooth = friction.fit_for(recording.name), Smoother(*lowpass)
     slower = slower_than_fit(
         signals.actual_q, signals.segment, signals.period, smooth.cutoff, friction.period
     )
@@ -83,17 +70,23 @@ def predict_currents(
         return PredictedCurrents(Currents(time=signals.time, segment=signals.segment), summary)
     load, load_torque = None, 0 * record.q
     if payload.is_known:
-        may_be_taken = premises.load.source != "study" and role != "fit"
+        may_be_taken = premises.load.source != "study" and recording.role != "fit"
         load = judged_load(
             payload, [*unloaded.values()], friction.paths, premises.load.mass, may_be_taken
         )
         if load.taken:
-            states = arm.mounted(gravity), arm.fullest_model(), motion.q, motion.qd, motion.qdd
+            states = (
+                arm.mounted(recording.gravity),
+                arm.fullest_model(),
+                motion.q,
+                motion.qd,
+                motion.qdd,
+            )
             load_torque = load_regressor(*states) @ payload.parameters
-    record, load_torque = with_load(replace(record, day=date), load_torque, fit, smooth)
-    currents = predicted_currents(record, fit, load_torque, torques, smooth, arm.measured)
-    if untouched is not None:
-        currents = tared(currents, motion, untouched, smooth.cutoff)
+    record, load_torque = with_load(replace(record, day=recording.date), load_torque, fit, smooth)
+    currents = predicted_currents(record, fit, load_torque, recording.torques, smooth, arm.measured)
+    if recording.untouched is not None:
+        currents = tared(currents, motion, recording.untouched, smooth.cutoff)
     rivals = baselines(record, arm, friction.least_squares, signals)
     scored = scores(record, currents, rivals, smooth)
     return PredictedCurrents(currents, replace(summary, load=load, scores=scored))

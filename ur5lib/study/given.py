@@ -99,13 +99,13 @@ STEPS: Mapping[str, Mapping[str, Given]] = {
         "lowpass": OF_CURRENTS,
     },
     "estimate_load": {
-        "recording": _named,
+        "name": _named,
         "gravity": Selection.gravity,
         "chain": Selection.before,
         "lowpass": OF_CURRENTS,
     },
     "predict_currents": {
-        "recording": _named,
+        "name": _named,
         "role": partial(_entry, "role"),
         "date": Selection.date,
         "gravity": Selection.gravity,
@@ -115,6 +115,7 @@ STEPS: Mapping[str, Mapping[str, Given]] = {
     },
     "fit_residuals": {"cutoff_hz": _cutoff_hz},
     "estimate_forces": {
+        "name": _named,
         "lowpass": OF_CURRENTS,
         "contact_force_n": lambda selection, _: selection.study.settings.contact.force_n,
     },

@@ -159,7 +159,7 @@ rule measure_repetition:
         torques=results_of(SELECTION.drawn, "torques.parquet"),
         currents=results_of(SELECTION.drawn, "currents.parquet"),
         kinematics=results_of(SELECTION.drawn, "kinematics.parquet"),
-        predictions=results_of(SELECTION.drawn, "currents.json"),
+        prediction=results_of(SELECTION.drawn, "currents.json"),
         quality=results_of(SELECTION.drawn, "quality.json"),
         friction=parameter("friction.json"),
         residuals=parameter("residuals.json"),
@@ -179,7 +179,7 @@ rule measure_pushes:
     input:
         motion=results_of(SELECTION.drawn, "motion.parquet"),
         currents=results_of(SELECTION.drawn, "currents.parquet"),
-        predictions=results_of(SELECTION.drawn, "currents.json"),
+        prediction=results_of(SELECTION.drawn, "currents.json"),
         premises=results_of(SELECTION.drawn, "premises.json"),
         kinematics=results_of(SELECTION.drawn, "kinematics.parquet"),
         forces=results_of(SELECTION.drawn, "forces.parquet"),

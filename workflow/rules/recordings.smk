@@ -164,7 +164,7 @@ rule compare_accelerations:
         **traces("compare_accelerations", "{recording}"),
     params:
         code=code("compare_accelerations"),
-        recording="{recording}",
+        name="{recording}",
         gravity=of_recording(SELECTION.gravity),
         lowpass=design(SETTINGS.lowpass.accelerations),
     run:

@@ -93,14 +93,14 @@ rule make_tables:
     input:
         judgements=lambda wildcards: results("judgement.json")
         + postures("judgement.json", SELECTION.at_rest),
-        beside_imu=lambda wildcards: results("imu_comparison.json"),
-        beside_sensor=lambda wildcards: results("beside_sensor.json"),
+        comparison=lambda wildcards: results("imu_comparison.json"),
+        compared=lambda wildcards: results("beside_sensor.json"),
         contacts=lambda wildcards: results("contacts.json"),
-        arm=parameters("arm.yaml"),
+        identified=parameters("arm.yaml"),
         rotors=parameters("rotor_inertia.json"),
         identification=parameters("identification.json"),
         calibration=parameters("imu.json"),
-        fitted=parameters("friction.json"),
+        friction=parameters("friction.json"),
         residuals=parameters("residuals.json"),
         parts=lambda wildcards: PARTS,
     output:

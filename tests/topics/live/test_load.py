@@ -8,6 +8,7 @@ from tests.rubbing_arm import friction, robot
 from tests.steps.made_recording import premises
 from tests.topics.live.made_arm import arm_file, samples
 from ur5lib.records.carried import Carried
+from ur5lib.records.predicted_recording import PredictedRecording
 from ur5lib.records.prediction import JudgedLoad, Prediction
 from ur5lib.robots.description import Payload
 from ur5lib.robots.inertia import rigid_bodies
@@ -30,15 +31,17 @@ def stated(declared: Payload | None, prediction: Prediction) -> LiveForces:
     run = samples(5.0, moving=True)
     known = {name: arm_file()[name] for name in ("speed", "noise", "threshold", "constants")}
     return estimate_live(
-        "one",
-        signals_of(run.time, run.q, actual_qd=run.qd, actual_current=run.current),
-        premises(load=Carried(declared, "study", None)),
-        prediction,
+        PredictedRecording(
+            name="one",
+            gravity=[*robot().gravity],
+            signals=signals_of(run.time, run.q, actual_qd=run.qd, actual_current=run.current),
+            premises=premises(load=Carried(declared, "study", None)),
+            prediction=prediction,
+        ),
         friction(robot()),
         LiveFit(known),
         robot(),
         None,
-        [*robot().gravity],
     )
 
 

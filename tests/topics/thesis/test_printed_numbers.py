@@ -8,8 +8,9 @@ from tests.conftest import PROJECT
 from tests.real_arms import RealRecording, RealStudy
 from tests.topics.pages import Shown, section
 from ur5lib.dynamics.flange import flange_kinematics
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.quality import StartOffset
+from ur5lib.records.quality import Quality, StartOffset
 from ur5lib.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.report.results import Results
 from ur5lib.robots.description import load_robot, robot_path
@@ -237,8 +238,12 @@ def test_gravity_begins_with_a_step_where_the_imu_is_filtered_before_it_is_rotat
     reading = np.hstack([[0, 0, 9.81] @ rotation[0], np.zeros(3)])
     imu = pd.DataFrame(np.tile(reading, (len(time), 1)), columns=SENSOR_COLUMNS["imu"])
     imu.insert(0, "time", time)
-    start, way = StartOffset(0.0, 0.01), AccelerationError(model_delay_s=0.08)
-    modelled, felt = explained_accelerations(robot, signals, kinematics, imu, start, way)
+    quality, way = (
+        Quality(starts={"imu": StartOffset(0.0, 0.01)}),
+        AccelerationError(model_delay_s=0.08),
+    )
+    own = AlignedRecording(signals=signals, kinematics=kinematics, imu=imu, quality=quality)
+    modelled, felt = explained_accelerations(own, robot, way)
     assert modelled == pytest.approx(np.zeros_like(modelled), abs=1e-9)
     assert felt[0] == pytest.approx([0, 0, -9.81, 0, 0, 0], abs=1e-3)
     assert felt[-100] == pytest.approx(np.zeros(6), abs=1e-3)

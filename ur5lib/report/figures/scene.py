@@ -8,10 +8,8 @@ from scipy.spatial.transform import Rotation
 from ur5lib.force.estimators import NEW
 from ur5lib.force.sensed_contact import CONTACT_FORCE, FREE_ROLES, contacts
 from ur5lib.force.thresholds import alarms
-from ur5lib.records.currents import Currents
-from ur5lib.records.forces import Forces, SensorWrenches
+from ur5lib.records.estimated_recording import EstimatedRecording
 from ur5lib.records.scene import LinkPose, Scene, Spans
-from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.robots.inertia import link_tail
 from ur5lib.timeseries.arrays import Array, Labels
@@ -22,19 +20,12 @@ MOST_POSTURES = 1200  # a recording shows so many, in addition to the last of ea
 DECIMALS = 4  # stored numbers have this many
 
 
-def arm_scene(
-    arm: Robot,
-    signals: Signals,
-    currents: Currents,
-    forces: Forces,
-    sensor: SensorWrenches,
-    thresholds: Mapping[str, float],
-    role: str,
-) -> Scene:
+def arm_scene(recording: EstimatedRecording, arm: Robot, thresholds: Mapping[str, float]) -> Scene:
     """Return the arm at some times of a recording; thresholds: of alarms, by estimate.
 
-    A sensor decides before the role whether nothing touches the arm.
+    arm: under the recording's gravity. A sensor decides before the role whether nothing touches it.
     """
+    signals, forces, sensor = recording.signals.anew(), recording.forces, recording.sensor
     time, felt = signals.time, sensor.wrench.get("compensated")
     touches = [] if felt is None else contacts(_size(felt), CONTACT_FORCE)
     rows = shown_rows(signals.segment, signals.period)
@@ -48,13 +39,13 @@ def arm_scene(
         segment=signals.segment[rows],
         q=np.round(signals.anew(rows).actual_q, DECIMALS),
         estimate=NEW.get(lead, ""),
-        torque=_rounded(currents.anew(rows).external_torque),
+        torque=_rounded(recording.currents.anew(rows).external_torque),
         force=_force(estimates.wrench.get(lead)),
         std=_force(estimates.std.get(lead)),
         sensed=_force(sensor.anew(rows).wrench.get("compensated")),
         contacts=None if felt is None else _spans(touches, time),
         alarms=_spans(alarms(forces.log_odds[lead], thresholds[lead]), time) if found else None,
-        free=role in FREE_ROLES and not touches,
+        free=recording.role in FREE_ROLES and not touches,
     )
 
 

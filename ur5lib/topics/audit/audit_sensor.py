@@ -10,9 +10,8 @@ from scipy.spatial.transform import Rotation
 from ur5lib.force.sensor_reading import in_frame_6, moved_tool, within_reach
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
-from ur5lib.records.prediction import JudgedLoad, Prediction
-from ur5lib.records.premises import Premises
-from ur5lib.records.quality import Quality
+from ur5lib.records.predicted_recording import PredictedRecording
+from ur5lib.records.prediction import JudgedLoad
 from ur5lib.records.signals import Signals
 from ur5lib.records.table import WRENCH, WRENCH_UNITS
 from ur5lib.robots.description import Payload, Robot
@@ -42,26 +41,19 @@ SCALE_STD = 0.03  # a scale has this prior where only the mass that a sensor wei
 MAX_INERTIAL_ACCELERATION = 0.3
 
 
-def audit_sensor(
-    quality: Quality,
-    signals: Signals,
-    kinematics: Kinematics,
-    motion: Motion,
-    premises: Premises,
-    prediction: Prediction,
-    arm: Robot,
-    gravity: list[float] | None = None,
-) -> list[AuditRow]:
+def audit_sensor(recording: PredictedRecording, arm: Robot) -> list[AuditRow]:
     """Return the audit of the sensor in the arm's wrist; empty without its reading.
 
-    arm: as fitted; gravity: in its base frame [m/s²], None as described.
+    arm: as fitted.
     """
-    has_own_file = "force" in quality.starts
+    signals, premises = recording.signals, recording.premises
+    has_own_file = "force" in recording.quality.starts
     stopped = premises.contradictions.stop_signs
     if not arm.wrist_sensor or has_own_file or signals.force_sensor is None or stopped:
         return []
-    robot, tool = arm.mounted(gravity), premises.load.payload
-    return audit(robot, signals, kinematics, motion, tool, prediction.load)
+    robot, tool = arm.mounted(recording.gravity), premises.load.payload
+    states = recording.kinematics, recording.motion
+    return audit(robot, signals, *states, tool, recording.prediction.load)
 
 
 def audit(

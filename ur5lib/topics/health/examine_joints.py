@@ -7,12 +7,10 @@ import numpy as np
 from ur5lib.channels import CURRENT, Effort
 from ur5lib.identification.current_samples import Smoother, current_record
 from ur5lib.identification.samples import CurrentSamples, Smooth
-from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import CurrentFit, Friction
-from ur5lib.records.motion import Motion
+from ur5lib.records.predicted_recording import PredictedRecording
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.quality import Quality
-from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.lowpass import Butterworth
 from ur5lib.topics.health.condition import QUANTITIES, joint_conditions
@@ -20,26 +18,17 @@ from ur5lib.topics.health.rows import Checkup
 
 
 def examine_joints(
-    recording: str,
-    date: str,
-    quality: Quality,
-    signals: Signals,
-    motion: Motion,
-    torques: Torques,
-    prediction: Prediction,
-    friction: Friction,
-    arm: Robot,
-    lowpass: Butterworth,
+    recording: PredictedRecording, friction: Friction, arm: Robot, lowpass: Butterworth
 ) -> Checkup:
     """Return the condition of each joint; without a date where there is none.
 
-    date: by the study, ISO 8601 or empty; friction, arm: fitted; lowpass: of the currents.
+    friction, arm: fitted; lowpass: of the currents.
     """
-    day = dated(date, quality, prediction)
-    record = current_record(recording, signals, motion, torques, arm)
+    day = dated(recording.date, recording.quality, recording.prediction)
+    record = current_record(recording, arm)
     if day is None or record is None:
         return Checkup()
-    return checkup(record, Smoother(*lowpass), friction.fit, day, quality, arm.measured)
+    return checkup(record, Smoother(*lowpass), friction.fit, day, recording.quality, arm.measured)
 
 
 def checkup(

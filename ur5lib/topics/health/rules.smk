@@ -17,7 +17,7 @@ rule examine_joints:
         **traces("examine_joints", "{recording}"),
     params:
         code=code("examine_joints"),
-        recording="{recording}",
+        name="{recording}",
         date=of_recording(SELECTION.date),
         lowpass=design(SETTINGS.lowpass.currents),
     run:

@@ -2,9 +2,7 @@
 
 from ur5lib.records.friction import Friction
 from ur5lib.records.measured import Measured
-from ur5lib.records.prediction import Prediction
-from ur5lib.records.premises import Premises
-from ur5lib.records.signals import Signals
+from ur5lib.records.predicted_recording import PredictedRecording
 from ur5lib.robots.description import Robot
 from ur5lib.topics.live.live_file import LiveFit, numbers
 from ur5lib.topics.live.live_recording import follow
@@ -12,27 +10,25 @@ from ur5lib.topics.live.rows import LiveForces
 
 
 def estimate_live(
-    recording: str,
-    signals: Signals,
-    premises: Premises,
-    prediction: Prediction,
+    recording: PredictedRecording,
     friction: Friction,
     live: LiveFit,
     arm: Robot,
     contact_force_n: float | None,
-    gravity: list[float] | None = None,
 ) -> LiveForces:
     """Return what the estimator that `ur5 export --format live` writes would have stated.
 
-    prediction: with the load that the arm carries, if one was found; contact_force_n: of a typical
-    contact [N], None: by the arm's payload. Empty without a fit, without positions or currents, and
+    With the load that the arm carries, if one was found. contact_force_n: of a typical contact [N],
+    None: by the arm's payload. Empty without a fit, without positions or currents, and
     where the recording contradicts the study.
     """
+    signals, premises = recording.signals, recording.premises
     run = Measured.of(signals)
     if run is None or premises.contradictions.stop_signs or not live.known:
         return LiveForces(time=signals.time, segment=signals.segment)
-    about = prediction.with_load(premises.load.payload), premises.place, contact_force_n
-    own = numbers(arm.mounted(gravity), friction, recording, *about)
+    load = recording.prediction.with_load(premises.load.payload)
+    about = recording.name, load, premises.place, contact_force_n
+    own = numbers(arm.mounted(recording.gravity), friction, *about)
     found = follow({**own, **live.known}, run)
     return LiveForces(
         time=signals.time,

@@ -9,14 +9,9 @@ from ur5lib.force.problem import Problem, fmap_problem
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.smallest_pushes import MIN_TRIALS, pushed, pushes_of_arm, where_pushed
 from ur5lib.force.trial_contacts import Trials, Untouched
-from ur5lib.records.currents import Currents
-from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.friction import Friction
 from ur5lib.records.measured import Measured
-from ur5lib.records.motion import Motion
-from ur5lib.records.prediction import Prediction
-from ur5lib.records.premises import Premises
-from ur5lib.records.signals import Signals
+from ur5lib.records.predicted_recording import PredictedRecording
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import Span
@@ -27,12 +22,7 @@ from ur5lib.topics.live.rows import LivePush
 
 
 def measure_live_pushes(
-    signals: Mapping[str, Signals],
-    motion: Mapping[str, Motion],
-    currents: Mapping[str, Currents],
-    kinematics: Mapping[str, Kinematics],
-    predictions: Mapping[str, Prediction],
-    premises: Mapping[str, Premises],
+    recordings: Mapping[str, PredictedRecording],
     friction: Friction,
     residuals: Residuals,
     live: LiveFit,
@@ -42,21 +32,21 @@ def measure_live_pushes(
 ) -> list[LivePush]:
     """Return the smallest pushes by motion and axis, none where no push can be tried.
 
-    signals to premises, gravities: of contact-free recordings, each by the fit without its path;
+    recordings, gravities: of those without contact, each by the fit without its path;
     contact_force_n: [N], of a typical contact, None: by the arm's payload.
     """
-    trials, least = dict[str, Trials](), MIN_TRIALS // max(1, len(motion))
-    for name, moved in motion.items():
-        run = Measured.of(signals[name])
-        problem = fmap_problem(moved, currents[name], residuals)
-        if run is None or problem is None or predictions[name].is_loaded or not live.known:
+    trials, least = dict[str, Trials](), MIN_TRIALS // max(1, len(recordings))
+    for name, recording in recordings.items():
+        run = Measured.of(recording.signals)
+        problem = fmap_problem(recording.motion, recording.currents, residuals)
+        if run is None or problem is None or recording.prediction.is_loaded or not live.known:
             continue
-        payload, place = premises[name].load.payload, premises[name].place
+        payload, place = recording.premises.load.payload, recording.premises.place
         about = friction, name, payload, place, contact_force_n
         file = numbers(arm.mounted(gravities[name]), *about) | live.known
-        jacobian, speed = where_pushed(problem, kinematics[name], place)
+        jacobian, speed = where_pushed(problem, recording.kinematics, place)
         trials[name] = live_trials(file, run, problem, jacobian, speed, least)
-    pushes = pushes_of_arm(trials, predictions, friction.paths)
+    pushes = pushes_of_arm(trials, recordings, friction.paths)
     return [LivePush(**vars(push)) for push in pushes]
 
 

@@ -35,7 +35,7 @@ rule estimate_live:
         **traces("estimate_live", "{recording}"),
     params:
         code=code("estimate_live"),
-        recording="{recording}",
+        name="{recording}",
         gravity=of_recording(SELECTION.gravity),
         contact_force_n=SETTINGS.contact.force_n,
     run:
@@ -48,7 +48,7 @@ rule measure_live_pushes:
         motion=results_of(SELECTION.drawn, "motion.parquet"),
         currents=results_of(SELECTION.drawn, "currents.parquet"),
         kinematics=results_of(SELECTION.drawn, "kinematics.parquet"),
-        predictions=results_of(SELECTION.drawn, "currents.json"),
+        prediction=results_of(SELECTION.drawn, "currents.json"),
         premises=results_of(SELECTION.drawn, "premises.json"),
         friction=parameter("friction.json"),
         residuals=parameter("residuals.json"),

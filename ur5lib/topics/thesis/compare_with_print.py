@@ -6,9 +6,7 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.quality import Quality
-from ur5lib.records.signals import Signals
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.robots.description import Robot
 from ur5lib.tables import read_csv
 from ur5lib.timeseries.arrays import Array
@@ -29,36 +27,30 @@ class BesidePrint(NamedTuple):
 def compare_with_print(
     reference: Path,
     tables: list[Path],
-    signals: Mapping[str, Signals],
-    kinematics: Mapping[str, Kinematics],
-    imu: Mapping[str, pd.DataFrame],
-    quality: Mapping[str, Quality],
+    recordings: Mapping[str, AlignedRecording],
     arms: Mapping[str, Robot],
     arm_of: dict[str, str],
     gravities: dict[str, list[float] | None],
 ) -> BesidePrint:
     """Return the published numbers, ours, and those by the errata's explanations.
 
-    signals to quality: of the recordings that an erratum explains; arms: by name; arm_of: the arm
-    of a recording.
+    recordings: that an erratum explains; arms: by name; arm_of: the arm of a recording.
     """
     published = read_reference(reference)
 
-    def values(recording: str, way: Explanation) -> Array:
-        robot = arms[arm_of[recording]].mounted(gravities[recording])
+    def values(name: str, way: Explanation) -> Array:
+        recording, robot = recordings[name], arms[arm_of[name]].mounted(gravities[name])
         if way.closed_loop:
-            return loop_error(robot, signals[recording], way.closed_loop)
+            return loop_error(robot, recording.signals, way.closed_loop)
         assert way.acceleration is not None
-        start = quality[recording].starts["imu"]
-        known = robot, signals[recording], kinematics[recording], imu[recording], start
-        return mean_absolute_error(*explained_accelerations(*known, way.acceleration))
+        return mean_absolute_error(*explained_accelerations(recording, robot, way.acceleration))
 
     def explained() -> Iterator[ExplainedRow]:
         for number, erratum in enumerate(published.errata, 1):
             for way in erratum.explains:
-                recording = published.printed[way.printed].recording
-                if recording in signals:
-                    yield ExplainedRow(number, way.printed, way.row, values(recording, way))
+                name = published.printed[way.printed].recording
+                if name in recordings:
+                    yield ExplainedRow(number, way.printed, way.row, values(name, way))
 
     own = {path.stem: read_csv(path) for path in tables}
     rows = compared(published, own, [*explained()])

@@ -2,11 +2,7 @@
 
 from pathlib import Path
 
-import pandas as pd
-
-from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.quality import Quality
-from ur5lib.records.signals import Signals
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.report.figures.house_style import Drawing
 from ur5lib.robots.description import Robot
 from ur5lib.topics.thesis.explained_errors import explained_accelerations
@@ -15,17 +11,9 @@ from ur5lib.topics.thesis.reference import read_reference
 
 
 def draw_filtered_first(
-    recording: str,
-    signals: Signals,
-    kinematics: Kinematics,
-    imu: pd.DataFrame,
-    quality: Quality,
-    arm: Robot,
-    reference: Path,
-    gravity: list[float] | None = None,
+    recording: AlignedRecording, arm: Robot, reference: Path
 ) -> dict[str, Drawing]:
     """Return the figure of accelerations by the way that explains the printed errors."""
-    way = read_reference(reference).explained_accelerations()[recording]
-    known = arm.mounted(gravity), signals, kinematics, imu, quality.starts["imu"]
-    modelled, felt = explained_accelerations(*known, way)
-    return {"accelerations_filtered_first": euler_figure(signals, felt, modelled)}
+    way = read_reference(reference).explained_accelerations()[recording.name]
+    modelled, felt = explained_accelerations(recording, arm.mounted(recording.gravity), way)
+    return {"accelerations_filtered_first": euler_figure(recording.signals, felt, modelled)}

@@ -1,12 +1,10 @@
 """Published errors, computed in the way in which an erratum explains them."""
 
 import numpy as np
-import pandas as pd
 
 from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.carried import configured_payload
-from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.quality import StartOffset
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Model, Robot
 from ur5lib.robots.end_effector import felt_acceleration
@@ -46,22 +44,19 @@ def loop_error(robot: Robot, signals: Signals, way: LoopError) -> Array:
 
 
 def explained_accelerations(
-    robot: Robot,
-    signals: Signals,
-    kinematics: Kinematics,
-    imu: pd.DataFrame,
-    start: StartOffset,
-    way: AccelerationError,
+    recording: AlignedRecording, robot: Robot, way: AccelerationError
 ) -> tuple[Array, Array]:
     """Return the accelerations through Euler angles and of the IMU, (N, 6) [m/s², rad/s²] each.
 
-    robot: under the recording's gravity; imu: its reading on its own clock; start: its stamp.
+    robot: under the recording's gravity.
     """
+    signals, kinematics = recording.signals, recording.kinematics
+    start = recording.quality.starts["imu"]
 
     def smooth(values: Array) -> Array:
         return lowpassed(signals, causal_lowpass, CAUSAL, values)
 
-    ahead = by_stamps(imu, start, signals.time + slow_delay(CAUSAL), "imu")
+    ahead = by_stamps(recording.imu, start, signals.time + slow_delay(CAUSAL), "imu")
     own_axes = smooth(ahead[:, :3]), smooth(derivative(signals, ahead[:, 3:]))
     felt = felt_acceleration(kinematics.rotation, *own_axes, -np.array(robot.gravity))
     modelled = through_angles(signals, kinematics, printed=True)

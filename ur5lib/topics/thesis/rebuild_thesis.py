@@ -2,12 +2,9 @@
 
 from typing import NamedTuple
 
-from ur5lib.records.dynamics import Kinematics, Torques
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.forces import FurtherForces
 from ur5lib.records.friction import Friction
-from ur5lib.records.motion import Motion
-from ur5lib.records.premises import Premises
-from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.lowpass import Butterworth
 from ur5lib.topics.thesis.closed_loop import closed_loops
@@ -42,26 +39,21 @@ class RebuiltThesis(NamedTuple):
 
 
 def rebuild_thesis(
-    signals: Signals,
-    motion: Motion,
-    torques: Torques,
-    kinematics: Kinematics,
-    premises: Premises,
+    recording: AlignedRecording,
     friction: Friction,
     arm: Robot,
     lowpass: Butterworth,
     min_singular_value: float,
-    gravity: list[float] | None = None,
 ) -> RebuiltThesis:
     """Return a recording by the thesis's methods; without forces where it contradicts the study.
 
     lowpass: of the external torques; min_singular_value: the least of a usable Jacobian.
     """
-    loop, gains = closed_loops(signals, arm.mounted(gravity))
+    signals, torques = recording.signals, recording.torques
+    loop, gains = closed_loops(signals, arm.mounted(recording.gravity))
     forces = FurtherForces(time=signals.time, segment=signals.segment)
-    if not premises.contradictions.stop_signs and not friction.stopped:
-        known = arm, signals, motion, torques, kinematics.jacobian
-        forces = published_forces(*known, lowpass, min_singular_value)
+    if not recording.premises.contradictions.stop_signs and not friction.stopped:
+        forces = published_forces(recording, arm, lowpass, min_singular_value)
     constants = published_constants(current_torque(arm, signals, torques))
     return RebuiltThesis(
         closed_loop=loop,

@@ -77,7 +77,7 @@ if STUDY.reference:
             **traces("draw_filtered_first", "{recording}"),
         params:
             code=code("draw_filtered_first"),
-            recording="{recording}",
+            name="{recording}",
             gravity=of_recording(SELECTION.gravity),
         run:
             run_step(rule, input, output, params, log)

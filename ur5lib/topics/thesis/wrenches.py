@@ -4,10 +4,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from ur5lib.force.controller import controller_estimate, environment_on_arm
-from ur5lib.records.dynamics import Torques
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.forces import FurtherForces
-from ur5lib.records.motion import Motion
-from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth, causal_lowpass, zero_phase_lowpass
@@ -23,20 +21,15 @@ from ur5lib.topics.thesis.current_based import (
 
 
 def published_forces(
-    robot: Robot,
-    signals: Signals,
-    motion: Motion,
-    torques: Torques,
-    jacobian: Array,
-    design: Butterworth,
-    min_singular_value: float,
+    recording: AlignedRecording, robot: Robot, design: Butterworth, min_singular_value: float
 ) -> FurtherForces:
     """Return F^u, F and F*: as the published script makes them (errata 5, 6 and 13), and by the
     printed equations, at the measured motion, without delay.
 
-    jacobian: J_g (N, 6, 6); design: low-pass of the external torque; min_singular_value: the least
-    of a usable Jacobian.
+    design: low-pass of the external torque; min_singular_value: the least of a usable Jacobian.
     """
+    signals, torques = recording.signals, recording.torques
+    jacobian = recording.kinematics.jacobian  # J_g
 
     def wrenches(external: Array, friction: Array, J: Array, lowpass: Any) -> Iterator[Array]:
         for torque in (external, external - friction):  # Equations 6.8 (F) and 6.9 (F*)
@@ -53,7 +46,7 @@ def published_forces(
             found = wrenches(external, friction_torque(qd, friction), delayed, causal_lowpass)
             printed |= zip(("F", "F*"), found, strict=True)
         external = motor_torque(current, constants) - torques.measured[model]
-        resisted = friction_torque(motion.motor_qd, friction)
+        resisted = friction_torque(recording.motion.motor_qd, friction)
         found = wrenches(external, resisted, jacobian, zero_phase_lowpass)
         corrected |= zip(("F", "F*"), found, strict=True)
     return FurtherForces(

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from operator import attrgetter
 from pathlib import Path
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 import numpy as np
 import pandas as pd
@@ -11,12 +11,10 @@ from scipy.stats import norm
 
 from ur5lib.dynamics.flange import point_acceleration
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.records.accelerations import COMPONENTS, Accelerations
-from ur5lib.records.clocks import SettledClock
-from ur5lib.records.forces import Forces
-from ur5lib.records.friction import Friction
-from ur5lib.records.models import Identification, Rotors
-from ur5lib.records.motion import Alignment, FusedMotion, Motion
+from ur5lib.records.accelerations import COMPONENTS
+from ur5lib.records.arm_fits import ArmFits
+from ur5lib.records.estimated_recording import EstimatedRecording
+from ur5lib.records.motion import Motion
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.stand.truth import TrueParameters, Truth
@@ -47,70 +45,38 @@ SHARE_WITHIN_2_STD = float(norm.cdf(2) - norm.cdf(-2))
 def compare_with_truth(
     truth: list[Path],
     truth_summary: list[Path],
-    recordings: list[str],
-    alignment: Mapping[str, Alignment],
-    motion: Mapping[str, Motion],
-    fused: Mapping[str, FusedMotion],
-    accelerations: Mapping[str, Accelerations],
-    forces: Mapping[str, Forces],
-    described: Mapping[str, Robot],
-    fitted: Mapping[str, Robot],
-    rotors: Mapping[str, Rotors],
-    identification: Mapping[str, Identification],
+    simulated: list[str],
+    recordings: Mapping[str, EstimatedRecording],
+    arms: Mapping[str, ArmFits],
     calibration: Mapping[str, dict[str, ImuCalibration]],
-    friction: Mapping[str, Friction],
     lowpass: Butterworth,
 ) -> pd.DataFrame:
     """Return the table of estimates compared with the truth.
 
-    truth, truth_summary: files of `Truth` and `TrueParameters` of the simulated recordings;
-    alignment to forces: by recording, described to friction: by arm; lowpass: of the accelerations.
+    truth, truth_summary: files of `Truth` and `TrueParameters` of the simulated recordings, of
+    which recordings has those that can be read; calibration: of each arm's IMU; lowpass: of the
+    accelerations.
     """
     known = [read_record(TrueParameters, path) for path in truth_summary]
-    truths = dict(zip(recordings, known, strict=True))
-    paths = dict(zip(recordings, truth, strict=True))
+    truths = dict(zip(simulated, known, strict=True))
+    paths = dict(zip(simulated, truth, strict=True))
     rows = list[Row]()
-    for arm, robot in described.items():
-        fits = Fits(rotors[arm], identification[arm], calibration[arm], friction[arm])
-        of_arm = {name: one for name, one in truths.items() if one.robot == arm}
-        rows += [{"robot": arm} | row for row in arm_rows(robot, fits, of_arm)]
-    for name in forces:  # not of recordings that cannot be read
-        parameters = truths[name]
-        estimated = Estimated(
-            alignment[name].clocks, motion[name], fused[name], accelerations[name], forces[name]
-        )
-        arms = described[parameters.robot], fitted[parameters.robot]
+    for robot, arm in arms.items():
+        of_arm = {name: one for name, one in truths.items() if one.robot == robot}
+        rows += [{"robot": robot} | row for row in arm_rows(arm, calibration[robot], of_arm)]
+    for name, recording in recordings.items():
+        parameters, samples = truths[name], Truth.read(paths[name])
         about = {"recording": name, "robot": parameters.robot}
-        samples = Truth.read(paths[name])
-        found = recording_rows(estimated, *arms, parameters, samples, lowpass)
+        found = recording_rows(recording, arms[parameters.robot], parameters, samples, lowpass)
         rows += [about | row for row in found]
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
-class Fits(NamedTuple):
-    """What was fitted to an arm."""
-
-    rotors: Rotors
-    identification: Identification
-    calibration: dict[str, ImuCalibration]
-    friction: Friction
-
-
-class Estimated(NamedTuple):
-    """What was estimated of a recording."""
-
-    clocks: dict[str, SettledClock]
-    motion: Motion
-    fused: FusedMotion
-    accelerations: Accelerations
-    forces: Forces
-
-
-def arm_rows(robot: Robot, fits: Fits, truths: Truths) -> Iterator[Row]:
-    """Yield rows about parameters fitted to several recordings with a common truth.
-
-    robot: the arm as described.
-    """
+def arm_rows(
+    arm: ArmFits, calibration: Mapping[str, ImuCalibration], truths: Truths
+) -> Iterator[Row]:
+    """Yield rows about parameters fitted to several recordings with a common truth."""
+    robot = arm.described
 
     def true_rotors(truth: TrueParameters) -> Sequence[float]:
         return robot.models[truth.model].rotor_inertias or (0.0,) * len(robot.joints)
@@ -118,7 +84,7 @@ def arm_rows(robot: Robot, fits: Fits, truths: Truths) -> Iterator[Row]:
     def true_parameters(truth: TrueParameters) -> Array:
         return LinkModel(robot, truth.model).parameters  # without a payload: it is given
 
-    rotors, identified, calibration, friction = fits
+    rotors, identified, friction = arm.rotors, arm.identification, arm.friction
     if (inertias := shared(truths, rotors.from_, true_rotors)) is not None:
         yield from rotor_rows(rotors, inertias)
     if (true := shared(truths, identified.from_, true_parameters)) is not None:
@@ -134,30 +100,26 @@ def arm_rows(robot: Robot, fits: Fits, truths: Truths) -> Iterator[Row]:
 
 
 def recording_rows(
-    estimated: Estimated,
-    robot: Robot,
-    fitted: Robot,
+    recording: EstimatedRecording,
+    arm: ArmFits,
     truth: TrueParameters,
     samples: Truth,
     lowpass: Butterworth,
 ) -> Iterator[Row]:
-    """Yield rows about one recording.
-
-    robot, fitted: the arm as described and as fitted; lowpass: of the accelerations.
-    """
-    motion, fused = estimated.motion, estimated.fused
+    """Yield rows about one recording; lowpass: of the accelerations."""
+    motion, fused, robot = recording.motion, recording.fused, arm.described
     true = samples.at(motion.time)
     exact = point_acceleration(robot, true.q, true.qd, true.qdd, np.array(robot.mounting.imu))
     acceleration = by_segment(inner_lowpass, exact, motion.segment, 1 / true.period, *lowpass)
-    yield from clock_rows(estimated.clocks, truth)
+    yield from clock_rows(recording.alignment.clocks, truth)
     yield from joint_acceleration_rows({"encoders": motion, "encoders+imu": fused}, true)
-    accelerations = estimated.accelerations
+    accelerations = recording.accelerations
     felt = {} if accelerations.felt is None else {"imu": accelerations.felt}
     about = "end_effector_acceleration", [*COMPONENTS], [*COMPONENTS.values()]
     for method, estimate in (felt | accelerations.acceleration).items():
         yield from errors(*about, acceleration, estimate, method)
-    yield from torque_rows(fitted, truth, true)
-    yield from wrench_rows(estimated.forces, true)
+    yield from torque_rows(arm.identified, truth, true)
+    yield from wrench_rows(recording.forces, true)
 
 
 def torque_rows(robot: Robot, truth: TrueParameters, true: Truth) -> Iterator[Row]:

@@ -11,7 +11,7 @@ if TRUTHS:
             accelerations=results("accelerations.parquet", TRUTHS),
             forces=results("forces.parquet", TRUTHS),
             described=parameters("described.yaml"),
-            fitted=parameters("arm.yaml"),
+            identified=parameters("arm.yaml"),
             rotors=parameters("rotor_inertia.json"),
             identification=parameters("identification.json"),
             calibration=parameters("imu.json"),
@@ -22,7 +22,7 @@ if TRUTHS:
             **traces("compare_with_truth"),
         params:
             code=code("compare_with_truth"),
-            recordings=[*TRUTHS],
+            simulated=[*TRUTHS],
             lowpass=design(SETTINGS.lowpass.accelerations),
         run:
             run_step(rule, input, output, params, log)

@@ -1,0 +1,19 @@
+"""An arm with what was fitted to it."""
+
+from ur5lib.records.friction import Friction
+from ur5lib.records.models import Identification, Rotors
+from ur5lib.records.opened import Opened
+from ur5lib.robots.description import Robot
+
+
+class ArmFits(Opened):
+    """What is known of an arm.
+
+    described, identified: without and with the models that were identified.
+    """
+
+    described: Robot
+    identified: Robot
+    rotors: Rotors
+    identification: Identification
+    friction: Friction
