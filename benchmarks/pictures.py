@@ -34,6 +34,7 @@ from ur5lib.tables import write_text
 RESULTS_FOLDER = Path("results")
 LIBRARY = Path(__file__).parents[1] / "ur5lib"
 DOCUMENTS = Path(__file__).parents[1] / "docs"
+PICTURES = DOCUMENTS / "pictures"
 LESSON = "ur10-bag"
 PUSHED, MOTION, ARM = "way_points_pushed", "ur10_exciting_trajectory", "ur10"
 FIGURES = {  # picture: the figure of a study
@@ -79,7 +80,7 @@ def main() -> None:
     given = options_of(__doc__).parse_args()
     built(RESULTS_FOLDER / study for study in ("demo", LESSON))
     for name, figure in FIGURES.items():
-        shutil.copy(RESULTS_FOLDER / f"{figure}.svg", DOCUMENTS / f"{name}.svg")
+        shutil.copy(RESULTS_FOLDER / f"{figure}.svg", PICTURES / f"{name}.svg")
     report = DOCUMENTS / "report.md"
     write_text(with_rules(with_columns(report.read_text())), report)
     lesson = DOCUMENTS / "lesson.md"
@@ -87,7 +88,7 @@ def main() -> None:
     write_screens(DOCUMENTS / "gallery.md", GALLERY, lambda told: states(told.cards))
     write_screens(DOCUMENTS / "bad_report.md", BAD, lambda told: f"{cards(told)}\n\n{steps(told)}")
     if not given.quick:
-        photograph(RESULTS_FOLDER / LESSON / "report.html", DOCUMENTS / "lesson_report.png")
+        photograph(RESULTS_FOLDER / LESSON / "report.html", PICTURES / "lesson_report.png")
 
 
 def write_screens(

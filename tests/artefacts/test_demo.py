@@ -80,7 +80,7 @@ def test_the_picture_of_the_readme_shows_what_the_study_draws(results: Path) -> 
     """By its labels; `make pictures` draws it anew."""
     labels = re.compile(r"<!-- (?![\d−.]+ -->)(.*?) -->")
     drawn = results / "figures" / "way_points_pushed" / "forces_estimated.svg"
-    shown = PROJECT / "docs" / "example.svg"
+    shown = PROJECT / "docs" / "pictures" / "example.svg"
     assert {*labels.findall(shown.read_text())} == {*labels.findall(drawn.read_text())}
 
 
