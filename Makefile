@@ -73,6 +73,7 @@ pictures: .venv/dev ## build the default study and the lesson's, draw the docume
 	snakemake
 	ur5 fetch ur10-bag $(if $(DATA),--from "$(DATA)")
 	snakemake --configfile workflow/studies/ur10-bag.yaml
+	ur5 excite --robot ur5e --output results/excited
 	python -m benchmarks.pictures
 	python -m benchmarks.expected --page
 

@@ -3,6 +3,8 @@
 import re
 from collections.abc import Iterable, Sequence
 
+import pandas as pd
+
 
 def markdown(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Return a table in Markdown."""
@@ -21,3 +23,18 @@ def section(text: str, title: str) -> str:
     """Return a section of a page with its heading, up to the next one; empty if there is none."""
     found = re.search(rf"^## {re.escape(title)}\n.*?(?=^## |\Z)", text, re.DOTALL | re.MULTILINE)
     return found.group() if found else ""
+
+
+def table_in(text: str, title: str, head: str = "") -> pd.DataFrame:
+    """Return a table of a section, as text: the first of which the first column has this name.
+
+    title: of the section, or of the page; without a head, the first table.
+    """
+    whole = section(text, title) or text
+    for block in re.findall(r"(?:^\|.*\n?)+", whole, re.MULTILINE):
+        cells = [
+            [cell.strip() for cell in line.strip("|\n").split("|")] for line in block.splitlines()
+        ]
+        if head in ("", cells[0][0]):
+            return pd.DataFrame(cells[2:], columns=cells[0])
+    raise ValueError(f"no table of “{title}” begins with {head}")
