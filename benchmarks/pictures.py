@@ -39,7 +39,6 @@ LIBRARY = Path(__file__).parents[1] / "ur5lib"
 DOCUMENTS = Path(__file__).parents[1] / "docs"
 PICTURES = DOCUMENTS / "pictures"
 LESSON = "ur10-bag"
-IMU = "Movement_No6_Acc_slow_Verify_Model"
 PUSHED, MOTION, ARM = "way_points_pushed", "ur10_exciting_trajectory", "ur10"
 THESIS_PUSHED = "Movement_No9_Singularity_Free_ForceSensor"
 FIGURES = {  # picture: the figure of a study
@@ -49,43 +48,43 @@ FIGURES = {  # picture: the figure of a study
     "lesson_knowledge": f"{LESSON}/figures/{ARM}/knowledge",
     "lesson_currents": f"{LESSON}/figures/{MOTION}/currents",
     "lesson_force": f"{LESSON}/figures/{MOTION}/forces_estimated",
-    "frame_repair": "thesis/figures/Movement_No1/packets",
-    "filters": "thesis/figures/filters",
-    "torques": "thesis/figures/Movement_No5_Acc_slow_no_disturbance/torques",
-    "imu": "thesis/figures/Movement_No6_Acc_slow_Verify_Model/accelerations",
+    "filters": "demo/figures/filters",
+    "torques": "demo/figures/excitation/torques",
+    "imu": "demo/figures/excitation/accelerations",
     "tracking": "thesis/figures/Movement_No5_Acc_slow_no_disturbance/positions",
-    "models": "thesis/figures/ur5/models",
+    "models": "demo/figures/ur5/models",
     "frames": "demo/figures/ur5/frames",
-    "calibration": "thesis/figures/calibration",
-    "health": "ur10e/figures/ur10e/health",
+    "calibration": "demo/figures/calibration",
     "thesis_force": f"thesis/figures/{THESIS_PUSHED}/forces_estimated",
     "ur3_constants": "ur3-cb/figures/ur3/current_torque",
     "designed": "excited/excitation",
 }
 DRAWN: dict[str, tuple[str, Callable[[Path], Drawing]]] = {  # picture: study, and what draws it
-    "clock": ("thesis", lambda of: series.start_stamps_against_joints(of, IMU, (66, 70))),
+    "frame_repair": ("demo", lambda of: series.packets(of, "every_fault")),
+    "clock": ("demo", lambda of: series.start_stamps_against_joints(of, "excitation", (16, 19))),
     "low_pass": ("demo", lambda of: series.low_passes(of, PUSHED, (0, 4))),
     "smoothing": ("demo", lambda of: series.accelerations(of, "excitation", (4, 7))),
     "first_motion": ("demo", lambda of: series.first_motion(of, "way_points", (0, 4), (1, 2, 3))),
-    "gate": ("thesis", lambda of: series.gate(of, THESIS_PUSHED, (0, 35))),
-    "live": ("thesis", lambda of: series.live_force(of, THESIS_PUSHED, (0, 35))),
+    "gate": ("demo", lambda of: series.gate(of, PUSHED, (0, 20))),
+    "live": ("demo", lambda of: series.live_force(of, PUSHED, (0, 20))),
     "tare": ("demo", lambda of: series.tare(of, "pressed", "pressed_tared")),
     "sensor_bias": ("demo", lambda of: series.sensor_bias(of, PUSHED)),
-    "thresholds": ("thesis", lambda of: series.thresholds(of, "ur5")),
+    "thresholds": ("demo", lambda of: series.thresholds(of, "ur5")),
     "friction_of_a_joint": ("demo", lambda of: series.friction_alone(of, "ur5", 3)),
     "paper": ("demo", lambda of: series.of_a_paper(of, PUSHED)),
-    "friction_terms": ("thesis", tables.friction_terms),
-    "friction_to_type_in": ("thesis", tables.friction_to_type_in),
-    "constants": ("thesis", tables.constants),
-    "pushes_by_direction": ("thesis", tables.pushes_by_direction),
-    "share_found": ("thesis", tables.share_found),
+    "friction_terms": ("demo", tables.friction_terms),
+    "friction_to_type_in": ("demo", tables.friction_to_type_in),
+    "constants": ("demo", tables.constants),
+    "pushes_by_direction": ("demo", tables.pushes_by_direction),
+    "share_found": ("demo", tables.share_found),
     "thesis_errors": ("thesis", lambda of: tables.by_axis(of, tables.ESTIMATES)),
     "truths": ("demo", tables.truths),
-    "next_recordings": ("thesis", tables.worth_of_next),
-    "ur10e_pushes": ("ur10e", tables.pushes_of_both),
+    "next_recordings": ("demo", tables.worth_of_next),
     "led_by_hand": ("ur5e-demonstrations", tables.constants),
 }
 OF_PAGES = {  # picture: a page with the table that is drawn, and what draws it
+    "what_to_expect": ("expect", tables.what_to_expect),
+    "live_pushes": ("live", tables.live_pushes),
     "world": ("world", tables.world),
     "simulated_arms": ("benchmark", tables.simulated_arms),
     "torque_from_motion": ("benchmark", tables.torque_from_motion),
@@ -99,17 +98,13 @@ GALLERY = {  # section of the page: the study
     "A UR10 in a ROS bag": LESSON,
     "A UR3 without rotors": "ur3-cb",
     "A KUKA KR300 by its motors' torques": "kuka-kr300",
+    "A UR10e over two months": "ur10e",
+    "A UR5e led by hand": "ur5e-demonstrations",
+    "A UR5e at 500 Hz": "ur5e-rtde",
 }
 BAD = {  # section of the page on bad reports: the study
     "A UR5e led by hand": "ur5e-demonstrations",
     "A KR300 without links": "kuka-kr300",
-}
-EXPECTED = {  # arm on docs/expect.md: the study
-    "UR5, simulated": "demo",
-    "UR5": "thesis",
-    "UR10e": "ur10e",
-    "UR3": "ur3-cb",
-    "UR10": LESSON,
 }
 VIEW = {"width": 1280, "height": 900}  # pixels
 
@@ -155,9 +150,6 @@ def draw_pictures() -> None:
             draw(drawing(RESULTS_FOLDER / study), name)
     for name, (page, of_table) in OF_PAGES.items():
         draw(of_table(DOCUMENTS / f"{page}.md"), name)
-    built_arms = {arm: RESULTS_FOLDER / study for arm, study in EXPECTED.items()}
-    if all((folder / "results.json").exists() for folder in built_arms.values()):
-        draw(tables.what_to_expect(built_arms), "what_to_expect")
 
 
 def draw(drawing: Drawing, name: str) -> None:

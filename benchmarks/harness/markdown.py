@@ -12,11 +12,21 @@ def markdown(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
 
 
+FOLDED = "<details markdown><summary>The numbers</summary>"
+UNFOLDED = "</details>"
+
+
+def folded(table: str) -> str:
+    """Return a table in Markdown that a reader opens: a picture shows what it says."""
+    return f"{FOLDED}\n\n{table}\n\n{UNFOLDED}"
+
+
 def replaced(text: str, title: str, tables: str) -> str:
     """Return a page with other tables in a section, below the lines that introduce it."""
     old = section(text, title)
     words = old[: old.index("\n|") + 1] if "\n|" in old else f"{old.rstrip()}\n\n"
-    return text.replace(old, f"{words}{tables.rstrip()}\n\n") if old else text
+    end = f"\n\n{UNFOLDED}" if FOLDED in words else ""
+    return text.replace(old, f"{words}{tables.rstrip()}{end}\n\n") if old else text
 
 
 def section(text: str, title: str) -> str:
