@@ -12,7 +12,7 @@ document.addEventListener("DOMContentLoaded", () => {
 // What the theme leaves out for those who do not use a mouse, or listen: wide tables, equations and
 // pictures can be scrolled by keys, and parts of a contents list or of a block of code are no landmarks.
 function mend() {
-  for (const one of document.querySelectorAll(".md-typeset__scrollwrap, .katex-display, article p"))
+  for (const one of document.querySelectorAll(".md-typeset__scrollwrap, .arithmatex, .katex-display, article p"))
     if (one.scrollWidth > one.clientWidth) one.tabIndex = 0;
   for (const one of document.querySelectorAll("nav.md-code__nav, .md-nav--secondary nav.md-nav")) {
     one.removeAttribute("aria-label");

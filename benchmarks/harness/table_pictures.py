@@ -27,7 +27,7 @@ MARGIN = 0.75  # inches around them
 TOTALS = {"total_0": 0.0, "total_0.1": 0.1, "total_0.5": 0.5, "total_1": 1.0}  # rad/s
 ESTIMATES = {
     "Fmap": "MAP estimate",
-    "plain_least_squares": "plain least squares",
+    "ungated_least_squares": "plain least squares",
     "Fu": "controller",
 }
 LEAST_FORCE = 1.0  # N, mean in contact: an axis along which something pushes
