@@ -57,6 +57,8 @@ FIGURES = {  # picture: the figure of a study
     "calibration": "demo/figures/calibration",
     "thesis_force": f"thesis/figures/{THESIS_PUSHED}/forces_estimated",
     "ur3_constants": "ur3-cb/figures/ur3/current_torque",
+    "ur10e_dates": "ur10e/figures/ur10e/health",
+    "six_seconds": "ur5e-rtde/figures/ur5e/knowledge",
     "designed": "excited/excitation",
 }
 DRAWN: dict[str, tuple[str, Callable[[Path], Drawing]]] = {  # picture: study, and what draws it
