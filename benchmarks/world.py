@@ -60,6 +60,8 @@ with one thing changed. `python -m benchmarks.world --page` writes this page;
 ![Error of the force over that of plain least squares, and share inside the 95 % band, a situation a
 row: most are below one, those with an unknown tool above.](pictures/world.svg)
 
+"""
+LEGEND = """\
 - Errors are root mean squares of the force vector in contact, by the truth, low-passed as torques
   are; plain: least squares of the external torques.
 - Inside: share of components in the 95 % band; wide: its width over that which would hold 95 %.
@@ -87,7 +89,7 @@ def main() -> None:
     found = table(pd.DataFrame(rows))
     print(found)
     if given.page:
-        write_text(HEAD.format(seeds=given.seeds) + folded(found) + "\n", PAGE)
+        write_text(HEAD.format(seeds=given.seeds) + folded(LEGEND + found) + "\n", PAGE)
 
 
 def judged(name: str, seed: int) -> list[dict[str, Any]]:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from benchmarks.harness.markdown import table_in
 from ur5lib import load
@@ -72,7 +73,7 @@ def pushes_by_direction(folder: Path) -> Drawing:
             axis.set_title(f"{posture},\n{own['motion'].iloc[0]} [N]")
             axis.set_rlabel_position(45)
             axis.set_xticks(np.radians([0, 90, 180, 270]), ["x", "y, z", "−x", "−y, −z"])
-            axis.locator_params(axis="y", nbins=3)
+            axis.yaxis.set_major_locator(MaxNLocator(3))
         lines, labels = panels[0, 0].get_legend_handles_labels()
         figure.legend(lines, labels, loc="outside lower center", frameon=False, ncols=2)
     return Drawing(figure, rows)
