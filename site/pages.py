@@ -5,8 +5,9 @@
 
 The notebook becomes a page with what its cells print and draw, and links to it lead there. Reports
 that are built, of recordings that may be shown, are copied to reports/<study> with all that they
-link, and the gallery links them: where it has the comment `<!-- report: <study> -->`. `--home`
-prints the address of the project's source, empty where pyproject.toml states none.
+link, and the gallery links them: where it has the comment `<!-- report: <study> -->`. The words for
+a picture are shown below it, unless the text there says what it shows. `--home` prints
+the address of the project's source, empty where pyproject.toml states none.
 """
 
 import base64
@@ -20,6 +21,8 @@ from typing import Any
 
 PROJECT = Path(__file__).parents[1]
 REPORT = re.compile(r"<!-- report: ([\w-]+) -->")
+PICTURE = re.compile(r"^!\[([^\]]+)\]\([\w/]+\.svg\)$(?!\n\n(?:\*[^*]|- \*\*Shows))", re.MULTILINE)
+CAPTION = '{}\n\n*{}*{{aria-hidden="true"}}'  # who hears the page has heard these words
 LINK = re.compile(r'(?:href|src)="([^"#:]+)["#]')  # to a file beside a page
 
 
@@ -30,7 +33,9 @@ def main(folder: Path) -> None:
     (docs / "notebook.md").write_text(as_markdown(notebook, docs), encoding="utf-8")
     for page in [*folder.glob("*.md"), *docs.glob("*.md")]:
         text = page.read_text(encoding="utf-8").replace("notebook.ipynb)", "notebook.md)")
-        page.write_text(REPORT.sub(lambda found: link(found[1], folder), text), encoding="utf-8")
+        text = REPORT.sub(lambda found: link(found[1], folder), text)
+        text = PICTURE.sub(lambda found: CAPTION.format(found[0], found[1]), text)
+        page.write_text(text, encoding="utf-8")
 
 
 def as_markdown(notebook: dict[str, Any], folder: Path) -> str:

@@ -93,6 +93,15 @@ def test_every_picture_says_what_it_shows() -> None:
             assert len(image.get("alt", "")) >= LEAST_LETTERS, (page.name, image.get("src"))
 
 
+def test_what_a_picture_shows_is_read_below_it() -> None:
+    """Once: where the text says it, there is no other caption."""
+    page = parsed(PAGES / "docs" / "methods.html")
+    for image in page.xpath("//article//p/img"):
+        below = image.getparent().getnext().text_content()
+        assert " ".join(below.split()) == " ".join(image.get("alt").split())
+    assert not parsed(PAGES / "docs" / "gallery.html").xpath("//em[@aria-hidden]")
+
+
 def test_the_notebook_is_a_page() -> None:
     page = parsed(PAGES / "docs" / "notebook.html")
     assert len(page.xpath("//article//pre")) > 20
