@@ -73,19 +73,15 @@ pictures: .venv/dev ## build the default study and the lesson's, draw the docume
 	snakemake
 	ur5 fetch ur10-bag $(if $(DATA),--from "$(DATA)")
 	snakemake --configfile workflow/studies/ur10-bag.yaml
+	ur5 excite --robot ur5e --output results/excited
 	python -m benchmarks.pictures
 	python -m benchmarks.expected --page
 
-gallery: pictures studies docs ## the same for all public studies whose recordings are in raw/, with their reports beside the site
-	python -m benchmarks.pictures
-	mkdir -p .site/html/reports
-	for study in demo thesis ur10-bag ur3-cb kuka-kr300; do \
-		test ! -e results/$$study/report.html || cp results/$$study/report.html .site/html/reports/$$study.html; done
-
-docs: .venv/dev ## build the documents as a site, .site/html
+docs: .venv/dev ## build the site, .site/html: documents, notebook, reference, reports of public recordings that are built (make studies)
 	rm -rf .site && mkdir -p .site/pages
 	cp -RL *.md CITATION.cff LICENSE Snakefile config.yaml docs site ur5lib workflow .site/pages
-	zensical build --strict >.site/log 2>&1 || { cat .site/log >&2; exit 1; }
+	python site/pages.py .site/pages
+	PROJECT_HOME="$$(python site/pages.py --home)" zensical build --strict >.site/log 2>&1 || { cat .site/log >&2; exit 1; }
 	@echo "site: .site/html/index.html"
 
 release: export SOURCE_DATE_EPOCH = $(shell git log -1 --format=%ct)
@@ -141,4 +137,4 @@ help: ## list these commands
 		"the packages of requirements-dev.lock cannot be installed; check the network and the disk"; exit 1; }
 	@touch $@
 
-.PHONY: all thesis studies test test-all tests test-others test-real-time test-fast lint fuzz mutants bench leaderboard pictures gallery docs release schema lock clean help
+.PHONY: all thesis studies test test-all tests test-others test-real-time test-fast lint fuzz mutants bench leaderboard pictures docs release schema lock clean help

@@ -3,11 +3,10 @@
     python -m benchmarks.expected [<study> ...] [--page]
 
 Prints a row for each study in results/, by default of all public recordings and the demo; `--page`
-writes them into docs/expect.md, and those of README.md's columns there. Without
-names, `--quick` takes those that are built.
+writes them into docs/expect.md. Without names, `--quick` takes those that are built.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -22,8 +21,7 @@ from ur5lib.tables import read_csv, read_record, write_text
 
 RESULTS_FOLDER = Path("results")
 PROJECT = Path(__file__).parents[1]
-README = PROJECT / "README.md"
-TITLES = {README: "What to expect", PROJECT / "docs" / "expect.md": "By arm"}  # of sections
+PAGE, TITLE = PROJECT / "docs" / "expect.md", "By arm"  # of the section
 STUDIES = ["demo", "thesis", "ur10e", "ur3-cb", "ur10-bag", "kuka-kr300"]
 CONTACT_N = 5  # force at the sensor from which on contacts are counted
 
@@ -55,30 +53,22 @@ HEADS = Row(
     constants="constants that may be used, 95 % at most",
     currents="error of currents",
 )
-SHORT = (HEADS.arm, HEADS.sensor, HEADS.force, HEADS.found, HEADS.push)
-SHORT += (HEADS.constants,)  # in README.md
 
 
 def main() -> None:
     """Print the rows, and write them."""
     options = study_options(__doc__)
     options.set_defaults(studies=STUDIES)
-    options.add_argument("--page", action="store_true", help="write docs/expect.md and README.md")
+    options.add_argument("--page", action="store_true", help="write docs/expect.md as well")
     given = options.parse_args()
     folders = [RESULTS_FOLDER / name for name in given.studies]
     if given.quick and given.studies == STUDIES:
         folders = [folder for folder in folders if (folder / "results.json").exists()]
     rows = [row for folder in built(folders) for row in rows_of(folder)]
-    print(table(rows, HEADS))
-    for path, title in TITLES.items() if given.page else ():
-        heads = [head for head in HEADS if path != README or head in SHORT]
-        write_text(replaced(path.read_text(), title, table(rows, heads)), path)
-
-
-def table(rows: list[Row], heads: Sequence[str]) -> str:
-    """Return a table in Markdown of the columns with these heads."""
-    chosen = [HEADS.index(head) for head in heads]
-    return markdown([*heads], [[row[place] for place in chosen] for row in rows])
+    found = markdown(HEADS, rows)
+    print(found)
+    if given.page:
+        write_text(replaced(PAGE.read_text(), TITLE, found), PAGE)
 
 
 def rows_of(folder: Path) -> Iterator[Row]:

@@ -58,7 +58,7 @@ def main() -> None:
         write_text(
             re.sub(r"\]\((?=\w+\.md)", "](../docs/", text) if place == BESIDE else text, place
         )
-        save(error_over_latency(table), place.with_suffix(".svg"))
+        save(error_over_latency(table), place.parent / "pictures" / f"{place.stem}.svg")
 
 
 if __name__ == "__main__":

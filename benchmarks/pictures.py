@@ -2,11 +2,10 @@
 
     python -m benchmarks.pictures
 
-Copies figures of results/demo and results/ur10-bag into docs/, photographs the first screen of the
-lesson's report by Chromium, and writes what cards say into docs/lesson.md and, of the studies that
-are built, docs/gallery.md and docs/bad_report.md; columns and rules go into docs/report.md.
-`make pictures` builds the first two studies before, `make gallery` all. `--quick` leaves out the
-photograph.
+Draws docs/pictures from the studies that are built, and from tables of the pages; photographs the
+first screen of the lesson's report by Chromium; writes what cards say into docs/lesson.md,
+docs/gallery.md and docs/bad_report.md; columns and rules go into docs/report.md. `make pictures`
+builds the first two studies before, `make studies` all. `--quick` leaves out the photograph.
 """
 
 import re
@@ -15,14 +14,18 @@ from collections.abc import Callable
 from dataclasses import fields, is_dataclass
 from importlib import import_module
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
+from benchmarks.harness import series_pictures as series
+from benchmarks.harness import table_pictures as tables
 from benchmarks.harness.markdown import markdown, replaced, section
 from benchmarks.harness.options import built, options_of
 from benchmarks.harness.rules import with_rules
 from ur5lib.errors import InputError
 from ur5lib.jobs import files
 from ur5lib.records.verdicts import reason_in_words
+from ur5lib.report.figures.house_style import Drawing, save
 from ur5lib.report.page.handed import handed_over
 from ur5lib.report.page.typeset import said
 from ur5lib.report.results import Results
@@ -34,8 +37,10 @@ from ur5lib.tables import write_text
 RESULTS_FOLDER = Path("results")
 LIBRARY = Path(__file__).parents[1] / "ur5lib"
 DOCUMENTS = Path(__file__).parents[1] / "docs"
+PICTURES = DOCUMENTS / "pictures"
 LESSON = "ur10-bag"
 PUSHED, MOTION, ARM = "way_points_pushed", "ur10_exciting_trajectory", "ur10"
+THESIS_PUSHED = "Movement_No9_Singularity_Free_ForceSensor"
 FIGURES = {  # picture: the figure of a study
     "example": f"demo/figures/{PUSHED}/forces_estimated",
     "lesson_constants": f"{LESSON}/figures/{ARM}/current_torque",
@@ -43,6 +48,51 @@ FIGURES = {  # picture: the figure of a study
     "lesson_knowledge": f"{LESSON}/figures/{ARM}/knowledge",
     "lesson_currents": f"{LESSON}/figures/{MOTION}/currents",
     "lesson_force": f"{LESSON}/figures/{MOTION}/forces_estimated",
+    "filters": "demo/figures/filters",
+    "torques": "demo/figures/excitation/torques",
+    "imu": "demo/figures/excitation/accelerations",
+    "tracking": "thesis/figures/Movement_No5_Acc_slow_no_disturbance/positions",
+    "models": "demo/figures/ur5/models",
+    "frames": "demo/figures/ur5/frames",
+    "calibration": "demo/figures/calibration",
+    "thesis_force": f"thesis/figures/{THESIS_PUSHED}/forces_estimated",
+    "ur3_constants": "ur3-cb/figures/ur3/current_torque",
+    "ur10e_dates": "ur10e/figures/ur10e/health",
+    "six_seconds": "ur5e-rtde/figures/ur5e/knowledge",
+    "designed": "excited/excitation",
+}
+DRAWN: dict[str, tuple[str, Callable[[Path], Drawing]]] = {  # picture: study, and what draws it
+    "frame_repair": ("demo", lambda of: series.packets(of, "every_fault")),
+    "clock": ("demo", lambda of: series.start_stamps_against_joints(of, "excitation", (16, 19))),
+    "low_pass": ("demo", lambda of: series.low_passes(of, PUSHED, (0, 4))),
+    "smoothing": ("demo", lambda of: series.accelerations(of, "excitation", (4, 7))),
+    "first_motion": ("demo", lambda of: series.first_motion(of, "way_points", (0, 4), (1, 2, 3))),
+    "gate": ("demo", lambda of: series.gate(of, PUSHED, (0, 20))),
+    "live": ("demo", lambda of: series.live_force(of, PUSHED, (0, 20))),
+    "tare": ("demo", lambda of: series.tare(of, "pressed", "pressed_tared")),
+    "sensor_bias": ("demo", lambda of: series.sensor_bias(of, PUSHED)),
+    "thresholds": ("demo", lambda of: series.thresholds(of, "ur5")),
+    "friction_of_a_joint": ("demo", lambda of: series.friction_alone(of, "ur5", 3)),
+    "paper": ("demo", lambda of: series.of_a_paper(of, PUSHED)),
+    "friction_terms": ("demo", tables.friction_terms),
+    "friction_to_type_in": ("demo", tables.friction_to_type_in),
+    "constants": ("demo", tables.constants),
+    "pushes_by_direction": ("demo", tables.pushes_by_direction),
+    "share_found": ("demo", tables.share_found),
+    "thesis_errors": ("thesis", lambda of: tables.by_axis(of, tables.ESTIMATES)),
+    "truths": ("demo", tables.truths),
+    "next_recordings": ("demo", tables.worth_of_next),
+    "led_by_hand": ("ur5e-demonstrations", tables.constants),
+}
+OF_PAGES = {  # picture: a page with the table that is drawn, and what draws it
+    "what_to_expect": ("expect", tables.what_to_expect),
+    "live_pushes": ("live", tables.live_pushes),
+    "world": ("world", tables.world),
+    "simulated_arms": ("benchmark", tables.simulated_arms),
+    "torque_from_motion": ("benchmark", tables.torque_from_motion),
+    "published_friction": ("benchmark", tables.published_friction),
+    "parts_of_estimate": ("benchmark", tables.parts_of_estimate),
+    "states_a_second": ("benchmark", tables.states_a_second),
 }
 GALLERY = {  # section of the page: the study
     "A simulated UR5": "demo",
@@ -50,6 +100,9 @@ GALLERY = {  # section of the page: the study
     "A UR10 in a ROS bag": LESSON,
     "A UR3 without rotors": "ur3-cb",
     "A KUKA KR300 by its motors' torques": "kuka-kr300",
+    "A UR10e over two months": "ur10e",
+    "A UR5e led by hand": "ur5e-demonstrations",
+    "A UR5e at 500 Hz": "ur5e-rtde",
 }
 BAD = {  # section of the page on bad reports: the study
     "A UR5e led by hand": "ur5e-demonstrations",
@@ -78,8 +131,7 @@ def main() -> None:
     """Copy, write and photograph."""
     given = options_of(__doc__).parse_args()
     built(RESULTS_FOLDER / study for study in ("demo", LESSON))
-    for name, figure in FIGURES.items():
-        shutil.copy(RESULTS_FOLDER / f"{figure}.svg", DOCUMENTS / f"{name}.svg")
+    draw_pictures()
     report = DOCUMENTS / "report.md"
     write_text(with_rules(with_columns(report.read_text())), report)
     lesson = DOCUMENTS / "lesson.md"
@@ -87,7 +139,26 @@ def main() -> None:
     write_screens(DOCUMENTS / "gallery.md", GALLERY, lambda told: states(told.cards))
     write_screens(DOCUMENTS / "bad_report.md", BAD, lambda told: f"{cards(told)}\n\n{steps(told)}")
     if not given.quick:
-        photograph(RESULTS_FOLDER / LESSON / "report.html", DOCUMENTS / "lesson_report.png")
+        photograph(RESULTS_FOLDER / LESSON / "report.html", PICTURES / "lesson_report.png")
+
+
+def draw_pictures() -> None:
+    """Draw the pictures of all studies that are built, and those of tables in pages."""
+    for name, figure in FIGURES.items():
+        if (drawn := RESULTS_FOLDER / f"{figure}.svg").exists():
+            shutil.copy(drawn, PICTURES / f"{name}.svg")
+    for name, (study, drawing) in DRAWN.items():
+        if (RESULTS_FOLDER / study / "results.json").exists():
+            draw(drawing(RESULTS_FOLDER / study), name)
+    for name, (page, of_table) in OF_PAGES.items():
+        draw(of_table(DOCUMENTS / f"{page}.md"), name)
+
+
+def draw(drawing: Drawing, name: str) -> None:
+    """Write a picture of the documents, without its numbers."""
+    with TemporaryDirectory() as folder:
+        save(drawing, Path(folder) / f"{name}.svg")
+        shutil.copy(Path(folder) / f"{name}.svg", PICTURES)
 
 
 def write_screens(
@@ -142,9 +213,9 @@ def typed(command: str) -> str:
 def read_results(folder: Path) -> Results:
     """Read the results of a built study."""
     arms = [files.read_file(Robot, path) for path in folder.glob("parameters/*/described.yaml")]
-    tables, figures = folder.glob("tables/*.csv"), (folder / "figures").rglob("*.svg")
+    rows, figures = folder.glob("tables/*.csv"), (folder / "figures").rglob("*.svg")
     study = (folder / "configuration.yaml").read_text(encoding="utf-8")
-    return Results.read(study, sorted(tables), sorted(figures), arms)
+    return Results.read(study, sorted(rows), sorted(figures), arms)
 
 
 def card(own: dict[str, Any], results: Results) -> Card:

@@ -3,6 +3,8 @@
 import re
 from collections.abc import Iterable, Sequence
 
+import pandas as pd
+
 
 def markdown(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Return a table in Markdown."""
@@ -10,14 +12,39 @@ def markdown(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
 
 
+FOLDED = "<details markdown><summary>The numbers</summary>"
+UNFOLDED = "</details>"
+
+
+def folded(table: str) -> str:
+    """Return a table in Markdown that a reader opens: a picture shows what it says."""
+    return f"{FOLDED}\n\n{table}\n\n{UNFOLDED}"
+
+
 def replaced(text: str, title: str, tables: str) -> str:
     """Return a page with other tables in a section, below the lines that introduce it."""
     old = section(text, title)
     words = old[: old.index("\n|") + 1] if "\n|" in old else f"{old.rstrip()}\n\n"
-    return text.replace(old, f"{words}{tables.rstrip()}\n\n") if old else text
+    end = f"\n\n{UNFOLDED}" if FOLDED in words else ""
+    return text.replace(old, f"{words}{tables.rstrip()}{end}\n\n") if old else text
 
 
 def section(text: str, title: str) -> str:
     """Return a section of a page with its heading, up to the next one; empty if there is none."""
     found = re.search(rf"^## {re.escape(title)}\n.*?(?=^## |\Z)", text, re.DOTALL | re.MULTILINE)
     return found.group() if found else ""
+
+
+def table_in(text: str, title: str, head: str = "") -> pd.DataFrame:
+    """Return a table of a section, as text: the first of which the first column has this name.
+
+    title: of the section, or of the page; without a head, the first table.
+    """
+    whole = section(text, title) or text
+    for block in re.findall(r"(?:^\|.*\n?)+", whole, re.MULTILINE):
+        cells = [
+            [cell.strip() for cell in line.strip("|\n").split("|")] for line in block.splitlines()
+        ]
+        if head in ("", cells[0][0]):
+            return pd.DataFrame(cells[2:], columns=cells[0])
+    raise ValueError(f"no table of “{title}” begins with {head}")

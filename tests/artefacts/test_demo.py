@@ -12,6 +12,7 @@ import pytest
 import yaml
 from lxml.html import fromstring
 
+from benchmarks.pictures import DRAWN, FIGURES, PICTURES
 from tests import notebook
 from tests.artefacts.documents import (
     check_brief,
@@ -42,6 +43,7 @@ from ur5lib.importing.contents import UserStatement
 from ur5lib.importing.files import import_files
 from ur5lib.records.friction import without_totals
 from ur5lib.records.verdicts import Verdict
+from ur5lib.report.figures.house_style import save
 from ur5lib.tables import read_csv, read_json, write_rows
 
 FRICTION = ["torque_constant", "offset", "coulomb", "viscous", "load"]
@@ -76,12 +78,28 @@ def test_captions_name_what_is_drawn(results: Path, page: str) -> None:
     check_captions(results / page)
 
 
-def test_the_picture_of_the_readme_shows_what_the_study_draws(results: Path) -> None:
-    """By its labels; `make pictures` draws it anew."""
-    labels = re.compile(r"<!-- (?![\d−.]+ -->)(.*?) -->")
-    drawn = results / "figures" / "way_points_pushed" / "forces_estimated.svg"
-    shown = PROJECT / "docs" / "example.svg"
-    assert {*labels.findall(shown.read_text())} == {*labels.findall(drawn.read_text())}
+OF_THE_DEMO = [name for name, figure in FIGURES.items() if figure.startswith("demo/")]
+DRAWN_OF_IT = [name for name, (study, _) in DRAWN.items() if study == "demo"]
+
+
+def labels(picture: Path) -> set[str]:
+    """The words of a picture, without its numbers."""
+    return {*re.findall(r"<!-- (?![\d−.]+ -->)(.*?) -->", picture.read_text())}
+
+
+@pytest.mark.parametrize("name", OF_THE_DEMO)
+def test_pictures_of_documents_show_what_the_study_draws(results: Path, name: str) -> None:
+    """By their labels; `make pictures` draws them anew."""
+    drawn = results / FIGURES[name].removeprefix("demo/")
+    assert labels(PICTURES / f"{name}.svg") == labels(drawn.with_suffix(".svg"))
+
+
+@pytest.mark.parametrize("name", DRAWN_OF_IT)
+def test_pictures_of_documents_are_those_of_the_study(
+    results: Path, name: str, tmp_path: Path
+) -> None:
+    save(DRAWN[name][1](results), tmp_path / "drawn.svg")
+    assert labels(PICTURES / f"{name}.svg") == labels(tmp_path / "drawn.svg")
 
 
 @pytest.mark.thorough

@@ -50,5 +50,5 @@ def test_its_figures_draw_what_their_tables_state(
 @pytest.mark.parametrize("name", PICTURES)
 def test_its_pictures_show_what_the_report_draws(results: Path, name: str) -> None:
     drawn = (results / f"{FIGURES[name]}.svg").read_text()
-    shown = (DOCUMENTS / f"{name}.svg").read_text()
+    shown = (DOCUMENTS / "pictures" / f"{name}.svg").read_text()
     assert {*LABEL.findall(shown)} == {*LABEL.findall(drawn)}

@@ -9,14 +9,14 @@ from pathlib import Path
 import pytest
 
 from benchmarks.harness.rules import RULES, with_rules
-from benchmarks.pictures import with_columns
+from benchmarks.pictures import OF_PAGES, PICTURES, with_columns
 from tests.conftest import PROJECT
 from ur5lib.jobs.code import all_steps
 from ur5lib.judging.errors import REASONS_BY_GRAVITY
+from ur5lib.report.figures.house_style import save
 
 OTHERS = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "config/README.md")
 PAGES = [*(PROJECT / name for name in OTHERS), *sorted((PROJECT / "docs").glob("*.md"))]
-PICTURES = (".svg", ".png", ".csv")  # and the numbers of one
 LINK = re.compile(r"\]\((?!https?:)([^)#]*)(?:#([^)]*))?\)")
 
 
@@ -36,7 +36,7 @@ def test_links_lead_somewhere(page: Path) -> None:
 
 def test_the_readme_leads_to_every_document() -> None:
     linked = {target for target, _ in LINK.findall((PROJECT / "README.md").read_text())}
-    pages = (page for page in (PROJECT / "docs").iterdir() if page.suffix not in PICTURES)
+    pages = (page for page in (PROJECT / "docs").iterdir() if page.is_file())
     assert {f"docs/{page.name}" for page in pages} <= linked
 
 
@@ -55,6 +55,19 @@ def test_the_report_s_page_has_the_rules_of_the_code() -> None:
     assert with_rules(page) == page, "`make pictures` writes them"
     known = {reason for rule in RULES for reason in rule.reasons}
     assert {*REASONS_BY_GRAVITY} - {""} <= known
+
+
+@pytest.mark.parametrize("name", OF_PAGES)
+def test_pictures_of_tables_show_what_their_pages_say(name: str, tmp_path: Path) -> None:
+    page, drawing = OF_PAGES[name]
+    save(drawing(PROJECT / "docs" / f"{page}.md"), tmp_path / "drawn.svg")
+    shown = (PICTURES / f"{name}.svg").read_bytes()
+    assert (tmp_path / "drawn.svg").read_bytes() == shown, "`make pictures` draws it anew"
+
+
+def test_every_picture_is_shown() -> None:
+    shown = {Path(target).name for page in PAGES for target, _ in LINK.findall(page.read_text())}
+    assert {picture.name for picture in PICTURES.glob("*.[sp][vn]g")} <= shown
 
 
 def test_the_readme_is_short() -> None:
