@@ -108,7 +108,7 @@ BAD = {  # section of the page on bad reports: the study
     "A UR5e led by hand": "ur5e-demonstrations",
     "A KR300 without links": "kuka-kr300",
 }
-VIEW = {"width": 1280, "height": 900}  # pixels
+WIDTH, SCREEN, CARDS = 1280, 900, 600  # pixels: of a screen, its height, and that of the cards
 
 
 class Card(NamedTuple):
@@ -139,7 +139,10 @@ def main() -> None:
     write_screens(DOCUMENTS / "gallery.md", GALLERY, lambda told: states(told.cards))
     write_screens(DOCUMENTS / "bad_report.md", BAD, lambda told: f"{cards(told)}\n\n{steps(told)}")
     if not given.quick:
-        photograph(RESULTS_FOLDER / LESSON / "report.html", PICTURES / "lesson_report.png")
+        photograph(RESULTS_FOLDER / LESSON / "report.html", PICTURES / "lesson_report.png", SCREEN)
+        led = RESULTS_FOLDER / "ur5e-demonstrations" / "report.html"
+        if led.exists():  # its recordings state no licence: what is below the cards is not shown
+            photograph(led, PICTURES / "bad_report.png", CARDS)
 
 
 def draw_pictures() -> None:
@@ -251,8 +254,8 @@ def steps(told: FirstScreen) -> str:
     return markdown(["next", "command"], told.steps)
 
 
-def photograph(report: Path, picture: Path) -> None:
-    """Write a report's first screen as PNG. Raises InputError without Chromium."""
+def photograph(report: Path, picture: Path, height: int) -> None:
+    """Write the top of a report as PNG, as high as stated. Raises InputError without Chromium."""
     program = shutil.which("chromium") or shutil.which("google-chrome")
     if program is None:
         raise InputError("Chromium is not installed, which photographs the report; install it")
@@ -260,7 +263,7 @@ def photograph(report: Path, picture: Path) -> None:
 
     with sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=program, args=["--no-sandbox"])
-        page = browser.new_page(viewport=VIEW)
+        page = browser.new_page(viewport={"width": WIDTH, "height": height})
         page.goto(report.absolute().as_uri())
         page.screenshot(path=picture)
         browser.close()

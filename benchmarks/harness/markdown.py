@@ -22,11 +22,17 @@ def folded(table: str) -> str:
 
 
 def replaced(text: str, title: str, tables: str) -> str:
-    """Return a page with other tables in a section, below the lines that introduce it."""
+    """Return a page with other tables in a section, below the lines that introduce it; only the
+    folded one where there is one.
+    """
     old = section(text, title)
-    words = old[: old.index("\n|") + 1] if "\n|" in old else f"{old.rstrip()}\n\n"
-    end = f"\n\n{UNFOLDED}" if FOLDED in words else ""
-    return text.replace(old, f"{words}{tables.rstrip()}{end}\n\n") if old else text
+    if not old:
+        return text
+    fold = max(old.find(FOLDED), 0)
+    start = old.find("\n|", fold) + 1
+    words = old[:start] if start else f"{old.rstrip()}\n\n"
+    after = old[old.index(UNFOLDED, start) :] if FOLDED in old else ""
+    return text.replace(old, f"{words}{tables.rstrip()}\n\n{after}")
 
 
 def section(text: str, title: str) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.harness.markdown import folded, replaced
 from benchmarks.harness.rules import RULES, with_rules
 from benchmarks.pictures import OF_PAGES, PICTURES, with_columns
 from tests.conftest import PROJECT
@@ -63,6 +64,15 @@ def test_pictures_of_tables_show_what_their_pages_say(name: str, tmp_path: Path)
     save(drawing(PROJECT / "docs" / f"{page}.md"), tmp_path / "drawn.svg")
     shown = (PICTURES / f"{name}.svg").read_bytes()
     assert (tmp_path / "drawn.svg").read_bytes() == shown, "`make pictures` draws it anew"
+
+
+def test_a_benchmark_writes_its_folded_table_alone() -> None:
+    """What a section has besides stays: the KR300's has the fields of an entry form."""
+    table = folded("words\n\n| old |")
+    page = f"## One\n\n| field |\n| --- |\n\n{table}\n\nmore\n\n## Two\n"
+    assert replaced(page, "One", "| new |") == page.replace("old", "new")
+    plain = "## One\n\nwords\n\n| old |\n\n"
+    assert replaced(plain, "One", "| new |") == plain.replace("old", "new")
 
 
 def test_every_picture_is_shown() -> None:
