@@ -16,6 +16,9 @@ from ur5lib.robots.friction import FITTED_TERMS, friction_columns
 from ur5lib.timeseries.arrays import Array
 
 
+SLOW = 0.03  # rad/s
+
+
 def with_more(
     records: int, current: Array, term: str = "", distance: float = 0.0
 ) -> list[CurrentSamples]:
@@ -54,6 +57,19 @@ def test_stribeck_friction_is_added_where_paths_show_it() -> None:
         study = with_more(records, size / CONSTANT, "velocity_stribeck")
         fit = fit_currents(study, smooth, prior())
         assert {"velocity_stribeck" in joint.terms for joint in fit.joints} == {added}
+
+
+def test_what_gains_in_motion_and_loses_at_rest_is_no_stribeck_friction() -> None:
+    """Fits without a stop would state friction at rest that is twice what the arm has."""
+    study = with_more(6, 6.0 / CONSTANT, "velocity_stribeck")
+    without = with_more(6, 0.0 / CONSTANT, "velocity_stribeck")
+    slow = [np.abs(record.qd) < SLOW for record in study]
+    mixed = [
+        replace(record, current=np.where(rests, other.current, record.current))
+        for record, other, rests in zip(study, without, slow, strict=True)
+    ]
+    fit = fit_currents(mixed, smooth, prior())
+    assert not any("velocity_stribeck" in joint.terms for joint in fit.joints)
 
 
 @pytest.mark.parametrize("distance", [1e-5, 1e-3])

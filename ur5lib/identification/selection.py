@@ -55,13 +55,17 @@ def with_shown_terms(samples: Sequence[JointSamples], prior: Prior) -> tuple[Pri
 
 
 def _changed_by(term: str, samples: Sequence[JointSamples], shown: Shown) -> Shown:
-    """Return what is shown without a term that the prior has, or with one that it lacks."""
+    """Return what is shown without a term that the prior has, or with one that it lacks.
+
+    Stribeck friction, which is largest at rest, has to gain over motion and rest together.
+    """
     others = tuple(own for own in shown.prior.terms if own != term)
     has = term in shown.prior.terms
     prior = replace(shown.prior, terms=others if has else (*others, term))
     fits = fits_of(samples, prior)
     left = residuals(samples, prior, fits)
-    return Shown(prior, fits, left) if shows(samples, shown.left, left, moving=True) else shown
+    states = (True, False) if term == STRIBECK else (True,)
+    return Shown(prior, fits, left) if shows(samples, shown.left, left, states) else shown
 
 
 def _over_distance(samples: Sequence[JointSamples], shown: Shown) -> Shown:
@@ -72,7 +76,7 @@ def _over_distance(samples: Sequence[JointSamples], shown: Shown) -> Shown:
         for distance in REST_DISTANCES
     }
     best = min(trials, key=lambda own: float(np.sum(errors(samples, known, trials[own], False))))
-    if not shows(samples, known, trials[best], moving=False):
+    if not shows(samples, known, trials[best], (False,)):
         return shown
     return Shown(replace(prior, distances=(best,)), fits, trials[best])
 
@@ -117,12 +121,18 @@ def errors(
 
 
 def shows(
-    samples: Sequence[JointSamples], known: Sequence[Array], trial: Sequence[Array], moving: bool
+    samples: Sequence[JointSamples],
+    known: Sequence[Array],
+    trial: Sequence[Array],
+    states: Sequence[bool],
 ) -> bool:
-    """Return whether residuals on trial are less than those before, in motion or at rest."""
-    before, after = (errors(samples, known, left, moving) for left in (known, trial))
+    """Return whether residuals on trial are less than those before; states: in motion, at rest."""
+    before, after = (
+        sum((errors(samples, known, left, moving) for moving in states), np.zeros(1))
+        for left in (known, trial)
+    )
     met = before > 0
-    share = MIN_SHARE if moving else MIN_SHARE_AT_REST
+    share = MIN_SHARE if True in states else MIN_SHARE_AT_REST
     return is_less(after[met], before[met], share, MIN_DEVIATIONS)
 
 
