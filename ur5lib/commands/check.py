@@ -146,10 +146,12 @@ def print_tables(
     roles: Mapping[str, str] | None = None,
     form: Form = FOLDED,
 ) -> int:
-    """Print the quality and the clocks of recordings; returns how many stop signs and errors.
+    """Print the quality and the clocks of recordings; returns the number of errors, of which some
+    stop a study.
 
-    named: recordings of which all findings and clocks are printed, as of a single one; none: each
-    finding once, and the least certain clock of each device; roles: of all.
+    named: recordings of which all findings and clocks are printed; if empty, each finding is
+    printed once, with the least certain clock of each device; roles: by recording; form: of the
+    tables.
     """
     findings = {
         name: map(files.quality_row, files.findings(own)) for name, own in qualities.items()

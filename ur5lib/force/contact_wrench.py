@@ -110,14 +110,15 @@ def contact_wrench(
 def learned_size(
     torque: Array, jacobian: Array, noise: Array, worth: float, prior: ContactPrior
 ) -> Array:
-    """Learn the covariance P (6, 6) of a contact's wrench from its own samples; arguments as above.
+    """Learn the covariance P (6, 6) of a contact's wrench from its own samples; arguments as of
+    `contact_wrench`.
 
     P maximises the evidence by expectation-maximisation, a contact of twice the typical covariance
     counting as one independent sample: P = (Σ w E[F Fᵀ] + 2 P_usual) / (w n + 1). Near a
     singularity, little else shows the size of the part that torques do not contain. The force part
-    is a full matrix; the moment part is isotropic and tied to the force by the prior's lever, which
-    counts for as many samples as the place is certain. Otherwise a moment explains what friction
-    took of a short contact, and a small change of the prior gives another force.
+    is a full matrix; the moment part is isotropic and tied to the force by the prior's lever, with
+    a weight that grows with how certainly the contact's place is known. Otherwise a moment explains
+    what friction took of a short contact, and a small change of the prior gives another force.
     """
     measured = finite_rows(torque)
     torque, jacobian, noise = torque[measured], jacobian[measured], noise[measured]

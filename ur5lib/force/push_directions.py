@@ -75,8 +75,9 @@ def push_directions(
 ) -> Iterator[PushDirection]:
     """Yield the push by direction in each plane at each of POSTURES.
 
-    needed: by motion; places in another motion are ignored; felt: the largest push that may be
-    worth two standard deviations, most: the largest trial [N].
+    needed: the push that is found, and its standard error, in standard deviations of the force, by
+    motion; places in another motion are ignored. No push is stated where two standard deviations
+    exceed `felt` [N], or where it exceeds `most`, the largest trial [N].
     """
     for posture, place in postures(places, needed):
         for plane, axes in PLANES.items():

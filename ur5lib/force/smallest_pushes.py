@@ -156,8 +156,9 @@ def found_by_force(felt: Trials, motions: set[str], most: float) -> Iterator[Pus
 
 
 class Limit(NamedTuple):
-    """A push that is detected with 95 % [N], its standard error and 95 % interval; None where the
-    trials do not determine it; bound: ">" of one beyond `value`, the largest trial.
+    """The push that is detected with a probability of 95 % [N], its standard error and 95 %
+    interval; None where the trials do not determine it; bound: ">" where it exceeds the largest
+    trial, which is `value`.
     """
 
     value: float | None = None

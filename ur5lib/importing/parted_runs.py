@@ -21,7 +21,9 @@ QUALIFYING_WORDS = BESIDE_QUANTITY | COMMAND_WORDS | TOOL_WORDS | STAMP_WORDS
 
 @dataclass(frozen=True)
 class PartedRun:
-    """The files of one run in a folder, each of one quantity, that of the positions first."""
+    """One run that was logged into several files of a folder, one for each quantity, of which the
+    file of the positions is the first.
+    """
 
     folder: Path
     files: tuple[str, ...]

@@ -94,7 +94,9 @@ def is_ours(error: BaseException) -> bool:
 
 
 def report_unread(path: Path, names: Iterable[str], why: str, findings: list[Finding]) -> None:
-    """Add what of a file is not read to the findings; import gives each a row in its account."""
+    """Add a note with the arrays of a file that are not read, and why; `ur5 import` prints a line
+    for each.
+    """
     listed = sorted({*names})
     meaning = f"{', '.join(listed)}: {why}"
     Log(path, "robot", findings).add(UNREAD, "note", len(listed), meaning, channels=listed)

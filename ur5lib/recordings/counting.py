@@ -27,8 +27,8 @@ def counted_as(recording: Files, arm: Robot) -> Robot:
 
 
 def at_the_joints(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
-    """Return a table with positions, rates and torques of the arm's joints, from those that its
-    controller counts. What else has a sign by joint, as currents, has that of the direction.
+    """Return a table with positions, rates and torques as the arm's joints have them: those of its
+    controller have other directions, zeros and couplings. Currents change their sign alone.
 
     Raises InputError for currents of coupled motors, which are of no single joint.
     """

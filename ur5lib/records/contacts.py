@@ -25,10 +25,11 @@ class ContactError:
     component: an axis, or "norm" for all three; peak: the largest force [N]; impulse: the magnitude
     of the force's integral [N s]; errors: the estimate's component along the sensor's direction
     minus the sensor's value, negative if the estimate is too small, NaN if it is unknown or the
-    sensor saturated in part of the contact; onset_error_s: of all three, delay with which the
-    estimate passes the sensor's levels; mae: of all three, mean over the axes [N], of which
-    mae_shut while no alarm is raised, and mae_gain that another gain of the whole recording would
-    take off; fate, cause, band: of all three and an estimate that raises alarms, see `Outcome`.
+    sensor saturated in part of the contact. The row "norm" alone has: onset_error_s, the delay with
+    which the estimate passes the sensor's levels; mae [N], mean over the axes; mae_shut, the part
+    of it while no alarm is raised; mae_gain, the part that one gain of the whole recording would
+    remove; of an estimate that raises alarms, what became of the contact (fate), what most of the
+    error comes from (cause), and the band [N]: see `ur5lib.force.fates.Outcome`.
     """
 
     estimate: str

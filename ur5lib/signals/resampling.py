@@ -62,9 +62,11 @@ def _below_nyquist(grid: Array, even: Array, rate: float) -> Array:
 
 
 def by_stamps(device: pd.DataFrame, start: StartOffset, time: Array, sensor: str) -> Array:
-    """Return a sensor's reading (N, 6) at the robot's times (N,) [s], NaN where it has no column.
+    """Return a sensor's reading (N, 6) at the robot's times (N,) [s], its clock aligned by the
+    stamp of its start alone; NaN for components that it did not log.
 
-    device: on its own clock; start: of its stamp; sensor: "force" or "imu".
+    device: samples on its own clock; start: the clock's offset and its error; sensor: "force" or
+    "imu".
     """
     clock = clock_from_stamps(start.seconds, start.std)
     return resample(device, clock, time).reindex(columns=SENSOR_COLUMNS[sensor]).to_numpy()

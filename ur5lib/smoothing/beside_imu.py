@@ -106,7 +106,9 @@ def at_the_imu(
     motions: Mapping[str, Motion | PlainMotion],
     calibration: ImuCalibration,
 ) -> dict[str, Array]:
-    """Return J_g q̈ + J̇_g q̇ at the IMU's place by each motion, (N, 6), without a filter."""
+    """Return the linear and angular acceleration J_g q̈ + J̇_g q̇ of the IMU (N, 6) [m/s², rad/s²]
+    by each motion, unfiltered, in the base frame.
+    """
     point = np.array(robot.mounting.imu) + calibration.shift()
     frames = kinematics.rotation, kinematics.jacobian
     return {

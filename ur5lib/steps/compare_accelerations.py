@@ -39,8 +39,8 @@ def compare_accelerations(
     """Return the motion from encoders and IMU, and the end effector's acceleration from joints,
     through Euler angles and from the IMU; empty without a valid IMU.
 
-    calibrations: from all `fit` recordings, and from contact-
-    free ones without each; lowpass: of the accelerations.
+    calibration: by all `fit` recordings; calibration_without_each: by the recordings without
+    contact other than this one; lowpass: of the accelerations.
     """
     signals, motion, alignment = recording.signals, recording.motion, recording.alignment
     robot, kinematics = arm.mounted(recording.gravity), recording.kinematics

@@ -81,7 +81,7 @@ def observability(errors: Sequence[Judged]) -> Iterator[Observed]:
 
 
 def at_rest(fit: CurrentFit) -> Iterator[Observed]:
-    """Yield how many times as wide as in motion each joint's 95 % band is at rest."""
+    """Yield, by joint, the ratio of the width of the 95 % band at rest to that in motion."""
     for number, joint in enumerate(fit.joints, start=1):
         yield Observed(
             quantity="band_at_rest",
