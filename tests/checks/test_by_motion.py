@@ -39,7 +39,9 @@ from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.unchecked import unchecked
 from ur5lib.checks.whole_motion import STRETCHES, Explained, Misfit, WholeMotion
 from ur5lib.recordings.frames import repair_frames
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.quality import Finding
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.friction import friction_direction
@@ -311,7 +313,8 @@ def test_a_run_finds_what_a_check_finds(sensed: Robot, tmp_path: Path) -> None:
         *(channel(own.robot, f"actual_{n}") for n in ("q", "qd")),
     )
     cutoffs = {"currents": 2.0, "motion": 80.0}
-    run = compute_torques(file, motion_of(time, q, qd), sensed, "fit", cutoffs).premises
+    moved = AlignedRecording(role="fit", signals=Signals.read(file), motion=motion_of(time, q, qd))
+    run = compute_torques(moved, sensed, cutoffs).premises
     names = [one.finding for one in run.contradictions.findings]
     assert {DOUBT, "unfiltered", "contact not checked", "torques not checked"} <= {*names}
     assert run.contradictions == contradictions(own, [], False, cutoffs, {})

@@ -15,7 +15,6 @@ from ur5lib.identification.selection import is_less
 from ur5lib.robots.friction import FITTED_TERMS, friction_columns
 from ur5lib.timeseries.arrays import Array
 
-
 SLOW = 0.03  # rad/s
 
 

@@ -19,6 +19,7 @@ from ur5lib.identification.measured_torques import fit_arm
 from ur5lib.identification.samples import joint_samples
 from ur5lib.identification.selection import shows_gain
 from ur5lib.judging.may_be_used import friction_rows
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.carried import Carried
 from ur5lib.records.friction import Friction, Parameter
 from ur5lib.records.premises import Premises
@@ -60,18 +61,20 @@ def fitted(
     """
     runs = [drawn_run(arm, seed) for seed in range(len(NAMES))]
     arm = described or arm
-    signals, motion, torques = {}, {}, {}
+    recordings = {}
     for name, run in zip(NAMES, runs, strict=True):
         own, time = run.samples, run.samples.period * np.arange(len(run.qdd))
         pose = own.q.copy(), own.qd.copy(), run.qdd.copy()
         measured = (own.current + rotors * run.qdd) / gains
-        signals[name] = signals_of(time, pose[0], actual_torque=measured)
-        motion[name] = motion_of(time, *pose)
         rigid = run.regressor(*pose) @ LinkModel(arm, arm.chosen_model).parameters
-        torques[name] = torques_of(time, {}, {arm.chosen_model: rigid})
-    of_each = dict.fromkeys(NAMES, PREMISES), {name: Quality() for name in NAMES}
-    dates = dict.fromkeys(NAMES, "")
-    return fit_friction(arm, signals, motion, torques, *of_each, {}, dates, Butterworth(4, 2.0))
+        recordings[name] = AlignedRecording(
+            signals=signals_of(time, pose[0], actual_torque=measured),
+            motion=motion_of(time, *pose),
+            torques=torques_of(time, {}, {arm.chosen_model: rigid}),
+            premises=PREMISES,
+            quality=Quality(),
+        )
+    return fit_friction(arm, recordings, {}, dict.fromkeys(NAMES, ""), Butterworth(4, 2.0))
 
 
 @pytest.fixture(scope="module")

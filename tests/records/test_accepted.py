@@ -22,8 +22,10 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
 from ur5lib.records.accepted import ACCEPTED, accepting, up_to_first_standing
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.models import Identification
 from ur5lib.records.quality import Contradictions, contradiction
+from ur5lib.records.signals import Signals
 from ur5lib.report.found import findings
 from ur5lib.report.results import Results
 from ur5lib.robots.description import Robot
@@ -150,9 +152,10 @@ def test_the_torques_of_an_accepted_recording_rest_on_no_stop_sign(
     file, time = tmp_path / "signals.parquet", exchanged["time"].to_numpy()
     write_table(exchanged.assign(segment=0, interpolated=False), file)
     q, qd = (exchanged[columns(name)].to_numpy() for name in ("actual_q", "actual_qd"))
-    motion = motion_of(time, q, qd)
+    motion, signals = motion_of(time, q, qd), Signals.read(file)
+    recording = AlignedRecording(role="validate", signals=signals, motion=motion)
     stopped, passed = (
-        compute_torques(file, motion, ur5, "validate", {"currents": 2.0}, accepted=accept).premises
+        compute_torques(recording, ur5, {"currents": 2.0}, accepted=accept).premises
         for accept in (None, {"order": REASON, "constants": REASON})
     )
     assert [sign.code for sign in stopped.contradictions.stop_signs] == ["exchanged joints"]
