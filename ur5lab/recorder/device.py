@@ -3,7 +3,10 @@
 import math
 import select
 import socket
+import struct
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, Protocol
@@ -183,6 +186,23 @@ def receive(connection: socket.socket, address: str, patience: float) -> tuple[f
     if not data:
         raise DeviceLost(f"{address} has closed the connection")
     return time.monotonic(), data
+
+
+@contextmanager
+def answering(interface: str, address: str, port: int) -> Iterator[socket.socket]:
+    """Connect to a controller, and close the connection where the block that asks it fails.
+
+    Raises `no_controller` where the controller does not answer, or as nobody understands.
+    """
+    try:
+        connection = socket.create_connection((address, port), ANSWER_TIMEOUT)
+        try:
+            yield connection
+        except BaseException:
+            connection.close()
+            raise
+    except (OSError, struct.error) as error:
+        raise no_controller(interface, address, port, error) from error
 
 
 def no_controller(interface: str, address: str, port: int, error: Exception) -> InputError:

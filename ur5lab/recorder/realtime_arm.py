@@ -14,7 +14,7 @@ from ur5lab.recorder.device import (
     Identity,
     Packets,
     Silence,
-    no_controller,
+    answering,
     receive,
 )
 from ur5lib.robots.realtime_message import SOFTWARE_BY_SIZE
@@ -33,14 +33,8 @@ class RealtimeArm:
     def __init__(self, address: str, port: int = PORT) -> None:
         """Raise InputError also where the messages have an unknown layout."""
         self._address = address
-        try:
-            with contextlib.ExitStack() as refused:
-                self._socket = socket.create_connection((address, port), ANSWER_TIMEOUT)
-                refused.callback(self._socket.close)
-                self._size, first, second = self._peek()
-                refused.pop_all()
-        except (OSError, struct.error) as error:
-            raise no_controller("its stream", address, port, error) from error
+        with answering("its stream", address, port) as self._socket:
+            self._size, first, second = self._peek()
         cycle = second - first
         self._rest, self._cycles = b"", CycleCounter(cycle, first - cycle)
         self._silence = Silence(address)

@@ -25,6 +25,7 @@ from ur5lab.recorder.device import (
     Identity,
     NewSamples,
     Silence,
+    answering,
     no_controller,
     receive,
 )
@@ -55,19 +56,12 @@ class RtdeClient:
         """Connect. Raises InputError when no controller answers."""
         self._address, self._port = address, port
         self._buffer, self._until = b"", time.monotonic() + HANDSHAKE_TIMEOUT
-        try:
-            with contextlib.ExitStack() as refused:
-                self._socket = socket.create_connection((address, port), ANSWER_TIMEOUT)
-                refused.callback(self._socket.close)
-                self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-                if self._ask(rtde.VERSION_PACKAGE, struct.pack(">H", PROTOCOL_VERSION)) != b"\x01":
-                    raise ConnectionError("it does not speak version 2")
-                version = struct.unpack(">4I", self._ask(rtde.SOFTWARE_PACKAGE))
-                refused.pop_all()
-        except (OSError, struct.error) as error:
-            raise no_controller("RTDE", address, port, error) from error
-        major, minor, bugfix, build = map(int, version)
-        self.software = major, minor, bugfix, build
+        with answering("RTDE", address, port) as self._socket:
+            self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            if self._ask(rtde.VERSION_PACKAGE, struct.pack(">H", PROTOCOL_VERSION)) != b"\x01":
+                raise ConnectionError("it does not speak version 2")
+            major, minor, bugfix, build = struct.unpack(">4I", self._ask(rtde.SOFTWARE_PACKAGE))
+        self.software = int(major), int(minor), int(bugfix), int(build)
 
     def start(self, names: Sequence[str], rate: float) -> list[str]:
         """Start data packages and return their outputs: those of `names` that the controller has.
