@@ -7,6 +7,7 @@ too; at rest, a part of a joint's friction may reverse over one other distance.
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -26,6 +27,8 @@ from ur5lib.timeseries.arrays import Array
 # by how many standard errors.
 MIN_SHARE, MIN_SHARE_AT_REST, MIN_DEVIATIONS = 0.02, 0.1, 2.0
 MIN_SHARE_OF_GAIN = 0.1  # the same of a gain in place of the prior's
+States = tuple[bool, ...]  # of a joint: whether it moves
+MOVING, RESTING = (True,), (False,)
 
 
 class Shown(NamedTuple):
@@ -64,7 +67,7 @@ def _changed_by(term: str, samples: Sequence[JointSamples], shown: Shown) -> Sho
     prior = replace(shown.prior, terms=others if has else (*others, term))
     fits = fits_of(samples, prior)
     left = residuals(samples, prior, fits)
-    states = (True, False) if term == STRIBECK else (True,)
+    states = MOVING + RESTING if term == STRIBECK else MOVING
     return Shown(prior, fits, left) if shows(samples, shown.left, left, states) else shown
 
 
@@ -75,8 +78,8 @@ def _over_distance(samples: Sequence[JointSamples], shown: Shown) -> Shown:
         distance: residuals(samples, replace(prior, distances=(distance,)), fits)
         for distance in REST_DISTANCES
     }
-    best = min(trials, key=lambda own: float(np.sum(errors(samples, known, trials[own], False))))
-    if not shows(samples, known, trials[best], (False,)):
+    best = min(trials, key=lambda own: float(np.sum(errors(samples, known, trials[own], RESTING))))
+    if not shows(samples, known, trials[best], RESTING):
         return shown
     return Shown(replace(prior, distances=(best,)), fits, trials[best])
 
@@ -105,15 +108,16 @@ def residuals(
 
 
 def errors(
-    samples: Sequence[JointSamples], known: Sequence[Array], left: Sequence[Array], moving: bool
+    samples: Sequence[JointSamples], known: Sequence[Array], left: Sequence[Array], states: States
 ) -> Array:
-    """Return Σ r² / mean(r₀²) over the joints, in motion or at rest, of each path (G,).
+    """Return Σ r² / mean(r₀²) over the joints and states, of each path (G,).
 
     left, known: residuals r, and those by which they are weighed r₀, of each joint.
     """
     count = 1 + max(int(own.path.max(initial=0)) for own in samples)
     total = np.zeros(count)
-    for own, usual, residual in zip(samples, known, left, strict=True):
+    each = zip(samples, known, left, strict=True)
+    for (own, usual, residual), moving in product(each, states):
         rows = own.moving == moving
         size = max(float(np.sum(usual[rows] ** 2)), np.finfo(float).tiny) / max(1, int(rows.sum()))
         total += np.bincount(own.path[rows], residual[rows] ** 2 / size, count)
@@ -121,18 +125,12 @@ def errors(
 
 
 def shows(
-    samples: Sequence[JointSamples],
-    known: Sequence[Array],
-    trial: Sequence[Array],
-    states: Sequence[bool],
+    samples: Sequence[JointSamples], known: Sequence[Array], trial: Sequence[Array], states: States
 ) -> bool:
-    """Return whether residuals on trial are less than those before; states: in motion, at rest."""
-    before, after = (
-        sum((errors(samples, known, left, moving) for moving in states), np.zeros(1))
-        for left in (known, trial)
-    )
+    """Return whether residuals on trial are less than those before, in the states."""
+    before, after = (errors(samples, known, left, states) for left in (known, trial))
     met = before > 0
-    share = MIN_SHARE if True in states else MIN_SHARE_AT_REST
+    share = MIN_SHARE_AT_REST if states == RESTING else MIN_SHARE
     return is_less(after[met], before[met], share, MIN_DEVIATIONS)
 
 
