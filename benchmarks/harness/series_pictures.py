@@ -203,21 +203,18 @@ def tare(folder: Path, plain: str, tared: str) -> Drawing:
 def sensor_bias(folder: Path, recording: str) -> Drawing:
     """Draw what a force sensor reads, and the same without bias and the tool's weight."""
     sensor = record(folder, SensorWrenches, recording, "sensor")
+    readings = {
+        "as read, in the sensor's axes": record(folder, Signals, recording).force_sensor,
+        "without bias and tool, in the base's axes": sensor.wrench["compensated"],
+    }
     with house_style(2.8, 1, 2) as (figure, (panels,)):
-        for axis, kind in zip(panels, ("corrected", "compensated"), strict=True):
-            raw = (
-                record(folder, Signals, recording).force_sensor
-                if kind == "corrected"
-                else sensor.wrench[kind]
-            )
+        for axis, (title, reading) in zip(panels, readings.items(), strict=True):
             for values, name, colour in zip(
-                raw[:, :3].T, "xyz", (BLUE, ORANGE, GREEN), strict=True
+                reading[:, :3].T, "xyz", (BLUE, ORANGE, GREEN), strict=True
             ):
                 axis.plot(sensor.time, values, color=colour, linewidth=0.9, label=f"F{name}")
             axis.axhline(0, color="black", linewidth=0.6)
-            axis.set(xlabel="time [s]")
-        panels[0].set_title("as read, in the sensor's axes")
-        panels[1].set_title("without bias and tool, in the base's axes")
+            axis.set(title=title, xlabel="time [s]")
         panels[0].set_ylabel("force [N]")
         panels[1].legend(frameon=False, ncols=3)
     return Drawing(figure, pd.DataFrame({"recording": [recording]}))
