@@ -35,7 +35,7 @@ CONSTANTS += ["rest_speed", "moved", "dead_zone", "max_gap", "margin", "jump", "
 CONSTANTS += ["acceleration", "window", "confirmed", "stays", "large", "blind", "faster"]
 CONSTANTS += ["least_step", "period"]
 FREE, SUSPECTED, CONTACT, UNKNOWN = "free", "suspected", "contact", "unknown"
-NEXT, LAST = [1, 2, 0], [2, 0, 1]  # a × b = a[NEXT] b[LAST] - a[LAST] b[NEXT]
+NEXT, LAST = np.array([1, 2, 0]), np.array([2, 0, 1])  # a × b = a[NEXT] b[LAST] - a[LAST] b[NEXT]
 
 
 class Answer(NamedTuple):
@@ -353,10 +353,8 @@ class Live:
         own, unseen = (state, self.joint), np.maximum(np.abs(qd) / self.fastest, 1.0)
         variance = (self.noise[own] * unseen) ** 2
         # a free arm: its noise, and now and then a wider one
-        free, wide = (
-            self._by_size(torque, jacobian, factor**2 * variance, self.quiet)[0][..., 0]
-            for factor in (1.0, self.set["wide"])
-        )
+        both = np.stack([variance, self.set["wide"] ** 2 * variance])
+        free, wide = self._by_size(torque, jacobian, both, self.quiet)[0][..., 0]
         free = np.logaddexp(np.log(1 - self.set["rare"]) + free, np.log(self.set["rare"]) + wide)
         # of a contact at rest, dry friction takes a part
         carried = torque + self.absorbed[own] * np.tanh(torque / self.breakaway)
@@ -414,7 +412,7 @@ class Live:
 
 def cross(a: Array, b: Array) -> Array:
     """Return a × b of vectors (..., 3)."""
-    return np.asarray(a[..., NEXT] * b[..., LAST] - a[..., LAST] * b[..., NEXT])
+    return np.asarray(a.take(NEXT, -1) * b.take(LAST, -1) - a.take(LAST, -1) * b.take(NEXT, -1))
 
 
 def read_arm(text: str) -> dict[str, Any]:
