@@ -21,10 +21,9 @@ from ur5lib.force.trial_contacts import (
 def test_a_push_is_found_from_the_limit_of_its_place_on() -> None:
     """At rest from 40 N on, in motion from 10 N on; none is tried during the recording's alarm."""
     trials = detected_above(np.where(is_resting(), 40.0, 10.0))
-    assert (len(trials.force), trials.force.min(), trials.force.max()) == (
-        89,
-        *(pytest.approx(15.0 * size) for size in TRIAL_SIZES),
-    )
+    assert len(trials.force) == 89
+    assert trials.force.min() == pytest.approx(15.0 * TRIAL_SIZES[0], rel=0.06)
+    assert trials.force.max() == pytest.approx(15.0 * TRIAL_SIZES[1])
     for low, high, limit in ((0.0, 0.1, 40.0), (0.5, 1.0, 10.0)):
         part = trials.within(low, high)
         assert len(part.force) > 30
@@ -57,3 +56,15 @@ def test_without_a_place_nothing_is_tried() -> None:
     random = np.random.default_rng(0)
     trials = try_each_place(lambda _: [], run, random, 15.0)
     assert len(trials.force) == len(trials.found) == 0
+
+
+def test_a_recording_of_few_places_is_tried_with_all_sizes() -> None:
+    """Before, one with two places a round had the smallest and the largest alone."""
+    count = 890
+    jacobian = np.broadcast_to(np.eye(6), (count, 6, 6))
+    run = Untouched(jacobian, np.zeros(count), 0.01, [], np.ones((count, 6)))
+    random = np.random.default_rng(0)
+    rounds = [try_each_place(lambda _: [], run, random, 15.0, later / 20) for later in range(20)]
+    assert {len(own.force) for own in rounds} == {2}
+    force = np.log(np.sort(np.concatenate([own.force for own in rounds])) / 15.0)
+    np.testing.assert_allclose(force, np.linspace(*np.log(TRIAL_SIZES), 41)[1:])

@@ -140,8 +140,8 @@ def try_each_place(
     """
     profile, places = trial_pushes(len(run.jacobian), run.period, later)
     free_places = run.free(places)
-    # sizes evenly in their logarithm; axes as evenly as possible
-    peaks = typical_force * random.permutation(np.geomspace(*TRIAL_SIZES, len(free_places)))
+    peaks = typical_force * random.permutation(sizes(len(free_places), later))
+    # axes as evenly as possible
     axes = random.permutation((random.integers(3) + np.arange(len(free_places))) % 3)
     force = np.zeros((len(profile), 3))
     for (place, _), peak, axis in zip(free_places, peaks, axes, strict=True):
@@ -155,6 +155,17 @@ def try_each_place(
     ]
     speeds = np.array([mean for _, mean in free_places])
     return Trials(peaks, axes, speeds, np.array(detected, bool), np.array(units))
+
+
+def sizes(count: int, later: float) -> Array:
+    """Return the sizes (count,) of a round's pushes in typical forces, evenly in their logarithm.
+
+    Rounds have other sizes, so that few places a round are tried with all; later: see
+    `try_each_place`.
+    """
+    smallest, largest = np.log(TRIAL_SIZES)
+    shares = (np.arange(count) + 1 - later) / max(1, count)
+    return np.asarray(np.exp(smallest + (largest - smallest) * shares))
 
 
 def trial_pushes(count: int, period: float, later: float = 0.0) -> tuple[Array, list[Span]]:
