@@ -1,4 +1,4 @@
-"""Recordings in memory, as the files of them: read alike, they mean the same to the bit."""
+"""Recordings in memory as files: read from these, they give the same results to the bit."""
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
@@ -14,17 +14,17 @@ import pyarrow as pa
 from ur5lib.errors import InputError, expect_text
 from ur5lib.tables import made, write_exactly
 
-UNNAMED = "recording"  # of data without a name
-NO_CELL = re.compile(r'[\s,;"]+')  # what a name in the header of a table cannot have
-NO_FILE = re.compile(r"[^\w-]+")  # what a name of a file does not need
-SECONDS = {"M": "datetime64[ns]", "m": "timedelta64[ns]"}  # by the kind of an array
+UNNAMED = "recording"  # name of data that have none
+NO_CELL = re.compile(r'[\s,;"]+')  # not allowed in a column's name
+NO_FILE = re.compile(r"[^\w-]+")  # replaced in a file's name
+SECONDS = {"M": "datetime64[ns]", "m": "timedelta64[ns]"}  # by an array's kind of dtype
 
 
 def named(given: object) -> list[tuple[str, Any]]:
-    """Return recordings with their names, of files an empty one.
+    """Return recordings with their names; a file has an empty name.
 
-    given: a file, a data frame, an array, or arrays by name; or several, as a list or by name.
-    Raises InputError for anything else.
+    given: a file, a data frame, an array, or arrays by name; or several of these, as a list or by
+    name. Raises InputError for anything else.
     """
     if _is_one(given):
         return [("" if _is_path(given) else UNNAMED, given)]
@@ -39,8 +39,10 @@ def named(given: object) -> list[tuple[str, Any]]:
 
 
 def as_files(recordings: Iterable[tuple[str, Any]], folder: Path) -> Iterator[Path]:
-    """Yield the file of each recording: a frame or an array becomes CSV with all its digits, arrays
-    by name a NumPy archive, each in a folder of its own, so that none are taken for one run.
+    """Yield the file of each recording; data are written into `folder`.
+
+    A frame or an array becomes CSV with all its digits, arrays by name a NumPy archive, each in its
+    own folder, so that several do not count as one run.
     """
     for number, (name, data) in enumerate(recordings, start=1):
         if _is_path(data):
@@ -59,7 +61,7 @@ def as_files(recordings: Iterable[tuple[str, Any]], folder: Path) -> Iterator[Pa
 
 
 def _write_archive(arrays: Mapping[str, np.ndarray], path: Path) -> None:
-    """Write a NumPy archive; np.savez has no array that is called `file`."""
+    """Write a NumPy archive; np.savez cannot write an array that is called `file`."""
     with ZipFile(path, "w") as archive:
         for name, values in arrays.items():
             with archive.open(f"{name}.npy", "w", force_zip64=True) as file:
@@ -73,7 +75,7 @@ def _one(part: object) -> object:
 
 
 def _is_one(data: object) -> bool:
-    """Return whether data are one recording; a mapping of frames or files has several."""
+    """Return whether data are one recording; a mapping of frames or files is several."""
     if isinstance(data, Mapping):
         return bool(data) and all(_is_array(values) or _is_rows(values) for values in data.values())
     return _is_path(data) or _is_frame(data) or _is_array(data)
@@ -94,12 +96,12 @@ def _is_array(data: object) -> bool:
 
 
 def _is_rows(data: object) -> bool:
-    """Return whether data are numbers in a list, or in a list of lists."""
+    """Return whether data are a list of numbers, or of lists of numbers."""
     return isinstance(data, list | tuple) and not any(_is_path(part) for part in data)
 
 
 def _frame(data: Any) -> pd.DataFrame:
-    """Return a frame with its index as a column, where that says more than the row's number."""
+    """Return a frame, with its index as a column if that is more than the row number."""
     if not isinstance(data, pd.DataFrame):
         if _is_array(data) and np.ndim(data) != (np.asarray(data).dtype.names is None) + 1:
             raise _no_recording(data)
@@ -119,14 +121,14 @@ def _frame(data: Any) -> pd.DataFrame:
 
 
 def _plain(cell: Any) -> Any:
-    """Return a cell with Python's numbers for NumPy's, which are not printed as numbers."""
+    """Return a cell with NumPy's numbers, which do not print as numbers, replaced by Python's."""
     if isinstance(cell, list | tuple):
         return [_plain(part) for part in cell]
     return cell.tolist() if isinstance(cell, np.ndarray | np.generic) else cell
 
 
 def _joined(name: object) -> object:
-    """Return the name of a column, of several levels joined."""
+    """Return the name of a column; several levels are joined by `_`."""
     return "_".join(str(part) for part in name if part != "") if isinstance(name, tuple) else name
 
 
@@ -135,7 +137,7 @@ def _cell(name: object) -> str:
 
 
 def _numbers(values: Any) -> np.ndarray:
-    """Return values as an array; times in seconds, since 1970 where they are dates."""
+    """Return values as an array; dates become seconds since 1970, durations seconds."""
     try:
         array = np.asarray(values)
     except ValueError as error:

@@ -37,11 +37,11 @@ FILES_OF_TABLES = {
     "friction": "friction",
     "residuals": "residuals",
 }
-OF_JOINTS = ("friction", "current_torque", "current_torque_friction")  # a panel each
+OF_JOINTS = ("friction", "current_torque", "current_torque_friction")  # with a panel per joint
 OF_FRICTION = (*OF_JOINTS, "residuals", "knowledge")
 OF_MODELS = ("models", "frames")
 FIGURES = dict.fromkeys(OF_FRICTION, "draw_friction") | dict.fromkeys(OF_MODELS, "draw_models")
-YAML_FILES = ("described", "arm", "urdf")  # of an arm; the others are JSON
+YAML_FILES = ("described", "arm", "urdf")  # files of an arm; the others are JSON
 JSON_FILES = ("drifts", "rotors", "summary", "friction", "residuals", "threshold")
 
 
@@ -74,14 +74,14 @@ class Model(Shown):
 
     @property
     def _friction(self) -> Friction:
-        """Torque constants and friction, with the fits that left each path out."""
+        """Torque constants and friction, with the fits that leave each path out."""
         friction: Friction = record_of(Friction, self._arm["friction"])
         return friction
 
     @property
     def use(self) -> pd.DataFrame:
-        """Return which constants and frictions may be used: joint, parameter, use (yes, no), and
-        the code of the reason against it, or of a doubt.
+        """Return the use of constants and frictions: joint, parameter, use (yes, no), and the code
+        of the reason against it, or of a doubt.
         """
         return self.table("friction")[["joint", "parameter", "use", "reason"]]
 
@@ -134,11 +134,11 @@ class Model(Shown):
     def predict(
         self, recordings: Recordings, accept: Mapping[str, str] | None = None
     ) -> pd.DataFrame:
-        """Return what motion without contact needs, as currents.parquet of a study has it, and
-        what was measured.
+        """Return predicted currents of motion without contact, as in currents.parquet of a study,
+        and the measured ones.
 
         (N, n) each: `predicted_current_0` ..., half of its 95 % band `current_band_0` ..., the
-        measured `actual_current_0` ..., and that less the predicted one, `residual_current_0` ...
+        measured `actual_current_0` ..., and measured minus predicted, `residual_current_0` ...
         [A]; of an arm that measures torques, `torque` for `current` [Nm]. `tau_ext_0` ...: the
         external torque [Nm]. The band is of currents below the low-pass of the fit. A recording of
         the fit is predicted without its path. Index, accept, errors: as of `estimate`; and
@@ -259,7 +259,7 @@ class Model(Shown):
         return model
 
     def __eq__(self, other: object) -> bool:
-        """Return whether two models state the same."""
+        """Return whether two models have the same content."""
         return isinstance(other, Model) and self._saved() == other._saved()
 
     __hash__ = None  # type: ignore[assignment]
@@ -280,7 +280,7 @@ class Model(Shown):
         }
 
     def _expect_readable(self) -> None:
-        """Read each of its files, and make its tables. Raises what that raises of damaged ones."""
+        """Read each of its files, and make its tables; damaged ones raise."""
         loads = get_args(parameter_types(step_named("predict_currents"))["unloaded"])[1]
         for own in self._fitted.values():
             for content in own.values():
@@ -379,7 +379,7 @@ def load_model(path: str | Path) -> Model:
 
 
 def expect_no_stop_sign(files: Mapping[str, Files]) -> None:
-    """Raise InputError, with all of them, where recordings have stop signs."""
+    """Raise InputError that lists all stop signs, if recordings have any."""
     signs = [
         f"{name}: {sign.sentence()}"
         for name, own in files.items()

@@ -1,4 +1,4 @@
-"""What a model predicts of motion without contact, as frames: efforts, their errors, friction."""
+"""A model's predictions of motion without contact, as frames: efforts, their errors, friction."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -19,8 +19,9 @@ from ur5lib.timeseries.arrays import Array
 
 
 def beside_measured(own: Files, friction: Friction) -> pd.DataFrame:
-    """Return predicted and measured efforts of a recording, their difference, and the external
-    torque, (N, n) each, by `time`; own: its files after `predict_currents`.
+    """Return a recording's predicted and measured efforts, residuals and external torque.
+
+    (N, n) each, by `time`; own: its files after `predict_currents`.
     """
     effort, count = friction.measured, len(friction.fit.joints)
     name, unit = effort.quantity, effort.unit
@@ -52,7 +53,7 @@ def errors(moving: Mapping[str, Files], friction: Friction) -> pd.DataFrame:
 def friction_at(friction: Friction, velocity: object, load: object) -> pd.DataFrame:
     """Return the friction of each joint and its standard error by velocity, see `Model.friction`.
 
-    Raises InputError for what are no numbers, and for a load that is not of each joint.
+    Raises InputError if these are no numbers, or `load` has neither one nor n numbers.
     """
     from ur5lib.identification.steady_friction import steady_friction  # scipy loads for a while
 
@@ -82,7 +83,7 @@ def numbers(name: str, given: Any, unit: str) -> Array:
 
 
 def expect_predicted(moving: Mapping[str, Files], friction: Friction) -> None:
-    """Raise InputError where nothing was predicted of a recording."""
+    """Raise InputError if nothing was predicted for a recording."""
     without = [
         name for name, own in moving.items() if not record_of(Prediction, own["summary"]).scores
     ]

@@ -1,4 +1,4 @@
-"""Recordings that were read: what each contains, what may be used, and their signals as frames."""
+"""Recordings that were read: their content, their use, and their signals as frames."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -21,7 +21,7 @@ from ur5lib.study.model import Study
 from ur5lib.study.selection import Selection
 from ur5lib.tables import has_unit, read_footer, read_table, read_units, table_by_owner
 
-NO_USE = ("stop", "error")  # severities of findings with which nothing is fitted
+NO_USE = ("stop", "error")  # severities of findings that prevent a fit
 
 
 @dataclass(frozen=True, repr=False)
@@ -89,21 +89,21 @@ class Recordings(Shown):
 
     @property
     def roles(self) -> dict[str, str]:
-        """Return what each is for: fit, validate or contact."""
+        """Return the role of each recording: fit, validate or contact."""
         return {one.name: one.role for one in self._study.recordings}
 
     def __len__(self) -> int:
-        """Return how many they are."""
+        """Return the number of recordings."""
         return len(self._files)
 
     def __iter__(self) -> Iterator["Recordings"]:
-        """Yield each of them alone."""
+        """Yield each recording alone."""
         return map(self.__getitem__, self.names)
 
     def __getitem__(self, names: str | Sequence[str]) -> "Recordings":
-        """Return one of them, or several in their order here.
+        """Return one recording, or several in their order here.
 
-        Raises InputError for an unknown name, and without any.
+        Raises InputError for an unknown name, and for no name.
         """
         asked = names if isinstance(names, list | tuple) and names else [names]
         chosen = [expect_known("recording", name, self.names) for name in asked]
@@ -115,17 +115,17 @@ class Recordings(Shown):
 
     @property
     def fit(self) -> "Recordings":
-        """Return those to learn from. Raises InputError without any, as the next two."""
+        """Return the recordings that are fitted to. Raises InputError if there are none."""
         return self._with_role("fit")
 
     @property
     def validate(self) -> "Recordings":
-        """Return those that nothing touches, and that no fit learns from."""
+        """Return contact-free recordings that no fit uses. Raises InputError if there are none."""
         return self._with_role("validate")
 
     @property
     def contact(self) -> "Recordings":
-        """Return those in which something may touch the arm."""
+        """Return those in which something may touch the arm. Raises InputError without any."""
         return self._with_role("contact")
 
     def _with_role(self, role: str) -> "Recordings":
@@ -169,7 +169,7 @@ class Recordings(Shown):
         return self._frame(expect_known("device", name, ["robot", "force", "imu"]))
 
     def findings(self) -> pd.DataFrame:
-        """Return what was found in the files: recording, severity, and the sentence."""
+        """Return the findings in the files: recording, severity, and the sentence."""
         rows = [
             {"recording": name, "severity": one.severity, "detail": one.sentence()}
             for name in self.names
@@ -179,14 +179,14 @@ class Recordings(Shown):
 
     @property
     def account(self) -> pd.DataFrame:
-        """Return what import took each column for: recording, and the columns of an `AccountRow`,
+        """Return how import interpreted each column: recording, and the columns of an `AccountRow`,
         subject, taken_for, evidence, confidence and reason.
         """
         rows = {one.name: one.account for one in self._study.recordings}
         return table_by_owner(AccountRow, rows)
 
     def line(self, name: str) -> str:
-        """Return in one line what a recording was taken for, and what of that should be checked."""
+        """Return one line on how import interpreted a recording, and what should be checked."""
         own = self.account.query("recording == @name")
         whole = own["subject"] == "columns"  # of a file that is read like another
         channels = own["taken_for"].map(lambda taken: has_unit(taken.partition(" ")[0]))
@@ -196,9 +196,9 @@ class Recordings(Shown):
         return printable(f"{name}: {self.roles[name]}, {', '.join(read)}{words}")
 
     def _accepting(self, reasons: Mapping[str, str] | None) -> Self:
-        """Return them with reasons for which stop signs are overruled, by kind, as in a study.
+        """Return the recordings with reasons to overrule stop signs, by kind, as in a study.
 
-        Raises InputError for an unknown kind, and one without a reason.
+        Raises InputError for an unknown kind, and for a kind without a reason.
         """
         if reasons is None:
             return self
@@ -221,7 +221,7 @@ class Recordings(Shown):
         return replace(self, _study=self._study.model_copy(update={"recordings": entries}))
 
     def _chain(self, study: Study) -> Chain:
-        """Return their chain of steps, with copies of what was made of them so far."""
+        """Return their chain of steps, with copies of the results so far."""
         files = {name: dict(own) for name, own in self._files.items()}
         selection = Selection(study)
         return Chain(selection, self.robot, dict(self._arm), files, {})
@@ -281,7 +281,7 @@ class Recordings(Shown):
 
 
 def as_recordings(recordings: object) -> Recordings:
-    """Return them as they are. Raises InputError for a file that was not read."""
+    """Return recordings unchanged. Raises InputError for anything that was not read."""
     if not isinstance(recordings, Recordings):
         raise InputError(
             f"{recordings!r:.80} is no recording that was read; put it through ur5lib.read first"
@@ -290,8 +290,9 @@ def as_recordings(recordings: object) -> Recordings:
 
 
 def forces_of(content: Content) -> pd.DataFrame:
-    """Return the estimates of the contact wrench: NaN, as is the standard deviation, where one
-    states nothing, as gated least squares outside contacts, for which the file has zeros.
+    """Return the estimates of the contact wrench; NaN where an estimate states nothing.
+
+    The file has zeros there, for example of gated least squares outside contacts.
     """
     frame = frame_of(content)
     for std in [name for name in frame if "_std_" in name]:
@@ -304,7 +305,7 @@ def forces_of(content: Content) -> pd.DataFrame:
 def frame_of(content: Content, columns: list[str] | None = None) -> pd.DataFrame:
     """Return a table of samples with `time` [s] as index, and its units in `attrs["units"]`.
 
-    columns: those to read in addition to the time; all by default.
+    columns: to read in addition to the time; None: all.
     """
     assert not isinstance(content, str), "a table is no text"
     names = None if columns is None else ["time", *(c for c in columns if c != "time")]

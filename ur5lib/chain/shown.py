@@ -1,4 +1,4 @@
-"""Objects that show themselves on one screen of a terminal or of a notebook."""
+"""Objects that show themselves on one screen of a terminal or notebook."""
 
 import sys
 from abc import ABC, abstractmethod
@@ -10,15 +10,15 @@ import pandas as pd
 
 from ur5lib.errors import printable
 
-MOST_ROWS, MOST_LETTERS = 16, 50  # of a table, of a cell
+MOST_ROWS, MOST_LETTERS = 16, 50  # of a table; of a cell
 
 
 class Shown(ABC):
-    """What is shown by a sentence and a table."""
+    """An object that is shown by a sentence and a table."""
 
     @abstractmethod
     def _title(self) -> str:
-        """Return what it is, how much it contains, and what may be done with it."""
+        """Return a sentence: what it is, how much it contains, and what may be done with it."""
 
     @abstractmethod
     def summary(self) -> pd.DataFrame:
@@ -38,7 +38,7 @@ class Shown(ABC):
 
 @contextmanager
 def bar(count: int) -> Iterator[Callable[[str], None]]:
-    """Provide a function that names the next of some steps: on a terminal, a bar shows it."""
+    """Provide a function that shows the next of `count` steps by name, in a bar on a terminal."""
     from rich.console import Console  # rich takes a tenth of a second, which only a fit needs
     from rich.progress import Progress
 
@@ -57,7 +57,7 @@ def counted(count: int, what: str) -> str:
 
 
 def frames(parts: dict[str, pd.DataFrame]) -> pd.DataFrame:
-    """Return the frame of a recording, with `time` as index; of several, `recording` and `time`.
+    """Return the frame of a recording by `time`; of several recordings, by `recording` and `time`.
 
     Its columns' units are in `frame.attrs["units"]`.
     """

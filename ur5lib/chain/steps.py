@@ -1,4 +1,4 @@
-"""The steps of a study in memory: each is given what its signature asks, as by its rule."""
+"""The steps of a study in memory: each receives the arguments of its signature."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from ur5lib.study.given import given
 from ur5lib.study.selection import Selection
 
 Files = dict[str, Content]  # of a recording or an arm, by name
-# What a step returns alone, by the name that others ask it by.
+# Names of single results of steps, by which other steps receive them.
 RESULTS = {
     "describe_arm": "described",
     "pool_drifts": "drifts",
@@ -25,18 +25,18 @@ RESULTS = {
     "estimate_forces": "forces",
     "set_threshold": "threshold",
 }
-# Steps that are given the arm as described; the others know the models that were identified.
+# Steps that receive the arm as described; the others receive it with the identified models.
 OF_DESCRIBED = {"read_recording", "read_postures", "identify_model"}
 OF_DESCRIBED |= {"estimate_forces", "set_threshold"}
-OTHER_NAMES = {"unloaded": "payload"}  # the files of these parameters are called otherwise
+OTHER_NAMES = {"unloaded": "payload"}  # parameters with another name than their files
 
 
 @dataclass(frozen=True)
 class Chain:
-    """What the steps of one arm have made so far.
+    """The results of the steps of one arm so far.
 
-    arm: its files; recordings: those that steps run for; several: those that a step of the arm is
-    given together, in the study's order.
+    arm: its files; recordings: those that steps run for; several: those that a step of the arm
+    receives together, in the study's order.
     """
 
     selection: Selection
@@ -46,12 +46,12 @@ class Chain:
     several: Mapping[str, Files]
 
     def run(self, step: str, recording: str = "") -> None:
-        """Run a step of a recording, or of the arm, and keep what it makes."""
+        """Run a step of a recording, or of the arm, and keep its results."""
         own = self.recordings[recording] if recording else self.arm
         own |= contents(RESULTS.get(step, ""), self.result(step, recording))
 
     def result(self, step: str, recording: str = "") -> Any:
-        """Return what a step of a recording, or of the arm, returns."""
+        """Return the result of a step of a recording, or of the arm."""
         params = given(step, self.selection, recording or self.robot)
         params |= self._paths(step, recording)
         own = self.recordings[recording] if recording else {}
@@ -75,14 +75,14 @@ class Chain:
         return call(step, inputs, params)
 
     def _motions_before(self, recording: str) -> dict[str, Content]:
-        """Return the motions of the recordings that one, or the arm's to fit, follow."""
+        """Return the motions before a recording, or before the arm's recordings to fit."""
         names = [recording] if recording else self.selection.of_arm(self.robot, "fit")
         before = self.selection.before(*names)
         files = {one: self.recordings.get(one, {}) for one in before}
         return {one: own["motion"] for one, own in files.items() if "motion" in own}
 
     def _paths(self, step: str, recording: str) -> dict[str, list[Path]]:
-        """Return the files of the user's that a step reads."""
+        """Return the user's files that a step reads."""
         if step == "describe_arm":
             arm = self.selection.study.arms()[self.robot]
             own = of_study([robot_path(arm.arm)])

@@ -14,8 +14,8 @@ from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import inertial_parameters, link_tail, rigid_bodies
 from ur5lib.timeseries.arrays import Array
 
-# Samples per batch: some hundred intermediate rows should stay in the caches of a processor; a GPU
-# needs enough for all its cores.
+# Samples per batch: some hundred intermediate rows should fit into a processor's caches; a GPU
+# needs enough samples for all its cores.
 CPU_BATCH = 1 << 14
 GPU_BATCH = 1 << 20
 
@@ -54,10 +54,10 @@ def build_arm(
 ) -> ArmTensors:
     """Build an arm under one of its models, e.g. "A", "B" or "C"; KeyError for an unknown model.
 
-    dtype: float64, or float32, with results within 1e-6 of the largest among them. fused:
-    torch.compile makes each term one loop. The first call takes 5 to 20 s, less if it was compiled
-    before; further calls take a third of the time, which pays from tens of millions of samples on.
-    Without a compiler, a warning is given and the terms run uncompiled.
+    dtype: float64, or float32, with errors below 1e-6 of the largest result. fused: torch.compile
+    makes each term one loop. The first call takes 5 to 20 s, less if it was compiled before;
+    further calls take a third of the time, which pays from tens of millions of samples on. Without
+    a compiler, a warning is given and the terms run uncompiled.
     """
     bodies = rigid_bodies(robot, model)
 
@@ -97,10 +97,9 @@ def evaluate(
 ) -> Tensor:
     """Evaluate a kernel of (geometry, parameters, *states, wrench) for all samples.
 
-    states: (N, n) each, of n joints; wrench: (N, 6). The kernel takes (n, N) and (6, N). Returns
-    (N, ...) of its (..., N).
-    Raises ValueError where they are not of these shapes with the same N, or not of the arm's
-    precision.
+    states: (N, n) each, of n joints; wrench: (N, 6). The kernel takes (n, N) and (6, N), and
+    returns (..., N); the result is (N, ...). Raises ValueError for other shapes, different N, or
+    another precision than the arm's.
     """
     joints, dtype = len(arm.geometry.joints), arm.parameters.dtype
     tensors = [*states] if wrench is None else [*states, wrench]
@@ -121,7 +120,7 @@ def evaluate(
 
 
 def in_batches(function: Callable[..., Tensor], size: int, *states: Tensor) -> Tensor:
-    """Evaluate function(*states) in batches, so that its memory does not grow with N."""
+    """Evaluate function(*states) in batches of `size` samples: memory does not grow with N."""
     count = len(states[0])
     result = torch.empty(0)
     for start in range(0, max(count, 1), size):

@@ -11,7 +11,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import in_chunks
 
-TWIST_POSTURES = 20  # so many random postures show an arm's twists
+TWIST_POSTURES = 20  # number of random postures that show an arm's twists
 RANK_TOLERANCE = 1e-6  # m and rad; what counts as zero
 
 
@@ -28,22 +28,21 @@ def flange_kinematics(robot: Robot, q: Array) -> tuple[Array, Array, Array]:
 
 
 def independent_twists(robot: Robot) -> int:
-    """Return how many independent twists the flange has: the largest rank of J_g, at most 6."""
+    """Return the number of independent twists of the flange: the largest rank of J_g, at most 6."""
     q = np.random.default_rng(0).uniform(-np.pi, np.pi, (TWIST_POSTURES, len(robot.joints)))
     return int(np.linalg.matrix_rank(flange_kinematics(robot, q)[2], tol=RANK_TOLERANCE).max())
 
 
 def singular_value(arm: ArmTensors, q: Array, twists: int) -> Array:
-    """Return the smallest singular value of J_g (N,) that is not always zero, in which metres and
-    radians count alike.
+    """Return the smallest singular value (N,) of J_g that is not always zero, rows in m and rad.
 
-    arm: under any link model; q: (N, n) [rad]; twists: see `independent_twists`.
+    arm: under any link model; q: (N, n) [rad]; twists: their number, see `independent_twists`.
     """
     return _smallest(arm, twists, torch.from_numpy(q)).numpy()
 
 
 def differentiable_singular_value(arm: ArmTensors, q: Array, twists: int) -> tuple[Array, PullBack]:
-    """Return `singular_value` and the pull-back of its derivative to q."""
+    """Return `singular_value` (N,) and the pull-back of its derivative with respect to q."""
     return with_pull_back(partial(_smallest, arm, twists), q)
 
 
@@ -62,8 +61,8 @@ def link_frames(robot: Robot, q: Array) -> tuple[Array, Array]:
 
 
 def point_acceleration(robot: Robot, q: Array, qd: Array, qdd: Array, point: Array) -> Array:
-    """Return linear and angular acceleration (N, 6) [m/s², rad/s²], base frame, of a point that
-    frame n carries.
+    """Return linear and angular acceleration (N, 6) [m/s², rad/s²], base frame, of a point on frame
+    n.
 
     q, qd, qdd: (N, n) [rad, rad/s, rad/s²]; point: (3,) [m], in frame n.
     """

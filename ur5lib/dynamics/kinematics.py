@@ -1,9 +1,9 @@
 """Poses, orientations, Jacobians, velocities and accelerations of points on the links, batched.
 
-An arm has n joints. A point is (3,) [m] in the frame of a link, 1 to n; its origin if None. The
-link is the last one where none is named. Six-vectors are linear, then angular, base frame, unless
-stated otherwise. Importing this takes half as long as torch, because of the plotting packages of
-pytorch-kinematics: modules that need no poses do without it.
+An arm has n joints. A point is (3,) [m] in the frame of a link, 1 to n; None: its origin. Without a
+named link, it is the last one. Six-vectors are linear, then angular, base frame, unless stated
+otherwise. Importing this takes half as long as importing torch, because of the plotting packages of
+pytorch-kinematics: modules that need no poses do not import it.
 """
 
 from functools import cache

@@ -38,7 +38,7 @@ class LinkModel:
         return rigid_body.regressor(self.arm, *map(torch.from_numpy, (q, qd, qdd))).numpy()
 
     def differentiable_regressor(self, q: Array, qd: Array, qdd: Array) -> tuple[Array, PullBack]:
-        """Return Y (N, n, 11 n) of τ = Y π, and the pull-back of its derivative to q, qd, qdd."""
+        """Return Y (N, n, 11 n) of τ = Y π, and the pull-back of its derivative by q, qd, qdd."""
         return with_pull_back(partial(rigid_body.regressor, self.arm), q, qd, qdd)
 
     def momentum(self, q: Array, qd: Array) -> Array:
@@ -50,7 +50,7 @@ class LinkModel:
         return in_chunks(product, q, qd)
 
     def coriolis_torque(self, q: Array, qd: Array) -> Array:
-        """Return Cᵀ(q, q̇) q̇, a term of the momentum's rate: ṗ = τ + Cᵀ q̇ - g."""
+        """Return Cᵀ(q, q̇) q̇ (N, n) [Nm], a term of the momentum's rate: ṗ = τ + Cᵀ q̇ - g."""
 
         def product(q: Array, qd: Array) -> Array:
             matrix = rigid_body.coriolis_matrix(self.arm, *map(torch.from_numpy, (q, qd)))
@@ -66,8 +66,8 @@ class LinkModel:
 def load_regressor(robot: Robot, model: str, q: Array, qd: Array, qdd: Array) -> Array:
     """Return the torque (N, n, 4) per mass [kg] and first moments [kg m] of a load in frame n.
 
-    robot: under the recording's gravity. The moments of link n in Y of τ = Y π, (N, n, 11 n), are
-    about its joint: h = m t + R h_n, with the constant transform R, t from there to frame n.
+    robot: under the recording's gravity. In Y of τ = Y π, (N, n, 11 n), the moments h of link n are
+    about its joint: h = m t + R h_n, with R, t the constant transform from there to frame n.
     """
     poses = robot.link_poses()
     rotation, tail = link_tail(poses[-1])

@@ -1,9 +1,9 @@
-"""The recursions along the arm, on single components, of which the kernels consist.
+"""The recursions along the arm that the kernels consist of, on single components.
 
-Link k is seen from its own frame (`link_k` of the URDF): origin o_(k-1) on the axis of joint k,
-z along that axis, turned by q_k; its `Tail` leads to the Denavit-Hartenberg frame k. There, a
-joint's motion and torque are z components, and levers between joints have zeros in fixed places.
-Vectors and matrices are tuples of components.
+Link k is seen from its own frame (`link_k` of the URDF): origin o_(k-1) on the axis of joint k, z
+along that axis, turned by q_k; its `Tail` leads to the Denavit-Hartenberg frame k. There, a joint's
+motion and torque are z components, and levers between joints have zeros in fixed places. Vectors
+and matrices are tuples of components.
 """
 
 from collections.abc import Iterator, Sequence
@@ -74,7 +74,7 @@ NO_WRENCH = LinkWrench(ZERO_VECTOR, ZERO_VECTOR)
 
 
 def components(geometry: Geometry, *states: Any) -> list[list[Number]]:
-    """Return the rows of states (n, N), one for each joint of n."""
+    """Return each state's rows: (n, N) as a list of n rows."""
     return [[state[k] for k in geometry.joints] for state in states]
 
 
@@ -174,7 +174,7 @@ def inertia_inwards(joint: Joint, body: Inertia) -> Inertia:
 
 
 def turning(omega: Vector, alpha: Vector) -> Matrix:
-    """Return S(α) + S(ω)², which times a lever is the acceleration of its end."""
+    """Return S(α) + S(ω)²; times a lever, it is the acceleration of the lever's end."""
     x, y, z = omega
     return (
         (-1.0 * (y * y + z * z), x * y - alpha[2], x * z + alpha[1]),
@@ -214,5 +214,5 @@ def transposed(matrix: Matrix) -> Matrix:
 
 
 def symmetric(matrix: Sequence[Sequence[Number]]) -> Matrix:
-    """Return a symmetric matrix by its upper half; the lower half is then never computed."""
+    """Return a symmetric matrix from its upper half; the lower half is never computed."""
     return tuple(tuple(matrix[min(i, j)][max(i, j)] for j in range(3)) for i in range(3))

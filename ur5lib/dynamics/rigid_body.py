@@ -1,8 +1,8 @@
 """The equations of motion (2.64) of an arm, batched: by Newton and Euler, with composite bodies.
 
 All are functions of an arm of n joints and of states (N, n): q [rad], qd [rad/s], qdd [rad/s²],
-torque [Nm]. Gradients reach the states, and the arm's `parameters`. Raises ValueError where states
-are not (N, n) of the same N, or not of the arm's precision.
+torque [Nm]. They are differentiable in the states and in the arm's `parameters`. Raises ValueError
+where states are not (N, n) of the same N, or not of the arm's precision.
 """
 
 from collections.abc import Sequence
@@ -50,9 +50,9 @@ def inertia_matrix(arm: ArmTensors, q: Tensor) -> Tensor:
 def coriolis_matrix(arm: ArmTensors, q: Tensor, qd: Tensor) -> Tensor:
     """Return C(q, q̇) of the Christoffel symbols (2.65, 2.66), (N, n, n) [Nm s/rad].
 
-    They are symmetric, c_ijk = c_jik, so b(q̇) = C(q, q̇) q̇ is a quadratic form in q̇ for each
-    joint and C half its slope. A quadratic form has a central difference without error, at any
-    step: column j of C is [b(q̇ + e_j) - b(q̇ - e_j)] / 4.
+    The symbols are symmetric, c_ijk = c_jik, so b(q̇) = C(q, q̇) q̇ is a quadratic form in q̇ for
+    each joint, and C half its derivative. The central difference of a quadratic form is exact at
+    any step: column j of C is [b(q̇ + e_j) - b(q̇ - e_j)] / 4.
     """
 
     def column(unit: Tensor) -> Tensor:
@@ -79,7 +79,9 @@ def wrench_torque(arm: ArmTensors, q: Tensor, wrench: Tensor) -> Tensor:
 def forward_dynamics(
     arm: ArmTensors, q: Tensor, qd: Tensor, torque: Tensor, wrench: Tensor | None = None
 ) -> Tensor:
-    """Return q̈ = D⁻¹ (τ + J_gᵀ wrench - C q̇ - g), (N, n) [rad/s²]; wrench as above."""
+    """Return q̈ = D⁻¹ (τ + J_gᵀ wrench - C q̇ - g), (N, n) [rad/s²]; wrench as in
+    `inverse_dynamics`.
+    """
 
     def solve(q: Tensor, net_torque: Tensor) -> Tensor:
         # D = L Lᵀ, positive definite
@@ -186,7 +188,7 @@ def regressor(arm: ArmTensors, q: Tensor, qd: Tensor, qdd: Tensor) -> Tensor:
 
 
 def _columns(geometry: Geometry, parameters: Any, q: Any, qd: Any, qdd: Any) -> Any:
-    """Return Y: the torques of links with one parameter equal to one and the others zero."""
+    """Return Y (n, 11 n, N): a column has the torques of one parameter of 1, the others 0."""
     chain, joints = recursion.joints(geometry, q), geometry.joints
     rates = components(geometry, qd, qdd)
     columns: list[list[Number]] = []

@@ -1,1 +1,1 @@
-"""What recordings have shown of an arm's parameters, and what others would."""
+"""What recordings have shown of an arm's parameters, and what other recordings would show."""

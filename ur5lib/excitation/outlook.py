@@ -1,8 +1,9 @@
-"""What an arm's recordings have shown of it, and what another would: the widths of bands.
+"""Standard errors and intervals of an arm after its recordings, and after another one.
 
-At random states, a predicted current errs by what recordings differ in, by the day, and by the
-errors of the parameters. A force at the flange has the covariance (J Σ⁻¹ Jᵀ)⁻¹, with Σ that of the
-torques. A load's mass is found along as much motion again, together with the parameters.
+At random states, a predicted current has the errors that differ between recordings, those that
+differ between days, and those of the parameters. A force at the flange has the covariance (J Σ⁻¹
+Jᵀ)⁻¹, with Σ that of the torques. A load's mass is estimated along a further WEIGHING_DURATION of
+motion, together with the parameters.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -41,7 +42,7 @@ SCALING_ROUNDS = 4  # after these, predicted standard errors are within 3 % of t
 FAST_MOTION = (1.5, 3.0)  # rad/s, rad/s²
 SLOW_MOTION = (0.2, 0.4)
 WEIGHING_DURATION = 20.0  # s; a load is found along this long a motion
-MIN_LEVER = 1e-6  # m; a smaller lever is none
+MIN_LEVER = 1e-6  # m; a smaller lever counts as zero
 
 
 class RecordedStates(NamedTuple):
@@ -68,10 +69,10 @@ class RecordedStates(NamedTuple):
 
 @dataclass(frozen=True)
 class Earlier:
-    """What a study's recordings and other arms show of an arm.
+    """What a study's recordings and other arms have shown of an arm.
 
-    fit, parameters: of the currents; noise: (n,) [Nm], of the target torques; fitted: to how many
-    recordings, 0 where the fit is what other arms have.
+    fit, parameters: of the currents; noise: (n,) [Nm], of the target torques; fitted: number of
+    recordings that were fitted to, 0 if the fit is that of other arms.
     """
 
     fit: CurrentFit
@@ -81,7 +82,7 @@ class Earlier:
     recordings: Sequence[RecordedStates]
 
     def maps(self, arm: Robot) -> Maps:
-        """Return the maps from torques and motion to currents, with noise; else nominal ones."""
+        """Return the maps from torques and motion to currents, with noise; nominal if unfitted."""
         nominal = nominal_maps(arm)
         torque = nominal.noise.torque if self.noise is None else self.noise
         if not self.fitted:
@@ -110,7 +111,7 @@ def problem_after(arm: Robot, earlier: Earlier, has_payload: bool) -> tuple[Desi
     """Return the problem of an arm that a study identified, and the information (P, P) so far.
 
     arm: as identified; has_payload: whether a load is estimated. The noise of the currents is
-    scaled to the study's standard errors, which include correlated residuals and differences
+    scaled to reach the study's standard errors, which include correlated residuals and differences
     between recordings.
     """
     model = LinkModel(arm, arm.fullest_model())
@@ -146,7 +147,8 @@ def _information(problem: DesignProblem, recordings: Sequence[RecordedStates]) -
 
 @dataclass(frozen=True)
 class Bands:
-    """Half the 95 % bands of a force in contact [N], of a current [A] and of a load's mass [kg].
+    """Half-widths of the 95 % intervals of a force in contact [N], a current [A] and a load's mass
+    [kg].
 
     after: name of a recording that may come next, "now" without any.
     """
@@ -158,13 +160,13 @@ class Bands:
 
 
 def feels_forces(arm: Robot) -> bool:
-    """Return whether an arm's joints feel forces at the flange in all directions."""
+    """Return whether forces at the flange load an arm's joints in all directions."""
     linear = flange_kinematics(arm, random_states(arm, *FAST_MOTION)[0])[2][:, :3]
     return bool(np.linalg.matrix_rank(linear, tol=MIN_LEVER).max() == 3)
 
 
 class Outlook:
-    """The bands of an arm after further recordings; of one that `feels_forces`."""
+    """The bands of an arm after further recordings; requires `feels_forces`."""
 
     def __init__(self, arm: Robot, earlier: Earlier) -> None:
         """Evaluate the arm at random states; information (P, P): of the prior and recordings."""
@@ -178,7 +180,7 @@ class Outlook:
         self._jacobian = flange_kinematics(arm, q)[2][:, :3]
 
     def bands(self, information: Array, after: str = "now") -> Bands:
-        """Return the bands by an information (P, P) on the parameters."""
+        """Return the bands for an information (P, P) on the parameters."""
         residual_variance = self._within() ** 2 + (friction_std(SEASON) * self._friction) ** 2
         rows = self._rows * self.problem.noise.current[:, None]
         doubt = rows @ np.linalg.inv(information) @ rows.mT  # (N, n, n) [A²]
@@ -196,15 +198,15 @@ class Outlook:
         return Bands(after, *(NORMAL95 * float(np.sqrt(variance)) for variance in variances))
 
     def ranked(self, candidates: Iterable[tuple[str, Array]]) -> list[Bands]:
-        """Return the bands as they are, then those after each candidate, the least force first.
+        """Return the present bands, then those after each candidate, the smallest force first.
 
-        candidates: names, and what they would add to the information so far, (P, P).
+        candidates: names, and the information (P, P) that they add.
         """
         rows = [self.bands(self.information + gain, name) for name, gain in candidates]
         return [self.bands(self.information), *sorted(rows, key=attrgetter("force"))]
 
     def candidates(self, seconds: float) -> Iterator[tuple[str, Array]]:
-        """Yield the information that recordings of some length would add, (P, P)."""
+        """Yield possible recordings by name, and the information (P, P) that each adds."""
         load = self._arm.known_load()
         loaded = [(f"all joints with {load.mass:g} kg", load, FAST_MOTION)] if load else []
         for name, load, motion in (
@@ -219,7 +221,7 @@ class Outlook:
             yield f"{seconds:g} s, {name}", problem.information(Y, qd, seconds / len(q))
 
     def _within(self) -> Array:
-        """Return the standard deviations (n,) [A] by which recordings differ."""
+        """Return the standard deviations (n,) [A] of currents between recordings."""
         errors = np.array([joint.band_moving for joint in self._known.fit.joints]) / NORMAL95
         return np.where(np.isfinite(errors), errors, self.problem.noise.current)
 
@@ -233,6 +235,6 @@ class Outlook:
         relative = self.problem.noise.current / np.sqrt(residual_variance)  # (N, n)
         J = (self._with_load * relative[..., None]).reshape(-1, count + 10)
         seconds = WEIGHING_DURATION / CORRELATION_TIME / len(relative)
-        # information on θ and p together: that on p alone follows by inversion
+        # information on θ and p together; its inverse has the variances of p
         joint_information = block_diag(information, load) + J.T @ J * seconds
         return float(np.linalg.inv(joint_information)[count, count])

@@ -1,11 +1,11 @@
 """The parameters that a recording is to determine: those of an arm's torques and motor currents.
 
-A UR's target torques are those of its controller's link model, τ = Y β. Motor currents are
-i = a T + b + c z + v q̇ + l |T| z with T = τ + Y_n p, as `identification/currents.py` fits them:
-a = 1/k is the inverse torque constant, b an offset, z = tanh(q̇/ε) the direction of dry friction, c,
-v and l Coulomb, viscous and load-dependent friction over k, and p a payload's ten parameters, which
-moves as link n does. Torque sensors take the place of currents with a k of nearly 1, and with the
-little friction that lies between them and the links.
+A UR's target torques are those of its controller's link model, τ = Y β. Motor currents are i = a T
++ b + c z + v q̇ + l |T| z with T = τ + Y_n p, as `identification/currents.py` fits them: a = 1/k is
+the inverse torque constant, b an offset, z = tanh(q̇/ε) the direction of dry friction, c, v and l
+Coulomb, viscous and load-dependent friction over k, and p the ten parameters of a payload, which
+moves with link n. Torque sensors replace currents with a k of nearly 1, and with the little
+friction between them and the links.
 """
 
 from dataclasses import dataclass, replace
@@ -31,17 +31,17 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.friction import BASE_TERMS
 from ur5lib.timeseries.arrays import Array
 
-# Errors of real arms correlate for 0.3 to 1 s, of which this is the longest.
+# Errors of real arms are correlated over 0.3 to 1 s; this is the longest.
 CORRELATION_TIME = 1.0  # s
 DIRECTION_SPEED = 0.05  # rad/s; ε, at which dry friction reaches its full size
 TORQUE_NOISE = 0.02  # Nm; target torques have this noise, unless a study has estimated it
-CURRENT_NOISE = 0.01  # the same of currents, relative to the current at the largest torque
+CURRENT_NOISE = 0.01  # noise of currents, relative to the current at the largest torque
 CONSTANT_WIDTH = 0.3  # relative standard deviation of a maker's torque constants
-UR_CONSTANT_WIDTH = 0.1  # the same for a UR's motors
+UR_CONSTANT_WIDTH = 0.1  # CONSTANT_WIDTH of a UR's motors
 # Coulomb and viscous friction over the largest torque; load friction.
 NOMINAL_FRICTION = (0.06, 0.06, 0.05)
 SENSED_FRICTION_SHARE = 0.05  # a torque sensor sees this share of its joint's friction and offset
-SENSOR_NOISE = 0.003  # a fit leaves this share of the largest torque with two real arms' sensors
+SENSOR_NOISE = 0.003  # residual of fits to two real arms' sensors over the largest torque
 GAIN_WIDTH = 0.03  # standard deviation of calibrated torque sensors' gains
 JOINT_PARAMETERS = (
     "torque constant",
@@ -52,7 +52,7 @@ JOINT_PARAMETERS = (
 )
 # An arm with torque sensors has these parameters of each joint.
 SENSED_JOINT_PARAMETERS = ("gain", "bias", *JOINT_PARAMETERS[2:])
-UNITS_BY_START = {  # a name with this start has this unit
+UNITS_BY_START = {  # units of parameters, by the start of their names
     **{"m of": "kg", "m c": "kg m", "I_": "kg m²", "rotor": "kg m²"},
     **dict(zip(JOINT_PARAMETERS, ("Nm/A", "Nm", "Nm", "Nm s/rad", "Nm/Nm"), strict=True)),
     **{"gain": "Nm/Nm", "bias": "Nm"},
@@ -72,9 +72,9 @@ RANK_TEST_ACCELERATION = 3.0  # rad/s²
 class MeasurementNoise:
     """Standard deviations of target torques (n,) [Nm] and currents (n,) [A].
 
-    They are for errors that are independent every INDEPENDENT_STEP; errors that are so only every T
-    seconds count as √(T / INDEPENDENT_STEP) times as large. Target torques have an infinite one
-    where the controller states none.
+    They are for errors that are independent every INDEPENDENT_STEP; errors that are independent
+    every T seconds have √(T / INDEPENDENT_STEP) times the deviation. Target torques that the
+    controller does not state have an infinite one.
     """
 
     torque: Array
@@ -94,7 +94,7 @@ class DesignProblem:
     """The parameters θ = (β, the joints' a b c v l in turn, p) and their measurement.
 
     base: β, (B,); theta: (P,), nominal values; prior: (P, P), the information before any recording;
-    has_payload: whether p, nominally zero, is among the parameters; effort: that is measured.
+    has_payload: whether p, nominally zero, is among the parameters; effort: measured quantity.
     """
 
     base: BaseParameters
@@ -130,7 +130,7 @@ class DesignProblem:
         return slice(len(LINK_PARAMETERS) * (self.joints - 1), len(LINK_PARAMETERS) * self.joints)
 
     def of_model(self, parameters: Array) -> "DesignProblem":
-        """Return the problem about other inertial parameters π (11 n,), as of another load."""
+        """Return the problem with other inertial parameters π (11 n,), as of another load."""
         beta = self.base.groups @ parameters
         return replace(self, theta=np.concatenate([beta, self.theta[self.count :]]))
 
@@ -184,7 +184,7 @@ class DesignProblem:
         return replace(self, theta=theta, has_payload=True).rows(theta, Y, qd)[:, self.joints :]
 
     def friction_current(self, Y: Array, qd: Array) -> Array:
-        """Return the part (N, n) [A] of the nominal current that friction takes."""
+        """Return the friction part (N, n) [A] of the nominal current."""
         a, b = self.theta[self.of_currents].reshape(-1, 5).T[:2]
         current = self.measured(self.theta, Y, qd)[:, self.joints :] * self.noise.current
         return np.asarray(current - a * self.torque(Y) - b)
@@ -319,8 +319,8 @@ def build_problem(
 ) -> DesignProblem:
     """Return the problem of an arm with a link model.
 
-    has_payload: whether a load is estimated; typical: whether a UR's friction and constants are
-    expected as the fits expect them.
+    has_payload: whether a load is estimated; typical: whether the prior of a UR's friction and
+    constants is that of the fits.
     """
     base = base_parameters(
         model.regressor(*random_states(robot, RANK_TEST_SPEED, RANK_TEST_ACCELERATION))
@@ -337,7 +337,8 @@ def build_problem(
 def _prior_of_maps(robot: Robot, maps: Maps, typical: bool) -> Array:
     """Return the information (5 n, 5 n) of the fits' prior on the joints' maps to currents.
 
-    That of torque sensors is narrower: their gains are calibrated, and they see little friction.
+    Torque sensors have a narrower prior: their gains are calibrated, and they measure little
+    friction.
     """
     torque_max, inverse = np.array(robot.torque_limits()), maps.coefficients[:, 0]
     width, friction = CONSTANT_WIDTH if robot.measured == CURRENT else GAIN_WIDTH, {}

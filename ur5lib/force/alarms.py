@@ -23,17 +23,20 @@ from ur5lib.records.table import WRENCH
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import Span, inside_spans, overlap, spans
 
-# A contact is of the class that its force at the sensor reaches.
+# Contacts are counted by class: those that reach each of these forces at the sensor.
 FORCE_CLASSES = [TOUCH_FORCE, CONTACT_FORCE, 10.0, 15.0]  # N
-RELIABLE_FORCE_OF_THESIS = 10.0  # N; along z, detection is reliable from there on (Section 6)
+RELIABLE_FORCE_OF_THESIS = 10.0  # N; Section 6 claims reliable detection along z from this force on
 
 
 @dataclass(frozen=True)
 class Alarm:
-    """An alarm: start, end and time of the largest force [s], this force (3,) [N] and its standard
-    deviation, and the joints (n,) [rad] there; the flange's mean speed [m/s]; whether it is a
-    contact or a load, and the mass of a load [kg]; whether the torques exclude that the contact is
-    at the flange; at_sensor: whether it overlaps a touch at the force sensor, None without one.
+    """An alarm.
+
+    start, end, peak: times [s] of its first and last sample, and of its largest force; force,
+    force_std: that force (3,) [N], base axes, and its standard deviation; q: joints there (n,)
+    [rad]; flange_speed: mean during the alarm [m/s]; kind: contact or grasped load; load_mass,
+    load_mass_std: [kg]; off_flange: whether the torques exclude a contact at the flange; at_sensor:
+    whether it overlaps a touch at the force sensor, None without a sensor.
     """
 
     start: float
@@ -55,8 +58,10 @@ Named = Callable[[Span, Alarm], Alarm]
 
 @dataclass(frozen=True)
 class Matched:
-    """How alarms match the contacts at a sensor, under the names of `Detection`; classes: of the
-    contacts that reach each force, none without a sensor.
+    """Counts of alarms matched with the contacts at a sensor; its fields are named as in
+    `Detection`.
+
+    classes: counts for the contacts that reach each of FORCE_CLASSES; empty without a sensor.
     """
 
     alarms_per_min: float
@@ -66,17 +71,13 @@ class Matched:
     classes: list[dict[str, Any]] = field(default_factory=list)
 
     def rows(self) -> list[dict[str, Any]]:
-        """Return its numbers with those of each class, alone without any."""
+        """Return a row for each class, with the counts of all contacts; one row without classes."""
         whole = {name: value for name, value in vars(self).items() if name != "classes"}
         return [whole | own for own in self.classes or [{}]]
 
 
 class Alarms(NamedTuple):
-    """What one estimate raises.
-
-    evidence: (N,), log-odds of contact, or the size of a force [N]; raised: its alarms; wrench,
-    std: (N, 6) [N, Nm], NaN where no deviation is stated.
-    """
+    """The alarms of one estimate, and what they follow from."""
 
     evidence: Array
     raised: list[Span]
@@ -112,8 +113,8 @@ def raised(
 ) -> list[Alarm]:
     """Return the alarms of an estimate, each with the largest force in it.
 
-    q: (N, n) [rad]; speed: of the flange (N,) [m/s]; named: returns an alarm with its kind, a
-    contact or a load.
+    q: (N, n) [rad]; speed: of the flange (N,) [m/s]; named: sets the kind of an alarm, contact or
+    load.
     """
     felt = touches(sensor)
     return [
@@ -129,7 +130,7 @@ def raised(
 def detections(
     estimate: str, own: Alarms, alarms: Sequence[Alarm], sensor: SensorWrenches, threshold: float
 ) -> Iterator[Detection]:
-    """Yield how the alarms of an estimate match the contacts at the sensor."""
+    """Yield for each class of contacts at the sensor how the alarms of an estimate match it."""
     about: dict[str, Any] = {
         "estimate": estimate,
         "threshold": threshold,
@@ -143,8 +144,8 @@ def detections(
 
 
 def not_felt(raised: Sequence[Span], alarms: Sequence[Alarm]) -> list[Span]:
-    """Return the stretches of the alarms that are loads or contacts off the flange, which a force
-    sensor does not feel.
+    """Return the spans of alarms that a force sensor does not feel: loads, and contacts off the
+    flange.
     """
     pairs = zip(raised, alarms, strict=True)
     return [span for span, one in pairs if one.kind == "load" or one.off_flange]
@@ -153,7 +154,7 @@ def not_felt(raised: Sequence[Span], alarms: Sequence[Alarm]) -> list[Span]:
 def fixed_thresholds(
     estimate: str, own: Alarms, sensor: SensorWrenches
 ) -> Iterator[FixedThreshold]:
-    """Yield how an estimate does with the fixed threshold that the thesis claims, by axis."""
+    """Yield for each axis the pushes that an estimate finds by the thesis's fixed threshold."""
     for axis, component in enumerate(WRENCH[:3]):
         force, least = own.wrench[:, axis], RELIABLE_FORCE_OF_THESIS
         pushes = found = None
@@ -171,7 +172,7 @@ def fixed_thresholds(
 
 
 def strongest(span: Span, time: Array, q: Array, own: Alarms) -> Alarm:
-    """Return an alarm with the largest force in it; time: (N,) [s], q: (N, n) [rad]."""
+    """Return the alarm of a span, with its largest force; time: (N,) [s], q: (N, n) [rad]."""
     first, last = span
     peak = peak_of(span, own)
     times = float(time[first]), float(time[last - 1]), float(time[peak])
@@ -179,13 +180,13 @@ def strongest(span: Span, time: Array, q: Array, own: Alarms) -> Alarm:
 
 
 def peak_of(span: Span, own: Alarms) -> int:
-    """Return the sample of the largest force in an alarm."""
+    """Return the index of the sample with the largest force in an alarm."""
     force = own.wrench[slice(*span), :3]
     return span[0] + int(np.argmax(np.nan_to_num(np.linalg.norm(force, axis=1))))
 
 
 def free_time_in_alarm(own: Alarms, sensor: SensorWrenches) -> float | None:
-    """Return the share of the samples without contact that are in alarm, None without a sensor."""
+    """Return the share of contact-free samples that are in alarm, None without a sensor."""
     if (force := sensed_force(sensor)) is None:
         return None
     free = is_free(force, sensor.period)
@@ -193,7 +194,7 @@ def free_time_in_alarm(own: Alarms, sensor: SensorWrenches) -> float | None:
 
 
 def roc_area(own: Alarms, sensor: SensorWrenches) -> float | None:
-    """Return the area under the receiver's curve by sample, None without a sensor."""
+    """Return the area under the ROC curve over samples, None without a sensor."""
     if (force := sensed_force(sensor)) is None:
         return None
     wrong, right = receiver_curve(own.evidence, force >= TOUCH_FORCE)
@@ -214,18 +215,18 @@ def touches(sensor: SensorWrenches) -> list[Span] | None:
 
 
 def overlaps(span: Span, others: Iterable[Span]) -> bool:
-    """Return whether a stretch shares a sample with one of others."""
+    """Return whether a span shares a sample with any of the others."""
     return any(overlap(span, one) for one in others)
 
 
 def false_per_min(
     raised: Sequence[Span], sensor: SensorWrenches, unfelt: Sequence[Span] = ()
 ) -> float | None:
-    """Return how many alarms a minute are false, None without a sensor.
+    """Return the number of false alarms per minute, None without a sensor.
 
-    False are those that overlap no touch, and those that go on for longer than CONTACT_CLEARANCE
-    where nothing touches: otherwise, an alarm that never ends would find a contact and never be
-    false. unfelt: stretches of contacts that the sensor does not feel.
+    An alarm is false if it overlaps no touch, or lasts for longer than CONTACT_CLEARANCE where
+    nothing touches: otherwise, an alarm that never ends would find a contact and never be false.
+    unfelt: spans of contacts that the sensor does not feel.
     """
     force, step = sensed_force(sensor), sensor.period
     if force is None:
@@ -240,9 +241,9 @@ def false_per_min(
 
 
 def matched(raised: list[Span], sensor: SensorWrenches, unfelt: Sequence[Span] = ()) -> Matched:
-    """Return how many alarms are raised, and how they match the contacts at a sensor.
+    """Count the alarms, and match them with the contacts at a sensor.
 
-    unfelt: stretches of contacts that the sensor does not feel.
+    unfelt: spans of contacts that the sensor does not feel.
     """
     step = sensor.period
     minutes = len(sensor.time) * step / 60
@@ -259,9 +260,9 @@ def matched(raised: list[Span], sensor: SensorWrenches, unfelt: Sequence[Span] =
 
 
 def by_class(least: float, force: Array, raised: list[Span], step: float) -> dict[str, Any]:
-    """Return how many contacts that reach a force are found, each by its own alarm, and when.
+    """Return the recall and the median delay [s] of the contacts that reach a force [N].
 
-    force: (N,) [N], of the sensor; step: [s].
+    force: (N,) [N], of the sensor; step: sampling period [s].
     """
     found = compare(raised, contacts(force, least), step)
     return {
@@ -275,8 +276,8 @@ def by_class(least: float, force: Array, raised: list[Span], step: float) -> dic
 
 
 def pushes_above(force: Array, sensed: Array, least_force: float, period: float) -> tuple[int, int]:
-    """Return how many pushes reach a force at the sensor, and how many of them have an alarm of
-    their own at this threshold.
+    """Return the number of pushes that reach a force at the sensor, and of those with an alarm of
+    their own if that force is the threshold.
 
     force, sensed: estimate and reading along one axis (N,) [N], NaN where unknown; least_force:
     [N]; period: [s].

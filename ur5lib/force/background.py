@@ -1,7 +1,7 @@
 """The background: the slowly varying part of the external torque, from friction and model.
 
-It is an Ornstein-Uhlenbeck process b, and friction that is stronger or weaker in this run than in
-those of the fit by one factor for each joint: u = b + diag(f) s.
+It is u = b + diag(f) s: an Ornstein-Uhlenbeck process b, and an error of this run's friction f by a
+factor s of each joint.
 """
 
 import numpy as np
@@ -19,14 +19,13 @@ def smooth(
 
     b(t) = A b(t - 1) + w, A = diag(decay), cov w = (1 - A²) diag(Q); measured = u + v.
     measured: (N, n), NaN rows where nothing was measured; noise: cov v (N, n, n); spread: Q (N, n),
-    the stationary variances; decay: (N, n), over the step towards each sample;
-    friction: f (N, n) [Nm]; scale_std: prior standard deviation of each of s. Since b is linear in
-    the measurements, it is found for them and for each joint's f on their own, and s is the
-    regression of what it leaves of the first on what it leaves of the others [de Jong 1991].
-
+    the stationary variances; decay: (N, n), over the step towards each sample; friction: f (N, n)
+    [Nm]; scale_std: prior standard deviation of each of s. As b is linear in the measurements, they
+    and each joint's f are smoothed separately; s is the regression of the first residual on the
+    others [de Jong 1991].
     The inverse covariance Λ of b at all samples is block tridiagonal, and its Cholesky factor
-    banded: LAPACK solves b = Λ⁻¹ R⁻¹ y of measurements y faster than a loop over samples filters
-    them; R: cov v.
+    banded: b = Λ⁻¹ R⁻¹ y, R = cov v, y the measurements. LAPACK solves it faster than a loop over
+    samples filters them.
     """
     joints = measured.shape[1]
     identity = np.eye(joints)
@@ -69,8 +68,8 @@ def _precision(weight: Array, spread: Array, decay: Array) -> tuple[Array, Array
 def _covariance(diagonal: Array, off_diagonal: Array, factor: Array) -> Array:
     """Return the covariances (N, n, n) of b at each sample; factor: by `_factor`.
 
-    Its inverse is the sum of the past's information and the future's, less Λ(t, t), which both
-    contain.
+    The inverse covariance at a sample is the past's information plus the future's, minus Λ(t, t),
+    which both contain.
     """
     # from the last sample to the first, the past is the future
     following = np.roll(off_diagonal, -1, axis=0)

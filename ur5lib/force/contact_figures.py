@@ -24,13 +24,13 @@ from ur5lib.timeseries.metrics import (
 )
 from ur5lib.timeseries.segments import inside_spans, overlap
 
-NOMINAL_COVERAGES = (0.5, 0.8, 0.95)  # bands have these nominal coverages
+NOMINAL_COVERAGES = (0.5, 0.8, 0.95)  # nominal coverages of bands
 CONTACT_RESAMPLES = 1000  # a recording's contacts are resampled this often
-MIN_CONTACTS = 3  # an interval by resampling needs this many
+MIN_CONTACTS = 3  # fewer contacts give no interval by resampling
 INTERVAL_ENDS = [0.025, 0.975]  # quantiles at the ends of a 95 % interval
-MIN_GAIN = 0.2  # an estimate that shows the force has this gain
+MIN_GAIN = 0.2  # an estimate with a smaller gain does not show the force
 SPLIT = ("mae_missed", "mae_shut", "mae_gain")  # parts of an error in contact
-MIN_MEAN = np.array([1.0, 1.0, 1.0, 0.1, 0.1, 0.1])  # N, Nm; a gain of less is none
+MIN_MEAN = np.array([1.0, 1.0, 1.0, 0.1, 0.1, 0.1])  # N, Nm; no gain is stated of a smaller mean
 MIN_DIVISOR = 1e-12  # N, N s: replaces a zero divisor
 
 
@@ -41,7 +41,7 @@ def periods(force: Array, period: float) -> dict[str, Mask]:
 
 
 def missed(estimate: Array, force: Array) -> Mask:
-    """Return the samples (N,) in contact of those contacts that no part of an estimate shows.
+    """Return the samples (N,) of contacts during which an estimate is zero throughout.
 
     estimate: (N, 6), zero while its gate is shut; force: (N,) [N], of the sensor.
     """
@@ -52,12 +52,12 @@ def missed(estimate: Array, force: Array) -> Mask:
 def figures_by_contact(
     estimate: Array, std: Array | None, reference: Array, force: Array, period: float
 ) -> dict[str, dict[str, Array]]:
-    """Return figures (6,) of a wrench (N, 6) and its band: over all samples, in contact, and free.
+    """Return error figures (6,) of a wrench (N, 6) and its standard deviation, by period.
 
-    reference: the sensor's wrench (N, 6), NaN where it is saturated; force: (N,) [N], of the
-    sensor, which defines contacts; period: [s]. Where a band is stated, also in the contacts that
-    are missed. Samples without an estimate or a reading are excluded; a period in which all samples
-    are excluded has no figures.
+    The periods are "all", "contact", "free", and, with std, "missed" contacts. reference: the
+    sensor's wrench (N, 6), NaN where it is saturated; force: (N,) [N], of the sensor, which defines
+    contacts; period: [s]. Samples without an estimate or a reading are excluded; a period of which
+    all samples are excluded has no figures.
     """
     finite = np.isfinite(estimate).all(axis=1) & np.isfinite(reference).all(axis=1)
     parts = periods(force, period)
@@ -77,11 +77,11 @@ def figures_by_contact(
 
 
 def error_parts(estimate: Array, reference: Array, force: Array) -> dict[str, Array]:
-    """Return the absolute error (N, K) of each sample in contact and its parts, NaN of others.
+    """Split the absolute error (N, K) of each sample in contact by cause; NaN elsewhere.
 
-    Missed contacts add theirs (mae_missed), found ones what they have while the gate is shut
-    (mae_shut), and what another gain of the whole recording would take off (mae_gain); friction
-    leaves the rest. estimate: (N, K), zero while its gate is shut; reference: (N, K), the sensor's.
+    mae: the whole; mae_missed: in missed contacts; mae_shut: in found contacts while the gate is
+    shut; mae_gain: what one gain for the whole recording would remove. The rest is friction.
+    estimate: (N, K), zero while its gate is shut; reference: (N, K), the sensor's.
     """
     known = np.isfinite(estimate).all(axis=1) & np.isfinite(reference).all(axis=1)
     within, felt = known & in_contact(force), np.asarray(estimate.any(axis=1))
@@ -98,8 +98,9 @@ def error_parts(estimate: Array, reference: Array, force: Array) -> dict[str, Ar
 
 
 def mean_parts(parts: dict[str, Array], rows: slice = slice(None)) -> dict[str, Array]:
-    """Return the means (K,) of parts of an error over the samples that have all of them, at least
-    zero."""
+    """Return the mean (K,) of each part of an error, at least zero, over the samples with an
+    error.
+    """
     known = np.isfinite(parts["mae"][rows]).all(axis=1)
     count = max(int(known.sum()), 1)
     return {
@@ -108,7 +109,7 @@ def mean_parts(parts: dict[str, Array], rows: slice = slice(None)) -> dict[str, 
 
 
 def error_figures(estimate: Array, std: Array | None, reference: Array) -> dict[str, Array]:
-    """Return the errors of each column (6,), and those of an estimate of zero."""
+    """Return error figures of each column (6,), and those of a constant estimate of zero."""
     zero = np.zeros_like(reference)
     mean = mean_absolute_error(zero, reference)
     figures = {
@@ -135,8 +136,8 @@ def error_figures(estimate: Array, std: Array | None, reference: Array) -> dict[
 def resampled_figures(estimate: Array, reference: Array, force: Array) -> dict[str, Array]:
     """Bootstrap the 95 % interval (6,) of the error in contact, and the lower end of the skill.
 
-    estimate, reference: wrenches (N, 6), NaN where unknown; force: (N,) [N], of the sensor.
-    Empty with fewer than three contacts.
+    estimate, reference: wrenches (N, 6), NaN where unknown; force: (N,) [N], of the sensor. Empty
+    with fewer than MIN_CONTACTS.
     """
     columns = estimate.shape[1]
     # |reference - estimate| and |reference|, the error of zero
@@ -153,9 +154,9 @@ def resampled_figures(estimate: Array, reference: Array, force: Array) -> dict[s
 def resampled_means(values: Array, force: Array) -> Array | None:
     """Return means (CONTACT_RESAMPLES, K) of values (N, K) over resamples of whole contacts.
 
-    Rows of NaN are unknown; force: (N,) [N], of the sensor. Neighbouring samples have similar
-    errors, which is why whole contacts are drawn, the same ones for all columns and in every call
-    with the same contacts. None with fewer than three of them.
+    Rows of NaN are unknown; force: (N,) [N], of the sensor. Whole contacts are drawn, since
+    neighbouring samples have similar errors. Every call with the same contacts draws the same ones.
+    None with fewer than MIN_CONTACTS.
     """
     finite_in_contact = np.isfinite(values).all(axis=1) & in_contact(force)
     spans = [
@@ -178,7 +179,9 @@ def resampled_means(values: Array, force: Array) -> Array | None:
 def force_errors(
     kind: str, estimate: str, figures: Mapping[str, Mapping[str, Array]]
 ) -> Iterator[ForceError]:
-    """Yield figures, (6,) or of the force (3,), by period as rows; kind: of the reference."""
+    """Yield figures by period as rows, one for each of 6 or 3 components; kind: of the
+    reference.
+    """
     contact = figures.get("contact", {})
     skills = contact.get("skill_low", contact.get("skill", np.zeros(0)))
     determined = dict(zip(WRENCH, (skills > 0).tolist(), strict=False))
@@ -198,7 +201,7 @@ def force_errors(
 def contact_errors(
     name: str, estimate: Array, reference: Array, force: Array, time: Array
 ) -> Iterator[ContactError]:
-    """Yield the errors of each contact at the sensor along each axis, and of all three.
+    """Yield for each contact at the sensor a row for each axis, and one for the force vector.
 
     name: of the estimate; estimate, reference: forces (N, 3) [N], the latter NaN where the sensor
     is saturated; force: (N,) [N], of the sensor, which defines contacts; time: (N,) [s].
@@ -231,8 +234,7 @@ def contact_errors(
 def _peak_and_impulse(estimate: Array, reference: Array, step: float) -> dict[str, Any]:
     """Return peak and impulse of a contact, each with its error along the sensor's direction.
 
-    estimate, reference: (M, D) [N]; step: [s]. Where the sensor has no reading, all but the largest
-    force that it reads is NaN.
+    estimate, reference: (M, D) [N]; step: [s]. If a sample has no reading, all but `peak` are NaN.
     """
     estimate = estimate + 0 * reference
     # the direction of the sensor at its peak, and of its impulse

@@ -1,4 +1,4 @@
-"""The place of contacts: the wrench there and at the origin of frame 6, and what a sensor shows."""
+"""The place of contacts: wrenches moved from it to frame 6, and the place that a sensor shows."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from ur5lib.timeseries.arrays import Array
 def jacobian_at(jacobian: Array, place: Array) -> Array:
     """Return the Jacobian (N, 6, n) of a place: v + ω × p.
 
-    jacobian: of frame 6, (N, 6, n); place: p (N, 3) [m], from its origin, base axes.
+    jacobian: of the origin of frame 6, (N, 6, n); place: p (N, 3) [m], from this origin, base axes.
     """
     linear, angular = jacobian[:, :3], jacobian[:, 3:]
     moved = linear + np.cross(angular, place[:, :, None], axis=1)
@@ -20,14 +20,16 @@ def jacobian_at(jacobian: Array, place: Array) -> Array:
 def wrench_at_flange(wrench: Array, place: Array) -> Array:
     """Return the wrench (N, 6) [N, Nm] at the origin of frame 6: n + p × F.
 
-    wrench: [F, n] at the place, (N, 6); place: p (N, 3) [m], as above.
+    wrench: [F, n] at the place, (N, 6); place: p (N, 3) [m], from the origin of frame 6, base axes.
     """
     force, moment = wrench[:, :3], wrench[:, 3:]
     return np.hstack([force, moment + np.cross(place, force)])
 
 
 def std_at_flange(std: Array, place: Array) -> Array:
-    """Return the standard deviation (N, 6) of that wrench, of errors that are independent."""
+    """Return the standard deviation (N, 6) of `wrench_at_flange` for independent errors std (N,
+    6).
+    """
     force, moment = std[:, :3] ** 2, std[:, 3:] ** 2
     # (p × F)_x = p_y F_z - p_z F_y
     square = place**2
@@ -36,8 +38,8 @@ def std_at_flange(std: Array, place: Array) -> Array:
 
 
 def sensed_place(wrench: Array, rotation: Array) -> tuple[Array, float] | None:
-    """Return the place (3,) [m] in frame 6 at which the forces of a sensor act, and the lever [m]
-    of the moments that it leaves; None without contacts or moments.
+    """Return the place (3,) [m] in frame 6 at which a sensor's forces act, and the lever [m] of the
+    residual moments, rms moment / rms force; None without contacts or moments.
 
     n = p × F by least squares. wrench: (N, 6) [N, Nm], base axes, at the origin of frame 6;
     rotation: R_6 (N, 3, 3).

@@ -11,7 +11,7 @@ from ur5lib.robots.statics import STANDARD_GRAVITY
 from ur5lib.timeseries.arrays import Array
 
 TYPICAL_LOAD_SHARE = 0.3  # a typical contact weighs this share of the rated payload
-PAYLOAD_SHARE = 0.3  # without a described payload, it is this share of the links' mass
+PAYLOAD_SHARE = 0.3  # payload over the links' mass, if none is described
 # Magnitudes among which the gate chooses, in typical forces.
 GATE_SIZES = (1 / 3, 3.0)
 
@@ -26,15 +26,13 @@ def typical_force(arm: Robot) -> float:
 class ContactPrior:
     """Magnitudes and durations of contacts, and losses between the contact and the motors.
 
-    Contacts: force [N], magnitude of a typical contact; lever [m], usual distance of a contact
-    from the place where contacts are assumed; lever_weight: samples for which that distance counts
-    in addition to the contact's own; duration, pause: mean duration of contacts and of the pauses
-    between them [s]; unseen_duration: likewise of those that the gate may miss.
-
-    Gears: load_friction: relative deviation of each joint's torque, or of joints 1 to 6 (6,), from
-    the part of a contact that gears transmit according to the fit; friction_std: relative deviation
-    of each joint's friction in one run from that of the fit.
-
+    Contacts: force [N], magnitude of a typical contact; lever [m], usual distance of a contact from
+    the place where contacts are assumed; lever_weight: weight of this distance, in samples;
+    duration, pause: mean duration of contacts and of the pauses between them [s]; unseen_duration:
+    mean duration of contacts that the gate may miss [s].
+    Gears: load_friction: relative standard deviation of a contact's torque at each joint, or at
+    joints 1 to 6 (6,), about what the fitted gears transmit; friction_std: relative deviation of
+    each joint's friction in one run from that of the fit.
     Rest: hunting: amplitude of a joint's wandering after it was touched, as a share of the
     breakaway torque; settling: its time constant [s].
     """

@@ -1,4 +1,4 @@
-"""The most probable wrench of a contact: with a prior, one learnt from its samples, or none."""
+"""The most probable wrench of a contact: with a fixed prior, with a learnt one, or without."""
 
 from typing import NamedTuple
 
@@ -14,17 +14,17 @@ STATIC_SPEED = 0.05  # rad/s; below it, the torques of motion are far below fric
 # Breakaway torque over a motor's largest; Coulomb friction of UR5 and UR10e is 0.04 to 0.06.
 BREAKAWAY_SHARE = 0.1
 MIN_CONSTANT_ERROR = 0.3  # relative error of a torque constant that nothing was fitted for
-STATIC_FORCE = 7.0  # the prior has this standard deviation, in typical forces
+STATIC_FORCE = 7.0  # prior standard deviation, in typical forces
 STATIC_LEVER = 0.1  # m; the prior's moment is its force at this lever
 # The wrench of a contact.
-# Weight of the typical covariance, as one sample: with 1, small changes decide.
+# The typical covariance, times this, counts as one sample: with 1, small changes decide.
 TYPICAL_SIZE_WEIGHT = 2.0
 EM_ROUNDS = 15  # expectation-maximisation has this many rounds; most contacts converge in ten
-UNRESOLVED_LEVER = 0.05  # m; a force has this lever in the moments that are stated
+UNRESOLVED_LEVER = 0.05  # m; stated moments err by the force times this lever
 
 
 class Posterior(NamedTuple):
-    """Mean (N, 6), covariance (N, 6, 6), and gain (N, 6, n) from the torque of n joints to it."""
+    """Mean (N, 6), covariance (N, 6, 6), and gain (N, 6, n): mean = gain τ of n joints."""
 
     mean: Array
     covariance: Array
@@ -115,10 +115,10 @@ def learned_size(
 
     P maximises the evidence by expectation-maximisation, a contact of twice the typical covariance
     counting as one independent sample: P = (Σ w E[F Fᵀ] + 2 P_usual) / (w n + 1). Near a
-    singularity, little else shows the size of the part that torques do not contain. The force part
-    is a full matrix; the moment part is isotropic and tied to the force by the prior's lever, with
-    a weight that grows with how certainly the contact's place is known. Otherwise a moment explains
-    what friction took of a short contact, and a small change of the prior gives another force.
+    singularity, the torques lack a component, and P alone decides its size. The force part is a
+    full matrix; the moment part is isotropic and tied to the force by the prior's lever, with the
+    weight `lever_weight`. Otherwise a moment would explain the torque that friction took from a
+    short contact, and a small change of the prior would give another force.
     """
     measured = finite_rows(torque)
     torque, jacobian, noise = torque[measured], jacobian[measured], noise[measured]
@@ -140,8 +140,8 @@ def learned_size(
 def least_squares_wrench(torque: Array, jacobian: Array, noise: Array) -> ContactWrench:
     """Estimate a force without moment and without prior: F = (J_v S⁻¹ J_vᵀ)⁻¹ J_v S⁻¹ τ.
 
-    Arguments as above; NaN where the torque is unknown. It is the baseline of F̂ᵐᵃᵖ in given
-    contacts.
+    Arguments as of `contact_wrench`; NaN where the torque is unknown. F̂ᵐᵃᵖ is compared with it in
+    the same contacts.
     """
     linear = jacobian[:, :3]  # J_v (n, 3, m)
     # J_v S⁻¹, then cov F = (J_v S⁻¹ J_vᵀ)⁻¹
@@ -164,7 +164,7 @@ def _load_friction_variance(estimate: Posterior, jacobian: Array, prior: Contact
 
 
 def _lever_variance(estimate: Posterior, jacobian: Array, prior: ContactPrior) -> Array:
-    """Return the variance (n, 6) from a moment of this force by the typical lever."""
+    """Return the variance (n, 6) from a moment that is taken for a force: |F| times the lever."""
     # K J_wᵀ cov n J_w Kᵀ, cov n = (lever |F|)² I
     moment = prior.lever * np.linalg.norm(estimate.mean[:, :3], axis=1)
     spread = estimate.gain @ jacobian[:, 3:].mT * moment[:, None, None]  # (n, 6, 3)

@@ -7,15 +7,17 @@ from ur5lib.timeseries.arrays import Array
 
 
 def environment_on_arm(stated: Array) -> Array:
-    """Return the wrench (N, 6) of the environment on the arm, from J^-T (tau_motor - tau_model).
+    """Return the wrench (N, 6) of the environment on the arm: -F^u.
 
-    So F^u is stated: the arm acting on its environment. The sign is reversed here and nowhere else.
+    A controller states F^u = J^-T (tau_motor - tau_model), the arm on its environment. The sign is
+    reversed here and nowhere else.
     """
     return -stated
 
 
 def controller_estimate(robot: Robot, signals: Signals) -> dict[str, Array]:
-    """Return the controller's own F^u, the environment acting on the arm, where it was recorded.
+    """Return {"Fu": (N, 6) [N, Nm]}, the controller's estimate as the environment acting on the
+    arm; empty if it was not recorded.
 
     Without a wrist sensor, the controller states the arm acting on its environment.
     """
@@ -28,9 +30,7 @@ def controller_estimate(robot: Robot, signals: Signals) -> dict[str, Array]:
 def further_or_controller(
     further: FurtherForces | None, robot: Robot, signals: Signals, withheld: bool = False
 ) -> FurtherForces:
-    """Return the estimates that a topic hands over, or, without any, the controller's alone; none
-    where they are withheld.
-    """
+    """Return a topic's estimates if there are any, otherwise the controller's, unless withheld."""
     if further is not None:
         return further
     stated = {} if withheld else controller_estimate(robot, signals)

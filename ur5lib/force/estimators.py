@@ -16,7 +16,7 @@ from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array
 from ur5lib.workspace.extensions import PAGE, additions
 
-if TYPE_CHECKING:  # whoever reads estimates need not load what makes them
+if TYPE_CHECKING:  # to read estimates, the code that makes them is not loaded
     from ur5lib.force.wrench_estimate import WrenchEstimate
     from ur5lib.records.currents import Currents
     from ur5lib.records.dynamics import Kinematics
@@ -28,8 +28,7 @@ class Stated(NamedTuple):
     """The environment on the arm, base axes, at the origin of frame 6.
 
     wrench and std, its standard deviation: (N, 6) [N, Nm], NaN where there is no estimate; std is
-    None of an estimator that states none; log_odds: (N,), that there is a contact, None of an
-    estimator that is not gated.
+    None if the estimator states none; log_odds: (N,), of contact, None if it is not gated.
     """
 
     wrench: Array
@@ -49,18 +48,18 @@ def all_stated(forces: "Forces", others: Mapping[str, Array]) -> dict[str, State
     return {name: Stated(wrench) for name, wrench in others.items()} | ours
 
 
-# The second states the same; None where the recording lacks what the estimator needs.
+# WrenchEstimate has the fields of Stated; None: the recording lacks what the estimator needs.
 Answer: TypeAlias = "Stated | WrenchEstimate | None"
 
 
 @dataclass(frozen=True)
 class Run:
-    """A recording, as far as its estimators share it.
+    """What estimators use of a recording.
 
     motion: smoothed, with its `time` (N,); currents: predicted, and the external torques from them;
     kinematics: of the flange at that motion; controller: the wrench (N, 6) [N, Nm] that the
-    controller computes from currents, where it was recorded; fmap: the most probable wrench;
-    static: the estimate without any fit, where there is none.
+    controller computes from currents, None if not recorded; fmap: the most probable wrench; static:
+    the estimate without any fit, None if friction was fitted.
     """
 
     motion: "Motion"
@@ -80,7 +79,7 @@ class Run:
 class Estimator:
     """One estimator of the contact wrench.
 
-    label: in reports; gated: whether it states odds of contact, so that it raises alarms; article:
+    label: in reports; gated: whether it states log-odds of contact and so raises alarms; article:
     before the label in sentences.
     """
 
@@ -123,9 +122,9 @@ def added(shipped: Collection[str]) -> dict[str, Estimator]:
 
 
 def checked(estimator: Estimator, place: str, run: Run) -> Answer:
-    """Return what an estimator states of a run. Raises InputError where its form is wrong.
+    """Return what an estimator states of a run. Raises InputError for an array with a wrong shape.
 
-    place: of the estimator, for the message.
+    place: names the estimator in the message.
     """
     found = estimator.estimate(run)
     if found is None:
@@ -157,8 +156,8 @@ OWN = added(ESTIMATORS)
 ESTIMATORS |= OWN
 NEW = {name: one.label for name, one in ESTIMATORS.items()}
 STATIC = "static"  # the estimate without any fit
-UNGATED = "ungated_least_squares"  # the rival of all others, given where there is a sensor alone
+UNGATED = "ungated_least_squares"  # the baseline of all others, computed where there is a sensor
 ESTIMATES = PUBLISHED | NEW | {UNGATED: "plain least squares"}
 SPOKEN = PUBLISHED | {name: one.article + one.label for name, one in ESTIMATORS.items()}
 GATED = [name for name, one in ESTIMATORS.items() if one.gated]
-LEADING = GATED[0]  # its contacts, alarms and smallest pushes are those of a study
+LEADING = GATED[0]  # a study's contacts, alarms and smallest pushes are by this one

@@ -21,11 +21,11 @@ class JointState(IntEnum):
     """The state of motion of a joint, on which the uncertainty of its friction depends."""
 
     MOVING = 0
-    REVERSING = 1  # it is near a change of direction
-    SETTLING = 2  # it has stopped for less than RELAXATION_TIME, or is about to start
-    RESTING = 3  # it rests while another joint moves
+    REVERSING = 1  # near a change of direction
+    SETTLING = 2  # stopped for less than RELAXATION_TIME, or about to start
+    RESTING = 3  # at rest while another joint moves
     STILL = 4  # all joints rest
-    TARED = 5  # as STILL, and a tare counts
+    TARED = 5  # as STILL, after a tare that still applies
 
 
 FITTED_STATE_COUNT = len(JointState) - 1  # all but TARED, which follows from STILL
@@ -42,7 +42,7 @@ def external_torque(torque_constant: Array, current: Array, modelled: Array) -> 
 
 
 def finite_rows(values: Array) -> Mask:
-    """Return which rows (N,) of values (N, M) are finite throughout."""
+    """Return the mask (N,) of rows of values (N, M) that are finite in all columns."""
     return np.asarray(np.isfinite(values).all(axis=1))
 
 
@@ -66,10 +66,10 @@ def joint_states(qd: Array, segment: Labels, period: float, cutoff: float) -> St
 
 
 def _within_reach(where: Mask, seconds: float, period: float) -> Mask:
-    """Return the samples within some seconds of one in the mask."""
+    """Return a mask (N, n) widened by some seconds in both directions of time."""
     return maximum_filter1d(where, 2 * round(seconds / period) + 1, axis=0, mode="nearest")
 
 
 def is_still(states: States) -> Mask:
-    """Return the samples (N,) in which no joint moves, and no tare counts."""
+    """Return the samples (N,) in which all joints are STILL, none TARED."""
     return np.asarray((states == JointState.STILL).all(axis=1))

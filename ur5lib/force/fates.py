@@ -1,6 +1,6 @@
 """What became of each contact at a force sensor, and what each alarm is.
 
-A contact is found by an alarm of its own, merged within that of another one, or missed, so that
+A contact is found by an alarm of its own, merged within the alarm of another contact, or missed:
 found + merged + missed is the number of contacts, as `matching.compare` counts them.
 """
 
@@ -22,8 +22,10 @@ SLOW = min(speed for speed in SPEEDS if speed > 0)  # m/s; below it, a flange re
 
 
 class Outcome(NamedTuple):
-    """What became of a contact: its fate, what makes most of the error of a found one, and half of
-    the 95 % band of its alarm's largest force [N]; None where that is unknown, or not found.
+    """What became of a contact.
+
+    cause: the largest part of its error; band: half-width [N] of the 95 % interval of its alarm's
+    largest force; both None if the contact is not found or they are unknown.
     """
 
     fate: Fate
@@ -32,9 +34,9 @@ class Outcome(NamedTuple):
 
 
 def with_fates(rows: Iterable[ContactError], alarms: Sequence[Alarm]) -> list[ContactError]:
-    """Return the rows of an estimate's contacts, those of all three axes with what became of them.
+    """Return an estimate's rows, with fate, cause and band in those of component "norm".
 
-    alarms: that the estimate raises.
+    alarms: of the same estimate.
     """
     rows = [*rows]
     whole = [one for one in rows if one.component == WHOLE]
@@ -67,7 +69,7 @@ def contact_rows(estimate: str, alarms: Iterable[Alarm], is_free: bool) -> Itera
 
 
 def outcomes(contacts: Sequence[ContactError], alarms: Sequence[Alarm]) -> list[Outcome]:
-    """Return what became of each contact at a sensor; contacts: of the component "norm"."""
+    """Return the outcome of each contact at a sensor; contacts: rows of the component "norm"."""
     raised = [stretch(one.start, one.end) for one in alarms]
     touches = [stretch(one.start_s, one.end_s) for one in contacts]
     own = {contact: alarms[alarm] for alarm, contact in match(raised, touches)}
@@ -85,14 +87,16 @@ def fates(alarm: Sequence[Span], contact: Sequence[Span]) -> list[Fate]:
 
 
 def stretch(start: float, end: float) -> Span:
-    """Return the stretch from the time of a first to that of a last sample [s], both included, in
-    ticks: two of them overlap where they share a sample.
+    """Return the span in ticks from the time of a first sample to that of a last one [s], both
+    included.
+
+    Spans overlap if and only if they share a sample.
     """
     return round(start / TICK), round(end / TICK) + 1
 
 
 def band_of(alarm: Alarm) -> float | None:
-    """Return half of the 95 % band of the size of an alarm's force [N], None without a band."""
+    """Return the half-width [N] of the 95 % interval of an alarm's |force|, None if unknown."""
     size = float(np.linalg.norm(alarm.force))
     # d|F| = F · dF / |F|
     std = float(np.linalg.norm(alarm.force * alarm.force_std)) / size if size else float("nan")
@@ -100,7 +104,7 @@ def band_of(alarm: Alarm) -> float | None:
 
 
 def cause_of(contact: ContactError, alarm: Alarm) -> Cause | None:
-    """Return what makes most of the error of a contact that an alarm finds, None without an error.
+    """Return the largest part of the error of a contact that an alarm finds, None without an error.
 
     What neither a late alarm nor a gain explains is friction, or stiction if the flange rests.
     """
@@ -117,10 +121,9 @@ def cause_of(contact: ContactError, alarm: Alarm) -> Cause | None:
 
 
 def kind_of(alarm: Alarm, is_free: bool) -> Kind:
-    """Return what an alarm is; is_free: whether nothing touches the arm, as far as this can be said
-    without a sensor.
+    """Return what an alarm is; is_free: whether nothing touches the arm according to its role.
 
-    A sensor decides before a role. It does not feel contacts off the flange, so these are not
+    The sensor decides before the role. It does not feel contacts off the flange, so these are not
     false.
     """
     if alarm.kind == "load":

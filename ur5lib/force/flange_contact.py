@@ -23,7 +23,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array, Labels
 
-# Least probability of the other links, from which on a contact at the flange is excluded.
+# A contact at the flange is excluded if the other links have at least this probability.
 MIN_PROBABILITY_ELSEWHERE = 0.95
 PLACE_SPACING = 0.1  # m; neighbouring places along a link are at most this far apart
 TOOL_LENGTH = 0.2  # m; link 6 may be touched this far beyond the flange
@@ -68,11 +68,11 @@ def flange_probability(
     sizes: Sequence[float],
     loss: float = GEAR_LOSS_STD,
 ) -> float:
-    """Return the probability that one contact is on the last link, all equal beforehand.
+    """Return the probability that a contact is on the last link; a priori, all links are equal.
 
     torque: external, of the contact's samples, (n, 6) [Nm]; levers: J_g of the places of each link,
-    (n, 6, 6) each, which are equally likely, too; noise: S (n, 6, 6) [Nm²]; sizes: s [N], equally
-    likely; loss: relative error of each joint's torque, as its gear rubs under the contact. All
+    (n, 6, 6) each, equally likely, too; noise: S (n, 6, 6) [Nm²]; sizes: s [N], equally likely;
+    loss: relative error of each joint's torque from its gear's friction under the contact. All
     samples together count as one: the arm moves little, and friction errs alike in all of them.
     """
     loaded = noise + diagonal((loss * torque) ** 2)
@@ -90,7 +90,7 @@ def flange_probability(
 def judged_by_torques(
     robot: Robot, problem: Problem, time: Array, prior: ContactPrior, raised: list[Alarm]
 ) -> list[Alarm]:
-    """Return alarms of F̂ᵐᵃᵖ with whether they are off the flange; time: (N,) [s].
+    """Return alarms of F̂ᵐᵃᵖ with `off_flange` set; time: (N,) [s].
 
     Loads, and contacts without a finite torque, stay as they are.
     """
@@ -121,9 +121,9 @@ def is_off_flange(
 
 
 def middle_half(run: ForceInput, time: Array, start: float, end: float) -> Labels:
-    """Return at most MAX_CONTACT_SAMPLES rows with a torque in the middle half of a contact [s].
+    """Return at most MAX_CONTACT_SAMPLES rows with a torque in the middle half of a contact.
 
-    The low-pass blurs its ends.
+    start, end: [s]. The low-pass blurs its ends.
     """
     quarter = (end - start) / 4
     inside = (time >= start + quarter) & (time <= end - quarter)

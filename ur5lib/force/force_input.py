@@ -11,7 +11,7 @@ from ur5lib.records.currents import Currents
 from ur5lib.records.motion import Motion
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-# Mean share that dry friction takes of a contact at rest: anything from nothing to all.
+# At rest, dry friction takes any share of a contact's torque from 0 to 1; this is the mean.
 MEAN_STICTION = 0.5
 
 
@@ -37,9 +37,9 @@ class Gears:
         return type(self)(self.load[rows], self.loss[rows], self.friction[rows])
 
     def where_moving(self, states: States) -> Self:
-        """Return the gears without the friction of joints that stopped, which may be any.
+        """Return the gears with zero friction at stopped joints, where it may have any value.
 
-        states: of the joints (N, 6). Unknown friction counts as none.
+        states: of the joints (N, 6). Unknown friction counts as zero.
         """
         moves = states <= JointState.REVERSING
         loss, friction = (
@@ -49,18 +49,18 @@ class Gears:
         return replace(self, load=np.nan_to_num(self.load), loss=loss, friction=friction)
 
     def felt(self, torque: Array) -> Array:
-        """Return by how much the motors' torque falls in a contact, y (N, 6) [Nm].
+        """Return y = x - c z (|l - x| - |l|) (N, 6) [Nm], the drop of the motors' torque in a
+        contact.
 
-        torque: x = Jᵀ F (N, 6) [Nm] of the contact, which changes the load of the gears from l to
-        l - x, and so their friction: y = x - c z (|l - x| - |l|).
+        torque: x = Jᵀ F (N, 6) [Nm] of the contact, which changes the gears' load from l to l - x.
         """
         return torque - self.loss * (np.abs(self.load - torque) - np.abs(self.load))
 
     def contact_torque(self, torque: Array) -> tuple[Array, Array]:
-        """Return the torque x (N, 6) [Nm] of a contact of which motors feel y, and dx / dy (N, 6).
+        """Return the torque x (N, 6) [Nm] of a contact from the motors' y, and dx / dy (N, 6).
 
-        torque: y (N, 6) [Nm]. The inverse of `felt`: l - x = m / (1 + c z sign m), where
-        m = l + c z |l| - y is the motors' torque but for the friction that no load changes.
+        torque: y (N, 6) [Nm]. The inverse of `felt`: l - x = m / (1 + c z sign m), where m = l + c
+        z |l| - y is the motors' torque without the friction that does not depend on load.
         """
         motor = self.load + self.loss * np.abs(self.load) - torque
         share = 1 / (1 + self.loss * np.sign(np.nan_to_num(motor)))
@@ -68,10 +68,11 @@ class Gears:
 
 
 def mean_stiction_torque(torque: Array, breakaway: Array, share: float) -> Array:
-    """Return the mean of what dry friction takes of a contact's torque (N, 6) [Nm] at rest.
+    """Return s b tanh(τ / b) / 2, the torque (N, 6) [Nm] that dry friction at rest takes on
+    average.
 
-    Friction opposes the contact and takes anything between nothing and a share of the breakaway
-    torque (6,) [Nm]: half of that on average, and of a smaller torque a part in proportion.
+    torque: τ (N, 6) [Nm], of the contact; breakaway: b (6,) [Nm]; share: s. Friction opposes the
+    contact and takes anything from nothing to s b.
     """
     return MEAN_STICTION * share * breakaway * np.tanh(torque / breakaway)
 
@@ -111,7 +112,7 @@ class ForceInput:
 
 
 def force_input(motion: Motion, torque: Array, currents: Currents, cutoff: float) -> ForceInput:
-    """Return the measured motion and an external torque (N, 6) [Nm] of the same recording.
+    """Return the force estimate's input of a motion with its external torque (N, 6) [Nm].
 
     cutoff: of the torque's low-pass [Hz].
     """
@@ -129,7 +130,7 @@ def force_input(motion: Motion, torque: Array, currents: Currents, cutoff: float
 
 
 def inputs(recordings: Iterable[tuple[Currents, Motion]], cutoff: float) -> list[ForceInput]:
-    """Return the inputs of the recordings that have an external torque; arguments as above."""
+    """Return the inputs of recordings with an external torque; cutoff: of its low-pass [Hz]."""
     return [
         force_input(motion, currents.external_torque, currents, cutoff)
         for currents, motion in recordings
@@ -138,7 +139,7 @@ def inputs(recordings: Iterable[tuple[Currents, Motion]], cutoff: float) -> list
 
 
 def gears(currents: Currents) -> Gears | None:
-    """Return what the fit says of the gears in a motion, None where that is unknown."""
+    """Return the gears' load and friction during a motion by the fit, None where unknown."""
     load, loss, friction = currents.gear_torque, currents.load_loss, currents.friction_torque
     if load is None or loss is None or friction is None:
         return None

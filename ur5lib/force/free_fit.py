@@ -1,7 +1,7 @@
 """Regression of a force sensor's readings in the samples without contact, which it finds.
 
 The model is reading (N, 6) = terms (N, 6, P) times parameters (P,), plus noise, except in contact;
-readings of a sensor without moments are (N, 3), and all that is said to be (6,) is (3,) then.
+of a sensor without moments, each 6 below is a 3.
 Candidates for the parameters come from consensus (RANSAC, Fischler and Bolles 1981): each is fitted
 to a few short quiet stretches, because a tool in a hand moves more than one that nothing touches.
 So the samples in contact may be the majority.
@@ -18,9 +18,9 @@ from ur5lib.timeseries.metrics import STD_PER_MAD
 
 QUIET_STRETCH_DURATION = 0.1  # s
 CANDIDATE_COUNT = 600
-STRETCHES_PER_CANDIDATE = 3  # a candidate has this many stretches where one does not determine it
+STRETCHES_PER_CANDIDATE = 3  # a candidate is fitted to this many where one is not enough
 SINGULAR_VALUE_CUTOFF = 1e-3  # poorly determined combinations of parameters stay small
-MAX_FIT_ROUNDS = 20  # contacts are fitted and excluded so often; fewer rounds suffice
+MAX_FIT_ROUNDS = 20  # fits alternate with exclusion of contacts; fewer rounds suffice
 CONTACT_DEVIATIONS = 4.0  # standard deviations of a free reading: beyond, a sample is in contact
 REPEATABILITY = np.array([0.1] * 3 + [0.01] * 3)  # N, Nm; a push changes a reading by this
 FREE_CLEARANCE = 0.25  # s; a free sample is this far from any contact
@@ -28,7 +28,7 @@ COMPARED_SAMPLES = 2_000  # parameters are compared on this many samples
 
 
 def agreement(parameters: Array, terms: Array, reading: Array, tolerance: Array) -> Mask:
-    """Return which of the samples agree with each of K candidates: (K, N).
+    """Return the mask (K, N) of the samples that agree with each of K candidates.
 
     parameters: (K, P); terms: (N, 6, P); reading: (N, 6); tolerance: (6,) in the reading's units.
     """
@@ -75,8 +75,8 @@ def quiet_stretches(
 def candidates(terms: Array, reading: Array, scale: Array, together: int) -> Array:
     """Return candidate parameters (K, P), each fitted to a few of the quiet stretches.
 
-    terms: (S, 6, P); reading: (S, 6); scale: (6,); together: number of stretches that determine
-    the parameters. The draws come from a fixed seed.
+    terms: (S, 6, P); reading: (S, 6); scale: (6,); together: number of stretches per candidate.
+    They are drawn from a fixed seed.
     """
     stretches = np.arange(len(terms))
     if not len(terms):
@@ -97,7 +97,7 @@ Fit = tuple[Array, Mask, Array]  # parameters (P,), free samples (N,), their noi
 
 @dataclass(frozen=True)
 class SensorReadings:
-    """Readings (N, 6), their terms (N, 6, P), which are complete (N,), and their period [s].
+    """Readings (N, 6) [N, Nm], terms (N, 6, P), complete samples `measured` (N,), and period [s].
 
     prior_precision: inverse variances (P,) of a prior about zero, 0 for none.
     """
@@ -114,7 +114,9 @@ class SensorReadings:
         return REPEATABILITY[: self.reading.shape[1]]
 
     def agreement(self, parameters: Array, tolerance: Array) -> Mask:
-        """Return which of J samples, drawn once, agree with each of the offsets (K, P): (K, J)."""
+        """Return the mask (K, J): which of J samples, drawn once, agree with each of K parameters
+        (P,).
+        """
         rows = random_subset(np.flatnonzero(self.measured), COMPARED_SAMPLES)
         return agreement(parameters, self.terms[rows], self.reading[rows], tolerance)
 
@@ -138,7 +140,7 @@ def settle(record: SensorReadings, is_free: Mask, weight: Array) -> Fit:
 
 
 def free_samples(residual: Array, noise: Array, measured: Mask, period: float) -> Mask:
-    """Return samples (N,) within 4 standard deviations and away from any that is not."""
+    """Return the mask (N,) of samples within CONTACT_DEVIATIONS, FREE_CLEARANCE from others."""
     inside = (np.abs(residual) <= CONTACT_DEVIATIONS * noise).all(axis=1) | ~measured
     reach = 2 * round(FREE_CLEARANCE / period) + 1
     return minimum_filter1d(inside, reach, mode="constant", cval=1) & measured

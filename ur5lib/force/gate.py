@@ -1,9 +1,9 @@
 """The probability of contact: a hidden Markov model of the external torque.
 
-At each sample the arm is free; or, at rest, hunting: after a touch, stick-slip makes joints wander;
-or in a contact of one of a few magnitudes, constant until its end. The background, the
-slow part of a free arm's torque, is smoothed without the contacts. Smoothing the background and
-computing the probabilities of the states alternate.
+Its states are: free; hunting, at rest after a touch, when stick-slip makes joints wander; and
+contact of one of a few magnitudes, constant until its end. The background, the slow part of a free
+arm's torque, is smoothed without the contacts. Smoothing the background and computing the
+probabilities of the states alternate.
 """
 
 from collections.abc import Iterator, Sequence
@@ -20,11 +20,11 @@ from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.kalman import Gaussians
 
-MIN_STATE_PROBABILITY = 1e-300  # with it, no evidence makes those of all states vanish
+MIN_STATE_PROBABILITY = 1e-300  # at least; so no evidence makes all states impossible
 # Factor on the background's covariance in each round: small at first, so that possible contacts do
 # not become part of the background.
 BACKGROUND_COVARIANCE_FACTORS = (0.0, 0.5, 1.0, 1.0, 1.0)
-# Probability of contact above which a sample is no measurement of the background, and its weight.
+# Above this probability of contact, a sample has the second weight in the background.
 EXCLUSION_PROBABILITY = 0.5
 CONTACT_SAMPLE_WEIGHT = 1e-4
 QUIET_SHARE = 0.2  # a force of this share of the fast error does not count as contact
@@ -69,11 +69,11 @@ def log_odds(probability: Array) -> Array:
 
 @dataclass(frozen=True)
 class TorqueVariances:
-    """Variances (N, n) [Nm²] of the external torque other than that of a contact.
+    """Variances (N, n) [Nm²] of the external torque without that of a contact.
 
-    quick: of the fast error; spread: of the background and the fast error together; hidden: of the
-    part of a contact that dry friction may absorb; still: (N, n), joints at rest while the whole
-    arm rests. Joints count as independent: correlations learnt without contact mislead in contact.
+    quick: of the fast error; spread: of background and fast error together; hidden: of the part of
+    a contact that dry friction may absorb; still: (N, n), joints at rest while the whole arm rests.
+    Joints count as independent: correlations learnt without contact mislead in contact.
     """
 
     quick: Array
@@ -100,7 +100,7 @@ class TorqueVariances:
 
 @dataclass(frozen=True)
 class Observations:
-    """The samples that are used, and what is assumed of them.
+    """The samples used, their noise, and the prior of contacts.
 
     torque: external (N, n) [Nm], NaN where it or the arm's pose is unknown; jacobian: (N, 6, n), 0
     where the pose is unknown; posed: (N,), where there is a pose; states: (N, n), of `model`;
@@ -162,15 +162,15 @@ class Observations:
 def quiet_force(jacobian: Array, variance: Array) -> float:
     """Return the size [N] of a force that does not count as contact, such as a hose's.
 
-    It is QUIET_SHARE of one that exceeds the fast error by one standard deviation in half of the
-    samples. jacobian: (N, 6, n); variance: of the fast error (N, n) [Nm²].
+    It is QUIET_SHARE times the median, over samples, of the force that is worth one standard
+    deviation of the fast error. jacobian: (N, 6, n); variance: of the fast error (N, n) [Nm²].
     """
     information = (jacobian[:, :3] ** 2 / variance[:, None]).sum(axis=2).mean(axis=1)
     return float(QUIET_SHARE * np.median(information) ** -0.5)
 
 
 def find_contacts(observations: Observations) -> tuple[Array, Gaussians]:
-    """Return the probability (N,) of contact in a stretch without a gap, and the background."""
+    """Return the probability (N,) of contact in an unbroken stretch, and the background [Nm]."""
     period, noise, prior = observations.period, observations.noise, observations.prior
     measured_rows = finite_rows(observations.torque)
     filled = np.where(measured_rows[:, None], observations.torque, 0.0)
@@ -204,7 +204,7 @@ def find_contacts(observations: Observations) -> tuple[Array, Gaussians]:
         smoother_inputs = observations.torque, measured, noise.spread
         scaled = -observations.gears.friction, prior.friction_std
         slow = smooth(*smoother_inputs, np.exp(-period * (rate + renewed)), *scaled)
-        # without a push it stays: the background of the free states, of which the next round asks
+        # the next round's free states need the background that no push renews
         rest_background = slow
         if number < last_round and noise.still.any():
             rest_background = smooth(*smoother_inputs, np.exp(-period * rate), *scaled)

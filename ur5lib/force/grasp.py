@@ -9,10 +9,10 @@ from ur5lib.robots.friction import GEAR_EFFICIENCY_STD
 from ur5lib.timeseries.arrays import Array
 
 MIN_GRASP_DURATION = 2.0  # s; in a shorter contact, a load and a push cannot be distinguished
-HANDLING_DURATION = 0.5  # s; at both ends, it is taken up or put down for this long
+HANDLING_DURATION = 0.5  # s; the load is taken up and put down for this long
 MIN_SHARE_EXPLAINED_BY_LOAD = 0.95  # a load explains this share of the contact's squared torque
 USUAL_LOAD_LEVER = 0.15  # m; a load's centre of mass is usually this far from the flange
-LEVER_PRIOR_WEIGHT = 1e-2  # that assumption weighs as much per sample, in samples
+LEVER_PRIOR_WEIGHT = 1e-2  # weight of USUAL_LOAD_LEVER for each sample, in samples
 
 
 class Grasped(NamedTuple):

@@ -37,7 +37,7 @@ class Detection:
 
 
 def compare(alarm: list[Span], contact: list[Span], period: float) -> Detection:
-    """Count which contacts have an alarm of their own, and which alarms have no contact.
+    """Match alarms with contacts, and count what was found, merged, false and extra.
 
     period: [s].
     """

@@ -1,9 +1,9 @@
 """Contacts that the gate misses: how probable one is while the gate is shut, and how large.
 
-A contact along one axis, F ~ N(0, P), is missed with probability exp(-z² / 2 κ²), z² = xᵀ S⁻¹ x,
-which compares its torque x = Jᵀ F with the variances S of what hides it: dry friction at rest, the
-background in motion. Then the missed contacts are N(0, C), 1 / C = 1 / P + (J S⁻¹ Jᵀ) / κ² on that
-axis, and they are a share sqrt(C / P) of all.
+A contact along one axis, F ~ N(0, P), is missed with probability exp(-z² / 2 κ²), z² = xᵀ S⁻¹ x:
+its torque x = Jᵀ F in standard deviations of what hides it, S, which is dry friction at rest and
+the background in motion. Then the missed contacts are N(0, C), 1 / C = 1 / P + (J S⁻¹ Jᵀ) / κ² on
+that axis, and they are a share sqrt(C / P) of all.
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import NORMAL95
 
 MISSED_DEVIATIONS = 2.0  # κ: deviations up to which most contacts are missed
-BISECTION_STEPS = 30  # an interval that contains a quantile is halved so often
+BISECTION_STEPS = 30  # halvings of an interval that contains a quantile
 
 
 def missed_contacts(jacobian: Array, hidden: Array, prior: ContactPrior) -> tuple[Array, Array]:
@@ -33,12 +33,12 @@ def missed_contacts(jacobian: Array, hidden: Array, prior: ContactPrior) -> tupl
 def probability_while_shut(
     missed: Array, in_contact: Mask, period: float, prior: ContactPrior
 ) -> Array:
-    """Return the probability (N, 6) of a contact along each axis at samples of a shut gate.
+    """Return the probability c m / (c m + 1 - c) (N, 6) of a contact along each axis, gate shut.
 
-    It is c m / (c m + 1 - c). missed: m (N, 6), shares of contacts that are missed; in_contact:
-    (N,), samples in contacts; period: [s]. The share c of time in contact is that of the run
-    together with one usual contact and pause: where some contacts are found, more are missed. Each
-    axis reckons with contacts along it alone, since no direction is given.
+    missed: m (N, 6), shares of contacts that are missed; in_contact: (N,), samples in contacts;
+    period: [s]. c is the share of time in contact in the run plus one usual contact and pause: the
+    more contacts are found, the more are missed. Each axis assumes contacts along it alone, since
+    no direction is given.
     """
     contact = prior.unseen_duration / period
     cycle = contact + prior.pause / period

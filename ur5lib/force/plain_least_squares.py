@@ -7,10 +7,11 @@ from ur5lib.timeseries.segments import in_chunks
 
 
 def plain_least_squares(torque: Array, jacobian: Array, min_singular_value: float) -> Array:
-    """Return the wrench (N, 6) [N, Nm] by least squares of the external torques (N, n) [Nm], in and
-    out of contact: the simplest rival of an estimate that knows when nothing touches the arm.
+    """Return the wrench (N, 6) [N, Nm] by least squares of the torques at all samples, without a
+    gate.
 
-    jacobian: (N, 6, n), of which directions with smaller singular values are left out.
+    torque: external (N, n) [Nm]; jacobian: (N, 6, n); directions with singular values below the
+    least one are left out.
     """
 
     def solved(torque: Array, jacobian: Array) -> Array:

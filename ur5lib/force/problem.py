@@ -43,9 +43,8 @@ class Problem(NamedTuple):
         return contact_log_odds(self.input, jacobian, self.model, prior)
 
     def held(self, tared: Mask) -> "Problem":
-        """Return the problem in which joints at rest keep their background since a tare.
-
-        tared: (N,).
+        """Return the problem with joints at rest as TARED, the samples (N,) to which a tare
+        applies.
         """
         states = self.input.states.copy()
         states[tared & is_still(states)] = JointState.TARED
@@ -57,18 +56,18 @@ class Problem(NamedTuple):
 
 
 def is_fitted(friction: Friction, contradictions: Contradictions) -> bool:
-    """Return whether friction is fitted or taken over, or withheld as recordings contradict the
-    study."""
+    """Return whether friction is fitted or taken over, or withheld because recordings contradict
+    the study.
+    """
     return bool(
         friction.from_ or friction.fit.joints or friction.stopped or contradictions.stop_signs
     )
 
 
 def fmap_problem(motion: Motion, currents: Currents, residuals: Residuals) -> Problem | None:
-    """Return the problem of F̂ᵐᵃᵖ.
+    """Return the problem of F̂ᵐᵃᵖ; None where its torque is unknown or `unusual_friction` is found.
 
-    None where its torque is unknown, as throughout a recording of half a second, or
-    indistinguishable from friction.
+    A recording of half a second has no torque.
     """
     problem = _problem(motion, currents, residuals)
     if problem is None or unusual_friction(motion, currents, residuals) is not None:
@@ -77,8 +76,10 @@ def fmap_problem(motion: Motion, currents: Currents, residuals: Residuals) -> Pr
 
 
 def unusual_friction(motion: Motion, currents: Currents, residuals: Residuals) -> float | None:
-    """Return the share of usual friction that a motion shows, where that is too little to recognise
-    a contact by it: nothing was fitted, and a hand leads the arm; None elsewhere.
+    """Return the share of usual friction that the currents show, if it is below MIN_SHARE and
+    nothing was fitted; None otherwise.
+
+    A hand then leads the arm, and contacts cannot be recognised by friction.
     """
     problem = _problem(motion, currents, residuals)
     if problem is None or not problem.model.usual:

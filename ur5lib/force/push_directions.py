@@ -1,4 +1,4 @@
-"""The push that is detected by its direction, at four postures of an arm's motion."""
+"""The smallest push that is detected in each direction, at four postures of an arm's motion."""
 
 from collections.abc import Callable, Iterator, Mapping
 from typing import NamedTuple
@@ -12,12 +12,14 @@ from ur5lib.records.pushes import SPEEDS, PushDirection
 from ur5lib.timeseries.arrays import Array
 
 PLANES = {"horizontal": (0, 1), "vertical": (0, 2)}  # their axes of the base
-ANGLES = np.arange(0.0, 360.0, 5.0)  # °; they count from the first axis of a plane
+ANGLES = np.arange(0.0, 360.0, 5.0)  # °, from the first axis of a plane
 
 
 class Place(NamedTuple):
-    """A place of a trial push: recording and time [s], joints (n,) [rad], flange (3,) [m] in the
-    base, its motion, and what joints feel of forces there (3, 3) [1/N²].
+    """A place of a trial push.
+
+    time: [s]; q: joints (n,) [rad]; flange: (3,) [m], in the base; motion: its name; information: A
+    (3, 3) [1/N²], Fᵀ A F is the squared size of a force in standard deviations of the torques.
     """
 
     recording: str
@@ -34,12 +36,13 @@ class Place(NamedTuple):
 
     @property
     def largest_unit(self) -> float:
-        """The unit [N] of the direction that joints feel least, infinite where none feels it."""
+        """The force [N] of one standard deviation in the direction that joints feel least."""
         least, *_ = np.linalg.eigvalsh(self.information)
         return float(least**-0.5) if least > 0 else np.inf
 
 
-# Each is the place with the largest value, given the push that its hardest direction needs [N].
+# Each is the place with the largest value; arguments: the place, and the push [N] that is detected
+# in its hardest direction.
 POSTURES: dict[str, Callable[[Place, float], float]] = {
     "stretched out": lambda place, _: place.reach,
     "folded": lambda place, _: -place.reach,
@@ -49,14 +52,14 @@ POSTURES: dict[str, Callable[[Place, float], float]] = {
 
 
 class Needed(NamedTuple):
-    """A push that is detected with 95 % in units of its place, and its standard error."""
+    """The push that is detected with 95 % probability, in units of its place, and its error."""
 
     units: float
     std_error: float
 
 
 def places_of(name: str, run: Untouched, motion: Motion, kinematics: Kinematics) -> Iterator[Place]:
-    """Yield the places of a recording's first trial pushes."""
+    """Yield the places of the first round of trial pushes in a recording."""
     _, places = trial_pushes(len(run.jacobian), run.period)
     for place, speed in run.free(places):
         middle, information = sum(place) // 2, run.information(place)
@@ -100,7 +103,7 @@ def push_directions(
 
 
 def postures(places: list[Place], needed: Mapping[str, Needed]) -> Iterator[tuple[str, Place]]:
-    """Yield each of POSTURES with its place, among those that no former one has."""
+    """Yield each of POSTURES with its place; a place serves only the first that selects it."""
     left = [place for place in places if place.motion in needed]
     pushes = [needed[place.motion].units * place.largest_unit for place in left]
     for posture, of in POSTURES.items() if len(left) >= len(POSTURES) else ():

@@ -15,14 +15,14 @@ from ur5lib.timeseries.arrays import Array
 SHORT_LAG = 0.5  # s: half the duration of a push by hand
 LONG_LAG = 2.0  # s: twice its duration
 MIN_RENEWAL_RATE = 1 / 30  # 1/s; the background renews at least this fast
-USUAL_STICTION = 0.4  # in breakaway torques; it is used where no recording rests
-RUBBING_SHARE = 1.25  # in motion, friction takes this part of a contact, over the deviation there
-USUAL_RUBBING = 0.2  # the same in motion where no recording was fitted to
-USUAL_REST_STD = 0.3  # the same: deviation of a joint that settles or rests, where none does
-USUAL_REST_CHANGE = 0.2  # the same of its fast error, while the whole arm rests
-JOINTS_OF_A_FORCE = 2  # the torques of so many joints decide a component of a force
-SHOWN_DURATION = 10.0  # s; this long a rest or settling counts as much as what is usual
-GATE_PATHS = 5  # from this many paths on, the gate is as unsure as the bands
+USUAL_STICTION = 0.4  # in breakaway torques: `stiction` where no recording rests
+RUBBING_SHARE = 1.25  # `rubbing` over the standard deviation in motion
+USUAL_RUBBING = 0.2  # in breakaway torques: `rubbing` where nothing was fitted
+USUAL_REST_STD = 0.3  # in breakaway torques: deviation of a settling or resting joint
+USUAL_REST_CHANGE = 0.2  # in breakaway torques: fast error while the whole arm rests
+JOINTS_OF_A_FORCE = 2  # the torques of this many joints decide a component of a force
+SHOWN_DURATION = 10.0  # s; rest or settling of this duration weighs as much as the usual
+GATE_PATHS = 5  # the gate's deviations grow as for at least this many paths
 MIN_STD_SHARE = 1e-3  # a torque's standard deviation is at least this share of breakaway
 # The background of a joint that rests since a tare has at most this standard deviation, in
 # breakaway torques, and this rate of renewal, which is that of a joint that nobody touches.
@@ -45,11 +45,11 @@ class ResidualModel:
     spread, change: (S, n) [Nm], by joint state, of n joints: standard deviations of the sum, and of
     the fast error, which changes within SHORT_LAG; rate: (S,) [1/s], at which the background
     renews; independent: [s], between independent values of the fast error; breakaway: (n,) [Nm], up
-    to which dry friction keeps a joint at rest; doubt: factor on bands of forces, in addition to
-    the deviations, since few paths show little of how paths differ; constants_doubt: (n,), relative
-    standard deviations of the torque constants that the torques come from; sensed: whether the
-    torques are those of sensors at the links, behind the gears; usual: whether it is that of other
-    arms, so that nothing distinguishes the background of a resting arm from a slow press.
+    to which dry friction keeps a joint at rest; doubt: further factor on intervals of forces if few
+    paths were fitted; constants_doubt: (n,), relative standard deviations of the torque constants;
+    sensed: whether the torques come from sensors at the links, behind the gears; usual: whether the
+    model is that of other arms: then the background at rest may be a slow press; stiction, rubbing:
+    what friction may take of a contact at rest and in motion, in breakaway torques.
     """
 
     spread: Array
@@ -70,7 +70,7 @@ class ResidualModel:
         return 1 / (2 * self.independent)
 
     def variance(self, of: Array, states: States) -> Array:
-        """Return the variances at each sample, of `spread` or `change`: (N, n) [Nm²]."""
+        """Return the variances (N, n) [Nm²] at each sample; of: `spread` or `change`."""
         return np.asarray(of[states, np.arange(states.shape[1])] ** 2)
 
     def wider(self, factor: float) -> "ResidualModel":
@@ -78,7 +78,7 @@ class ResidualModel:
         return replace(self, spread=factor * self.spread, change=factor * self.change)
 
     def at_least(self, usual: "ResidualModel", share: Array | float) -> "ResidualModel":
-        """Return the model where a share of the paths is as usual, if that is more.
+        """Return the model with deviations raised towards the usual ones where those are larger.
 
         σ² + share max(0, σ_usual² - σ²), of all standard deviations.
         """
@@ -93,11 +93,10 @@ class ResidualModel:
         )
 
     def with_usual_rest(self, stretches: Sequence[TorqueStretch]) -> "ResidualModel":
-        """Return the model with usual errors at rest and stops where the stretches that it was
-        fitted to show too little of these, and with what dry friction may take of a contact.
+        """Return the model with usual deviations at rest and at stops where stretches show too few.
 
-        Friction may take RUBBING_SHARE of the deviation in motion, and half of the deviation at
-        rest.
+        stretches: those fitted to. Sets `rubbing` to RUBBING_SHARE of the deviation in motion,
+        `stiction` to half of the deviation at rest.
         """
         seconds = _seconds(stretches, len(self.breakaway))
         unshown = SHOWN_DURATION / (SHOWN_DURATION + seconds)
@@ -126,10 +125,11 @@ class ResidualModel:
         )
 
     def of_few_paths(self, paths: int) -> "ResidualModel":
-        """Return the model with Student's t for a number of paths, in deviations and bands.
+        """Return the model with Student's t for a number of paths, in deviations and intervals.
 
         The deviations, which a contact has to exceed, grow as for at least GATE_PATHS paths: with
-        those for one path, almost no push would be found. The rest goes into the bands.
+        the factor for one path, almost no push would be found. The rest of the factor goes into
+        `doubt`.
         """
         # what the deviations do not take goes into the bands
         factor = few_paths(paths)
@@ -141,8 +141,8 @@ class ResidualModel:
 class Residuals:
     """The residual model of an arm's external torque, None where it has none.
 
-    refused: why it has none, although friction was fitted; remarks: what the fit recordings
-    do not show.
+    refused: why there is none although friction was fitted; remarks: what the fit recordings do not
+    show.
     """
 
     tau_ext: ResidualModel | None = None
@@ -195,7 +195,7 @@ def fit_residual_model(
 
 
 def few_paths(paths: int) -> float:
-    """Return Student's t over the normal quantile, the factor of a 95 % band from few paths.
+    """Return Student's t over the normal quantile, the factor on a 95 % band from few paths.
 
     JOINTS_OF_A_FORCE joints show a force's error independently along a path. One path counts as
     two: it does not determine the variation between paths.
@@ -250,6 +250,6 @@ def _seconds(stretches: Sequence[TorqueStretch], joints: int) -> Array:
 
 
 def _filled_moments(moments: Array, least: Array) -> Array:
-    """Return the moments with the joint's largest in place of NaN, and at least some (n,)."""
+    """Return moments (S, n), NaN replaced by the joint's largest, and all at least some (n,)."""
     largest = np.nanmax(moments, axis=0)
     return np.maximum(np.where(np.isfinite(moments), moments, largest), least)

@@ -26,8 +26,8 @@ from ur5lib.records.sensor_offset import Offset
 from ur5lib.timeseries.arrays import Array, Mask
 
 MAX_OFFSET_SAMPLES = 20_000  # a fit uses at most this many
-# An offset is doubtful if fewer samples agree with it than the first share of all, if another has
-# more than the second share of its samples, or if fewer samples are free.
+# An offset is doubtful if less than the first share of all samples agrees with it, if another has
+# more than the second share of its samples, or if fewer samples than the third number are free.
 MIN_AGREEING_SHARE = 0.5
 MAX_RIVAL_SHARE = 0.5
 MIN_FREE_SAMPLES = 100
@@ -36,8 +36,8 @@ MIN_DIRECTION_STD = 0.2
 # Correlation of sensor and estimate along an axis: 0.55 to 1 on six recordings, three of them real,
 # and of opposite sign if the sensor is turned.
 OPPOSITE_CORRELATION = -0.5
-MIN_AXIS_RMS = 1.0  # N; an axis that is judged has at least this
-# Along axes with less of the squared force, the estimate is mostly cross-talk.
+MIN_AXIS_RMS = 1.0  # N; an axis with less is not judged
+# An axis with less of the squared force is not judged: its estimate is mostly cross-talk.
 MIN_AXIS_POWER_SHARE = 0.05
 NEGATIVE_MASS_TOLERANCE = 0.01  # kg
 
@@ -67,14 +67,14 @@ def measured_columns(reading: Array) -> slice:
 def fit_offset(reading: Array, pull: Array, period: float) -> SensorOffset:
     """Fit bias, mass and centre of mass of the tool to the contact-free samples.
 
-    reading: (N, 6), sensor frame, NaN rows allowed, and moments that are NaN throughout; pull: p
-    (N, 3) [m/s²], what pulls on each kilogram of the tool, R_6ᵀ g, or R_6ᵀ (g - a) where the tool's
+    f = m p + b_f, n = m c × p + b_n. reading: (N, 6) [N, Nm], sensor frame, NaN rows allowed, and
+    moments that are NaN throughout; pull: p (N, 3) [m/s²], R_6ᵀ g, or R_6ᵀ (g - a) where the tool's
     inertia counts; period: [s].
-    f = m p + b_f, n = m c x p + b_n. One fit starts from least absolute deviations,
-    which are robust if contacts fill less than half of the time; another from the offset on which
-    most samples agree, which may be less than half, as forces vary in contact. In both, samples off
-    by more than 4 standard deviations, and those near them, are excluded until nothing changes. The
-    fit with which more samples agree is returned. Long records are thinned.
+    One fit starts from least absolute deviations, which are robust if contacts fill less than half
+    of the time; another from the offset on which most samples agree, which may be less than half,
+    as forces vary in contact. In both, samples beyond 4 standard deviations, and those near them,
+    are excluded until nothing changes. The fit with which more samples agree is returned. Long
+    records are thinned.
     """
     # the record, thinned; the weight counts only if the arm turns
     reading = reading[:, measured_columns(reading)]
@@ -97,7 +97,7 @@ def fit_offset(reading: Array, pull: Array, period: float) -> SensorOffset:
     agree = record.agreement(np.array([parameters for parameters, _, _ in fits]), tolerance)
     parameters, is_free, noise = fits[agree.sum(axis=1).argmax()]
     tolerance = np.maximum(tolerance, CONTACT_DEVIATIONS * noise)
-    # who agrees with it, and who of the others with one of the candidates
+    # samples that agree with the fit; the largest share of others that agree with one candidate
     agree = record.agreement(np.concatenate([parameters[None], offsets]), tolerance)
     rival = (agree & ~agree[0]).mean(axis=1).max()
     offset = _offset(record, parameters, is_free, float(agree[0].mean()), float(rival))
@@ -111,8 +111,7 @@ def fit_offset(reading: Array, pull: Array, period: float) -> SensorOffset:
 def offset_doubt(offset: SensorOffset, repeats: float = 1.0) -> Remark | None:
     """Return why the bias is doubtful and may be a push; None if most samples agree with it.
 
-    repeats: samples (N,) of the offset for each of the sensor's own, more than one of a slow
-    sensor.
+    repeats: samples per reading of the sensor, above 1 for a slow one.
     """
     agreeing = offset.agreeing
     rival = offset.rival
@@ -130,7 +129,7 @@ def offset_doubt(offset: SensorOffset, repeats: float = 1.0) -> Remark | None:
 
 
 def _settled_agreement(record: SensorReadings, offsets: Array, tolerance: Array) -> Iterator[Fit]:
-    """Yield the fit that starts from the samples that agree with the best candidate of (K, 10)."""
+    """Yield the fit that starts from the samples that agree with the best of offsets (K, 10)."""
     if len(offsets):
         best = record.agreement(offsets, tolerance).sum(axis=1).argmax()
         is_free = agreement(offsets[[best]], record.terms, record.reading, tolerance)[0]
@@ -167,7 +166,7 @@ def _offset(
     residual = record.reading[is_free] - record.terms[is_free] @ parameters
     noise = residual.std(axis=0)
     deviation = np.sqrt(np.diag(covariance(terms, residual, noise)).clip(0))
-    # not by a sensor without moments, or an arm that rests
+    # NaN: moments that the sensor lacks, the weight if the arm does not turn
     observable = record.terms.any(axis=(0, 1))
     value, std = (np.where(observable, x, np.nan) for x in (parameters, deviation))
     return SensorOffset(

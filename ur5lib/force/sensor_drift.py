@@ -1,4 +1,4 @@
-"""How a force sensor's bias drifts within a run, and the errors of what slow errors hide.
+"""The drift of a force sensor's bias within a run, and standard errors under slow errors.
 
 The mean error of a block of samples is s (√(1-g) white + √g slow), where the slow part is an
 autoregression of first order with a correlation of ρᵏ at a distance of k blocks.
@@ -11,7 +11,7 @@ from ur5lib.force.sensed_contact import is_free
 from ur5lib.timeseries.arrays import Array
 
 SECONDS_PER_MINUTE = 60.0
-DRIFT_ROUNDS = 3  # samples without contact, and the drift by these, are found in this many rounds
+DRIFT_ROUNDS = 3  # contact-free samples and the drift are found in turn, this many times
 MIN_FREE_DURATION = 5.0  # s; with less time without contact, no drift is stated
 MAX_DRIFT_SAMPLES = 5_000  # a fit uses at most this many
 # Many more blocks than terms, however short the recording: otherwise the error is undetermined.
@@ -19,15 +19,15 @@ ERROR_BLOCKS = 100
 # Correlations ρ of neighbouring blocks, and shares g of the slow part, all equally likely a priori.
 BLOCK_CORRELATIONS = np.exp(-1 / np.geomspace(1, 2 * ERROR_BLOCKS, 7))
 SLOW_SHARES = np.array([0.0, 0.25, 0.5, 0.75, 0.9, 0.97, 1.0])
-RANK_TOLERANCE = 1e-6  # linearly dependent terms have such singular values, relative to the largest
+RANK_TOLERANCE = 1e-6  # smaller singular values, relative to the largest, count as zero
 
 
 def force_drift(residual: Array, pull: Array, time: Array, period: float) -> tuple[Array, Array]:
-    """Return the drift (3,) of a sensor's forces [N/min], and its standard error.
+    """Return the drift d (3,) of a sensor's forces [N/min], and its standard error.
 
-    residual: (N, 3) [N], the reading less bias, weight and inertia of the tool; pull: (N, 3)
-    [m/s²], on each of its kilograms, which may be weighed wrongly; time: (N,) [s]; period: [s].
-    r = M p + b + d t without contact. NaN where there is too little time without contact.
+    r = M p + b + d t without contact. residual: r (N, 3) [N], the reading less bias, weight and
+    inertia of the tool; pull: p (N, 3) [m/s²], acceleration that acts on the tool, whose mass may
+    err; time: (N,) [s]; period: [s]. NaN where there is too little time without contact.
     """
     minutes = (time - time[0]) / SECONDS_PER_MINUTE
     terms = np.column_stack([pull, np.ones(len(pull)), minutes])
@@ -72,10 +72,10 @@ def slow_covariance(
 def _block_covariance(X: Array, block_residual: Array, block: Array) -> Array:
     """Return the covariance (M, M) of block means: the mean over ρ and g, weighted by likelihood.
 
-    The likelihood is that of what the regression leaves (restricted, Harville 1974). A variance S/ν
-    of ν degrees of freedom is expected as S/(ν-2). Resampled blocks contain no error slower than
-    they are long: where errors last for 20 s, their intervals covered bias and drift in 71 and 78 %
-    of 96 cases at best, these in 96 and 90 %.
+    The likelihood is restricted: that of the regression's residuals (Harville 1974). A variance
+    with a sum of squares S and ν degrees of freedom is expected as S/(ν-2). A bootstrap of blocks
+    contains no error slower than a block: where errors last for 20 s, its intervals covered bias
+    and drift in 71 and 78 % of 96 cases at best, these in 96 and 90 %.
     """
     vectors, values, _ = np.linalg.svd(X)
     rank = int((values > RANK_TOLERANCE * values[0]).sum())

@@ -1,4 +1,4 @@
-"""A force sensor's reading, and what its bias, its tool's weight and inertia are of it."""
+"""A force sensor's reading, and the part of it from bias, weight and inertia of its tool."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -25,11 +25,11 @@ CENTER_ROUNDS = 2
 class SensorReading:
     """A force sensor's reading (N, 6) [N, Nm], axes of frame 6, on the robot's clock.
 
-    untouched: the part of bias, weight and inertia of its tool (N, 6); offset: bias and tool;
-    pull_at, clock_std, inertia: as in `OffsetAccount`; placed: the reading as in the thesis, by
-    start stamps alone where it has a clock of its own; start_bias: (6,), its mean at the start;
-    own_clock: whether it has one; each: samples (N,) for each of the sensor's own; drift,
-    drift_std: as in `OffsetAccount`.
+    untouched: the reading without contact (N, 6), from bias, weight and inertia of its tool;
+    offset: bias and tool; placed: the reading as in the thesis, if on its own clock timed by start
+    stamps alone; start_bias: (6,), mean of `placed` at the start; own_clock: whether it has one;
+    each: samples per reading of the sensor; pull_at, clock_std, inertia, drift, drift_std: as in
+    `OffsetAccount`.
     """
 
     wrench: Array
@@ -56,7 +56,7 @@ class OwnClock(NamedTuple):
     """The clock of a sensor that has one of its own.
 
     placed: the reading by start stamps alone (N, 6), axes of the sensor; std: error of the clock
-    [s]; step: between the sensor's own samples [s].
+    [s]; step: the sensor's sampling period [s].
     """
 
     placed: Array

@@ -1,5 +1,5 @@
-"""How much of the expected friction the currents of a motion show: motors overcome all of it, and a
-hand that leads the arm a part.
+"""The share of the expected friction that currents show: about 1, or less where a hand leads the
+arm.
 """
 
 import numpy as np

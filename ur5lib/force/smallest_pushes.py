@@ -33,11 +33,11 @@ from ur5lib.timeseries.segments import Span
 
 FLANGE_SPEEDS = (*SPEEDS, np.inf)  # m/s
 TRIAL_ROUNDS = 2  # trial pushes are made in this many rounds
-MIN_TRIALS = 900  # an arm has this many: a hundred for each axis and range of speeds
-FELT_SIZE = GATE_SIZES[-1] / TRIAL_SIZES[-1]  # share of the largest trial: the gate expects no more
+MIN_TRIALS = 900  # of an arm: a hundred for each axis and range of speeds
+FELT_SIZE = GATE_SIZES[-1] / TRIAL_SIZES[-1]  # the gate's largest contact over the largest trial
 SETTLING_SPEED = 0.1  # m/s: an arm that settles is slow, and not at rest
-MIN_TRIALS_OF_A_LIMIT = 10  # a limit needs this many, of which some are detected and some are not
-FORCES_OF_A_CURVE = 40  # a curve has this many from the smallest to the largest trial
+MIN_TRIALS_OF_A_LIMIT = 10  # fewer trials determine no limit; some must be detected, some not
+FORCES_OF_A_CURVE = 40  # points of a curve from the smallest to the largest trial
 
 
 def where_pushed(
@@ -60,8 +60,8 @@ def pushed(
 ) -> Trials:
     """Return trial pushes on a contact-free recording.
 
-    alarms_of: those with an additional external torque (N, 6) [Nm] that motors feel; typical_force:
-    of contacts [N]; least: number of pushes, if there is a time for any.
+    alarms_of: returns the alarms with an additional external torque (N, 6) [Nm], as motors feel it;
+    typical_force: of contacts [N]; least: number of pushes to reach, if there is a time for any.
     """
     one, random = problem.input, np.random.default_rng(0)
     time = np.arange(len(run.speed), dtype=np.float64) * one.period
@@ -83,7 +83,7 @@ def pushes_of_arm(
 ) -> list[SmallestPush]:
     """Return the smallest pushes by trials on an arm's recordings, none without any trial.
 
-    paths: number of those fitted.
+    paths: number of fitted paths.
     """
     tried = [name for name, own in trials.items() if len(own.force)]
     if not tried:
@@ -104,8 +104,8 @@ def smallest_pushes(
 ) -> Iterator[SmallestPush]:
     """Yield the smallest push by motion along x, y and z, where any was tried.
 
-    basis: of the trials; has_one_path: whether the fit has a single path, so that none was left out
-    to show the errors of its predictions, and smaller pushes may be detected than with more.
+    basis: of the trials; has_one_path: whether a single path was fitted. No push is stated then:
+    without a path left out, errors of predictions are not shown, and pushes seem smaller.
     """
     most = float(trials.force.max())
     for motion, moved in by_motion(trials):
@@ -132,8 +132,10 @@ def smallest_pushes(
 
 
 def needed(felt: Trials) -> Iterator[tuple[str, Needed]]:
-    """Yield the push that is detected in units of its place, the axes together, by each motion in
-    which trials determine it; felt: trials, but for poses in which joints feel almost none.
+    """Yield motion and detected push, in units of its place and over all axes, where trials
+    determine it.
+
+    felt: trials, except at poses in which joints feel almost none.
     """
     for motion, own in by_motion(felt):
         in_units = replace(own, force=own.force / own.unit, unit=np.ones_like(own.unit))
@@ -143,9 +145,9 @@ def needed(felt: Trials) -> Iterator[tuple[str, Needed]]:
 
 
 def found_by_force(felt: Trials, motions: set[str], most: float) -> Iterator[PushesFound]:
-    """Yield which share of pushes up to the largest trial [N] is found in some motions.
+    """Yield the share of pushes found in some motions, by force up to the largest trial [N].
 
-    felt: trials, but for poses in which joints feel almost none.
+    felt: trials, except at poses in which joints feel almost none.
     """
     for motion, own in by_motion(felt):
         if motion in motions:
@@ -156,9 +158,11 @@ def found_by_force(felt: Trials, motions: set[str], most: float) -> Iterator[Pus
 
 
 class Limit(NamedTuple):
-    """The push that is detected with a probability of 95 % [N], its standard error and 95 %
-    interval; None where the trials do not determine it; bound: ">" where it exceeds the largest
-    trial, which is `value`.
+    """The push [N] that is detected with a probability of 95 %, its standard error and 95 %
+    interval.
+
+    None where the trials do not determine them; bound: ">" if the push exceeds the largest trial,
+    which is then `value`.
     """
 
     value: float | None = None
@@ -169,11 +173,10 @@ class Limit(NamedTuple):
 
 
 def detectable(trials: Trials, most: float) -> Limit:
-    """Return the push that a logistic curve of trials of one axis and motion shows to be detected,
-    but for poses in which joints feel almost none; most: the largest trial of all [N].
+    """Return the push that is detected, by a logistic curve of trials along one axis in one motion.
 
-    Beyond this, the curve shows nothing: the push is the largest one. One with a 95 % interval that
-    reaches zero is not determined.
+    Poses in which joints feel almost none are left out. most: the largest trial of all [N], beyond
+    which the curve shows nothing. A push with a 95 % interval that reaches zero is not determined.
     """
     felt = trials.where(trials.felt(FELT_SIZE * most))
     if len(trials.found) < MIN_TRIALS_OF_A_LIMIT:

@@ -29,10 +29,10 @@ SMOOTHING_WINDOW = 0.2  # s; positions as read are averaged over it
 def tare_doubts(
     span: Span, signals: Signals, arm: Robot, cutoff: float, qd: Array | None = None
 ) -> Iterator[Finding]:
-    """Yield why an untouched span is no tare, or may contain a contact.
+    """Yield findings: an untouched span is no tare, or may contain a contact.
 
     cutoff: of the currents' low-pass [Hz]; qd: (N, n) [rad/s], smoothed velocities, by default
-    those of the positions.
+    derived from the positions.
     """
     period, time = signals.period, signals.time - signals.time[0]
     if qd is None:
@@ -55,7 +55,9 @@ def tare_doubts(
 
 
 def _unusable(span: Span, rest: float, whole: float, unknown: float) -> Finding:
-    """Return the error of a tare; rest: in it, whole: recording, unknown: of its ends [s]."""
+    """Return the error of a tare; rest: in its span, whole: recording, unknown: at both ends
+    [s].
+    """
     detail = (
         f"`untouched` [{as_written(span, 'g')}] is no tare, and forces are estimated without it: "
         f"the arm rests in it with a known torque for {number(rest, '.2g')} s, where "
@@ -79,7 +81,7 @@ def touched_by_sensor(span: Span, time: Array, reading: Array) -> Iterator[Findi
 
 
 def touched_by_own_clock(span: Span, sensor: pd.DataFrame, start: StartOffset) -> Iterator[Finding]:
-    """Yield the same of a sensor's samples, timed from the start stamps."""
+    """As `touched_by_sensor`, for a sensor with a clock of its own, timed by the start stamps."""
     reading = sensor[SENSOR_COLUMNS["force"][:3]].to_numpy(float)
     yield from touched_by_sensor(span, sensor["time"].to_numpy() + start.seconds, reading)
 
@@ -112,12 +114,12 @@ def inside(span: Span, time: Array) -> Mask:
 
 
 def tared(currents: Currents, motion: Motion, untouched: Span, cutoff: float) -> Currents:
-    """Return the currents with an external torque counted from an untouched span [s].
+    """Return the currents with the mean external torque of an untouched span [s] subtracted.
 
     cutoff: of its low-pass [Hz].
-    It counts from there until a joint is elsewhere: constants and a load then err differently, and
-    friction at rest is another. It stays as it is where the span is shorter than MIN_REST_DURATION,
-    which `tare_doubts` says.
+    It is subtracted from the span on until a joint leaves its posture: then constants and load err
+    differently, and friction at rest changes. If the span rests for less than MIN_REST_DURATION,
+    the currents stay as they are, and `tare_doubts` reports it.
     """
     torque = currents.external_torque
     if torque is None:
@@ -132,7 +134,7 @@ def tared(currents: Currents, motion: Motion, untouched: Span, cutoff: float) ->
 
 
 def from_span(motion: Motion, known: Mask) -> Mask:
-    """Return the samples (N,) from the first of `known` on, until a joint is elsewhere."""
+    """Return the samples (N,) from the first of `known` on, until a joint leaves its posture."""
     first = np.argmax(known)
     away = np.abs(motion.q - motion.q[known].mean(axis=0)).max(axis=1) > MAX_POSTURE_CHANGE
     ends = away | (motion.segment != motion.segment[first])

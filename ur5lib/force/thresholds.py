@@ -25,10 +25,10 @@ def force_alarms(force: Array, threshold: float) -> list[Span]:
 
 
 def alarm_threshold(contact_free: list[Array], periods: list[float], per_minute: float) -> float:
-    """Return the log-odds above which contact-free recordings raise few enough alarms a minute.
+    """Return the log-odds above which contact-free recordings raise few enough alarms.
 
-    contact_free: log-odds (N,) of each recording, at its period [s]. The result is at least 0,
-    even odds.
+    contact_free: log-odds (N,) of each recording, at its period [s]; per_minute: alarms allowed.
+    The result is at least 0, even odds.
     """
     allowed = _allowed_alarms(contact_free, periods, per_minute)
     peaks = sorted(
@@ -40,11 +40,11 @@ def alarm_threshold(contact_free: list[Array], periods: list[float], per_minute:
 
 
 def force_threshold(contact_free: list[Array], periods: list[float], per_minute: float) -> float:
-    """Return the threshold [N] down to which contact-free recordings raise few enough alarms.
+    """Return the lowest threshold [N] with which contact-free recordings raise few enough alarms.
 
     contact_free: force (N,) [N] of each recording, at its period [s]; per_minute: alarms allowed.
     Thresholds are tried from the largest force downwards, so that an alarm that never ends does not
-    count as few. The result is at least what counts as touched at the sensor, 3 N.
+    count as few. The result is at least TOUCH_FORCE.
     """
     allowed = _allowed_alarms(contact_free, periods, per_minute)
     largest = max(float(np.nan_to_num(force).max()) for force in contact_free)
@@ -57,6 +57,6 @@ def force_threshold(contact_free: list[Array], periods: list[float], per_minute:
 
 
 def _allowed_alarms(contact_free: list[Array], periods: list[float], per_minute: float) -> int:
-    """Return how many alarms recordings (N,), each at its period [s], may raise together."""
+    """Return the number of alarms that recordings (N,), with periods [s], may raise together."""
     pairs = zip(contact_free, periods, strict=True)
     return int(per_minute * sum(len(values) * period for values, period in pairs) / 60)

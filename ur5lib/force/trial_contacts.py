@@ -21,9 +21,11 @@ LOG_STEEPNESS = 1.5  # with it, the logistic curve goes from 25 to 75 % found wi
 
 @dataclass(frozen=True)
 class Trials:
-    """Peaks (M,) [N] of trial pushes, along x, y or z of the base (M,), 0 to 2, the flange's mean
-    speed (M,) [m/s] meanwhile, zero while the whole arm rests, which were detected (M,), and the
-    force (M,) [N] along their axis that is worth one standard deviation of the joints' torques.
+    """Trial pushes.
+
+    force: peaks (M,) [N]; axis: of the base (M,), 0 to 2; speed: mean of the flange (M,) [m/s]
+    during the push, zero while the whole arm rests; found: (M,); unit: force along the axis (M,)
+    [N] of one standard deviation of the joints' torques.
     """
 
     force: Array
@@ -47,7 +49,9 @@ class Trials:
         return self.where(self.axis == axis)
 
     def felt(self, largest: float) -> Mask:
-        """Return which (M,) were tried where joints feel a force [N] by two standard deviations."""
+        """Return the mask (M,) of trials where joints feel a force [N] by two standard
+        deviations.
+        """
         return 2 * self.unit <= largest
 
     def where(self, rows: Mask) -> "Trials":
@@ -69,10 +73,11 @@ def felt_push(
     largest_friction: Array,
     random: np.random.Generator,
 ) -> Array:
-    """Return what the motors feel of the torque (N, 6) [Nm] of pushes: less what friction bears.
+    """Return the part (N, 6) [Nm] of pushes' torques that reaches the motors.
 
-    In motion, gears lose a part of it; at rest, dry friction bears a share of what it can, drawn
-    for each push and joint. time: (N,) [s]; largest_friction: (6,) [Nm], that friction bears.
+    In motion, gears lose a part of it; at rest, dry friction takes up to a share of
+    `largest_friction`, drawn for each push and joint. torque: (N, 6) [Nm]; time: (N,) [s];
+    largest_friction: (6,) [Nm].
     """
     push = (time // (PUSH_DURATION + PAUSE_DURATION)).astype(np.int64)
     # dry friction bears anything between nothing and all that it can
@@ -99,8 +104,8 @@ class Untouched(NamedTuple):
     hiding: Array
 
     def information(self, place: Span) -> Array:
-        """Return what joints feel of forces at a place on average, A = Σ j jᵀ / S (3, 3) [1/N²],
-        j the columns of J.
+        """Return the mean information A = Σ j jᵀ / S (3, 3) [1/N²] on a force at a place, j columns
+        of J.
         """
         jacobian, hiding = self.jacobian[slice(*place), :3], self.hiding[slice(*place)]
         felt: Array = np.matmul(jacobian / hiding[:, None], jacobian.mT).mean(axis=0)
@@ -117,8 +122,9 @@ class Untouched(NamedTuple):
 
 
 def unit_along(information: Array, direction: Array) -> Array:
-    """Return the force (...) [N] along directions d (..., 3) that is worth one standard deviation
-    of the joints' torques, (dᵀ A d)^-½; infinite where no joint feels it; information: A (3, 3).
+    """Return the force (...) [N] along d that is worth one standard deviation: (dᵀ A d)^-½.
+
+    information: A (3, 3) [1/N²]; direction: d (..., 3). Infinite where no joint feels it.
     """
     felt = np.vecdot(direction, np.matvec(information, direction))
     with np.errstate(divide="ignore"):
@@ -134,9 +140,9 @@ def try_each_place(
 ) -> Trials:
     """Push once at each place of a recording, along the base's x, y or z.
 
-    alarms_of: alarms with an additional external torque (N, 6) [Nm]; random: deals out peaks and
-    axes; typical_force: of contacts [N]; later: by which part of the time from one push to the next
-    all pushes are delayed.
+    alarms_of: returns alarms with an additional external torque (N, 6) [Nm]; random: deals out
+    peaks and axes; typical_force: of contacts [N]; later: delay of all pushes, over the interval of
+    two.
     """
     profile, places = trial_pushes(len(run.jacobian), run.period, later)
     free_places = run.free(places)
@@ -171,7 +177,7 @@ def sizes(count: int, later: float) -> Array:
 def trial_pushes(count: int, period: float, later: float = 0.0) -> tuple[Array, list[Span]]:
     """Return raised-cosine pushes of height 1, one after each pause: profile (N,) and spans.
 
-    later: by which part of the time from one to the next all of them are.
+    later: delay of all of them, over the interval of two.
     """
     length = round(PUSH_DURATION / period)
     interval = round((PUSH_DURATION + PAUSE_DURATION) / period)
@@ -194,14 +200,16 @@ class Curve(NamedTuple):
 
     @classmethod
     def of(cls, force: Array, detected: Mask, unit: Array | float = 1.0) -> Self:
-        """Return the likeliest one of trial pushes (M,) [N] at places with these units [N]."""
+        """Return the most likely curve of trial pushes (M,) [N] at places with these units [N]."""
         x = np.log(force) - np.log(unit)
         start = np.array([np.median(x[detected]), LOG_STEEPNESS])
         best = minimize(_cost, start, args=(x, detected))
         return cls(best.x, best.hess_inv)
 
     def share(self, force: Array, unit: Array) -> Array:
-        """Return the share (K,) of pushes of a force (K,) [N] that is found at places (M,) [N]."""
+        """Return the share (K,) of pushes of forces (K,) [N] that is found, mean over units (M,)
+        [N].
+        """
         middle, steepness = self.parameters
         x = np.log(force)[:, None] - np.log(unit)
         return np.asarray(expit(np.exp(steepness) * (x - middle)).mean(axis=1))
@@ -210,12 +218,11 @@ class Curve(NamedTuple):
 def smallest_force(
     force: Array, detected: Mask, unit: Array | float = 1.0, probability: float = 0.95
 ) -> tuple[float, float]:
-    """Return the force [N] of which the wanted share is found at the places of trials, and its
-    standard error: by a logistic curve over log force, and the likelihood's curvature (delta
-    method).
+    """Return the force [N] of which a share `probability` is found, and its standard error.
 
-    force: (M,) [N], of trial pushes; detected: (M,); unit: of each place (M,) [N], in which the
-    curve takes its force. Infinite if none was found.
+    A logistic curve over log force, and the curvature of its likelihood (delta method). force: (M,)
+    [N], of trial pushes; detected: (M,); unit: of each place (M,) [N]; the share is the mean over
+    places. Infinite if none was found.
     """
     if not detected.any():
         return np.inf, np.nan
@@ -235,7 +242,7 @@ def smallest_force(
 
 
 def _missed(place: float, middles: Array, steepness: float, probability: float) -> float:
-    """Return by how much too few pushes of a force, as a logarithm, are found."""
+    """Return probability minus the mean share of pushes found at the log force `place`."""
     return float(probability - expit(np.exp(steepness) * (place - middles)).mean())
 
 

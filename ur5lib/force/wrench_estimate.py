@@ -38,7 +38,7 @@ OPENING_PROBABILITY = 0.5  # a contact reaches it
 CLOSING_PROBABILITY = 0.1  # a contact lasts while above it
 CONTACT_MARGIN = 0.15  # s; a contact is extended this long at both ends
 MIN_PROBABILITY_INSIDE = 0.999  # inside a contact, its probability is at least this
-# Deviation of the average of a force on a resting arm, in periods of the low-pass.
+# Standard deviation of the window that averages forces at rest, in periods of the low-pass.
 REST_SMOOTHING_PERIODS = 0.4
 
 
@@ -212,10 +212,9 @@ def _at_flange(estimate: StretchEstimate, place: Array) -> StretchEstimate:
 
 
 def smoothed(wrench: Array, resting: Mask, samples: float) -> Array:
-    """Return a wrench (n, 6), in contact at rest (n,) averaged over some samples, the standard
-    deviation of a normal weight.
+    """Return a wrench (n, 6) averaged at rest (n,) by a normal window, `samples` its deviation.
 
-    There, friction sticks and slips, and torques jump where the force does not.
+    In contact at rest, friction sticks and slips, and torques jump where the force does not.
     """
     weighted = np.where(resting[:, None], np.hstack([wrench, np.ones((len(wrench), 1))]), 0.0)
     sums = gaussian_filter1d(weighted, samples, axis=0, mode="constant")
@@ -228,7 +227,7 @@ def std_in_contact(likely: Array, contact: ContactWrench, doubt: float, shut: Ar
     """Return the standard deviation σ (n, 6) [N, Nm] in contact, with ± 1.96 σ as its 95 % band.
 
     likely: (n,), probability p of contact; contact: the wrench F̂ in contact; doubt: factor on its
-    deviation, of few paths; shut: (n, 6), deviation of a free arm.
+    deviation if few paths were fitted; shut: (n, 6), deviation of a free arm.
     """
     # mixture of contact (p) and free (1 - p): E[F] = p F̂, E[F²] = p (var + F̂²) + (1 - p) var_free
     p = likely[:, None]
@@ -251,7 +250,7 @@ def contact_spans(probability: Array, period: float) -> list[Span]:
 def _slow_press(observations: Observations, background: Array) -> Array:
     """Return the wrench (n, 6) of a slow press that would explain the background (n, 6) [Nm].
 
-    It is doubt where the whole arm rests, unless a tare shows what the background is; zero
+    It widens the band where the whole arm rests, unless a tare shows the background; zero
     elsewhere.
     """
     resting = is_still(observations.states)
@@ -268,8 +267,8 @@ def _slow_press(observations: Observations, background: Array) -> Array:
 
 
 def _std_while_shut(observations: Observations, contact_probability: Array, inside: Mask) -> Array:
-    """Return the standard deviation σ (n, 6), with ± 1.96 σ as the 95 % band where the gate is
-    shut.
+    """Return the standard deviation σ (n, 6) while the gate is shut, with ± 1.96 σ as the 95 %
+    band.
 
     The band is that of a mixture of a free arm, with a force that does not count as contact, and a
     missed contact. contact_probability: probability of contact by the gate (n,); inside: the

@@ -1,8 +1,8 @@
 """Postures at rest: torque constants by the currents that balance gravity there.
 
-i = (τ + f - b) / k, with a static friction f that lies anywhere within ± Coulomb friction, by how
-the arm came to rest: it adds a variance. Its mean is no friction in motion, and differs between
-recordings; therefore torques and currents count from their means.
+i = (τ + f - b) / k, with a static friction f anywhere within ± Coulomb friction, which depends on
+how the arm came to rest and adds a variance. Its mean differs between recordings; therefore each
+recording's mean is subtracted from torques and currents.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ import numpy as np
 
 from ur5lib.timeseries.arrays import Array, Labels
 
-POSTURES_PER_STRETCH = 5  # this many in a row may have been reached in like ways
+POSTURES_PER_STRETCH = 5  # this many in a row may have been reached in the same way
 MIN_STRETCHES = 5  # with fewer, single postures are resampled
 
 
@@ -20,7 +20,7 @@ MIN_STRETCHES = 5  # with fewer, single postures are resampled
 class AtRest:
     """Postures of an arm, each with a static friction of its own.
 
-    torque: (M, n) [Nm], of the rigid-body model; current: (M, n) [A]; both less their means over
+    torque: (M, n) [Nm], of the rigid-body model; current: (M, n) [A], both minus their means over
     the recording; record: (M,) labels.
     """
 
@@ -30,7 +30,7 @@ class AtRest:
 
     @classmethod
     def of(cls, recordings: Sequence[tuple[Array, Array]]) -> "AtRest | None":
-        """Return the postures of recordings with these torques and currents; None without any."""
+        """Return the postures of recordings (torque, current), (M, n) each; None without any."""
         if not recordings:
             return None
         torque, current = (

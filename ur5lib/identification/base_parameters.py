@@ -1,4 +1,4 @@
-"""Inertial parameters of an arm from torques: base parameters, estimates, the model they give."""
+"""Inertial parameters of an arm from torques: base parameters, their estimate, and its model."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -49,9 +49,9 @@ class BaseParameters:
         return parameter_names(self.groups.shape[1])
 
     def names(self) -> list[str]:
-        """Return each base parameter as its own parameter, and those grouped with it.
+        """Return the name of each base parameter: its own parameter, and those grouped with it.
 
-        The coefficients differ between processors in their last digits: no name has them.
+        The names contain no coefficients, whose last digits differ between processors.
         """
         rows, of = zip(self.groups, self.columns, strict=True), self.parameters
         grouped = ((of[k], [of[i] for i in np.flatnonzero(row) if i != k]) for row, k in rows)
@@ -75,7 +75,7 @@ class InertialEstimate:
 
     parameters: (P,); scatter: (K, P), V of the covariance Vᵀ V from the jackknife over blocks;
     spread: (P, P), S of the covariance S Sᵀ for independent errors of all rows; rounding: (P, P),
-    the same for what the last digit of torques leaves; width: (P,), standard deviations of the
+    the same for errors of half the last digit of torques; width: (P,), standard deviations of the
     prior; noise: (n,) [Nm], of each joint's torque.
     """
 
@@ -96,7 +96,9 @@ class InertialEstimate:
         return np.maximum(scattered, np.linalg.norm(groups @ self.rounding, axis=1))
 
     def determined(self, groups: Array) -> Mask:
-        """Return which of groups π the data determine, (B,): a small error, not from the prior."""
+        """Return the mask (B,) of groups π that data determine: a small error, not from the
+        prior.
+        """
         prior_std = np.linalg.norm(groups * self.width, axis=1)
         share = prior_share(groups, self.spread, self.width)
         narrow = self.standard_errors(groups) <= np.sqrt(MAX_PRIOR_VARIANCE_SHARE) * prior_std
@@ -106,8 +108,8 @@ class InertialEstimate:
 def base_parameters(regressor: Array) -> BaseParameters:
     """Determine the base parameters of an arm by a rank test (Gautier 1991).
 
-    regressor: (N, n, P), Y of τ = Y π at some hundred random states. A parameter belongs to the
-    groups of those before if its column depends on theirs. Links are taken from the base outwards,
+    regressor: (N, n, P), Y of τ = Y π at some hundred random states. A parameter is grouped with
+    earlier ones if its column depends linearly on theirs. Links are taken from the base outwards,
     as Khalil does, which keeps the groups short.
     """
     rows = _triangle(regressor.reshape(-1, regressor.shape[2]))
@@ -205,7 +207,7 @@ def identify(data: Stack, prior: Array, width: Array) -> InertialEstimate:
 
 
 def torque_error(blocks: Blocks, parameters: Array) -> Array:
-    """Return the MAE (n,) [Nm] of the torques Y π of other blocks; parameters: (P,)."""
+    """Return the MAE (n,) [Nm] of the torques Y π over blocks (Y, τ); parameters: π (P,)."""
     torques = [(regressor @ parameters, torque) for regressor, torque in blocks]
     estimate, reference = map(np.concatenate, zip(*torques, strict=True))
     return mean_absolute_error(estimate, reference)
@@ -240,7 +242,7 @@ def _noise(rows: Array, parameters: Array, freedom: Array) -> Array:
 def _jackknife_changes(factors: Array, parameters: Array, spread: Array, width: Array) -> Array:
     """Return the changes (K, P) of the estimate without each block (jackknife), and the prior's.
 
-    With A the rows of a block times S, and e its residuals, the change is S (1 - AᵀA)⁻¹ Aᵀ e.
+    With A = rows of a block times S, and e its residuals, the change is S (1 - AᵀA)⁻¹ Aᵀ e.
     """
     rows = factors.reshape(len(factors), -1, factors.shape[-1])
     block = rows[..., :-1] @ spread  # A

@@ -12,7 +12,7 @@ from ur5lib.identification.base_parameters import PARAMETERS_PER_JOINT, Inertial
 from ur5lib.timeseries.arrays import Array
 
 LINK_LENGTH = 0.1  # m; it scales masses, moments and inertias alike
-SOLVED = cp.OPTIMAL, cp.OPTIMAL_INACCURATE  # the latter is within 5e-5 of a standard error's square
+SOLVED = cp.OPTIMAL, cp.OPTIMAL_INACCURATE  # inaccurate: within 5e-5 of a standard error's square
 DEFINITENESS_MARGIN = 1e-6  # kg, kg m²: far below any link's, far above the solver's tolerance
 
 
@@ -45,8 +45,10 @@ def smallest_eigenvalues(parameters: Array) -> Array:
 
 
 class LinkBounds(NamedTuple):
-    """Bounds of an arm's links: their weight together, at most [kg], None where unknown; the
-    corners (n, 3) [m] of boxes that contain their centres of mass, in the frames of π.
+    """Bounds of an arm's links.
+
+    weight: of all links, at most [kg], None where unknown; low, high: corners (n, 3) [m] of boxes
+    that contain their centres of mass, in the frames of π.
     """
 
     weight: float | None
@@ -94,9 +96,10 @@ def nearest_bodies(estimate: Array, spread: Array, bounds: LinkBounds | None = N
 
 
 def _of_size(bounds: LinkBounds) -> Array:
-    """Return the basis of pseudo-inertias with lengths in those of the boxes, masses in the weight.
+    """Return the pseudo-inertia basis (10, 4, 4) in units of the boxes' length and the arm's
+    weight.
 
-    It has the same cone, where a solver of finite tolerance finds its way in large arms.
+    It has the same cone, but scaled so that a solver of finite tolerance converges for large arms.
     """
     length = float(np.max(bounds.high - bounds.low))
     scale = np.array([LINK_LENGTH / length] * 3 + [1.0])

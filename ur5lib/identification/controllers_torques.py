@@ -1,4 +1,4 @@
-"""The controller's torques as samples of fits: what rigid links leave of them, and their rows."""
+"""The controller's torques as samples of fits: residuals from rigid links, and regressor rows."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -36,7 +36,7 @@ class CommandedRun:
 
 
 def rotor_samples(run: CommandedRun, design: Butterworth) -> RotorSamples | None:
-    """Return the torque that rigid links leave, q̇ and q̈, (N, n) each, NaN where interpolated.
+    """Return the residual torque from rigid links, q̇ and q̈, (N, n) each, NaN where interpolated.
 
     design: low-pass. None where `target_moment` was not recorded.
     """
@@ -50,7 +50,8 @@ def rotor_samples(run: CommandedRun, design: Butterworth) -> RotorSamples | None
 
 
 def torque_blocks(run: CommandedRun, design: Butterworth) -> Iterator[Block]:
-    """Yield regressors and the controller's torques [Nm] of the bare arm, a block each two seconds.
+    """Yield regressors and the controller's torques [Nm] of the bare arm, in blocks of
+    BLOCK_DURATION.
 
     design: low-pass. Nothing where `target_moment` was not recorded.
     """
@@ -70,10 +71,10 @@ def torque_blocks(run: CommandedRun, design: Butterworth) -> Iterator[Block]:
 
 
 def torque_states(signals: Signals, motion: Motion) -> tuple[tuple[Array, Array, Array], bool]:
-    """Return q, q̇, q̈ (N, 6) that go with `target_moment`, and whether they are its exact targets.
+    """Return q, q̇, q̈ (N, n) of `target_moment`, and whether they are its exact targets.
 
-    Where targets were not recorded, the measured motion of the motors: the controller knows rotors
-    and rigid links, but no vibration between them.
+    Where targets were not recorded, they are the measured motion of the motors: the controller
+    models rotors and rigid links, but no vibration between them.
     """
     q, qd, qdd = signals.target_q, signals.target_qd, signals.target_qdd
     if q is None or qd is None or qdd is None:

@@ -60,7 +60,7 @@ DOUBTFUL_DEVIATIONS = 3.0
 DOUBTFUL_RATIO = 1.5
 CONTRADICTING_DEVIATIONS = 5.0
 CONTRADICTING_RATIO = 1.75
-# The gain of a measured torque is 1, or that of another side, link or sign than the description's.
+# The gain of a measured torque is 1, unless side, link or sign differ from the description.
 GAIN_RANGE = 0.9, 1.1
 # Usual errors of a current along a path that no fit has seen, by `MotionState`, and least ones,
 # relative to Coulomb friction: at rest, dry friction lies anywhere within it.
@@ -82,7 +82,7 @@ def fit_currents(
     fit, known = _with_known_where_lost(shown, lambda own: _estimated(samples, own, seed), gains)
     chosen = [own.of(known.terms, known.distances) for own in samples]
     joint_priors = [known.of_joint(joint) for joint in range(len(samples))]
-    for joint, own in enumerate(chosen):  # what other fits than those of the choice leave
+    for joint, own in enumerate(chosen):  # with fits other than those of the selection
         if joint in known.pinned or in_units(own) is not own:
             left[joint] = left_out_residuals(own, joint_priors[joint])
     joints = tuple(map(_with_bands, fit.joints, chosen, joint_priors, left))
@@ -96,13 +96,14 @@ def _tried(prior: Prior) -> tuple[str, ...]:
 
 
 def _considered(prior: Prior) -> tuple[str, ...]:
-    """Return the terms that make those of a prior less sure."""
+    """Return the further terms that enter the errors of a prior's terms."""
     return CONSIDERED_OF_TORQUES if prior.measured == TORQUE else CONSIDERED_TERMS
 
 
 def _with_shown_gains(samples: Sequence[JointSamples], prior: Prior, vague: Mask) -> Mask:
-    """Return which joints (n,) of vague gains keep the prior's: not those where the parts left out
-    show another gain of the links' torque.
+    """Return the mask (n,) of joints with vague gains that keep the prior's gain.
+
+    They keep it unless left-out parts show another gain of the links' torque. vague: (n,).
     """
     joints = [bool(own and not shows_gain(samples[j], prior, j)) for j, own in enumerate(vague)]
     return np.array(joints)
@@ -119,11 +120,11 @@ def _with_known_where_lost(
     kept: Callable[[Mask], Mask] = np.array,
 ) -> tuple[CurrentFit, Prior]:
     """Return a fit in which joints keep the prior's k if their current does not follow their
-    torque, and the prior of this fit.
+    torque, and its prior.
 
-    fitted: returns the fit under a prior; kept: which joints of vague gains keep the prior's. Gains
-    of measured torques are first fitted without their prior, since a fit under it takes what
-    contradicts it for noise. Those that the prior gives better keep it, too.
+    fitted: returns the fit under a prior; kept: returns the mask of vague gains that keep the
+    prior's. Gains of measured torques are first fitted without their prior: under it, a fit would
+    take contradictions for noise. Gains that the prior gives more precisely keep it, too.
     """
     sensed = prior.measured == TORQUE
     fit = fitted(prior.with_wide_gains() if sensed else prior)
@@ -152,9 +153,7 @@ def _with_known_where_lost(
 
 
 def _against(alone: float, known: float, sensed: bool) -> Remark:
-    """Return the remark on a joint that by itself would have another constant, or gain, than the
-    documented one.
-    """
+    """Return the remark on a joint that fits a constant or gain other than the documented one."""
     by_itself = f"by itself, it would give {number(alone, '.3g')}"
     if sensed:
         text = (
@@ -173,7 +172,7 @@ def _against(alone: float, known: float, sensed: bool) -> Remark:
 
 
 def expected_fit(prior: Prior, seed: int = 0) -> CurrentFit:
-    """Return what a prior with typical friction expects of each joint, without any motion."""
+    """Return the fit of each joint that a prior with typical friction gives without any motion."""
     if prior.at_rest is None:
         return CurrentFit(tuple(map(_with_usual_bands, *_prior_estimates(prior, seed))), 0)
     return _of_estimates(*estimate_together((), prior, seed))
@@ -208,8 +207,8 @@ def _of_estimates(estimates: Sequence[CoefficientEstimate], units: int) -> Curre
 
 
 def _with_usual_bands(estimate: CoefficientEstimate, doubt: Array) -> JointFit:
-    """Return the fit of a joint without any error on what is left out; doubt: (P, P), covariance
-    of the coefficients.
+    """Return the fit of a joint without left-out samples; doubt: (P, P), covariance of
+    coefficients.
     """
     coulomb = float(estimate.coefficients[2])
     moving, reversing, standing, unknown = (NORMAL95 * usual * coulomb for usual in UNSEEN_ERRORS)
@@ -229,19 +228,17 @@ def _with_usual_bands(estimate: CoefficientEstimate, doubt: Array) -> JointFit:
 
 
 def beyond_range(fit: CurrentFit) -> Mask:
-    """Return which gains (n,) are outside GAIN_RANGE by more than the 95 % intervals of what is
-    fitted, 1/gain.
-    """
+    """Return the mask (n,) of gains outside GAIN_RANGE by more than the 95 % interval of 1/gain."""
     inverse, half = 1 / torque_constants(fit), _inverse_half(fit)
     beyond: Mask = (inverse + half < 1 / GAIN_RANGE[1]) | (inverse - half > 1 / GAIN_RANGE[0])
     return beyond
 
 
 def too_large(fit: CurrentFit, prior: Prior) -> Mask:
-    """Return which torque constants (6,) are far larger than the prior's, or negative.
+    """Return the mask (n,) of torque constants far larger than the prior's, or negative.
 
-    The current then follows little of the joint's torque. The deviation is that of k, since 1/k
-    cannot be far below the prior's; one that is less certain than the prior's k counts as far.
+    The current then follows little of the joint's torque. Deviations are those of k, since 1/k
+    cannot be far below the prior's; a k less certain than the prior's counts as far.
     """
     inverse, known_inverse, std = _inverse_constants(fit, prior)
     # σ_k = σ_(1/k) k², by the delta method
@@ -251,8 +248,9 @@ def too_large(fit: CurrentFit, prior: Prior) -> Mask:
 
 
 def too_small(fit: CurrentFit, prior: Prior) -> Mask:
-    """Return which torque constants (6,) are far smaller than the prior's, and smaller by their own
-    95 % intervals, too: a unit or arm is wrong.
+    """Return the mask (n,) of torque constants far below the prior's, beyond their 95 % interval.
+
+    A unit or the arm is wrong then.
     """
     inverse, known_inverse, std = _inverse_constants(fit, prior)
     far = inverse - known_inverse > CONTRADICTING_DEVIATIONS * std
@@ -261,7 +259,7 @@ def too_small(fit: CurrentFit, prior: Prior) -> Mask:
 
 
 def _inverse_half(fit: CurrentFit) -> Array:
-    """Return half of the 95 % intervals (n,) of 1/k [A/Nm], which is what is fitted."""
+    """Return the half-width (n,) of the 95 % intervals of 1/k [A/Nm]."""
     return NORMAL95 * constants_band(fit) / np.abs(torque_constants(fit))
 
 
@@ -271,7 +269,7 @@ def _inverse_constants(fit: CurrentFit, prior: Prior) -> tuple[Array, Array, Arr
 
 
 def _estimated(samples: Sequence[JointSamples], prior: Prior, seed: int) -> CurrentFit:
-    """Return the fit under a prior as it is, with usual bands; samples: with all columns."""
+    """Return the fit under a prior, with usual bands, unselected; samples: with all columns."""
     considered = *prior.terms, *_considered(prior)
     chosen, fuller = (
         [own.of(terms, prior.distances) for own in samples] for terms in (prior.terms, considered)
@@ -284,11 +282,12 @@ def _estimated(samples: Sequence[JointSamples], prior: Prior, seed: int) -> Curr
 def fit_without_each_path(
     records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior
 ) -> list[tuple[list[str], CurrentFit]]:
-    """Cross-fit: return fits without some paths and days, each with the recordings that it judges.
+    """Cross-fit: return fits without some paths and days, each with the names of the recordings
+    left out.
 
-    A prediction that judges a recording comes from a fit without its path, and without its day if
-    other days have enough paths. There are at most MAX_FOLDS fits: of many paths, several are left
-    out together; with a single path, there is none.
+    A recording is predicted by a fit without its path, and without its day if other days have
+    enough paths. There are at most MAX_FOLDS fits: of many paths, several are left out together;
+    with a single path, there is none.
     """
     path, day = record_paths(records), record_days(records)
     if path.max(initial=0) == 0:
@@ -306,9 +305,9 @@ def fit_without_each_path(
 
 
 def _with_bands(joint: JointFit, samples: JointSamples, prior: Prior, left: Array) -> JointFit:
-    """Return the fit of a joint with friction at rest, bands and remarks of its samples.
+    """Return the fit of a joint with friction at rest, bands and remarks from its samples.
 
-    left: what fits to others leave of these (n,) [A].
+    left: residuals (n,) [A] of the samples by fits to others.
     """
     estimate, coefficients = joint.estimate, joint.estimate.coefficients
     path, moving = samples.path, samples.moving
@@ -334,7 +333,9 @@ def _with_bands(joint: JointFit, samples: JointSamples, prior: Prior, left: Arra
 
 
 def _bands(samples: JointSamples, residual: Array, coulomb: float) -> Iterator[float]:
-    """Yield the bands [A] of a `JointFit` by `MotionState`; residual: (n,), coulomb: friction."""
+    """Yield the bands [A] of a `JointFit` by `MotionState`; residual: (n,) [A]; coulomb: friction
+    [A].
+    """
     for state, (usual, least) in enumerate(zip(UNSEEN_ERRORS, LEAST_ERRORS, strict=True)):
         rows = samples.state == state
         yield NORMAL95 * max(
@@ -346,10 +347,9 @@ def _bands(samples: JointSamples, residual: Array, coulomb: float) -> Iterator[f
 def unseen_error(residual: Array, path: Labels, day: Labels, usual: float) -> float:
     """Return the error σ [A] along one more path: ± 1.96 σ contain 95 %.
 
-    Residuals r (n,) along P paths, path: (n,) labels, of which 95 % are below 1.96 m, say little of
-    another path, for which a usual error u [A] is given: s² = m² + u² / P. Or s = m t / 1.96, where
-    that is less, with Student's t of the dates, day: (n,) labels, or of the paths of a single one.
-    Too few residuals say nothing.
+    σ = √(m² + u² / P), or m t / 1.96 if that is less. 95 % of the residuals (n,) are below 1.96 m;
+    u = usual [A]: error on an unseen path; P: number of paths; t: Student's, of the number of days,
+    or of paths if there is one day. path, day: (n,) labels. With fewer than MIN_SAMPLES, it is u.
     """
     if len(residual) < MIN_SAMPLES:
         return usual
@@ -384,7 +384,7 @@ def _remarks(
 
 
 def _few_paths(moved: int, measured: Effort) -> Iterator[Remark]:
-    """Yield what the number of paths on which a joint moves leaves open."""
+    """Yield a remark if a joint moves along too few paths; moved: their number."""
     if moved == 0:
         text = (
             f"does not move: its friction is unknown and its {measured.constant} is that of the "

@@ -1,4 +1,4 @@
-"""A recording as the fit of its motor currents uses it, and the prior of its torque constants."""
+"""Samples of a recording for the fit of its motor currents, and the prior of torque constants."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -26,22 +26,21 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.segments import by_segment, without_ends
 
-# Relative: of the maker's constants, and among joints with motors of one size.
+# Relative standard deviations: of the maker's constants, and among joints with motors of one size.
 MAKERS = 0.3, 0.1
-OF_URS = 0.0, 0.1  # the same of a UR's motors
-OF_TORQUES = 0.0, 0.05  # the same for gains of measured torques, which should be 1
+OF_URS = 0.0, 0.1  # as MAKERS, of a UR's motors
+OF_TORQUES = 0.0, 0.05  # as MAKERS, of gains of measured torques, which should be 1
 CONTROLLERS = 0.1  # the controller's ratio has this relative error
 
 
 def current_record(
     recording: AlignedRecording, arm: Robot, before: Sequence[Motion] = ()
 ) -> CurrentSamples | None:
-    """Return motion and currents as measured, and the torque of an arm's fullest link model and
-    the payload.
+    """Return measured motion and currents, with the torque of the fullest link model and the
+    payload.
 
-    before: the motions of the recordings before, oldest first, each of which begins where the one
-    before ended: they show to which side friction acts on the joints at the start. None where no
-    currents were recorded.
+    before: the motions of earlier recordings, oldest first, each starting where the previous one
+    ended: they show on which side friction acts at the start. None where no currents were recorded.
     """
     model, motion = arm.fullest_model(), recording.motion
     torque = recording.torques.measured[model] + recording.torques.payload_torque
@@ -59,7 +58,7 @@ def measured_samples(
     torque: Array,
     before: Sequence[Motion] = (),
 ) -> CurrentSamples | None:
-    """Return motion and currents as measured, with a torque (N, n) [Nm] of the rigid bodies.
+    """Return measured motion and currents, with a torque (N, n) [Nm] of the rigid bodies.
 
     before: as of `current_record`. None where no currents were recorded.
     """
@@ -82,8 +81,9 @@ def measured_samples(
 
 
 def shafts_of(arm: Robot, motion: Motion, before: Sequence[Motion] = ()) -> Shafts | None:
-    """Return the motion of the coupled motor that each joint turns with, None for an arm without.
-    It is the joint's own motor where that is coupled, else the one that turns most with it.
+    """Return the motion of the coupled motor of each joint, None for an arm without coupled motors.
+
+    It is the joint's own motor if that is coupled, otherwise the one that turns most with it.
     """
     if not arm.drives.coupling:
         return None
@@ -113,9 +113,9 @@ class Smoother:
 
 
 def controllers_ratio(signals: Signals, motion: Motion, odd: Sequence[int] = ()) -> Array:
-    """Return the controller's own torque constants (6,) [Nm/A], NaN where undetermined.
+    """Return the controller's own torque constants (n,) [Nm/A], NaN where undetermined.
 
-    odd: joints from 1 with a `target_current` that is not that of their motors.
+    odd: joints, from 1, with a `target_current` that does not belong to their motors.
     """
     if signals.target_moment is None or signals.target_current is None:
         return np.full(motion.q.shape[1], np.nan)
@@ -125,7 +125,7 @@ def controllers_ratio(signals: Signals, motion: Motion, odd: Sequence[int] = ())
 
 
 def prior_of(robot: Robot, ratios: Sequence[Array]) -> Prior:
-    """Return the prior of an arm; friction is unknown but of a UR's motors.
+    """Return the prior of an arm; friction is unknown, except of a UR's motors.
 
     Torque constants come from the manufacturer, and from the controller's ratios (n,) [Nm/A] of
     recordings. Raises RefusalError if they do not suffice.

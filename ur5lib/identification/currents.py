@@ -29,7 +29,7 @@ from ur5lib.robots.friction import OPTIONAL_TERMS, TERMS, JointMotion, coefficie
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
-MAX_GAIN_HALF = 0.05  # a measured torque's gain, 1 before, has at most this half of a 95 % interval
+MAX_GAIN_HALF = 0.05  # a gain is determined if its 95 % interval has at most this half-width
 # Standard deviation of a joint's friction from day to day, relative, where recordings of one day do
 # not show it. On seven dates of a UR10e, it is 0.06 on the most different date and 0.035 on all.
 DAY_TO_DAY_STD = 0.07
@@ -41,27 +41,27 @@ RUN_TO_RUN_STD = 0.03
 SAME_DAY_STD, DAILY_STD = 0.006, 0.0084
 SEASON = 140.0  # recordings without dates count as this many days apart
 MIN_BREAKAWAY_TORQUE = 0.1  # Nm
-PASSIVE = "coulomb", "viscous", "rotor"  # these would drive the joint if they were below zero
+PASSIVE = "coulomb", "viscous", "rotor"  # below zero, these would drive the joint
 POSITIVE = ("torque_constant", *(f"{of}{name}" for of in ("", "coupled_") for name in PASSIVE))
 OPTIONAL_COEFFICIENTS = coefficient_names(OPTIONAL_TERMS)
 
 
 def torque_constants(fit: CurrentFit) -> Array:
-    """Return the torque constants (6,) [Nm/A] of the joints."""
+    """Return the torque constants (n,) [Nm/A] of the joints."""
     return 1 / np.array([joint.estimate.coefficients[0] for joint in fit.joints])
 
 
 def constants_band(fit: CurrentFit) -> Array:
-    """Return half of the relative 95 % intervals (6,) of the torque constants over 1.96.
+    """Return the half-width of the relative 95 % intervals (n,) of the torque constants, over 1.96.
 
-    With few paths, that is more than `constants_doubt`: their standard errors are uncertain, too.
+    With few paths, it is more than `constants_doubt`: the standard errors are uncertain, too.
     """
     shares = np.array([joint.estimate.prior_share[0] for joint in fit.joints])
     return half_width(constants_doubt(fit), fit.units, shares) / NORMAL95
 
 
 def constants_doubt(fit: CurrentFit) -> Array:
-    """Return the relative standard errors (6,) of the torque constants."""
+    """Return the relative standard errors (n,) of the torque constants."""
     errors = np.array([joint.estimate.std_error[0] for joint in fit.joints])
     return np.abs(errors / torque_constants(fit))
 
@@ -79,9 +79,9 @@ def breakaway_torque(fit: CurrentFit) -> Array:
 
 
 def dry_friction(terms: tuple[str, ...], values: Array) -> float:
-    """Return the Coulomb friction of a joint and of the coupled motor's shaft that it turns with.
+    """Return the Coulomb friction of a joint, with that of the coupled shaft that it turns with.
 
-    values: (P,), constant, offset and friction's coefficients [A] or [Nm], as the result.
+    values: (P,), constant, offset and friction's coefficients, in [A] or [Nm], as the result.
     """
     friction = dict(zip(coefficient_names(terms), values[2:].tolist(), strict=True))
     return max(0.0, friction["coulomb"]) + abs(friction.get("coupled_coulomb", 0.0))
@@ -109,7 +109,7 @@ def predicted_currents(fit: CurrentFit, joints: Iterable[JointMotion]) -> Array:
 
 
 def friction_current(fit: CurrentFit, record: CurrentSamples) -> Array:
-    """Return the part (N, 6) [A] of the predicted current that friction takes in motion."""
+    """Return the friction part (N, n) [A] of the predicted current in motion."""
     currents = [
         columns_of(motion, model.terms)[:, 2:] @ model.estimate.coefficients[2:]
         for model, motion in zip(fit.joints, motions(record), strict=True)
@@ -118,7 +118,7 @@ def friction_current(fit: CurrentFit, record: CurrentSamples) -> Array:
 
 
 def spring_current(fit: CurrentFit, record: CurrentSamples) -> Array:
-    """Return the part (N, n) [A] of the predicted current that springs and counterbalances take."""
+    """Return the part (N, n) [A] of the predicted current from springs and counterbalances."""
     currents = []
     for model, motion in zip(fit.joints, motions(record), strict=True):
         is_spring = np.array([name.startswith("balance") for name in model.names()])
@@ -127,7 +127,7 @@ def spring_current(fit: CurrentFit, record: CurrentSamples) -> Array:
 
 
 def load_loss(fit: CurrentFit, record: CurrentSamples) -> Array:
-    """Return load-dependent friction per Nm that the gears transmit (N, 6), with its sign."""
+    """Return the load-dependent friction per Nm of transmitted torque (N, n), with its sign."""
     loss = np.empty_like(record.q)
     for joint, (model, constant) in enumerate(zip(fit.joints, torque_constants(fit), strict=True)):
         coefficient = constant * model.estimate.coefficients[model.names().index("load")]
@@ -136,7 +136,7 @@ def load_loss(fit: CurrentFit, record: CurrentSamples) -> Array:
 
 
 def band(fit: CurrentFit, record: CurrentSamples, smooth: Smooth) -> Array:
-    """Return half the 95 % band (N, n) [A] of low-passed predictions on the day of a record."""
+    """Return the half-width (N, n) [A] of the 95 % band of low-passed predictions on a day."""
     by_state = np.array([joint.bands for joint in fit.joints])
     within = np.choose(motion_states(record, smooth), by_state.T[:, None])
     # without any date, a recording that follows another one is of its session
@@ -149,12 +149,12 @@ def band(fit: CurrentFit, record: CurrentSamples, smooth: Smooth) -> Array:
 
 
 def friction_std(days: float) -> float:
-    """Return by how much friction differs after some days, a relative standard deviation."""
+    """Return the relative standard deviation of friction after some days: σ² = a² + b² d."""
     return float(np.sqrt(SAME_DAY_STD**2 + DAILY_STD**2 * days))
 
 
 def days_apart(day: str, others: Iterable[str]) -> float:
-    """Return the days from a date to the nearest of others, ISO 8601; a SEASON if unknown."""
+    """Return the days from a date to the nearest of others (ISO 8601), or SEASON if unknown."""
     known = [date.fromisoformat(other) for other in others if other and day]
     return float(
         min((abs(date.fromisoformat(day) - other).days for other in known), default=SEASON)
@@ -162,7 +162,7 @@ def days_apart(day: str, others: Iterable[str]) -> float:
 
 
 def _coefficients_doubt(fit: CurrentFit, record: CurrentSamples) -> Array:
-    """Return the standard deviation (N, 6) [A] of a prediction by the coefficients' doubt."""
+    """Return the standard deviation (N, n) [A] of a prediction from errors of the coefficients."""
     doubts = np.zeros_like(record.q)
     for joint, (model, motion) in enumerate(zip(fit.joints, motions(record), strict=True)):
         if model.doubt is not None:
@@ -174,11 +174,11 @@ def _coefficients_doubt(fit: CurrentFit, record: CurrentSamples) -> Array:
 def unseen_difference(
     estimate: CoefficientEstimate, days: int, recordings: int, paths: int
 ) -> Array:
-    """Return by how much parameters (P,) differ from those of all days, a standard deviation.
+    """Return the standard deviation (P,) of parameters between the fitted days and all days.
 
-    Friction F of D days and R recordings differs by F √(σ_day² / D + σ_run² / R), as far as
-    recordings determined it. A bootstrap over U paths contains the deviations as if each path had a
-    day of its own: σ_day² (1 / D - 1 / U) remains.
+    Friction F of D days and R recordings differs by F √(σ_day² / D + σ_run² / R), reduced by the
+    share of the prior. A bootstrap over U paths contains the deviations as if each path had a day
+    of its own: σ_day² (1 / D - 1 / U) remains.
     """
     if paths < MIN_UNITS:  # the bootstrap is over stretches
         variance = DAY_TO_DAY_STD**2 / days + RUN_TO_RUN_STD**2 / recordings
@@ -193,9 +193,9 @@ def unseen_difference(
 def parameters(fit: CurrentFit, measured: Effort = CURRENT) -> list[Parameter]:
     """Return torque constants [Nm/A], offsets [Nm] and friction [Nm, Nm s/rad, ...].
 
-    measured: torques have gains [Nm/Nm] in place of constants, which are determined within 5 %;
-    their offsets, friction and rotors are determined where the sign is. A parameter that drives the
-    joint is not determined.
+    measured: torques have gains [Nm/Nm] in place of constants, determined within MAX_GAIN_HALF;
+    their offsets, friction and rotors are determined if their sign is. A parameter with a sign that
+    would drive the joint is not determined.
     """
     friction = ["offset", *coefficient_names([*TERMS])]
     signed = ["torque_constant", *(friction if measured == TORQUE else ())]
@@ -209,7 +209,7 @@ def parameters(fit: CurrentFit, measured: Effort = CURRENT) -> list[Parameter]:
         for name, *numbers in zip(model.names(), *columns, strict=True):
             value, error, low, high, prior, arm, day, run = numbers
             if name in OPTIONAL_COEFFICIENTS and prior > MAX_PRIOR_SHARE:
-                continue  # of other joints than this
+                continue  # this joint lacks the term
             # the sign must be determined, too
             has_sign = name not in signed or low > 0 or high < 0
             is_possible = name not in POSITIVE or value > 0

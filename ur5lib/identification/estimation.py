@@ -26,13 +26,13 @@ from ur5lib.records.friction import CoefficientEstimate
 from ur5lib.robots.friction import BASE_TERMS, coefficient_names
 from ur5lib.timeseries.arrays import Array, Labels
 
-VAGUE_PRECISION_SHARE = 1e-6  # this share of a precision leaves a value to the data
+VAGUE_PRECISION_SHARE = 1e-6  # with this share of its precision, a prior leaves a value to the data
 
 
 def estimate_together(
     samples: Sequence[JointSamples], prior: Prior, seed: int = 0
 ) -> tuple[list[CoefficientEstimate], int]:
-    """Estimate all joints; return the estimates and the number of units of the bootstrap.
+    """Estimate all joints; return the estimates and the number of the bootstrap's units.
 
     Units are paths, or stretches if paths are few; without motion, stretches of postures.
     """
@@ -77,13 +77,13 @@ def estimate_together(
 def shares_of_knowledge(
     prior_share: Array, covariance: Array, equations: Array, record: Labels, day: Labels
 ) -> Array:
-    """Return the shares (4, P) of the information on a joint's coefficients, with the sum one.
+    """Return the shares (4, P) of the information on a joint's coefficients, which add up to one.
 
-    They come from the prior; recordings of other days than the recording r that shows most; others
-    of its day; r. The prior's share is the diagonal of M⁻¹ Λ (Rodgers 2000), Λ its information and
-    M that of all; the rest is divided as the recordings' parts of the variance, the diagonals of
-    M⁻¹ I M⁻¹. covariance: M⁻¹ (P, P) of the joint; equations: `block_sums`; record, day: (count,)
-    labels of the blocks.
+    They come from: the prior; recordings of other days than that of the most informative recording
+    r; others of its day; r. The prior's share is the diagonal of M⁻¹ Λ (Rodgers 2000), Λ the
+    prior's precision, M that of the posterior; the rest is divided in proportion to the recordings'
+    parts of the variance, the diagonals of M⁻¹ I M⁻¹. covariance: M⁻¹ (P, P) of the joint;
+    equations: `block_sums`; record, day: (count,) labels of the blocks.
     """
     # (count, P)
     block_variance = np.einsum("ij,bjk,ki->bi", covariance, equations[..., :-1], covariance)
@@ -103,8 +103,8 @@ def with_fuller_errors(
 ) -> CoefficientEstimate:
     """Return an estimate with standard errors that contain the effect of further terms.
 
-    fuller: the estimate with these terms after the others. The result's standard errors are those
-    of the fuller estimate and the difference of both, added in quadrature.
+    fuller: the estimate with these terms after the others. The errors are those of `fuller` and the
+    difference of both estimates, in quadrature.
     """
     value, fuller_value = (
         physical_values(estimate.coefficients),
@@ -127,8 +127,8 @@ def physical_values(coefficients: Array) -> Array:
 class NormalEquations:
     """The information of samples on the joints' coefficients, block by block.
 
-    sums: `block_sums` of each joint; unit: of each block, -1 for one without samples; record, day:
-    its labels, zero for one without samples.
+    sums: `block_sums` of each joint; unit: label of each block, -1 if it has no samples; record,
+    day: labels of each block, 0 if it has no samples.
     """
 
     sums: list[Array]
@@ -142,7 +142,7 @@ class NormalEquations:
 
 
 def _in_motion(samples: Sequence[JointSamples], prior: Prior) -> NormalEquations | None:
-    """Return the equations of samples in motion; None without any joint's."""
+    """Return the equations of samples in motion; None without samples."""
     if not samples:
         return None
     count = 1 + max(int(joint.block.max(initial=0)) for joint in samples)
@@ -164,7 +164,7 @@ def _in_motion(samples: Sequence[JointSamples], prior: Prior) -> NormalEquations
 def _at_rest(terms: Sequence[str], prior: Prior) -> NormalEquations | None:
     """Return the equations of torque constants by postures at rest, each a block; None without any.
 
-    A recording of them counts as a day of its own.
+    Each recording counts as a day.
     """
     postures = prior.at_rest
     if postures is None:
@@ -174,7 +174,7 @@ def _at_rest(terms: Sequence[str], prior: Prior) -> NormalEquations | None:
     for joint in range(postures.torque.shape[1]):
         joint_prior, design = prior.of_joint(joint), postures.torque[:, joint, None]
         current, noise = postures.current[:, joint], joint_prior.noise_at_rest()
-        # regardless of the prior, or what contradicts it would count as noise
+        # without the prior: otherwise, contradictions of it would count as noise
         vague = Normal(
             joint_prior.inverse_constant.mean,
             VAGUE_PRECISION_SHARE * joint_prior.inverse_constant.precision,
@@ -188,7 +188,7 @@ def _at_rest(terms: Sequence[str], prior: Prior) -> NormalEquations | None:
 
 
 def _labels(parts: Sequence[Labels]) -> Labels:
-    """Return the labels of all parts, none of which is that of another part."""
+    """Return the labels of all parts, shifted so that no two parts share one."""
     firsts = np.cumsum([0, *(labels.max() + 1 for labels in parts[:-1])])
     return np.concatenate([first + labels for first, labels in zip(firsts, parts, strict=True)])
 

@@ -1,4 +1,4 @@
-"""Which of an arm's parameters recordings determine, and which motions would determine the rest."""
+"""The parameters of an arm that recordings determine, and motions that would determine the rest."""
 
 from collections import defaultdict
 from collections.abc import Iterator
@@ -33,8 +33,8 @@ def candidate_motions(
 ) -> dict[str, Motion]:
     """Return motions of n joints by name, (count, n) each: q, q̇, q̈ [rad, rad/s, rad/s²].
 
-    No joint moving, one joint moving, two at the same time, and all: each in random poses over the
-    whole range, at random velocities up to `speed` and accelerations up to `acceleration`.
+    No joint, one, two, or all move at a time, in random poses over the whole range, at random
+    velocities up to `speed` and accelerations up to `acceleration`.
     """
     random = np.random.default_rng(0)
     limits = np.array([np.pi, speed, acceleration])[:, None, None]
@@ -53,11 +53,12 @@ def candidate_motions(
 def check_excitation(
     data: Stack, base: BaseParameters, width: Array, noise: Array, candidates: dict[str, Array]
 ) -> Excitation:
-    """Check which base parameters are determined at a noise (n,) [Nm], independent in each sample.
+    """Determine the base parameters that data show at a noise (n,) [Nm], independent between
+    samples.
 
     width: (P,), standard deviations of the prior; candidates: regressors (N, n, P) of
-    `candidate_motions`. A parameter counts as determined if less than a hundredth of its variance
-    comes from the prior. A fit may determine less, because its errors are correlated.
+    `candidate_motions`. A parameter is determined if less than MAX_PRIOR_VARIANCE_SHARE of its
+    variance comes from the prior. A fit may determine less, because its errors are correlated.
     """
     rows = total_factors(data)
     undetermined = ~_determined_parameters(rows, base, width, noise)
@@ -76,18 +77,18 @@ def check_excitation(
 
 
 def _rows(regressor: Array) -> Array:
-    """Return rows (n, N, P + 1) of each joint, with torques of zero, which do not matter here."""
+    """Return rows (n, N, P + 1) of each joint; the torques are zero, as they do not matter here."""
     return np.pad(regressor.swapaxes(0, 1), ((0, 0), (0, 0), (0, 1)))
 
 
 def _determined_parameters(rows: Array, base: BaseParameters, width: Array, noise: Array) -> Mask:
-    """Return which base parameters (B,) rows (n, N, P + 1) determine."""
+    """Return the mask (B,) of base parameters that rows (n, N, P + 1) determine."""
     _, spread = solve(rows, noise, np.zeros(len(width)), width)
     return prior_share(base.groups, spread, width) <= MAX_PRIOR_VARIANCE_SHARE
 
 
 def _combinations(rows: Array, base: BaseParameters, width: Array, noise: Array) -> int:
-    """Return the number of directions in which the variance falls to a hundredth of the prior's."""
+    """Return the number of directions with a hundredth of the prior's variance or less."""
     _, spread = solve(rows, noise, np.zeros(len(width)), width)
     prior_root, posterior_root = base.groups * width, base.groups @ spread
     ratio = eigh(posterior_root @ posterior_root.T, prior_root @ prior_root.T, eigvals_only=True)
@@ -110,7 +111,7 @@ def _condition(weighted: Array, base: BaseParameters, width: Array) -> dict[str,
 
 
 def _advice(base: BaseParameters, unknown: Mask, determined: dict[str, Mask]) -> Iterator[Remark]:
-    """Yield the motion that determines most of the unknown, then the next one."""
+    """Yield the motion that determines most of the unknown parameters, then the next one."""
     undetermined = unknown
     while undetermined.any():
         motion = max(determined, key=lambda name: int(np.sum(undetermined & determined[name])))

@@ -1,4 +1,4 @@
-"""What torques show of rigid bodies: base parameters, errors, excitation."""
+"""Rigid bodies by torques: base parameters, errors, excitation."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -20,7 +20,7 @@ from ur5lib.records.models import BaseParameter, Identification
 from ur5lib.timeseries.arrays import Array
 
 TORQUE_RESOLUTION = 1e-3  # Nm: noise of a torque in the excitation check
-SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²; it may suggest motions up to these
+SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²; limits of suggested motions
 
 
 class RigidLinks(Protocol):
@@ -53,7 +53,7 @@ def identification(
 
 
 def candidate_regressors(models: Sequence[RigidLinks]) -> dict[str, Array]:
-    """Return the regressors (N, n, P) of motions that may be suggested, under all gravities."""
+    """Return the regressors (N, n, P) of candidate motions by name, under all gravities."""
     joints = len(models[0].parameters) // PARAMETERS_PER_JOINT
     return {
         name: np.concatenate([model.regressor(*motion) for model in models])

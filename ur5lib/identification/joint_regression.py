@@ -18,22 +18,22 @@ from ur5lib.identification.samples import JointSamples, apart_from
 from ur5lib.timeseries.arrays import Array, Mask
 
 HELD_FRICTION_SHARE = -0.45  # `held_current` over Coulomb friction: median of four arms' 24 joints
-MAX_FOLDS = 10  # cross-fitting has at most this many
+MAX_FOLDS = 10  # cross-fitting has at most this many folds
 MIN_SAMPLES = 20  # an error is stated from this many samples (2 s) on
 
 
 def left_out_residuals(samples: JointSamples, prior: Prior) -> Array:
-    """Return measured minus predicted current (n,) [A], each path predicted from others.
+    """Return measured minus predicted current (n,) [A]; each path is predicted by fits to other
+    paths.
 
-    They are of other days, too, if these have enough paths. A single path is predicted from itself.
+    These are of other days, too, if those have enough paths. A single path is predicted from
+    itself.
     """
     return unseen_residuals(samples, [*fits_to_others(samples, prior)])
 
 
 class LeftOutFit(NamedTuple):
-    """Samples that are left out (n,), those that are fitted to, and the coefficients (P,) of these
-    in motion.
-    """
+    """Masks (n,) of left-out and of fitted samples, and the coefficients (P,) fitted in motion."""
 
     test: Mask
     fitted: Mask
@@ -41,7 +41,7 @@ class LeftOutFit(NamedTuple):
 
 
 def fits_to_others(samples: JointSamples, prior: Prior) -> Iterator[LeftOutFit]:
-    """Yield fits to what shares neither path nor day with samples, at most MAX_FOLDS together."""
+    """Yield at most MAX_FOLDS fits to samples that share neither path nor day with the others."""
     fold = np.unique(samples.path, return_inverse=True)[1] % MAX_FOLDS
     for left_out in np.unique(fold):
         test = fold == left_out
@@ -61,7 +61,7 @@ def unseen_residuals(samples: JointSamples, fits: Sequence[LeftOutFit]) -> Array
 
 
 def regress_samples(samples: JointSamples, prior: Prior, fitted: Mask | bool = True) -> Regression:
-    """Fit torque, offset and friction to the samples in motion; fitted: (n,), to which, or all."""
+    """Fit torque, offset and friction to the samples in motion; fitted: mask (n,), or all."""
     rows = np.flatnonzero(samples.moving & fitted)
     columns, current = (own.take(rows, axis=0) for own in (samples.columns, samples.current))
     prior_and_noise = prior.over(samples.terms), float(prior.noise()[0])
@@ -71,16 +71,16 @@ def regress_samples(samples: JointSamples, prior: Prior, fitted: Mask | bool = T
 def held_current(
     samples: JointSamples, coefficients: Array, fitted: Mask | slice = slice(None)
 ) -> Array:
-    """Return the currents s (1 + D,) [A] of friction at rest beyond that in motion, of any sign;
-    fitted: (n,), samples to which they are fitted, by default all.
+    """Return the currents s (1 + D,) [A] of friction at rest in addition to friction in motion.
 
-    Huber's estimate of s in residual = H s, over the samples at rest. Friction differs from stop to
-    stop, and one shows little of s: HELD_FRICTION_SHARE of Coulomb friction, and nothing over other
-    distances, counts as one more, of mean length.
+    Huber's estimate of s in residual = H s over the samples at rest, of any sign. Friction differs
+    from stop to stop, and one stop shows little of s. A prior therefore counts as one more stop of
+    mean length: HELD_FRICTION_SHARE of Coulomb friction, and zero over other distances. fitted:
+    (n,), samples used, by default all.
     """
     rows = np.arange(len(samples.current))[fitted]
     moving, record = samples.moving[rows], samples.record[rows]
-    # the same from each motion of the joint, or start of a recording, to the next
+    # label of each stop; a motion of the joint or the start of a recording begins another
     stop = np.cumsum(moving | (np.diff(record, prepend=0) != 0))[~moving]
     resting = rows[~moving]
     held = samples.held[resting]

@@ -1,9 +1,9 @@
 """Links, rotors, gears and counterbalances of an arm from its measured torques alone.
 
-Where a description has placeholders for an arm's links, torques show them together with the
-friction of its joints. Paths that no fit has seen show on which joint a counterbalance acts: it
-pulls like a mass that no link has, so that it shows only where bodies of the arm's shape and weight
-cannot explain gravity.
+Where a description has placeholders for an arm's links, they are fitted to torques together with
+the friction of its joints. Left-out paths show on which joint a counterbalance acts: it pulls like
+a mass that no link has, so it shows only where bodies of the arm's shape and weight cannot explain
+gravity.
 """
 
 from collections.abc import Collection, Sequence
@@ -38,12 +38,12 @@ from ur5lib.robots.inertia import link_tail, shift_inertia
 from ur5lib.robots.statics import STANDARD_GRAVITY
 from ur5lib.timeseries.arrays import Array, Mask
 
-JOINT_TERMS = ("coulomb", "viscous", *SPEED_TERMS)  # those that need no link model
+JOINT_TERMS = ("coulomb", "viscous", *SPEED_TERMS)  # terms that need no link model
 FOLDS = 5
-# What a balance takes at least off the squared error of its joint on unseen paths, and by how many
-# standard errors over the folds.
+# A balance reduces its joint's squared error on unseen paths by at least this share, and by this
+# many standard errors over the folds.
 MIN_SHARE, MIN_DEVIATIONS = 0.05, 2.0
-# Squared error with bodies over that with any numbers: the largest one of a joint with a
+# Largest ratio of squared errors, links as bodies over unconstrained: of a joint with a
 # counterbalance, and of others of a right arm (a UR3 with currents without its rotors has 3.4).
 MAX_ERROR_OF_BALANCED, MAX_ERROR_OF_BODIES = 1.5, 10.0
 # A centre of mass lies between its link's joints, or beyond them by a share of the arm's length.
@@ -51,10 +51,10 @@ CENTER_MARGIN_SHARE = 0.12
 
 
 class FittedArm(NamedTuple):
-    """What measured torques show of an arm.
+    """Links, rotors and counterbalances by measured torques.
 
-    parameters: π (P,) of links and rotors as bodies; estimate: without that constraint; mae: of
-    the torques (n,) [Nm], with and without that constraint; balanced: joints from 1 with a
+    parameters: π (P,) of links and rotors as bodies; estimate: without that constraint; mae: of the
+    torques (n,) [Nm], with and without that constraint; balanced: joints from 1 with a
     counterbalance.
     """
 
@@ -65,10 +65,10 @@ class FittedArm(NamedTuple):
 
 
 def fit_arm(robot: Robot, runs: Sequence[MeasuredRun], smooth: Smoother) -> FittedArm:
-    """Return the links, rotors and counterbalances that torques show; described ones are kept.
+    """Fit links, rotors and counterbalances to torques; described counterbalances are kept.
 
-    Raises RefusalError where there are too few rows, or no bodies explain the torques, as of the
-    opposite sign.
+    Raises RefusalError where there are too few rows, or no bodies explain the torques, as with a
+    reversed sign.
     """
     terms = [*JOINT_TERMS, *(["coupled"] if robot.drives.coupling else [])]
     fit = ArmFit(robot, torque_rows(runs, terms, smooth, shaft_matrix(robot)), terms)
@@ -108,7 +108,7 @@ class ArmFit:
     def unseen_errors(self, places: Sequence[int], bounds: LinkBounds | None) -> Array:
         """Return Σ e² / σ² of each left-out fold of units and each joint, (FOLDS, n).
 
-        bounds: of bodies, None where links need not be any.
+        bounds: of bodies; None: links need not be bodies.
         """
         fold, errors = np.arange(len(self.stack.samples)) % FOLDS, []
         for left_out in np.unique(fold):
@@ -123,8 +123,8 @@ class ArmFit:
     def balanced_joints(self, terms: Sequence[str]) -> list[int]:
         """Return the joints, from 1, on which only a counterbalance explains gravity.
 
-        Without the constraint that links are bodies, it would explain nothing more: it pulls as the
-        first moment of a link does.
+        If links need not be bodies, a counterbalance explains nothing more: it acts as a link's
+        first moment does.
         """
         chosen, limits = list[int](), (MIN_SHARE, MIN_DEVIATIONS)
         free = self.unseen_errors(self.rows.places(terms), None)
@@ -144,7 +144,7 @@ class ArmFit:
             chosen, errors = [*chosen, best], trials[best]
 
     def expect_bodies(self, places: Sequence[int]) -> None:
-        """Raise RefusalError where bodies leave far more of joints than any numbers would."""
+        """Raise RefusalError where bodies have far larger errors than unconstrained parameters."""
         any_numbers, bodies = (self.unseen_errors(places, own) for own in (None, self.bounds))
         far = 1 + np.flatnonzero(ratio(bodies, any_numbers) > MAX_ERROR_OF_BODIES)
         if len(far):
@@ -157,16 +157,16 @@ class ArmFit:
 
 
 def ratio(errors: Array, others: Array) -> Array:
-    """Return how many times squared errors (F, n) of folds and joints are as large as others."""
+    """Return the ratio (n,) of squared errors (F, n), summed over folds, to others."""
     times: Array = errors.sum(axis=0) / others.sum(axis=0)
     return times
 
 
 def with_bodies(value: Array, spread: Array, size: int, bounds: LinkBounds) -> Array:
-    """Return coefficients (C,) of which the first `size`, the links', are those of bodies.
+    """Return coefficients (C,) of which the first `size`, those of links, are bodies.
 
-    value, S = spread: estimate and its covariance S Sᵀ. They are the nearest in its metric: the
-    rest follows the links by their covariance.
+    value: (C,), estimate; spread: S of its covariance S Sᵀ. The result is nearest in the metric of
+    S Sᵀ; the rest moves with the links by their covariance.
     """
     root = marginal_root(spread, size)
     parameters = nearest_bodies(value[:size], root, bounds)
@@ -177,13 +177,15 @@ def with_bodies(value: Array, spread: Array, size: int, bounds: LinkBounds) -> A
 
 
 def marginal_root(spread: Array, size: int) -> Array:
-    """Return R (size, size) with R Rᵀ the covariance of the first coefficients of S Sᵀ."""
+    """Return R (size, size): R Rᵀ is the covariance of the first `size` coefficients, S =
+    spread.
+    """
     triangle = np.asarray(np.linalg.qr(spread[:size].T, mode="r"), dtype=np.float64)
     return triangle.T
 
 
 def of_links(estimate: InertialEstimate, size: int) -> InertialEstimate:
-    """Return the part of an estimate that are the inertial parameters of links and rotors."""
+    """Return the part of an estimate with the inertial parameters of links and rotors."""
     return replace(
         estimate,
         parameters=estimate.parameters[:size],
@@ -195,14 +197,14 @@ def of_links(estimate: InertialEstimate, size: int) -> InertialEstimate:
 
 
 def arm_prior(robot: Robot, rows: TorqueRows) -> tuple[Array, Array]:
-    """Return mean and standard deviation (P,) of all columns' coefficients before the data.
+    """Return the prior's mean and standard deviation (P,) of all columns' coefficients.
 
     Half the arm's weight in equal links, m ± m each, with their centres midway; moments ± m L / 4,
     inertias ± m L² and rotors m L² ± m L² of an arm of length L; all else 0 ± the largest torque.
     """
     tails = [link_tail(pose)[1] for pose in robot.link_poses()]
     length, largest = float(np.linalg.norm(tails, axis=1).sum()), rows.largest_torque()
-    # where the weight is not described, that which the largest torque carries at full length
+    # without a described weight: what the largest torque carries at full length
     weight = robot.weight or float(largest.max()) / (STANDARD_GRAVITY * length)
     mass, square = weight / (2 * rows.joints), weight / (2 * rows.joints) * length**2
     links = [_uniform_link(mass, tail, 0.01 * square) for tail in tails]
@@ -224,7 +226,7 @@ def _uniform_link(mass: float, tail: Array, inertia: float) -> list[float]:
 
 
 def link_bounds(robot: Robot) -> LinkBounds:
-    """Return where links' centres of mass may lie, and their weight, as far as it is described."""
+    """Return bounds of the links' centres of mass, and of their weight if it is described."""
     tails = np.array([link_tail(pose)[1] for pose in robot.link_poses()])
     margin = CENTER_MARGIN_SHARE * np.linalg.norm(tails, axis=1).sum()
     low, high = np.minimum(tails, 0) - margin, np.maximum(tails, 0) + margin

@@ -1,7 +1,7 @@
 """The payload's mass from motor currents alone.
 
 A payload adds a torque that is linear in its mass and first moments. Friction grows with the
-torque, too, so both are estimated alternately. Unloaded runs show by how much its errors must grow.
+torque, too, so both are estimated alternately. Apparent loads of unloaded runs scale the errors.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -27,12 +27,12 @@ from ur5lib.robots.friction import GEAR_EFFICIENCY_STD, JointMotion
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.metrics import NORMAL95
 
-FRICTION_ROUNDS = 5  # load and friction are estimated in turn so often
-PAYLOAD_DRAWS = 50  # the bootstrap has this many
+FRICTION_ROUNDS = 5  # load and friction are estimated in turn, this many times
+PAYLOAD_DRAWS = 50  # replicates of the bootstrap
 UNSCALED_TORQUE_ERROR = 0.3  # relative error of a joint's torque under a load, before it is scaled
-SCALED_TORQUE_ERROR = 0.1  # the same after it is scaled
-RUN_PARTS = 3  # a run has this many, each of which must show the load
-AXIS_TOLERANCE = 1e-9  # what is shorter than this share of the longest principal axis is rounding
+SCALED_TORQUE_ERROR = 0.1  # relative error of a joint's torque under a load, after it is scaled
+RUN_PARTS = 3  # a run has this many parts, each of which must show the load
+AXIS_TOLERANCE = 1e-9  # shorter axes, relative to the longest principal one, are rounding
 PAYLOAD_PRIOR_STD = 100.0  # kg, kg m
 Maps = Sequence[Array]  # coefficients (P,) of each joint, as fitted or drawn
 
@@ -42,8 +42,9 @@ class PayloadEstimate:
     """Estimated payload.
 
     parameters, std_error: (P,), of the regressor's columns [kg, kg m, ...], the mass first; errors
-    from the bootstrap over the run's blocks and over the fit, without the variation between runs;
-    parts: masses [kg] from each part of the run alone. All are empty where nothing was estimated.
+    are from the bootstrap over the run's blocks and over the fit, without the variation between
+    runs; parts: masses [kg] from each part of the run alone. All are empty where nothing was
+    estimated.
     """
 
     parameters: Array = field(default_factory=lambda: np.zeros(0))
@@ -57,11 +58,11 @@ class PayloadEstimate:
 
 
 def error_growth(parameters: Array, std_error: Array, paths: int) -> Array:
-    """Return the factor (P,) by which standard errors grow to cover unloaded runs' apparent loads.
+    """Return the factor (P,) on standard errors that covers apparent loads of unloaded runs.
 
-    parameters x, std_error s: (R, P), of unloaded runs, each under a fit without it; paths: number
-    of their trajectories. Birge's ratio √(Σ (x/s)² / Σ (1 - s²/σ²)), where a prior of 0 ± σ leaves
-    a run that share of its error, is at least one; for few paths, Student's t multiplies it.
+    Birge's ratio √(Σ (x/s)² / Σ (1 - s²/σ²)), at least one, times Student's t / 1.96 for few paths.
+    parameters x, std_error s: (R, P), of unloaded runs, each under a fit without it; 0 ± σ: prior;
+    paths: number of their trajectories.
     """
     known = std_error > 0
     deviations = np.divide(parameters, std_error, out=np.zeros_like(parameters), where=known)
@@ -72,7 +73,7 @@ def error_growth(parameters: Array, std_error: Array, paths: int) -> Array:
 
 
 def judge(payload: PayloadEstimate, growth: float) -> LoadEstimate:
-    """Return the load with its total error; growth: of the mass's, see `error_growth`."""
+    """Return the load with its total error; growth: factor on the mass's, see `error_growth`."""
     mass = float(payload.parameters[0])
     error = float(np.hypot(growth * payload.std_error[0], GEAR_EFFICIENCY_STD * mass))
     half = error * NORMAL95
@@ -89,8 +90,8 @@ def judged_load(
 ) -> JudgedLoad:
     """Return the undeclared load; it is taken if it is certain.
 
-    unloaded: payloads of the recordings to fit on, of so many paths; configured: mass of the given
-    payload [kg]; may_be_taken: false where the study declares that payload, and in a recording to
+    unloaded: payloads of the recordings to fit on, along `paths` paths; configured: mass of the
+    given payload [kg]; may_be_taken: false if the study declares that payload, or in a recording to
     fit on, where the payload is taken as given.
     """
     growth = np.ones_like(payload.parameters)
@@ -117,10 +118,10 @@ def judged_load(
 
 
 def joint_gains(external_torque: Array, load: Array, count: int) -> Array:
-    """Return the relative error (6,) of each joint's torque under a load.
+    """Return the relative error (n,) of each joint's torque under a load.
 
-    external_torque: (N, 6) [Nm], without the load's torque; load: the load's torque, low-passed
-    alike; count: number of independent values among the samples. The torque constants of joints
+    external_torque: (N, n) [Nm], without the load's torque; load: the load's torque, with the same
+    low-pass; count: number of independent values among the samples. The torque constants of joints
     that carry little are uncertain. Least squares with a prior of 0 ± UNSCALED_TORQUE_ERROR.
     """
     finite = np.isfinite(external_torque + load).all(axis=1)
@@ -192,8 +193,9 @@ def estimate_payload(
 
 
 def _replicates(joint: JointFit, whole: JointFit) -> Array:
-    """Return a joint's coefficients with the errors of another fit, (B, P): a term that this lacks
-    has none.
+    """Return replicates (B, P): a joint's coefficients plus the bootstrap errors of another fit.
+
+    Terms that the other fit lacks have no error.
     """
     estimate, names = whole.estimate, whole.names()
     errors = dict(zip(names, (estimate.replicates - estimate.coefficients).T, strict=True))
@@ -203,7 +205,7 @@ def _replicates(joint: JointFit, whole: JointFit) -> Array:
 
 
 def _counts_by_part(block: Labels) -> list[Labels]:
-    """Return how often each block counts in each of RUN_PARTS parts of a run: once, or never."""
+    """Return the count, 0 or 1, of each block in each of RUN_PARTS parts of a run."""
     every_block, parts = (
         np.arange(1 + block.max(initial=0)),
         np.array_split(np.unique(block), RUN_PARTS),
@@ -220,10 +222,10 @@ def _motions_under(joints: Sequence[JointMotion], torque: Array) -> Iterator[Joi
 def _low_passed_columns(
     fit: CurrentFit, joints: Iterable[JointMotion], record: CurrentSamples, smooth: Smooth
 ) -> list[Array]:
-    """Return columns, those at rest, and current (n, P + D + 2) of each joint, low-passed and
+    """Return (n, P + D + 2) of each joint: columns in motion and at rest, and current; low-passed,
     thinned.
 
-    They are NaN, and break the low-pass, where those of any joint are.
+    They are NaN, also for the low-pass, where any joint's are.
     """
     stride, moves = max(1, round(INDEPENDENT_STEP / record.period)), [*joints]
     finite = np.isfinite(record.current - predicted_currents(fit, moves)).all(axis=1)
@@ -237,7 +239,7 @@ def _low_passed_columns(
 
 
 def _unexplained_current(fit: CurrentFit, maps: Maps, sources: Sequence[Array]) -> Array:
-    """Return the currents (n, 6) [A] less those predicted; sources: as by `_low_passed_columns`."""
+    """Return measured minus predicted currents (M, n) [A]; sources: by `_low_passed_columns`."""
     joints = zip(sources, maps, fit.joints, strict=True)
     currents = [
         columns @ [*-coefficients, *-model.held, 1.0] for columns, coefficients, model in joints
@@ -247,10 +249,11 @@ def _unexplained_current(fit: CurrentFit, maps: Maps, sources: Sequence[Array]) 
 
 def _principal_axes(columns: Array) -> tuple[Array, Array]:
     """Return the principal axes (P, P) of columns (n, P), by rows, and the columns (n, P) along
-    them, zero for an axis that the data do not determine, as of an arm that moves in a plane.
+    them.
 
-    What is not determined then keeps the prior's mean: solved together, rounding would let precise
-    data outweigh the prior there.
+    Columns are zero along axes that the data do not determine, as of an arm that moves in a plane:
+    these keep the prior's mean. Solved together, rounding would let precise data outweigh the prior
+    there.
     """
     size = columns.shape[1]
     triangle = np.linalg.qr(np.concatenate([columns, np.zeros((size, size))]), mode="r")
@@ -261,7 +264,7 @@ def _principal_axes(columns: Array) -> tuple[Array, Array]:
 def _huber_solution(
     columns: Array, torque: Array, block: Labels, count: Labels, prior_mean: Array
 ) -> Array:
-    """Return Huber's estimate from the blocks drawn, by their counts, with a prior's mean (P,)."""
+    """Return Huber's estimate (P,) from blocks drawn by their counts, with a prior's mean (P,)."""
     repeated = np.repeat(np.arange(len(block)), count[block])
     wide = Normal(prior_mean, np.eye(columns.shape[1]) / PAYLOAD_PRIOR_STD**2)
     return regress(columns[repeated], torque[repeated], block[repeated], wide).coefficients

@@ -19,7 +19,7 @@ from ur5lib.timeseries.arrays import Array, Mask
 CURRENT_NOISE_SHARE = 0.005
 # The same of friction at rest: anywhere within Coulomb friction, about a twentieth of that torque.
 REST_FRICTION_STD = 0.05 / np.sqrt(3)
-PINNED_STD_SHARE = 1e-3  # where a constant is pinned, this share of its standard deviation is left
+PINNED_STD_SHARE = 1e-3  # a pinned constant keeps this share of its standard deviation
 # Friction of a joint before any recording, mean and standard deviation, near those of the larger of
 # 20 joints of a UR3, a UR5, a UR10 and a UR10e: relative to the motor's largest torque, load
 # friction to the transmitted.
@@ -28,9 +28,9 @@ VISCOUS_PRIOR = (0.06, 0.014)
 LOAD_PRIOR = (0.06, 0.04)
 OFFSET_STD_SHARE = 0.007  # an offset has this standard deviation, relative to the largest torque
 OFFSET_NAME = "offset"
-WIDE_GAIN_STD = 0.3  # a measured torque's gain that is on trial has this standard deviation
+WIDE_GAIN_STD = 0.3  # prior deviation of a measured torque's gain that is left to the data
 STANDSTILL_SPEED = 1e-3  # rad/s
-MIN_RATIO_TORQUE = 0.1  # Nm; a ratio to the current is taken of larger torques
+MIN_RATIO_TORQUE = 0.1  # Nm; smaller torques have no ratio to the current
 
 
 @dataclass(frozen=True)
@@ -56,13 +56,14 @@ def typical_friction(torque_max: Array) -> dict[str, Typical]:
 
 @dataclass(frozen=True)
 class Prior:
-    """Prior of n joints: of 1/k [A/Nm]; torque_max: of the motors (n,) [Nm]; measured: what is
-    predicted; of torques, k is the gain [Nm/Nm].
+    """Prior of n joints.
 
-    terms: of friction, that are fitted; distances: [rad], over which friction at rest reverses in
-    addition to the usual one; pinned: joints from 0 that keep the prior's mean of 1/k, regardless
-    of the data; typical: friction and offset by their names, none where they are unknown; at_rest:
-    postures of the arm, which show 1/k by gravity in addition to its motions.
+    inverse_constant: of 1/k [A/Nm]; torque_max: of the motors (n,) [Nm]; measured: predicted
+    quantity; of torques, k is the gain [Nm/Nm]; terms: of friction, that are fitted; distances:
+    [rad], over which friction at rest reverses in addition to the usual one; pinned: joints from 0
+    that keep the prior's mean of 1/k, regardless of the data; typical: friction and offset by their
+    names, empty where unknown; at_rest: postures of the arm, which show 1/k by gravity in addition
+    to its motions.
     """
 
     inverse_constant: Normal
@@ -75,7 +76,7 @@ class Prior:
     measured: Effort = CURRENT
 
     def with_wide_gains(self) -> "Prior":
-        """Return the prior under which data alone determine the gains of torques."""
+        """Return the prior with gains so vague that the data alone determine them."""
         wide = Normal(self.inverse_constant.mean, np.eye(len(self.torque_max)) * WIDE_GAIN_STD**-2)
         return replace(self, inverse_constant=wide)
 
@@ -100,7 +101,7 @@ class Prior:
         return variance
 
     def of_joint(self, joint: int) -> "Prior":
-        """Return the prior of one joint, from 0, regardless of the others."""
+        """Return the prior of one joint, from 0, without its correlation with others."""
         rows = slice(joint, joint + 1)
         inverse = Normal(self.inverse_constant.mean[rows], np.diag(self.std()[rows] ** -2.0))
         typical = {
@@ -119,9 +120,9 @@ class Prior:
     def over(self, terms: Sequence[str]) -> Normal:
         """Return the prior of all joints' coefficients.
 
-        They are, joint by joint, 1/k [A/Nm], an offset [A], and those of the terms. One without a
-        typical value is 0 ± what its term is expected to be at most: of an offset, the motor's
-        largest torque.
+        They are, joint by joint, 1/k [A/Nm], an offset [A], and those of the terms. A coefficient
+        without a typical value is 0 ± the largest size expected of its term, an offset 0 ± the
+        motor's largest torque.
         """
         inverse = self.inverse_constant.mean
         names = ["", OFFSET_NAME, *coefficient_names(terms)]  # "" of 1/k
@@ -147,7 +148,7 @@ class Prior:
         return Normal(mean, precision)
 
     def _inverse_precision(self) -> Array:
-        """Return the precision (n, n) of 1/k; that of free joints regardless of the pinned."""
+        """Return the precision (n, n) of 1/k; pinned joints do not affect the free ones."""
         if not self.pinned:
             return self.inverse_constant.precision
         free_joints = np.delete(np.arange(len(self.torque_max)), self.pinned)
@@ -160,7 +161,7 @@ class Prior:
 
 
 def _expected_sizes(terms: Sequence[str], torque_max: float) -> list[float]:
-    """Return how large 1/k, the offset and friction's coefficients are, times k [Nm, ...]."""
+    """Return the largest expected 1/k, offset and friction coefficients, times k [Nm, ...]."""
     by_term = [[term.expected(torque_max)] * (len(term.parts) or 1) for term in map(term_of, terms)]
     return [1.0, torque_max, *chain.from_iterable(by_term)]
 
@@ -211,7 +212,7 @@ def makers_covariance(
     """Return the covariance (n, n) of the logarithms of the manufacturer's torque constants.
 
     maker, controller: (n,) [Nm/A], NaN if unknown; motors: their sizes; shared: relative standard
-    deviation common to joints of one size; spread: of joints of one size from each other. Raises
+    deviation common to joints of one size; spread: that between joints of one size. Raises
     RefusalError if a size has neither value.
     """
     same = np.array([[size == other_size for other_size in motors] for size in motors])

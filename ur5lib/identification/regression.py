@@ -15,8 +15,8 @@ from ur5lib.timeseries.metrics import NORMAL95, STD_PER_MAD
 
 HUBER_LIMIT = 1.345  # standard deviations; 95 % efficient where errors are normal (Huber 1964)
 REWEIGHTING_ROUNDS = 10
-USUAL_NOISE_BLOCKS = 3.0  # the usual noise counts as this many blocks of the data
-REPLICATE_COUNT = 500  # the bootstrap has this many
+USUAL_NOISE_BLOCKS = 3.0  # the expected noise counts as this many blocks of the data
+REPLICATE_COUNT = 500  # replicates of the bootstrap
 
 
 @dataclass(frozen=True)
@@ -89,10 +89,10 @@ def _median(values: Array) -> float:
 
 
 def noise_of_one(residual: Array, block: Labels, blocks: int, expected: float = np.nan) -> float:
-    """Return the variance of independent samples with block sums that vary as much as these do.
+    """Return the variance of independent samples with block sums of the same variance.
 
-    A fit of P coefficients leaves nothing of P blocks. An expected variance therefore counts as
-    USUAL_NOISE_BLOCKS further blocks of mean length; NaN for none.
+    σ² = Σ (block sum)² / n. As a fit of P coefficients leaves P blocks without residual, an
+    expected variance counts as USUAL_NOISE_BLOCKS further blocks of mean length; NaN for none.
     """
     squares, count = float(np.sum(np.bincount(block, residual) ** 2)), float(len(residual))
     if np.isfinite(expected):
@@ -118,9 +118,9 @@ def block_sums(columns: Array, curvature: Array, pull: Array, block: Labels, cou
 
 
 def draw_units(unit_of_block: Labels, generator: np.random.Generator) -> Array:
-    """Return how often each block occurs in draws of whole units, (REPLICATE_COUNT, n).
+    """Return the count of each block in draws of whole units, (REPLICATE_COUNT, n).
 
-    unit_of_block: (n,) labels of recordings, or of longer stretches; negative for no block.
+    unit_of_block: (n,) labels of recordings, or of longer stretches; negative: never drawn.
     """
     units, place = np.unique(unit_of_block, return_inverse=True)
     is_unit = units >= 0
@@ -130,7 +130,7 @@ def draw_units(unit_of_block: Labels, generator: np.random.Generator) -> Array:
 
 
 def draw_blocks(unit_of_block: Labels, generator: np.random.Generator) -> Array:
-    """Return how often each block occurs in draws of blocks within units, (REPLICATE_COUNT, n)."""
+    """Return the count of each block in draws of blocks within units, (REPLICATE_COUNT, n)."""
     counts = np.zeros((REPLICATE_COUNT, len(unit_of_block)))
     for unit in np.unique(unit_of_block[unit_of_block >= 0]):
         in_unit = unit_of_block == unit
@@ -139,15 +139,15 @@ def draw_blocks(unit_of_block: Labels, generator: np.random.Generator) -> Array:
 
 
 def standard_error(by_unit: Array, by_block: Array, units: int) -> Array:
-    """Return standard errors (P,) from replicates (B, P) of both kinds of draws.
+    """Return the standard errors (P,): the larger spread of replicates (B, P) by unit and by block.
 
-    The factor sqrt(n / (n - 1)) corrects the bias of a bootstrap over few units.
+    The factor sqrt(n / (n - 1)) corrects the bias of a bootstrap over n units, if they are few.
     """
     return np.maximum(spread(by_unit) * np.sqrt(units / max(1, units - 1)), spread(by_block))
 
 
 def _draw(count: int, generator: np.random.Generator) -> Array:
-    """Return how often each of `count` items occurs in REPLICATE_COUNT draws with replacement."""
+    """Return the counts (REPLICATE_COUNT, count) of items in draws with replacement."""
     if not count:
         return np.zeros((REPLICATE_COUNT, 0))
     return generator.multinomial(count, np.full(count, 1 / count), size=REPLICATE_COUNT).astype(
@@ -162,9 +162,11 @@ def spread(replicates: Array) -> Array:
 
 
 def half_width(error: Array, units: int, prior_share: Array | float = 0.0) -> Array:
-    """Return half of the 95 % interval (P,), by Student's t with units - 1 degrees of freedom.
+    """Return the half-width (P,) of the 95 % interval, by Student's t of units - 1 degrees of
+    freedom.
 
-    prior_share: (P,), share of the variance that is the prior's, which is given, not estimated.
+    prior_share: (P,), share of the variance from the prior, which is given and has a normal
+    quantile.
     """
     estimated = stdtrit(max(1, units - 1), 0.975)
     share = np.clip(prior_share, 0.0, 1.0)

@@ -1,7 +1,7 @@
-"""What two runs of one path leave: an error that no function of the motion can avoid.
+"""The error that does not repeat between two runs of one path: no function of the motion avoids it.
 
-If the error of each run is what its motion explains plus what does not repeat, half of the mean
-square of their difference at the same states is the mean square of the latter.
+The error of each run is a function of its motion plus a part that does not repeat. The mean square
+of that part is half of the mean square of the runs' difference at the same states.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -28,7 +28,7 @@ MIN_COMMON_DURATION = 1.0  # s; two runs that share less are not compared
 class PathRun(NamedTuple):
     """A run along a path: scaled states (N, 2 n), errors (N, m) by quantity, and its period [s].
 
-    Errors are NaN where they are unknown, and where a run that moves rests.
+    Errors are NaN where unknown, and at rest if the run moves at all.
     """
 
     path: PathStates
@@ -38,8 +38,8 @@ class PathRun(NamedTuple):
 
 
 class Common(NamedTuple):
-    """At the same states of two runs, the difference of their errors over √2 (M, m), and the errors
-    of both (2 M, m).
+    """Two runs at the same states: difference of errors over √2 (M, m), and errors of both (2 M,
+    m).
     """
 
     left: Array
@@ -47,7 +47,7 @@ class Common(NamedTuple):
 
 
 def path_run(motion: Motion, errors: Mapping[str, Array | None]) -> PathRun:
-    """Return a run by its motion and its errors (N, m) by quantity, None where unknown."""
+    """Return a run from its motion and its errors (N, m) by quantity, None where unknown."""
     path = path_of(motion.q, motion.motor_qd, motion.period)
     counts = np.abs(motion.motor_qd).max(axis=1, keepdims=True) > (REST_SPEED if path.moves else -1)
     known = {name: np.where(counts, one, np.nan) for name, one in errors.items() if one is not None}
@@ -55,7 +55,7 @@ def path_run(motion: Motion, errors: Mapping[str, Array | None]) -> PathRun:
 
 
 def repetition(runs: Sequence[PathRun]) -> Iterator[Repeated]:
-    """Yield what all pairs of runs of one path leave of each error, by joint or component."""
+    """Yield the error that does not repeat on one path, by quantity and joint or component."""
     labels = group_by_path([run.path for run in runs])
     pairs = [
         (path, first, second)
@@ -75,8 +75,9 @@ def repetition(runs: Sequence[PathRun]) -> Iterator[Repeated]:
 
 
 def common_errors(first: PathRun, second: PathRun, quantity: str) -> Common | None:
-    """Return the errors of two runs where they pass the same states; None where this is too
-    short."""
+    """Return the errors of two runs at the same states; None if they share less than
+    MIN_COMMON_DURATION.
+    """
     if not (quantity in first.errors and quantity in second.errors):
         return None
     (one, of_one), (other, of_other) = (
@@ -94,8 +95,9 @@ def common_errors(first: PathRun, second: PathRun, quantity: str) -> Common | No
 
 
 def _rows(quantity: str, unit: str, paths: int, left: Array, errors: Array) -> Iterator[Repeated]:
-    """Yield the rows of a quantity: root mean squares of currents, mean absolute values of others,
-    as the study's tables of errors have them.
+    """Yield the rows of a quantity: RMS of currents, mean absolute values of others.
+
+    The study's tables of errors have the same measures.
     """
     power = 2 if quantity == "current" else 1
     floors, own = ((np.abs(one) ** power).mean(axis=0) ** (1 / power) for one in (left, errors))

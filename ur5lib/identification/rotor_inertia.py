@@ -1,9 +1,9 @@
 """The inertia of the motors' rotors, reflected through the gears.
 
 A controller's torque is that of rigid links and rotors (erratum 8): its residual from the rigid
-links is proportional to q̈. The rotors' gyroscopic moments are not modelled. Offset and friction are
-fitted together with the inertia, though a model's torque contains none: values other than zero
-indicate errors in the model of the links.
+links is proportional to q̈. The rotors' gyroscopic moments are not modelled. Offset and friction
+are fitted together with the inertia, although a model's torque contains none: values other than
+zero indicate errors in the model of the links.
 """
 
 from collections.abc import Mapping, Sequence
@@ -63,15 +63,15 @@ def _fit_joint(samples: Array) -> Array:
     if np.linalg.matrix_rank(terms) < terms.shape[1]:
         return np.full(terms.shape[1], np.nan)
     start = np.linalg.lstsq(terms, residual)[0]
-    deviation = np.abs(residual - terms @ start).mean()  # a median would be that of rest
+    deviation = np.abs(residual - terms @ start).mean()  # the median would be that at rest
     scale = HUBER_LIMIT * np.sqrt(np.pi / 2) * deviation
     return least_squares(lambda x: (terms @ x - residual) / scale, start, loss="huber").x
 
 
 def fitted_rotors(samples: Mapping[str, RotorSamples | None]) -> Rotors:
-    """Return each joint's rotor inertia, from the samples of recordings, None where not recorded.
+    """Return each joint's rotor inertia; samples: of recordings, None where not recorded.
 
-    Nothing is fitted without any.
+    Empty without any samples.
     """
     known = {name: own for name, own in samples.items() if own is not None}
     if not known:
@@ -86,7 +86,7 @@ def with_rotors(robot: Robot, rotors: Rotors) -> Robot:
         return robot
     name = f"{robot.chosen_model}+rotors"
     described = name if name in robot.models else robot.chosen_model
-    # A joint that kept still, or has a torque that is no rotor's, keeps the described inertia.
+    # A joint without motion (NaN) or with a negative fit keeps the described inertia.
     fitted = [
         value if value >= 0 else inertia
         for value, inertia in zip(

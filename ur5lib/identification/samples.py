@@ -33,16 +33,17 @@ from ur5lib.timeseries.segments import BLOCK_DURATION, DEAD_ZONE, starts
 from ur5lib.timeseries.trajectories import PathStates, group_by_path
 
 INDEPENDENT_STEP = 0.1  # s; samples this far apart count as independent
-WHOLLY = 0.9  # this share of the low-pass's weight counts as its whole reach
+WHOLLY = 0.9  # this share of the low-pass's weight counts as all of it
 MIN_UNITS = 5  # paths, or stretches; with fewer, smaller parts are resampled
 BLOCKS_PER_STRETCH = 5
-MIN_PATHS = 3  # README asks for this many
+MIN_PATHS = 3  # cross-validation by path needs this many; README asks for them
 
 
 class MotionState(IntEnum):
-    """What a joint does throughout the reach of a low-pass, REVERSING: starts, stops and turns.
+    """The motion of a joint throughout the reach of a low-pass.
 
-    UNKNOWN: before its first motion, where nothing shows to which side friction acts.
+    REVERSING: it starts, stops or turns; UNKNOWN: before its first motion, where the side on which
+    friction acts is unknown.
     """
 
     MOVING, REVERSING, STANDING, UNKNOWN = range(4)
@@ -50,8 +51,9 @@ class MotionState(IntEnum):
 
 @dataclass(frozen=True)
 class Shafts:
-    """Motion of the coupled motors' shafts, (N, n) each [rad, rad/s, rad/s²], in the column of each
-    joint that they turn with, NaN where there is none; before: the same of the motions before.
+    """Motion of coupled motors' shafts, (N, n) each [rad, rad/s, rad/s²], NaN where there is none.
+
+    Each is in the column of the joint that it turns with; before: the same in the earlier motions.
     """
 
     q: Array
@@ -64,13 +66,13 @@ class Shafts:
 class CurrentSamples:
     """A contact-free recording on a uniform grid.
 
-    period: [s]; segment: (N,) labels of unbroken stretches; q, qd: (N, 6) [rad, rad/s];
-    torque: (N, 6) [Nm], of the rigid-body model at that motion; current: (N, 6) [A]; temperature:
-    (N, 6) [°C], of the motors, where it was recorded; shafts: of coupled motors; balanced: joints
-    from 0 on which springs or counterbalances act; qdd: (N, 6) [rad/s²], where rotors are fitted,
-    too; inertial: (N, 6) [Nm], what of the torque is not gravity's, where gains of measured torques
-    are fitted; day: any label of its date, the same for all where dates are unknown; before: the
-    motions before, oldest first, each of which begins where the one before ended.
+    period: [s]; segment: (N,) labels of unbroken stretches; q, qd: (N, n) [rad, rad/s]; torque: (N,
+    n) [Nm], of the rigid-body model at that motion; current: (N, n) [A]; temperature: (N, n) [°C],
+    of the motors, if recorded; shafts: of coupled motors; balanced: joints from 0 on which springs
+    or counterbalances act; qdd: (N, n) [rad/s²], if rotors are fitted, too; inertial: (N, n) [Nm],
+    the torque without gravity's, if gains of measured torques are fitted; day: any label of its
+    date, the same for all where dates are unknown; before: the earlier motions, oldest first, each
+    of which begins where the previous one ended.
     """
 
     name: str
@@ -87,17 +89,17 @@ class CurrentSamples:
     inertial: Array | None = None
     day: str = ""
     before: Sequence[Motion] = ()
-    # What was low-passed once: fits without each path need the same samples again.
+    # Low-passed samples, since fits without each path need the same ones again.
     _thinned: dict[Any, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def once(self, key: Any, thinned: Callable[[], Any]) -> Any:
-        """Return thinned samples of this recording, computed when they are first asked for."""
+        """Return thinned samples of this recording, computed at the first call for a key."""
         if key not in self._thinned:
             self._thinned[key] = thinned()
         return self._thinned[key]
 
     def joint(self, joint: int) -> JointMotion:
-        """Return the motion of joint 0 to 5."""
+        """Return the motion of a joint, from 0."""
         q, qd, torque = (values[:, joint] for values in (self.q, self.qd, self.torque))
         direction_over = direction_over_distances(self._track(q, qd), tracks(self.before, joint))
         warmth = 0.0 if self.temperature is None else self.temperature[:, joint] - USUAL_TEMPERATURE
@@ -107,7 +109,9 @@ class CurrentSamples:
         return JointMotion(q, qd, torque, direction_over(PRESLIDING_DISTANCE), *further)
 
     def unknown_shares(self) -> Array:
-        """Return how much (N, n) of each joint's friction may depend on what was before."""
+        """Return the share (N, n) of each joint's friction that an unknown earlier motion
+        decides.
+        """
         shares = [
             unknown_share(q, self.segment, unknown_after(tracks(self.before, joint)))
             for joint, q in enumerate(self.q.T)
@@ -115,7 +119,7 @@ class CurrentSamples:
         return np.stack(shares, axis=1)
 
     def _shaft(self, joint: int) -> ShaftMotion | None:
-        """Return the motion of the coupled motor that a joint turns with, if any."""
+        """Return the motion of the coupled motor that a joint turns with, None without one."""
         if self.shafts is None or np.isnan(self.shafts.q[:, joint]).all():
             return None
         shafts = self.shafts
@@ -132,7 +136,7 @@ class CurrentSamples:
 
 
 def tracks(motions: Sequence[Motion], joint: int) -> list[Track]:
-    """Return the motions of a joint from 0."""
+    """Return the motions of one joint, from 0."""
     return [
         Track(own.q[:, joint], own.motor_qd[:, joint], own.segment, own.period) for own in motions
     ]
@@ -146,11 +150,11 @@ Smooth = Callable[[Array, CurrentSamples], Array]
 class JointSamples:
     """Samples of one joint from all recordings.
 
-    columns: (n, P), of the torque, an offset, and the terms; held: (n, 1 + D), see
-    `held_columns`, of these distances; current: (n,) [A]; state: (n,), a `MotionState`;
-    block, record, path, day: (n,) labels; recordings of one trajectory share a path and are left
-    out together; unit: (n,) labels of the units of the bootstrap: paths, or stretches of 10 s if
-    paths are few, or blocks if stretches are few, too.
+    columns: (n, P), of the torque, an offset, and the terms; held: (n, 1 + D), `held_columns` of
+    `distances`; current: (n,) [A]; state: (n,), a `MotionState`; block, record, path, day: (n,)
+    labels; recordings of one trajectory share a path and are left out together; unit: (n,) labels
+    of the units of the bootstrap: paths, or stretches of 10 s if paths are few, or blocks if
+    stretches are few, too.
     """
 
     terms: tuple[str, ...]
@@ -167,7 +171,7 @@ class JointSamples:
 
     @property
     def moving(self) -> Mask:
-        """Return which samples (n,) are in motion: not at rest, starting or stopping."""
+        """Return the mask (n,) of samples in motion: not at rest, starting or stopping."""
         return self.state == MotionState.MOVING
 
     def of(self, terms: Sequence[str], distances: Sequence[float]) -> "JointSamples":
@@ -189,9 +193,9 @@ class JointSamples:
 def joint_samples(
     records: Sequence[CurrentSamples], smooth: Smooth, terms: Sequence[str] = FITTED_TERMS
 ) -> list[JointSamples]:
-    """Return samples of joints 1 to 6, with the columns of these terms of friction."""
+    """Return samples of each joint, with the columns of these terms of friction."""
     labels = [blocks(record) for record in records]
-    # from recording to recording, labels go on at a whole stretch, so that none contains two
+    # each recording's labels begin with a new stretch, so that no stretch contains two recordings
     firsts = np.cumsum(
         [
             0,
@@ -214,7 +218,7 @@ def joint_samples(
             np.concatenate(arrays) for arrays in zip(*rows, strict=True)
         )
         path = paths[record]
-        # the largest parts of which there are enough
+        # the largest kind of part of which there are MIN_UNITS
         parts = (path, block // BLOCKS_PER_STRETCH)
         unit = next((part for part in parts if len(np.unique(part)) >= MIN_UNITS), block)
         remaining = held, current, state, block, record, path, days[record], unit
@@ -233,22 +237,23 @@ def record_days(records: Sequence[CurrentSamples]) -> Labels:
 
 
 def apart_from(out: Mask, path: Labels, day: Labels) -> Mask:
-    """Return what shares neither path nor day with the samples or recordings of a mask (n,).
+    """Return the mask (n,) of samples or recordings that share neither path nor day with those in
+    `out`.
 
-    out: (n,), whole paths; path, day: (n,) labels. If less than MIN_PATHS would remain, what
-    shares no path.
+    out: (n,), whole paths; path, day: (n,) labels. If fewer than MIN_PATHS remain, days are
+    ignored.
     """
     on_other_days = ~out & ~np.isin(day, day[out])
     return on_other_days if len(np.unique(path[on_other_days])) >= MIN_PATHS else ~out
 
 
 def recorded_path(record: CurrentSamples) -> PathStates:
-    """Return the states on the path of a recording."""
+    """Return the states along the path of a recording."""
     return path_of(record.q, record.qd, record.period)
 
 
 def path_of(q: Array, qd: Array, period: float) -> PathStates:
-    """Return the states on the path of a motion (N, n) [rad, rad/s]; period: [s]."""
+    """Return the states along the path of a motion (N, n) [rad, rad/s]; period: [s]."""
     return PathStates.from_motion(q, qd, max(1, round(INDEPENDENT_STEP / period)))
 
 
@@ -259,8 +264,9 @@ def columns_of(motion: JointMotion, terms: Sequence[str]) -> Array:
 
 
 def held_columns(motion: JointMotion, distances: Sequence[float]) -> Array:
-    """Return the columns (N, 1 + D) of a joint's friction at rest: its direction, and by how much
-    that over each of other distances [rad] differs.
+    """Return the columns (N, 1 + D) of a joint's friction at rest.
+
+    They are its direction z, and z over each of the other distances [rad] minus z.
     """
     others = [motion.direction_over(distance) - motion.direction for distance in distances]
     columns: Array = np.stack([motion.direction, *others], axis=1) * rest_factor(motion.qd)[:, None]
@@ -268,12 +274,12 @@ def held_columns(motion: JointMotion, distances: Sequence[float]) -> Array:
 
 
 def smoothed_moving(record: CurrentSamples, smooth: Smooth) -> Mask:
-    """Return where each joint moves, (N, 6), throughout the reach of the low-pass."""
+    """Return the mask (N, n) of joints that move throughout the reach of the low-pass."""
     return motion_states(record, smooth) == MotionState.MOVING
 
 
 def motion_states(record: CurrentSamples, smooth: Smooth) -> Labels:
-    """Return the `MotionState` (N, 6) of each joint."""
+    """Return the `MotionState` (N, n) of each joint."""
     moving = (np.abs(record.qd) > DEAD_ZONE).astype(float)
     moving[~np.isfinite(record.qd)] = np.nan
     share = smooth(moving, record)
@@ -289,8 +295,9 @@ def _record_samples(
     terms: tuple[str, ...],
     block: Labels,
 ) -> list[tuple[Array, Array, Array, Labels, Labels]]:
-    """Return columns, those at rest, current, state and block of each joint, low-passed and
-    thinned."""
+    """Return columns in motion and at rest, current, state and block of each joint, low-passed,
+    thinned.
+    """
     stride = max(1, round(INDEPENDENT_STEP / record.period))
     state = record.once(smooth, lambda: motion_states(record, smooth)[::stride].copy())
     joints = []
@@ -307,8 +314,9 @@ def _record_samples(
 def _smoothed_columns(
     record: CurrentSamples, smooth: Smooth, terms: Sequence[str], joint: int, stride: int
 ) -> Array:
-    """Return the columns of a joint, those at rest, and current, low-passed, and every so many
-    rows."""
+    """Return a joint's columns in motion and at rest, and current, low-passed, each `stride`-th
+    row.
+    """
     motion = record.joint(joint)
     sources = columns_of(motion, terms), held_columns(motion, REST_DISTANCES)
     return smooth(np.column_stack([*sources, record.current[:, joint]]), record)[::stride].copy()

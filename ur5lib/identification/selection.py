@@ -1,8 +1,7 @@
-"""Which terms of friction an arm has in addition to the usual ones: those with which paths, or
-dates, are predicted better by fits that have not seen them.
+"""Selection of an arm's further friction terms, by errors of fits on paths or dates left out.
 
-In motion, an arm may do without the root of the velocity, or have its square or Stribeck friction,
-too; at rest, a part of a joint's friction may reverse over one other distance.
+In motion, an arm may lack the root of the velocity, or have its square or Stribeck friction, too;
+at rest, a part of a joint's friction may reverse over one other distance.
 """
 
 from collections.abc import Sequence
@@ -23,16 +22,16 @@ from ur5lib.identification.samples import MIN_PATHS, JointSamples
 from ur5lib.robots.friction import INERTIA, REST_DISTANCES, SPEED_TERMS, STRIBECK
 from ur5lib.timeseries.arrays import Array
 
-# What a change takes at least off the squared error on what is left out, in motion or at rest, and
-# by how many standard errors.
+# A change reduces the squared error on left-out parts by at least this share, in motion and at
+# rest, and by this many standard errors.
 MIN_SHARE, MIN_SHARE_AT_REST, MIN_DEVIATIONS = 0.02, 0.1, 2.0
-MIN_SHARE_OF_GAIN = 0.1  # the same of a gain in place of the prior's
+MIN_SHARE_OF_GAIN = 0.1  # the same for a gain that replaces the prior's
 States = tuple[bool, ...]  # of a joint: whether it moves
 MOVING, RESTING = (True,), (False,)
 
 
 class Shown(NamedTuple):
-    """A prior, the fits of each joint to others under it, and what they leave (n,) [A] of each."""
+    """A prior, each joint's fits to others under it, and their residuals (n,) [A]."""
 
     prior: Prior
     fits: list[list[LeftOutFit]]
@@ -40,8 +39,8 @@ class Shown(NamedTuple):
 
 
 def with_shown_terms(samples: Sequence[JointSamples], prior: Prior) -> tuple[Prior, list[Array]]:
-    """Return a prior over the terms and the distance that left-out samples of all joints show, and
-    what each joint's fits to others then leave of its samples (n,) [A].
+    """Return the prior with the terms and distance that left-out samples of all joints show, and
+    the residuals (n,) [A] of each joint then.
 
     samples: of the joints, with all columns. With fewer paths than MIN_PATHS, stretches are left
     out. They show no Stribeck friction: it would be wrong at other speeds.
@@ -58,9 +57,9 @@ def with_shown_terms(samples: Sequence[JointSamples], prior: Prior) -> tuple[Pri
 
 
 def _changed_by(term: str, samples: Sequence[JointSamples], shown: Shown) -> Shown:
-    """Return what is shown without a term that the prior has, or with one that it lacks.
+    """Return the selection with one term added, or removed if it has it, if errors then fall.
 
-    Stribeck friction, which is largest at rest, has to gain over motion and rest together.
+    Stribeck friction, which is largest at rest, has to reduce errors of motion and rest together.
     """
     others = tuple(own for own in shown.prior.terms if own != term)
     has = term in shown.prior.terms
@@ -72,7 +71,7 @@ def _changed_by(term: str, samples: Sequence[JointSamples], shown: Shown) -> Sho
 
 
 def _over_distance(samples: Sequence[JointSamples], shown: Shown) -> Shown:
-    """Return what is shown with the best of the distances at rest."""
+    """Return the selection with the best of the distances at rest, if that reduces the error."""
     prior, fits, known = shown
     trials = {
         distance: residuals(samples, replace(prior, distances=(distance,)), fits)
@@ -85,14 +84,14 @@ def _over_distance(samples: Sequence[JointSamples], shown: Shown) -> Shown:
 
 
 def in_units(samples: JointSamples) -> JointSamples:
-    """Return samples with what is left out together as their paths."""
+    """Return samples with units as paths where paths are few: these are left out together."""
     if len(np.unique(samples.path)) >= MIN_PATHS:
         return samples
     return replace(samples, path=samples.unit, day=0 * samples.day)
 
 
 def fits_of(samples: Sequence[JointSamples], prior: Prior) -> list[list[LeftOutFit]]:
-    """Return the fits of each joint to what is not left out."""
+    """Return the fits of each joint to the samples that are not left out."""
     return [
         [*fits_to_others(own.of(prior.terms, ()), prior.of_joint(joint))]
         for joint, own in enumerate(samples)
@@ -102,7 +101,7 @@ def fits_of(samples: Sequence[JointSamples], prior: Prior) -> list[list[LeftOutF
 def residuals(
     samples: Sequence[JointSamples], prior: Prior, fits: Sequence[Sequence[LeftOutFit]]
 ) -> list[Array]:
-    """Return what each joint's fits to others leave of its samples (n,) [A]."""
+    """Return the residuals (n,) [A] of each joint's samples by fits to others."""
     chosen = [own.of(prior.terms, prior.distances) for own in samples]
     return [*map(unseen_residuals, chosen, fits)]
 
@@ -110,9 +109,9 @@ def residuals(
 def errors(
     samples: Sequence[JointSamples], known: Sequence[Array], left: Sequence[Array], states: States
 ) -> Array:
-    """Return Σ r² / mean(r₀²) over the joints and states, of each path (G,).
+    """Return Σ r² / mean(r₀²) of each path (G,), summed over joints and states.
 
-    left, known: residuals r, and those by which they are weighed r₀, of each joint.
+    left, known: residuals r (n,) [A] of each joint, and r₀, those before the change.
     """
     count = 1 + max(int(own.path.max(initial=0)) for own in samples)
     total = np.zeros(count)
@@ -127,7 +126,7 @@ def errors(
 def shows(
     samples: Sequence[JointSamples], known: Sequence[Array], trial: Sequence[Array], states: States
 ) -> bool:
-    """Return whether residuals on trial are less than those before, in the states."""
+    """Return whether trial residuals are surely less than the previous ones, in the states."""
     before, after = (errors(samples, known, left, states) for left in (known, trial))
     met = before > 0
     share = MIN_SHARE_AT_REST if states == RESTING else MIN_SHARE
@@ -135,8 +134,10 @@ def shows(
 
 
 def shows_gain(samples: JointSamples, prior: Prior, joint: int) -> bool:
-    """Return whether the gain that the other parts and the prior give predicts left-out parts of a
-    joint, from 0, surely better than the prior's gain; inertia alone shows none.
+    """Return whether a fitted gain predicts left-out parts of a joint, from 0, surely better than
+    the prior's.
+
+    The gain is fitted to the other parts, with the prior; inertia alone shows none.
     """
     wider = replace(prior, terms=(*prior.terms, INERTIA))
     own = in_units(samples.of(wider.terms, wider.distances))
@@ -151,9 +152,9 @@ def shows_gain(samples: JointSamples, prior: Prior, joint: int) -> bool:
 
 
 def is_less(trial: Array, errors: Array, share: float, deviations: float) -> bool:
-    """Return whether squared errors on what is left out (G,) are surely less, and by some share.
+    """Return whether squared errors on left-out parts (G,) fall by a share, and surely.
 
-    A paired test of their logarithms: their mean falls by so many standard errors.
+    A paired test: the mean of log(errors / trial) exceeds `share` and `deviations` standard errors.
     """
     if len(errors) < MIN_PATHS:
         return False

@@ -1,4 +1,4 @@
-"""Friction of joints at steady velocities under a load, by all terms of a fit together."""
+"""Friction of joints at steady velocities under a load, the sum of all terms of a fit."""
 
 from collections.abc import Iterator, Sequence
 
@@ -19,13 +19,15 @@ from ur5lib.robots.friction import JointMotion, friction_columns
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
-# Totals are stated at these, in positive direction; at the first, as the joint begins to move.
+# Totals are stated at these velocities, in positive direction; 0: as the joint begins to move.
 STATED_VELOCITIES = np.array([0.0, 0.1, 0.5, 1.0])  # rad/s
 
 
 def mean_load(records: Sequence[CurrentSamples], smooth: Smooth, terms: Sequence[str]) -> Array:
-    """Return the mean size (n,) [Nm] of the links' torque on each joint in motion, as the fit has
-    it; NaN of one that does not move. terms: of the fit.
+    """Return the mean size (n,) [Nm] of the links' torque on each joint in motion; terms: of the
+    fit.
+
+    NaN for a joint that does not move.
     """
     return np.array(
         [
@@ -57,7 +59,7 @@ def steady_columns(terms: Sequence[str], qd: Array, direction: Array, load: floa
 def total_friction(fit: CurrentFit, load: Array) -> list[Parameter]:
     """Return the friction [Nm] of each joint at STATED_VELOCITIES, in positive direction.
 
-    load: (n,) [Nm], as of `mean_load`; a joint without any has none. A total is determined where
+    load: (n,) [Nm], as of `mean_load`; a joint with NaN has no total. A total is determined where
     the data contribute more to it than other arms do, and show its sign.
     """
     return [
@@ -79,8 +81,10 @@ def steady_friction(model: JointFit, qd: Array, load: float) -> tuple[Array, Arr
 
 
 def _sums(model: JointFit, columns: Array) -> tuple[Array, Array, Array]:
-    """Return sums (V,) of friction's parameters, their standard errors, and by how much they differ
-    from those of all days; columns: (V, M).
+    """Return sums (V,) of friction's parameters, their standard errors, and their deviation between
+    days.
+
+    columns: (V, M), coefficients of the sums.
     """
     friction = physical_values(model.estimate.coefficients)[2:]
     # a day or recording differs by a share of friction, in all terms alike
@@ -103,10 +107,10 @@ def _totals(joint: int, model: JointFit, load: float, units: int) -> Iterator[Pa
 
 
 def _std_error(estimate: CoefficientEstimate, columns: Array) -> Array:
-    """Return standard errors (V,) of the sums J p of friction's parameters p; columns: J (V, M).
+    """Return the standard errors √(J Σ Jᵀ) (V,) of the sums J p of friction's parameters p.
 
-    √(J Σ Jᵀ), with the standard errors of p on the diagonal of Σ, and the correlations of the
-    bootstrap's replicates: their spread, once each parameter spreads by its standard error.
+    columns: J (V, M). Σ has the standard errors of p, and the correlations of the bootstrap's
+    replicates, scaled so that each parameter spreads by its standard error.
     """
     drawn = physical_values(estimate.replicates)[:, 2:]
     error, own = estimate.std_error[2:], spread(drawn)
@@ -115,8 +119,9 @@ def _std_error(estimate: CoefficientEstimate, columns: Array) -> Array:
 
 
 def _shares(estimate: CoefficientEstimate, columns: Array) -> Array:
-    """Return the shares (4, V) of the information on sums, see `shares_of_knowledge`: those of
-    their parts, each by the square of its own error in the sum. columns: (V, M).
+    """Return the shares (4, V) of information on sums, see `shares_of_knowledge`; columns: (V, M).
+
+    Each parameter's shares are weighted by the square of its error in the sum.
     """
     squares = (columns * estimate.std_error[2:]) ** 2 + np.finfo(float).tiny
     shares: Array = estimate.shares[:, 2:] @ (squares / squares.sum(axis=1, keepdims=True)).T

@@ -1,6 +1,6 @@
 """The rows of an arm's measured torques: links and rotors with each joint's friction.
 
-τ = Y π + F c, low-passed and thinned; what is left out together, a path or a stretch, is one unit.
+τ = Y π + F c, low-passed and thinned; a unit is a path or a stretch, which is left out as a whole.
 """
 
 from collections.abc import Callable, Collection, Sequence
@@ -24,7 +24,7 @@ from ur5lib.robots.friction import coefficient_names, friction_columns
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 BALANCE, COUPLED = "balance", "coupled"
-ROWS_PER_CUTOFF = 5  # a period of the low-pass's cut-off has this many: a row each 0.1 s at 2 Hz
+ROWS_PER_CUTOFF = 5  # rows per period of the cut-off: one each 0.1 s at 2 Hz
 
 Block = tuple[Array, Array]  # regressors (N, n, P) and torques (N, n) [Nm]
 
@@ -43,11 +43,11 @@ class MeasuredRun:
 
 @dataclass(frozen=True)
 class TorqueRows:
-    """What recordings of an arm of n joints show.
+    """Rows of the recordings of an arm of n joints.
 
-    units: blocks that are left out together; terms: of friction that have columns, after those of
-    the links: of joint 1 an offset, the terms' and a balance's, then of joint 2; motors: those,
-    from 1, that turn with two joints and brake both by one friction.
+    units: blocks that are left out together; terms: of friction; their columns follow those of the
+    links: joint 1's offset, terms and balance, then joint 2's; motors: those, from 1, that turn
+    with two joints and brake both by one friction.
     """
 
     units: Sequence[Block]
@@ -69,8 +69,7 @@ class TorqueRows:
         return coefficients(self.terms)
 
     def places(self, terms: Collection[str], balanced: Collection[int] = ()) -> list[int]:
-        """Return the columns of the links, of the offset and terms of all joints, and of balances.
-
+        """Return the columns of links, of offset and terms of all joints, and of balances;
         balanced: joints from 1.
         """
         of_joints = {"offset", *coefficient_names([*terms])}
@@ -91,11 +90,11 @@ class TorqueRows:
 def torque_rows(
     runs: Sequence[MeasuredRun], terms: Sequence[str], smooth: Smoother, shafts: Array
 ) -> TorqueRows:
-    """Return the rows of recordings, in units of which there are enough: the largest of paths,
-    stretches of ten seconds, and blocks. Raises RefusalError where there are none, or a joint's
-    torque never changes.
+    """Return the rows of recordings in units: the largest of paths, stretches and blocks with
+    MIN_UNITS.
 
-    shafts: (n, n), how far each motor (row) turns with each joint, 1 with its own.
+    shafts: (n, n), turns of each motor (row) per turn of each joint, 1 for its own. Raises
+    RefusalError where there are no rows, or a joint's torque never changes.
     """
     rows_of = ((run.samples, *run_rows(run, terms, smooth, shafts)) for run in runs)
     filled = [own for own in rows_of if len(own[-1])]
@@ -158,8 +157,8 @@ def coefficients(terms: Sequence[str]) -> list[str]:
 def by_row(columns: Array, is_shared: Mask, shafts: Array) -> Array:
     """Return the columns (N, n, n C) of each joint's row, from the joints' own (N, n, C).
 
-    They are in the row of their joint. Those of a coupled motor's shaft (C,) are in the rows of all
-    joints that it turns with: τ = Sᵀ τ_shaft, S = shafts (n, n).
+    A joint's columns are in its own row, a coupled motor's in the rows of all joints that it turns
+    with: τ = Sᵀ τ_shaft, S = shafts (n, n). is_shared: (C,).
     """
     count, joints, width = columns.shape
     own = np.where(is_shared, 0.0, columns)

@@ -27,8 +27,8 @@ from ur5lib.timeseries.segments import DEAD_ZONE, in_chunks
 
 SPEED_BINS = np.array([0.0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, np.inf])  # rad/s
 ROTOR = "rotor"  # the term of a joint's rotor
-FOLDS = 10  # paths, or parts of one, form this many, each predicted from the others
-MIN_SHARE_IN_BAND = 0.9  # the 95 % band of a bin has this share of its samples
+FOLDS = 10  # paths, or parts of one, form this many folds
+MIN_SHARE_IN_BAND = 0.9  # a 95 % band suffices if it contains this share of a bin's samples
 
 
 def coefficients_of_constants(
@@ -102,7 +102,7 @@ def explained_share(
 
 
 def fitted_on_tested_on(records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior) -> Array:
-    """Return the RMSE [A] in motion, (R, R, 6), of a fit to one recording, tested on another.
+    """Return the RMSE [A] in motion, (R, R, n): fitted to recording i, tested on j.
 
     NaN if a joint does not move in both.
     """
@@ -123,8 +123,8 @@ def with_rotors_that_show(
 ) -> list[CurrentSamples]:
     """Return recordings without the accelerations of joints that show no rotor.
 
-    A rotor shows where it predicts paths that are left out clearly better, or parts in time where
-    paths are few: sensors behind the gears feel none.
+    A rotor shows where it surely reduces errors on left-out paths, or parts in time if paths are
+    few: sensors behind the gears feel none.
     """
     if ROTOR not in prior.terms:
         return [*records]
@@ -140,7 +140,7 @@ def with_rotors_that_show(
 
 
 def _unseen_errors(records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior) -> Array:
-    """Return Σ r² (F, n) in motion of left-out folds of paths, or of parts of a single path."""
+    """Return Σ r² (F, n) in motion by left-out folds of paths, or of parts of few paths."""
     errors = np.zeros((FOLDS, len(prior.torque_max)))
     for joint, samples in enumerate(joint_samples(records, smooth, prior.terms)):
         moving = samples.where(samples.moving)
@@ -183,10 +183,10 @@ class ShareBySpeed:
             yield low, high, *bin_values
 
     def suffices(self) -> tuple[float, float]:
-        """Return the speeds [rad/s] from which and up to which every bin has the wanted share.
+        """Return the speeds [rad/s] between which every bin has MIN_SHARE_IN_BAND or more.
 
-        Infinite where the fastest bin with a share does, too. The range with most samples is taken
-        of several; NaN without any.
+        The upper one is infinite if the fastest bin with a share has it. Of several ranges, the one
+        with most samples is taken; NaN without any.
         """
         known_bins = np.flatnonzero(np.isfinite(self.share))
         runs = [

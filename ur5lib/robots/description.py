@@ -25,13 +25,13 @@ from ur5lib.timeseries.arrays import Array, Six
 
 DESCRIPTION_FOLDER = Path(__file__).parent
 JOINT_SIZES_FILE = DESCRIPTION_FOLDER / "joint_sizes.yaml"
-DROPPED_KEYS = ("friction_terms", "presliding")  # older descriptions have them; they have no effect
+DROPPED_KEYS = ("friction_terms", "presliding")  # keys of older descriptions, without effect
 PROJECT_FOLDER = Path("robots")  # the user's project has further arms there
 INVALID_DESCRIPTION = "is not a valid description of an arm (docs/robots.md)"
-# The load that an arm carries well has these shares of the rated payload and of the links' mass.
+# A suggested load is the first share of the rated payload, or the second of the links' mass.
 LOAD_SHARE, LINKS_SHARE = 0.4, 0.1
-LOAD_PLACE = (0.06, 0.0, 0.05)  # m; its centre of mass is there
-# Their kinematics, masses and inertias are those of the others.
+LOAD_PLACE = (0.06, 0.0, 0.05)  # m; centre of mass of the suggested load
+# The first have the kinematics, masses and inertias of the second.
 SAME_LINKS = {"ur7e": "ur5e", "ur12e": "ur10e"}
 GRAVITY_RANGE = (9.0, 10.5)  # m/s², on earth
 USUAL_ACCELERATION = 15.0  # rad/s²
@@ -90,9 +90,9 @@ class Pose(Described):
 class Motor(Described):
     """Manufacturer's data of a joint (Table 4.1): limits in rad, rad/s, rad/s², Nm.
 
-    position_min: where it is not -position_max; torque_constant [Nm/A], rotor_inertia [kg m²]: of
-    the motor, before the gear; family_torque_constant: of the e-Series motor of that size, where
-    the former is another.
+    position_min: if it is not -position_max; torque_constant [Nm/A], rotor_inertia [kg m²]: of the
+    motor, before the gear; family_torque_constant: of the e-Series motor of that size, if it
+    differs from torque_constant.
     """
 
     position_min: float | None = None
@@ -203,10 +203,10 @@ class FullScale(Described):
 
 
 class Mounting(Described):
-    """Origins of the devices' frames in frame 6 [m]; their axes are parallel to frame 6, but for a
-    force sensor that is turned, by the rotation vector from frame 6 to its axes.
+    """Origins of the devices' frames in frame 6 [m].
 
-    imu_full_scale: of the IMU, None if unknown.
+    Their axes are parallel to frame 6, except those of a turned force sensor: force_sensor_turn_deg
+    is the rotation vector from frame 6 to its axes. imu_full_scale: of the IMU, None if unknown.
     """
 
     imu: Vector3 = (0.0, 0.0, 0.0)
@@ -254,12 +254,12 @@ class CoupledMotor(Described):
 
 
 class Drives(Described):
-    """How a controller counts, against the joints of the description.
+    """The relation of a controller's counts to the joints of the description.
 
-    positions: on which side of the gears they are logged, with `gear_ratio` of the motors between;
-    directions: -1 of a joint that is counted against its axis; home_deg: the joint's angle where
-    the controller's is zero [°]; coupling: of motors that turn with two joints, in the controller's
-    counts.
+    positions: the side of the gears on which they are logged; `gear_ratio` of the motors relates
+    the two; directions: -1 of a joint that is counted against its axis; home_deg: the joint's angle
+    where the controller's is zero [°]; coupling: of motors that turn with two joints, in the
+    controller's counts.
     """
 
     positions: Literal["joint", "motor"] = "joint"
@@ -272,14 +272,14 @@ class Robot(Described):
     """An arm of n revolute joints: geometry, masses, link models and published constants.
 
     joints: the size of each joint, a key of `motors`; endless_joints: those that turn without
-    limit, 1 to n; effort: what is measured of its joints' efforts, torques before the gears or
-    behind them, or of a side that nobody said, which count as the joints'; drives: how its
-    controller counts; links: `unknown` where masses, centres and inertias are placeholders, which
-    the recordings replace, `fitted` where they have; weight: of all links together, at most [kg];
-    rated_payload: by the maker [kg]; balanced_joints: on which a spring or a counterbalance acts,
-    1 to n; wrist_sensor: whether a force sensor is built into its flange; calibration: of one
-    individual arm, frame k as the turned joint k carries it, in place of `denavit_hartenberg`,
-    which an arm described from its URDF has not.
+    limit, 1 to n; effort: measured quantity: current, joint torque, motor torque, or, as torque, a
+    side that nobody stated, which counts as the joints'; drives: counts of its controller; links:
+    `unknown` if masses, centres and inertias are placeholders, which the recordings replace,
+    `fitted` if they have; weight: of all links together, at most [kg]; rated_payload: by the maker
+    [kg]; balanced_joints: on which a spring or a counterbalance acts, 1 to n; wrist_sensor: whether
+    a force sensor is built into its flange; calibration: of one individual arm, frame k as the
+    turned joint k carries it, replaces `denavit_hartenberg`, which an arm described from its URDF
+    lacks.
     """
 
     name: str
@@ -363,7 +363,7 @@ class Robot(Described):
         return self
 
     def coupling_matrix(self) -> Array:
-        """Return C (n, n) of shafts C q̇, in the joints' scale and the controller's signs."""
+        """Return C (n, n): shafts turn by C q̇, in the joints' scale and the controller's signs."""
         matrix = np.eye(len(self.joints))
         for coupled in self.drives.coupling:
             matrix[coupled.motor - 1, coupled.joint - 1] = coupled.ratio
@@ -389,7 +389,7 @@ class Robot(Described):
     def maker_torque_constants(self) -> list[float]:
         """Return the manufacturer's Nm/A of each joint, after the gears; NaN where unknown.
 
-        Measured torques are those of the joints; they have a gain of 1 Nm/Nm.
+        For an arm that measures torques, gains of 1 Nm/Nm.
         """
         if self.measured == TORQUE:
             return [1.0 for _ in self.joints]
@@ -397,27 +397,27 @@ class Robot(Described):
         return [(m.torque_constant or math.nan) * (m.gear_ratio or math.nan) for m in motors]
 
     def is_counted(self) -> bool:
-        """Return whether its controller counts otherwise than its joints turn."""
+        """Return whether the controller's counts differ from the joints' angles or torques."""
         return self.drives != Drives() or self.effort == "motor_torque"
 
     def __repr__(self) -> str:
-        """Return what it is; all that is described takes some hundred lines."""
+        """Return name, joints, links and models; the whole description takes some hundred lines."""
         models = ", ".join(self.models)
         return f"Robot({self.name}: {len(self.joints)} joints, links {self.links}, models {models})"
 
     @property
     def measured(self) -> Effort:
-        """Return the channel and unit of its joints' measured efforts, and their words."""
+        """Return the joints' measured effort: its channel, unit and words."""
         return CURRENT if self.effort == "current" else TORQUE
 
     def knows_rotors(self) -> bool:
-        """Return whether no rotors are to be fitted: its fullest model has them, or its torques are
-        those of motor currents.
+        """Return whether no rotors are fitted: the fullest model has them, or currents are
+        measured.
         """
         return bool(self.models[self.fullest_model()].rotor_inertias) or self.measured == CURRENT
 
     def family_torque_constants(self) -> list[float]:
-        """Return Nm/A after the gears as by the e-Series motors of these sizes; NaN if unknown."""
+        """Return Nm/A after the gears by the e-Series motors of these sizes, else by the maker."""
         motors = map(self.motor, self.joint_numbers)
         return [
             m.family_torque_constant * (m.gear_ratio or math.nan)
@@ -427,8 +427,9 @@ class Robot(Described):
         ]
 
     def tells_gravity(self) -> bool:
-        """Return whether its description says what its joints bear at rest: its links are
-        described, not found from its recordings, and no counterbalance bears a part.
+        """Return whether the description determines the joints' torques at rest.
+
+        Its links are described, not fitted to recordings, and no counterbalance carries a part.
         """
         return self.links == "known" and not self.balanced_joints
 
@@ -454,7 +455,7 @@ class Robot(Described):
         return [self.motor(joint).velocity_max for joint in self.joint_numbers]
 
     def acceleration_limits(self) -> list[float]:
-        """Return those of accelerations [rad/s²], the usual one where none is published."""
+        """Return each joint's largest acceleration [rad/s²], the usual one if none is published."""
         motors = map(self.motor, self.joint_numbers)
         return [motor.acceleration_max or USUAL_ACCELERATION for motor in motors]
 
@@ -481,8 +482,11 @@ class Robot(Described):
         return self.model_copy(update={"models": self.models | {name: model}})
 
     def known_load(self) -> Payload | None:
-        """Return a load that shows the wrist's constants and that the arm carries well: a share of
-        the rated payload or, without one, of the links' mass; None for unknown links.
+        """Return a suggested load, which the arm carries well and which shows the wrist's torque
+        constants.
+
+        Its mass is a share of the rated payload or, without one, of the links' mass; None for
+        unknown links.
         """
         mass = LOAD_SHARE * (self.rated_payload or 0.0)
         if not mass and self.links != "unknown":
@@ -516,9 +520,10 @@ class Robot(Described):
 
 
 def _without_older_keys(described: dict[str, Any]) -> dict[str, Any]:
-    """Return a description with `effort` in place of `torques` of its drives, and of the torque
-    constant 1 of all motors, by which older descriptions say that torques are measured, and without
-    terms of friction, which recordings choose.
+    """Return a description with `effort` in place of older keys.
+
+    They are `torques` of drives, or a torque constant of 1 for all motors. Terms of friction, which
+    recordings select, are dropped.
     """
     described = {key: value for key, value in described.items() if key not in DROPPED_KEYS}
     drives, motors = described.get("drives"), described.get("motors")
@@ -536,7 +541,7 @@ def _without_older_keys(described: dict[str, Any]) -> dict[str, Any]:
 
 
 def _is_by_joint(kind: Any) -> bool:
-    """Return whether a field is PerLink, a tuple of any length, or that or None."""
+    """Return whether a field is PerLink, a tuple of any length, or an optional one."""
     return any(Ellipsis in get_args(alternative) for alternative in (kind, *get_args(kind)))
 
 
@@ -547,7 +552,7 @@ def robot_names() -> list[str]:
 
 
 def no_description(name: str) -> str:
-    """Return the message about an arm without description, with the name that may be meant."""
+    """Return the message for an arm without description, with the most similar known name."""
     names_by_letters = {
         _letters(described_name): described_name for described_name in robot_names()
     } | SAME_LINKS
@@ -558,7 +563,7 @@ def no_description(name: str) -> str:
 
 
 def _letters(name: str) -> str:
-    """Return the letters and digits of a name, which its spelling shares with `UR-5e`."""
+    """Return the lower-case letters and digits of a name, so that `UR-5e` is found as `ur5e`."""
     return "".join(filter(str.isalnum, name.lower()))
 
 
@@ -581,7 +586,7 @@ def load_robot(path: str | Path) -> Robot:
 
 @cache
 def _described(text: str, source: str) -> Robot:
-    """Return the arm of a description's text, which each job of a process reads anew."""
+    """Return the arm of a description's text; cached, as each job of a process reads it again."""
     try:
         return robot_of(plain_yaml(text, source))
     except ValidationError as error:
@@ -616,7 +621,7 @@ def robot_yaml(robot: Robot) -> str:
 
 
 def with_motors(description: Any) -> Any:
-    """Return an arm's description completed by the motors of its joints' sizes."""
+    """Return an arm's description with the motors of its joints' sizes added."""
     if not isinstance(description, dict) or not isinstance(description.get("joints"), list):
         return description
     described = description.get("motors", {})

@@ -1,4 +1,4 @@
-"""From the counts of a controller to the joints, and back: gears, directions, home offsets, coupled
+"""Conversion between a controller's counts and the joints: gears, directions, home offsets, coupled
 motors.
 
 With C of the coupling (unit diagonal), d of the directions and N of the gear ratios, motors turn by
@@ -15,7 +15,7 @@ TORQUES = ("actual_torque", "target_moment", "actual_current_as_torque")
 
 
 def of_the_joints(name: str, counts: Array, arm: Robot) -> Array:
-    """Return a channel (N, n) of the joints, from what the controller counts."""
+    """Return a channel (N, n) of the joints from the controller's counts (N, n)."""
     turns, home = turns_matrix(arm), np.radians(arm.drives.home_deg or 0.0)
     if name in (*POSITIONS, *RATES):
         return counts @ np.linalg.inv(turns).T + home * (name in POSITIONS)
@@ -23,7 +23,7 @@ def of_the_joints(name: str, counts: Array, arm: Robot) -> Array:
 
 
 def as_counted(name: str, values: Array, arm: Robot) -> Array:
-    """Return what the controller counts, from a channel (N, n) of the joints."""
+    """Return the controller's counts (N, n) from a channel (N, n) of the joints."""
     turns, home = turns_matrix(arm), np.radians(arm.drives.home_deg or 0.0)
     if name in (*POSITIONS, *RATES):
         return (values - home * (name in POSITIONS)) @ turns.T
@@ -33,19 +33,19 @@ def as_counted(name: str, values: Array, arm: Robot) -> Array:
 
 
 def turns_matrix(arm: Robot) -> Array:
-    """Return the matrix (n, n) of counted rates per rate of the joints: N C d, or d for joints."""
+    """Return the matrix (n, n) of counted rates per joint rate: N C d, or d of counted joints."""
     turns = motor_matrix(arm) if arm.drives.positions == "motor" else np.eye(len(arm.joints))
     return turns * directions(arm)
 
 
 def torque_matrix(arm: Robot) -> Array:
-    """Return M (n, n) of τᵀ = τ_countedᵀ M: N C d, or d for torques of the joints."""
+    """Return M (n, n) of τᵀ = τ_countedᵀ M: N C d, or d if joint torques are counted."""
     turns = motor_matrix(arm) if arm.effort == "motor_torque" else np.eye(len(arm.joints))
     return turns * directions(arm)
 
 
 def motor_matrix(arm: Robot) -> Array:
-    """Return N C (n, n), the turns of the motors per turn of the joints in the counts' signs."""
+    """Return N C (n, n), motor turns per joint turn, in the signs of the counts."""
     return np.array(arm.gear_ratios())[:, None] * arm.coupling_matrix()
 
 
@@ -55,11 +55,11 @@ def directions(arm: Robot) -> Array:
 
 
 def shaft_matrix(arm: Robot) -> Array:
-    """Return S = d C d (n, n) of the motors' shafts S q̇, in the joints' scale and signs."""
+    """Return S = d C d (n, n): shafts turn by S q̇, in the joints' scale and signs."""
     signs = directions(arm)
     return signs[:, None] * arm.coupling_matrix() * signs
 
 
 def coupled_motors(shafts: Array) -> Mask:
-    """Return which motors (n,) turn with more joints than their own."""
+    """Return the mask (n,) of motors that turn with other joints than their own, too."""
     return np.count_nonzero(shafts, axis=1) > 1

@@ -70,10 +70,10 @@ def felt_acceleration(
 
 @dataclass(frozen=True)
 class ToolMotion:
-    """Weight and acceleration of what is fixed to frame 6, in its axes, (N, 3) each.
+    """Weight and acceleration of a body fixed to frame 6, in the axes of this frame, (N, 3) each.
 
-    pull: R_6ᵀ (g - a) [m/s²], what pulls on each kilogram at the origin; rate: ω [rad/s]; spin: its
-    derivative α [rad/s²].
+    pull: R_6ᵀ (g - a) [m/s²] at the origin, force per mass; rate: ω [rad/s]; spin: its derivative α
+    [rad/s²].
     """
 
     pull: Array
@@ -113,10 +113,10 @@ def tool_motion(
 
 
 def expected_values(values: Array, segment: Labels, period: float, clock_std: float) -> Array:
-    """Return the mean of values (N, M) at times with a standard error [s].
+    """Return the expectation of values (N, M) at times with a normal error: a Gaussian filter.
 
-    For a normal error of the clock this is a Gaussian filter. What moves faster than the clock's
-    error, such as a vibration, has a mean of zero: subtracting it unfiltered would add noise.
+    clock_std: standard error of the times [s]. Motion faster than the clock's error, such as a
+    vibration, has an expectation of zero: subtracting it unfiltered would add noise.
     """
     width = clock_std / period
     if width < MIN_GAUSSIAN_WIDTH:

@@ -26,10 +26,10 @@ ISAAC_HEAD = """\
 
 @dataclass(frozen=True)
 class JointFriction:
-    """Friction in the form of simulators, (6,) each: coulomb [Nm], viscous [Nm s/rad].
+    """Friction in the form of simulators, (n,) each: coulomb [Nm], viscous [Nm s/rad].
 
     NaN for joints that moved too little. share: of the mean square of the identified friction in
-    motion, what these two have of it; the rest is of terms that no simulator knows.
+    motion, the part that these two terms have; the rest is of terms that no simulator has.
     """
 
     coulomb: Array
@@ -37,12 +37,12 @@ class JointFriction:
     share: Array
 
     def coefficients(self, joint: int) -> tuple[float, float] | None:
-        """Return coulomb and viscous friction of joint 1 to 6, None where it is unknown."""
+        """Return Coulomb and viscous friction of a joint, from 1; None where unknown."""
         pair = float(self.coulomb[joint - 1]), float(self.viscous[joint - 1])
         return None if any(map(math.isnan, pair)) else pair
 
     def note(self) -> str:
-        """Return which part of the identified friction a simulator has."""
+        """Return a sentence on the share of the identified friction that a simulator has."""
         shares = ", ".join("-" if math.isnan(own) else f"{own:.1%}" for own in self.share)
         return f"{FRICTION_NOTE} Joints from 1 have so much of its mean square in motion: {shares}."
 
@@ -138,7 +138,7 @@ def isaac(robot: Robot, model: str, friction: JointFriction | None) -> str:
 
 
 def _add_note(root: Element, friction: JointFriction | None) -> None:
-    """Add which part of the identified friction is written, as a comment."""
+    """Add a comment on the share of the identified friction that is written."""
     if friction is not None:
         root.append(Comment(f" {friction.note()} "))
 
@@ -151,7 +151,7 @@ def _urdf_joint(root: Element, name: str, kind: str, parent: str, child: str) ->
 
 
 def _add_stick(link: Element, end: Sequence[float]) -> None:
-    """Add what viewers draw of a link: a cylinder from its near end to its far end (3,) [m]."""
+    """Add a link's drawing for viewers: a cylinder from its near to its far end (3,) [m]."""
     x, y, z = end
     length = math.hypot(x, y, z)
     if length > 0:
@@ -182,7 +182,7 @@ def _inertia(bodies: RigidBodies, k: int) -> dict[str, str]:
 
 
 def _limit(robot: Robot, k: int) -> dict[str, str]:
-    """Return the limits of joint k; those of an endless joint are without position."""
+    """Return the limits of joint k; an endless joint has no limits of position."""
     motor, (low, high) = robot.motor(k), robot.position_limits()[k - 1]
     bounds = {"lower": low, "upper": high} if math.isfinite(high) else {}
     limits = bounds | {"effort": motor.torque_max, "velocity": motor.velocity_max}

@@ -18,7 +18,7 @@ from ur5lib.timeseries.segments import DEAD_ZONE, by_segment, starts
 from ur5lib.workspace.extensions import additions, failed
 
 GEAR_EFFICIENCY_STD = 0.03  # the gears' relative efficiency varies by this between runs and poses
-# The largest torque turns a rotor alone at least this fast: 90 rad/s² on a UR5, 360 on a TX40.
+# The largest torque accelerates a bare rotor by at least this: 90 rad/s² on a UR5, 360 on a TX40.
 ROTOR_ACCELERATION = 50.0  # rad/s²
 INERTIA_STD = 0.2  # the inertias of a description's links have this relative error
 # Presliding distance: Coulomb torque over it is the stiffness of a gear, 1e4 to 1e5 Nm/rad.
@@ -26,12 +26,12 @@ PRESLIDING_DISTANCE = 1e-4  # rad
 # A part of a joint's friction at rest may reverse over these distances: at once, as by noise and
 # hunting, or with a long memory.
 REST_DISTANCES = (1e-5, 1e-3)  # rad
-STRIBECK_SPEEDS = (0.01, 0.05, 0.2)  # rad/s; dry friction falls from rest over one of these
-ROOT_LINE = 4 / 15, 4 / 5  # nearest to the root of velocity from 0 to 1 rad/s, and its slope
-FINE_STEP = 0.01  # s; within steps of slower logs, joints reverse between samples
-START_DISTANCE = max(REST_DISTANCES)  # rad; within it, a joint depends on what was before
+STRIBECK_SPEEDS = (0.01, 0.05, 0.2)  # rad/s; dry friction falls within these speeds
+ROOT_LINE = 4 / 15, 4 / 5  # nearest line to √v from 0 to 1 rad/s: offset, slope
+FINE_STEP = 0.01  # s; in logs with longer steps, joints reverse between samples
+START_DISTANCE = max(REST_DISTANCES)  # rad; within it, friction depends on the motion before
 NEGLIGIBLE = 1e-3  # share of friction's direction
-# Friction of a joint in motion has the coefficients of its other terms at this temperature.
+# Warmth counts from this temperature.
 USUAL_TEMPERATURE = 30.0  # °C
 
 
@@ -53,10 +53,10 @@ class JointMotion:
 
     q [rad], qd [rad/s]; torque: of the rigid-body model [Nm]; direction: of its dry friction, -1 to
     1, see `friction_direction`; warmth: [K], above USUAL_TEMPERATURE, 0 where it was not recorded;
-    shaft: of a coupled motor, with the joint's own motion in it or not; balanced: whether a spring
-    or a counterbalance acts on the joint; qdd: [rad/s²], 0 where the link model has the rotor;
+    shaft: of the coupled motor that turns with the joint; balanced: whether a spring or a
+    counterbalance acts on the joint; qdd: [rad/s²], 0 if the link model has the rotor;
     direction_over: returns the direction of dry friction that reverses over another distance [rad];
-    inertial: what of the torque is not gravity's [Nm], 0 of motor currents.
+    inertial: torque without gravity's part [Nm], 0 for motor currents.
     """
 
     q: Array
@@ -85,17 +85,17 @@ class Term:
 
 
 BASE_TERMS = ("coulomb", "viscous", "load")
-PARAMETER_UNITS = {  # what is fitted to each joint, and shows its motor, has these
+PARAMETER_UNITS = {  # units of the parameters that are fitted to each joint
     "torque_constant": "Nm/A",
     "gain": "Nm/Nm",
     "offset": "Nm",
     "coulomb": "Nm",
     "viscous": "Nm s/rad",
 }
-# Terms that are not fitted, but make the others less sure: over a part of a turn, a periodic term
-# looks like an offset, and together with gravity like a torque constant.
+# Terms that are not fitted, but enlarge the errors of the others: over a part of a turn, a periodic
+# term looks like an offset, and together with gravity like a torque constant.
 CONSIDERED_TERMS = ("periodic",)
-# The same of measured torques. Gravity shows their gain: inertias are less certain than masses.
+# The same for measured torques: their gain follows from gravity, as inertias are less certain.
 INERTIA = "inertia"
 CONSIDERED_OF_TORQUES = (*CONSIDERED_TERMS, INERTIA)
 TERMS = {
@@ -133,7 +133,7 @@ TERMS = {
         lambda motion: [motion.balanced * np.sin(motion.q), motion.balanced * np.cos(motion.q)],
         parts=("sin", "cos"),
     ),
-    # of an arm with links that have none
+    # for link models without rotors
     "rotor": Term(
         lambda motion: [motion.qdd * np.ones_like(motion.qd)],
         expected=lambda torque_max: torque_max / ROTOR_ACCELERATION,
@@ -144,9 +144,9 @@ TERMS = {
     ),
     "coupled": Term(lambda motion: _shaft_columns(motion), parts=("coulomb", "viscous", "rotor")),
 }
-SPEED_TERMS = ("velocity_root", "velocity_square")  # kept, or added, by paths left out
-STRIBECK = "velocity_stribeck"  # the term that is tried last, as friction at rest looks like it
-# Some arms or joints have these.
+SPEED_TERMS = ("velocity_root", "velocity_square")  # selected by errors on left-out paths
+STRIBECK = "velocity_stribeck"  # tried last, as friction at rest looks like it
+# Only some arms or joints have these terms.
 OPTIONAL_TERMS = (*SPEED_TERMS, STRIBECK, "coupled", "balance", "rotor")
 
 
@@ -158,8 +158,8 @@ def _shaft_columns(motion: JointMotion) -> list[Array]:
 
 
 class Track(NamedTuple):
-    """Positions and velocities of a joint (N,) [rad, rad/s], labels (N,) of unbroken stretches, and
-    the period [s].
+    """Motion of a joint: q, qd (N,) [rad, rad/s], labels (N,) of unbroken stretches, and period
+    [s].
     """
 
     q: Array
@@ -197,11 +197,12 @@ def direction_between(
     distance: float = PRESLIDING_DISTANCE,
     start: float = 0.0,
 ) -> Array:
-    """Return the direction (N,) of dry friction, as `friction_direction`, of a motion that may be
-    logged slowly: the joint reverses between samples, too, about each of which it is the mean.
+    """Return the direction (N,) of dry friction, see `friction_direction`, of a slowly logged
+    motion.
 
-    q, qd: (N,) [rad, rad/s], cubic Hermite splines from sample to sample; period: [s]; distance:
-    [rad].
+    The joint may reverse between samples; the result is the mean about each sample. q, qd: (N,)
+    [rad, rad/s], cubic Hermite splines from sample to sample; period: [s]; distance: [rad]; start:
+    of the first sample.
     """
     parts = round(period / FINE_STEP)
     if parts < 2:
@@ -223,9 +224,10 @@ def direction_between(
 
 
 def direction_after(earlier: Sequence[Track], distance: float = PRESLIDING_DISTANCE) -> float:
-    """Return the direction of a joint's dry friction after earlier motions, oldest first, each of
-    which begins where the one before ended. Zero, as unknown, without any; what is before a gap
-    says nothing.
+    """Return the direction of a joint's dry friction after earlier motions; 0 is unknown.
+
+    earlier: oldest first, each starting where the previous one ended; those before a gap do not
+    count.
     """
     # z = e^(-path / distance) z₀ + z from zero
     direction, kept = 0.0, 1.0
@@ -238,11 +240,11 @@ def direction_after(earlier: Sequence[Track], distance: float = PRESLIDING_DISTA
 
 
 def unknown_share(q: Array, segment: Labels, start: float = 1.0) -> Array:
-    """Return how much (N,) of a joint's friction may depend on what is unknown, that before the
-    start of a segment: e^(-x / d), x: range of its positions since then, d: START_DISTANCE.
+    """Return the share (N,) of a joint's friction that depends on unknown motion before a segment.
 
-    Unlike the path, it does not grow by noise. q: (N,) [rad]; start: of the first segment, see
-    `unknown_after`.
+    e^(-x / d), x: range of its positions since the segment's start, d: START_DISTANCE. Unlike the
+    path length, x does not grow by noise. q: (N,) [rad]; start: share at the first segment's start,
+    see `unknown_after`.
     """
     unbroken = np.cumsum(starts(segment)) - 1
     reach = by_segment(_reach, q[:, None], segment)[:, 0]
@@ -251,8 +253,9 @@ def unknown_share(q: Array, segment: Labels, start: float = 1.0) -> Array:
 
 
 def unknown_after(earlier: Sequence[Track]) -> float:
-    """Return the share of a joint's friction that is unknown after earlier motions, as of
-    `direction_after`.
+    """Return the share of a joint's friction that is unknown after earlier motions.
+
+    earlier: as for `direction_after`.
     """
     share = 1.0
     for track in earlier:
@@ -261,14 +264,15 @@ def unknown_after(earlier: Sequence[Track]) -> float:
 
 
 def _reach(q: Array) -> Array:
-    """Return the range of positions (N, 1) up to each."""
+    """Return the range (N, 1) of positions (N, 1) up to each sample."""
     reach: Array = np.maximum.accumulate(q) - np.minimum.accumulate(q)
     return reach
 
 
 def direction_over_distances(track: Track, earlier: Sequence[Track]) -> Callable[[float], Array]:
-    """Return what gives the direction (N,) of dry friction over a distance, after earlier motions,
-    as of `direction_after`.
+    """Return a function of a distance [rad] that returns the direction (N,) of dry friction.
+
+    earlier: as for `direction_after`.
     """
     return lambda distance: direction_between(*track, distance, direction_after(earlier, distance))
 
@@ -279,7 +283,7 @@ def rest_factor(qd: Array) -> Array:
 
 
 def extension_terms(shipped: Collection[str]) -> dict[str, Term]:
-    """Return the terms of the workspace. Raises InputError where one cannot be a friction term."""
+    """Return the terms that the workspace adds. Raises InputError where one is no friction term."""
     motion_at_rest = JointMotion(*np.zeros((4, 3)))
     terms = {}
     for source, name, term in additions("friction"):
@@ -307,7 +311,7 @@ FITTED_TERMS = (*BASE_TERMS, "velocity_root", *EXTENSION_TERMS)
 
 
 def term_of(name: str) -> Term:
-    """Return a term. Raises InputError where it is an extension of another folder."""
+    """Return a term. Raises InputError if it is unknown, as an extension of another folder."""
     if name not in TERMS:
         raise InputError(
             f"the friction term {name!r} is not known here; run this in the folder whose "
@@ -317,7 +321,7 @@ def term_of(name: str) -> Term:
 
 
 def coefficient_names(terms: Sequence[str]) -> list[str]:
-    """Return the names of the terms' coefficients: the term's, and which of several."""
+    """Return the names of the terms' coefficients: the term's, with a part's if it has several."""
     return [
         name
         for term in terms

@@ -27,31 +27,29 @@ MIN_JOINTS = 2
 MAX_JOINTS = 8
 REVOLUTE_TYPES = ("revolute", "continuous")
 PLACEHOLDER_MASS, PLACEHOLDER_INERTIA = 1.0, 0.01 * np.eye(3)  # kg, kg m²
-ASSUMED_TORQUE, ASSUMED_VELOCITY = 1000.0, 3.0  # Nm, rad/s; they replace limits that a file lacks
-GRAVITY = (0.0, 0.0, -STANDARD_GRAVITY)  # m/s²; it is given in the axes of the base link
+ASSUMED_TORQUE, ASSUMED_VELOCITY = 1000.0, 3.0  # Nm, rad/s; for limits that a file lacks
+GRAVITY = (0.0, 0.0, -STANDARD_GRAVITY)  # m/s², axes of the base link
 MAX_USUAL_ANGLE, MAX_USUAL_LENGTH = 4 * np.pi, 10.0  # rad, m
 NUMERIC_TAGS = ("origin", "axis", "mass", "inertia", "limit")
 PHYSICAL = "physical"  # link model of possible bodies
-XACRO = "xacro"  # the names of elements that xacro replaces contain it
+XACRO = "xacro"  # part of the names of elements that xacro replaces
 RIGHT_ANGLE_TOLERANCE = 1e-11  # a rotation's entry may err by this: 1.57079632679 is a right angle
 
 
 def robot_from_urdf(
     path: Path, base: str | None = None, tip: str | None = None, physical: bool = False
 ) -> tuple[Robot, list[str]]:
-    """Return the arm between two links of a URDF, and in sentences what had to be assumed.
+    """Return the arm between two links of a URDF, and sentences on what had to be assumed.
 
-    base: link that does not move, the root by default; tip: link with the flange's frame, the one
-    that the last joint turns by default. Joint k turns about the z axis of frame k - 1; frame 0
-    lies where the first axis is nearest to the base link's origin. What is fixed to a link belongs
-    to it; what moves off the chain is at its position zero.
-
-    Where masses are left out, or the same in all links, the links are unknown; where limits of
-    effort or velocity are, some are assumed. physical: add and choose the link model PHYSICAL,
-    where no body has the inertia of a link, with the nearest that one may have.
-
-    Raises InputError where the file is no URDF, has no such chain of 2 to 8 revolute joints, or
-    lacks limits of angles.
+    base: link that does not move, by default the root; tip: link with the flange's frame, by
+    default the one that the last joint turns. Joint k turns about the z axis of frame k - 1; frame
+    0 lies where the first axis is nearest to the base link's origin. Bodies fixed to a link belong
+    to it; joints off the chain are at zero.
+    If masses are left out, or the same in all links, the links are unknown; limits of effort or
+    velocity that are left out are assumed. physical: add and choose the link model PHYSICAL, in
+    which inertias that no body has are replaced by the nearest possible ones. Raises InputError
+    where the file is no URDF, has no such chain of 2 to 8 revolute joints, or lacks limits of
+    angles.
     """
     tree = _read(path)
     base = _known_link(tree, base or _root(tree, path), path)
@@ -119,7 +117,7 @@ def _read(path: Path) -> Any:
 
 
 def _expect_parts(root: ElementTree.Element, path: Path) -> None:
-    """Raise InputError where links and joints are not each there, once."""
+    """Raise InputError where links or joints are missing or repeated."""
     if root.tag != "robot":
         raise InputError(f"{path} is no URDF: it holds <{root.tag}>, not <robot>")
     names = {tag: [part.get("name", "") for part in root.findall(tag)] for tag in ("link", "joint")}
@@ -194,7 +192,7 @@ def _path(tree: Any, base: str, tip: str) -> list[Any] | None:
 
 
 def _tip(tree: Any, base: str, path: Path) -> str:
-    """Return the link that the last revolute joint turns, of the only chain that is longest."""
+    """Return the link at the end of the longest chain of revolute joints, if only one is."""
     turned = {j.child: _path(tree, base, j.child) for j in tree.joints if _turns(j)}
     counts = {link: sum(map(_turns, joints)) for link, joints in turned.items() if joints}
     ends = [link for link, count in counts.items() if count == max(counts.values())]
@@ -207,7 +205,7 @@ def _tip(tree: Any, base: str, path: Path) -> str:
 
 
 def _turns(joint: Any) -> bool:
-    """Return whether a joint turns by itself."""
+    """Return whether a joint turns independently of other joints."""
     return joint.type in REVOLUTE_TYPES and joint.mimic is None
 
 
@@ -238,7 +236,7 @@ def _chain(tree: Any, base: str, tip: str, path: Path) -> list[Any]:
 def _hanging_links(
     tree: Any, link: str, place: Array, ends: set[str]
 ) -> Iterator[tuple[str, Array]]:
-    """Yield a link and what hangs on it, with poses (4, 4), up to the joints `ends`."""
+    """Yield a link and all that is attached to it, with poses (4, 4), up to the joints `ends`."""
     waiting, met = [(link, place)], set[str]()
     while waiting:
         link, place = waiting.pop()
@@ -254,7 +252,8 @@ def _hanging_links(
 def _joint_frames(
     tree: Any, base: str, tip: str, joints: list[Any], bodies: list[dict[str, Array]]
 ) -> list[Array]:
-    """Return frames 0 to n (4, 4) in the links that carry them, the base and the joints' children.
+    """Return frames 0 to n (4, 4), each in the link that carries it: the base and the joints'
+    children.
 
     The z axis of frame k - 1 is the axis of joint k; frame n is the tip's.
     """
@@ -267,7 +266,7 @@ def _joint_frames(
 
 
 def _z_to(axis: Any) -> Array:
-    """Return the smallest rotation (4, 4) that turns z into an axis, x by default as in URDF."""
+    """Return the smallest rotation (4, 4) that turns z into an axis, by default x (URDF's)."""
     x, y, z = (1.0, 0.0, 0.0) if axis is None else axis
     across = np.hypot(x, y)
     around = np.array([-y, x, 0]) / across if across else np.array([1.0, 0, 0])
@@ -288,7 +287,7 @@ def _pose_matrix(origin: Any) -> Array:
 
 
 def _exact_rotation(rotation: Array) -> Array:
-    """Return a rotation with exact right angles, which files give with few digits."""
+    """Return a rotation with right angles made exact, as files give them with few digits."""
     rounded = np.round(rotation)
     return np.where(np.abs(rotation - rounded) < RIGHT_ANGLE_TOLERANCE, rounded, rotation) + 0.0
 
@@ -298,7 +297,8 @@ def _as_one(
 ) -> tuple[float, Array, Array]:
     """Return mass, centre of mass (3,) and inertia tensor (3, 3) about it of links, in a frame.
 
-    physical: with the nearest inertias that bodies may have. Links without mass are left out.
+    physical: inertias that no body has are replaced by the nearest possible ones. Links without
+    mass are left out.
     """
     parts = []
     for link, place in body.items():
@@ -328,7 +328,7 @@ def _impossible_links(tree: Any, bodies: list[dict[str, Array]]) -> dict[str, st
 
 
 def _bodies(tree: Any, impossible: dict[str, str], physical: bool) -> Iterator[str]:
-    """Yield which links are no bodies, and what is taken instead; physical: of PHYSICAL."""
+    """Yield a sentence for each link that no body can be; physical: whether they are replaced."""
     for link, reason in impossible.items():
         inertial = tree.link_map[link].inertial
         mass, about = _mass(inertial), _tensor(inertial.inertia)
@@ -364,7 +364,7 @@ def _motor(joint: Any) -> dict[str, float | None]:
 
 
 def _range(joint: Any) -> tuple[float, float]:
-    """Return a joint's lowest and highest angle [rad]; of one without limits, a turn each way."""
+    """Return a joint's lowest and highest angle [rad]; without limits, a turn each way."""
     if joint.type == "continuous":
         return -2 * np.pi, 2 * np.pi
     limit = joint.limit
@@ -372,7 +372,7 @@ def _range(joint: Any) -> tuple[float, float]:
 
 
 def _stated(joint: Any, key: str) -> float | None:
-    """Return a joint's limit of effort [Nm] or velocity [rad/s], None where it is 0 or left out."""
+    """Return a joint's limit of effort [Nm] or velocity [rad/s], None if it is 0 or left out."""
     return getattr(joint.limit, key, None) or None
 
 
@@ -392,7 +392,7 @@ def _expect_ranges(joints: list[Any], path: Path) -> None:
 
 
 def placeholders(tree: Any, joints: list[Any], bodies: list[dict[str, Array]]) -> str:
-    """Return why the links' masses are none, in words, empty where they are."""
+    """Return why the links' masses are placeholders, in words; empty if they are not."""
     lacking, masses = [], []
     for joint, body in zip(joints, bodies, strict=True):
         inertials = [tree.link_map[link].inertial for link in body]
@@ -407,7 +407,7 @@ def placeholders(tree: Any, joints: list[Any], bodies: list[dict[str, Array]]) -
 
 
 def _of_a_body(inertia: Any) -> bool:
-    """Return whether a body may have an inertia, but for its rounding."""
+    """Return whether an inertia tensor is positive semidefinite."""
     return bool(np.linalg.eigvalsh(_tensor(inertia)).min() >= 0)
 
 
@@ -417,7 +417,7 @@ def _tensor(moments: Any) -> Array:
 
 
 def _missing(joints: list[Any], unknown: str) -> Iterator[str]:
-    """Yield what a file does not say, and what is taken instead."""
+    """Yield sentences on what a file lacks, and what is assumed instead."""
     if unknown:
         yield (
             f"{unknown}: links, rotors and friction are found from recordings with actual_torque "
@@ -447,7 +447,7 @@ def _missing(joints: list[Any], unknown: str) -> Iterator[str]:
 
 
 def _length(joint: Any) -> float:
-    """Return how far a joint lies from that of its parent [m]."""
+    """Return the distance [m] of a joint from its parent joint."""
     return 0.0 if joint.origin is None else float(np.linalg.norm(joint.origin.xyz or 0.0))
 
 
@@ -458,7 +458,7 @@ def _remarks(
     bodies: list[dict[str, Array]],
     start: Array,
 ) -> Iterator[str]:
-    """Yield what a user has to know about the frames and what was folded in."""
+    """Yield sentences on the frames, and on joints that are fixed at zero."""
     place = ", ".join(f"{value:.6g}" for value in start[:3, 3])
     turned = "" if np.allclose(start[:3, :3], np.eye(3)) else ", turned to the axis of joint 1"
     yield f"base frame at {place} m of {base}{turned}; forces act at the origin of {tip}"

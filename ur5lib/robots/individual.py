@@ -1,9 +1,9 @@
 """One individual arm: a described arm with other numbers, and its kinematic calibration.
 
-The controller and the ROS driver describe the calibrated axes of the joints. Their frames cannot be
-used: where two axes are almost parallel, the common normal, and with it a Denavit-Hartenberg frame,
-can lie 100 m away. Each frame is therefore placed on its calibrated axis, as close as possible to
-the nominal frame.
+The controller and the ROS driver describe the joints' calibrated axes by frames that cannot be
+used: where two axes are almost parallel, their common normal, and with it a Denavit-Hartenberg
+frame, can lie 100 m away. Each frame is therefore placed on its calibrated axis, as close as
+possible to the nominal frame.
 """
 
 import math
@@ -33,7 +33,7 @@ from ur5lib.timeseries.arrays import Array
 
 DELTA_ENTRIES = ("delta_theta", "delta_d", "delta_a", "delta_alpha")
 ROS_LINKS = ("shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3")
-# A calibration farther from the nominal frames is another arm's.
+# A calibration farther from the nominal frames than this belongs to another arm.
 MAX_FRAME_DISTANCE = 0.05  # m
 MAX_FRAME_TURN = 0.05  # rad
 FIRST_AXIS_TOLERANCE = 1e-6  # m, rad; the first axis is within this of the base's
@@ -56,7 +56,7 @@ def calibrated_robot(robot: Robot, path: str | Path) -> Robot:
 
 
 def chain(steps: Sequence[Array]) -> list[Array]:
-    """Return the frames (4, 4) along a chain of transforms (4, 4), the base's included."""
+    """Return the frames (4, 4) along a chain of transforms (4, 4), starting with the base's."""
     frames = [np.eye(4)]
     for step in steps:
         frames.append(frames[-1] @ step)
@@ -84,7 +84,7 @@ def pose_of(matrix: Array) -> Pose:
 def _from_controller(
     text: str, links: Sequence[DenavitHartenberg], path: str | Path
 ) -> list[Array]:
-    """Return frames 0 to 6 at q = 0 from deltas of θ, d, a, α; none without deltas."""
+    """Return frames 0 to 6 at q = 0 from deltas of θ, d, a, α; an empty list without deltas."""
     lines = [line.split("#")[0].split("=") for line in text.splitlines() if "=" in line]
     entries = {parts[0].strip(): parts[1].strip().strip("[]") for parts in lines}
     if not set(DELTA_ENTRIES) & set(entries):
@@ -169,9 +169,8 @@ def individual_robot(
 ) -> Robot:
     """Return the arm described in a file, with a name and overridden numbers.
 
-    override: the differences, with the file's keys; an entry of a list is named by its number,
-    counted from 1. calibration: see `calibrated_robot`. Raises InputError where one of them is
-    invalid.
+    override: changed numbers, under the file's keys; an entry of a list has its number, from 1, as
+    key. calibration: see `calibrated_robot`. Raises InputError where one of them is invalid.
     """
     try:
         robot = robot_of(overridden_data(read_description(path), {**override, "name": name}))

@@ -27,7 +27,7 @@ class RigidBodies:
     rotor_inertia: Array
 
     def rigid(self, share: float) -> "RigidBodies":
-        """Return the links with inertia tensors of rigid bodies; share: see `rigid_inertia`."""
+        """Return the links with inertias that rigid bodies can have; share: see `rigid_inertia`."""
         raised = np.stack([rigid_inertia(inertia, share) for inertia in self.inertia])
         return replace(self, inertia=raised)
 
@@ -49,8 +49,10 @@ def shift_inertia(inertia: Array, mass: float, offset: Array) -> Array:
 
 
 def joined(parts: Sequence[tuple[float, Array, Array]]) -> tuple[float, Array, Array]:
-    """Return bodies as one (2.45, 2.46), each as mass, centre of mass (3,), and inertia tensor
-    (3, 3) about it, in axes that they share.
+    """Return bodies as one: mass, centre of mass (3,), and inertia tensor (3, 3) about it (2.45,
+    2.46).
+
+    parts: the same three of each body, in common axes.
     """
     mass = sum(mass for mass, _, _ in parts)
     center = np.sum([mass * center for mass, center, _ in parts], axis=0) / mass
@@ -89,11 +91,11 @@ def link_tail(pose: Pose) -> tuple[Array, Array]:
 
 
 def rigid_inertia(inertia: Array, share: float) -> Array:
-    """Return an inertia tensor (3, 3) that a rigid body can have; one that it can is left as it is.
+    """Return an inertia tensor (3, 3) that a rigid body can have, unchanged if it already is one.
 
     Principal moments obey A + B >= C. A flat plate has A + B = C, which rounding can violate, and
-    simulators reject the link. Where A + B - C is less than `share` of their sum, or, of a point
-    mass, `share` kg m², all moments are raised by what it lacks.
+    simulators reject the link. If A + B - C is less than `share` of their sum, or, of a point mass,
+    `share` kg m², all moments are raised by the difference.
     """
     moments = np.linalg.eigvalsh(inertia)
     slack = moments[0] + moments[1] - moments[2]
@@ -136,7 +138,7 @@ def inertial_parameters(robot: Robot, bodies: RigidBodies) -> Array:
 
 
 def written_bodies(robot: Robot, model: str) -> RigidBodies:
-    """Return the links of an arm as files for other programs have them, which may round."""
+    """Return the links of an arm for files of other programs, whose inertias survive rounding."""
     return rigid_bodies(robot, model).rigid(WRITTEN_SHARE)
 
 

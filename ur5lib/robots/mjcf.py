@@ -12,8 +12,8 @@ from ur5lib.robots.inertia import WRITTEN_SHARE, link_tail, rigid_bodies, rigid_
 from ur5lib.timeseries.arrays import Array
 
 TOOL_BODY = "tool"
-RADIUS_SHARE = 0.09  # radius of a capsule by the longest link, at joint 1
-UR_RADIUS_FACTORS = (1.0, 1.0, 0.8, 0.65, 0.65, 0.65)  # links of a UR have these
+RADIUS_SHARE = 0.09  # radius of a capsule at joint 1 over the longest link
+UR_RADIUS_FACTORS = (1.0, 1.0, 0.8, 0.65, 0.65, 0.65)  # relative radii of a UR's links
 OTHER_RADIUS_FACTOR = 1.7  # links of another arm are thicker by this; a Panda's radius is 6 cm
 POINT_MASS_INERTIA = 1e-12  # kg m²
 
@@ -25,9 +25,9 @@ def mjcf(
 
     Joints have the rotors' inertia as `armature`, friction as `frictionloss` and `damping`, and the
     limits of position; each has a motor with the limit of its torque. Links are capsules, which
-    touch what else is in a scene, but not one another. The site `flange` is frame n, the site `tcp`
-    the pose tcp in it, position [m] and rotation vector [rad], the flange without any. Numbers
-    have six digits, as MuJoCo writes them.
+    touch other objects of a scene, but not one another. The site `flange` is frame n; the site
+    `tcp` is the pose tcp in it, position [m] and rotation vector [rad], without tcp the flange.
+    Numbers have six digits, as MuJoCo writes them.
     """
     spec = mujoco.MjSpec()
     spec.modelname, spec.compiler.degree = robot.name, False
@@ -81,7 +81,7 @@ def add_arm(spec: mujoco.MjSpec, robot: Robot, model: str, share: float = 1e-12)
 def add_capsules(spec: mujoco.MjSpec, robot: Robot) -> Array:
     """Add a capsule to each link of an arm in `spec`; return their radii (n,) [m].
 
-    It reaches from one link's frame to the next, as thick as the joint's housing.
+    A capsule reaches from one link's frame to the next, as thick as the joint's housing.
     """
     longest = max(float(np.linalg.norm(np.array(pose.position))) for pose in robot.link_poses())
     factors = UR_RADIUS_FACTORS if robot.is_ur() else [OTHER_RADIUS_FACTOR] * len(robot.joints)
@@ -100,12 +100,12 @@ def add_capsules(spec: mujoco.MjSpec, robot: Robot) -> Array:
 
 
 def flange(model: mujoco.MjModel) -> int:
-    """Return the number of the last link, which carries the tool."""
+    """Return the index of the last link's body, which carries the tool."""
     return int(model.body(TOOL_BODY).parentid[0])
 
 
 def _add_link(parent: mujoco.MjsBody, name: str, pose: Pose) -> mujoco.MjsBody:
-    """Add a body with its link's Denavit-Hartenberg frame that turns about z_(k-1)."""
+    """Add a body that turns about z_(k-1); its frame is the link's Denavit-Hartenberg frame."""
     rotation, translation = link_tail(pose)
     quaternion = Rotation.from_matrix(rotation).as_quat(scalar_first=True)
     body = parent.add_body(name=name, pos=translation, quat=quaternion)

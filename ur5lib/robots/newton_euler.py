@@ -25,15 +25,15 @@ def torque(robot: Robot, model: str, q: Array, qd: Array, qdd: Array) -> Array:
 def torque_regressor(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
     """Return Y (N, n, 11 n) of τ = Y π, with π as in `inertia.inertial_parameters`.
 
-    q, qd, qdd: (N, n) [rad, rad/s, rad/s²]. Motions outwards as of Newton and Euler; the wrench of
-    each link's parameters, about its joint and in its axes, is turned into torques of the joints
-    before it: τ_j = z_j · n_k + (z_j × (o_k - o_j)) · f_k.
+    q, qd, qdd: (N, n) [rad, rad/s, rad/s²]. Motions are computed outwards by Newton and Euler. The
+    wrench of each link's parameters, about its joint and in its axes, gives the torques of the
+    joints inwards: τ_j = z_j · n_k + (z_j × (o_k - o_j)) · f_k.
     """
     count = q.shape[1]
     rotations, origins = link_frames(robot, q)
     axes, tails = rotations[:, :-1, :, 2], [link_tail(pose)[0] for pose in robot.link_poses()]
     result = np.zeros((len(q), count, 11 * count))
-    rate, change = np.zeros((2, len(q), 3))  # ω and ω' of the link before
+    rate, change = np.zeros((2, len(q), 3))  # ω and ω' of the previous link
     acceleration = np.tile(-np.array(robot.gravity), (len(q), 1))  # of the link's joint
     for k in range(count):
         speed = axes[:, k] * qd[:, [k]]
@@ -52,7 +52,7 @@ def torque_regressor(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
 
 
 def _unit_wrenches(acceleration: Array, rate: Array, change: Array) -> tuple[Array, Array]:
-    """Return forces and moments (N, 3, 10) that a link's motion needs per inertial parameter.
+    """Return the forces and moments (N, 3, 10) of a link's motion for each inertial parameter.
 
     f = m a + (ω' + ω ω) × m c and n = m c × a + I ω' + ω × I ω, all (N, 3) in the link's axes.
     """

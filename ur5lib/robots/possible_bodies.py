@@ -1,4 +1,4 @@
-"""The masses and inertias that a body may have if its density is positive everywhere.
+"""Masses and inertias that a body of positive density can have.
 
 Its second moments of mass, S = ½ tr(I) 1 - I about the centre of mass, are positive definite: no
 principal moment of inertia exceeds the sum of the others (Wensing).
@@ -10,14 +10,15 @@ from scipy.optimize import nnls
 from ur5lib.robots.inertia import WRITTEN_SHARE
 from ur5lib.timeseries.arrays import Array
 
-THINNEST = 1e-4  # m; a sheet has this radius of gyration across its plane
+THINNEST = 1e-4  # m; radius of gyration of a sheet across its plane
 # A sheet's principal moments, written with three digits, err by this share of their sum.
 ROUNDING = 1e-3
 
 
 def impossibility(mass: float, inertia: Array) -> str:
-    """Return why no body has a mass [kg] and an inertia tensor (3, 3) [kg m²] about its centre of
-    mass, in words, but for rounding; empty where one may.
+    """Return why no body has a mass [kg] and inertia (3, 3) [kg m²], in words; empty if one may.
+
+    inertia: about the centre of mass; violations by rounding do not count.
     """
     if mass <= 0:
         return f"its mass is {mass:g} kg"
@@ -31,11 +32,10 @@ def impossibility(mass: float, inertia: Array) -> str:
 
 
 def nearest_possible(mass: float, inertia: Array) -> Array:
-    """Return the inertia tensor (3, 3) [kg m²] that is nearest to one, of those that a body of a
-    mass [kg] may have, in the norm of its entries.
+    """Return the nearest inertia tensor (3, 3) [kg m²] that a body of a mass [kg] may have.
 
-    It has the same principal axes. Its principal moments are sums of two second moments of mass,
-    each at least that of the thinnest body.
+    Nearest in the norm of its entries; it has the same principal axes. Its principal moments are
+    sums of two second moments of mass, each at least that of the thinnest body.
     """
     moments, axes = np.linalg.eigh(inertia)
     sums = 1 - np.eye(3)
@@ -45,7 +45,7 @@ def nearest_possible(mass: float, inertia: Array) -> Array:
 
 
 def change(old: Array, new: Array) -> str:
-    """Return two inertia tensors (3, 3) by their entries in the order of a URDF."""
+    """Return a text with the entries of two inertia tensors (3, 3) in the order of a URDF."""
     order = np.triu_indices(3)
     return f"{_listed(old[order])} become {_listed(new[order])} kg m² (ixx ixy ixz iyy iyz izz)"
 

@@ -17,7 +17,7 @@ SOFTWARE_BY_SIZE = {  # the size of its messages [bytes] shows the controller's 
     1140: "3.14, 3.15, 5.9",
     1220: "5.10 and later",
 }
-# The first layouts from software 1.7 and 3.0 on have these.
+# Sizes of the first layouts of software 1.7 and 3.0.
 SIZE_OF_1_7 = 764  # bytes
 SIZE_OF_3 = 1044  # bytes
 
@@ -65,7 +65,7 @@ FIELDS_BEFORE_3_FROM_1_7 = {"actual_tool_accelerometer": (396, 3)}  # raw counts
 
 
 def fields(size: int) -> dict[str, slice]:
-    """Return which doubles after the size word contain each field, in the order sent.
+    """Return the place of each field among the doubles after the size word, in the order sent.
 
     The first double is the controller's timestamp. size: of the messages [bytes], which determines
     their layout.
@@ -85,7 +85,7 @@ def fields(size: int) -> dict[str, slice]:
 def encoded(size: int, timestamps: Array, channels: Mapping[str, Array | float]) -> list[bytes]:
     """Return messages of a size [bytes]: int32 size, then big-endian doubles.
 
-    timestamps: (N,) [s]; channels: (N, n) each, or of all messages; those that are missing are 0.
+    timestamps: (N,) [s]; channels: (N, n) each, or one value for all messages; missing ones are 0.
     """
     doubles = np.zeros((len(timestamps), (size - 4) // 8), ">f8")
     doubles[:, 0] = timestamps

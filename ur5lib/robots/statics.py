@@ -10,12 +10,12 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.inertia import link_tail, rigid_bodies
 from ur5lib.timeseries.arrays import Array
 
-POSTURES = 200  # of this many random ones, one loads each joint that gravity can load
-BEARING_SHARE = 0.03  # a joint bears something from this share of its largest torque on
+POSTURES = 200  # so many random postures load each joint that gravity can load
+BEARING_SHARE = 0.03  # a joint is loaded from this share of its largest torque on
 
 STANDARD_GRAVITY = 9.81  # m/s²
-MIN_SINGULAR_VALUE = 0.03  # J_g has at least this one, with rows in m and rad
-# Share of the largest, of torques per mass and first moment. Smaller ones do not distinguish links.
+MIN_SINGULAR_VALUE = 0.03  # of a usable J_g, with rows in m and rad
+# Smallest singular value, over the largest, of torques per mass and first moment that counts.
 SMALLEST_SINGULAR_VALUE = 1e-3
 
 
@@ -34,7 +34,7 @@ def link_frames(robot: Robot, q: Array) -> tuple[Array, Array]:
 
 
 def gravity_torque(robot: Robot, model: str, q: Array) -> Array:
-    """Return the torque (N, n) [Nm] that carries the arm, payload included; q: (N, n) [rad].
+    """Return the torque (N, n) [Nm] against gravity, payload included; q: (N, n) [rad].
 
     τ_j = −z_j · Σ_k≥j (c_k − o_j) × m_k g
     """
@@ -51,8 +51,10 @@ def gravity_torque(robot: Robot, model: str, q: Array) -> Array:
 
 
 def bearing_joints(robot: Robot) -> list[int]:
-    """Return the joints, from 1, that gravity loads by a share of their largest torque that shows
-    their torque constant, in some posture; all of unknown links.
+    """Return the joints, from 1, that gravity loads in some posture; all if the links are unknown.
+
+    The load is at least BEARING_SHARE of their largest torque, enough to show their torque
+    constant.
     """
     count = len(robot.joints)
     if robot.links == "unknown":
@@ -63,15 +65,17 @@ def bearing_joints(robot: Robot) -> list[int]:
 
 
 def load_torque(robot: Robot, q: Array) -> Array:
-    """Return the torque (N, n, 4) that carries a load on the flange, per mass [Nm/kg] and per first
-    moment in frame n [Nm/(kg m)]; q: (N, n) [rad].
+    """Return the torque (N, n, 4) against gravity of a load in frame n; q: (N, n) [rad].
+
+    Last axis: per mass [Nm/kg], then per first moment [Nm/(kg m)].
     """
     return gravity_regressor(robot, q)[:, :, -1]
 
 
 def gravity_regressor(robot: Robot, q: Array) -> Array:
-    """Return the torque (N, n, n, 4) that carries each link (third axis), per mass [Nm/kg] and per
-    first moment in its frame [Nm/(kg m)]; q: (N, n) [rad].
+    """Return the torque (N, n, n, 4) against gravity of each link (third axis); q: (N, n) [rad].
+
+    Last axis: per mass [Nm/kg], then per first moment in the link's frame [Nm/(kg m)].
     """
     rotation, origin = link_frames(robot, q)
     gravity = np.array(robot.gravity)
@@ -86,15 +90,17 @@ def gravity_regressor(robot: Robot, q: Array) -> Array:
 
 
 def gravity_columns(robot: Robot, q: Array) -> list[Array]:
-    """Return what gravity may be on each joint, columns (N, c): one of described links; where these
-    are unknown, an orthonormal basis of what any links would need. q: (N, n) [rad].
+    """Return columns (N, c) of each joint that span its possible gravity torque; q: (N, n) [rad].
+
+    One column for described links; for unknown links, an orthonormal basis of the torques of any
+    links.
     """
     if robot.tells_gravity():
         return [*gravity_torque(robot, robot.chosen_model, q).T[..., None]]
     by_link, joints = gravity_regressor(robot, q), range(q.shape[1])
     carried = [np.concatenate([*by_link[:, j, j:].swapaxes(0, 1)], axis=1) for j in joints]
     parts = [np.linalg.svd(own, full_matrices=False)[:2] for own in carried]
-    # of all joints: on an upright axis, there is nothing but rounding
+    # over all joints: an upright axis has only rounding errors
     largest = max(sizes.max(initial=0.0) for _, sizes in parts)
     return [basis[:, sizes > SMALLEST_SINGULAR_VALUE * largest] for basis, sizes in parts]
 

@@ -15,7 +15,7 @@ from ur5lib.errors import InputError
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
 
-FRAMING_STARTS = ("def ", "sec ", "end", "global ")  # lines without a command begin with these
+FRAMING_STARTS = ("def ", "sec ", "end", "global ")  # starts of lines without a command
 MOVE_ARGUMENTS: dict[str, dict[str, float | None]] = {  # their defaults are URScript's, in SI units
     "movej": {"q": None, "a": 1.4, "v": 1.05, "t": 0.0, "r": 0.0},
     "movel": {"pose": None, "a": 1.2, "v": 0.25, "t": 0.0, "r": 0.0},
@@ -43,7 +43,7 @@ class Command:
     def arguments(self, **defaults: Any) -> list[Any]:
         """Return the arguments in the order of `defaults`, which replace missing ones.
 
-        Raises ValueError for unknown ones.
+        Raises ValueError for arguments that are not among `defaults`.
         """
         unknown = [name for name in self.named if name not in defaults]
         if unknown or len(self.values) > len(defaults):
@@ -87,7 +87,7 @@ def parse(line: str) -> Command:
 
 
 def speed_and_acceleration(way: float, seconds: float) -> tuple[float, float]:
-    """Return the speed and acceleration of a move with a duration `t`, which overrides both.
+    """Return speed and acceleration of a move by its duration `t`, which overrides both.
 
     way: [rad] or [m]; the arm accelerates for half of the time.
     """

@@ -1,4 +1,4 @@
-"""The relation of a device's clock to the robot's, and what all devices of one host share of it."""
+"""The relation of a device's clock to the robot's, and the drift that a host's devices share."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
@@ -8,7 +8,7 @@ import numpy as np
 from ur5lib.records.clocks import ClockRelation, HostDrift, OwnClock, SettledClock
 from ur5lib.timeseries.arrays import Array
 
-# A clock wanders by this about a straight line: no jackknife of one recording contains it.
+# Deviation of a clock from a straight line, which a jackknife within one recording cannot show.
 CLOCK_WANDER = 0.004  # s
 # Sources of a clock.
 STAMPS_METHOD = "start stamps"
@@ -18,10 +18,10 @@ SHARED_METHOD = "robot's clock"
 
 
 def clock_from_stamps(offset: float, std: float, drift_std: float | None = None) -> ClockRelation:
-    """Return the clock of start stamps `offset` [s] apart.
+    """Return the clock of a device by start stamps that are `offset` [s] apart.
 
-    drift_std: error of the rate of a device with samples stamped by the robot's host, 0 of one that
-    shares the robot's clock; the drift of others is unknown.
+    drift_std: error of the clock's rate if the robot's host stamps the samples, 0 if the device
+    shares the robot's clock, None if its drift is unknown.
     """
     if drift_std is None:
         return ClockRelation(offset, std, None, None, STAMPS_METHOD)
@@ -31,10 +31,10 @@ def clock_from_stamps(offset: float, std: float, drift_std: float | None = None)
 def pool_drifts(
     clocks: Mapping[str, Mapping[str, OwnClock]], hosts: Mapping[str, Sequence[str]]
 ) -> dict[str, HostDrift]:
-    """Return each host's drift and start from the clocks that were estimated by motion.
+    """Return the drift and start of each host, from its clocks that were estimated by motion.
 
-    clocks: by recording and device; hosts: the devices of each host. Hosts without a clock that was
-    estimated by motion are left out.
+    clocks: by recording and device; hosts: the devices of each host. Hosts without such a clock are
+    left out.
     """
     drifts = {}
     for host, devices in hosts.items():
@@ -59,8 +59,8 @@ def pool_drifts(
 def pool(value: Array, std: Array) -> tuple[float, float, float]:
     """Return mean, standard error and spread of K values, random effects (DerSimonian, Laird 1986).
 
-    value, std: (K,), with their own standard errors. The spread is the standard deviation beyond
-    these; for a single value it is that value's standard error.
+    value, std: (K,), with their own standard errors. The spread is the standard deviation that
+    these do not explain; of a single value, it is its standard error.
     """
     if len(value) == 1:
         return float(value[0]), float(std[0]), float(std[0])
@@ -79,8 +79,8 @@ def settle_clocks(
 ) -> dict[str, SettledClock]:
     """Return the clocks of a recording's devices; drifts: of the hosts; duration: [s].
 
-    A clock that was estimated by motion is kept; one of start stamps takes the drift and start of
-    its host if there are any.
+    A clock estimated by motion stays; one by start stamps takes the start and drift of its host if
+    there are any.
     """
     settled = {}
     for device, clock in clocks.items():

@@ -14,7 +14,7 @@ from ur5lib.timeseries.lowpass import inner_lowpass
 from ur5lib.timeseries.sampling import differentiate, interpolated
 from ur5lib.timeseries.segments import by_segment, period
 
-GAP_STEPS = 5.0  # mean steps of a device; a longer one is a gap
+GAP_STEPS = 5.0  # a step longer than this many mean steps is a gap
 BAND_LIMIT = 4.0  # Hz; motion of the arm is below, vibration above
 FILTER_ORDER = 4
 # The search, and plausible offsets, go up to these, in standard errors of the stamps.
@@ -24,7 +24,7 @@ MAX_DRIFT = 0.01  # the drift of a quartz is far below
 MIN_EXPLAINED_SHARE = 0.8  # joints explain at least this share of the gyroscope's variance
 JACKKNIFE_BLOCKS = 8  # few, so that each is longer than the residuals' correlation time
 MIN_BLOCK_SAMPLES = 20
-# Error that a jackknife of one recording does not contain: clocks from gyroscope and accelerometer
+# Error that a jackknife within one recording cannot show: clocks from gyroscope and accelerometer
 # of one IMU differ by 3 to 7 ms.
 LATENCY_STD = 0.005  # s
 MIN_RATE_VARIANCE = 1e-30  # (rad/s)²: avoids infinities for a perfect fit or a dead gyroscope
@@ -40,14 +40,14 @@ def clock_from_rotation(
 ) -> tuple[ClockRelation, Remark | None]:
     """Estimate the clock for which a gyroscope measures the angular velocity of the joints.
 
-    time: (N,) [s], the robot's; rate: (N, 3) [rad/s], angular velocity of frame 6 in frame 6,
-    R_6^T J_w qd; segment: (N,) labels of unbroken stretches; device_time: (M,) [s], increasing;
-    gyroscope: (M, 3) [rad/s], its axes nearly parallel to frame 6; stamps: centre of the search.
-    Returns the clock and None, or the clock of the stamps and a remark on why it is that.
-
+    time: (N,) [s], the robot's; rate: (N, 3) [rad/s], angular velocity of frame 6 in frame 6, R_6^T
+    J_w qd; segment: (N,) labels of unbroken stretches; device_time: (M,) [s], increasing;
+    gyroscope: (M, 3) [rad/s], its axes nearly parallel to frame 6; stamps: clock by start stamps,
+    centre of the search. Returns the clock and None, or the clock of the stamps and a remark that
+    gives the reason.
     Least squares of gyroscope(t_device) = ω + ω × θ + b over offset, drift, a small mounting
-    rotation θ and the bias b, both sides low-passed alike. Standard errors by a jackknife over
-    blocks of time, as neighbouring residuals are correlated, widened by LATENCY_STD and
+    rotation θ and the bias b, both sides with the same low-pass. Standard errors by a jackknife
+    over blocks of time, as neighbouring residuals are correlated, widened by LATENCY_STD and
     CLOCK_WANDER.
     """
     if min(len(time), len(device_time)) < MIN_BLOCK_SAMPLES * JACKKNIFE_BLOCKS:
@@ -97,7 +97,7 @@ def interpolate(at: Array, time: Array, values: Array) -> Array:
 
 
 def _longest_step(time: Array) -> float:
-    """Return the longest step of a device [s] that is no gap."""
+    """Return the longest step of a device [s] that does not count as a gap."""
     return GAP_STEPS * float(np.diff(time).mean())
 
 
@@ -168,9 +168,10 @@ def _solve(columns: Array, misfit: Array) -> Array:
 
 
 def _search(pair: _Pair, stamps: ClockRelation) -> list[Array]:
-    """Return clocks (offset, drift) to start a fit from: local minima over the offset.
+    """Return clocks (offset, drift) to start a fit from: local minima of the misfit over the
+    offset.
 
-    The misfit is computed on a grid around the stamps' offset; per offset, the best drift counts.
+    The misfit is computed on a grid around the stamps' offset, for each offset with the best drift.
     """
     length = float(np.ptp(pair.time)) if len(pair.time) else 0.0
     reach, step = SEARCH_DEVIATIONS * stamps.offset_std, 1 / (4 * BAND_LIMIT)
@@ -193,7 +194,7 @@ def _search(pair: _Pair, stamps: ClockRelation) -> list[Array]:
 
 
 def _choose(pair: _Pair, starts: list[Array], stamps: ClockRelation) -> tuple[Array, Array, Array]:
-    """Return the best fit from any start: clock, columns and residuals.
+    """Return the best of the fits from all starts: clock, columns and residuals.
 
     A periodic motion fits equally well one period later, so the stamps count as a measurement, too.
     """
@@ -268,9 +269,9 @@ def device_clock(
     stamps: its clock by start stamps, or by those of the robot's host; robot: time (N,) [s],
     segment (N,) and q (N, 6) [rad], repaired; frames: R_6 (N, 3, 3) and J_g (N, 6, 6) of the
     robot's samples.
-    Where the robot's host stamped each sample, or a device shares the robot's clock, its stamps are
+    If the robot's host stamped each sample, or the device shares the robot's clock, the stamps are
     used. Otherwise, a gyroscope is compared with the angular rate of frame 6; other devices measure
-    no motion that could be distinguished from contact, so their start stamps are used.
+    no motion that differs from contact, so their start stamps are used.
     """
     if gyroscope is None or stamps.method != STAMPS_METHOD:
         return stamps, None

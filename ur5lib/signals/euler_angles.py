@@ -14,18 +14,17 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth, causal_lowpass
 
 CAUSAL = Butterworth(8, 4.7)  # N_b and Ω_c of Equation 5.12, which is Hz (erratum 4)
-EULER = {"euler": True, "euler, B corrected": False}  # whether Equation 2.33 is used as printed
+EULER = {"euler": True, "euler, B corrected": False}  # by name: is Equation 2.33 used as printed?
 
 
 def by_euler_angles(
     robot: Robot, signals: Signals, kinematics: Kinematics, by_stamps: Array
 ) -> tuple[Array, dict[str, Array]]:
-    """Return accelerations of IMU and Euler angles, (N, 6): the IMU without
-    calibration at the origin of frame 6, a causal filter, and angles by Equation 2.33 as printed
-    and put right.
+    """Return accelerations (N, 6) by the IMU and through Euler angles, as in the thesis.
 
-    robot: under the recording's gravity; by_stamps: the IMU's reading (N, 6), placed by its start
-    stamp.
+    The IMU is not calibrated and counts as at the origin of frame 6, the filter is causal, and
+    angles are by Equation 2.33 as printed and as corrected. robot: under the recording's gravity;
+    by_stamps: the IMU's reading (N, 6), placed by its start stamp.
     """
     up = NOMINAL_CALIBRATION.up(np.array(robot.gravity))
     turning = derivative(signals, by_stamps[:, 3:])
@@ -41,7 +40,7 @@ def by_euler_angles(
 def through_angles(signals: Signals, kinematics: Kinematics, printed: bool) -> Array:
     """Return the acceleration through Euler angles (N, 6), without a filter.
 
-    printed: whether by Equation 2.33 as printed.
+    printed: whether Equation 2.33 is used as printed.
     """
     qd = signals.actual_qd
     if qd is None:

@@ -20,13 +20,14 @@ PLACE_COLUMNS = slice(8, 11)  # the IMU's follow mounting, tilt and gyroscope's 
 
 @dataclass(frozen=True)
 class ImuRecord:
-    """Predictions of one recording's joints and readings of its IMU, low-passed alike, no gaps.
+    """A recording's predictions by the joints and readings of the IMU, with the same low-pass, no
+    gaps.
 
-    time: (N,) [s]; rotation: R_6 (N, 3, 3); specific_force: R_6^T (a - g0) (N, 3) [m/s²] at the
-    IMU and angular_rate: (N, 3) [rad/s], both predicted, in frame 6; by_place: (N, 3, 3) [1/s²],
-    derivative of the specific force to the IMU's place; accelerometer, gyroscope: (N, 3) the
-    readings; place: (3,) [m] of the IMU in frame 6, and gravity: g0 (3,) [m/s²], base frame, as the
-    arm's description has them.
+    time: (N,) [s]; rotation: R_6 (N, 3, 3); specific_force: R_6^T (a - g0) (N, 3) [m/s²] at the IMU
+    and angular_rate: (N, 3) [rad/s], both predicted, in frame 6; by_place: (N, 3, 3) [1/s²],
+    derivative of the specific force with respect to the IMU's place; accelerometer, gyroscope: (N,
+    3) the readings; place: (3,) [m] of the IMU in frame 6, and gravity: g0 (3,) [m/s²], base frame,
+    both by the arm's description.
     """
 
     time: Array
@@ -48,9 +49,8 @@ class ImuCalibration:
     components of "up" along the two `level_axes`, zero if the base is mounted as described;
     gyroscope_bias: (3,) [rad/s]; place: (3,) [m], in frame 6; each with its standard error.
     described: (3,) [m], the place in the arm's description; held_out: error of the specific force
-    on recordings left out, with the estimated place by that with the described one, 1 if there is
-    but one recording. Below 1, the calibration was fitted and is used with the estimated place.
-    from_: names of the recordings.
+    on left-out recordings, ratio of estimated to described place, 1 for a single recording. Below
+    1, the estimated place is used, and the rest was fitted with it. from_: names of the recordings.
     """
 
     __pydantic_config__ = BY_KEY
@@ -67,7 +67,7 @@ class ImuCalibration:
     from_: tuple[str, ...] = ()
 
     def shift(self) -> Array:
-        """Return by how much the IMU's place differs (3,) [m] from the arm's description."""
+        """Return the IMU's place in use minus the described one (3,) [m]."""
         return self.place - self.described if self.held_out < 1 else np.zeros(3)
 
     def axes(self) -> Array:
@@ -85,7 +85,7 @@ class ImuCalibration:
 
 
 _UNCHANGED: list[Any] = [*(np.zeros(n) for n in (3, 3, 2, 2, 3, 3, 3, 3, 3)), 1.0]
-NOMINAL_CALIBRATION = ImuCalibration(*_UNCHANGED)  # it is as in the arm's drawing
+NOMINAL_CALIBRATION = ImuCalibration(*_UNCHANGED)  # as in the arm's drawing
 
 
 def level_axes(gravity: Array) -> Array:
@@ -100,8 +100,8 @@ def level_axes(gravity: Array) -> Array:
 def calibrate_without_each(records: Mapping[str, ImuRecord]) -> dict[str, ImuCalibration]:
     """Return a calibration from all records, "all", and for each record one from the others.
 
-    So no recording is judged by a calibration that it contributed to. Whether the place is taken as
-    estimated is chosen once, on all of them.
+    No recording is thus judged by a calibration that it contributed to. Whether the estimated place
+    is used is decided once, by all records.
     """
     sums = {name: _Sums.of(record) for name, record in records.items()}
     held_out = _place_error_ratio(list(sums.values()))
@@ -116,7 +116,7 @@ def calibrate_without_each(records: Mapping[str, ImuRecord]) -> dict[str, ImuCal
 
 
 def calibration_for(recording: str, calibrations: Mapping[str, ImuCalibration]) -> ImuCalibration:
-    """Return the calibration from other recordings; as drawn without any.
+    """Return the calibration from other recordings; without any, the nominal one.
 
     calibrations: result of `calibrate_without_each`.
     """
@@ -150,7 +150,7 @@ def _calibration(sums: "Sequence[_Sums]", held_out: float) -> ImuCalibration:
 
 
 def _place_error_ratio(sums: "Sequence[_Sums]") -> float:
-    """Return the error of forces left out, with the estimated place by that as described."""
+    """Return the ratio of errors of left-out forces, estimated over described place."""
     if len(sums) < 2:
         return 1.0
     estimated, described = map(_left_out_squares, (sums, [part.as_described() for part in sums]))
@@ -158,7 +158,7 @@ def _place_error_ratio(sums: "Sequence[_Sums]") -> float:
 
 
 def _left_out_squares(sums: "Sequence[_Sums]") -> float:
-    """Return the squares of forces that calibrations from the other recordings leave."""
+    """Return the sum of squared force residuals by calibrations from other recordings."""
     scale = _scale(sums)
     reduced = [_without_own(part.weighted(scale).sum(axis=0)) for part in sums]
     others = np.sum(reduced, axis=0) - reduced
@@ -211,7 +211,7 @@ class _Sums:
         return np.einsum("bkpq,k->bpq", self.products, scale**-2.0)
 
     def unexplained_squares(self, scale: Array, shared: Array) -> Array:
-        """Return the squares (2,) that are left of forces and rates, given shared parameters."""
+        """Return the squared residuals (2,) of forces and rates, given the shared parameters."""
         normal = self.weighted(scale).sum(axis=0)
         z = np.append(-shared, 1.0)
         # the recording's own parameters that fit best, given the shared ones
@@ -271,7 +271,7 @@ def _without_own(products: Array) -> Array:
 
 
 def _scale(sums: Sequence[_Sums]) -> Array:
-    """Return the scales of forces and rates (2,), in turn with what is left of both."""
+    """Return the scales (2,) of forces and rates: their residuals' RMS, found iteratively."""
     scale, count = np.ones(2), 3 * sum(part.count for part in sums)
     for _ in range(2):
         reduced = [_without_own(part.weighted(scale).sum(axis=0)) for part in sums]
@@ -297,8 +297,9 @@ def _jackknife(sums: Sequence[_Sums]) -> tuple[Array, Array]:
 
 
 def _normal_solution(products: Array) -> Array:
-    """Solve normal equations (..., S + 1, S + 1), the last column the right side, for (..., S);
-    zero for undetermined parameters.
+    """Solve normal equations (..., S + 1, S + 1), right side in the last column, for (..., S).
+
+    Undetermined parameters are zero.
     """
     square, right = products[..., :-1, :-1], products[..., :-1, -1]
     return np.matvec(np.linalg.pinv(square, rcond=1e-12, hermitian=True), right)

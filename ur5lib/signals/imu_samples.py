@@ -19,7 +19,7 @@ from ur5lib.timeseries.segments import by_segment
 
 
 def has_valid_imu(clocks: Mapping[str, ClockRelation]) -> bool:
-    """Return whether a recording has an IMU with a clock from more than its start stamp."""
+    """Return whether a recording has an IMU with a clock that is better than its start stamp's."""
     return "imu" in clocks and clocks["imu"].method in (MOTION_METHOD, HOST_METHOD, SHARED_METHOD)
 
 

@@ -24,8 +24,8 @@ def own_clocks(
 ) -> dict[str, OwnClock]:
     """Return each device's clock.
 
-    starts: of its stamps; devices: as read, each on its own clock; rotation, jacobian: R_6
-    (N, 3, 3) and J_g (N, 6, 6) of the robot's samples.
+    starts: offset of each device's start stamp; devices: as read, each on its own clock; rotation,
+    jacobian: R_6 (N, 3, 3) and J_g (N, 6, 6) of the robot's samples.
     """
     clocks = dict[str, OwnClock]()
     for name, start in starts.items():

@@ -13,8 +13,8 @@ from ur5lib.signals.device_clock import even_samples, interpolate
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import by_segment
 
-PASSBAND_SHARE = 0.8  # the passband has this share of the robot's Nyquist frequency
-STOPBAND_ATTENUATION = 60.0  # dB; it applies from the Nyquist frequency on
+PASSBAND_SHARE = 0.8  # passband over the robot's Nyquist frequency
+STOPBAND_ATTENUATION = 60.0  # dB, from the Nyquist frequency on
 
 
 def resample(device: pd.DataFrame, clock: ClockRelation, time: Array) -> pd.DataFrame:
@@ -62,11 +62,10 @@ def _below_nyquist(grid: Array, even: Array, rate: float) -> Array:
 
 
 def by_stamps(device: pd.DataFrame, start: StartOffset, time: Array, sensor: str) -> Array:
-    """Return a sensor's reading (N, 6) at the robot's times (N,) [s], its clock aligned by the
-    stamp of its start alone; NaN for components that it did not log.
+    """Return a sensor's reading (N, 6) at the robot's times (N,) [s], by its start stamp alone.
 
-    device: samples on its own clock; start: the clock's offset and its error; sensor: "force" or
-    "imu".
+    NaN for components that it did not log. device: samples on its own clock; start: offset of this
+    clock, and its error; sensor: "force" or "imu".
     """
     clock = clock_from_stamps(start.seconds, start.std)
     return resample(device, clock, time).reindex(columns=SENSOR_COLUMNS[sensor]).to_numpy()

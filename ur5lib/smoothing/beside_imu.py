@@ -1,4 +1,4 @@
-"""The motion from encoders and IMU, and how far accelerations by both differ."""
+"""The motion from encoders and IMU, and the difference of accelerations by both."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -32,7 +32,7 @@ from ur5lib.timeseries.lowpass import Butterworth, inner_lowpass
 from ur5lib.timeseries.metrics import mean_absolute_error
 from ur5lib.timeseries.segments import DEAD_ZONE
 
-RANGE_ORDER = 4  # filters that separate ranges of frequency have this order
+RANGE_ORDER = 4  # order of the filters that separate ranges of frequency
 FREQUENCY_RANGES = {"below 2 Hz": (None, 2.0), "below 5 Hz": (None, 5.0), "5 to 20 Hz": (5.0, 20.0)}
 QUANTILE_LEVELS = np.linspace(0, 1, 101)  # quantiles are stated for these shares
 
@@ -63,8 +63,9 @@ def beside_imu(
     motions: Mapping[str, Motion],
     calibration: ImuCalibration,
 ) -> "BesideImu":
-    """Return a recording compared with its IMU, with filterpy's plain smoother among the
-    motions."""
+    """Return a recording's comparison with its IMU; the motions include that of filterpy's
+    smoother.
+    """
     plain = smooth_plainly(signals.segment, *measured(signals), signals.period)
     modelled = at_the_imu(robot, kinematics, {**motions, "filterpy": plain}, calibration)
     return BesideImu(robot, signals, kinematics, modelled, calibration)
@@ -73,7 +74,7 @@ def beside_imu(
 def judged(
     own: "BesideImu", lowpass: Butterworth, placed: Array, qd: Array
 ) -> tuple[Accelerations, ImuComparison]:
-    """Return the accelerations, and how far they differ.
+    """Return the accelerations, and their errors against the IMU.
 
     placed: the IMU's samples by start stamps alone (N, 6); qd: (N, 6) [rad/s].
     """
@@ -106,8 +107,9 @@ def at_the_imu(
     motions: Mapping[str, Motion | PlainMotion],
     calibration: ImuCalibration,
 ) -> dict[str, Array]:
-    """Return the linear and angular acceleration J_g q̈ + J̇_g q̇ of the IMU (N, 6) [m/s², rad/s²]
-    by each motion, unfiltered, in the base frame.
+    """Return the acceleration J_g q̈ + J̇_g q̇ (N, 6) [m/s², rad/s²] at the IMU by each motion.
+
+    It is linear, then angular, unfiltered, in the base frame.
     """
     point = np.array(robot.mounting.imu) + calibration.shift()
     frames = kinematics.rotation, kinematics.jacobian
@@ -118,8 +120,10 @@ def at_the_imu(
 
 
 def as_calibrated(known: BesideImu, design: Butterworth) -> tuple[Array, dict[str, Array], Array]:
-    """Return the calibrated IMU's acceleration and the modelled ones there (N, 6), low-passed
-    without delay, and the accelerometer's bias (3,) [m/s²], this recording's own.
+    """Return the calibrated IMU's acceleration, the modelled ones there (N, 6), and a bias (3,)
+    [m/s²].
+
+    Accelerations are low-passed without delay; the bias is the accelerometer's in this recording.
     """
     robot, signals, kinematics, modelled, calibration = known
     bias = accelerometer_bias(imu_samples(robot, signals, kinematics, design), calibration)
@@ -134,7 +138,7 @@ def as_calibrated(known: BesideImu, design: Butterworth) -> tuple[Array, dict[st
 def compared(
     known: BesideImu, design: Butterworth, by_stamps: Array
 ) -> tuple[Accelerations, Array]:
-    """Return the accelerations by both routes, and the accelerometer's bias (3,) [m/s²]."""
+    """Return the accelerations by both methods, and the accelerometer's bias (3,) [m/s²]."""
     felt, ours, bias = as_calibrated(known, design)
     causal_felt, causal = by_euler_angles(known.robot, known.signals, known.kinematics, by_stamps)
     accelerations = Accelerations(
@@ -155,7 +159,7 @@ def differences(known: BesideImu, cutoff: float) -> dict[str, Array]:
 
 
 def acceleration_errors(accelerations: Accelerations) -> dict[str, AccelerationErrors]:
-    """Return the MAE by estimate and component against the IMU, and that of zero."""
+    """Return the MAE by estimate and component against the IMU, and the MAE of zero."""
     causal, ours = accelerations.causal_felt, accelerations.felt
     if causal is None or ours is None:
         return {}
@@ -174,7 +178,7 @@ def _errors(estimates: Mapping[str, Array], felt: Array) -> dict[str, Accelerati
 
 
 def by_range(differences: Differences, qd: Array) -> dict[str, ByRange]:
-    """Return how far both differ, by motion and range of frequency, in motion and at rest.
+    """Return the differences by motion and range of frequency, in motion and at rest.
 
     qd: (N, 6) [rad/s]. A state without any sample is left out.
     """

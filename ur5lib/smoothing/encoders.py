@@ -12,11 +12,11 @@ from ur5lib.timeseries.kalman import InnovationTest, LinearSystem, System, innov
 from ur5lib.timeseries.segments import starts
 
 STATES_PER_JOINT = 6  # θ, θ̇, θ̈, δ, δ̇, δ̈
-LINK_FROM_STATES = np.hstack([np.eye(3), np.eye(3)])  # it leads from them to q, q̇, q̈
+LINK_FROM_STATES = np.hstack([np.eye(3), np.eye(3)])  # [q, q̇, q̈] = this @ states
 TIME_TICK = 1e-6  # s; steps of time are rounded to it, and none is shorter
 TIME_DECIMALS = 6
 UNIT_VIBRATION_STEP = 0.1  # time step of a vibration with ω = 1
-# In rad, rad/s and rad/s², these apply at the start of a segment.
+# Standard deviations of q, q̇, q̈ [rad, rad/s, rad/s²] at the start of a segment.
 INITIAL_STD = np.array([10.0, 10.0, 100.0])
 
 
@@ -61,7 +61,7 @@ class SmoothedMotion:
 
 
 class KnownJoints(NamedTuple):
-    """The motion according to the encoders alone, to which an IMU adds; noise: the encoders'.
+    """The motion by the encoders alone, the start of the fusion with an IMU; noise: the encoders'.
 
     state, std: (N, 3 n), as in SmoothedMotion; shared: (N, n) [rad²/s³], covariance of q̇ and q̈.
     """
@@ -74,12 +74,12 @@ class KnownJoints(NamedTuple):
 
 @dataclass(frozen=True)
 class SmoothedJoints(SmoothedMotion):
-    """The same from the encoders alone; shared: (N, n) [rad²/s³], covariance of q̇ and q̈."""
+    """A SmoothedMotion by encoders alone; shared: (N, n) [rad²/s³], covariance of q̇ and q̈."""
 
     shared: Array = field(kw_only=True)
 
     def known(self) -> KnownJoints:
-        """Return what `smooth_with_imu` needs of it."""
+        """Return the part that `smooth_with_imu` uses."""
         return KnownJoints(self.state, self.std, self.shared, self.encoders)
 
 
@@ -89,8 +89,8 @@ def smooth_encoders(
     """Estimate the motion from joint positions and velocities alone.
 
     time: (N,) [s], increasing; segment: (N,) labels, each smoothed on its own; q, qd: (N, n) [rad,
-    rad/s], NaN where missing; noise: estimated from them, if not given. Raises ValueError if a
-    joint has no data.
+    rad/s], NaN where missing; noise: None: estimated from q and qd. Raises ValueError if a joint
+    has no data.
     """
     noise = noise or encoder_noise(time, segment, q, qd)
     count, joints = q.shape
@@ -111,10 +111,10 @@ def smooth_encoders(
 
 
 def widen(std: Array, test: InnovationTest, q: Array) -> None:
-    """Widen standard deviations (N, 3 n) in place, because errors are not as white as assumed.
+    """Widen standard deviations (N, 3 n) in place, because errors are not white as assumed.
 
-    Errors that last for several samples average out less than white ones; the colour of a joint's
-    innovations measures by how much. A rounding error lasts as long as the joint rests.
+    Errors that last for several samples average out less than white ones, by the factor that the
+    colour of a joint's innovations measures. A rounding error lasts as long as the joint rests.
     """
     joints = q.shape[1]
     std *= np.tile(widening(test, joints), 3)
@@ -124,14 +124,14 @@ def widen(std: Array, test: InnovationTest, q: Array) -> None:
 
 
 def widening(test: InnovationTest, joints: int) -> Array:
-    """Return the factor (n,) of each joint's bands; test: of innovations, those of joints first."""
+    """Return the factor (n,) on each joint's standard deviations; test: of innovations."""
     return np.sqrt(np.maximum(test.colour[:joints], test.colour[joints : 2 * joints]))
 
 
 def encoder_system(
     time: Array, segment: Labels, q: Array, qd: Array, noise: EncoderNoise
 ) -> System:
-    """Return the system of n joints, each a part of its own: a motion θ and a vibration δ.
+    """Return the system of n independent joints, each with a motion θ and a vibration δ.
 
     x = [θ, θ̇, θ̈, δ, δ̇, δ̈], each driven by a jerk (`motion_step`); q = θ + δ is measured, and θ̇
     with a lag.

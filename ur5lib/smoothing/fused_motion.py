@@ -18,7 +18,7 @@ BIASES = ("accelerometer_bias", "gyroscope_bias")
 def imu_model(
     robot: Robot, kinematics: Kinematics, calibration: ImuCalibration, qd: Array
 ) -> Model:
-    """Return the IMU's equation about a motion, as other recordings calibrated it.
+    """Return the IMU's equation linearised about a motion; calibration: by other recordings.
 
     robot: under the recording's gravity; qd: (N, 6) [rad/s].
     """
@@ -34,7 +34,7 @@ def imu_model(
 
 
 def fused_record(signals: Signals, motion: SmoothedMotion) -> FusedMotion:
-    """Return the same, and the IMU's biases."""
+    """Return a motion with its standard deviations, and the IMU's biases."""
     parts = state_parts(motion, (*STATES, *BIASES))
     return FusedMotion(time=signals.time, segment=signals.segment, **parts)
 

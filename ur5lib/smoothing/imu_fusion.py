@@ -20,10 +20,10 @@ from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.kalman import LinearSystem, System, innovation_test, smooth
 from ur5lib.timeseries.segments import chunks
 
-MOTION_STATES = 18  # six joints have this many: q, q̇, q̈
-BIAS_STATES = 6  # the IMU has this many: biases of accelerometer and gyroscope
-BIAS_STD = np.repeat([0.5, 0.1], 3)  # m/s², rad/s; the biases have these before any reading
-BIAS_WALK = np.repeat([1e-3, 1e-4], 3)  # m/s²/√s, rad/s/√s; they are the biases' random walk
+MOTION_STATES = 18  # q, q̇, q̈ of six joints
+BIAS_STATES = 6  # biases of accelerometer and gyroscope
+BIAS_STD = np.repeat([0.5, 0.1], 3)  # m/s², rad/s; prior deviations of the biases
+BIAS_WALK = np.repeat([1e-3, 1e-4], 3)  # m/s²/√s, rad/s/√s; random walk of the biases
 IMU_WINDOW = 0.5  # s; the noise is taken as constant over it
 QUIET_WINDOW_SHARE = 0.05  # this share of the windows, the quietest, sets the least noise
 JOINT_STATES = 6 * STATES_PER_JOINT  # entries of the state before the biases
@@ -62,9 +62,8 @@ def linearise_imu(
     R6: (N, 3, 3), frame 6 seen from the base; J: (N, 6, 6), geometric Jacobian of its origin, base
     frame; qd: (N, 6) [rad/s], measured; point: (3,) [m], the sensor in frame 6 (Equation 5.9);
     axes: R_m (3, 3), its axes in frame 6; up: −g0 (3,) [m/s²], base frame.
-
-    f = R_mᵀ R_6ᵀ (J_v q̈ + J̇_v q̇ − g0) + b_a and ω = R_mᵀ R_6ᵀ J_w q̇ + b_g. Positions are those
-    measured: their errors change f by some 0.001 m/s², far less than its noise.
+    f = R_mᵀ R_6ᵀ (J_v q̈ + J̇_v q̇ − g0) + b_a and ω = R_mᵀ R_6ᵀ J_w q̇ + b_g. Positions are the
+    measured ones: their errors change f by some 0.001 m/s², far less than its noise.
     """
     J_v, J_w = point_jacobian(R6, J, point), J[:, 3:]  # (N, 3, 6)
     J_v_rate = np.einsum("ncij,nj->nci", jacobian_derivative(J_v, J_w), qd)  # J̇_v (N, 3, 6)
@@ -170,8 +169,8 @@ def imu_noise(time: Array, segment: Labels, residual: Array, explained: Array) -
     residual: (N, M), readings minus the encoders' prediction, NaN where missing; explained: (N, M),
     variance of that prediction. Vibrations that the joints do not measure change with time;
     therefore the noise is estimated in a window around each sample: the mean square of the residual
-    minus the explained variance, and at least the mean square that a twentieth of all windows stay
-    below.
+    minus the explained variance, but at least the QUIET_WINDOW_SHARE quantile of all windows' mean
+    squares.
     """
     # local mean square, less what the encoders' motion explains, at least that of quiet windows
     square = (residual - np.nanmedian(residual, axis=0)) ** 2

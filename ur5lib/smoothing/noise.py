@@ -15,22 +15,22 @@ from ur5lib.smoothing.steady_filter import SteadyFilter, steady_filter
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import unbroken
 
-JERK_BANK = np.geomspace(1e-2, 1e3, 11)  # rad/s³/√Hz; they go from standstill to the hardest start
-# Intensity relative to the finer noise, as in _Ratios. A filter of more is lost to rounding.
+JERK_BANK = np.geomspace(1e-2, 1e3, 11)  # rad/s³/√Hz; from standstill to the hardest start
+# Intensity relative to the finer noise, as in _Ratios; beyond it, a filter is lost to rounding.
 MAX_DRIVEN = 1e7
-VIBRATION_BANK = np.array([0.03, 0.2, 1.0, 4.0])  # they are relative to that of the whole recording
+VIBRATION_BANK = np.array([0.03, 0.2, 1.0, 4.0])  # relative to the whole recording's
 NOISE_WINDOW = 0.1  # s; intensities and noise are taken as constant over it
-# The noise of the whole recording counts in a window with these.
+# Weight of the whole recording's noise in each window.
 PRIOR_DEGREES_OF_FREEDOM = 8
 OUTLIER_SQUARE = 30.0  # beyond it, only the logarithm of a normalised innovation grows
 RECORDED_RESOLUTION = 1e-6  # rad, rad/s: the last digit of a recording, and the least noise
-POSITION_DECIMALS = 6  # positions are compared in this many
+POSITION_DECIMALS = 6  # by which positions are compared
 RARE_COUNT_SHARE = 0.05  # below this share of the most frequent difference's count, another is rare
 MIN_INNOVATION_VARIANCE = 1e-20  # keeps the likelihood of perfect data bounded
 TUNING_DURATION = 40.0  # s; constant parameters are estimated from this long a stretch
-# What the optimiser varies: log jerk and log precision of velocities, both relative to the
-# positions' noise; lag in cycles; log intensity of the vibration, relative to that noise, too; log
-# damping of the vibration.
+# The optimiser varies log jerk and log precision of velocities, both relative to the positions'
+# noise; lag in cycles; log intensity of the vibration, relative to that noise, too; log damping of
+# the vibration.
 PARAMETER_BOUNDS = [(-12.0, 6.0), (-8.0, 8.0), (-1.0, 1.0), (-12.0, 6.0), (-4.0, -1.0)]
 SIMPLEX_START = [-2.8, 0.2, 0.0, -6.0, -2.0]
 SIMPLEX_STEPS = [1.5, -1.0, 0.25, 4.0, 0.7]
@@ -41,7 +41,7 @@ NYQUIST_SHARE = 0.7  # vibrations are found up to this share of the Nyquist freq
 
 @dataclass(frozen=True)
 class EncoderNoise:
-    """What drives n joints, and the noise of their encoders, at each sample.
+    """The jerks that drive n joints, and the noise of their encoders, at each sample.
 
     jerk, vibration: (N, n) [rad/s³/√Hz], intensities of the white jerks that drive the motion and
     the vibration; frequency: (n,) [rad/s] and damping: (n,) of the vibration; position: (N, n)
@@ -62,11 +62,10 @@ def encoder_noise(time: Array, segment: Labels, q: Array, qd: Array) -> EncoderN
 
     time: (N,) [s], evenly spaced within a segment; segment: (N,) labels; q, qd: (N, n) [rad,
     rad/s], NaN where missing. Raises ValueError if a joint has no velocities.
-
     First, constant parameters maximise the likelihood of the innovations (Schweppe) on the stretch
     of TUNING_DURATION in which the joint moves most. Then filters with different jerks and
-    vibrations run over the whole recording, and jerk, vibration and noise at each sample are means
-    of their logarithms, weighted by the likelihood of each filter in the window around the sample.
+    vibrations run over the whole recording. Jerk, vibration and noise at each sample are geometric
+    means over these, weighted by each filter's likelihood in the window around the sample.
     """
     period = float(np.median(np.diff(time)))
     joints = [*zip(q.T, qd.T, strict=True)]
@@ -133,7 +132,7 @@ def _joint_noise(
 ) -> tuple[Array | float, ...]:
     """Return the noise of one joint, in the order of EncoderNoise.
 
-    part: from which the ratios are; record: the whole recording; step: of its positions [rad].
+    part: used to fit `ratios`; record: the whole recording; step: of its positions [rad].
     """
     period = record.period
     # no noise is below what rounding to the encoder's grid makes
@@ -152,7 +151,7 @@ def _joint_noise(
 
 
 def _busiest(qd: Array, count: int) -> slice:
-    """Return the stretch of so many samples in which a joint was measured to move most."""
+    """Return the stretch of `count` samples in which a joint was measured to move most."""
     if len(qd) <= count:
         return slice(None)
     speed = np.where(np.isfinite(qd), np.abs(qd) + RECORDED_RESOLUTION, 0)
@@ -164,9 +163,9 @@ def _busiest(qd: Array, count: int) -> slice:
 class _Ratios(NamedTuple):
     """Parameters of one filter, or as arrays those of a stack.
 
-    Time is in cycles, and noise relative to that of the positions. jerk, vibration: what drives
-    motion and vibration; precision: of velocities; lag: of velocities, in cycles; damping and
-    frequency (radians a cycle) of the vibration.
+    Time is in cycles, and noise relative to that of the positions. jerk, vibration: intensities of
+    the jerks that drive motion and vibration; precision: of velocities; lag: of velocities, in
+    cycles; damping and frequency (radians a cycle) of the vibration.
     """
 
     jerk: float | Array
@@ -186,8 +185,8 @@ class _Ratios(NamedTuple):
 class _JointRecord:
     """One joint's measurements with time in cycles: q and q̇ T [rad], evenly spaced.
 
-    Missing ones are filled in. From each segment, the straight line on which it starts is
-    subtracted.
+    Missing ones are filled in. The line through each segment's first position, with its first
+    velocity, is subtracted.
     """
 
     def __init__(self, time: Array, segment: Labels, q: Array, qd: Array, period: float) -> None:
@@ -220,11 +219,11 @@ class _JointRecord:
         return float(self.squares(white)[self.valid].mean() / 2)
 
     def local(self, ratios: _Ratios, position: float) -> tuple[Array, Array, Array]:
-        """Return the intensities of jerk and vibration, and the noise relative to that of the whole
-        recording, around each sample (N,) each.
+        """Return jerk, vibration, and noise relative to the whole recording's, (N,) each, at each
+        sample.
 
-        They are means of logarithms over a bank of filters, each weighted by its likelihood in the
-        window. The prior of the noise's variance is inverse-gamma about that of the recording.
+        They are geometric means over a bank of filters, weighted by likelihood in the window. The
+        prior of the noise's variance is inverse-gamma about that of the recording.
         """
         count, unit = max(1, round(NOISE_WINDOW / self.period)), position / self.period**2.5
         window_count = count * _window_mean(self.valid.astype(float), self.parts, count)
@@ -254,7 +253,7 @@ class _JointRecord:
                 sum_of_logs *= forget
                 sum_of_logs += trust * log
         mean = total / weight
-        # all that drives the joint is relative to the noise, too
+        # jerk and vibration are relative to the noise, too
         mean[2] -= np.log(PRIOR_DEGREES_OF_FREEDOM + 2 * window_count) / 2
         mean[:2] += mean[2]
         jerk, vibration, scale = np.exp(mean)
@@ -291,14 +290,14 @@ def _whitened_filters(ratios: _Ratios) -> tuple[SteadyFilter, Array]:
 def motion_step(
     step: float | Array, frequency: float | Array, damping: float | Array
 ) -> tuple[Array, Array]:
-    """Return F of a joint's state within a step, and what two white jerks of intensity one add.
+    """Return F of a joint's state over a step, and the effect on it of two white jerks of intensity
+    one.
 
-    The joint is at θ + δ: a motion, θ⃛ = jerk, and a vibration of its link,
-    (d/dt + ω) (d²/dt² + 2 ζ ω d/dt + ω²) δ = jerk. Both jerks are constant within the step, so that
-    velocities change by exactly the integral of accelerations.
-
-    step: (...,) [s], or 1 in cycles; frequency: ω (...,) [rad/s, or a cycle]; damping: ζ (...,).
-    Returns F (..., 6, 6) and (..., 6, 2).
+    The joint is at θ + δ: a motion, θ⃛ = jerk, and a vibration of its link, (d/dt + ω) (d²/dt² + 2
+    ζ ω d/dt + ω²) δ = jerk. Both jerks are constant within the step, so that velocities change by
+    exactly the integral of accelerations.
+    step: (...,) [s], or 1 in cycles; frequency: ω (...,) [rad/s, or rad per cycle]; damping: ζ
+    (...,). Returns F (..., 6, 6) and (..., 6, 2).
     """
     # d/dt [θ, θ̇, θ̈, δ, δ̇, δ̈, jerk, jerk of the vibration]
     A = np.zeros((*np.shape(frequency), 8, 8))
@@ -323,9 +322,10 @@ def measures(lag: float | Array) -> Array:
 
 
 def moving_mean(values: Array, segment: Labels, count: int) -> Array:
-    """Return the mean of the finite values around each row in its segment; 0 if there are none.
+    """Return the mean of the finite values in a window of `count` rows around each row of its
+    segment.
 
-    count: rows over which the mean is taken.
+    It is 0 if there are none.
     """
     parts, finite = unbroken(segment), np.isfinite(values)
     total = _window_mean(np.where(finite, values, 0), parts, count)
@@ -334,7 +334,7 @@ def moving_mean(values: Array, segment: Labels, count: int) -> Array:
 
 
 def _window_mean(values: Array, parts: list[slice], count: int) -> Array:
-    """Return the mean of so many values around each row in its part."""
+    """Return the mean of `count` values around each row in its part."""
     result = np.empty_like(values)
     for rows in parts:
         uniform_filter1d(values[rows], count, axis=0, output=result[rows], mode="nearest")

@@ -1,5 +1,4 @@
-"""The plain smoother to compare with ours: filterpy's extended Kalman filter, with fixed noise, and
-back."""
+"""filterpy's extended Kalman filter with fixed noise and a backward pass, to compare ours with."""
 
 from typing import NamedTuple
 
@@ -12,9 +11,9 @@ from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import starts, unbroken
 
 CANDIDATE_JERKS = (10.0, 30.0, 100.0, 300.0, 1000.0)  # rad/s³; the most likely is chosen
-TUNING_SAMPLES = 300  # the jerk is chosen on this many with the most motion
-SETTLED_GAIN_CHANGE = 1e-10  # below this relative change in a sample, the gain is kept
-# In rad, rad/s and rad/s², these apply at the start of a segment.
+TUNING_SAMPLES = 300  # the jerk is chosen on this many samples, those with the most motion
+SETTLED_GAIN_CHANGE = 1e-10  # below this relative change per sample, the gain stays constant
+# Standard deviations of q, q̇, q̈ [rad, rad/s, rad/s²] at the start of a segment.
 INITIAL_STD = np.repeat([10.0, 10.0, 100.0], 6)
 
 
@@ -29,8 +28,8 @@ def smooth_plainly(segment: Labels, q: Array, qd: Array, period: float) -> Plain
     """Return the motion by a smoother of constant accelerations.
 
     segment: (N,) labels, each smoothed on its own; q, qd: (N, 6) [rad, rad/s], NaN where missing;
-    period: [s]. Its noise is fixed: that of measurements is white (`white_noise`), and one jerk of
-    all joints, of `CANDIDATE_JERKS`, is the most likely.
+    period: [s]. Its noise is fixed: white noise of measurements (`white_noise`), and for all joints
+    the most likely of `CANDIDATE_JERKS`.
     """
     z = np.hstack([q, qd])
     noise = white_noise(z, segment)
@@ -47,9 +46,9 @@ def smooth_plainly(segment: Labels, q: Array, qd: Array, period: float) -> Plain
 
 
 def white_noise(z: Array, segment: Labels) -> Array:
-    """Return the standard deviations (M,) of z (N, M), as if its third differences were noise.
+    """Return the standard deviations (M,) of white noise in z (N, M): σ² = mean (Δ³z)² / 20.
 
-    White noise has third differences of 1 + 9 + 9 + 1 = 20 times its variance.
+    Third differences of white noise have 1 + 9 + 9 + 1 = 20 times its variance.
     """
     # a smooth motion has almost no third differences
     differences = [np.diff(z[part], 3, axis=0) for part in unbroken(segment)]

@@ -31,8 +31,9 @@ def measured(signals: Signals) -> tuple[Array, Array]:
 
 
 def motion_record(signals: Signals, motion: SmoothedJoints) -> Motion:
-    """Return positions, velocities and accelerations with their standard deviations, and with the
-    noise of the encoders where an IMU was recorded.
+    """Return positions, velocities, accelerations and their standard deviations as a record.
+
+    It includes the noise of the encoders if an IMU was recorded.
     """
     record = Motion(time=signals.time, segment=signals.segment, **state_parts(motion))
     if signals.accelerometer is None:
@@ -49,9 +50,9 @@ def motion_record(signals: Signals, motion: SmoothedJoints) -> Motion:
 
 
 def known_joints(motion: Motion, account: MotionAccount) -> KnownJoints:
-    """Return what `smooth_encoders` found; account: that of `motion_account`.
+    """Return the motion by encoders that `smooth_encoders` found; account: by `motion_account`.
 
-    Raises ValueError of a motion without the noise of its encoders.
+    Raises ValueError if the motion lacks the noise of its encoders.
     """
     jerk, vibration, shared = motion.jerk, motion.vibration, motion.shared
     position, velocity = motion.position_noise, motion.velocity_noise
@@ -68,7 +69,7 @@ def known_joints(motion: Motion, account: MotionAccount) -> KnownJoints:
 def state_parts(motion: SmoothedMotion, names: Sequence[str] = STATES) -> dict[str, Array]:
     """Return parts of the state, their standard deviations and the motors' velocities by name.
 
-    names: q, q̇ and q̈ of the joints, and what follows them in the state, three columns each.
+    names: of q, q̇ and q̈ of the joints, then of parts of three columns each.
     """
     joints = motion.motor_qd.shape[1]
     ends = [joints, 2 * joints, 3 * joints, 3 * joints + 3]

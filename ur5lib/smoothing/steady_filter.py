@@ -56,7 +56,7 @@ def steady_filter(F: Array, Q: Array, H: Array, R: Array) -> SteadyFilter:
 def _prediction_covariance(F: Array, Q: Array, G: Array) -> Array:
     """Solve P = F P (1 + G P)⁻¹ Fᵀ + Q, G = Hᵀ R⁻¹ H.
 
-    By doubling: each round covers twice the time of the one before (Chu, Fan, Lin and Wang:
+    By doubling: each round covers twice the time of the previous one (Chu, Fan, Lin and Wang:
     Structure-preserving algorithms for periodic discrete-time algebraic Riccati equations,
     International Journal of Control 77 (2004)).
     """

@@ -9,7 +9,7 @@ from ur5lib.robots.mjcf import TOOL_BODY, flange
 from ur5lib.stand.plan import Contact, Hand, Load, Push, Spring, Timed, Wall
 from ur5lib.timeseries.arrays import Array
 
-GRASP_TIME = 0.2  # s; a load is lifted or put down in it
+GRASP_TIME = 0.2  # s; a load is lifted or put down in this time
 
 
 def _strength(contact: Timed, time: float) -> float:
@@ -18,7 +18,7 @@ def _strength(contact: Timed, time: float) -> float:
 
 
 def _held_share(load: Load, time: float) -> float:
-    """Return the share of a load's weight on the arm: 0 at its start and end, 1 in between."""
+    """Return the share of a load's weight that the arm carries: 0 at both ends, otherwise 1."""
     since = min(time - load.start_s, load.start_s + load.seconds - time)
     return float(np.sin(np.pi / 2 * min(since / GRASP_TIME, 1.0)) ** 2)
 
@@ -34,7 +34,7 @@ class Touch:
     """The state of one contact during the simulation.
 
     gravity: (3,) [m/s²], base axes; anchor: far end of a spring, or place of a hand [m], set at the
-    first touch; velocity, weight: of a load, in the previous step [m/s, N].
+    first touch; velocity, weight: [m/s, N], of a load, at the previous step.
     """
 
     plan: Contact
@@ -51,9 +51,10 @@ class Touch:
     def force(
         self, time: float, point: Array, velocity: Array, mobility: Array, step: float
     ) -> Array:
-        """Return the force (3,) [N], base axes, at a point [m] with velocity [m/s], if it may act.
+        """Return the force (3,) [N], base axes, at a point [m] that moves with velocity [m/s].
 
-        mobility: acceleration of the point per force on it (3, 3) [1/kg].
+        The contact must be one that `may_act`. mobility: acceleration of the point per force on it
+        (3, 3) [1/kg].
         """
         contact = self.plan
         if isinstance(contact, Wall):
@@ -69,7 +70,7 @@ class Touch:
     def _load_force(self, mass: float, velocity: Array, mobility: Array, step: float) -> Array:
         """Return weight and inertial force of a mass at the point: f = m (g − a), a = a_free + W f.
 
-        a_free, the acceleration without the mass, is taken from the previous step, which keeps the
+        a_free, the acceleration without the mass, is that of the previous step, which keeps the
         simulation stable for any mass.
         """
         before = velocity if self.velocity is None else self.velocity
@@ -131,8 +132,8 @@ class Contacts:
     def apply(self, model: mujoco.MjModel, data: mujoco.MjData, step: float) -> tuple[Array, Array]:
         """Apply the forces of this instant to the bodies.
 
-        Returns the joint torques equivalent to all of them (n,) [Nm], and the wrench of those on
-        the tool (6,) [N, Nm]: environment on arm, base axes, at the origin of the flange's frame.
+        Returns the joint torques of all of them (n,) [Nm], and the wrench of those on the tool (6,)
+        [N, Nm]: environment on arm, base axes, at the origin of the flange's frame.
         """
         torque, wrench = np.zeros(model.nv), np.zeros(6)
         if not self._touches:

@@ -1,4 +1,4 @@
-"""The controller's channels: what it measures, and what it computes from its model of the arm."""
+"""The controller's channels: its measurements, and quantities by its model of the arm."""
 
 from typing import NamedTuple
 
@@ -19,14 +19,14 @@ from ur5lib.stand.trajectories import Targets
 from ur5lib.tables import named
 from ur5lib.timeseries.arrays import Array
 
-DECIMALS = 6  # all channels have this many, as in the thesis's logs
-ENCODER_COUNTS = 2**19  # an encoder has this many per turn
+DECIMALS = 6  # of all channels, as in the thesis's logs
+ENCODER_COUNTS = 2**19  # per turn of an encoder
 # Noise of moving joints, like the real residuals against the targets.
 POSITION_NOISE = np.array([5e-5, 4e-5, 6e-5, 15e-5, 9e-5, 15e-5])  # rad
 VELOCITY_NOISE = np.array([0.004, 0.006, 0.005, 0.025, 0.011, 0.033])  # rad/s
 VELOCITY_WINDOW = 4  # velocity is averaged over this many steps, which delays it by 2 ms
-FORCE_CUTOFF = 5.0  # Hz; the controller's force estimate has this cut-off
-SINGULARITY_DAMPING = 0.02**2 * np.eye(6)  # it damps that estimate near singularities
+FORCE_CUTOFF = 5.0  # Hz; cut-off of the controller's force estimate
+SINGULARITY_DAMPING = 0.02**2 * np.eye(6)  # of that estimate, near singularities
 TEMPERATURE_STEP = 1 / 16  # °C
 
 
@@ -75,7 +75,8 @@ def frames(
 def measure(
     drive: Drive, states: States, before: Array, random: np.random.Generator | None
 ) -> Measurement:
-    """Return the measurements in true states (...), by encoders' counts and their differences.
+    """Return the measurements of true states (...): angles in encoder counts, speeds by
+    differences.
 
     before: angles VELOCITY_WINDOW steps earlier (..., n) [rad]; random: generator of the noise,
     None for the true values.
@@ -99,10 +100,10 @@ def channels(
 ) -> dict[str, Array]:
     """Return channels under RTDE names, (..., n) or (..., 6), in base axes, for true states (...).
 
-    The controller estimates a wrench from currents less the torques of its model and its friction.
-    `actual_TCP_force` is this wrench of the arm on its environment; for an arm with a wrist sensor,
-    `wrench_calc_from_currents` is this wrench of the environment on the arm, and `actual_TCP_force`
-    is zero, which the sensor's readings replace.
+    The controller estimates a wrench from currents minus the torques of its model and its friction.
+    `actual_TCP_force` is this wrench, of the arm on its environment. For an arm with a wrist
+    sensor, `wrench_calc_from_currents` is its opposite, of the environment on the arm, and
+    `actual_TCP_force` is zero until the sensor's readings replace it.
     """
     drive, moment = rig.drive, model_torques(rig, targets)
     jacobian = jacobians(rig, states["q"])
@@ -111,7 +112,7 @@ def channels(
     force = estimate.update(jacobian, external)
     forces = {"actual_TCP_force": force}
     target_friction = drive.viscous * targets.qd  # in the target current of a real UR5
-    if rig.robot.wrist_sensor:  # of a real UR5e, where model and both explain 99.7 % of it and more
+    if rig.robot.wrist_sensor:  # on a real UR5e, model and both terms explain over 99.7 % of it
         target_friction = friction
         forces = {"actual_TCP_force": np.zeros_like(force), "wrench_calc_from_currents": -force}
     return {
@@ -135,7 +136,7 @@ def rounded_temperature(temperature: Array) -> Array:
 
 
 def payload_channels(declared: Payload | None) -> dict[str, Array]:
-    """Return RTDE's channels of the payload configured at the controller, none without one."""
+    """Return RTDE's channels of the payload configured at the controller, empty without one."""
     if declared is None:
         return {}
     return {

@@ -15,10 +15,10 @@ from ur5lib.tables import channel, write_text
 
 EPOCH = 1388577600.0  # s; fictitious date of all recordings, 2014-01-01 12:00 UTC
 SECONDS_PER_DAY = 86400.0  # s
-STALE_RUN_AGE = 5000.0  # s; the other run of a stale file was so much earlier
-CONTROLLER_UPTIME = 4096.0  # s; the controller's clock shows this when a recording begins
-MESSAGE_BYTES = 756  # the realtime port of software 1.5 and 1.6 sends this many
-UNCONNECTED_SENSOR_READING = -1e-6  # value that an unconnected force sensor writes
+STALE_RUN_AGE = 5000.0  # s; the run of a stale file was this much earlier
+CONTROLLER_UPTIME = 4096.0  # s; the controller's clock at the start of a recording
+MESSAGE_BYTES = 756  # of a message of the realtime port, software 1.5 and 1.6
+UNCONNECTED_SENSOR_READING = -1e-6  # as in files without a force sensor
 
 Files = dict[str, str]  # text by name
 Sensors = Mapping[str, pd.DataFrame]  # readings, by the plan's name of the sensor
@@ -80,7 +80,7 @@ def messages(frames: pd.DataFrame) -> list[bytes]:
 
 
 def _receipts(frames: pd.DataFrame, plan: SimulatedRecording) -> list[tuple[float, bytes]]:
-    """Return time [s] and bytes of each receipt; cut messages end early."""
+    """Return time [s] and bytes of each receipt; messages that were cut end early."""
     lengths = (MESSAGE_BYTES * frames["kept"]).astype(int)
     packets = [message[:end] for message, end in zip(messages(frames), lengths, strict=True)]
     time = frames["sent"].to_numpy()

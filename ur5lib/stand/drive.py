@@ -9,10 +9,10 @@ from ur5lib.robots.description import Robot
 from ur5lib.stand.friction import FrictionParameters, along_chain
 from ur5lib.timeseries.arrays import Array
 
-# With these [rad/s], joints deviate from their targets as much as the real ones do.
+# rad/s; joints then deviate from their targets as much as real ones.
 NATURAL_FREQUENCY = np.array([100.0, 130.0, 140.0, 160.0, 200.0, 140.0])
-KNOWN_FRICTION_SHARE = 0.8  # the controller has this share of the friction
-MOVING_SPEED = 0.05  # rad/s; there, a joint shows three quarters of the noise of a moving one
+KNOWN_FRICTION_SHARE = 0.8  # share of the friction that the controller knows
+MOVING_SPEED = 0.05  # rad/s; at it, a joint has three quarters of the noise of a fast one
 
 # Values of the thesis's UR5, joint by joint: from its target currents at rest, and from its
 # currents above 2 Hz: a ripple of two (big joints) or four periods per motor turn, and noise.
@@ -70,7 +70,7 @@ def link_torques(model: mujoco.MjModel, data: mujoco.MjData, qdd: Array) -> Arra
 
 
 def drive_of(robot: Robot, friction: FrictionParameters) -> Drive:
-    """Return the drives of an arm with this friction in its joints."""
+    """Return the drives of an arm; friction: of its joints."""
     joints = len(robot.joints)
     frequency = along_chain(NATURAL_FREQUENCY, joints)
     usual = along_chain(MAX_TORQUE_CONSTANT, joints)

@@ -11,14 +11,14 @@ from ur5lib.timeseries.arrays import Array, Mask
 
 FILE_BUFFER_BYTES = 4096  # bytes; a partly filled buffer is never written to the file
 LATE_PACKET_INTERVAL = 3  # packets: every third one is late
-FIRST_PART_BYTES = 694  # this many of the packet after a late one arrive with the late one
-SECOND_PART_DELAY = 0.001  # s; the rest of that packet follows after it
+FIRST_PART_BYTES = 694  # of the packet after a late one, this many arrive with the late one
+SECOND_PART_DELAY = 0.001  # s; delay of the rest of that packet
 MOVING_SPEED = 1e-3  # rad/s; above it, the arm counts as moving
 
 
 @dataclass(frozen=True)
 class FaultyFrames:
-    """The frames (N,) with each fault: never the first two or the last."""
+    """Masks (N,) of the frames with each fault; the first two and the last have none."""
 
     lost: Mask
     cut: Mask
@@ -27,7 +27,7 @@ class FaultyFrames:
 
 
 def draw_faulty_frames(faults: Faults, count: int, random: np.random.Generator) -> FaultyFrames:
-    """Draw the faulty ones of `count` frames, each with at most one fault."""
+    """Draw the faulty among `count` frames, each with at most one fault."""
     numbers = random.random(count)
     numbers[[0, 1, -1]] = 1.0  # a reader accepts the first frame only if the second is complete
     shares = faults.lost_frames, faults.cut_frames, faults.stale_stamps, faults.stale_frames

@@ -16,18 +16,18 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.friction import ROOT_LINE
 from ur5lib.timeseries.arrays import Array
 
-# The UR5's joints, from base to wrist, have these shares of the motor's largest torque:
+# Shares of the motor's largest torque, of the UR5's joints from base to wrist:
 COULOMB_SHARE = np.array([0.054, 0.058, 0.054, 0.078, 0.083, 0.071])
 VISCOUS_SHARE = np.array([0.063, 0.060, 0.038, 0.077, 0.077, 0.048])  # per rad/s
-# The same per root of rad/s, beyond its nearest line, which is in the others.
+# Per √(rad/s), minus the nearest line, which the other two contain.
 ROOT_SHARE = np.array([0.018, 0.009, 0.069, 0.054, 0.034, 0.0])
-ROOT_ONSET = 0.02  # rad/s; it is viscous below, so that steps of a millisecond are stable
+ROOT_ONSET = 0.02  # rad/s; viscous below, so that steps of a millisecond are stable
 LOAD_SHARE = 0.05  # Nm of friction per Nm of load
-PERIODIC_SHARE = 0.05  # it is this share of the Coulomb friction
-STICTION_RATIO = 1.15  # breakaway torque has this ratio to the Coulomb torque
-STRIBECK_VELOCITY = 0.03  # rad/s; there, stiction has vanished
+PERIODIC_SHARE = 0.05  # of the Coulomb friction
+STICTION_RATIO = 1.15  # breakaway over Coulomb torque
+STRIBECK_VELOCITY = 0.03  # rad/s; at it, stiction has vanished
 PRESLIDING_DEFLECTION = 2e-4  # rad; a joint that sticks deflects this far before it slips
-USUAL_TEMPERATURE = 30.0  # °C; the values above are for it
+USUAL_TEMPERATURE = 30.0  # °C; at which the values above are valid
 # Relative change per kelvin: viscous friction of a UR3 and a UR5 is 17 to 20 % lower once the arm
 # is warm, and dry friction changes less.
 COULOMB_WARMING, VISCOUS_WARMING = -0.003, -0.009  # 1/K
@@ -74,7 +74,7 @@ class FrictionParameters:
         return coulomb * (1 + stribeck) + self.load * np.abs(load)
 
     def changed(self, coulomb: Sequence[float] | float, viscous: Sequence[float] | float) -> Self:
-        """Return worn friction; coulomb, viscous: factors (n,), or of all."""
+        """Return the friction with factors on Coulomb and viscous friction, (n,) or one for all."""
         return replace(
             self,
             coulomb=self.coulomb * np.asarray(coulomb),

@@ -16,7 +16,7 @@ FORMATS_WITH_PAYLOAD = ["rtde-csv"]  # formats that record the payload declared 
 
 
 def file_names(format: str, sensors: Collection[str]) -> list[str]:
-    """Return the files of a simulated recording in its folder; sensors: those of SENSOR_COLUMNS."""
+    """Return the files of a simulated recording in its folder; sensors: keys of SENSOR_COLUMNS."""
     if format != "thesis-csv":
         return [ROBOT_FILES[format], *(f"{name}.csv" for name in sensors)]
     names = [*(f"log_{file}.csv" for file in THESIS_FILES), "start_time.csv"]

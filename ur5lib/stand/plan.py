@@ -34,7 +34,7 @@ def _direction(vector: Vector3) -> Vector3:
 
 
 def _list_or_file(value: Any) -> str:
-    """Return the JSON type of the way-points, so that errors concern only that type."""
+    """Return the JSON type of the way-points, so that errors mention only that type."""
     return "string" if isinstance(value, str) else "array"
 
 
@@ -307,7 +307,7 @@ class SimulatedRecording(Planned):
     faults: Faults = Field(Faults(), description="faults of the recording")
 
     def sensors(self) -> list[str]:
-        """Return the sensors with files of their own."""
+        """Return the sensors that write their own files."""
         return [name for name in SENSOR_COLUMNS if getattr(self, name) is not None]
 
     def temperature(self, time: Array | float) -> Array:
@@ -315,7 +315,7 @@ class SimulatedRecording(Planned):
         return np.asarray(np.interp(time, [0.0, self.seconds], self.temperature_c))
 
     def misfits(self, arm: str, joints: int, models: Collection[str]) -> Iterator[str]:
-        """Yield in sentences what of the plan does not fit an arm: its joints and link models."""
+        """Yield sentences on what in the plan does not fit an arm's joints and link models."""
         if self.model is not None and self.model not in models:
             yield f"model` is {self.model!r}; give one of {', '.join(models)}, which {arm} has"
         if joints != 6 and isinstance(getattr(self.trajectory, "way_points", None), str):

@@ -22,7 +22,7 @@ from ur5lib.stand.plan import Imu, SimulatedRecording
 from ur5lib.stand.trajectories import Targets, plan_targets
 from ur5lib.timeseries.arrays import Array
 
-STEP = 0.001  # s; the integration has this step
+STEP = 0.001  # s; of the integration
 SETTLING_STEPS = 300  # steps simulated before anything is recorded
 MAX_INITIAL_FRICTION = 0.5  # largest initial dry friction, as a share of the breakaway torque
 WRENCH_TYPE = float, 6
@@ -39,7 +39,7 @@ Target = tuple[Array, Array, Array]  # q [rad], qd [rad/s], qdd [rad/s²], each 
 
 
 def state_type(joints: int) -> np.dtype[np.void]:
-    """Return the state of an arm in one step; D q̈ + C q̇ + g = motor − friction + contact."""
+    """Return the dtype of an arm's state; D q̈ + C q̇ + g = motor − friction + contact."""
     each = float, joints
     return np.dtype(
         [
@@ -62,7 +62,7 @@ def state_type(joints: int) -> np.dtype[np.void]:
 class Rig:
     """A simulated arm and its state.
 
-    robot: with every payload; model: name of its true link model; plant, data: that model in MuJoCo
+    robot: with all payloads; model: name of its true link model; plant, data: that model in MuJoCo
     and its state; nominal, nominal_data: the controller's model of the arm; declared: the payload
     configured at the controller; friction: parameters of `friction_state`.
     """
@@ -80,7 +80,8 @@ class Rig:
     contacts: Contacts
 
     def step(self, target: Target, warmth: float, row: Array) -> None:
-        """Advance by one step; write the state before it into `row`, in the order of `state_type`.
+        """Advance by one step; write the state before the step into `row`, in the order of
+        `state_type`.
 
         warmth: [K], of the motors above the usual temperature.
         """
@@ -106,9 +107,9 @@ class Rig:
 def arm_in_mujoco(robot: Robot, model: str, imu: Imu | None) -> mujoco.MjModel:
     """Return the MuJoCo model of an arm with one of its link models.
 
-    imu: the plan's, None for one as it is usually mounted. Sensor data (12,): force, torque,
-    accelerometer, gyroscope, each in its own axes. Force and torque are those of the flange on the
-    tool, at the sensor's origin.
+    imu: the plan's, None: as usually mounted. Sensor data (12,): force, torque, accelerometer,
+    gyroscope, each in its own axes. Force and torque are those of the flange on the tool, at the
+    sensor's origin.
     """
     spec = mujoco.MjSpec()
     spec.option.gravity = robot.gravity
@@ -129,8 +130,9 @@ def build_rig(
 ) -> Rig:
     """Return the arm of a plan; random: generator of the initial friction.
 
-    declare: whether the controller is given the plan's `payload`; never its `undeclared_payload`.
-    Raises InputError when the arm has no such link model or another number of joints.
+    declare: whether the controller knows the plan's `payload`; it never knows its
+    `undeclared_payload`. Raises InputError when the arm has no such link model or another number of
+    joints.
     """
     if misfits := [*plan.misfits(robot.name, len(robot.joints), robot.models)]:
         raise InputError("; ".join(f"`{misfit}" for misfit in misfits))
@@ -183,7 +185,7 @@ def perform(
     rig.data.qpos, rig.data.time = targets.q[0], -SETTLING_STEPS * STEP
     target_rows, rows = [*zip(*targets, strict=True)], as_rows(states)
     mover = rig
-    if robot.carrying(rig.declared) == rig.robot:  # then one model does for arm and controller
+    if robot.carrying(rig.declared) == rig.robot:  # then arm and controller share one model
         mover = replace(rig, nominal=rig.plant, nominal_data=rig.data)
     for step in range(-SETTLING_STEPS, len(time)):
         now = max(step, 0)  # while the arm settles, the first target applies
@@ -197,5 +199,5 @@ def step_times(count: int) -> Array:
 
 
 def as_rows(states: States) -> Array:
-    """Return the numbers of states, one row each; they share their memory."""
+    """Return states as numbers, one row each; both share memory."""
     return states.view(np.float64).reshape(len(states), -1)

@@ -12,8 +12,8 @@ from ur5lib.tables import named
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.sampling import interpolated
 
-FORCE_RATE, IMU_RATE = 207.6, 266.27  # Hz; they count by their own clocks
-IMU_TICK = 0.001  # s; the IMU's stamps have this resolution
+FORCE_RATE, IMU_RATE = 207.6, 266.27  # Hz; by their own clocks
+IMU_TICK = 0.001  # s; resolution of the IMU's stamps
 FORCE_COLUMNS = columns("ft")
 IMU_COLUMNS = [name for part in "amg" for name in columns(f"imu_{part}")]
 
@@ -22,11 +22,11 @@ FORCE_NOISE = np.array([0.0013, 0.0015, 0.0022, 5e-5, 5e-5, 4e-5])
 # IMU: manufacturer's noise density per √Hz and bandwidth [Hz] (Table 4.5).
 GYROSCOPE_NOISE, GYROSCOPE_BANDWIDTH = np.deg2rad(0.05), 40.0
 ACCELEROMETER_NOISE, ACCELEROMETER_BANDWIDTH = 0.002, 30.0
-MAGNETOMETER_NOISE = 0.001  # relative to the Earth's field, it is 0.5 of about 500 mGauss
+MAGNETOMETER_NOISE = 0.001  # relative to the Earth's field: 0.5 of about 500 mGauss
 EARTH_FIELD = np.array([0.32, 0.05, -0.73])  # base axes, normalised
 # WristReader sensor: noise between samples of a real UR5e at rest [N, Nm].
 WRIST_NOISE = np.array([0.22, 0.22, 0.09, 0.006, 0.007, 0.005])
-ZEROING_TIME = 0.2  # s; a program zeroes the wrist sensor for this long at the start
+ZEROING_TIME = 0.2  # s; the wrist sensor is zeroed by the mean over this time
 MINUTE = 60.0  # s
 
 
@@ -61,7 +61,8 @@ def imu_readings(
 ) -> pd.DataFrame:
     """Return an IMU's `time` [s] on its own clock, from its first sample, and imu_* in its axes.
 
-    Specific force [m/s²], magnetic field [normalised], angular rate [rad/s]; arguments as above.
+    Specific force [m/s²], magnetic field [normalised], angular rate [rad/s]; arguments as of
+    `force_readings`.
     """
     stamps, when, time = _samples(imu.clock, IMU_RATE, len(motion), random, noise)
     if noise:
@@ -121,8 +122,8 @@ def wrist_channels(
 ) -> dict[str, Array]:
     """Return RTDE's channels of the wrist sensor at the controller's frames [N, Nm].
 
-    `ft_raw_wrench` is the reading in the sensor's axes; `actual_TCP_force` is the reading less the
-    weight of the payload configured at the controller, zeroed at the start, in base axes.
+    `ft_raw_wrench` is the reading in the sensor's axes; `actual_TCP_force` is the reading minus the
+    weight of the configured payload, zeroed at the start, in base axes.
     """
     sensor, time = experiment.plan.wrist_sensor, frames["time"].to_numpy()
     assert sensor is not None
@@ -155,7 +156,7 @@ class WristReader:
         return raw
 
     def noiseless(self, force: Array, time: Array | float) -> Array:
-        """Return the same without noise."""
+        """Return scale Rᵀ f + bias + drift t (..., 6) [N, Nm]; arguments as of `read`."""
         sensor, turned = self._sensor, force.reshape(*force.shape[:-1], 2, 3) @ self._turn
         drift = np.multiply.outer(np.divide(time, MINUTE), sensor.drift_per_min)
         return np.asarray(sensor.scale * turned.reshape(force.shape) + sensor.bias + drift)
@@ -171,7 +172,7 @@ def declared_weight(rig: Rig, rotation: Array) -> Array:
 
 
 def in_base_axes(wrench: Array, rotation: Array) -> Array:
-    """Return wrenches (..., 6) from the axes of frame 6 in base axes; rotation: (..., 3, 3)."""
+    """Return wrenches (..., 6) of frame 6's axes in base axes; rotation: (..., 3, 3)."""
     halves = wrench.reshape(*wrench.shape[:-1], 2, 3)
     return np.asarray((halves @ rotation.mT).reshape(wrench.shape))
 
@@ -179,9 +180,11 @@ def in_base_axes(wrench: Array, rotation: Array) -> Array:
 def _samples(
     clock: Clock, rate: float, steps: int, random: np.random.Generator, noise: bool
 ) -> tuple[Array, Array, Array]:
-    """Return the timestamps of a device's samples, their true times (N,), and the steps' [s].
+    """Return the timestamps of a device's samples, their true times (N,), and those of the steps
+    [s].
 
-    t_robot = offset + (1 + drift) t_device; all timestamps but the first, which is zero, jitter.
+    t_robot = offset + (1 + drift) t_device; all timestamps but the first, which is zero, have
+    jitter.
     """
     scale, time = 1 + 1e-6 * clock.drift_ppm, step_times(steps)
     stamps = np.arange(0, (time[-1] - clock.offset_s) / scale, 1 / rate)

@@ -27,7 +27,7 @@ from ur5lib.stand.write_truth import write_truth
 
 Format = Literal["thesis-csv", "realtime-stream", "rtde-csv"]
 
-# Each has its own random generator, so that a sensor more changes nothing of the others.
+# Each has its own random generator, so that an additional sensor does not change the others.
 RANDOM_STREAMS = ("arm", "controller", "faults", "force_sensor", "imu", "wrist")
 READINGS: dict[str, Callable[..., pd.DataFrame]] = {
     "force_sensor": force_readings,
@@ -47,8 +47,8 @@ def simulate(
     """Write one recording as real devices would, and the truth about it as separate files.
 
     folder: of the files that `layout.file_names` lists; truth: path of the truth's table and
-    summary without the suffixes .parquet and .json. The same plan gives the same bytes.
-    Raises InputError when the arm cannot execute the plan.
+    summary, without the suffixes .parquet and .json. The same plan gives the same bytes. Raises
+    InputError when the arm cannot execute the plan.
     """
     generators = np.random.default_rng(plan.seed).spawn(len(RANDOM_STREAMS))
     random = dict(zip(RANDOM_STREAMS, generators, strict=True))

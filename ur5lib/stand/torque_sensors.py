@@ -9,13 +9,13 @@ from ur5lib.robots.description import Robot
 from ur5lib.stand.rig import States
 from ur5lib.timeseries.arrays import Array
 
-# This share of a joint's friction acts between its sensor and its link.
+# Share of a joint's friction that acts between its sensor and its link.
 FRICTION_SHARE_BEHIND_SENSOR = 0.05
-GAIN_ERROR = 0.01  # the gains of all joints err by this, alternating in sign
-BIAS_SHARE = 0.003  # it is relative to the joint's largest torque, alternating in sign
-# It is relative to the largest torque, by differences between samples of a real xMate 7's sensors.
+GAIN_ERROR = 0.01  # error of the joints' gains, alternating in sign
+BIAS_SHARE = 0.003  # bias over the joint's largest torque, alternating in sign
+# Noise over the largest torque, by differences between samples of a real xMate 7's sensors.
 NOISE_SHARE = 7e-4
-# What a controller that senses torque does not record, as it has no currents.
+# A controller that senses torque does not record these, as it has no currents.
 UNRECORDED_CHANNELS = ("actual_current", "target_current", "target_moment", "actual_TCP_force")
 
 
@@ -37,7 +37,8 @@ class TorqueSensors:
     def channels(
         self, values: dict[str, Array], states: States, random: np.random.Generator | None
     ) -> dict[str, Array]:
-        """Return the controller's channels with `actual_torque` [Nm] in place of those of currents.
+        """Return the controller's channels with `actual_torque` [Nm] in place of those from
+        currents.
 
         random: generator of the noise, None for no noise.
         """

@@ -14,8 +14,10 @@ from ur5lib.timeseries.sampling import interpolated
 
 @dataclass(frozen=True, kw_only=True)
 class Truth(Table):
-    """True motion [rad, rad/s, rad/s²], joint torques [Nm] of motors, friction and contact, and the
-    wrench of the environment on the arm [N, Nm], base axes, frame 6's origin; (N, n) each.
+    """The true motion, joint torques and contact wrench.
+
+    q, qd, qdd: (N, n) [rad, rad/s, rad/s²]; torques of motors, friction and contact: (N, n) [Nm];
+    wrench: (N, 6) [N, Nm], of the environment on the arm, base axes, at the origin of frame 6.
     """
 
     q: Array = channel("q", "rad", JOINTS)
@@ -38,7 +40,7 @@ class Truth(Table):
 
 @dataclass(frozen=True)
 class TruePlan:
-    """What a simulated arm carries, its IMU, and the seed of its noise."""
+    """Payloads and IMU of a simulated arm, and the seed of its noise."""
 
     seed: int
     payload: Payload | None
@@ -48,7 +50,7 @@ class TruePlan:
 
 @dataclass(frozen=True)
 class TrueDrive:
-    """The simulated torque constants [Nm/A]; where torques are sensed, their offset [Nm]; (n,)."""
+    """The simulated torque constants (n,) [Nm/A]; offset: of sensed torques (n,) [Nm]."""
 
     torque_constant: Array
     offset: Array | None = None

@@ -16,7 +16,7 @@ from ur5lib.tables import named, write_json, write_table
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import runs
 
-STATE_COLUMNS = {  # the table has quantities of `rig.state_type` under these names and units
+STATE_COLUMNS = {  # quantities of `rig.state_type`: names and units in the table
     "q": ("q", "rad"),
     "qd": ("qd", "rad/s"),
     "qdd": ("qdd", "rad/s2"),
@@ -42,10 +42,10 @@ def write_truth(
 ) -> None:
     """Write truth.parquet, at the controller's frames, and truth.json, the true parameters.
 
-    Columns of the table: `time`, and those of STATE_COLUMNS. rig: simulated arm; motion: its
+    The table has the columns `time` and those of STATE_COLUMNS. rig: simulated arm; motion: its
     states; cycle: of the controller [s]; clocks: of the devices, counted from their first samples,
     t_robot = offset + (1 + drift) t_device; truth: path of both files without their suffixes;
-    frames: numbers of the faulty ones by fault.
+    frames: indices of the faulty frames, by fault.
     """
     every = slice(None, None, round(cycle / STEP))
     columns, units = {"time": step_times(len(motion))[every]}, {"time": "s"}
@@ -72,7 +72,7 @@ def write_truth(
 
 
 def _torque_sensor_parameters(rig: Rig) -> dict[str, object]:
-    """Return what takes the place of motors and gears where the joints sense torque.
+    """Return the parameters that replace those of motors and gears where the joints sense torque.
 
     With the reading y = gain τ + bias, K y = τ − offset; K is the `torque_constant` [1].
     """
@@ -92,7 +92,7 @@ def _torque_sensor_parameters(rig: Rig) -> dict[str, object]:
 
 
 def _noise_sizes() -> dict[str, float | Array]:
-    """Return the sizes of all noise by quantity and unit."""
+    """Return the standard deviation or amplitude of each noise, named by quantity and unit."""
     return {
         "current_ripple_a": drives.CURRENT_RIPPLE,
         "current_a": drives.CURRENT_NOISE,

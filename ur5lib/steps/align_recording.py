@@ -57,7 +57,7 @@ def on_robot_clock(
     signals = dict(robot.items())
     for device, clock in clocks.items():
         signals |= dict(resample(devices[device], clock, robot["time"].to_numpy()).items())
-    if "ft_fx" in signals:  # the moments of a sensor that has none are NaN
+    if "ft_fx" in signals:  # a sensor without moments has NaN there
         absent = [name for name in columns("ft") if name not in signals]
         signals |= dict.fromkeys(absent, np.full(len(robot), np.nan))
     return pd.DataFrame(signals, copy=False)

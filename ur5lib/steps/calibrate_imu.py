@@ -19,7 +19,7 @@ def calibrate_imu(
     gravities: dict[str, list[float] | None],
     lowpass: Butterworth,
 ) -> dict[str, ImuCalibration]:
-    """Return the calibration from all given recordings, and from all but each one."""
+    """Return the calibrations: from all recordings, and for each recording from the others."""
     records = {
         name: imu_samples(arm.mounted(gravities[name]), signals[name], kinematics[name], lowpass)
         for name, one in alignment.items()

@@ -20,7 +20,7 @@ CHANNELS += [f"imu_{sensor}{axis}" for sensor in "ag" for axis in "xyz"]
 
 
 class ComparedMotion(NamedTuple):
-    """A recording's motion compared with its IMU, its errors and the test of the smoother."""
+    """A recording's motion compared with its IMU: errors, and tests of the smoother."""
 
     fused: FusedMotion
     accelerations: Accelerations
@@ -36,11 +36,11 @@ def compare_accelerations(
     calibration_without_each: dict[str, ImuCalibration],
     lowpass: Butterworth,
 ) -> ComparedMotion:
-    """Return the motion from encoders and IMU, and the end effector's acceleration from joints,
-    through Euler angles and from the IMU; empty without a valid IMU.
+    """Return the motion from encoders and IMU, and the end effector's acceleration by all methods.
 
-    calibration: by all `fit` recordings; calibration_without_each: by the recordings without
-    contact other than this one; lowpass: of the accelerations.
+    The methods are joints, Euler angles and IMU; empty without a valid IMU. calibration: by all
+    `fit` recordings; calibration_without_each: by the other contact-free recordings; lowpass: of
+    the accelerations.
     """
     signals, motion, alignment = recording.signals, recording.motion, recording.alignment
     robot, kinematics = arm.mounted(recording.gravity), recording.kinematics
@@ -75,7 +75,7 @@ def acceleration_errors(comparison: ImuComparison) -> Iterator[AccelerationError
 
 
 def innovation_rows(estimate: str, account: MotionAccount) -> Iterator[Innovation]:
-    """Yield whether the smoother's innovations are as wide as stated, and white, by channel."""
+    """Yield the tests of the smoother's innovations, variance and whiteness, by channel."""
     test = account.innovations
     for k, channel in enumerate(CHANNELS[: len(test.variance)]):
         low, high = test.variance_limits[k]

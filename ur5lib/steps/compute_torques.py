@@ -1,4 +1,4 @@
-"""Joint torques of every link model, at the targets and at the measured motion; what is doubted."""
+"""Joint torques of every link model, at targets and measured motion, and doubts about them."""
 
 from typing import NamedTuple
 
@@ -26,7 +26,7 @@ from ur5lib.timeseries.arrays import Six
 
 
 class RecordingTorques(NamedTuple):
-    """The torques of a recording, and what they rest on."""
+    """The torques of a recording, and their premises."""
 
     torques: Torques
     premises: Premises
@@ -41,11 +41,11 @@ def compute_torques(
     accepted: dict[str, str] | None = None,
     contact_place: tuple[Vector3, float] | None = None,
 ) -> RecordingTorques:
-    """Return the torques of every link model, and what in the recording contradicts the study.
+    """Return the torques of every link model, and contradictions between recording and study.
 
     payload, tcp: as the study declares them; cutoffs_hz: of the low-pass filters by name; accepted:
-    why the study overrules stop signs, by kind; contact_place: as it states it [m], frame 6, and
-    within how many metres.
+    reasons of the study to overrule stop signs, by kind; contact_place: as it states it: place (3,)
+    [m], frame 6, and usual distance from it [m].
     """
     known, motion, robot = recording.signals, recording.motion, arm.mounted(recording.gravity)
     load = carried(payload, known)
@@ -70,8 +70,9 @@ def place_of_contacts(
     table: pd.DataFrame,
     arm: Robot,
 ) -> ContactPlace:
-    """Return where contacts are assumed; stated, tcp: as the study declares them; table: of the
-    signals, with the columns of the checks.
+    """Return where contacts are assumed.
+
+    stated, tcp: as the study declares them; table: of the signals, with the columns of the checks.
     """
     set_tool = None if signals.tcp_offset is None else medians(signals.tcp_offset, 6)
     shown_tool = shown_tool_center(table, arm) if set_tool is None else None
@@ -87,7 +88,7 @@ def place_of_contacts(
 
 
 def checked_columns(signals: Source) -> pd.DataFrame:
-    """Return what the checks need of a file of `Signals`."""
+    """Return the columns that the checks use from a file of `Signals`."""
     names = CHECKED_COLUMNS.union(SENSOR_COLUMNS["force"])
     return read_table(signals, [*names.intersection(read_footer(signals).schema.names)])
 
@@ -95,14 +96,14 @@ def checked_columns(signals: Source) -> pd.DataFrame:
 def joint_torques(robot: Robot, load: Carried, signals: Signals, motion: Motion) -> Torques:
     """Return the torques of all link models.
 
-    robot: under the recording's gravity; load: what it carries.
+    robot: under the recording's gravity; load: on its flange.
     """
     given = {model: LinkModel(robot.carrying(load.configured), model) for model in robot.models}
     states, fullest = (motion.q, motion.qd, motion.qdd), robot.fullest_model()
     measured = {name: model.inverse_dynamics(*states) for name, model in given.items()}
     target = signals.target_q, signals.target_qd, signals.target_qdd
     known = [values for values in target if values is not None]
-    # what the payload adds to the one that the controller was given
+    # difference between the true payload and the one that the controller was given
     added = np.zeros_like(motion.q)
     if load.payload != load.configured:
         true = LinkModel(robot.carrying(load.payload), fullest)

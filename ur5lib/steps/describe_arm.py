@@ -1,4 +1,4 @@
-"""The description of an arm, with the numbers, the name and the calibration that are its own."""
+"""The description of one individual arm: with its own numbers, name and calibration."""
 
 from pathlib import Path
 
@@ -15,8 +15,8 @@ def describe_arm(
 ) -> str:
     """Return an arm's description as YAML.
 
-    arm: its type or file; robot: its name in the study; override: the study's own numbers;
-    description: its file, where the library has none; calibration: of the controller, if any.
+    arm: its type; robot: its name in the study; override: the study's own numbers; description: its
+    file, if the library has none; calibration: file of the controller's, if any.
     """
     file = description[0] if description else robot_path(arm)
     calibrated = str(calibration[0]) if calibration else None

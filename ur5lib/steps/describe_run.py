@@ -1,4 +1,4 @@
-"""What made the results: recordings, settings, software and their results, as an RO-Crate."""
+"""The provenance of the results, as an RO-Crate: recordings, settings, software and results."""
 
 from pathlib import Path
 from typing import Any, NamedTuple

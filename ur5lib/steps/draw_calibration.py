@@ -12,7 +12,7 @@ DURING = {"contact": "in contact", "free": "free"}
 
 
 def draw_calibration(errors: pd.DataFrame) -> dict[str, Drawing]:
-    """Return the figure of coverage; errors: the table `force_mae`."""
+    """Return the figure of coverages; errors: the table `force_mae`."""
     rows = errors[(errors["kind"] == "compensated") & errors["coverage95"].notna()]
     components = [*rows["component"].unique()]
     held = {

@@ -24,7 +24,7 @@ def draw_figures(
     forces, sensor = recording.forces, recording.sensor
     hidden = recording.kinematics.smallest_singular_value < min_singular_value
     beside = forces, sensor, hidden
-    # each figure reads its signals anew, so that none keeps those of another in memory
+    # each figure reads its signals again, so that none stay in memory
     return {
         "packets": figures.packet_figure(signals.anew()),
         "torques": figures.torque_figure(signals.anew(), recording.torques, arm),

@@ -6,7 +6,7 @@ from ur5lib.report.figures.charts import response_panel
 from ur5lib.report.figures.house_style import Drawing
 from ur5lib.timeseries.lowpass import Butterworth, frequency_response
 
-SAMPLING_RATE = 125.0  # Hz; a controller of the CB series samples at this rate
+SAMPLING_RATE = 125.0  # Hz; of a controller of the CB series
 FILTERED = {
     "motion": "measured motion",
     "accelerations": "accelerations compared",
@@ -15,7 +15,7 @@ FILTERED = {
 
 
 def draw_filters(lowpass: dict[str, Butterworth]) -> dict[str, Drawing]:
-    """Return the figure of the filters; lowpass: designs by what is filtered."""
+    """Return the figure of the filters; lowpass: their designs, by filtered signal."""
     frequency = np.geomspace(0.1, 0.49 * SAMPLING_RATE, 300)
     gains = {}
     for key, name in FILTERED.items():

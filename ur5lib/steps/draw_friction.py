@@ -1,4 +1,4 @@
-"""Currents and friction of an arm, after Figures 6.1 and 6.2, its band, and residuals."""
+"""Currents and friction of an arm, after Figures 6.1 and 6.2, with their band, and residuals."""
 
 from collections.abc import Mapping
 
@@ -25,7 +25,7 @@ def draw_friction(
     recordings: Mapping[str, PredictedRecording],
     lowpass: Butterworth,
 ) -> dict[str, Drawing]:
-    """Return the figures of a fit; recordings: that it was fitted to."""
+    """Return the figures of a fit; recordings: those that it was fitted to."""
     fit, parts, known = friction.fit, list[MovingSamples](), friction.known_constants
     constant = torque_constants(fit) if fit.joints else np.ones(len(arm.joints))
     if fit.joints and known is not None:

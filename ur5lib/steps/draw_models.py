@@ -10,7 +10,7 @@ from ur5lib.robots.description import Robot
 
 def draw_models(arm: Robot) -> dict[str, Drawing]:
     """Return the figures of an arm's link models and frames."""
-    # upright by the frames of the thesis, which other arms than those of six joints do not have
+    # upright in the thesis's frames, which only arms of six joints have
     is_ur_like = arm.denavit_hartenberg and len(arm.joints) == len(UPRIGHT_POSTURE)
     posture = UPRIGHT_POSTURE if is_ur_like else [0.0] * len(arm.joints)
     rotation, origin = (part[0] for part in link_frames(arm, np.array([posture])))
@@ -22,7 +22,7 @@ def draw_models(arm: Robot) -> dict[str, Drawing]:
 
 
 def alike(robot: Robot) -> list[list[str]]:
-    """Return models by their links: one with rotors has those of the one without."""
+    """Return groups of models with the same links: rotors do not count."""
     groups: dict[str, list[str]] = {}
     for name, links in robot.models.items():
         rigid = links.model_copy(update={"rotor_inertias": None, "description": ""})

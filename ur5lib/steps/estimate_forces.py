@@ -1,4 +1,4 @@
-"""Contact wrench from the external torque, with its band and the odds that there is a contact."""
+"""Contact wrench from the external torque, with its band and the log-odds of a contact."""
 
 from dataclasses import replace
 
@@ -64,7 +64,7 @@ def most_probable(
     prior: ContactPrior,
     place: ContactPlace,
 ) -> WrenchEstimate | None:
-    """Return F̂ᵐᵃᵖ, None where its torque is unknown."""
+    """Return F̂ᵐᵃᵖ; None where `fmap_problem` is None."""
     problem = fmap_problem(motion, currents, residuals)
     if problem is None:
         return None

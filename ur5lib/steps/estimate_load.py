@@ -1,4 +1,4 @@
-"""The mass on the flange beyond the arm's model and given payload, from motor currents alone."""
+"""The load on the flange beyond the arm's model and given payload, from motor currents alone."""
 
 from ur5lib.dynamics.link_model import load_regressor
 from ur5lib.identification.current_samples import Smoother, current_record

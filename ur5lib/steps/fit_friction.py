@@ -46,14 +46,15 @@ from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
 
-# At most so many joints may have a current that does not follow the torque: the others show a
-# force.
+# At most this many joints may have a current that does not follow the torque; the others then
+# still determine a force.
 MAX_JOINTS_WITHOUT_LOAD = 3
-# At most so many joints may have another gain of the torque, by a spring, a column or a link.
+# At most this many joints may have another gain of the torque, because of a spring, a column or a
+# link.
 MAX_JOINTS_OF_OTHER_GAIN = 1
 # Remarks on a joint that contradicts its documented constant, which is used instead.
 UNEXPLAINED = "current against constant", "torque against gain"
-MIN_GAIN = 0.4  # such a joint has at least this one; with a smaller one, a unit is wrong
+MIN_GAIN = 0.4  # of such a joint, at least; with a smaller one, a unit is wrong
 
 
 def fit_friction(
@@ -66,11 +67,11 @@ def fit_friction(
     before: Mapping[str, Motion] | None = None,
     chains: dict[str, list[str]] | None = None,
 ) -> Friction:
-    """Return torque constants and friction of an arm; refused where they cannot be fitted.
+    """Return torque constants and friction of an arm; `refused` where they cannot be fitted.
 
-    recordings: the arm's `fit` ones, postures: of those at rest; dates: of the former, ISO 8601 or
-    empty; accepted: why the study overrules stop signs of the arm, by kind; before: motions of the
-    recordings before, of which chains have the names, oldest first.
+    recordings: the arm's `fit` recordings, postures: those at rest; dates: of recordings, ISO 8601
+    or empty; accepted: reasons to overrule stop signs of the arm, by kind; before: motions of
+    earlier recordings, by name; chains: their names for each recording, oldest first.
     """
     if arm.links == "unknown":
         return Friction(refused=_unknown_links(arm))
@@ -114,8 +115,9 @@ def _unknown_links(arm: Robot) -> Remark:
 
 
 def with_causes(fit: CurrentFit, doubts: Mapping[int, Finding], arm: Robot) -> CurrentFit:
-    """Return a fit that names the cause where joints contradict documented constants, if the checks
-    of its recordings name one; doubts: about the arm's links, by joint from 1.
+    """Return a fit that names the cause of joints that contradict documented constants, if found.
+
+    doubts: of the recordings' checks about the arm's links, by joint from 1.
     """
 
     def caused(joint: int, one: Remark) -> Remark:
@@ -149,12 +151,12 @@ def fitted_friction(
     model: str = "",
     accepted: Mapping[str, str] | None = None,
 ) -> Friction:
-    """Return the fit, the same without each path, its parameters in SI units, and baselines.
+    """Return the fit, the fits without each path, the parameters in SI units, and baselines.
 
-    model: of the records' torques; accepted: as of `fit_friction`. Without records,
-    the fit is what is typical, with torque constants by postures at rest if the prior
-    has any. Raises ContradictionError when the torque constants are not those of the arm,
-    RefusalError when there are neither records, nor postures, nor typical friction.
+    model: of the records' torques; accepted: as of `fit_friction`. Without records, the fit is that
+    of typical friction, with torque constants by postures at rest if the prior has any. Raises
+    ContradictionError when the torque constants are not those of the arm, RefusalError when there
+    are neither records, nor postures, nor typical friction.
     """
     if not records:
         return _expected_friction(prior, model, accepted or {})
@@ -184,7 +186,7 @@ def fitted_friction(
 
 
 def _expected_friction(prior: Prior, model: str, accepted: Mapping[str, str]) -> Friction:
-    """Return what follows without motion: without typical friction, torque constants alone."""
+    """Return the friction without motion; if none is typical, torque constants alone."""
     if not prior.typical and prior.at_rest is None:
         text = f"no recording with the role “fit” has {prior.measured.channel}"
         raise RefusalError("no fit recording", text)
@@ -219,9 +221,9 @@ def explained_by_others(
     left_out: Sequence[tuple[list[str], CurrentFit]],
     smooth: Smooth,
 ) -> Array | None:
-    """Return the share (6,) of the currents' variance that fits to other paths explain.
+    """Return the share (n,) of the currents' variance that fits to other paths explain.
 
-    left_out: fits, each with the recordings that it has not seen. None where there is one path.
+    left_out: fits, each with the names of its left-out recordings. None if there is one path.
     """
     unseen = {name: fit for names, fit in left_out for name in names}
     if not unseen:
@@ -230,8 +232,9 @@ def explained_by_others(
 
 
 def with_unproven(fit: CurrentFit, explained: Array | None, measured: Effort) -> CurrentFit:
-    """Return a fit with a remark on each moving joint that fits to other paths explain no better
-    than a constant does; explained: as of `explained_by_others`.
+    """Return a fit with a remark on each moving joint that left-out fits predict badly.
+
+    They predict it no better than a constant does; explained: as of `explained_by_others`.
     """
     shares = np.full(len(fit.joints), np.inf) if explained is None else explained
     text = (
@@ -256,7 +259,7 @@ def _without_replicates(fit: CurrentFit) -> CurrentFit:
 
 
 def require_no_stop_sign(contradictions: Mapping[str, Contradictions]) -> None:
-    """Raise ContradictionError for stop signs; contradictions: by recording."""
+    """Raise ContradictionError if a recording has a stop sign; contradictions: by recording."""
     stopped = [name for name, found in contradictions.items() if found.stop_signs]
     if stopped:
         text = (
@@ -267,7 +270,7 @@ def require_no_stop_sign(contradictions: Mapping[str, Contradictions]) -> None:
 
 
 def require_single_runs(qualities: Mapping[str, Quality]) -> None:
-    """Raise ContradictionError where two recordings are one run, which would count twice.
+    """Raise ContradictionError if two recordings are copies of one run, which would count twice.
 
     qualities: by recording.
     """
@@ -280,9 +283,10 @@ def require_single_runs(qualities: Mapping[str, Quality]) -> None:
 
 
 def accepted_doubts(fit: CurrentFit, prior: Prior, accepted: Mapping[str, str]) -> list[Remark]:
-    """Return that torque constants, or gains, are not those of the arm, which the study accepts.
+    """Return a remark if torque constants, or gains, are not those of the arm but the study accepts
+    it.
 
-    Raises ContradictionError where it does not.
+    Raises ContradictionError if the study does not accept it.
     """
     try:
         if prior.measured == TORQUE:
@@ -297,13 +301,13 @@ def accepted_doubts(fit: CurrentFit, prior: Prior, accepted: Mapping[str, str]) 
 
 
 def require_known_side(arm: Robot) -> None:
-    """Raise ContradictionError where `unknown_side` has a reason."""
+    """Raise ContradictionError if `unknown_side` returns a reason."""
     if text := unknown_side(arm):
         raise ContradictionError("unknown side", text, "side")
 
 
 def require_gains_of_one(fit: CurrentFit) -> None:
-    """Raise ContradictionError when measured torques are not those that the description needs.
+    """Raise ContradictionError when measured torques have other gains than 1 by the description.
 
     A single joint, where a spring or a column may be the cause, keeps the gain of 1.
     """
@@ -332,9 +336,10 @@ def _other_gain(joint: int, gain: float) -> str:
 def require_known_constants(fit: CurrentFit, prior: Prior) -> None:
     """Raise ContradictionError when fitted torque constants are far from those of the arm.
 
-    One that is too small is a wrong unit, arm or payload. A few that are too large belong to joints
-    with a current that does not follow the torque, which the fit has found itself. One that is so
-    by less than its own error shows nothing.
+    Any constant that is too small means a wrong unit, arm or payload. Constants that are too large
+    belong to joints with a current that does not follow the torque, which the fit has detected;
+    more than MAX_JOINTS_WITHOUT_LOAD of them contradict the arm. Those within their own error are
+    ignored.
     """
     makers = (1 / prior.inverse_constant.mean).tolist()
     pairs = zip(fit.joints, makers, strict=True)

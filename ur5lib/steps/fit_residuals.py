@@ -28,17 +28,17 @@ from ur5lib.records.motion import Motion
 from ur5lib.records.phrases import numbered
 from ur5lib.timeseries.segments import unbroken
 
-MIN_REST_DURATION = 10.0  # s; a shorter rest shows almost nothing of what friction carries there
-# Usual error along a path that no fit has seen, by joint state, relative to Coulomb friction: in
-# motion the median of joints of four arms; at rest the root mean square of the joints of a UR5
-# (0.77, 1.02, 0.76) and a UR10e (0.31, 0.40, 0.36) fitted to one recording. The part of it that
-# changes fast is at rest the median of their joints (0.4, 0.15); in motion, theirs (0.55 to 0.8)
-# exceeds that of a wrong level of friction.
+MIN_REST_DURATION = 10.0  # s; a shorter rest does not determine friction at rest
+# Usual error along an unseen path, by joint state, relative to Coulomb friction: in motion the
+# median of joints of four arms; at rest the RMS of the joints of a UR5 (0.77, 1.02, 0.76) and a
+# UR10e (0.31, 0.40, 0.36) fitted to one recording. The second are the fast part of this error: at
+# rest the median of their joints (0.4, 0.15); in motion less than theirs (0.55 to 0.8), since a
+# wrong level of friction changes slowly.
 ERRORS_AT_USUAL_SPEED = np.array([0.13, 0.13, 0.6, 0.75, 0.6])
 ERRORS_IN_FAST_MOTION = np.array([0.5, 0.5, 0.5, 0.4, 0.15])
 # An arm usually has this speed [rad/s], and this load in Coulomb friction.
 USUAL_SPEED, USUAL_LOAD = 0.5, 3.0  # rad/s
-FORCE_DIRECTIONS = 3  # a force needs a finite torque on so many joints, or on all
+FORCE_DIRECTIONS = 3  # a force needs a finite torque on this many joints, or on all
 
 
 def fit_residuals(
@@ -62,8 +62,8 @@ def residual_models(
 ) -> Residuals:
     """Return the residual model, or the reason why there is none.
 
-    recordings: those to fit, without contact, predicted by fits without their own path;
-    cutoff: of the torques [Hz]. Where they show too little, the errors are those of other arms.
+    recordings: to fit, without contact, predicted by fits without their own path; cutoff: of the
+    torques [Hz]. If they show too little, the errors are those of other arms.
     """
     if friction.explained is not None:
         unknown = np.flatnonzero(~(friction.explained > 0)) + 1
@@ -88,10 +88,10 @@ def _unknown_torques(joints: Sequence[int]) -> Remark:
 
 
 def usual_model(fit: CurrentFit, cutoff: float) -> ResidualModel:
-    """Return the residual model of an arm like others; arguments as above.
+    """Return the residual model with errors that are usual for arms; cutoff: of the torques [Hz].
 
-    The errors are ERRORS_AT_USUAL_SPEED, in addition to those of coefficients that no motion
-    confirmed, at a usual speed and load.
+    The errors are ERRORS_AT_USUAL_SPEED and, at a usual speed and load, those of coefficients that
+    no motion confirmed.
     """
     coulomb, constant = breakaway_torque(fit), torque_constants(fit)
     load = USUAL_LOAD * coulomb  # Nm
@@ -122,7 +122,7 @@ def usual_model(fit: CurrentFit, cutoff: float) -> ResidualModel:
 
 
 def usual_residuals(fit: CurrentFit, cutoff: float) -> Residuals:
-    """Return the residual model without contact-free recordings; arguments as above."""
+    """Return the residual model without contact-free recordings; cutoff: of the torques [Hz]."""
     model = usual_model(fit, cutoff).of_few_paths(MIN_PATHS)
     return Residuals(tau_ext=replace(model, usual=True))
 
@@ -130,7 +130,7 @@ def usual_residuals(fit: CurrentFit, cutoff: float) -> Residuals:
 def _remarks(
     paths: int, recordings: Sequence[tuple[Currents, Motion]], cutoff: float
 ) -> Iterator[Remark]:
-    """Say what so few paths, and so little rest, do not show."""
+    """Yield remarks where few paths or little rest leave errors undetermined."""
     if paths == 1:
         text = (
             "all fit recordings follow one path, which does not show how the torque varies between "
@@ -150,7 +150,7 @@ def _remarks(
 
 
 def _residual_model(runs: Sequence[ForceInput], friction: Friction, cutoff: float) -> ResidualModel:
-    """Return what the runs show; other arms' errors replace those of missing paths."""
+    """Return the residual model of the runs; other arms' errors replace missing paths."""
     stretches = [
         TorqueStretch(one.torque[rows], one.states[rows], one.period)
         for one in runs

@@ -1,5 +1,5 @@
-"""The link models that torques show: the controller's torques show rotors, then rigid bodies; the
-joints' own show those of an arm with unknown links.
+"""Link models by torques: rotors and then rigid bodies by the controller's torques; of an arm with
+unknown links, by the joints' measured torques.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -40,7 +40,7 @@ MEASURED_DESCRIPTION = "identified from measured torques, physically consistent"
 
 
 class IdentifiedModel(NamedTuple):
-    """An arm with its fitted models, as YAML and URDF, and how these were found."""
+    """An arm with its fitted models, as YAML and URDF, and the results of the fits."""
 
     arm: str
     urdf: str
@@ -56,11 +56,11 @@ def identify_model(
     lowpass: Butterworth,
     currents: Butterworth,
 ) -> IdentifiedModel:
-    """Return the arm with rotors fitted to the controller's torques, and with the rigid bodies that
-    these show; an arm with unknown links has those that the measured torques of its joints show.
+    """Return the arm with rotors and rigid bodies fitted to the controller's torques.
 
-    signals, motion, gravities: of the arm's `fit` recordings; lowpass: of the controller's torques;
-    currents: of currents, and of the torques in their place.
+    For an arm with unknown links, they are fitted to its joints' measured torques. signals, motion,
+    gravities: of the arm's `fit` recordings; lowpass: of the controller's torques; currents:
+    low-pass of currents or measured torques.
     """
     if arm.links == "unknown":
         return with_unknown_links(arm, signals, motion, gravities, Smoother(*currents))
@@ -90,9 +90,9 @@ def with_unknown_links(
     gravities: Mapping[str, list[float] | None],
     smooth: Smoother,
 ) -> IdentifiedModel:
-    """Return the arm with the links, gears and counterbalances that its joints' torques show.
+    """Return the arm with links, rotors and counterbalances fitted to its joints' torques.
 
-    Where they show none, its links remain unknown.
+    If these determine none, its links remain unknown.
     """
     runs = [
         run
@@ -114,9 +114,9 @@ def with_unknown_links(
 def measured_runs(
     robot: Robot, name: str, signals: Signals, motion: Motion
 ) -> Iterator[MeasuredRun]:
-    """Yield a recording with measured torques, less that of the payload set in the controller.
+    """Yield a recording with measured torques, minus that of the payload set in the controller.
 
-    robot: under the recording's gravity; of currents, its torque constants give the torques.
+    robot: under the recording's gravity; currents become torques by its torque constants.
     """
     model, states = LinkModel(robot, robot.chosen_model), (motion.q, motion.motor_qd, motion.qdd)
     loaded = LinkModel(robot.carrying(configured_payload(signals)), robot.chosen_model)
@@ -129,7 +129,7 @@ def measured_runs(
 
 
 def with_fitted(arm: Robot, fitted: FittedArm) -> Robot:
-    """Return the arm with fitted links in place of its placeholders, and what else was found."""
+    """Return the arm with fitted links in place of placeholders, and with the balanced joints."""
     model = identified_model(arm, fitted.parameters, MEASURED_DESCRIPTION)
     return arm.model_copy(
         update={
@@ -153,10 +153,10 @@ def commanded(robot: Robot, signals: Signals, motion: Motion) -> CommandedRun:
 def with_identified(
     robot: Robot, gravities: Sequence[list[float] | None], blocks: list[Block]
 ) -> tuple[Robot, Identification]:
-    """Return the arm with the model "identified" from some blocks, and how it was found.
+    """Return the arm with the model "identified" fitted to some blocks, and the identification.
 
-    gravities: of the recordings, which decide what their torques determine.
-    Raises RefusalError where there are too few blocks, or none that bodies could explain.
+    gravities: of the recordings, which decide what their torques determine. Raises RefusalError
+    where there are too few blocks, or no bodies explain them.
     """
     data = stack(blocks)
     models = models_under(robot, gravities)
@@ -168,6 +168,6 @@ def with_identified(
 
 
 def models_under(robot: Robot, gravities: Sequence[list[float] | None]) -> list[LinkModel]:
-    """Return an arm under each of several gravities, once each."""
+    """Return the chosen link model of an arm under each distinct gravity."""
     unique = [gravity for k, gravity in enumerate(gravities) if gravity not in gravities[:k]]
     return [LinkModel(robot.mounted(gravity), robot.chosen_model) for gravity in unique]

@@ -1,5 +1,4 @@
-"""Contacts by each estimate, compared with the sensor; which of them are loads, or off the
-flange."""
+"""Contacts by each estimate, compared with the sensor; loads, and contacts off the flange."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -53,8 +52,8 @@ def judge_contacts(
 ) -> Contacts:
     """Return the contacts by each estimate that has a threshold, compared with the sensor.
 
-    Those by the leading one say whether they are at the flange, too. arm: as fitted. The role of
-    the recording says whether anything touches the arm.
+    For the leading estimate, also whether they are at the flange. arm: as fitted. The role of the
+    recording decides whether anything touches the arm.
     """
     premises, kinematics, motion = recording.premises, recording.kinematics, recording.motion
     forces, sensor = recording.forces, recording.sensor
@@ -91,8 +90,9 @@ def judge_contacts(
 def force_change(
     problem: Problem, kinematics: Kinematics, prior: ContactPrior, place: ContactPlace, own: Alarms
 ) -> float | None:
-    """Return by how much [N] the force in alarms changes on average where contacts are assumed
-    PLACE_ERROR farther; None without an alarm.
+    """Return the mean change [N] of the force in alarms if contacts are PLACE_ERROR farther away.
+
+    None without an alarm.
     """
     inside = inside_spans(own.raised, len(own.evidence))
     if not inside.any():
@@ -123,7 +123,7 @@ def place_row(
 def errors_with_fates(
     errors: Iterable[ContactError], alarms: Mapping[str, Sequence[Alarm]]
 ) -> Iterator[ContactError]:
-    """Yield the errors of contacts by estimate, with fates of those that raise alarms."""
+    """Yield the errors of contacts by estimate, with fates for estimates that raise alarms."""
     for name, rows in groupby(errors, key=attrgetter("estimate")):
         own = [*rows]
         yield from with_fates(own, alarms[name]) if name in alarms else own

@@ -34,7 +34,7 @@ def judge_recording(
 ) -> Judgement:
     """Return a recording's findings, and its rows of tables.
 
-    recording: with the motion of the one that it follows, if any; cutoff_hz: of the currents'
+    recording: with the motion of the recording that it follows, if any; cutoff_hz: of the currents'
     low-pass [Hz].
     """
     quality, signals, motion = recording.quality, recording.signals, recording.motion
@@ -61,9 +61,10 @@ def judge_recording(
 
 
 def _account(quality: Quality, changes: Mapping[str, Array]) -> Iterator[AccountRow]:
-    """Yield what import stated, and which recording this follows, unless import has stated that.
+    """Yield the account of import, and the recording that this one follows, unless import states
+    it.
 
-    changes: (n,) [rad], of the posture since the recordings before, by name.
+    changes: (n,) [rad], of the posture since each earlier recording, by name.
     """
     yield from quality.account
     if "after" not in [row.subject for row in quality.account]:
@@ -71,7 +72,7 @@ def _account(quality: Quality, changes: Mapping[str, Array]) -> Iterator[Account
 
 
 def _unusual(share: float) -> Finding:
-    """Return the warning of a recording with a share of the usual friction."""
+    """Return the warning for a recording that shows a share of the usual friction."""
     detail = (
         f"the currents show {share:.0%} of the friction that such a motion usually has, as where a "
         "hand leads the arm; since nothing was fitted, its contact force cannot be told from that, "
@@ -81,8 +82,10 @@ def _unusual(share: float) -> Finding:
 
 
 def torque_errors(signals: Signals, torques: Torques) -> Iterator[TorqueError]:
-    """Yield the MAE of torques by motion and link model against `target_moment`, below 2 Hz, too,
-    and that of zero torque; interpolated frames are left out.
+    """Yield the MAE of torques against `target_moment`, by motion and link model, whole and below 2
+    Hz.
+
+    With the MAE of zero torque; interpolated frames are left out.
     """
     if signals.target_moment is None or is_led(signals):
         return

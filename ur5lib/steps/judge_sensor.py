@@ -34,8 +34,8 @@ from ur5lib.robots.description import Robot, Vector3
 from ur5lib.signals.resampling import by_stamps
 from ur5lib.timeseries.arrays import Array, Mask
 
-JUDGED = ("contact", "missed")  # these periods judge a force
-SATURATED_SHARE = 0.999  # a channel from this share of its largest value on counts as saturated
+JUDGED = ("contact", "missed")  # periods by which a force is judged
+SATURATED_SHARE = 0.999  # from this share of its largest value on, a channel counts as saturated
 
 
 class JudgedSensor(NamedTuple):
@@ -57,7 +57,8 @@ def judge_sensor(
     """Return the force sensor's wrench, and every estimate of a recording compared with it.
 
     arm: as fitted; bias_window_s: at the start, free of contact; mounting: place [m] and turn [°]
-    of the sensor as the study states them. Errors are of no use where a fit has used the recording.
+    of the sensor as the study states them. Errors are not used for judgement if a fit has used the
+    recording.
     """
     signals, rotation = recording.signals, recording.kinematics.rotation
     if signals.force_sensor is None:
@@ -88,7 +89,7 @@ def sensors_reading(
     signals = recording.signals
     moved = moved_tool(robot, recording.kinematics, recording.motion)
     if (start := recording.quality.starts.get("force")) is None:
-        whole = signals.ft_raw_wrench is not None  # else, the controller takes its tool off
+        whole = signals.ft_raw_wrench is not None  # otherwise, the controller subtracts its tool
         tool = recording.premises.load.payload if whole else None
         return sensor_reading(robot, signals, moved, bias_window_s, tool)
     clock_std = recording.alignment.clocks["force"].end_std
@@ -98,9 +99,10 @@ def sensors_reading(
 
 
 def saturated(reading: Array, force: pd.DataFrame, channels: Sequence[str]) -> Mask:
-    """Return where (N,) a reading (N, 6) is at the largest value of any of the sensor's channels.
+    """Return the mask (N,) of samples at the largest value of any of the sensor's channels.
 
-    force: its samples; channels: of these, that stay there, so that larger forces are not recorded.
+    reading: (N, 6); force: the sensor's samples; channels: those that stay at their largest value,
+    so that larger forces are not recorded.
     """
     at_limit = np.zeros(len(reading), bool)
     for name in channels:
@@ -135,10 +137,10 @@ def compared_estimates(
     further: FurtherForces,
     forces: Forces,
 ) -> dict[str, dict[str, Stated]]:
-    """Return the estimates that each kind of reference is compared with.
+    """Return the estimates to compare with each kind of reference.
 
-    With a sensor in the arm's wrist, the controller's own force F^u is this sensor's reading; only
-    its raw reading, or another sensor with a clock of its own, is compared with it.
+    With a sensor in the arm's wrist, the controller's own force F^u is that sensor's reading: it is
+    compared only with the raw reading, or with another sensor that has its own clock.
     """
     other = signals.ft_raw_wrench is not None or reading.own_clock
     itself = set() if other or not robot.wrist_sensor else {"Fu"}
@@ -158,12 +160,11 @@ def beside_sensor(
     rotation: Array,
     at_limit: Mask,
 ) -> Compared:
-    """Return the offsets taken off the reading, doubts about them and the mounting, what the sensor
-    felt, and the errors against it.
+    """Return offsets of the reading, doubts about them and the mounting, contacts, and errors.
 
-    What is in contact and what is free follows from the sensor less bias and tool weight. With a
-    sensor without moments, forces alone are compared, and nothing where it is saturated, at_limit:
-    (N,). compared: of `compared_estimates`.
+    Contacts and free samples follow from the sensor minus bias and tool weight. With a sensor
+    without moments, forces alone are compared; samples where it is saturated, at_limit: (N,), are
+    not. compared: by `compared_estimates`.
     """
     best = sensor.wrench["compensated"]
     force = np.linalg.norm(best[:, :3], axis=1)
@@ -204,7 +205,7 @@ def beside_sensor(
 
 
 def with_bias(sensed: Sensed | None, account: OffsetAccount) -> Sensed | None:
-    """Return what a sensor reads with its bias and drift without contact."""
+    """Return a sensor's contacts with its bias and drift added."""
     if sensed is None:
         return None
     known: dict[str, Any] = {
@@ -216,8 +217,9 @@ def with_bias(sensed: Sensed | None, account: OffsetAccount) -> Sensed | None:
 
 
 def used(row: ForceError, role: str, is_doubted: bool) -> ForceError:
-    """Return an error with whether it may be relied on, if it is of a force in contact, and why
-    not, or with which doubt; is_doubted: whether the sensor's bias is uncertain.
+    """Return an error of a force in contact with `use` and `reason` set; others unchanged.
+
+    is_doubted: whether the sensor's bias is uncertain.
     """
     if row.kind != "compensated" or row.during not in JUDGED or row.component not in WRENCH[:3]:
         return row

@@ -1,4 +1,4 @@
-"""Judge a study by its tables: what may be used, by which number, and why not better."""
+"""Judge a study by its tables: what may be used, which number decides, and why it is not better."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
@@ -44,7 +44,7 @@ OF_ARM = (
 
 
 class Judged(NamedTuple):
-    """The verdicts on a study, and the tables that they rest on."""
+    """The verdicts on a study, and the tables that they are based on."""
 
     verdicts: list[Verdict]
     uses: list[RecordingUse]
@@ -70,7 +70,7 @@ def judge_study(
 
 
 def judged(study: StudyTables) -> Judged:
-    """Return the verdicts on a study, those of topics left out."""
+    """Return the verdicts on a study, without those of topics."""
     own = {robot: study.of_arm(robot) for robot in study.robots()}
     rows = [row for judge in OF_STUDY for row in judge(study)]
     for judge in OF_ARM:
@@ -91,9 +91,7 @@ def judged(study: StudyTables) -> Judged:
 
 
 def with_study(rows: Iterable[Verdict]) -> Iterator[Verdict]:
-    """Yield verdicts on arms and, of several arms, the verdict on the study: the severest, good
-    only if all are.
-    """
+    """Yield verdicts on arms and, of several arms, the verdict on the study: the most severe."""
     known = [*rows]
     yield from known
     for question in dict.fromkeys(row.question for row in known):

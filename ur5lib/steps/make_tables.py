@@ -77,13 +77,13 @@ OF_ARMS = {
     "cross_validation": CrossValidation,
 }
 
-OF_MOTION = {  # another step makes them of recordings; they are empty where all are at rest
+OF_MOTION = {  # another step makes these; they are empty if all recordings are at rest
     "acceleration_mae": AccelerationError,
     "innovations": Innovation,
 }
 CALIBRATED = {"mounting": "rad", "tilt": "rad", "gyroscope_bias": "rad/s", "place": "m"}
 
-Rows = Mapping[str, Iterable[object]]  # of a table, by recording or arm
+Rows = Mapping[str, Iterable[object]]  # rows of a table, by recording or arm
 
 
 def make_tables(
@@ -99,10 +99,10 @@ def make_tables(
     """Return each table by its name.
 
     judgements: of all recordings; recordings: those in motion; calibration: of each arm's IMU;
-    parts: CSV files that steps write for each recording or arm, in the folder of its name: together
-    they are the table of their name; unreadable: the recordings without a judgement, each with the
-    reason; roles: of all, by which a copy of another recording is left out, and which say where
-    nothing touches the arm.
+    parts: CSV files of each recording or arm, in folders of their names, which are joined to one
+    table for each file name; unreadable: recordings without a judgement, each with the reason;
+    roles: of all, which decide which copy of a recording is left out, and where nothing touches the
+    arm.
     """
     roles, judged, moved = roles or {}, dict(judgements), dict(recordings)
     compared = {name: recording.compared for name, recording in moved.items()}
@@ -144,8 +144,7 @@ def rows_of_recordings(
     contacts: Mapping[str, Contacts],
     imu: Mapping[str, ImuComparison],
 ) -> dict[str, Rows]:
-    """Return the rows that recordings have, by themselves and compared with their sensors, by
-    table."""
+    """Return the rows of recordings by table: by themselves, and compared with their sensors."""
     return {
         **{
             field.name: {name: getattr(one, field.name) for name, one in judged.items()}
@@ -170,7 +169,7 @@ def found_of_recordings(
     unreadable: Mapping[str, str],
     roles: Mapping[str, str],
 ) -> Rows:
-    """Return the rows of all findings; of recordings that cannot be read, a stop sign."""
+    """Return the rows of all findings; a recording that cannot be read has a stop sign."""
     found = {name: one.findings for name, one in judged.items()}
     found |= {
         name: beside_sensor_findings(found[name], one, roles.get(name, ""))
@@ -182,9 +181,9 @@ def found_of_recordings(
 
 
 def beside_sensor_findings(own: list[Finding], compared: Compared, role: str) -> list[Finding]:
-    """Return the findings of a recording, with those against its force sensor.
+    """Return the findings of a recording, with those by its force sensor.
 
-    own: by its files; their warning of a contact in the raw readings says less than the error.
+    own: by its files; an error of the sensor replaces their warning of contact in raw readings.
     """
     if (touch := touched(compared.sensed, role)) is not None:
         raw = ("force", CONTACT)
@@ -195,7 +194,7 @@ def beside_sensor_findings(own: list[Finding], compared: Compared, role: str) ->
 def without_copies(
     tables: Mapping[str, pd.DataFrame], roles: Mapping[str, str]
 ) -> dict[str, pd.DataFrame]:
-    """Return the tables of recordings; of copies of another recording, the findings alone."""
+    """Return the tables without copies of other recordings, except for their findings."""
     quality = tables["quality"]
     copies = files.spare_copies(quality, roles)
     kept = {
@@ -206,7 +205,7 @@ def without_copies(
 
 
 def calibrated(calibration: Mapping[str, ImuCalibration]) -> Iterator[CalibratedQuantity]:
-    """Yield the calibration of an arm's IMU from all `fit` recordings, nothing without one."""
+    """Yield the calibration of an arm's IMU from all `fit` recordings; nothing if there is none."""
     if (fit := calibration.get("all")) is None:
         return
     for quantity, unit in CALIBRATED.items():
@@ -225,7 +224,7 @@ def calibrated(calibration: Mapping[str, ImuCalibration]) -> Iterator[Calibrated
 
 
 def rotor_rows(rotors: Rotors) -> Iterator[RotorRow]:
-    """Yield rotor inertias, and further fitted terms that should be zero."""
+    """Yield rotor inertias, with the further fitted terms, which should be zero."""
     if rotors.value is None or rotors.std_error is None:
         return
     pairs = zip(_by_joint(rotors.value), _by_joint(rotors.std_error), strict=True)
@@ -242,7 +241,7 @@ def _by_joint(terms: Terms) -> Iterator[dict[str, float]]:
 
 
 def excited(identification: Identification) -> Iterator[ExcitationRow]:
-    """Yield the excitation of an arm's parameters by the recordings, and advice."""
+    """Yield how the recordings excite an arm's parameters, with advice."""
     if (found := identification.excitation) is not None:
         yield ExcitationRow(
             combinations=found.combinations,
@@ -266,7 +265,7 @@ def cross_validated(friction: Friction) -> Iterator[CrossValidation]:
 def remarks(
     identification: Identification, friction: Friction, residuals: Residuals
 ) -> Iterator[RemarkRow]:
-    """Yield remarks of the fits to an arm by joint, and reasons of fits that failed."""
+    """Yield remarks on the fits of an arm by joint, and reasons of failed fits."""
     fits = {"identification": identification, "friction": friction, "contact forces": residuals}
     for step, fitted in fits.items():
         refused = filter(None, [getattr(fitted, "refused", None)])
@@ -287,9 +286,9 @@ def _remark(step: str, remark: Remark, joint: int | None = None) -> RemarkRow:
 
 
 def joined(parts: Iterable[Path]) -> dict[str, pd.DataFrame]:
-    """Return the tables that steps have written for each recording or arm, by name; cells as text.
+    """Return tables that steps wrote for each recording or arm, joined by name; cells as text.
 
-    Those of a recording lie in a folder of `recordings`.
+    Files of a recording lie in a folder of `recordings`.
     """
     by_name: dict[tuple[str, str], dict[str, pd.DataFrame]] = {}
     for part in parts:

@@ -46,12 +46,10 @@ def measure_pushes(
     arm: Robot,
     contact_force_n: float | None,
 ) -> DetectedPushes:
-    """Return which pushes are detected, nothing where no push can be tried.
+    """Return the pushes that are detected; empty where no push can be tried.
 
-    An arm fitted to a single path has none by direction and force.
-
-    recordings: without contact; contact_force_n: [N], of a typical contact, None: by the arm's
-    payload.
+    An arm fitted to a single path has none by direction and force. recordings: without contact;
+    contact_force_n: [N], of a typical contact, None: by the arm's payload.
     """
     trials, places = dict[str, Trials](), list[Place]()
     least = MIN_TRIALS // max(1, len(recordings))
@@ -81,7 +79,7 @@ def measure_pushes(
 def untouched(
     problem: Problem, kinematics: Kinematics, place: ContactPlace, raised: list[Span]
 ) -> Untouched:
-    """Return a contact-free recording, pushed where contacts are assumed; raised: its alarms."""
+    """Return a contact-free recording for trials at the place of contacts; raised: its alarms."""
     one = problem.input
     jacobian, speed = where_pushed(problem, kinematics, place)
     hiding = TorqueVariances.of(one.states, problem.model, one.load_std()).hiding()
@@ -91,8 +89,8 @@ def untouched(
 def trials_on(
     problem: Problem, run: Untouched, prior: ContactPrior, threshold: float, least: int
 ) -> Trials:
-    """Return trial pushes on a contact-free recording; least: their number, if there is a time for
-    any.
+    """Return trial pushes on a contact-free recording; least: number of pushes to reach, if any
+    fits.
     """
     used = run.jacobian[problem.rows]
 

@@ -1,4 +1,4 @@
-"""What repetition alone leaves of the errors of an arm."""
+"""The errors of an arm that do not repeat between runs of one path."""
 
 from collections.abc import Mapping
 
@@ -30,7 +30,7 @@ def measure_repetition(
     arm: Robot,
     contact_force_n: float | None,
 ) -> list[Repeated]:
-    """Return what repetition alone leaves of an arm's errors; empty where no path was repeated.
+    """Return the errors of an arm that do not repeat; empty where no path was repeated.
 
     recordings: without contact, of which copies do not count; contact_force_n: [N], of a typical
     contact, None: by the arm's payload.
@@ -50,8 +50,8 @@ def measure_repetition(
 
 
 def torque_error(recording: PredictedRecording, model: str) -> Array | None:
-    """Return by how much a link model's torque (N, n) [Nm] misses the controller's, below 2 Hz."""
-    # anew, so that memory has none of them while forces are computed
+    """Return a link model's torque minus the controller's (N, n) [Nm], below 2 Hz, if recorded."""
+    # read again, so that they are not in memory while forces are computed
     signals, torques = recording.signals.anew(), recording.torques.anew()
     if signals.target_moment is None:
         return None
@@ -60,7 +60,7 @@ def torque_error(recording: PredictedRecording, model: str) -> Array | None:
 
 
 def current_error(currents: Currents, fit: CurrentFit) -> Array | None:
-    """Return by how much the predicted current (N, n) [A] misses the measured one."""
+    """Return the predicted minus the measured current (N, n) [A], None if not predicted."""
     torque = currents.external_torque
     return None if torque is None else torque / torque_constants(fit)
 
@@ -68,7 +68,7 @@ def current_error(currents: Currents, fit: CurrentFit) -> Array | None:
 def force_error(
     recording: PredictedRecording, residuals: Residuals, prior: ContactPrior
 ) -> Array | None:
-    """Return the force (N, 3) [N] for which the error of the currents would pass in a contact."""
+    """Return the force (N, 3) [N] that the error of the currents looks like; None without F̂ᵐᵃᵖ."""
     problem = fmap_problem(recording.motion, recording.currents, residuals)
     if problem is None:
         return None

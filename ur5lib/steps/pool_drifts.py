@@ -9,8 +9,8 @@ from ur5lib.signals import clock
 def pool_drifts(
     clocks: Mapping[str, dict[str, OwnClock]], hosts: dict[str, list[str]]
 ) -> dict[str, HostDrift]:
-    """Return the drifts by device; hosts: the devices that share a clock.
+    """Return the drift of each host by its name; hosts: their devices, which share a clock.
 
-    clocks: of the devices of an arm's contact-free recordings.
+    clocks: of the devices in an arm's contact-free recordings.
     """
     return clock.pool_drifts(dict(clocks), hosts)

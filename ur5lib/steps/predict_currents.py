@@ -1,4 +1,4 @@
-"""The current that motion without contact needs, and the external torque beyond it."""
+"""The predicted current of motion without contact, and the external torque."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
@@ -40,7 +40,7 @@ from ur5lib.timeseries.metrics import NORMAL95
 
 
 class PredictedCurrents(NamedTuple):
-    """Predicted currents and external torques of a recording, and how good they are."""
+    """Predicted currents and external torques of a recording, and their scores."""
 
     currents: Currents
     summary: Prediction
@@ -54,10 +54,11 @@ def predict_currents(
     arm: Robot,
     lowpass: Butterworth,
 ) -> PredictedCurrents:
-    """Return the current that motion without contact needs, and the torque left for a contact.
+    """Return the predicted current of motion without contact, and the external torque.
 
-    Both are empty without currents or a fit, where the recording contradicts the study or is slower
-    than the fit. payload, unloaded: loads of the recording and of the arm's `fit` recordings.
+    Both are empty without currents or a fit, and where the recording contradicts the study or is
+    slower than the fit. payload, unloaded: loads of the recording and of the arm's `fit`
+    recordings.
     """
     signals, motion, premises = recording.signals, recording.motion, recording.premises
     summary = Prediction(recording.name in friction.from_)
@@ -102,8 +103,8 @@ def predicted_currents(
 ) -> Currents:
     """Return prediction, band, external torque and friction of a recording.
 
-    record: with `load_torque` in its torque, (N, 6) [Nm], of a load that was estimated; effort:
-    that is predicted.
+    record: its torque includes `load_torque` (N, n) [Nm], that of an estimated load; effort:
+    predicted quantity.
     """
     predicted, constant = predict(fit, record), torque_constants(fit)
     external = external_torque(constant, record.current, predicted)
@@ -126,9 +127,10 @@ def predicted_currents(
 def with_load(
     record: CurrentSamples, load_torque: Array, fit: CurrentFit, smooth: Smoother
 ) -> tuple[CurrentSamples, Array]:
-    """Return the record with a load's torque (N, 6) [Nm] in it, and that torque as motors feel it.
+    """Return the record with a load's torque (N, n) [Nm] added, and that torque scaled to the
+    motors.
 
-    The same recording shows by which factor each motor feels a load.
+    The recording itself shows the factor of each motor.
     """
     if load_torque.any():
         loaded = replace(record, torque=record.torque + load_torque)
@@ -142,9 +144,7 @@ def with_load(
 def baselines(
     record: CurrentSamples, robot: Robot, least_squares: Array, signals: Signals
 ) -> Iterator[tuple[str, Array]]:
-    """Yield currents (N, 6) [A] by Coulomb and viscous least squares, by published constants, and
-    as the controller expected them.
-    """
+    """Yield baseline currents (N, n) [A]: least squares, published constants, the controller's."""
     if len(least_squares):
         yield "least_squares", baseline_current(record, least_squares)
     constants, friction = robot.current_to_torque, robot.friction
@@ -170,7 +170,7 @@ def scores(
     others: Iterable[tuple[str, Array]],
     smooth: Smoother,
 ) -> dict[str, Scores]:
-    """Return how well each current is predicted; a band is stated for ours alone."""
+    """Return the score of each prediction; a band is stated for ours alone."""
     assert currents.predicted is not None
     assert currents.band is not None
     half = currents.band

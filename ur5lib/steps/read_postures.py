@@ -1,4 +1,4 @@
-"""A recording of postures at rest: what it shows of gravity, and what contradicts the study."""
+"""A recording of postures at rest: what gravity shows, and contradictions with the study."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -45,9 +45,10 @@ def read_postures(
     tcp: Six | None = None,
     accepted: dict[str, str] | None = None,
 ) -> ReadPostures:
-    """Return postures at rest of a recording without time; arguments as of `read_recording`,
-    gravity [m/s²], payload and tool centre point as the study declares them, and its reasons to
-    overrule stop signs, by kind; raises as that.
+    """Return postures at rest of a recording without time; arguments as of `read_recording`.
+
+    gravity [m/s²], payload, tcp: as the study declares them; accepted: its reasons to overrule stop
+    signs, by kind. Raises UnreadableError where the files cannot be used.
     """
     try:
         postures, quality = checked_postures(
@@ -75,8 +76,7 @@ def checked_postures(
     """Read and check a recording of postures.
 
     arm: under the recording's gravity; declared, tcp: of the study, None where it declares none;
-    accepted: its reasons to overrule stop signs, by kind.
-    Raises InputError when it cannot be used.
+    accepted: its reasons to overrule stop signs, by kind. Raises InputError when it cannot be used.
     """
     table, quality = posture_files.read_postures(recording, arm)
     counted = table.assign(time=np.arange(len(table)), segment=0, interpolated=False)

@@ -24,9 +24,9 @@ NO_SAMPLES = pd.DataFrame({"time": pd.Series(dtype=float)})
 
 
 class ReadRecording(NamedTuple):
-    """A recording as read: each device on its own clock, and its clock relative to the robot's.
+    """A recording as read, each device on its own clock.
 
-    clocks: by device, from its start stamp and its motion.
+    clocks: of the devices relative to the robot's, by start stamps and motion.
     """
 
     robot: pd.DataFrame
@@ -40,7 +40,7 @@ class ReadRecording(NamedTuple):
 def read_recording(
     recording: Entry, raw: list[Path], arm: Robot, max_gap_s: float
 ) -> ReadRecording:
-    """Return a recording's frames, repaired, with what is wrong with them.
+    """Return a recording's repaired frames, devices, poses, clocks and quality.
 
     recording: its entry in the study; raw: its files. Raises UnreadableError where they cannot be
     used.

@@ -1,5 +1,6 @@
-"""Thresholds of each estimate, with few alarms in contact-free recordings: on its odds of contact,
-or, of the controller's and the thesis's estimates, on the size of the force [N].
+"""The threshold of each estimate at which contact-free recordings raise few alarms.
+
+It is on the log-odds of contact or, for the controller's and the thesis's estimates, on |F| [N].
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -14,7 +15,7 @@ from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
-Evidence = list[tuple[Mapping[str, Array], float]]  # by estimate, of a recording, and period
+Evidence = list[tuple[Mapping[str, Array], float]]  # by estimate, and period [s]; by recording
 
 
 def set_threshold(
@@ -26,8 +27,8 @@ def set_threshold(
 ) -> dict[str, float]:
     """Return the threshold by estimate.
 
-    forces, signals, further: of the arm's `fit` recordings; without published estimates, that of
-    the controller replaces them.
+    forces, signals, further: of the arm's `fit` recordings; without `further`, the controller's
+    estimate is used.
     """
     odds: Evidence = [(dict(one.log_odds), one.period) for one in forces.values()]
     rate = false_alarms_per_min
@@ -45,7 +46,7 @@ def set_threshold(
 
 
 def force_sizes(wrenches: Mapping[str, Array]) -> dict[str, Array]:
-    """Return the magnitude (N,) [N] of the force of each of some wrenches (N, 6)."""
+    """Return the magnitudes (N,) [N] of the forces of wrenches (N, 6), by name."""
     return {name: np.linalg.norm(own[:, :3], axis=1) for name, own in wrenches.items()}
 
 
@@ -55,7 +56,7 @@ def thresholds(
     of: Callable[[list[Array], list[float], float], float],
     rate: float,
 ) -> dict[str, float]:
-    """Return the threshold of each estimate that a recording has; rate: alarms a minute."""
+    """Return the threshold of each estimate that any recording has; rate: alarms a minute."""
     result = {}
     for name in sorted(names):
         known = [(one[name], period) for one, period in evidence if name in one]

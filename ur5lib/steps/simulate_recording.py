@@ -1,4 +1,4 @@
-"""A recording of the virtual test stand: raw files for the workflow, the truth for its end."""
+"""A recording of the virtual test stand: raw files for the workflow, and the truth about it."""
 
 from pathlib import Path
 
@@ -18,7 +18,7 @@ def simulate_recording(
 ) -> None:
     """Write the files of a simulated recording.
 
-    folder: of its device files; truth: path of its truth, without suffix; way_points: the file that
-    its plan names.
+    folder: of its device files; truth: path of its truth, without suffix; way_points: file named in
+    its plan.
     """
     simulate(arm.mounted(gravity), plan, format, Path(folder), Path(truth))

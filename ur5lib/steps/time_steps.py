@@ -1,4 +1,4 @@
-"""How long each step took: wall and processor time of all its jobs, and start-up in the latter."""
+"""The duration of each step: wall and processor time of all its jobs, including start-up."""
 
 import os
 from datetime import UTC, datetime
@@ -24,7 +24,7 @@ def time_steps(benchmarks: list[Path]) -> pd.DataFrame:
 
 
 def job(benchmark: Path) -> tuple[str, float, float, float, float, float]:
-    """Return one job: its step, its SUMMED_COLUMNS, largest memory [MB] and when it ended [s]."""
+    """Return a job's step, SUMMED_COLUMNS, largest memory [MB] and end [s since 1970]."""
     with open(benchmark) as file:
         names, values = (line.split("\t") for line in file.read().splitlines())
         end = os.fstat(file.fileno()).st_mtime

@@ -14,8 +14,10 @@ from ur5lib.robots.description import Robot
 
 
 class Report(NamedTuple):
-    """The report of a study, what it leaves to another page, the study as YAML, the report's
-    summary with the schema of this, and all tables as one archive.
+    """The report of a study and what accompanies it.
+
+    html, pdf: the report; details: its supplement; study: configuration as YAML; results, schema:
+    summary and its schema; archive: all tables.
     """
 
     html: str
@@ -47,7 +49,7 @@ def write_report(
 
 
 def archived(files: list[Path]) -> bytes:
-    """Return files as one archive, which is the same as long as they are."""
+    """Return files as one archive, which has the same bytes as long as the files have."""
     content = BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
         for file in files:

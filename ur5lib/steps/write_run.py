@@ -1,4 +1,4 @@
-"""The page of one recording: what the report shows of a few, as HTML."""
+"""The page of one recording as HTML, with the figures that the report has of a few recordings."""
 
 from dataclasses import replace
 from pathlib import Path

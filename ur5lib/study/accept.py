@@ -1,4 +1,4 @@
-"""What a study says against stop signs: a reason for each kind that it overrules."""
+"""The reasons for which a study overrules stop signs, one for each kind."""
 
 from typing import Annotated, Any
 
@@ -42,12 +42,12 @@ class Accept(Strict):
     @field_validator("*", mode="before")
     @classmethod
     def _is_stated(cls, reason: Any) -> Any:
-        """Raise ValueError for a kind without a reason."""
+        """Raise ValueError if a kind has no reason."""
         return _stated("") if reason is None else reason
 
 
 def joined(general: Accept | None, own: Accept | None) -> Accept | None:
-    """Return the reasons of a study and of its recording, with its own ones first."""
+    """Return the reasons of a study and of its recording; the recording's take precedence."""
     if general is None or own is None:
         return general or own
     return general.model_copy(update=own.model_dump(exclude_none=True))

@@ -1,4 +1,4 @@
-"""One address of a study for every command: its name, its YAML file, or its folder of results."""
+"""The address of a study, the same for all commands: its name, YAML file, or folder of results."""
 
 from collections.abc import Iterator
 from os.path import exists, isdir, isfile  # unlike pathlib's, of names that are too long, too
@@ -10,9 +10,9 @@ from ur5lib.errors import InputError, perhaps, unknown
 
 RESULTS_FOLDER = Path("results")
 YAML_SUFFIXES = (".yaml", ".yml")
-# A folder of results has these files.
+# An address of one of these files means its folder of results.
 REPORTS = ("report.html", "report.pdf", "details.html", "results.json")
-# Studies are looked for there in the working folder.
+# Patterns of study files in the working folder.
 STUDIES = ("*.yaml", "config/*.yaml", "workflow/studies/*.yaml")
 NO_STUDY = "this folder has no study; make one by `ur5 new .`, or name a file"
 
@@ -20,8 +20,8 @@ NO_STUDY = "this folder has no study; make one by `ur5 new .`, or name a file"
 def study_file(address: str) -> Path:
     """Return the YAML file of a study.
 
-    Raises InputError where the working folder has none of this name, or several, and for a folder
-    of recordings.
+    Raises InputError for a folder of recordings, and where the working folder has no study of this
+    name, or several.
     """
     path = _without_report(address)
     if path.suffix in YAML_SUFFIXES and not exists(path):
@@ -43,7 +43,7 @@ def study_file(address: str) -> Path:
 
 
 def results_folder(address: str) -> Path:
-    """Return the folder of results of a study, which need not exist.
+    """Return the folder of results of a study, which may not exist yet.
 
     Raises InputError where the working folder has no such study.
     """
@@ -56,19 +56,19 @@ def results_folder(address: str) -> Path:
 
 
 def is_study(address: str) -> bool:
-    """Return whether an address is that of a study, and not of a recording."""
+    """Return whether an address is a study's, not a recording's."""
     path = Path(address)
     return not isfile(path) or path.suffix in YAML_SUFFIXES or path.name in REPORTS
 
 
 def _without_report(address: str) -> Path:
-    """Return an address, of a study's report its folder."""
+    """Return an address, or of a report file its folder."""
     path = Path(address)
     return path.parent if path.name in REPORTS else path
 
 
 def _expect_no_neighbour(path: Path) -> None:
-    """Raise InputError where a YAML file next to a missing one has nearly its name."""
+    """Raise InputError if a YAML file in the folder of a missing one has almost the same name."""
     if isdir(path.parent):
         files = [one.name for one in path.parent.iterdir() if one.suffix in YAML_SUFFIXES]
         if near := perhaps(path.name, files):
@@ -76,13 +76,13 @@ def _expect_no_neighbour(path: Path) -> None:
 
 
 def studies() -> Iterator[tuple[Path, str]]:
-    """Yield the studies of the working folder by their files, with their names."""
+    """Yield the YAML file and the name of each study in the working folder."""
     for pattern in STUDIES:
         for file in sorted(Path().glob(pattern)):
             try:
                 yield file, _name(file)
             except InputError:
-                continue  # another program's
+                continue  # a file of another program
 
 
 def _name(file: Path) -> str:

@@ -27,7 +27,7 @@ TILT_ANGLES = {"floor": 0.0, "wall": 90.0, "ceiling": 180.0}  # degrees
 
 NAME_PATTERN = r"^[A-Za-z0-9_-][A-Za-z0-9_.-]{0,199}$"  # a file's name, with an ending
 NAME_CHARACTERS = "at most 200 letters, digits, `_`, `-`; dots too, except as the first character"
-PERIODIC_NAME = re.compile(r"(.+)\1{19}$")  # Snakemake takes such a name for a circle of rules
+PERIODIC_NAME = re.compile(r"(.+)\1{19}$")  # Snakemake mistakes such a name for a circle of rules
 
 
 def _aperiodic(name: str) -> str:
@@ -77,7 +77,7 @@ class Tilt(Strict):
 
 
 def _type_of(value: Any) -> str:
-    """Return the JSON type of a value, so that errors concern only that type."""
+    """Return the JSON type of a value, so that errors mention only that type."""
     if isinstance(value, str):
         return "string"
     return "array" if isinstance(value, list | tuple) else "object"
@@ -94,9 +94,8 @@ MountingSetting = Annotated[
 def base_gravity(mounting: Any, size: float) -> Vector3:
     """Return gravity in the base frame [m/s²] of a mounted arm; size: its magnitude.
 
-    A tilt θ about the base's x axis turns the base's acceleration against gravity to
-    g [0, sin θ, cos θ], as in URScript's `set_gravity`; a preceding turn φ about z rotates that
-    vector by −φ.
+    A tilt θ about the base's x axis turns the base's acceleration against gravity to g [0, sin θ,
+    cos θ], as in URScript's `set_gravity`; a turn φ about z before it rotates that vector by −φ.
     """
     if isinstance(mounting, tuple):
         return mounting
@@ -153,7 +152,7 @@ class ArmSettings(Strict):
         return self.name or self.arm
 
     def itself(self) -> "ArmSettings":
-        """Return the arm without its mounting and tool, which may differ between recordings."""
+        """Return the arm without mounting and tool, which may differ between its recordings."""
         return self.model_copy(update={"mounting": None, "tool": None})
 
     def description(self) -> Robot:
@@ -162,7 +161,7 @@ class ArmSettings(Strict):
         return individual_robot(path, self.known_as, override, self.calibration)
 
     def gravity(self, mounting: Any) -> Vector3 | None:
-        """Return gravity in the base frame [m/s²] of a mounting; None: as described."""
+        """Return gravity in the base frame [m/s²] under a mounting; None: as described."""
         if mounting is None:
             return None
         return base_gravity(mounting, math.hypot(*load_robot(robot_path(self.arm)).gravity))

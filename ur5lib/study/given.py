@@ -1,5 +1,6 @@
-"""What a study gives each step of the chain in addition to records: the same by rules and in
-memory."""
+"""The settings of a study that each step of the chain receives, the same from rules and in
+memory.
+"""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -7,11 +8,11 @@ from typing import Any
 
 from ur5lib.study.selection import Selection
 
-Given = Callable[[Selection, str], Any]  # of a selection, and the name of a recording or an arm
+Given = Callable[[Selection, str], Any]  # arguments: selection, name of a recording or an arm
 
 
 def given(step: str, selection: Selection, name: str) -> dict[str, Any]:
-    """Return what a step is given as plain data, by the names of its parameters.
+    """Return the settings of a step as plain data, by the names of its parameters.
 
     name: of the recording, or of the arm, that it runs for.
     """
@@ -19,7 +20,7 @@ def given(step: str, selection: Selection, name: str) -> dict[str, Any]:
 
 
 def design(lowpass: Any) -> list[float]:
-    """Return order and cut-off [Hz] of a Butterworth filter of the settings."""
+    """Return order and cut-off [Hz] of a Butterworth filter in the settings."""
     return [lowpass.order, lowpass.cutoff_hz]
 
 

@@ -1,9 +1,9 @@
-"""Snakemake reads a study as `ur5 check` does.
+"""Makes Snakemake read a study as `ur5 check` does.
 
-Its own reader runs code in a file, where the file has the key `__use_yte__`, and no option of
-Snakemake's prevents that: https://github.com/snakemake/snakemake/pull/2269. It reads what
-`--configfile` names before it looks at the Snakefile, but after the profile. Therefore the profiles
-call `read_studies_as_data`, which puts another reader in the place of Snakemake's, here alone.
+Snakemake's own reader runs code in a file with the key `__use_yte__`, which no option prevents:
+https://github.com/snakemake/snakemake/pull/2269. It reads the files of `--configfile` before the
+Snakefile, but after the profile. Therefore the profiles call `read_studies_as_data`, which replaces
+Snakemake's reader, here alone.
 """
 
 from collections.abc import Iterable
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 
 def read_studies_as_data(read_before: Iterable[Path] = ()) -> None:
-    """Let Snakemake read studies by `read_plain`, from now on.
+    """Make Snakemake read studies by `read_plain` from now on.
 
-    The profiles call it before `--configfile` is read, the Snakefile before config.yaml is.
-    read_before: studies that Snakemake has read itself, if no profile has called this.
-    Raises WorkflowError where `read_plain` refuses one of them.
+    The profiles call it before `--configfile` is read, the Snakefile before config.yaml is read.
+    read_before: studies that Snakemake itself has already read, if no profile called this. Raises
+    WorkflowError where `read_plain` refuses one of them.
     """
     if configfile._load_configfile is _data:
         return
@@ -36,7 +36,7 @@ def read_studies_as_data(read_before: Iterable[Path] = ()) -> None:
 def _data(path: str | Path) -> "PlainData":
     """Return a study as plain data. Raises WorkflowError."""
     try:
-        # loads extensions, in which there may be errors
+        # loads extensions, which may have errors
         from ur5lib.study.reading import read_plain
 
         return read_plain(Path(path))

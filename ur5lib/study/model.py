@@ -31,7 +31,7 @@ from ur5lib.study.arms import ArmSettings, MountingSetting, Name, NamedArm, Tool
 from ur5lib.study.devices import LabSettings
 
 ORDER_TEXT = "order of the Butterworth filter, which runs forwards and backwards"
-PREVIOUS = "previous"  # each of a pattern's files follows the one before
+PREVIOUS = "previous"  # `after`: each file of a pattern follows the previous one
 CUTOFF_TEXT = (
     "frequency at which a signal loses half its amplitude (-6 dB); a recording of at most twice "
     "this rate is not filtered"
@@ -131,7 +131,7 @@ class Part(Strict):
 
     @cached_property
     def arm(self) -> ArmSettings:
-        """Return the arm, also where the entry has its name alone."""
+        """Return the arm as settings, even if the entry has only its name."""
         assert self.robot is not None, "`parse_study` gives each recording its arm"
         return ArmSettings(arm=self.robot) if isinstance(self.robot, str) else self.robot
 
@@ -153,7 +153,7 @@ class Part(Strict):
         return load.joined(tool.payload() if tool else None) if load else tool and tool.payload()
 
     def stated_contact_place(self) -> tuple[Vector3, float] | None:
-        """Return the place of contacts [m], frame 6, and within how many metres they lie."""
+        """Return the place of contacts (3,) [m], frame 6, and their usual distance from it [m]."""
         place = self.contact_place
         return None if place is None else (place.position_m, place.within_m)
 
@@ -168,7 +168,7 @@ class Part(Strict):
 
 
 def _or_simulated(schema: dict[str, Any]) -> None:
-    """Require either the keys that locate real files, or `simulate`."""
+    """Require either the keys of real files, or `simulate`."""
     files = [key for key in ("folder", "file") if key in schema["required"]]
     schema["required"] = [key for key in schema["required"] if key not in files]
     schema["oneOf"] = [{"required": files}, {"required": ["simulate"]}]
@@ -186,7 +186,7 @@ class Simulable(Files, Part):
     )
 
     def declared_load(self) -> Payload | None:
-        """Return the declared payload, or the plan's where the format cannot record it."""
+        """Return the declared payload, or the simulated one if the format cannot record it."""
         recorded = self.format in layout.FORMATS_WITH_PAYLOAD and not self.known_tool()
         if self.payload or self.simulate is None or recorded:
             return self.payload
@@ -201,7 +201,7 @@ class Simulable(Files, Part):
         return self.simulate.model_copy(update={"payload": tool.payload().joined(load)})
 
     def file_names(self) -> list[str]:
-        """Return the files in its folder, or those that the test stand writes there."""
+        """Return the files in its folder, or, if simulated, those that the test stand writes."""
         if self.simulate is None:
             return super().file_names()
         return layout.file_names(self.format, self.simulate.sensors())
@@ -389,7 +389,7 @@ class Study(Strict):
     settings: Settings = Field(Settings(), description="settings of the analysis")
 
     def __repr__(self) -> str:
-        """Return what it is; all of its settings take some hundred lines."""
+        """Return name, number of recordings and arms; all settings take some hundred lines."""
         return f"Study({self.study}: {len(self.recordings)} recordings of {', '.join(self.arms())})"
 
     def arms(self) -> dict[str, ArmSettings]:
@@ -408,7 +408,7 @@ def schema_text() -> str:
 
 
 def arms_without_fit(study: Study) -> list[str]:
-    """Return the arms without a recording in motion of role `fit`, which determines friction."""
+    """Return the arms without a `fit` recording in motion; their friction is not fitted."""
     recordings = study.recordings
     fitted = {
         recording.arm.known_as

@@ -1,6 +1,6 @@
 """Reading of a study: all of its errors are reported at once.
 
-A pattern in the `file` of an entry gives an entry of each file that it matches.
+An entry with a pattern as its `file` becomes an entry for each file that matches.
 """
 
 import math
@@ -31,8 +31,8 @@ PlainData = Mapping[str, Any]  # a configuration, or a part of it, before it is 
 WILDCARD = re.compile(r"[*?\[]")
 DAY_IN_PATH = re.compile(r"(?<!\d)(20\d\d)[-_]?(\d\d)[-_]?(\d\d)(?!\d)")
 FORBIDDEN_CHARACTERS = re.compile(r"[^A-Za-z0-9_.-]+")
-ENTRY_PLACE = re.compile(r"recordings\[\d+\]")  # the key of a mistake begins with it
-CODE_KEY = "__use_yte__"  # Snakemake runs what is in a file with this key
+ENTRY_PLACE = re.compile(r"recordings\[\d+\]")  # start of a mistake's key
+CODE_KEY = "__use_yte__"  # Snakemake runs code in a file with this key
 TRUTH_SUFFIXES = (".parquet", ".json")
 FILE_KEYS = {"folder", "file", "force_sensor", "imu", "truth", "home_deg", "directions"}
 
@@ -100,7 +100,7 @@ def parse_study(raw: PlainData, source: str) -> Study:
 
 
 def _each_once(problems: Iterable[str]) -> Iterator[str]:
-    """Yield what is wrong, each mistake once: at its first entry, with the others that have it."""
+    """Yield each mistake once: at its first entry, with the other entries that have it."""
     alike: dict[str, dict[str, str]] = {}
     for problem in problems:
         place, general = ENTRY_PLACE.search(problem), ENTRY_PLACE.sub("…", problem, count=1)
@@ -121,9 +121,10 @@ def is_pattern(entry: Any) -> bool:
 
 
 def of_each_file(entry: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """Yield the entries that an entry with a pattern gives, in the order of their paths.
+    """Yield an entry for each file that the pattern of an entry matches, in the order of their
+    paths.
 
-    The path beyond the folder, without suffix, is added to the name; the date is the first in the
+    The path within the folder, without suffix, is added to the name. The date is the first in the
     path, as 2026-03-09, 2026_03_09 or 20260309, unless the entry has one.
     """
     folder = Path(entry["folder"])
@@ -138,7 +139,7 @@ def of_each_file(entry: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
 
 
 def _with_each_file(raw: PlainData) -> tuple[PlainData, list[int]]:
-    """Return the configuration with an entry of each file, and the index of each as stated."""
+    """Return the configuration with an entry for each file, and each entry's index in the file."""
     recordings = raw.get("recordings")
     if not isinstance(recordings, list):
         return raw, []
@@ -153,7 +154,7 @@ def _with_each_file(raw: PlainData) -> tuple[PlainData, list[int]]:
 
 
 def _as_stated(error: ErrorDetails, stated: list[int]) -> ErrorDetails:
-    """Return an error of an entry at the index that the entry has in the file."""
+    """Return an error with the index that its entry has in the file."""
     key, *rest = error["loc"]
     if key == "recordings" and rest and isinstance(rest[0], int):
         error["loc"] = (key, stated[rest[0]], *rest[1:])
@@ -161,7 +162,7 @@ def _as_stated(error: ErrorDetails, stated: list[int]) -> ErrorDetails:
 
 
 def _without_files(raw: PlainData) -> Iterator[str]:
-    """Yield errors for patterns that no file matches."""
+    """Yield an error for each pattern that no file matches."""
     for _, entry in _entries(raw):
         if is_pattern(entry) and os.path.isdir(entry["folder"]):
             yield (
@@ -171,19 +172,19 @@ def _without_files(raw: PlainData) -> Iterator[str]:
 
 
 def _entries(raw: PlainData) -> list[tuple[int, PlainData]]:
-    """Return the entries of the recordings that are mappings, each with its index."""
+    """Return the recordings' entries that are mappings, each with its index."""
     entries = enumerate(_listed(raw, "recordings"))
     return [(k, entry) for k, entry in entries if isinstance(entry, dict)]
 
 
 def _listed(raw: PlainData, key: str) -> list[Any]:
-    """Return a list of the configuration; empty where it is none."""
+    """Return a list of the configuration; empty if the value is no list."""
     value = raw.get(key)
     return value if isinstance(value, list) else []
 
 
 def _faults(stated: int, entry: PlainData, raw: PlainData) -> Iterator[str]:
-    """Yield the errors of a recording's entry that its schema does not show.
+    """Yield the errors of a recording's entry that its schema cannot show.
 
     stated: its index in the file.
     """
@@ -220,7 +221,7 @@ def _faults(stated: int, entry: PlainData, raw: PlainData) -> Iterator[str]:
 
 
 def _topmost_missing(folder: Path) -> Path:
-    """Return the part of a missing folder's path that is missing first."""
+    """Return the first folder on the path of a missing folder that does not exist."""
     missing = folder
     while missing.parent != missing and not os.path.isdir(missing.parent):
         missing = missing.parent
@@ -228,7 +229,7 @@ def _topmost_missing(folder: Path) -> Path:
 
 
 def _wrong_truth(place: str, folder: Any, truth: Any) -> Iterator[str]:
-    """Yield the error of a truth that does not lie in its recording's folder."""
+    """Yield an error if a truth does not lie in its recording's folder."""
     if not isinstance(folder, str) or not isinstance(truth, str):
         return
     files = [os.path.join(folder, truth + suffix) for suffix in TRUTH_SUFFIXES]
@@ -252,7 +253,7 @@ def _missing_results(raw: PlainData) -> Iterator[str]:
 
 
 def _wrong_reference(file: Any) -> Iterator[str]:
-    """Yield the error of a file of published values that is no YAML mapping."""
+    """Yield an error if a file of published values is no YAML mapping."""
     if isinstance(file, str) and os.path.isfile(file):
         try:
             read_plain(Path(file))
@@ -274,9 +275,7 @@ def _with_files(raw: PlainData) -> PlainData:
 
 
 def _with_arms(study: Study) -> Study:
-    """Return the study with its arm in each recording that names none, and with its reasons to
-    overrule stop signs in each recording.
-    """
+    """Return the study with arm and reasons to overrule stop signs filled in in each recording."""
     recordings = [
         recording.model_copy(
             update={
@@ -300,7 +299,7 @@ def study_text(study: Study) -> str:
 
 
 def _different_arms(study: Study) -> Iterator[str]:
-    """Yield errors for different arms of one name: their recordings would be fitted together."""
+    """Yield errors for different arms with one name: their recordings would be fitted together."""
     arms = study.arms()
     for recording in study.recordings:
         if recording.arm.itself() != arms[recording.arm.known_as]:
@@ -312,7 +311,7 @@ def _different_arms(study: Study) -> Iterator[str]:
 
 
 def _wrong_arms(study: Study) -> Iterator[str]:
-    """Yield the errors of the user's own arms, with overridden numbers, or a calibration."""
+    """Yield errors of the user's own arms, with overridden numbers or a calibration."""
     for arm in study.arms().values():
         own = robot_path(arm.arm).parent == PROJECT_FOLDER
         if own or arm.override or arm.calibration:
@@ -323,7 +322,7 @@ def _wrong_arms(study: Study) -> Iterator[str]:
 
 
 def _misfits(study: Study) -> Iterator[str]:
-    """Yield what of simulated recordings does not fit their arms."""
+    """Yield errors for plans of simulated recordings that do not fit their arms."""
     described = cache(load_robot)
     for recording in study.recordings:
         if (plan := getattr(recording, "simulate", None)) is None:
@@ -348,7 +347,7 @@ def _repeated_names(raw: PlainData) -> Iterator[str]:
 
 
 def _repeated_files(raw: PlainData) -> Iterator[str]:
-    """Yield errors for recordings of the same frames: validating on fit data proves nothing."""
+    """Yield errors for recordings that share frames: validation on fitted data proves nothing."""
     files = defaultdict(list)
     for _, entry in _entries(raw):
         if isinstance(folder := entry.get("folder"), str):
@@ -364,7 +363,7 @@ def _repeated_files(raw: PlainData) -> Iterator[str]:
 
 
 def _extent(entry: PlainData) -> tuple[float, float]:
-    """Return start and end [s] of the part of its file that an entry uses."""
+    """Return start and end [s] of the part of a file that an entry uses."""
     start, end = entry.get("from_s"), entry.get("to_s")
     return (
         float(start) if isinstance(start, int | float) else 0.0,

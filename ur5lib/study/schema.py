@@ -57,7 +57,7 @@ def _parts(schema: Schema) -> Iterator[tuple[str, str, Schema]]:
 
 
 def _named(node: Schema) -> Iterator[tuple[str, str, str]]:
-    """Yield the parts that a key may have: [] for lists, kind, name of the schema."""
+    """Yield the parts that a key may have: suffix ([] for a list), kind, and name of the schema."""
     if "$ref" in node:
         yield "", "", node["$ref"].rsplit("/", 1)[-1]
     kinds: dict[str, list[str]] = {}
@@ -86,7 +86,7 @@ def _row(key: str, node: Schema, part: Schema) -> str:
 
 
 def _default(key: str, node: Schema, part: Schema) -> str:
-    """Return a key's default, or whether it is required, possibly as one of alternatives."""
+    """Return a key's default, or the word required, with the alternatives that it has."""
     if key in part.get("required", []):
         return "required"
     choices = [option["required"] for option in part.get("oneOf", [])]
@@ -99,7 +99,7 @@ def _default(key: str, node: Schema, part: Schema) -> str:
 
 
 def _allowed(node: Schema) -> str:
-    """Return the values that a key allows, without null, which means omitting it."""
+    """Return the values that a key allows, without null: null means that the key is left out."""
     present = [option for option in node.get("anyOf", [node]) if option.get("type") != "null"]
     types = [] if "discriminator" in present[0] else present[0].get("oneOf", [])
     return ", or ".join(

@@ -1,4 +1,4 @@
-"""Which recordings of a study a step runs for, and what the study says of them."""
+"""The recordings of a study that a step runs for, and their settings."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -11,8 +11,8 @@ from ur5lib.strict import SNAKEMAKE_PLACEHOLDER
 from ur5lib.study.model import Study
 from ur5lib.study.succession import before
 
-MAX_EXAMINED_WHOLE = 100  # all recordings of a study are examined up to this many
-MAX_DRAWN = 40  # contacts are tried on this many of an arm's contact-free recordings
+MAX_EXAMINED_WHOLE = 100  # of a study with up to this many recordings, all are examined
+MAX_DRAWN = 40  # of an arm's contact-free recordings, trial contacts use this many
 MAX_ILLUSTRATED = 4  # a section of the report has figures of this many recordings
 OF_THE_STUDY = ["name", "role", "robot", "date", "gravity", "mounting", "tool", "payload"]
 OF_THE_STUDY += [
@@ -26,7 +26,7 @@ OF_THE_STUDY += [
 
 @dataclass(frozen=True, eq=False)
 class Selection:
-    """The recordings of a study, by what is done with them."""
+    """The recordings of a study, selected by use."""
 
     study: Study
 
@@ -42,7 +42,7 @@ class Selection:
 
     @cached_property
     def recordings(self) -> dict[str, Any]:
-        """The entries of all others."""
+        """The entries of the recordings in motion."""
         return {name: one for name, one in self.entries.items() if not one.at_rest}
 
     @cached_property
@@ -51,7 +51,7 @@ class Selection:
         return [name for name, one in self.recordings.items() if getattr(one, "simulate", None)]
 
     def truths(self, results: str) -> dict[str, str]:
-        """Return the files of the truth of recordings that have one, without their suffixes."""
+        """Return the paths, without suffixes, of the truth of recordings that have one."""
         given = {
             name: f"{one.folder}/{one.truth}"
             for name, one in self.recordings.items()
@@ -64,15 +64,16 @@ class Selection:
         return str(self.entries[recording].arm.known_as)
 
     def of_arm(self, robot: str, *roles: str, at_rest: bool = False) -> list[str]:
-        """Return an arm's recordings with some roles, those in motion or those of postures."""
+        """Return an arm's recordings with one of some roles, in motion or at_rest."""
         among = self.at_rest if at_rest else self.recordings
         named = ((name, self.entries[name]) for name in among)
         return [n for n, one in named if one.role in roles and one.arm.known_as == robot]
 
     def drawn(self, robot: str) -> list[str]:
-        """Return the contact-free recordings of an arm on which contacts are tried.
+        """Return the contact-free recordings of an arm that trial contacts use.
 
-        Some of many are drawn by their names: another recording seldom changes the choice.
+        If there are many, some are drawn by a hash of their names: an additional recording seldom
+        changes the choice.
         """
         names = self.of_arm(robot, "fit", "validate")
         if not self.is_large:
@@ -85,7 +86,7 @@ class Selection:
         return {name: one.after for name, one in self.recordings.items()}
 
     def before(self, *names: str) -> list[str]:
-        """Return the recordings that some follow, directly or not, of each the oldest first."""
+        """Return the recordings that precede some, directly or not, each chain oldest first."""
         return [*dict.fromkeys(one for name in names for one in before(name, self._after))]
 
     @property
@@ -97,7 +98,7 @@ class Selection:
     def illustrated(self) -> list[str]:
         """The recordings of which the report may show figures.
 
-        The first few with a contact or to validate, and the first.
+        The first few with contact, the first few to validate, and the first of all.
         """
         by_role = {
             role: [name for name, one in self.recordings.items() if one.role == role]
@@ -110,8 +111,10 @@ class Selection:
 
     @cached_property
     def examined(self) -> frozenset[str]:
-        """The recordings of which all is examined: of many, some that are drawn, and those that are
-        shown or fitted to. No force depends on what is examined of these alone.
+        """The recordings that are examined completely; no force depends on it.
+
+        All of a small study; of a large one, some that are drawn, and those that are shown or
+        fitted to.
         """
         if not self.is_large:
             return frozenset(self.recordings)
@@ -120,7 +123,7 @@ class Selection:
         return frozenset([*drawn, *self.illustrated, *fitted])
 
     def of_step(self, step: str) -> list[str]:
-        """Return the recordings that a step of each recording runs for by itself."""
+        """Return the recordings that a step, which runs for one recording at a time, runs for."""
         some: dict[str, list[str]] = {
             "read_postures": self.at_rest,
             "draw_figures": self.illustrated,
@@ -129,12 +132,12 @@ class Selection:
         return some.get(step, [*self.recordings])
 
     def has_force_sensor(self, name: str) -> bool:
-        """Return whether a recording names or has a file of a force sensor."""
+        """Return whether a recording has a force sensor: in its entry, or as a file."""
         stated = getattr(self.recordings[name], "force_sensor", None)
         return bool(stated) or any("force_sensor" in path for path in self.raw_files(name))
 
     def raw_files(self, name: str) -> list[str]:
-        """Return the files that a recording names, or all files where readers look for others."""
+        """Return the files that a recording names, or else all files that readers may use."""
         folder = Path(self.entries[name].folder)
         stated = [folder / file for file in self.entries[name].file_names()]
         if name in self.simulated:
@@ -145,7 +148,7 @@ class Selection:
         return [path for path in paths if not SNAKEMAKE_PLACEHOLDER.search(path)]
 
     def entry_to_read(self, name: str) -> dict[str, Any]:
-        """Return the description of a recording for its reader, without its use in the study."""
+        """Return the part of a recording's entry that its reader uses."""
         exclude = dict.fromkeys(OF_THE_STUDY, True) | {"force_sensor": {"mounting"}}
         entry: dict[str, Any] = self.entries[name].model_dump(mode="json", exclude=exclude)
         return entry
@@ -156,7 +159,7 @@ class Selection:
         return None if gravity is None else [*gravity]
 
     def gravities(self, names: Iterable[str]) -> dict[str, list[float] | None]:
-        """Return gravity in the base frames of several recordings, by name."""
+        """Return gravity (3,) [m/s²] in the base frames of several recordings, by name."""
         return {name: self.gravity(name) for name in names}
 
     def payload(self, name: str) -> dict[str, Any] | None:
@@ -170,7 +173,7 @@ class Selection:
         return [*tool.tcp] if tool and tool.tcp else None
 
     def contact_place(self, name: str) -> list[Any] | None:
-        """Return the place of contacts that the study states [m], and within how many metres."""
+        """Return the place of contacts that the study states, [m], and their usual distance [m]."""
         place = self.entries[name].stated_contact_place()
         return None if place is None else [[*place[0]], place[1]]
 
@@ -180,7 +183,7 @@ class Selection:
         return reasons
 
     def accepted_of_arm(self, robot: str) -> dict[str, str]:
-        """Return the reasons of all recordings that are fitted to an arm, by kind."""
+        """Return the reasons of all recordings that an arm is fitted to, by kind."""
         names = self.of_arm(robot, "fit") + self.of_arm(robot, "fit", at_rest=True)
         return {kind: why for name in names for kind, why in self.accepted(name).items()}
 

@@ -1,4 +1,4 @@
-"""Which recording an arm was driven in before another: `after` in the entries of a study."""
+"""The order in which an arm was driven: `after` in the entries of a study."""
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
@@ -10,8 +10,9 @@ from ur5lib.study.model import PREVIOUS, Study
 
 
 def in_succession(entries: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the entries of a pattern's files, where these follow each other by the numbers in
-    their paths: each after the one before, the first after none.
+    """Return the entries of a pattern's files in the order of the numbers in their paths.
+
+    Each is `after` the previous one, the first after none.
     """
     first, *others = sorted(entries, key=lambda entry: _by_numbers(entry["file"]))
     named = ({**own, "after": before["name"]} for before, own in pairwise([first, *others]))
@@ -19,7 +20,7 @@ def in_succession(entries: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def _by_numbers(path: str) -> list[tuple[int, str]]:
-    """Return the parts of a path with its numbers as such: run-9 is before run-10."""
+    """Return the parts of a path with numbers as integers, to sort run-9 before run-10."""
     parts = re.split(r"(\d+)", path)
     return [(int(part), "") if part.isdecimal() else (0, part) for part in parts]
 
@@ -27,7 +28,7 @@ def _by_numbers(path: str) -> list[tuple[int, str]]:
 def before(name: str, after: Mapping[str, str | None]) -> list[str]:
     """Return the recordings that one follows, directly or not, the oldest first.
 
-    after: by recording, that which it follows directly, None of one that follows none.
+    after: by recording, the one that it follows directly, or None.
     """
     chain = list[str]()
     while (earlier := after.get(name)) is not None and earlier not in chain:
@@ -36,7 +37,7 @@ def before(name: str, after: Mapping[str, str | None]) -> list[str]:
 
 
 def wrong_succession(study: Study) -> Iterator[str]:
-    """Yield what of `after` names no recording that the arm can have been driven in before."""
+    """Yield errors where `after` names no recording that can precede."""
     entries = {one.name: one for one in study.recordings}
     after = {one.name: one.after for one in study.recordings if one.after}
     for name, earlier in after.items():

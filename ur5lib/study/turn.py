@@ -14,19 +14,19 @@ from typing import TextIO, cast
 from ur5lib.errors import InputError
 
 LOCK_FILE = ".running"
-TURN_VARIABLE = "UR5_TURN"  # by this environment variable, a run's jobs on a cluster know their run
+TURN_VARIABLE = "UR5_TURN"  # environment variable by which jobs on a cluster recognise their run
 
 
 def take_turn(results: Path, wait: bool = False) -> TextIO:
     """Return the open lock of a study's results; it is released when its process ends.
 
-    Its file goes then, too, which names the user. wait: until another run of the study has ended.
-    Raises InputError that names the other run. On a shared folder, the lock works between machines
-    where its file system passes `flock` on.
+    Its file, which names the user, is removed then, too. wait: whether to wait until another run of
+    the study has ended; otherwise raises InputError that names the other run. On a shared folder,
+    the lock works between machines if its file system supports `flock`.
     """
     results.mkdir(parents=True, exist_ok=True)
     lock = _locked(results, wait)
-    while not _in_place(lock, results):  # the run that had it has removed its file
+    while not _in_place(lock, results):  # the previous owner has removed its file
         lock.close()
         lock = _locked(results, wait)
     since = time.strftime("%Y-%m-%d %H:%M:%S")
@@ -41,7 +41,7 @@ def take_turn(results: Path, wait: bool = False) -> TextIO:
 
 
 def _locked(results: Path, wait: bool) -> TextIO:
-    """Return the lock's file, locked for this process alone; raises as `take_turn`."""
+    """Return the lock's file, locked for this process alone; raises as `take_turn` does."""
     lock = open_lock(results)
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -58,7 +58,7 @@ def _locked(results: Path, wait: bool) -> TextIO:
 
 
 def _in_place(lock: TextIO, results: Path) -> bool:
-    """Return whether a lock's file is the one that others would open."""
+    """Return whether a lock's file is still the one at its path."""
     with contextlib.suppress(FileNotFoundError):
         return os.path.samestat(os.fstat(lock.fileno()), os.stat(results / LOCK_FILE))
     return False
@@ -68,17 +68,17 @@ def _remove(lock: TextIO, results: Path, owner: int) -> None:
     """Remove the lock's file at the end of its process, unless others have the lock, too."""
     if lock.closed or os.getpid() != owner:
         return
-    with contextlib.suppress(OSError):  # its jobs on a cluster go on, or another run has begun
+    with contextlib.suppress(OSError):  # its jobs on a cluster continue, or another run has begun
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         if _in_place(lock, results):
             (results / LOCK_FILE).unlink()
 
 
 def share_turn(results: Path) -> TextIO:
-    """Return the lock of the run that has submitted this process to a cluster, shared with it.
+    """Return the lock of the run that submitted this process to a cluster, shared with that run.
 
-    If that run is killed, its jobs that have begun still keep others out. Raises InputError if
-    another run has its turn by now.
+    If that run is killed, its jobs that have begun still keep other runs out. Raises InputError if
+    another run has taken its turn.
     """
     with contextlib.suppress(BlockingIOError, FileNotFoundError):
         lock = open_lock(results, "r+")
@@ -96,13 +96,13 @@ def open_lock(results: Path, mode: str = "a+") -> TextIO:
 
 
 def holder(lock: TextIO) -> str:
-    """Return who has locked a file, by what is written there."""
+    """Return the name of the lock's owner, which the file contains."""
     lock.seek(0)
     return lock.read().strip()
 
 
 def running(results: Path) -> str:
-    """Return who makes a study's results at the moment; empty if nobody does."""
+    """Return the owner of a study's present run; empty if there is none."""
     if not (results / LOCK_FILE).is_file():
         return ""
     with open_lock(results) as lock:

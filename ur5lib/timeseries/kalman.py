@@ -14,8 +14,8 @@ from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import chunks
 
 PORTMANTEAU_LAGS = 10  # samples
-CHUNK_NUMBERS = 1 << 20  # the matrices F of a chunk have this many: 4,608 samples of six joints
-LANE_SAMPLES = 256  # the lanes of a chunk, which are filtered side by side, have this many
+CHUNK_NUMBERS = 1 << 20  # numbers in the matrices F of a chunk: 4,608 samples of six joints
+LANE_SAMPLES = 256  # samples of a lane; the lanes of a chunk are filtered side by side
 
 
 class Gaussians(NamedTuple):
@@ -25,15 +25,15 @@ class Gaussians(NamedTuple):
     covariance: Array
 
     def at(self, rows: slice | int) -> "Gaussians":
-        """Return the states of some samples."""
+        """Return the means and covariances of some samples."""
         return Gaussians(self.mean[rows], self.covariance[rows])
 
     def copy(self) -> "Gaussians":
-        """Return a copy, which does not keep the arrays of other samples alive."""
+        """Return a copy, so that the arrays of other samples can be freed."""
         return Gaussians(self.mean.copy(), self.covariance.copy())
 
     def followed_by(self, last: "Gaussians") -> "Gaussians":
-        """Return the states with that of one more sample appended."""
+        """Return these states, with the state of one more sample appended."""
         pairs = zip(self, last, strict=True)
         return Gaussians(*(np.concatenate([arrays, more[None]]) for arrays, more in pairs))
 
@@ -97,9 +97,9 @@ Later = tuple[Array, Gaussians, Gaussians]
 def smooth(system: System, count: int) -> Iterator[Smoothed]:
     """Yield the smoothed states of `count` samples, chunk by chunk, from the last to the first.
 
-    On the way forward, only the state before each lane of a chunk is computed; on the way back,
-    each chunk is filtered, its lanes side by side, which saves time and memory. Raises
-    numpy.linalg.LinAlgError if a state has no uncertainty.
+    The forward pass stores only the state before each lane of a chunk; the backward pass filters
+    each chunk, its lanes side by side, which saves time and memory. Raises numpy.linalg.LinAlgError
+    if a state has no uncertainty.
     """
     shape = system(slice(1)).F.shape
     state, lane_starts = Gaussians(np.zeros((1, *shape[1:-1])), np.zeros(shape)), []
@@ -116,7 +116,7 @@ def smooth(system: System, count: int) -> Iterator[Smoothed]:
 
 
 def _chunks(count: int, numbers: int) -> list[slice]:
-    """Return slices of whole lanes, and of what remains; numbers: of F at one sample."""
+    """Return slices of whole lanes, and of the rest; numbers: in F of one sample."""
     lanes_samples = count - count % LANE_SAMPLES
     full = chunks(lanes_samples, max(1, CHUNK_NUMBERS // numbers // LANE_SAMPLES) * LANE_SAMPLES)
     return full if lanes_samples == count else [*full, slice(lanes_samples, count)]
@@ -125,7 +125,7 @@ def _chunks(count: int, numbers: int) -> list[slice]:
 def _smooth(
     part: LinearSystem, before: Gaussians, after: Later | None
 ) -> tuple[Gaussians, Gaussians]:
-    """Return the states before the measurements of some samples, and given all measurements."""
+    """Return the states of some samples before their measurements, and given all measurements."""
     F, (prior, posterior) = part.F[1:], _filter(part, before)
     later, earlier, end = prior.at(slice(1, None)), posterior.at(slice(-1)), posterior.at(-1)
     if after is not None:
@@ -139,7 +139,7 @@ def _smooth(
 def _filter(system: LinearSystem, before: Gaussians) -> tuple[Gaussians, Gaussians]:
     """Return the states before and after each measurement, (N, B, X) each.
 
-    before: (K, B, X), those before each of K lanes of N / K samples.
+    before: (K, B, X), the states before each of K lanes of N / K samples.
     """
     lanes = len(before.mean)
     results = np.empty((2, *system.F.shape[:-1])), np.empty((2, *system.F.shape))
@@ -155,8 +155,10 @@ def _filter(system: LinearSystem, before: Gaussians) -> tuple[Gaussians, Gaussia
 
 
 class FilterStep(NamedTuple):
-    """A step of a Kalman filter: the states before and after its measurement, the innovation
-    z - H x, (..., M, D), and its information S⁻¹ = (H P Hᵀ + R)⁻¹, (..., M, M).
+    """A step of a Kalman filter: the states before and after its measurement, and the innovation.
+
+    innovation: z - H x, (..., M, D); information: its inverse covariance S⁻¹ = (H P Hᵀ + R)⁻¹,
+    (..., M, M).
     """
 
     prior: Gaussians
@@ -168,8 +170,8 @@ class FilterStep(NamedTuple):
 def _filter_steps(system: LinearSystem, x: Array, P: Array) -> Iterator[FilterStep]:
     """Yield the steps of a filter that starts from x (..., X, D), P (..., X, X).
 
-    The first of D columns of x is the state. The others are its derivatives by something, which
-    nothing measures: what the steps make of them does not depend on z.
+    The first of the D columns of x is the state. The others are derivatives of it, which are not
+    measured: they do not depend on z.
     """
     measured = np.isfinite(system.z)
     H = np.where(measured[..., None], system.H, 0.0)
@@ -192,7 +194,7 @@ def _filter_steps(system: LinearSystem, x: Array, P: Array) -> Iterator[FilterSt
 
 
 def _lane_ends(system: LinearSystem, before: Gaussians) -> Iterator[Gaussians]:
-    """Yield the state after each lane, (1, B, X); before: that before the first.
+    """Yield the state after each lane, (1, B, X); before: the state before the first.
 
     All lanes are filtered side by side, each from a state of exactly 0. From any other state x, a
     lane ends at A x + b with the same covariance C, and its measurements have a log-likelihood of
@@ -230,9 +232,9 @@ class InnovationTest:
 
     variance: (M,), mean squares; variance_limits: (M, 2), their 95 % interval; portmanteau: (M,),
     Ljung-Box statistic; portmanteau_limit: its 95 % point; consistent, white: (M,), whether the
-    variance and the whiteness pass; colour: (M,), how many times larger the variance of a mean of
-    successive innovations is than that of white ones, 1 + 2 Σ ρ over PORTMANTEAU_LAGS lags: at
-    least 1, and 1 for those that pass as white.
+    variance and the whiteness pass; colour: (M,), 1 + 2 Σ ρ over PORTMANTEAU_LAGS lags, the
+    variance of a mean of successive innovations over that of white ones: at least 1, and 1 for
+    those that pass as white.
     """
 
     variance: Array

@@ -1,7 +1,7 @@
 """Butterworth low-pass filters, designed in Hz as second-order sections.
 
-A record contains nothing beyond its Nyquist frequency, half its rate: a filter with a cut-off at or
-beyond it changes nothing. Records of different rates can thus share a cut-off.
+A cut-off at or above the Nyquist frequency, half a record's rate, changes nothing. Records of
+different rates can thus share a cut-off.
 """
 
 from functools import cache, partial
@@ -12,7 +12,7 @@ from scipy import signal
 
 from ur5lib.timeseries.arrays import Array
 
-MAX_NUMBERS_TOGETHER = 1_000_000  # up to this many are filtered at once, which takes less time
+MAX_NUMBERS_TOGETHER = 1_000_000  # up to this many numbers are filtered at once: faster
 IDENTITY_SECTION = np.array([[1.0, 0.0, 0.0, 1.0, 0.0, 0.0]])  # a second-order section
 
 

@@ -5,7 +5,7 @@ from scipy.special import ndtri
 
 from ur5lib.timeseries.arrays import Array
 
-BAND_COVERAGE = 0.95  # share of values that a band contains
+BAND_COVERAGE = 0.95  # nominal coverage of a band
 NORMAL95 = 1.96  # this many standard deviations to either side of the mean contain 95 %
 STD_PER_MAD = 1.4826  # a normal value's standard deviation over its median absolute deviation
 
@@ -41,9 +41,9 @@ def skill(estimate: Array, reference: Array) -> Array:
 
 
 def slope(estimate: Array, reference: Array) -> Array:
-    """Return each column's slope over its reference, by least squares through the origin.
+    """Return each column's slope Σ x y / Σ x² over its reference x, y = estimate.
 
-    An estimate that shows 0.8 of every force has a slope of 0.8.
+    An estimate of 0.8 times every force has a slope of 0.8.
     """
     x = np.where(np.isfinite(estimate), reference, np.nan)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -51,7 +51,7 @@ def slope(estimate: Array, reference: Array) -> Array:
 
 
 def coverage(estimate: Array, std: Array, reference: Array, stated: float = 0.95) -> Array:
-    """Return the share of each column's references inside the band of nominal coverage `stated`."""
+    """Return the share of each column's references in the interval of nominal coverage `stated`."""
     band = ndtri(0.5 + stated / 2) * std
     finite = np.isfinite(estimate) & np.isfinite(std) & np.isfinite(reference)
     inside = finite & (np.abs(reference - estimate) <= band)
@@ -59,8 +59,10 @@ def coverage(estimate: Array, std: Array, reference: Array, stated: float = 0.95
 
 
 def band_factor(estimate: Array, std: Array, reference: Array) -> Array:
-    """Return the factor by which each column's 95 % band would have to be wider to contain 95 % of
-    the references: below 1, it is too wide.
+    """Return the factor on each column's 95 % interval with which it would contain 95 % of
+    references.
+
+    Below 1, the interval is too wide.
     """
     band = NORMAL95 * np.where(std > 0, std, np.nan)
     return finite_quantile(np.abs(reference - estimate) / band, BAND_COVERAGE)
@@ -85,6 +87,6 @@ def interval_score(estimate: Array, std: Array, reference: Array) -> Array:
 
 
 def zero_interval_score(reference: Array) -> Array:
-    """Return the score of the band around zero that contains 95 % of the references."""
+    """Return the interval score of the interval about zero that contains 95 % of the references."""
     half = np.nanquantile(np.abs(reference), 0.95, axis=0)
     return interval_score(np.zeros_like(reference), half / NORMAL95, reference)

@@ -30,9 +30,10 @@ def rest_conditions(period: float, harmonics: int) -> Array:
 
 
 def duration(way: Array, speed: float, acceleration: float) -> tuple[float, float, float]:
-    """Return the duration of the acceleration, the start of the braking, and the end [s].
+    """Return the duration of the acceleration, the start of the braking, and the end [s] of a move.
 
-    way: of the joints (6,) [rad]; speed [rad/s], acceleration [rad/s²]: of the longest way.
+    way: of the joints (6,) [rad]; speed [rad/s], acceleration [rad/s²]: of the joint with the
+    longest way.
     """
     longest = np.abs(way).max()
     # without cruising where the way is too short to reach the speed

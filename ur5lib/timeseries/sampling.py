@@ -4,12 +4,12 @@ import numpy as np
 
 from ur5lib.timeseries.arrays import Array, Labels
 
-# Samples so many periods of the cut-off apart contain all that a low-pass leaves.
+# Samples this many periods of the cut-off apart contain all of a low-passed signal.
 STEP_IN_PERIODS = 0.064
 
 
 def thinning(period: float, cutoff: float) -> int:
-    """Return the number of samples from one that is used to the next of low-passed values.
+    """Return the stride at which samples of low-passed values are used.
 
     period: [s]; cutoff: of the low-pass [Hz].
     """

@@ -12,7 +12,7 @@ from ur5lib.timeseries.arrays import Array, Labels, Mask
 T = TypeVar("T", bound=np.generic)
 Span = tuple[int, int]  # first sample, and the one after the last
 
-BLOCK_DURATION = 2.0  # s; it is several correlation times of residuals (0.3 to 1 s on both arms)
+BLOCK_DURATION = 2.0  # s; several correlation times of residuals (0.3 to 1 s on both arms)
 DEAD_ZONE = 0.02  # rad/s (Equation 6.4): below it, a joint rests and friction is stiction
 CHUNK_SAMPLES = 1 << 14
 
@@ -23,7 +23,7 @@ def period(time: Array) -> float:
 
 
 def starts(segment: Labels) -> Mask:
-    """Return whether each sample (N,) is the first of its segment."""
+    """Return the mask (N,) of samples that are the first of their segment."""
     return np.diff(segment, prepend=segment[:1] - 1) != 0
 
 
@@ -35,15 +35,19 @@ def unbroken(*labels: Labels | Mask) -> list[slice]:
 
 
 def extrapolated_samples(cutoff: float, period: float) -> int:
-    """Return at how many samples at each end of a stretch a low-pass in both directions mostly
-    extrapolates: half a period of its cut-off [Hz]. period: of the samples [s].
+    """Return the number of samples at each end of a stretch that a zero-phase low-pass
+    extrapolates.
+
+    It is half a period of the cut-off [Hz]. period: of the samples [s].
     """
     return round(0.5 / cutoff / period)
 
 
 def without_ends(values: Array, segment: Labels, period: float, cutoff: float) -> Array:
-    """Return low-passed values (N, M), NaN at both ends of each stretch, where a low-pass [Hz]
-    mostly extrapolates. period: [s].
+    """Return low-passed values (N, M), NaN at the ends of each stretch, where the low-pass
+    extrapolates.
+
+    period: [s]; cutoff: of the low-pass [Hz].
     """
     result, samples = values.copy(), extrapolated_samples(cutoff, period)
     for stretch in unbroken(segment):
@@ -54,13 +58,13 @@ def without_ends(values: Array, segment: Labels, period: float, cutoff: float) -
 
 
 def runs(flags: Mask) -> Labels:
-    """Return where runs of True begin and end (n, 2), of flags (N,)."""
+    """Return the starts and ends (n, 2) of runs of True in flags (N,); ends are exclusive."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]])))
     return edges.reshape(-1, 2)
 
 
 def spans(signal: Array, on: float, off: float) -> list[Span]:
-    """Return the stretches above `off` that reach `on`. signal: (N,)."""
+    """Return the stretches of a signal (N,) above `off` that reach `on`."""
     stretches = runs(signal > off).tolist()
     return [(first, last) for first, last in stretches if signal[first:last].max() >= on]
 
@@ -71,7 +75,7 @@ def overlap(first: Span, second: Span) -> int:
 
 
 def inside_spans(parts: Iterable[Span], count: int) -> Mask:
-    """Return which of `count` samples lie inside any of the parts."""
+    """Return the mask (count,) of samples inside any of the parts."""
     inside = np.zeros(count, bool)
     for part in parts:
         inside[slice(*part)] = True
@@ -83,7 +87,7 @@ def by_segment(
 ) -> Array:
     """Apply a function of uniform samples, and of settings, to each unbroken stretch on its own.
 
-    values: (N, M); segment: (N,) labels. A row with NaN stays NaN and breaks its segment.
+    values: (N, M); segment: (N,) labels. A row with NaN stays NaN and ends its stretch.
     """
     result = np.full_like(values, np.nan)
     finite = np.asarray(np.isfinite(values).all(axis=1))

@@ -10,33 +10,33 @@ from scipy.spatial import cKDTree
 
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-# Root sums of squares over all joints, up to which two states count as equal.
+# Up to these root sums of squares over all joints, two states count as equal.
 POSITION_TOLERANCE = 0.02  # rad
 VELOCITY_TOLERANCE = 0.1  # rad/s
 REST_SPEED = 0.03  # rad/s; below it, a joint rests or Coulomb friction changes its sign
-MIN_COMMON_SHARE = 0.9  # two runs along one path share this many of their states
+MIN_COMMON_SHARE = 0.9  # two runs along one path have this share of states in common
 
 
 def scaled_states(q: Array, qd: Array) -> Array:
-    """Return scaled states (N, 12), in which states nearer than 1 count as equal.
+    """Return scaled states (N, 2 n); states at a distance below 1 count as equal.
 
-    q, qd: (N, 6) [rad, rad/s].
+    q, qd: (N, n) [rad, rad/s].
     """
     return np.concatenate([q / POSITION_TOLERANCE, qd / VELOCITY_TOLERANCE], axis=1)
 
 
 def nearest(places: Array, other_places: Array) -> tuple[Mask, NDArray[np.intp]]:
-    """Return whether each state (N, 12) is near one of others (M, 12), and the nearest (N,)."""
+    """Return whether each state (N, 2 n) is near one of others (M, 2 n), and the nearest (N,)."""
     distance, index = cKDTree(other_places).query(places, distance_upper_bound=1.0)
     return np.isfinite(distance), index
 
 
 @dataclass(frozen=True)
 class PathStates:
-    """States (`scaled_states`) on the path of a run: at samples in motion, or at all if it rests.
+    """States (`scaled_states`) on the path of a run: at samples in motion, or all if it rests.
 
-    moves: whether the run moves; every: step of the samples that are searched in another run, which
-    is not thinned, because thinned samples of fast runs are further apart than 1.
+    moves: whether the run moves; every: stride of the states that are searched in another run. The
+    other run is not thinned, because thinned samples of fast runs are further apart than 1.
     """
 
     places: Array
@@ -45,7 +45,7 @@ class PathStates:
 
     @classmethod
     def from_motion(cls, q: Array, qd: Array, stride: int = 1) -> "PathStates":
-        """Return the path of positions and velocities (N, 6) at all samples, without NaN rows."""
+        """Return the path of q, q̇ (N, n) [rad, rad/s], without NaN rows; stride: its `every`."""
         finite = np.isfinite(q + qd).all(axis=1)
         moving = finite & (np.abs(qd) > REST_SPEED).any(axis=1)
         rows = moving if moving.any() else finite
@@ -53,7 +53,7 @@ class PathStates:
 
     @cached_property
     def extent(self) -> Array:
-        """Return the lowest and the highest place (2, 12)."""
+        """Return the lowest and the highest value of each scaled state (2, 2 n)."""
         return np.array([self.places.min(axis=0), self.places.max(axis=0)])
 
     @cached_property
@@ -80,9 +80,9 @@ class PathStates:
 def group_by_path(runs: Iterable[PathStates]) -> Labels:
     """Return labels (R,) of runs by trajectory, from 0.
 
-    A part of a longer run belongs to its trajectory; the relation is transitive. Runs that are no
-    part of an earlier one represent their trajectory: the others are not compared with later ones,
-    so that of thousands of repetitions few are kept.
+    A part of a longer run belongs to its trajectory; the relation is transitive. A run that is no
+    part of an earlier one represents its trajectory: only representatives are compared with later
+    runs, so that of thousands of repetitions few are kept.
     """
     labels, representatives = list[int](), list[tuple[int, PathStates]]()
     for place, run in enumerate(runs):
