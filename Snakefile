@@ -7,14 +7,14 @@ from snakemake.utils import min_version
 
 from ur5lib.workspace.places import WORKFLOW
 
-# Snakemake puts these folders first, where a user's pandas.py would hide the package.
+# Snakemake puts these folders first, so that a user's pandas.py would hide the package.
 sys.path.sort(key=lambda folder: folder in (str(WORKFLOW), os.getcwd()))
 
 from ur5lib.errors import InputError
 from ur5lib.workspace.extensions import take_up_all
 
 try:
-    take_up_all()  # what is loaded below uses them at once
+    take_up_all()  # before modules are imported that use them
 except InputError as error:
     raise WorkflowError(str(error))
 
@@ -57,7 +57,7 @@ onerror:
         print(f"\n{len(FAILED)} failed:", *FAILED, sep="\n")
 
 
-# Intermediate tables are results too: what is deleted is made again.
+# Intermediate tables are results too: deleted ones are made again.
 rule all:
     input:
         rules.write_report.output,

@@ -44,7 +44,7 @@ from ur5lib.tables import write_table
 from ur5lib.timeseries.arrays import Array
 
 SEEDS, FITTED, FEWEST = 20, 6, 3  # motions, each a recording
-UNSEEN_LOGS = 4  # of each seed, that day and in other seasons
+UNSEEN_LOGS = 4  # of each seed, on the fit's day and as many in other seasons
 COLUMNS = ["time", "actual_q", "actual_torque"]
 UNSEEN = {"same day": RUN_TO_RUN_STD, "other seasons": friction_std(SEASON)}
 ANGLES_HZ, SLOW = 10.0, 0.02  # Hz, rad/s: of least squares
@@ -77,12 +77,12 @@ class Log(NamedTuple):
 
     @property
     def signals(self) -> Signals:
-        """Return its signals."""
+        """Return the signals of the recording."""
         return Signals.read(self.file)
 
 
 class Fit(NamedTuple):
-    """An arm with fitted links, its friction, and the loads that its recordings seem to carry."""
+    """An arm with fitted links, its friction, and the estimated loads of its recordings."""
 
     arm: Robot
     friction: Friction
@@ -90,7 +90,7 @@ class Fit(NamedTuple):
 
 
 def figures(seed: int, motions: int, unseen: int) -> Iterator[dict[str, Any]]:
-    """Yield what is counted of one seed; unseen: number of logs of each day."""
+    """Yield the figures of one seed; unseen: number of logs of each day."""
     made = MadeUpArm(seed)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -120,13 +120,13 @@ def by_joint(quantity: str, values: Array) -> Iterator[dict[str, Any]]:
 
 
 def described(made: MadeUpArm, folder: Path) -> Robot:
-    """Return the arm of a URDF, completed by its user."""
+    """Return the arm of a URDF, completed with its user's knowledge."""
     robot, _ = robot_from_urdf(folder / "arm.urdf")
     return robot_of(made.as_described(robot.model_dump(mode="json", exclude_none=True)))
 
 
 def taken(arm: Robot, folder: Path, log: str, name: str, cut: Mapping[str, float]) -> Log:
-    """Return a recording, a part of a log, as the steps of the workflow read it."""
+    """Return a part of a log as a recording, read as by the steps of the workflow."""
     entry = {"format": "table-csv", "folder": str(folder), "file": f"{log}.csv", "columns": COLUMNS}
     of_file = ENTRY.validate_python(entry | cut)
     read = read_recording(of_file, [folder / f"{log}.csv"], arm, SETTINGS.frames.max_gap_s)
@@ -136,7 +136,7 @@ def taken(arm: Robot, folder: Path, log: str, name: str, cut: Mapping[str, float
 
 
 def fitted(arm: Robot, logs: Mapping[str, Log]) -> Fit:
-    """Return what the steps find from recordings to fit."""
+    """Return the results of the workflow's steps on the fit recordings."""
     signals = {name: log.signals for name, log in logs.items()}
     motion = {name: log.motion for name, log in logs.items()}
     found = identify_model(arm, signals, motion, dict.fromkeys(logs), MOTIONS, CURRENTS)
@@ -150,7 +150,7 @@ def fitted(arm: Robot, logs: Mapping[str, Log]) -> Fit:
 
 
 def with_torques(arm: Robot, log: Log, role: str) -> AlignedRecording:
-    """Return a recording, which nothing contradicts, with its torques."""
+    """Return a recording with its torques, and without contradictions."""
     known: dict[str, Any] = {"name": log.file.stem, "role": role, "quality": log.quality}
     known |= {"signals": log.signals, "motion": log.motion}
     found = compute_torques(AlignedRecording(**known), arm, {"currents": CURRENTS.cutoff})
@@ -166,7 +166,7 @@ def predicted(fit: Fit, log: Log) -> PredictedCurrents:
 
 
 def least_squares(made: MadeUpArm, folder: Path, fit: str, unseen: str) -> Array:
-    """Return the NRMSE (6,) of least squares over all rows, each in units of its shaft's torque."""
+    """Return the NRMSE (6,) of least squares over all rows, divided by their shaft's torque."""
     columns, torque = shaft_rows(made, folder, fit)
     size = torque.std(axis=0)
     weighted = (columns / size[:, None]).reshape(-1, columns.shape[2]), (torque / size).ravel()
@@ -177,8 +177,8 @@ def least_squares(made: MadeUpArm, folder: Path, fit: str, unseen: str) -> Array
 
 
 def shaft_rows(made: MadeUpArm, folder: Path, log: str) -> tuple[Array, Array]:
-    """Return columns (N, 6, P) of links, rotors, offsets and friction, and shafts' torques (N, 6),
-    by differences of low-passed angles, all low-passed.
+    """Return columns (N, 6, P) of links, rotors, offsets and friction, and shafts' torques (N, 6)
+    [Nm], all low-passed; derivatives are differences of low-passed angles.
     """
     table = pd.read_csv(folder / f"{log}.csv").to_numpy()
     rate, (angle, torque) = 1 / (table[1, 0] - table[0, 0]), np.split(table[:, 1:], 2, axis=1)

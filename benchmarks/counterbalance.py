@@ -31,7 +31,7 @@ from ur5lib.robots.drives import shaft_matrix
 
 RESULTS, SMOOTH = Path("results"), Smoother(4, 2.0)
 QUICK_RECORDINGS = 6
-# kg, of data sheets, base and all; of other arms, the description's weight, else all links'
+# kg, with the base, from data sheets; for other arms, the description's weight or sum of the links
 WEIGHTS = {"ur3": 11.0, "ur5": 18.4, "ur10": 28.9, "ur3e": 11.2, "ur5e": 20.6, "ur10e": 33.5}
 
 
@@ -52,7 +52,7 @@ def main() -> None:
 
 
 def of_study(study: FinishedStudy, most: int) -> Iterator[list[str]]:
-    """Yield the rows of a study's arms, by the recordings of their fits; most: of each."""
+    """Yield the rows of a study's arms; most: number of fit recordings of each arm."""
     for folder in sorted((study.folder / "parameters").iterdir()):
         arm, name = study.arm(folder.name), folder.name
         names = study.parameters(Friction, name, "friction").from_[:most]
@@ -65,7 +65,7 @@ def of_study(study: FinishedStudy, most: int) -> Iterator[list[str]]:
 
 
 def of_arm(arm: Robot, study: FinishedStudy, names: list[str]) -> list[str]:
-    """Return how many recordings tell an arm, the ratios of errors, and the balanced joints."""
+    """Return the number of an arm's recordings, the ratios of errors, and the balanced joints."""
     runs = [run for name in names for run in runs_of(arm, study, name)]
     rows = torque_rows(runs, JOINT_TERMS, SMOOTH, shaft_matrix(arm))
     fit, places = ArmFit(arm, rows, JOINT_TERMS), rows.places(JOINT_TERMS)

@@ -49,7 +49,7 @@ Contender = Callable[[States], Callable[[], object]]
 
 
 def main() -> None:
-    """Print the tables; each number of threads has a process of its own."""
+    """Print the tables; each number of threads runs in a new process."""
     options = options_of(__doc__)
     options.add_argument("--threads", type=int, help="measure in this process, on so many")
     given = options.parse_args()
@@ -192,7 +192,7 @@ def random_states(size: int) -> States:
 
 
 def print_memory(robot: Robot, effort: Effort) -> None:
-    """Print the peak memory beyond the result of 48 bytes per state; the states take none here."""
+    """Print the peak memory in addition to the result of 48 bytes per state, without the states."""
     torch.set_num_threads(1)
     arm = build_arm(robot, MODEL)
     print("\nplain inverse dynamics, float64: peak memory of the process beyond its result [MiB]")

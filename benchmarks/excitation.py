@@ -29,8 +29,8 @@ from ur5lib.timeseries.arrays import Array
 ROBOTS = ("ur5", "ur5e")
 SECONDS, RANDOM = 20.0, 1000
 USUAL, QUICK, OF_CELLS = Effort(), Effort(1, 3, ((1e3, 5),)), Effort(1, 3, ((1e3, 6),))
-TURN = 0.8  # rad, by which each joint leaves the posture in turn
-MISJUDGED = 0.2  # of the prior's standard deviations: by how much the truth differs from nominal
+TURN = 0.8  # rad; motion of each joint from the posture, one after the other
+MISJUDGED = 0.2  # standard deviation of truth - nominal, in those of the prior
 UNSEEN, FITS = 5, 20  # motions, and draws of truth and noise
 ROUNDS = 6  # of Gauss and Newton's
 CELL_SECONDS = 5.0
@@ -59,7 +59,7 @@ def usual_task(robot: str, seconds: float) -> Task:
 
 
 def compared(robot: str, task: Task, effort: Effort, count: int) -> None:
-    """Print what each trajectory is worth, and the errors after a fit to it."""
+    """Print the information of each trajectory, and the errors after a fit to it."""
     took, found = timed(lambda: design(task, 0, effort))
     ours = task.regressor(found.path)
     rivals = random_motions(task, count)
@@ -121,7 +121,7 @@ def unseen_error(task: Task, motion: States) -> Array:
 
 
 def thinned(Y: Array, qd: Array) -> tuple[Array, Array]:
-    """Return the samples whose errors are independent."""
+    """Return samples so far apart that their errors are independent."""
     every = round(INDEPENDENT_STEP / STATE_STEP)
     return Y[::every], qd[::every]
 
@@ -138,7 +138,9 @@ def fit(problem: DesignProblem, Y: Array, qd: Array, measured: Array) -> Array:
 
 
 def print_cells(count: int) -> None:
-    """Print how many trajectories of random cells keep all limits at 1 kHz, and why others fail."""
+    """Print the number of random cells' trajectories that keep all limits at 1 kHz, and why others
+    fail.
+    """
     kept, refused, broken = 0, 0, 0
     for seed in range(count):
         try:
@@ -161,7 +163,7 @@ def keeps_limits(seed: int) -> bool:
 
 
 def random_task(random: np.random.Generator) -> Task:
-    """Return the task of a random arm among random things, with random shares of its limits."""
+    """Return the task of a random arm among random obstacles, with random shares of its limits."""
     robot = str(random.choice(robot_names()))
     task = usual_task(robot, CELL_SECONDS)
     things = Surroundings(

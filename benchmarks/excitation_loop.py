@@ -70,7 +70,7 @@ def designed(robot: str, number: int, effort: Effort) -> list[dict[str, Any]]:
 
 
 def folder_of(number: int) -> Path:
-    """Return where the files of a motion are."""
+    """Return the folder of a motion's files."""
     return RESULTS / "designs" / str(number)
 
 
@@ -83,9 +83,9 @@ def recording(number: int) -> dict[str, Any]:
 
 
 def built(recordings: list[dict[str, Any]]) -> None:
-    """Simulate and identify, without what forces and the report need."""
+    """Simulate and identify, without the steps of forces and report."""
     study = {"study": STUDY, "title": "Designed recordings", "recordings": recordings}
-    file = RESULTS / "configuration.yaml"  # where `ur5 excite` looks for it
+    file = RESULTS / "configuration.yaml"  # `ur5 excite` reads it there
     file.write_text(yaml.safe_dump(study, sort_keys=False, default_flow_style=None))
     snakemake(study, "--until", IDENTIFIED)
 
@@ -105,7 +105,7 @@ def print_recording(
     before: dict[str, float],
     after: dict[str, float],
 ) -> None:
-    """Print the standard errors that were predicted of a recording, and those of the study."""
+    """Print the standard errors predicted for a recording, and those of the study."""
     print(f"recording {number}: standard errors, least determined first")
     print(f"{'':>30}{'predicted':>22}{'stated by the study':>22}")
     rows = [row for row in predicted if row["parameter"] in after]

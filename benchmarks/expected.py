@@ -27,7 +27,7 @@ CONTACT_N = 5  # force at the sensor from which on contacts are counted
 
 
 class Row(NamedTuple):
-    """What a study's results say of one arm, as the page shows it."""
+    """A study's results on one arm, as the page shows them."""
 
     arm: str
     recorded: str
@@ -72,7 +72,7 @@ def main() -> None:
 
 
 def rows_of(folder: Path) -> Iterator[Row]:
-    """Yield a row for each arm that recordings of a study were fitted to."""
+    """Yield a row for each arm with a fit in a study."""
     study = yaml.safe_load((folder / "configuration.yaml").read_text())
     entries = pd.DataFrame(study["recordings"])
     tables = {path.stem: read_csv(path) for path in (folder / "tables").glob("*.csv")}
@@ -97,7 +97,7 @@ def rows_of(folder: Path) -> Iterator[Row]:
 
 
 def of_arm(rows: pd.DataFrame, arm: str, entries: pd.DataFrame) -> pd.DataFrame:
-    """Return the rows of a table that are of an arm or of its recordings."""
+    """Return the rows of a table about an arm or its recordings."""
     if "robot" in rows:
         return rows[rows["robot"] == arm]
     names = entries.loc[entries["robot"] == arm, "name"] if "robot" in entries else entries["name"]
@@ -105,7 +105,7 @@ def of_arm(rows: pd.DataFrame, arm: str, entries: pd.DataFrame) -> pd.DataFrame:
 
 
 def dates(entries: pd.DataFrame, friction: Friction) -> int:
-    """Return on how many dates the fit's recordings were taken, 1 if none is known."""
+    """Return the number of dates of the fit's recordings, 1 if none is known."""
     if "date" not in entries:
         return 1
     fitted = entries["name"].isin(friction.from_)
@@ -151,7 +151,7 @@ def verdicts(tables: dict[str, pd.DataFrame], question: str, arm: str) -> pd.Dat
 
 
 def contacts_found(rows: pd.DataFrame) -> str:
-    """Return how many contacts at the sensor were found, and from which force on all were."""
+    """Return the number of found contacts at the sensor, and the force above which all are."""
     if rows.empty:
         return ""
     first, from_ = rows.iloc[0], rows.dropna(subset="value")[:1]
@@ -166,7 +166,7 @@ def band(rows: pd.DataFrame) -> str:
 
 
 def pushes(rows: pd.DataFrame) -> str:
-    """Return the push along x, y, z that is found with 95 %, where it is least and where most."""
+    """Return the pushes along x, y, z found with 95 %, in the best and in the worst motion."""
     stated = rows.dropna(subset="value").sort_values("axis")
     whole = {motion: part for motion, part in stated.groupby("motion") if len(part) == len("xyz")}
     ordered = sorted(whole, key=lambda motion: float(whole[motion]["value"].max()))
@@ -175,7 +175,7 @@ def pushes(rows: pd.DataFrame) -> str:
 
 
 def along_axes(rows: pd.DataFrame) -> str:
-    """Return the pushes along x, y, z; beyond the trials, their end."""
+    """Return the pushes along x, y, z; `>` and the largest trial if it was not found."""
     return ", ".join(
         f"{'> ' if bound == '>' else ''}{value:.0f}"
         for value, bound in rows[["value", "bound"]].to_numpy()
@@ -183,7 +183,7 @@ def along_axes(rows: pd.DataFrame) -> str:
 
 
 def constants(rows: pd.DataFrame) -> str:
-    """Return how many joints' constants may be used, and the widest 95 % interval of one."""
+    """Return the number of joints with a usable constant, and the widest 95 % interval of one."""
     if rows["count"].isna().all():
         return ""
     first, widest = rows.iloc[0], rows[rows["quantity"].str.startswith("widest")]

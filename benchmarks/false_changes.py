@@ -21,7 +21,7 @@ from ur5lib.topics.health.changes import (
 ARMS, DATES, APART = 100, 20, 3.0  # days between dates
 SERIES = 30  # of an arm: six joints, five quantities
 CORRELATIONS = (0.0, 0.3, 0.5, 0.6)  # of neighbouring dates
-SPREAD, STATED = 0.02, 0.01  # from date to date, and the stated error, of a value of 1
+SPREAD, STATED = 0.02, 0.01  # of a value of 1: deviation between dates, stated standard error
 SIZES = (5.0, 10.0)  # standard deviations from date to date
 LEVEL = FALSE_ALARM_PROBABILITY / SERIES
 
@@ -60,7 +60,7 @@ def jumping(series: DatedSeries, size: float) -> DatedSeries:
 
 
 def found(series: DatedSeries, kind: str) -> bool:
-    """Return whether the first change that is found is of this kind."""
+    """Return whether the first found change is of this kind."""
     changes = find_changes(series, LEVEL)
     return bool(changes) and changes[0].kind == kind
 

@@ -45,8 +45,9 @@ DOUBT = "links in doubt"
 
 
 class Fault(NamedTuple):
-    """A log with a fault; joints: from 1, which a stop sign should name, if any; words: of which
-    one should be in its code.
+    """A log with a fault, and the stop sign that it should raise.
+
+    joints: from 1, that the sign should name, if any; words: one of these should be in its code.
     """
 
     kind: str
@@ -56,7 +57,7 @@ class Fault(NamedTuple):
 
 
 def main() -> None:
-    """Print what happens to right logs and to faults."""
+    """Print how right logs and faults are judged."""
     options = options_of(__doc__)
     options.add_argument("seeds", nargs="?", type=int, default=SEEDS, help="logs of each kind")
     options.add_argument("--folder", type=Path, default=Path("../shared"), help="reference data")
@@ -78,14 +79,14 @@ def main() -> None:
 
 
 def table(rows: pd.DataFrame, keys: list[str]) -> str:
-    """Return the sums of what rows count, by some of their columns."""
+    """Return a table of the rows' counts, summed by the columns `keys`."""
     counts = rows.groupby(keys, sort=False).sum(numeric_only=True).reset_index()
     return markdown([*counts], [[*map(str, row)] for row in counts.itertuples(index=False)])
 
 
 def of_right(log: RightLog) -> Iterator[dict[str, object]]:
     """Yield how a right log is judged: as recorded, by its motion alone, and described wrongly."""
-    recorded = replace(log.checked)  # what is found of a copy goes with it, some 50 MB a log
+    recorded = replace(log.checked)  # cached results, some 50 MB a log, are freed with the copy
     forms = [("recorded", recorded), ("motion alone", bare(recorded))]
     forms += [("links described wrongly", own) for own in wrongly_described(bare(recorded))]
     for name, own in forms:
@@ -99,12 +100,12 @@ def of_right(log: RightLog) -> Iterator[dict[str, object]]:
 
 
 def warnings(own: Checked) -> list[Finding]:
-    """Return what is told of a log without a stop sign."""
+    """Return the warnings about a log without a stop sign."""
     return [*possible_delays(own), *load_without_targets(own), *scaled_current(own)]
 
 
 def of_faults(log: RightLog) -> Iterator[dict[str, object]]:
-    """Yield what is told of each fault that is put into a log."""
+    """Yield the verdict on each fault that is put into a log."""
     for fault in faults(bare(log.checked)):
         stops = stop_signs(fault.checked) or warnings(fault.checked)
         told = any(is_told(fault, sign) for sign in stops)
@@ -120,7 +121,7 @@ def is_told(fault: Fault, sign: Finding) -> bool:
 
 
 def moved(own: Checked) -> tuple[str, ...]:
-    """Return the channels of which joints may be exchanged."""
+    """Return the channels in which joints can be exchanged."""
     return "actual_q", "actual_qd", own.arm.measured.channel
 
 
@@ -132,7 +133,7 @@ def bare(own: Checked) -> Checked:
 
 
 def faults(own: Checked) -> Iterator[Fault]:
-    """Yield a log with each kind of fault; none where nothing moves or no effort was recorded."""
+    """Yield a log with each kind of fault; none if no joint moves or no effort was recorded."""
     if f"{own.arm.measured.channel}_0" not in own.robot or len(own.means.q) < MIN_BLOCKS:
         return
     moving = np.flatnonzero(moving_joints(own.means)).tolist()
@@ -169,7 +170,7 @@ def exchanged(own: Checked, pair: Pair, other: Pair) -> Iterator[Fault]:
 
 
 def of_a_joint(own: Checked, joint: int) -> Iterator[Fault]:
-    """Yield a log with the effort of a joint turned, and scaled."""
+    """Yield logs with the effort of a joint negated, scaled, and delayed."""
     effort, factor = channel(own.robot, own.arm.measured.channel), np.ones(len(own.arm.joints))
     for kind, size, words in (
         ("sign of a joint", -1, ("turned", "opposite")),
@@ -184,12 +185,12 @@ def of_a_joint(own: Checked, joint: int) -> Iterator[Fault]:
 
 
 def delayed(values: Array, frames: float) -> Array:
-    """Return values (N, n) that come later by some frames."""
+    """Return values (N, n) delayed by a number of frames."""
     return np.asarray(pd.DataFrame(values).shift(round(frames)).bfill().to_numpy())
 
 
 def with_tool(own: Checked) -> Checked:
-    """Return a log, to be fitted, of an arm with a tool that nothing declares, by its gravity."""
+    """Return a fit log with the gravity torque of an undeclared tool added."""
     q = channel(own.robot, "actual_q")
     arms = own.arm.carrying(TOOL), own.arm
     more, less = (gravity_torque(arm, arm.chosen_model, q) for arm in arms)
@@ -199,7 +200,7 @@ def with_tool(own: Checked) -> Checked:
 
 
 def of_all_joints(own: Checked) -> Iterator[Fault]:
-    """Yield a log with efforts turned, in another unit, and late."""
+    """Yield logs with all efforts negated, in another unit, and delayed."""
     effort = channel(own.robot, own.arm.measured.channel)
     of_signs = ("turned", "opposite", "mounting or sign")
     yield Fault("sign of all joints", spoilt(own, -effort), set(), of_signs)
@@ -211,7 +212,7 @@ def of_all_joints(own: Checked) -> Iterator[Fault]:
 
 
 def spoilt(own: Checked, efforts: Array) -> Checked:
-    """Return a log with other efforts."""
+    """Return a log with these efforts."""
     return replace(own, robot=own.robot.assign(**named(efforts, own.arm.measured.channel)))
 
 

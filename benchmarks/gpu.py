@@ -20,11 +20,11 @@ from ur5lib.dynamics.rigid_body import inverse_dynamics
 from ur5lib.robots.description import Robot, load_robot, robot_path
 
 MODEL = "C+rotors"
-VALUES = 24  # read and written for each state: q, qd, qdd and the torque
+VALUES = 24  # numbers read and written for each state: q, qd, qdd and the torque
 
 
 def main() -> None:
-    """Print the table, or that no GPU is at hand."""
+    """Print the table, or that there is no GPU."""
     quick = options_of(__doc__).parse_args().quick
     if not torch.cuda.is_available():
         return print("no GPU is at hand")
@@ -86,7 +86,7 @@ def error(robot: Robot, arm: ArmTensors, states: list[Tensor]) -> float:
 
 
 def copied_bytes_a_second(rounds: int) -> float:
-    """Return the bytes that the GPU reads and writes a second where it copies 1 GiB."""
+    """Return the GPU's bandwidth [B/s], reading plus writing, for a copy of 1 GiB."""
     copied = torch.ones(1 << 28, device="cuda")
     return 2 * copied.nbytes / medians([copied.clone], rounds)[0]
 

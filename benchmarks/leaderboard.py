@@ -30,7 +30,7 @@ from ur5rivals.tables import tables
 
 QUICK = (OURS, "zero", "least squares", "momentum observer")
 PAGE = Path(__file__).parents[1] / "docs" / "benchmark.md"
-BESIDE = RESULTS_FOLDER / "benchmark.md"  # with estimators that are not the project's
+BESIDE = RESULTS_FOLDER / "benchmark.md"  # the page with estimators from outside the project
 
 
 def main() -> None:

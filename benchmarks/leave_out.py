@@ -79,7 +79,7 @@ TABLES: dict[str, type[Table]] = {
     "kinematics": Kinematics,
 }
 ALARMS = ["recording", "estimate", "alarms", "minutes", "in_alarm", "deviations", "date"]
-MOVES = 2.0  # s, for which a joint moves at least where its friction is judged
+MOVES = 2.0  # s; friction is judged if a joint moves for at least this time
 
 
 @dataclass(frozen=True)
@@ -92,24 +92,24 @@ class Recording:
 
     @property
     def day(self) -> str:
-        """Its date, empty where the study gives none."""
+        """The recording's date, "" if the study gives none."""
         return str(self.entry.get("date") or "")
 
     @property
     def name(self) -> str:
-        """As in the study."""
+        """The recording's name in the study."""
         return str(self.entry["name"])
 
     def file(self, name: str) -> str:
-        """Path of a file that the study made of it."""
+        """Path of the study's file of the recording."""
         return str(self.folder / name)
 
     def premises(self) -> Premises:
-        """Return what its torques rest on."""
+        """Return the premises of its torques."""
         return read_record(Premises, self.file("premises.json"))
 
     def opened(self, **known: Any) -> PredictedRecording:
-        """Return what the study made of it; known: what it did not."""
+        """Return the study's results of the recording; known: fields to use instead."""
         loads: dict[str, Callable[[], Any]] = {
             name: partial(kind.read, self.file(f"{name}.parquet")) for name, kind in TABLES.items()
         }
@@ -139,7 +139,7 @@ class Study:
 
     @property
     def lowpass(self) -> Butterworth:
-        """Order and cut-off behind currents and torques."""
+        """Order and cut-off of the low-pass on currents and torques."""
         settings = self.settings.lowpass.currents
         return Butterworth(settings.order, settings.cutoff_hz)
 
@@ -148,7 +148,7 @@ Tried = tuple[str, list[Recording], list[Recording]]  # label, to fit on, to try
 
 
 def main() -> None:
-    """Print alarms a minute, and how currents are predicted."""
+    """Print alarms a minute, and the errors of predicted currents."""
     given = arm_options(__doc__).parse_args()
     [folder] = built([Path("results") / given.study])
     torch.set_num_threads(1)
@@ -156,7 +156,7 @@ def main() -> None:
 
 
 def compare(title: str, known: Study, quick: bool) -> None:
-    """Leave out path after path, or day after day, then all recordings but one."""
+    """Leave out path after path, or day after day, then all recordings except one."""
     few = 1 if quick else None
     folds = without_each(known)[:few]
     folds.append(("all recordings to fit on", known.fit, unseen(known, known.fit)))
@@ -182,7 +182,7 @@ def compare(title: str, known: Study, quick: bool) -> None:
 
 
 def read_study(folder: Path, robot: str, roles: Sequence[str] = ("fit", "validate")) -> Study:
-    """The recordings of an arm with some roles; by default those in which nothing touches it."""
+    """The recordings of an arm with some roles, by default those without contact."""
     plan = yaml.safe_load((folder / "configuration.yaml").read_text())
     entries = [
         entry for entry in plan["recordings"] if entry["robot"] == robot and entry["role"] in roles
@@ -199,7 +199,7 @@ def read_study(folder: Path, robot: str, roles: Sequence[str] = ("fit", "validat
 
 
 def without_each(study: Study) -> list[Tried]:
-    """What is left out together: label, recordings to fit on, and to try what only these miss."""
+    """Yield for each left-out part its label, the fitted recordings and the tried ones."""
     path = np.array([own.path for own in study.fit])
     _, day = np.unique([own.day for own in study.fit], return_inverse=True)
     kept = {tuple(apart_from(path == one, path, day)): one for one in np.unique(path)}
@@ -213,29 +213,29 @@ def without_each(study: Study) -> list[Tried]:
 
 
 def unseen(study: Study, fitted: list[Recording]) -> list[Recording]:
-    """Recordings that share neither path nor, where the study has dates, day with these."""
+    """Recordings that share neither path nor (if dated) day with the fitted ones."""
     paths, days = {own.path for own in fitted}, {own.day for own in fitted} - {""}
     return [own for own in study.recordings if own.path not in paths and own.day not in days]
 
 
 class Fold:
-    """The workflow's steps from friction to threshold, fitted on some recordings alone."""
+    """The workflow's steps from friction to threshold, fitted only to some recordings."""
 
     def __init__(self, study: Study, fitted: list[Recording], folder: Path) -> None:
         self.study, self.fitted, self.folder = study, fitted, folder
         self.arm = load_robot(study.arm)
 
     def own(self, recording: Recording, name: str) -> str:
-        """A file that this fold makes of a recording."""
+        """Path of this fold's file of a recording."""
         return str(self.folder / f"{recording.name}.{name}")
 
     def shared(self, name: str) -> str:
-        """A file that this fold makes of all."""
+        """Path of this fold's file of all recordings."""
         return str(self.folder / name)
 
     @property
     def friction(self) -> Friction:
-        """What the fitted recordings tell of friction."""
+        """The friction fitted to the fold's recordings."""
         return read_record(Friction, self.shared("friction.json"))
 
     def predict(self, tested: list[Recording]) -> None:
@@ -255,11 +255,11 @@ class Fold:
         self.residuals()
 
     def of_fitted(self, kind: type[Table], file: str) -> dict[str, Any]:
-        """A table that the study made of each fitted recording."""
+        """The study's table of each fitted recording."""
         return {own.name: kind.read(own.file(file)) for own in self.fitted}
 
     def estimate(self, tested: list[Recording]) -> None:
-        """Estimate the forces of all recordings, whose currents are predicted."""
+        """Estimate the forces of all recordings from their predicted currents."""
         for own in [*self.fitted, *tested]:
             self.forces(own)
         published = [own.folder / "published_forces.parquet" for own in self.fitted]
@@ -275,7 +275,7 @@ class Fold:
         write_json(threshold, self.shared("threshold.json"))
 
     def residuals(self) -> None:
-        """What the external torque of the fitted recordings is without contact."""
+        """Fit the model of the residual torque to the fitted recordings."""
         residuals = fit_residuals(
             friction=self.friction,
             currents={
@@ -287,15 +287,15 @@ class Fold:
         write_json(residuals, self.shared("residuals.json"))
 
     def payload(self, own: Recording) -> None:
-        """What the currents tell of a load."""
+        """Estimate the load of a recording from its currents."""
         write_json(estimate_load(own.opened(), **self.known()), self.own(own, "payload.json"))
 
     def load_of(self, own: Recording) -> PayloadEstimate:
-        """Return what the currents told of a load."""
+        """Return the estimated load of a recording."""
         return read_record(PayloadEstimate, self.own(own, "payload.json"))
 
     def currents(self, own: Recording, role: str) -> None:
-        """The external torque of a recording."""
+        """Compute the external torque of a recording."""
         untouched = own.entry.get("untouched")
         stated = {"role": role, "untouched": None if untouched is None else tuple(untouched)}
         predicted = predict_currents(
@@ -308,7 +308,7 @@ class Fold:
         write_json(predicted.summary, self.own(own, "currents.json"))
 
     def forces(self, own: Recording) -> None:
-        """All estimates of a recording's forces."""
+        """Compute all estimates of a recording's forces."""
         forces = estimate_forces(
             own.opened(currents=Currents.read(self.own(own, "currents.parquet"))),
             residuals=read_record(Residuals, self.shared("residuals.json")),
@@ -318,12 +318,12 @@ class Fold:
         forces.write(self.own(own, "forces.parquet"))
 
     def known(self) -> dict[str, Any]:
-        """What all steps on currents are given."""
+        """The common arguments of all steps on currents."""
         return {"friction": self.friction, "arm": self.arm, "lowpass": self.study.lowpass}
 
     def alarms(self, tested: list[Recording]) -> pd.DataFrame:
-        """A row for each recording and estimate: alarms, minutes, of them minutes in alarm, and the
-        largest force of an alarm in its standard deviations.
+        """A row for each recording and estimate: alarms, minutes, minutes in alarm, and the largest
+        force of an alarm in its standard deviations.
         """
         thresholds = read_record(dict[str, float], self.shared("threshold.json"))
         rows = []
@@ -332,7 +332,7 @@ class Fold:
             minute = forces.period / 60
             estimates = all_stated(forces, {})
             for name in forces.log_odds:
-                # Where no fitted recording has this estimate, contact is what is the likelier.
+                # Without this estimate in fitted recordings, the threshold is log-odds 0.
                 found = alarms_of(estimates[name], thresholds.get(name, 0.0))
                 lasted = sum(last - first for first, last in found.raised) * minute
                 peaks = [peak_of(span, found) for span in found.raised]
@@ -371,7 +371,7 @@ def pushed_on(fold: Fold, own: Recording) -> Trials | None:
 
 
 def report_pushes(trials: Trials) -> None:
-    """Print the pushes that are found with 95 % where joints feel them, the axes together."""
+    """Print the pushes found with 95 %, over all axes, without those that joints do not feel."""
     most = float(trials.force.max())
     for motion, own in by_motion(trials):
         limit, felt = detectable(own, most), int(own.felt(FELT_SIZE * most).sum())
@@ -385,7 +385,7 @@ def report_pushes(trials: Trials) -> None:
 
 
 def report_alarms(label: str, found: pd.DataFrame) -> None:
-    """A line for each estimate, and one for each recording with alarms."""
+    """Print a line for each estimate, and one for each recording with alarms."""
     print(label)
     for name, part in found.groupby("estimate"):
         count, minutes, lasted = part[["alarms", "minutes", "in_alarm"]].sum()
@@ -401,7 +401,7 @@ def report_alarms(label: str, found: pd.DataFrame) -> None:
 
 
 def refusal(fold: Fold, tested: list[Recording]) -> str | None:
-    """Predict a fold's currents; return why there are no forces, None where there are."""
+    """Predict a fold's currents; return the reason if there are no forces, else None."""
     try:
         fold.predict(tested)
     except (InputError, np.linalg.LinAlgError) as error:
@@ -415,7 +415,7 @@ def refusal(fold: Fold, tested: list[Recording]) -> str | None:
 def built_folds(
     title: str, study: Study, tried: list[Tried]
 ) -> Iterator[tuple[Fold, list[Recording]]]:
-    """Folds whose files are there, and what is tried in each; prints all alarms, or why none is."""
+    """Yield built folds with their tried recordings; print all alarms, or why there are none."""
     found = []
     for label, fitted, tested in tried:
         with tempfile.TemporaryDirectory() as folder:
@@ -432,13 +432,13 @@ def built_folds(
 
 
 def predicted(fold: Fold, own: Recording) -> Iterator[dict[str, Any]]:
-    """Of each joint, the current's share inside its band, and the excess of friction in motion."""
+    """Yield for each joint the current's share inside its band, and the excess of friction."""
     currents = Currents.read(fold.own(own, "currents.parquet"))
     summary = read_record(Prediction, fold.own(own, "currents.json"))
     if "fitted" not in summary.scores:
         return
     excess = friction_excess(currents, Motion.read(own.file("motion.parquet")))
-    if summary.is_loaded:  # its friction in the gears is another
+    if summary.is_loaded:  # its friction in the gears differs
         excess[:] = np.nan
     about = {"day": own.day, "recording": own.name, "samples": len(currents.time)}
     for joint, inside in enumerate(summary.scores["fitted"].coverage):
@@ -446,7 +446,7 @@ def predicted(fold: Fold, own: Recording) -> Iterator[dict[str, Any]]:
 
 
 def held_by_state(fold: Fold, own: Recording) -> pd.DataFrame:
-    """Each sample's error of a current in units of half its band, with joint, state and day."""
+    """Each sample's current error / half-width of its band, with joint, state and day."""
     currents = Currents.read(fold.own(own, "currents.parquet"))
     if currents.external_torque is None:
         return pd.DataFrame()
@@ -462,8 +462,8 @@ def held_by_state(fold: Fold, own: Recording) -> pd.DataFrame:
 
 
 def report_states(rows: pd.DataFrame) -> None:
-    """Print by state the share inside, that on the worst day, and the factor that would hold 95 %,
-    by joint.
+    """Print by state the share inside the band, the share on the worst day, and by joint the
+    multiple of the band that contains 95 %.
     """
     for state, own in rows.groupby("state"):
         inside = own["of_band"] <= 1.0
@@ -477,9 +477,9 @@ def report_states(rows: pd.DataFrame) -> None:
 
 
 def friction_excess(currents: Currents, motion: Motion) -> Array:
-    """Return s (6,) of τ_ext = c - s τ_friction by least squares, NaN where a joint hardly moves.
+    """Return s (6,) of τ_ext = c - s τ_friction by least squares, NaN if a joint moves too little.
 
-    Friction that is stronger than predicted by the share s is an external torque against it.
+    Friction of (1 + s) times its prediction appears as such an external torque.
     """
     excess = np.full(6, np.nan)
     for joint in range(6):
@@ -492,7 +492,7 @@ def friction_excess(currents: Currents, motion: Motion) -> Array:
 
 
 def report_joints(rows: pd.DataFrame) -> None:
-    """Print by recording and joint, and the spread of friction over recordings and joints."""
+    """Print a line for each recording and joint, and the spread of friction over them."""
     for name, digits in (("inside", 2), ("excess", 3)):
         table = rows.pivot_table(name, ["day", "recording"], "joint", dropna=False)
         print(f"\n{name}\n{table.dropna(how='all').round(digits)}")

@@ -38,16 +38,16 @@ from ur5rivals.run import Run
 from ur5rivals.study import read_arms
 
 FALSE_PER_MIN = 1.0
-LONG = 40.0  # s, of a long run
+LONG = 40.0  # s; least duration of a long run
 HELD, LASTS = 10.0, 10.0  # N, s
 AFTER_STOP = 3.0  # s
-REST = AFTER_STOP + LASTS + 1.0  # s, that is long enough
+REST = AFTER_STOP + LASTS + 1.0  # s; least duration of a long rest
 HEADER = Path(__file__).parents[1] / "ur5lib" / "topics" / "live"
 SOURCE = Path(__file__).parent / "harness" / "live_samples.cpp"
 
 
 def main() -> None:
-    """Print both."""
+    """Print times and results."""
     given = arm_options(__doc__).parse_args()
     [folder] = built([Path("results") / given.study])
     torch.set_num_threads(1)
@@ -66,7 +66,7 @@ def main() -> None:
 
 
 def learned_on(runs: list[Run]) -> dict[str, Any]:
-    """What runs without contact tell."""
+    """Speeds, noise and threshold learnt from runs without contact."""
     return learned(
         [own for own in map(inputs, runs) if own is not None],
         len({own.path for own in runs}),
@@ -75,20 +75,20 @@ def learned_on(runs: list[Run]) -> dict[str, Any]:
 
 
 def of(run: Run) -> tuple[dict[str, Any], Measured]:
-    """The numbers of a run's arm, and what its controller stated."""
+    """The numbers of a run's arm, and its controller's samples."""
     known = inputs(run)
     assert known is not None
     return known
 
 
 def answers(run: Run, known: dict[str, Any]) -> Followed:
-    """What is stated of a run; known: what runs without contact tell."""
+    """The estimator's answers to a run; known: as learnt by `learned_on`."""
     arm, measured = of(run)
     return follow({**arm, **known}, measured)
 
 
 def print_times(arm_file: Path, run: Run, known: dict[str, Any]) -> None:
-    """Median and 99th percentile of a step [µs]."""
+    """Print median and 99th percentile of a step's time [µs]."""
     arm, measured = of(run)
     part, arm = measured.at(slice(2000)), {**arm, **known}
     robot = load_robot(arm_file)
@@ -112,7 +112,7 @@ def print_times(arm_file: Path, run: Run, known: dict[str, Any]) -> None:
 
 
 def in_cpp(arm: dict[str, Any], run: Measured) -> str:
-    """What the compiled header says of its steps."""
+    """Return the compiled header's output about its steps."""
     if (compiler := shutil.which("g++")) is None:
         return "no g++ is installed"
     with tempfile.TemporaryDirectory() as folder:
@@ -130,7 +130,7 @@ def in_cpp(arm: dict[str, Any], run: Measured) -> str:
 def on_date(
     date: str, runs: list[Run], fit: list[Run], dates: dict[str, str]
 ) -> Iterator[dict[str, Any]]:
-    """A row for each recording of a date of which nothing was learnt."""
+    """Yield a row for each recording of a date, learning without this date."""
     others = [own for own in fit if dates[own.name] != date]
     try:
         known = learned_on(others)
@@ -148,9 +148,10 @@ def on_date(
 
 
 def held_push(run: Run, known: dict[str, Any]) -> dict[str, float]:
-    """How much of a push of 10 N the slow state leaves after 10 s, and what it adds just after the
-    release: beside an estimator without it, median over the axes; in motion, from a third of the
-    recording on, and in a long rest.
+    """Return the share of a push of 10 N that the slow state keeps after 10 s (held), and its error
+    just after the release (left), relative to an estimator without slow state.
+
+    Medians over the axes; in motion, from a third of the recording on, and in a long rest.
     """
     seconds = np.arange(len(run.q)) * run.period
     starts = {"": seconds[-1] / 3}
@@ -166,7 +167,7 @@ def held_push(run: Run, known: dict[str, Any]) -> dict[str, float]:
 
 
 def held_from(start: float, run: Run, known: dict[str, Any]) -> list[float]:
-    """The same of a push from a time [s] on."""
+    """Return held and left, as in `held_push`, for a push that starts at a time [s]."""
     seconds = np.arange(len(run.q)) * run.period
     inside = (seconds >= start) & (seconds < start + LASTS)
     frozen = {**known, "constants": known["constants"] | {"slow": 1e12}}
@@ -186,7 +187,7 @@ def held_from(start: float, run: Run, known: dict[str, Any]) -> list[float]:
 
 
 def drawn(run: Run, known: dict[str, Any]) -> tuple[list[str], list[float]]:
-    """Drawn pushes, how many of them are found, and the median delay [s]."""
+    """Return names and values: number of drawn pushes, of found ones, median delay [s]."""
     wrench = next(drawn_pushes(np.arange(len(run.q)) * run.period, CurrentLowpass()))
     torque = (run.jacobian.mT @ wrench[..., None])[..., 0]
     found = answers(run.pushed(np.nan_to_num(torque)), known)
@@ -204,7 +205,7 @@ def drawn(run: Run, known: dict[str, Any]) -> tuple[list[str], list[float]]:
 
 
 def report(rows: pd.DataFrame) -> None:
-    """Print all together."""
+    """Print the results over all recordings."""
     minutes = (rows["minutes"] * rows["known"]).sum()
     unknown = 1 - rows[rows["minutes"] >= LONG / 60]["known"].mean()
     print(

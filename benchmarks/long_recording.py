@@ -61,8 +61,8 @@ def study(recordings: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def periodic_piece(periods: int) -> tuple[bytes, list[bytes]]:
-    """Return the header of a simulated CSV, and its rows of some periods without their stamps."""
-    begin = REST + PERIOD  # one period later, the arm no longer remembers its start
+    """Return the header of a simulated CSV, and its rows of some periods without time stamps."""
+    begin = REST + PERIOD  # after one period, transients of the start are over
     force = [30.0, -20.0, 40.0]
     pushes = [
         {"kind": "push", "start_s": begin + PERIOD * k + 8, "seconds": 3, "force": force}
@@ -81,7 +81,7 @@ def periodic_piece(periods: int) -> tuple[bytes, list[bytes]]:
 
 
 def write_recording(piece: tuple[bytes, list[bytes]], minutes: int) -> None:
-    """Write the piece again and again, with stamps that go on."""
+    """Write the piece repeatedly, with continuous time stamps."""
     header, rows = piece
     FOLDER.mkdir(parents=True, exist_ok=True)
     with (FOLDER / "robot.csv").open("wb") as file:
@@ -93,7 +93,7 @@ def write_recording(piece: tuple[bytes, list[bytes]], minutes: int) -> None:
 
 
 def steps() -> pd.DataFrame:
-    """Return wall time [s], processor time [s] and memory [MB] of the steps that saw it."""
+    """Return wall time [s], processor time [s] and memory [MB] of the recording's steps."""
     traces = RESULTS / "benchmarks"
     files = {path.parent.name: path for path in traces.glob("*/long.tsv")}
     files |= {path.stem: path for path in traces.glob("*.tsv")}

@@ -37,8 +37,8 @@ ARM, SECONDS, CYCLE = "ur10e", 20.0, 0.01  # s
 START, DAYS = date(2024, 1, 1), 730
 WORN_JOINT, WEAR = 3, 0.25  # share by which its Coulomb friction rises
 WORN_FROM, WORN_AFTER = 13 / 24, 14 / 24  # of the time: within the 14th of 24 months
-EXTREMES = 10.0, 50.0  # °C, between which motors are
-REFERENCES, PUSHED_EVERY = 4, 20  # runs to fit, at the start; one in so many has a contact
+EXTREMES = 10.0, 50.0  # °C; range of the motors' temperature
+REFERENCES, PUSHED_EVERY = 4, 20  # fit runs at the start; every twentieth run has a contact
 WAY_POINTS = [
     [[0.5, -1.6, 1.6, -1.5, 1.5, 0.3], [-0.6, -1.1, 1.2, -1.9, 2.2, -0.8]],
     [[1.3, -2.0, 2.0, -0.9, 0.9, 1.2], [0.2, -1.3, 0.9, -1.0, 1.2, -0.4]],
@@ -50,7 +50,7 @@ ROLES = {"reference": "fit", "daily": "validate", "pushed": "contact"}  # by the
 
 
 def main() -> None:
-    """Print what each run of the study takes, for each number of recordings."""
+    """Print time and memory of each run of the study, for each number of recordings."""
     options = options_of(__doc__)
     options.add_argument("--damaged", type=float, default=0.0, help="share of files, e.g. 0.01")
     options.add_argument("numbers", type=int, nargs="*", help="of runs; default: 60 240")
@@ -67,10 +67,10 @@ def main() -> None:
 def measure(
     number: int, seconds: float, damaged: float, plan: Sequence[str], maker: Executor
 ) -> None:
-    """Print what each run of a study of so many recordings of some seconds takes.
+    """Print time and memory of each run of a study with this number of recordings.
 
-    plan: further options of Snakemake; maker: another process, in which recordings are made: what a
-    process holds when it starts another counts as memory of that one, too.
+    seconds: of a recording; plan: further options of Snakemake; maker: another process that makes
+    the recordings, since a process's memory also counts for the processes that it starts.
     """
     name = f"benchmark_many_runs_{number}"
     folder = Path("raw", name)
@@ -97,7 +97,7 @@ def measure(
 
 
 def show_changes(file: Path) -> None:
-    """Print what changed according to the study, beside the wear that was put in."""
+    """Print the changes that the study found, and the simulated wear."""
     first, last = (START + timedelta(DAYS * share) for share in (WORN_FROM, WORN_AFTER))
     print(f"\nput in: Coulomb friction of joint {WORN_JOINT} +{WEAR:.0%}, {first} to {last}")
     if file.exists():
@@ -118,7 +118,7 @@ def study(name: str, folder: Path) -> dict[str, Any]:
 
 
 def write_runs(folder: Path, number: int, damaged: float, seconds: float) -> list[Path]:
-    """Write runs into a folder of each month; return the files of a share that is damaged."""
+    """Write runs into a folder for each month; return the damaged files, a share of all."""
     files = [write_run(folder, *one, seconds) for one in runs(number)]
     torn = files[REFERENCES + 1 :: round(1 / damaged)] if damaged else []
     for file in torn:
@@ -154,7 +154,7 @@ def write_run(folder: Path, kind: str, number: int, day: int, seconds: float) ->
 def mixture(
     kind: str, program: int, worn: float, warm: tuple[float, float], seconds: float
 ) -> Experiment:
-    """Return a run as worn (0 to 1) and with motors as warm [°C] from its start to its end."""
+    """Return a run; worn: 0 to 1; warm: the motors' temperature at its start and end [°C]."""
     first = extreme(kind, program, seconds, worn=False, hot=False)
     plan = first.plan.model_copy(update={"temperature_c": warm})
     share = np.interp(plan.temperature(step_times(len(first.motion))), EXTREMES, [0.0, 1.0])
@@ -169,7 +169,7 @@ def mixture(
 
 @cache
 def extreme(kind: str, program: int, seconds: float, worn: bool, hot: bool) -> Experiment:
-    """Return a run of an arm that is fresh or worn, with motors of the same temperature."""
+    """Return a run of a fresh or worn arm, with cold or hot motors of constant temperature."""
     motion = FOURIER | {"draw": program} if kind == "reference" else PROGRAMS[program]
     coulomb = np.ones(6)
     coulomb[WORN_JOINT - 1] += WEAR * worn

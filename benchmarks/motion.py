@@ -72,7 +72,7 @@ def with_imu(own: Simulated) -> tuple[float, float, float]:
         signal.sosfiltfilt(BAND, np.matvec(J[:, :3], motion.qdd - own.truth[:, 12:]), axis=0)
         for motion in (both, alone)
     ]
-    # the pause begins where the arm is fastest
+    # the pause begins at the highest speed
     first = int(np.argmax(np.abs(own.truth[PAUSE:-PAUSE, 6:12]).sum(axis=1)))
     pause = slice(first, first + PAUSE)
     q, qd = own.q.copy(), own.qd.copy()
@@ -125,7 +125,7 @@ def gain(motion: SmoothedMotion, own: Simulated) -> Array:
 
 
 def lowpassed(values: Array) -> Iterator[Array]:
-    """Yield the values by low-pass filters of all cut-offs."""
+    """Yield the values after low-passes with all cut-offs."""
     for cutoff in CUTOFFS:
         yield signal.sosfiltfilt(
             signal.butter(ORDER, cutoff, fs=1 / PERIOD, output="sos"), values, axis=0
@@ -143,7 +143,7 @@ def clock(count: int) -> tuple[Array, Array]:
 
 
 def simulated(kind: str, seed: int, seconds: float) -> Simulated:
-    """Return what a UR5 on the virtual stand measures, and the truth."""
+    """Return the measurements of a UR5 on the virtual stand, and the truth."""
     random = np.random.default_rng([seed, KINDS.index(kind)])
     plan = SimulatedRecording.model_validate(
         {"seed": seed, "seconds": seconds, "trajectory": trajectory(kind, seed, random)}
@@ -151,7 +151,7 @@ def simulated(kind: str, seed: int, seconds: float) -> Simulated:
     experiment = perform(ROBOT, plan, random)
     sent = frames(experiment, PERIOD, random)
     every = slice(None, None, round(PERIOD / STEP))
-    # the engine's velocities are half a step late: the truth is what the positions do
+    # the engine's velocities are half a step late: true ones are derivatives of positions
     motion = experiment.motion
     true_q = motion["q"]
     true_qd = np.gradient(true_q, STEP, axis=0)

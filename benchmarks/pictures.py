@@ -41,7 +41,7 @@ PICTURES = DOCUMENTS / "pictures"
 LESSON = "ur10-bag"
 PUSHED, MOTION, ARM = "way_points_pushed", "ur10_exciting_trajectory", "ur10"
 THESIS_PUSHED = "Movement_No9_Singularity_Free_ForceSensor"
-FIGURES = {  # picture: the figure of a study
+FIGURES = {  # by picture: the figure of a study
     "example": f"demo/figures/{PUSHED}/forces_estimated",
     "lesson_constants": f"{LESSON}/figures/{ARM}/current_torque",
     "lesson_friction": f"{LESSON}/figures/{ARM}/friction",
@@ -61,7 +61,7 @@ FIGURES = {  # picture: the figure of a study
     "six_seconds": "ur5e-rtde/figures/ur5e/knowledge",
     "designed": "excited/excitation",
 }
-DRAWN: dict[str, tuple[str, Callable[[Path], Drawing]]] = {  # picture: study, and what draws it
+DRAWN: dict[str, tuple[str, Callable[[Path], Drawing]]] = {  # by picture: study, function
     "frame_repair": ("demo", lambda of: series.packets(of, "every_fault")),
     "clock": ("demo", lambda of: series.start_stamps_against_joints(of, "excitation", (16, 19))),
     "low_pass": ("demo", lambda of: series.low_passes(of, PUSHED, (0, 4))),
@@ -84,7 +84,7 @@ DRAWN: dict[str, tuple[str, Callable[[Path], Drawing]]] = {  # picture: study, a
     "next_recordings": ("demo", tables.worth_of_next),
     "led_by_hand": ("ur5e-demonstrations", tables.constants),
 }
-OF_PAGES = {  # picture: a page with the table that is drawn, and what draws it
+OF_PAGES = {  # by picture: page with the drawn table, function
     "what_to_expect": ("expect", tables.what_to_expect),
     "live_pushes": ("live", tables.live_pushes),
     "world": ("world", tables.world),
@@ -112,7 +112,7 @@ WIDTH, SCREEN, CARDS = 1280, 900, 600  # pixels: of a screen, its height, and th
 
 
 class Card(NamedTuple):
-    """A card of a report: empty where it has no state, number or reason."""
+    """A card of a report, "" for a missing state, number or reason."""
 
     title: str
     state: str
@@ -121,7 +121,7 @@ class Card(NamedTuple):
 
 
 class FirstScreen(NamedTuple):
-    """What a report says first: its cards, and what to do next (sentence and command)."""
+    """The first screen of a report: its cards, and the next steps (sentence and command)."""
 
     cards: list[Card]
     steps: list[list[str]]
@@ -141,7 +141,7 @@ def main() -> None:
     if not given.quick:
         photograph(RESULTS_FOLDER / LESSON / "report.html", PICTURES / "lesson_report.png", SCREEN)
         led = RESULTS_FOLDER / "ur5e-demonstrations" / "report.html"
-        if led.exists():  # its recordings state no licence: what is below the cards is not shown
+        if led.exists():  # the recordings have no licence: only the cards are shown
             photograph(led, PICTURES / "bad_report.png", CARDS)
 
 
@@ -167,7 +167,7 @@ def draw(drawing: Drawing, name: str) -> None:
 def write_screens(
     page: Path, studies: dict[str, str], text_of: Callable[[FirstScreen], str]
 ) -> None:
-    """Write into the sections of a page what the reports of their studies say, as far as built."""
+    """Write the reports of built studies' first screens into the sections of a page."""
     text = page.read_text()
     for title, study in studies.items():
         if (RESULTS_FOLDER / study / "results.json").exists():
@@ -182,8 +182,8 @@ def with_columns(page: str) -> str:
 
 
 def declared() -> dict[str, list[str]]:
-    """Return the columns of each table: the fields of the class that is `A row of <table>.csv`,
-    after the recording or arm, … where its step names it.
+    """Return the columns of each table: the recording or arm, or … if its step names the owner, and
+    the fields of the class with the docstring `A row of <table>.csv`.
     """
     owners = dict.fromkeys(OF_RECORDINGS | OF_MOTION, "recording") | dict.fromkeys(OF_ARMS, "robot")
     found = {}
@@ -199,7 +199,7 @@ def declared() -> dict[str, list[str]]:
 
 
 def first_screen(folder: Path) -> FirstScreen:
-    """Return what the report of a built study says first."""
+    """Return the first screen of a built study's report."""
     results = read_results(folder)
     found = page_data(results)
     with handed_over(results, found) as root:
@@ -222,7 +222,7 @@ def read_results(folder: Path) -> Results:
 
 
 def card(own: dict[str, Any], results: Results) -> Card:
-    """Return a card with its reason; own: as the page says it."""
+    """Return a card with its reason; own: the card's data on the page."""
     rows = results.tables["verdicts"].query("question == @own['question']")
     first = rows[rows["rank"] == rows["rank"].min()]
     deciding = first[first["arm"].isna() if own["arm"] is None else first["arm"] == own["arm"]]
@@ -250,12 +250,12 @@ def cards(told: FirstScreen) -> str:
 
 
 def steps(told: FirstScreen) -> str:
-    """Return a table of what to do next."""
+    """Return a table of the next steps."""
     return markdown(["next", "command"], told.steps)
 
 
 def photograph(report: Path, picture: Path, height: int) -> None:
-    """Write the top of a report as PNG, as high as stated. Raises InputError without Chromium."""
+    """Write the top of a report as PNG; height: [pixels]. Raises InputError without Chromium."""
     program = shutil.which("chromium") or shutil.which("google-chrome")
     if program is None:
         raise InputError("Chromium is not installed, which photographs the report; install it")

@@ -37,7 +37,7 @@ PAGE = Path(__file__).parents[1] / "docs" / "benchmark.md"
 TITLE = "Friction beside published values"
 ARM = Path(__file__).parent / "harness" / "staubli-tx40.yaml"
 FILES = ("pos_read_data.csv", "curr_data.csv")
-RATE, MEAN_OF = 5000.0, 5  # Hz; samples of which means are taken
+RATE, MEAN_OF = 5000.0, 5  # Hz, 1; rate, and number of samples averaged
 SMOOTH = Smoother(4, 10.0)
 QUICK_SECONDS = 4
 PUBLISHED = {  # as TX40_config.yaml repeats them, by joint
@@ -49,11 +49,11 @@ PUBLISHED = {  # as TX40_config.yaml repeats them, by joint
 PUBLISHED_OF_SHAFT = {"viscous": 0.616, "coulomb": 1.95, "rotor": 0.00964}
 BASE_TERMS = ("coulomb", "viscous")
 UNITS = {"viscous": "Nm s/rad", "coulomb": "Nm", "rotor": "kg m²", "offset": "Nm"}
-SHARED = ("viscous", "rotor")  # published for joints 5 and 6 with the shaft's own in them
+SHARED = ("viscous", "rotor")  # published values of joints 5 and 6 include those of the shaft
 
 
 class Value(NamedTuple):
-    """One value beside the published one, and half of its 95 % interval."""
+    """One value, the half-width of its 95 % interval, and the published value."""
 
     what: str
     quantity: str
@@ -119,7 +119,7 @@ def fitted(arm: Robot, run: MeasuredRun, coupled: bool) -> tuple[ArmFit, list[in
 
 
 def compared(estimate: InertialEstimate, places: Sequence[int], fit: ArmFit) -> Iterator[Value]:
-    """Yield our values beside the published, each as it is defined there."""
+    """Yield our values and the published ones, with the publication's definitions."""
     names = fit.rows.coefficients()
     first = fit.size
 
@@ -143,14 +143,16 @@ def compared(estimate: InertialEstimate, places: Sequence[int], fit: ArmFit) -> 
 
 
 def interval(estimate: InertialEstimate, group: Array) -> tuple[float, float]:
-    """Return a sum of parameters, and half of its 95 % interval by Student's t over the units."""
+    """Return a sum of parameters, and half its 95 % interval by Student's t over the units."""
     units = len(estimate.scatter) - len(estimate.parameters)
     error = estimate.standard_errors(group[None])[0]
     return float(group @ estimate.parameters), float(stdtrit(units - 1, 0.975) * error)
 
 
 def wrist_residuals(arm: Robot, run: MeasuredRun) -> Iterator[str]:
-    """Yield how the residual of joint 5 follows the velocity of joint 6, with and without it."""
+    """Yield the correlation of joint 5's residual with joint 6's velocity, with and without the
+    coupled motor.
+    """
     for words, coupled in (("Without the shared shaft", False), ("With it", True)):
         fit, places = fitted(arm, run, coupled)
         value, velocity = fit.estimate(places).parameters, run.samples.qd[:, 5]

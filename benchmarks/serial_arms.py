@@ -40,10 +40,10 @@ from ur5lib.timeseries.segments import spans
 
 FIRST, SEEDS, SECONDS, QUICK = 2, 20, 20.0, 10.0  # on seeds 0 and 1, `BLUR` was chosen
 MOTION = {"kind": "fourier", "period_s": 20, "harmonics": 10, "amplitude_rad": 0.5}
-# of the limits of speed: six to fit, a free one, a touched one
+# shares of the limits of speed: of six fit recordings, a free one, a touched one
 SHARES = (0.5, 0.3, 0.1, 0.5, 0.3, 0.1, 0.3, 0.3)
 FITTED, OF_A_DAY = len(SHARES) - 2, 2
-BEND, SWAY = 0.5, 0.3  # rad, of each joint from the middle of its range; by which postures differ
+BEND, SWAY = 0.5, 0.3  # rad; of each joint from its middle; variation between postures
 FORCES = 10.0, 60.0  # N, range of pushes
 CONSTANT, GEAR, ROTOR = 0.1, 100.0, 2e-5  # Nm/A, 1, kg m²: of the motors of the arm with currents
 LEVER = 0.03  # m, standard deviation of the place of a contact
@@ -67,14 +67,14 @@ def main() -> None:
 
 
 def with_motors(robot: Robot) -> Robot:
-    """Return an arm with currents of motors behind gears in place of torque sensors."""
+    """Return an arm with motor currents and gears in place of torque sensors."""
     known = {"torque_constant": CONSTANT, "gear_ratio": GEAR, "rotor_inertia": ROTOR}
     motors = {n: Motor.model_validate(own.model_dump() | known) for n, own in robot.motors.items()}
     return robot.model_copy(update={"motors": motors, "effort": "current"}).with_rotors()
 
 
 def plans(robot: Robot, seed: int, seconds: float) -> Iterator[dict[str, Any]]:
-    """Yield recordings to fit, one that is free, and one that is touched."""
+    """Yield the plans of the fit recordings, of a free one, and of a touched one."""
     random = np.random.default_rng(seed)
     middle = np.clip(robot.position_limits(), -np.pi, np.pi).mean(axis=1)
     bent = middle + BEND * (-1.0) ** np.array(robot.joint_numbers)
@@ -94,7 +94,7 @@ def plans(robot: Robot, seed: int, seconds: float) -> Iterator[dict[str, Any]]:
 def touches(random: np.random.Generator, seconds: float) -> list[dict[str, Any]]:
     """Return two pushes, a hand, a spring and a grasped load, one after the other.
 
-    Each acts at a place of its own near the tip.
+    Each acts at another place near the tip.
     """
     kinds = [
         {"kind": "push", "force": vector(random, *FORCES)},
@@ -113,20 +113,20 @@ def touches(random: np.random.Generator, seconds: float) -> list[dict[str, Any]]
 
 
 def vector(random: np.random.Generator, least: float, most: float) -> list[float]:
-    """Return a vector in any direction with a size from a range."""
+    """Return a vector of random direction, with a random norm from `least` to `most`."""
     way = random.normal(size=3)
     return list(random.uniform(least, most) * way / np.linalg.norm(way))
 
 
 def taken(robot: Robot, plan: dict[str, Any], folder: Path) -> Taken:
-    """Return a recording that was simulated in a folder and read as a real one is."""
+    """Return a recording, simulated in a folder and read like a real one."""
     file = ROBOT_FILES["rtde-csv"]
     entry = RtdeFiles(format="rtde-csv", folder=str(folder), file=file)
     return simulated(robot, plan, entry)
 
 
 def figures(robot: Robot, seed: int, seconds: float) -> Iterator[dict[str, Any]]:
-    """Yield what is counted of one seed."""
+    """Yield the figures of one seed."""
     with tempfile.TemporaryDirectory() as folder:
         drawn = enumerate(plans(robot, seed, seconds))
         *fitted, free, touched = [taken(robot, plan, Path(folder, str(k))) for k, plan in drawn]

@@ -82,13 +82,13 @@ def main() -> None:
 
 
 def has(folder: Path, seed: int, names: Collection[str]) -> bool:
-    """Return whether a seed is written, with a row for each of the estimators."""
+    """Return whether a seed's file exists with a row for each estimator."""
     path = folder / f"{seed}.csv"
     return path.exists() and {*names} <= {*read_csv(path)["estimator"]}
 
 
 def gathered(folder: Path) -> pd.DataFrame:
-    """Return the rows of all seeds that are written, as read, in the order of the seeds."""
+    """Return the rows of all written seeds, in the order of the seeds."""
     paths = sorted(folder.glob("*.csv"), key=lambda path: int(path.stem))
     return pd.concat([read_csv(path) for path in paths], ignore_index=True)
 
@@ -96,13 +96,13 @@ def gathered(folder: Path) -> pd.DataFrame:
 def seed_rows(
     seed: int, each: int, seconds: float, names: Collection[str]
 ) -> Iterator[dict[str, Any]]:
-    """Yield the figures of the estimators on a seed's pushed recording, none where one lacks an
-    input; seconds: of each recording to fit on.
+    """Yield the figures of the estimators on a seed's pushed recording, without those that lack an
+    input; seconds: of each fit recording.
     """
     contacts = pushes(seed, each)
     study = planned(seed, contacts, seconds)
     arm = ARMS[seed % len(ARMS)]
-    clear(study)  # what a run left that was killed
+    clear(study)  # files of a killed run
     try:
         built(study)
         results = FinishedStudy(RESULTS_FOLDER / study["study"])

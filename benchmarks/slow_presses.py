@@ -34,10 +34,10 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
 ARMS, SEEDS = ("ur5e", "ur16e"), 50
-FIRST_SEED = 100  # on those below, constants were chosen
+FIRST_SEED = 100  # constants were chosen on lower seeds
 UNTOUCHED, STARTS = (0.0, 1.5), 2.0  # s
 FORCES, POINT = (30.0, 100.0), 0.1  # N, m: ranges
-RISES, HELD = (1.5, 5.0), (0, 3)  # s; number of further rises for which it is held
+RISES, HELD = (1.5, 5.0), (0, 3)  # s, 1; ranges of rise time, and of further overlapping pushes
 FIRST = 40  # samples
 COLUMNS = ["seed", "by", "square", "inside", "samples", "late"]
 
@@ -86,7 +86,7 @@ def pressed(seed: int) -> Pressed:
 
 
 def plan(seed: int) -> dict[str, Any]:
-    """Return the plan of a seed: pushes that overlap add up to one that is held."""
+    """Return the plan of a seed: overlapping pushes add up to a long press."""
     random = np.random.default_rng([seed, 3])
     way, rise = random.normal(size=3), random.uniform(*RISES)
     push = {
@@ -129,7 +129,9 @@ def twenty_lines(own: Taken) -> Array:
 
 
 def sums(true: Array, wrench: Array, std: Array) -> tuple[float, float, int]:
-    """Square of the error [N²], mean over axes inside the band, number of samples in contact."""
+    """Sum of squared errors [N²], of shares of axes inside the band, and number of samples, in
+    contact.
+    """
     rows = in_contact(true)
     error = (wrench[:, :3] - true)[rows]
     inside = np.abs(error) <= NORMAL95 * std[rows, :3]

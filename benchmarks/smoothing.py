@@ -70,7 +70,7 @@ class Recording:
 
 
 def main() -> None:
-    """Print the times, the ratios and how far the states are apart."""
+    """Print the times, their ratios and the differences of the states."""
     quick = options_of(__doc__).parse_args().quick
     torch.set_num_threads(1)
     robot = load_robot(robot_path("ur5"))
@@ -97,7 +97,7 @@ def main() -> None:
 
 
 def made_up(samples: int) -> Recording:
-    """Return a recording with noise."""
+    """Return a made-up recording with noise."""
     random = np.random.default_rng(0)
     angle = np.outer(np.arange(samples) * PERIOD, random.uniform(1, 3, 6)) + random.uniform(0, 6, 6)
     q = np.sin(angle) + 1e-4 * random.normal(size=angle.shape)
@@ -118,11 +118,11 @@ def by_torch(robot: Robot) -> Kinematics:
 
 
 def by_pinocchio(robot: Robot) -> Kinematics:
-    """Return Pinocchio's kinematics, of one sample."""
+    """Return Pinocchio's kinematics for one sample."""
     model = pinocchio.buildModelFromXML(urdf(robot, rigid_bodies(robot, "C")))
     data = model.createData()
     last = model.njoints - 1
-    # Its last joint's frame is not frame 6: the constant way between, where all joints are zero.
+    # Its last joint's frame is not frame 6: the constant transform between, at zero positions.
     R6, J = by_torch(robot)(np.zeros((1, 6)))
     pinocchio.computeJointJacobians(model, data, np.zeros(6))
     turn = data.oMi[last].rotation.T @ R6[0]

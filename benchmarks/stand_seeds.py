@@ -46,7 +46,7 @@ SEEDS = 20
 
 
 def main() -> None:
-    """Print how many intervals hold the truth, and how much of the wrench lies in its band."""
+    """Print the number of intervals with the truth, and the share of the wrench in its band."""
     seeds, quick = asked(__doc__, SEEDS)
     length = 5.0 if quick else SECONDS
     torch.set_num_threads(1)
@@ -66,7 +66,7 @@ def main() -> None:
 
 
 def recovered(seed: int, seconds: float = SECONDS) -> Iterator[Row]:
-    """Rows of all estimates beside the truth, from the recordings of one seed."""
+    """Yield rows of all estimates and the truth, from the recordings of one seed."""
     with tempfile.TemporaryDirectory() as folder:
         drawn = enumerate(plans(seed, seconds))
         *fitted, pushed = (taken(plan, Path(folder, str(k))) for k, plan in drawn)
@@ -88,7 +88,7 @@ def device_rows(fitted: list[Taken]) -> Iterator[Row]:
 
 
 def pushed_rows(friction: Friction, free: list[Taken], pushed: Taken) -> Iterator[Row]:
-    """F^map beside the truth, over all of a recording and over what is in contact."""
+    """Yield rows of F^map and the truth, over a whole recording and over its contacts."""
     residuals = residuals_of(friction, free)
     fmap = fmap_problem(pushed.motion, currents(friction, pushed), residuals)
     assert fmap is not None

@@ -71,7 +71,7 @@ def show_steps(times: Path) -> None:
 
 
 class Used(NamedTuple):
-    """What a run took: wall time [s], processor time [s], memory of its largest process [GB]."""
+    """A run's wall time [s], processor time [s] and memory of the largest process [GB]."""
 
     wall: float
     processor: float
@@ -79,7 +79,7 @@ class Used(NamedTuple):
 
 
 def snakemake(study: dict[str, Any], *options: str) -> Used:
-    """Return what a run of a study took, with the processes that it started."""
+    """Run a study; return time and memory, including the processes that it starts."""
     with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file, tempfile.TemporaryFile() as log:
         yaml.safe_dump(study, file, sort_keys=False)
         file.flush()

@@ -45,15 +45,15 @@ from ur5rivals.learned_residual import Predict, TrainingSamples, standardised
 PAGE = Path(__file__).parents[1] / "docs" / "benchmark.md"
 TITLE = "Torque from motion"
 QUICK_FILES = 6
-POINTS_OF_PROCESS = 600  # that a Gaussian process learns from
-REPEATS_AFTER = 3  # files: the motion of file k is driven again in file k + 3
-SAME_MOTION = 0.1  # rad, within which two runs are drives of one motion
-FIRST_SCORED = 100  # samples that identibench gives to a model that learns from torques before
-FIRST_MOTION = 0.01  # rad, behind which no friction of before is left
+POINTS_OF_PROCESS = 600  # for learning a Gaussian process
+REPEATS_AFTER = 3  # files; file k + 3 repeats the motion of file k
+SAME_MOTION = 0.1  # rad; two runs with smaller differences repeat one motion
+FIRST_SCORED = 100  # samples; identibench reserves them for models that use earlier torques
+FIRST_MOTION = 0.01  # rad; after this motion, friction does not depend on its history
 
 
 class Row(NamedTuple):
-    """A model's torques (N, n) [Nm] of each judged run, and half of their 95 % bands, if any."""
+    """A model's torques (N, n) [Nm] of each judged run, and half-widths of 95 % bands, if any."""
 
     model: str
     torque: Sequence[Array]
@@ -106,7 +106,7 @@ def run_of(file: Path) -> Run:
 
 
 def is_repeated(run: Run, fitted: Sequence[Run]) -> bool:
-    """Return whether a run is a drive of the motion of a fitted one."""
+    """Return whether a run repeats the motion of a fitted one."""
     return any(largest_difference(run, own) < SAME_MOTION for own in fitted)
 
 
@@ -121,7 +121,7 @@ def table(
 ) -> str:
     """Return the table of NRMSE, R² and shares in the band, by joint.
 
-    between: runs after those fitted and before those judged; is_scored: with identibench's score.
+    between: runs after the fitted and before the judged ones; is_scored: with identibench's score.
     """
     joints = [str(joint) for joint in judged[0].arm.joint_numbers]
     header = ["model", *joints, "mean", "R² of each joint", "in the 95 % band"]
@@ -151,7 +151,7 @@ def rows(fitted: Sequence[Run], judged: Sequence[Run]) -> Iterator[Row]:
 
 
 def rows_after(fitted: Sequence[Run], judged: Sequence[Run]) -> Iterator[Row]:
-    """Yield the torques of judged runs that know the motions before."""
+    """Yield the torques of judged runs by models that use the earlier motions."""
     torques = least_squares(with_memory, fitted, judged)
     yield Row("four memories, from the file before", torques)
     ours = Ours(fitted[0].arm, fitted)
@@ -159,9 +159,9 @@ def rows_after(fitted: Sequence[Run], judged: Sequence[Run]) -> Iterator[Row]:
 
 
 def residual_process(ours: Ours, fitted: Sequence[Run]) -> Predict:
-    """Return what a Gaussian process expects of the torques that fits without the path leave.
+    """Return a Gaussian process's prediction of the residual torques of fits without the path.
 
-    It learns from (q, q̇, torque predicted) at POINTS_OF_PROCESS samples of the fitted runs.
+    It learns from (q, q̇, predicted torque) at POINTS_OF_PROCESS samples of the fitted runs.
     """
     learnt = [ours.inputs(run, ours.friction.fit_for(run.name)) for run in fitted]
     inputs, left = map(np.concatenate, zip(*learnt, strict=True))
@@ -192,8 +192,8 @@ def scored(row: Row, judged: Sequence[Run]) -> str:
 
 
 def repeated(judged: Sequence[Run]) -> Iterator[list[str]]:
-    """Yield rows of what repetition alone leaves: differences of two runs over √2, of all samples
-    and of those behind each joint's first motion.
+    """Yield rows of differences between repeated runs, over √2: of all samples, and of those after
+    each joint's first motion.
     """
     pairs = [*zip(judged, judged[REPEATS_AFTER:], strict=False)]
     if pairs:
@@ -207,8 +207,8 @@ def repeated(judged: Sequence[Run]) -> Iterator[list[str]]:
 
 
 def driven_twice(one: Run, two: Run) -> tuple[Array, Mask]:
-    """Return the difference (N, n) [Nm] of two drives' torques over √2, and where each joint has
-    left its first posture in both.
+    """Return the difference of two runs' torques over √2 (N, n) [Nm], and a mask (N, n) of samples
+    after each joint's first motion in both.
     """
     length = min(len(one.torque), len(two.torque))
     moved = [

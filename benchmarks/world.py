@@ -45,8 +45,8 @@ from ur5lib.timeseries.segments import spans
 
 RAW, RESULTS, SEEDS = Path("raw/world"), Path("results"), 3
 MIN_SINGULAR_VALUE = 0.01  # of plain least squares, as the default of a study
-TOUCHED = 0.1  # of the largest torque of a contact: above, a sample is in contact
-MIN_TORQUE = 1e-6  # Nm, of any contact
+TOUCHED = 0.1  # a sample above this share of a contact's largest torque is in contact
+MIN_TORQUE = 1e-6  # Nm; of any contact
 CURRENTS = 4, 2.0  # order and cut-off [Hz] of the torques' low-pass, as the default of a study
 TABLES = ("verdicts", "torque_constants")
 PAGE = Path("docs/world.md")
@@ -93,7 +93,7 @@ def main() -> None:
 
 
 def judged(name: str, seed: int) -> list[dict[str, Any]]:
-    """Return what is counted of a situation with a seed, by recording."""
+    """Return the counts of a situation with a seed, by recording."""
     own, number = SITUATIONS[name], [*SITUATIONS].index(name)
     study = f"world-{number + 1:02}-{seed}"
     raw, built = RAW / study, RESULTS / study
@@ -143,7 +143,7 @@ def altered(own: Situation, file: Path, random: np.random.Generator) -> None:
 def counts(
     name: str, own: Situation, raw: Path, built: Path, entries: list[dict[str, Any]]
 ) -> Iterator[dict[str, Any]]:
-    """Yield what is counted of a study that is built: in each recording, and of all of it."""
+    """Yield the counts of a built study: of each recording, and of the whole study."""
     verdicts, known = (read_csv(built / f"tables/{table}.csv") for table in TABLES[:2])
     force = verdicts[verdicts["question"] == "force"].iloc[:1]
     state, reason = (str(force[column].iloc[0]) for column in ("state", "reason"))

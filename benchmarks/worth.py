@@ -59,8 +59,10 @@ COLUMNS = ["without", "RMSE [N]", "inside", "found", "RMSE of pushes [N]", "insi
 
 
 class Part(NamedTuple):
-    """A part left out: what stands in the place of functions and constants, by their names; fields
-    of the prior; whether currents of the fit change, too, as for all parts after this one.
+    """A part left out.
+
+    instead: replacements of functions and constants, by name; prior: changed fields of the prior;
+    refits: whether the fit's currents change, too, also for all parts after this one.
     """
 
     instead: Mapping[str, Any] = {}
@@ -69,7 +71,7 @@ class Part(NamedTuple):
 
 
 def without_gears(field: str) -> Mapping[str, Any]:
-    """What gives the gears with zero in one field."""
+    """Return the replacement of `gears` with one field set to zero."""
     original = force_input.gears
 
     def gears(currents: Currents) -> Gears | None:
@@ -80,18 +82,18 @@ def without_gears(field: str) -> Mapping[str, Any]:
 
 
 def pooled(stretches: Any, joints: int, moments: Any = residual_model._moments) -> Array:
-    """Moments (S, n) of the states that were met, each the mean of these."""
+    """Return moments (S, n) with each observed state replaced by the mean over these states."""
     found = moments(stretches, joints)
     return np.where(np.isnan(found), np.nan, np.nanmean(found, axis=0))
 
 
 def unknown_background(torque: Array, _: Array, spread: Array, *__: Any) -> Gaussians:
-    """A background of which nothing is known but its spread."""
+    """Return a background with zero mean and its spread at all samples."""
     return Gaussians(np.zeros_like(torque), diagonal(spread))
 
 
 def of_a_free_arm(_: Array, missed: Array, free: Array) -> Array:
-    """The deviation (N, 6) of a free arm's force, no contact being missed."""
+    """Return the standard deviation (N, 6) of a free arm's force, as if no contact was missed."""
     return np.broadcast_to(np.sqrt(free), missed.shape)
 
 
@@ -150,7 +152,7 @@ def arm_of(name: str) -> Study:
 
 
 def judged(name: str, constants: bool, quick: bool) -> pd.DataFrame:
-    """Return what is counted of an arm, of all folds or the first, without each of the parts."""
+    """Return the counts of an arm without each of the parts, over all folds or the first."""
     study, parts = arm_of(name), PARTS
     if constants:
         parts = {WHOLE: Part()} | {part: Part(instead, prior) for part, instead, prior in scaled()}
@@ -162,21 +164,21 @@ def judged(name: str, constants: bool, quick: bool) -> pd.DataFrame:
 
 
 def folds(study: Study) -> list[tuple[list[Recording], list[Recording]]]:
-    """What to fit on, and what this has not seen of the recordings that can be judged."""
+    """Return pairs of fitted recordings, and judged recordings that this fit has not seen."""
     found = [(study.fit, unseen(study, study.fit)), *(own[1:] for own in without_each(study))]
     judged = [(fitted, [*filter(is_judged, tested)]) for fitted, tested in found]
     return [own for own in judged if own[1]]
 
 
 def is_judged(own: Recording) -> bool:
-    """Whether nothing touches the arm, or a sensor feels what does."""
+    """Return whether a recording has no contact, or a force sensor."""
     return own.entry["role"] != "contact" or len(own.sensed()) > 0
 
 
 def without_parts(
     fold: Fold, tested: list[Recording], parts: Mapping[str, Part]
 ) -> Iterator[dict[str, Any]]:
-    """Yield what is counted in recordings without each of the parts."""
+    """Yield the counts of recordings without each of the parts."""
     if why := refusal(fold, tested):
         print(f"{', '.join(own.name for own in tested)}: {why}", file=sys.stderr)
         return
@@ -194,7 +196,7 @@ def without_parts(
 
 
 def counts(fold: Fold, tested: list[Recording], prior: ContactPrior) -> Iterator[dict[str, Any]]:
-    """Yield what is counted in recordings, with the threshold of those that are fitted on."""
+    """Yield the counts of recordings, with the threshold from the fitted recordings."""
     periods = [Motion.read(own.file("motion.parquet")).period for own in fold.fitted]
     odds = [estimate(fold, own, prior).log_odds for own in fold.fitted]
     least = alarm_threshold(odds, periods, fold.study.settings.alarms.false_per_min)

@@ -45,7 +45,7 @@ TRUTH = {
 
 
 def main() -> None:
-    """Print how many intervals hold the truth, by quantity."""
+    """Print the number of intervals that contain the truth, by quantity."""
     seeds, quick = asked(__doc__, SEEDS)
     seconds = 15.0 if quick else SECONDS
     with tempfile.TemporaryDirectory() as folder:
@@ -62,7 +62,7 @@ def main() -> None:
 
 
 def study(seeds: int, seconds: float, fits: int) -> dict[str, Any]:
-    """Return the study: so many recordings to fit, and a pushed one for each seed."""
+    """Return the study: `fits` recordings to fit, and a pushed one for each seed."""
     fitted = [planned(f"fit_{draw}", "fit", draw, seconds) for draw in range(101, 101 + fits)]
     pushed = [
         planned(f"seed_{seed}", "contact", seed, seconds, contacts=pushes(seed, seconds))
@@ -85,7 +85,7 @@ def planned(name: str, role: str, draw: int, seconds: float, **more: Any) -> dic
 
 
 def pushes(seed: int, seconds: float) -> list[dict[str, Any]]:
-    """Return three pushes of two seconds, to random sides."""
+    """Return three pushes of two seconds in random directions."""
     random = np.random.default_rng(seed)
     return [
         {

@@ -20,9 +20,9 @@ from ur5lib.strict import Strict
 from ur5lib.timeseries.arrays import Array, Mask
 
 HOUSING_HEIGHT = 0.02  # m; the joints' housings protrude this far from the capsules
-# Links of another arm keep this distance unless they overlap by construction.
+# m; links of arms other than UR keep this distance unless they overlap by construction.
 MIN_FREE_SPACE = 0.05  # m
-OVERLAP_POSTURES = 100  # this many random ones show which parts overlap by construction
+OVERLAP_POSTURES = 100  # random ones, to find the parts that overlap by construction
 TABLE_NAME = "table"
 
 
@@ -38,7 +38,7 @@ class Box(Strict):
 class Surroundings(Strict):
     """The obstacles near an arm, in the base frame.
 
-    table: height of a horizontal plane [m], None for none; it lies across the described gravity.
+    table: height of a horizontal plane [m], None for none; normal to the described gravity.
     """
 
     model_config = ConfigDict(allow_inf_nan=False)
@@ -51,8 +51,8 @@ class Surroundings(Strict):
 class Clearances:
     """M pairs of parts that are near each other along a path.
 
-    sample: (M,); distance: (M,) [m], negative where they overlap; gradient: (M, n) [m/rad], of the
-    distance, zero unless it is below what was asked for; pairs: (M,), names of the parts.
+    sample: (M,); distance: (M,) [m], negative for overlap; gradient: (M, n) [m/rad], of the
+    distance, zero above the distance `gradient_below` of `near`; pairs: (M,), names of the parts.
     """
 
     sample: NDArray[np.intp]
@@ -65,8 +65,8 @@ def collisions(robot: Robot, q: Array, table: float | None) -> list[tuple[int, s
     """Return the first collision of each pair of parts along a path: sample and both parts.
 
     q: (N, n) [rad], so dense that no collision is skipped; table: height of a horizontal plane
-    above the base frame [m], None for none. Parts collide that are closer than HOUSING_HEIGHT:
-    `link_1` to the last one, and the plane `table`.
+    above the base frame [m], None for none. Parts, `link_1` to the last one and the plane `table`,
+    collide if they are closer than HOUSING_HEIGHT.
     """
     first = dict[tuple[str, str], int]()
     clearances = Capsules(robot, Surroundings(table=table), reach=HOUSING_HEIGHT).near(q)
@@ -86,7 +86,7 @@ class Capsules:
     def near(self, q: Array, gradient_below: float = -np.inf) -> Clearances:
         """Return the parts that are near each other along a path q (N, n) [rad].
 
-        gradient_below: distance [m], of nearer parts its gradient is wanted.
+        gradient_below: gradients are computed for parts closer than this distance [m].
         """
         count = np.zeros(len(q), dtype=np.intp)
         distance, slopes, geoms = [np.empty(0)], list[Array](), [np.empty((0, 2), dtype=np.intp)]
@@ -112,7 +112,7 @@ class Capsules:
         return [(first, second) for first, second in np.sort(names[geoms], axis=1).tolist()]
 
     def _gradients(self, needs_gradient: Mask) -> Array:
-        """Return the gradients (M, n) of the contacts' distances, zero for those not wanted."""
+        """Return the gradients (M, n) [m/rad] of the contacts' distances, zero if not needed."""
         gradients = np.zeros((len(needs_gradient), self._model.nv))
         if needs_gradient.any():
             mujoco.mj_comPos(self._model, self._data)  # needed by Jacobians
@@ -140,7 +140,7 @@ def _capsules(robot: Robot, surroundings: Surroundings, reach: float) -> mujoco.
     for first, second in _overlapping_pairs(robot, radii, surroundings.table):
         spec.add_exclude(bodyname1=first, bodyname2=second)
     for geom in spec.geoms:
-        geom.margin = reach / 2  # MuJoCo adds those of both parts
+        geom.margin = reach / 2  # MuJoCo adds the margins of both parts
     return spec.compile()
 
 

@@ -107,10 +107,9 @@ def _mounting(load: Payload, last: int) -> str:
 
 
 def earlier(options: ExciteOptions) -> tuple[Robot, Earlier | None]:
-    """Return the arm as described or fitted, and what a study of earlier recordings has of it, if
-    any.
+    """Return the arm as described or fitted, and its earlier recordings from a study, if any.
 
-    Raises InputError for an unknown arm, and where a file of the study is missing.
+    Raises InputError for an unknown arm, and if a file of the study is missing.
     """
     if options.results is None:
         return described(options.robot), None
@@ -144,7 +143,7 @@ def task_of(options: ExciteOptions, arm: Robot, earlier_study: Earlier | None) -
 
 
 def outlook_of(arm: Robot, earlier_study: Earlier | None, designed: Design) -> list[Bands]:
-    """Return the bands as they are, and after the designed motion and others of the same length.
+    """Return the present bands, and those after the designed motion and others of the same length.
 
     Empty without a fit to earlier recordings, from which the bands come, and for an arm that does
     not feel all forces.

@@ -1,7 +1,7 @@
 """Inverse kinematics of arms with the axes of a UR5: joints 2 to 4 parallel, 4 to 6 a wrist.
 
-It is in closed form for the described lengths (Hawkins: Analytic Inverse Kinematics for the
-Universal Robots UR-5/UR-10 Arms, 2013), then by Newton's method for the frames of a calibrated arm.
+A closed form for the described lengths (Hawkins: Analytic Inverse Kinematics for the Universal
+Robots UR-5/UR-10 Arms, 2013), refined by Newton's method for the frames of a calibrated arm.
 """
 
 from itertools import product
@@ -14,15 +14,15 @@ from ur5lib.robots.statics import geometric_jacobian, link_frames
 from ur5lib.timeseries.arrays import Array
 
 NEWTON_STEPS = 3  # suffice for calibrations, which move frames by millimetres
-POSE_TOLERANCE = 1e-6  # m, rad; a solution errs by at most this
+POSE_TOLERANCE = 1e-6  # m, rad; largest error of a solution
 
 
 def inverse_kinematics(robot: Robot, rotation: Array, position: Array) -> Array:
     """Return the joint angles (N, 8, 6) [rad] of poses of frame 6, NaN where one is out of reach.
 
     rotation: R_6 (N, 3, 3); position: (N, 3) [m]; both in the base frame. The eight solutions are
-    ordered by the configuration of shoulder, wrist and elbow, so that each is continuous along a
-    path without singularities, but for whole turns.
+    ordered by the configuration of shoulder, wrist and elbow, so that each is continuous, except
+    for whole turns, along a path without singularities.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         configurations = product((1, -1), repeat=3)

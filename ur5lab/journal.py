@@ -1,26 +1,26 @@
-"""A file to which rows are appended, and which can be read by itself whenever its writer ends."""
+"""A file to which rows are appended, and which stays readable however its writer ends."""
 
 import time
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-FLUSH_PERIOD = 1.0  # s; a killed writer may lose rows of this time
+FLUSH_PERIOD = 1.0  # s; a killed writer loses at most the rows of this time
 TAIL = 1 << 16  # bytes
 
 
 class Journal:
-    """A CSV of whole lines: rows are written together, and a part of them is cut off again.
+    """A CSV of whole lines: rows are written in batches, and an incomplete one is cut off again.
 
-    path: written anew; names: of the columns; period: [s], in which rows are written.
-    Raises OSError where they cannot be written; those before stay.
+    path: written anew; names: of the columns; period: of the batches [s]. Raises OSError if rows
+    cannot be written; earlier rows stay.
     """
 
     def __init__(self, path: Path, names: Sequence[str], period: float = FLUSH_PERIOD) -> None:
         self.path, self._period = path, period
         self._file = path.open("wb", buffering=0)
         self._size, self._lines = 0, [",".join(names)]
-        self.rows = -1  # written ones, of which the names are none
+        self.rows = -1  # written rows, without the line of names
         self._flush()
 
     def write(self, lines: Iterable[str]) -> None:
@@ -49,21 +49,21 @@ class Journal:
             self._size, self.rows = self._size + whole, self.rows + count
             if whole < len(data):
                 self._lines = [*lines[count:], *self._lines]
-                with suppress(OSError):  # the one that is raised says more
+                with suppress(OSError):  # the first error says more
                     self._file.truncate(self._size)
                     self._file.seek(self._size)
 
 
 def part_of(path: Path) -> Path:
-    """Return the name of the journal of a file that is written when its rows are complete: the
-    first `<name>.<number>.part.csv` that does not exist.
+    """Return the path of a file's journal: the first `<name>.<number>.part.csv` that does not
+    exist.
     """
     names = (path.with_name(f"{path.stem}.{k}.part.csv") for k in range(1, 10_000))
     return next(name for name in names if not name.exists())
 
 
 def left_behind(path: Path) -> list[str]:
-    """Return what ended runs left of a file, a line for each journal."""
+    """Return a line for each journal of a file that interrupted runs have left."""
     parts = sorted(path.parent.glob(f"{path.stem}.*.part.csv"))
     return [
         f"{part} was left by another run, with {rows_in(part)} samples; it can be read as a CSV"
@@ -72,7 +72,7 @@ def left_behind(path: Path) -> list[str]:
 
 
 def rows_in(path: Path) -> int:
-    """Return the number of whole rows below the names."""
+    """Return the number of complete rows without the line of names."""
     with path.open("rb") as file:
         count = sum(data.count(b"\n") for data in iter(lambda: file.read(TAIL), b""))
     return max(0, count - 1)

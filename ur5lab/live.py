@@ -45,10 +45,10 @@ Show = Callable[[float, Answer], None]
 
 @dataclass(frozen=True)
 class Stream:
-    """An arm of which the force is stated.
+    """The stream of an arm's samples.
 
-    address, port: of its controller's RTDE; seconds: for which it is, None until it sends nothing
-    for a second or Ctrl-C.
+    address, port: of its controller's RTDE; seconds: duration, None until the arm sends nothing for
+    a second or Ctrl-C.
     """
 
     address: str
@@ -58,7 +58,7 @@ class Stream:
 
 @dataclass(frozen=True)
 class Ended:
-    """A stream that ended: what was written, how many samples, why, whether the arm was lost."""
+    """A stream that ended: written file, number of samples, reason, whether the arm was lost."""
 
     path: Path
     samples: int
@@ -67,11 +67,11 @@ class Ended:
 
     @property
     def failed(self) -> bool:
-        """Return whether it ended early, or nothing came."""
+        """Return whether the stream ended early, or had no samples."""
         return self.lost or self.samples == 0
 
     def in_words(self) -> str:
-        """Return it as a line."""
+        """Return the end of the stream as a line."""
         if self.samples == 0:
             return f"no sample came; ended by {self.why}"
         return f"{self.path}: {self.samples} samples; ended by {self.why}"
@@ -80,9 +80,9 @@ class Ended:
 def live(
     results: Path, robot: str | None, as_in: str, stream: Stream, write: Path, console: Console
 ) -> Ended:
-    """State the force of an arm that a study fitted; returns what was written.
+    """State the contact force on an arm that a study fitted, and write it until the stream ends.
 
-    as_in: recording that gives it payload and mounting, "" for none. Raises InputError where the
+    as_in: recording with the payload and mounting to use, "" for none. Raises InputError if the
     report states no force, or no controller answers.
     """
     study = FinishedStudy(results)
@@ -100,11 +100,11 @@ def live(
 
 
 def record(estimator: Live, stream: Stream, path: Path, show: Show) -> Ended:
-    """Write what is stated as it comes, as CSV next to `path`, and at the end as Parquet.
+    """Write each answer at once to a CSV next to `path`, and at the end all as Parquet.
 
-    The file has the columns of `live_forces.parquet`, and `late`: from a sample's arrival to its
-    answer. Nothing is sent to the arm but the request for its samples. Where the Parquet cannot be
-    written, the CSV stays.
+    The file has the columns of `live_forces.parquet`, and `late`, the time from a sample's arrival
+    to its answer. The arm gets only the request for its samples. If the Parquet cannot be written,
+    the CSV stays.
     """
     with closing(connected(stream)) as client:
         try:
@@ -141,8 +141,8 @@ def connected(stream: Stream) -> RtdeClient:
 def followed(
     client: RtdeClient, estimator: Live, stream: Stream, journal: Journal, show: Show
 ) -> tuple[str, bool]:
-    """Write the answers to an arm's samples until its stream ends; returns why it did, and whether
-    it was lost.
+    """Write the answers to an arm's samples until its stream ends; return the reason, and whether
+    the arm was lost.
     """
     silence, begin = Silence(stream.address), time.monotonic()
     shown = begin
@@ -166,7 +166,7 @@ def followed(
 
 @contextmanager
 def signals_interrupt() -> Iterator[None]:
-    """Interrupt as Ctrl-C does at SIGTERM and SIGHUP, where the system has them."""
+    """Treat SIGTERM and SIGHUP like Ctrl-C, if the system has them."""
 
     def interrupt(number: int, _: Any) -> None:
         raise KeyboardInterrupt(signal.Signals(number).name)
@@ -201,7 +201,7 @@ def _join(part: Path, aside: Path) -> None:
 
 
 def _answered(estimator: Live, arrived: float, values: tuple[float, ...]) -> str:
-    """Return the row of a package of INPUTS."""
+    """Return the row of the answer to a package of INPUTS."""
     stamp, q, qd, current = values[0], values[1:7], values[7:13], values[13:19]
     wrench, std, contact = estimator.step(stamp, q, qd, current)
     known = contact == CONTACT, contact != UNKNOWN

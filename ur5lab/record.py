@@ -41,8 +41,8 @@ class RecordOptions:
 
     name: of the recording; seconds: duration, None until the motion ends or Ctrl-C; without:
     sensors of the study that are not used; move: file of a motion, None for none; speed: factor of
-    its speed; wait: least time [s] between the commands of such a file; by_hand: whether the arm is
-    led by hand; yes: whether motions are confirmed beforehand.
+    its speed; wait: least time [s] between the commands of such a file; by_hand: whether a person
+    guides the arm; yes: whether motions are confirmed beforehand.
     """
 
     name: str
@@ -59,7 +59,7 @@ class RecordOptions:
 
 
 def record(path: Path, options: RecordOptions, console: Console) -> int:
-    """Record with the devices of a study; returns how many stop signs and errors the files have.
+    """Record with the devices of a study; return the number of stop signs and errors in the files.
 
     path: the study, which need not have recordings yet. Raises InputError when something is missing
     or forbidden, before anything moves or is written.
@@ -88,7 +88,7 @@ def record(path: Path, options: RecordOptions, console: Console) -> int:
             _confirm("the arm will be in freedrive; hold it. Type yes: ", options, console)
         mover = Mover(address, motion) if motion or options.by_hand else None
         with Session(devices, folder) as session:
-            with suppress(InputError):  # where its dashboard does not answer
+            with suppress(InputError):  # if its dashboard does not answer
                 vars(session.identities()["robot"]).update(identify(address))
             moved = f"{options.move} at {options.speed:g} of its speed" if motion else None
             write_manifest(folder, session.identities(), None, moved)

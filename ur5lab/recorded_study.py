@@ -1,4 +1,4 @@
-"""What `ur5 record` reads from a study, and the entry of a new recording that it adds."""
+"""The parts of a study that `ur5 record` reads, and the entry that it adds."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,7 +30,7 @@ class StudyFile:
 
     @classmethod
     def read(cls, path: Path) -> Self:
-        """Read a study's file. Raises InputError where it is none."""
+        """Read a study's file. Raises InputError if it is no study."""
         return cls(path, read_plain(path))
 
     def name(self) -> str:
@@ -61,7 +61,7 @@ class StudyFile:
         return ArmSettings(arm=robot) if isinstance(robot, str) else robot
 
     def enter(self, entry: dict[str, Any], add: bool, console: Console) -> int:
-        """Check an entry, then append it, or print it; returns stop signs and errors."""
+        """Check an entry, then append or print it; return the number of stop signs and errors."""
         alone = {"study": self.plain["study"], "title": self.plain.get("title", "")}
         whole = alone | {"robot": self.plain["robot"], "recordings": [entry]}
         severe = print_findings_of(parse_study(whole, str(self.path)))

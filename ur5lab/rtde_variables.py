@@ -17,7 +17,7 @@ INPUTS_PACKAGE = ord("I")
 START_PACKAGE = ord("S")
 PAUSE_PACKAGE = ord("P")
 DATA_PACKAGE = ord("U")
-STRUCT_FORMATS = {  # the types have these in the module `struct`
+STRUCT_FORMATS = {  # of the types in the module `struct`
     "BOOL": "?",
     "UINT8": "B",
     "UINT32": "I",
@@ -80,7 +80,7 @@ FIRST_VERSIONS = {  # first minor version of the controller's software 3 and 5 t
     "actual_current_as_torque": {5: 23},
     "target_gravity": {5: 26},
     "target_base_acceleration": {5: 26},
-    # not stated anywhere that we know; e-Series controllers have them, as they have ft_raw_wrench
+    # undocumented; assumed to exist with ft_raw_wrench, on e-Series controllers
     "wrench_calc_from_currents": {5: 9},
     "collision_detection_ratio": {5: 9},
     "joint_position_deviation_ratio": {5: 9},

@@ -31,9 +31,9 @@ UNUSED_CHANNELS = (
 class ChannelSpec(NamedTuple):
     """A channel in SI units.
 
-    suffixes: of its columns, empty for a single column; bound: an impossible magnitude for any
-    Universal Robots arm; of_joints: whether its columns are the joints (not pose or wrench), of
-    which there are six unless a recording or its arm has more or fewer.
+    suffixes: of its columns, empty for a single column; bound: a magnitude that no Universal Robots
+    arm can exceed; of_joints: whether it has a column for each joint, six unless the recording or
+    its arm has another number, and not components of a pose or wrench.
     """
 
     unit: str
@@ -112,7 +112,7 @@ CHANNELS = {
     "imu_g": ChannelSpec("rad/s", AXIS_SUFFIXES, 50.0),
     "imu_m": ChannelSpec("1", AXIS_SUFFIXES),
 }
-THESIS_FILES = {  # name after log_ of the thesis's files, and RTDE name
+THESIS_FILES = {  # by the part after log_ in names of the thesis's files: RTDE name
     "q_actual": "actual_q",
     "qd_actual": "actual_qd",
     "i_actual": "actual_current",
@@ -130,9 +130,9 @@ MEASURED_CURRENT, TARGET_CURRENT = CURRENTS = ("actual_current", "target_current
 
 
 class Effort(NamedTuple):
-    """The measured quantity for the efforts of an arm's joints: the motors' currents, or torques.
+    """The measured effort of an arm's joints: the motors' currents, or torques.
 
-    channel: of the measured ones; constant: what turns one into the torque of the joint.
+    channel: of the measured efforts; constant: factor from effort to joint torque.
     """
 
     quantity: str
@@ -143,12 +143,11 @@ class Effort(NamedTuple):
 
     @classmethod
     def measured_in(cls, names: Container[str]) -> "Effort":
-        """Return the effort of a table with these columns; the motors' currents where it has
-        none."""
+        """Return the effort of a table with these columns: torques if it has them, or currents."""
         return TORQUE if f"{TORQUE.channel}_0" in names else CURRENT
 
     def parameter(self, name: str) -> str:
-        """Return the name in tables of a fitted parameter, a gain where it is one."""
+        """Return a fitted parameter's name in tables: "gain" for the torque constant of torques."""
         return self.constant.replace(" ", "_") if name == "torque_constant" else name
 
 
@@ -156,7 +155,7 @@ CURRENT = Effort("current", MEASURED_CURRENT, "A", "torque constant", "Nm/A")
 TORQUE = Effort("torque", SENSED_TORQUE, "Nm", "gain", "Nm/Nm")
 EFFORTS = {own.quantity: own for own in (CURRENT, TORQUE)}
 EFFORT_CHANNELS = (*CURRENTS, SENSED_TORQUE)
-INTERNAL_CHANNELS = ("segment", "interpolated", "filled", "received")  # repaired frames have these
+INTERNAL_CHANNELS = ("segment", "interpolated", "filled", "received")  # of repaired frames
 RECORDED_CHANNELS = {name: spec for name, spec in CHANNELS.items() if name not in INTERNAL_CHANNELS}
 SUFFIXES = {name: spec.suffixes for name, spec in CHANNELS.items() if len(spec.suffixes) > 1}
 JOINT_CHANNELS = [name for name, spec in CHANNELS.items() if spec.of_joints]
@@ -181,22 +180,22 @@ def units_of(*channels: str) -> dict[str, str]:
 
 
 def joint_count(names: Collection[str]) -> int:
-    """Return the number of joints of a recording with these columns, by its widest channel."""
+    """Return the number of joints in the widest channel of a recording with these columns."""
     places = range(MOST_JOINTS)
     every = (k + 1 for name in JOINT_CHANNELS for k in places if f"{name}_{k}" in names)
     return max(every, default=0)
 
 
-@lru_cache(maxsize=1000)  # every recording has the same
+@lru_cache(maxsize=1000)  # recordings share most names
 def channels_of(column: str) -> tuple[str, ...]:
     """Return the channels to which a column may belong by its name."""
     return tuple(name for name in CHANNELS if re.match(rf"{name}(_|[xyz]?$)", column))
 
 
 def meant(column: str) -> str | None:
-    """Return the channel of which a column's name is a misspelling, None where it is none.
+    """Return the channel with the correct spelling of a column's name, None if there is none.
 
-    A longer name, as `actual_qdd`, is that of another quantity, except for a plural.
+    A longer name, as `actual_qdd`, is another quantity and no misspelling, except for a plural.
     """
     if channels_of(column):
         return None
@@ -207,5 +206,5 @@ def meant(column: str) -> str | None:
 
 
 def is_unused(column: str) -> bool:
-    """Return whether a column has an output of RTDE that nothing here uses."""
+    """Return whether a column is an output of RTDE that is not used here."""
     return re.fullmatch("|".join(UNUSED_CHANNELS), column) is not None

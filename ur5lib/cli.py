@@ -37,7 +37,7 @@ ArmName = Annotated[str, typer.Option(help="name of an arm in ur5lib/robots, e.g
 EXPORTS = [*modules_of_topics("exports").values()]
 EXPORTED = ["urdf", "mjcf", "sdf", "isaac", "json", "sensor"]
 EXPORTED += [name for topic in EXPORTS for name in topic.FORMATS]
-OTHERWISE = {  # options that commands had, with what is written now
+OTHERWISE = {  # former options of commands, with the present ones
     "import": {"--write": "--output"},
     "excite": {"--write": "--output"},
     "convert": {"--to": "--format", "--into": "--output"},
@@ -45,25 +45,25 @@ OTHERWISE = {  # options that commands had, with what is written now
     "fetch": {"--to": "--output"},
     "compare": {"--junit": "--output"},
 }
-KEPT = {  # after Ctrl-C; every file is renamed when it is complete
+KEPT = {  # printed after Ctrl-C; files are renamed when complete, so that none is half written
     "run": "the steps that are done are kept, and the same command goes on",
     "fetch": "the files that are complete are kept, and the same command fetches the others",
 }
 
 
 class Named(typer.core.TyperArgument):
-    """An argument, which help calls by its name alone, with dots where there may be several."""
+    """An argument that help shows only by its name, with dots if it may be repeated."""
 
     def display_type_rich(self, ctx: Any) -> None:
         """Return no type."""
 
     def get_usage_pieces(self, _: Any) -> list[str]:
-        """Return the name, in brackets where it may be left out."""
+        """Return the name, in brackets if it is optional."""
         return [str(self.metavar) if self.required else f"[{self.metavar}]"]
 
 
 class Panels(typer.core.TyperGroup):
-    """Commands, listed by what they are for, on one screen."""
+    """Commands, listed by purpose on one screen."""
 
     def __init__(self, **given: Any) -> None:
         super().__init__(**given)
@@ -86,7 +86,7 @@ class Panels(typer.core.TyperGroup):
             formatter.dedent()
 
     def resolve_command(self, context: Any, words: list[str]) -> Any:
-        """Return a command and its words; a former option is answered by what it is called now."""
+        """Return a command and its words; a former option prints its present name and exits."""
         name, command, rest = super().resolve_command(context, words)
         known = OTHERWISE.get(name or "", {})
         own = [*takewhile(lambda word: word != "--", rest)]
@@ -99,10 +99,10 @@ class Panels(typer.core.TyperGroup):
         return name, command, rest
 
     def invoke(self, context: Any) -> Any:
-        """Run a command; a wrong call is answered with an example, and exit status 2.
+        """Run a command; a wrong call prints an example, with exit status 2.
 
-        One that lacks its study lists those that there are, and one that is stopped says what is
-        kept. Raises InputError for a choice that an option does not have.
+        A call without a study lists the studies, and Ctrl-C prints what is kept. Raises InputError
+        for an invalid choice of an option.
         """
         try:
             return super().invoke(context)
@@ -127,7 +127,7 @@ class Panels(typer.core.TyperGroup):
 
 
 def _right_call(command: Any, said: str) -> str:
-    """Return what to write instead of a wrong call: the example of its command, if it has one."""
+    """Return the message on a wrong call, with the example of its command, if it has one."""
     if command is None:
         return "`ur5 -h` lists the commands"
     if command.name == "run" and said.startswith("No such option"):
@@ -146,7 +146,7 @@ app = typer.Typer(
     help="Dynamics, friction and contact force of robot arms, from recordings.",
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
-    rich_markup_mode=None,  # markup would take units, [s], for its own
+    rich_markup_mode=None,  # markup would swallow units such as [s]
     pretty_exceptions_enable=False,
 )
 
@@ -386,7 +386,7 @@ def import_(
 
     Example: ur5 import raw/mine/*.csv --robot ur5e -o mine.yaml
     """
-    typer.echo(f"files to read: {len(files)}", err=True)  # before packages that load for seconds
+    typer.echo(f"files to read: {len(files)}", err=True)  # before imports that take seconds
     _use_one_thread()
     from ur5lib.importing.files import expect_new
     from ur5lib.importing.written import (

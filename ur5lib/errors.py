@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from os import PathLike
 
-OVERRULED_BY = "; if the study is right, "  # it joins a stop sign and the line that overrules it
+OVERRULED_BY = "; if the study is right, "  # between a stop sign and the line that overrules it
 SEPARATOR_CATEGORIES = {"Zl", "Zp"}  # "C…" has controls, marks of direction, surrogates
-_LINES = {"\n", "\t"}  # they are printed, but are no part of a name
+_LINES = {"\n", "\t"}  # allowed in texts, but not in names
 
 
 class InputError(Exception):
@@ -36,9 +36,9 @@ class UnreadableError(InputError):
 class Remark:
     """A remark of a step.
 
-    code: by which tables and other steps know it; text: the sentence, made printable; kind: under
-    which a study accepts a stop sign, empty if it cannot; motion: that it advises; constants: the
-    fitted and the documented one of a joint [Nm/A, or Nm/Nm], where they contradict each other.
+    code: name in tables and for other steps; text: the sentence, made printable; kind: name by
+    which a study accepts a stop sign, "" if it cannot; motion: the one that it advises; constants:
+    fitted and documented constant of a joint [Nm/A, or Nm/Nm], if they contradict each other.
     """
 
     code: str
@@ -52,12 +52,12 @@ class Remark:
         object.__setattr__(self, "text", printable(self.text))
 
     def sentence(self) -> str:
-        """Return the sentence, of a stop sign with how a study overrules it."""
+        """Return the sentence; for a stop sign, with how to overrule it."""
         return overrulable(self.text, self.kind)
 
 
 class RefusalError(ValueError):
-    """The recordings do not allow a fit, for the reason in a remark; arguments as of `Remark`."""
+    """The recordings do not allow a fit; arguments: those of the `Remark` with the reason."""
 
     def __init__(self, code: str, text: str, kind: str = "") -> None:
         """Keep the remark."""
@@ -65,7 +65,7 @@ class RefusalError(ValueError):
         self.remark = Remark(code, text, kind)
 
     def __reduce__(self) -> tuple[type, tuple[str, str, str]]:
-        """Return what pickle needs, so that a process hands it on."""
+        """Return the class and arguments for pickle, to pass the error between processes."""
         return type(self), (self.remark.code, self.remark.text, self.remark.kind)
 
 
@@ -77,12 +77,12 @@ def reason(error: ValueError) -> Remark:
 
 
 def overrulable(sign: str, kind: str) -> str:
-    """Return a stop sign with how a study overrules it; kind: under which, empty if it cannot."""
+    """Return a stop sign with how to overrule it; kind: name for `accept`, "" if it cannot be."""
     return f"{sign}{OVERRULED_BY}`accept: {{{kind}: the reason}}` overrules this" if kind else sign
 
 
 def unknown(kind: str, name: object, known: Iterable[str]) -> InputError:
-    """Return the error of a name that is none of `known`; kind: of what it would name."""
+    """Return the error for a name not in `known`; kind: of the named thing, such as a recording."""
     names = [*known]
     return InputError(
         f"unknown {kind} {name!r:.80}{perhaps(name, names)}; available: {', '.join(names)}"
@@ -90,7 +90,7 @@ def unknown(kind: str, name: object, known: Iterable[str]) -> InputError:
 
 
 def expect_known(kind: str, name: object, known: Iterable[str]) -> str:
-    """Return a name. Raises InputError for what is none of `known`; kind: of what it names."""
+    """Return a name. Raises InputError if it is not in `known`; kind: of the named thing."""
     names = [*known]
     if isinstance(name, str) and name in names:
         return name
@@ -98,7 +98,7 @@ def expect_known(kind: str, name: object, known: Iterable[str]) -> str:
 
 
 def expect_text(given: object, what: str) -> str:
-    """Return a name or a path as text. Raises InputError for anything else, or an empty one."""
+    """Return a name or a path as text. Raises InputError for other types and empty texts."""
     text = str(given) if isinstance(given, str | PathLike) else ""
     if not text or "\0" in text:
         raise InputError(f"{given!r:.80} names no {what}; give its name, as text")
@@ -106,7 +106,7 @@ def expect_text(given: object, what: str) -> str:
 
 
 def perhaps(name: object, known: Iterable[str]) -> str:
-    """Return " (did you mean `x`?)" of the name that is closest, empty if none is close."""
+    """Return " (did you mean `x`?)" with the closest known name, "" if none is close."""
     near = get_close_matches(str(name), [*known], n=1, cutoff=0.5)
     return f" (did you mean `{near[0]}`?)" if near else ""
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from difflib import get_close_matches
 from functools import cached_property
-from os.path import isdir, isfile  # unlike pathlib's, of names that are too long, too
+from os.path import isdir, isfile  # unlike pathlib, false for names that are too long
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -29,7 +29,7 @@ from ur5lib.study.reading import parse_study, read_plain
 from ur5lib.tables import intact, read_csv, read_record
 
 Record = TypeVar("Record")
-FILES_OF_ARM = {  # of a model
+FILES_OF_ARM = {  # files of an arm that a model needs
     "described": "described.yaml",
     "arm": "arm.yaml",
     "urdf": "arm.urdf",
@@ -40,7 +40,7 @@ FILES_OF_ARM = {  # of a model
     "residuals": "residuals.json",
     "threshold": "threshold.json",
 }
-FILES_OF_FITTED = {  # of a recording that a model learnt from
+FILES_OF_FITTED = {  # files of a fitted recording that a model needs
     "signals": "signals.parquet",
     "motion": "motion.parquet",
     "torques": "torques.parquet",
@@ -68,7 +68,7 @@ def arm_of(entry: Mapping[str, Any]) -> str:
 
 
 def no_verdicts(folder: Path) -> str:
-    """Return the sentence about results of a version that did not judge them."""
+    """Return the sentence about results of a version without verdicts."""
     name = folder.name
     return f"{folder} has no verdicts, as results of an earlier version; `ur5 run {name}` again"
 
@@ -148,7 +148,7 @@ class FinishedStudy(Shown):
         return self.record(Quality, recording)
 
     def judgement(self, recording: str) -> Judgement:
-        """Return what is judged of a recording by itself."""
+        """Return the judgement of a recording without its sensor."""
         return self.record(Judgement, recording)
 
     def beside_sensor(self, recording: str) -> SensorAccount:
@@ -162,7 +162,7 @@ class FinishedStudy(Shown):
     def record(self, kind: type[Record], recording: str, name: str = "") -> Record:
         """Return a file of a recording as a record, e.g. `Motion` of motion.parquet.
 
-        name: of the file where it is not the record's, e.g. `sensor` of `SensorWrenches`.
+        name: of the file, if it is not the record's, e.g. `sensor` for `SensorWrenches`.
         """
         stem = name or kind.__name__.lower()
         if issubclass(kind, Table):
@@ -197,8 +197,8 @@ class FinishedStudy(Shown):
         return self.frame(recording, "torques")
 
     def currents(self, recording: str) -> pd.DataFrame:
-        """Return predicted currents with half of their 95 % band, `predicted_current_0` ...,
-        `current_band_0` ... [A], of an arm that measures torques `predicted_torque_0` ...,
+        """Return predicted currents and half-widths of their 95 % band, `predicted_current_0` ...,
+        `current_band_0` ... [A], for an arm that measures torques `predicted_torque_0` ...,
         `torque_band_0` ... [Nm], and the external torque, `tau_ext_0` ... [Nm].
         """
         return self.frame(recording, "currents")
@@ -206,8 +206,8 @@ class FinishedStudy(Shown):
     def forces(self, recording: str) -> pd.DataFrame:
         """Return the estimated contact wrenches, `Fmap_Fx` ... `Fmap_nz` [N, Nm], and their `_std`.
 
-        The environment on the arm, base axes, at the origin of frame 6. `log_odds_Fmap`: that there
-        is a contact. Other estimators have columns of their names. NaN where one states nothing.
+        The environment on the arm, base axes, at the origin of frame 6. `log_odds_Fmap`: log-odds
+        of a contact. Other estimators have columns with their names. NaN where none is stated.
         """
         return forces_of(self._of_recording(recording, "forces"))
 
@@ -233,7 +233,7 @@ class FinishedStudy(Shown):
         return self.quality(name).start_epoch_s if path.is_file() else None
 
     def model(self, robot: str) -> Model:
-        """Return the model that was fitted to an arm, as `ur5lib.fit` of its recordings returns it.
+        """Return the model that was fitted to an arm, the same as `ur5lib.fit` of its recordings.
 
         Raises InputError where the study has no such arm, or is not built.
         """
@@ -280,7 +280,7 @@ class FinishedStudy(Shown):
         return TORQUE.unit if units == {TORQUE.unit} else CURRENT.unit
 
     def _fitted(self, recording: str) -> Files:
-        """Return the files that a model has of a recording; none of one that cannot be read."""
+        """Return a fitted recording's files that a model needs, {} if it cannot be read."""
         folder = self.folder / "recordings" / recording
         files = {name: folder / file for name, file in FILES_OF_FITTED.items()}
         return {name: own for name, own in files.items() if isfile(own) and not reason(str(own))}

@@ -12,25 +12,25 @@ from pydantic_core import ErrorDetails
 
 from ur5lib.errors import InputError, perhaps
 
-# A file has at most this many bytes; a study of a thousand recordings has a twentieth of them.
+# Limit on a file's bytes, 20 times those of a study of a thousand recordings.
 MOST_BYTES = 5_000_000
-# A file has at most this many values; a study of a thousand recordings has a third of them.
+# Limit on a file's values, 3 times those of a study of a thousand recordings.
 MOST_VALUES = 100_000
 MAX_LEVELS = 50  # levels of lists and mappings; a study has 8
 MAX_NUMBER_LENGTH = 100  # characters
 MAX_PATH_BYTES, MAX_PART_BYTES = 1000, 255  # bytes of a path, and of a name in it
-SNAKEMAKE_PLACEHOLDER = re.compile(r"\{\s*[.\w]+\s*[,}]|<[a-z]\w*>")  # it is replaced in a path
+SNAKEMAKE_PLACEHOLDER = re.compile(r"\{\s*[.\w]+\s*[,}]|<[a-z]\w*>")  # Snakemake replaces it
 MERGE_TAG = "tag:yaml.org,2002:merge"  # tag of the key <<, which may occur several times
 FAST_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # libyaml's, if installed
 FAST_DUMPER: Any = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
-QUOTE = "'"  # pydantic puts it around a discriminator's name
+QUOTE = "'"  # around a discriminator's name in messages of pydantic
 SPECIAL_FILE_KINDS = {
     stat.S_ISFIFO: "a named pipe",
     stat.S_ISSOCK: "a socket",
     stat.S_ISCHR: "a device",
     stat.S_ISBLK: "a device",
 }
-# People expect these keys; this is what to do without them.
+# Keys that people expect but that do not exist, with what to do instead.
 INSTEAD_OF = dict.fromkeys(
     ("exclude_joints", "ignore_joints", "skip_joints"),
     "a force loads all joints, so that none can be left out; remove the key, and overrule a stop "
@@ -47,7 +47,7 @@ class Strict(BaseModel):
 
 
 def usable_path(path: str) -> str:
-    """Return the path. Raises ValueError for one that no file has, or that Snakemake changes."""
+    """Return the path. Raises ValueError if no file can have it, or Snakemake would change it."""
     longest = max(len(part.encode(errors="replace")) for part in path.split("/"))
     if "\0" in path or longest > MAX_PART_BYTES or len(path) > MAX_PATH_BYTES:
         raise ValueError(
@@ -113,8 +113,8 @@ def read_text(path: Path) -> str:
 def plain_yaml(text: str, source: str) -> Any:
     """Return the content of YAML as plain data.
 
-    Raises yaml.YAMLError when it is not YAML, InputError when it has a key twice, has a number that
-    is none, or is too large.
+    Raises yaml.YAMLError if it is not YAML, InputError if it has a key twice, an invalid number, or
+    is too large.
     """
     try:
         _expect_few_levels(text, source)  # before libyaml, which crashes on a deep nest
@@ -131,12 +131,12 @@ def _expect_few_levels(text: str, source: str) -> None:
         level -= isinstance(event, yaml.CollectionEndEvent)
         if level > MAX_LEVELS:
             raise _too_deep(source)
-        if count > 3 * MOST_VALUES:  # a list has an event for its beginning, and one for its end
+        if count > 3 * MOST_VALUES:  # a list has a start event and an end event
             raise _too_many(source)
 
 
 def _plain_data(loader: Any, source: str) -> Any:
-    """Return the content that a loader of YAML reads, as plain data."""
+    """Return the content of a YAML loader as plain data."""
     try:
         if (node := loader.get_single_node()) is None:
             return None
@@ -179,9 +179,9 @@ def _expect_keys_once(node: yaml.MappingNode, source: str) -> None:
 
 
 def _expect_value(node: yaml.ScalarNode, loader: Any, source: str) -> None:
-    """Raise InputError for a number, a date or a truth value that is none.
+    """Raise InputError for an invalid number, date or truth value.
 
-    The loader keeps the others: they are not made twice.
+    The loader caches the valid ones, so that they are not constructed twice.
     """
     try:
         value = loader.construct_object(node)
@@ -204,8 +204,8 @@ def _place(node: yaml.Node, source: str) -> str:
 def expect_few_values(data: Any, source: str) -> None:
     """Raise InputError where data are nested too deep, or huge through repeated aliases.
 
-    data: plain data, or the nodes of a YAML file; source: its name, for the message. Each alias
-    (`*name`) repeats all that it names: nine lines can give a thousand million values.
+    data: plain data, or the nodes of a YAML file; source: its name, for the message. An alias
+    (`*name`) repeats the content of its anchor: nine lines can give a thousand million values.
     """
     if _measure(data, 0, {}, source)[0] > MOST_VALUES:
         raise _too_many(source)
@@ -214,7 +214,7 @@ def expect_few_values(data: Any, source: str) -> None:
 def _measure(
     data: Any, level: int, measured: dict[int, tuple[int, int]], source: str
 ) -> tuple[int, int]:
-    """Return the count of values and of levels below; measured: those of parts by id."""
+    """Return the numbers of values and of levels in data; measured: cached ones of parts, by id."""
     if level + measured.get(id(data), (1, 0))[1] > MAX_LEVELS:
         raise _too_deep(source)
     if id(data) not in measured:
@@ -270,7 +270,7 @@ def explain(error: ErrorDetails, schema: Schema) -> str:
         return f"`{key}`: {error['msg']}"
     if kind == "of_entry":
         return f"`{key}` {error['msg']}"
-    if kind == "value_error" and "properties" in node:  # of several keys together
+    if kind == "value_error" and "properties" in node:  # an error of several keys together
         return f"`{key}`: {error['ctx']['error']}" if key else str(error["ctx"]["error"])
     near = perhaps(error["input"], _choices(node))
     remedy = error["ctx"]["error"] if kind == "value_error" else allowed(node)
@@ -289,7 +289,7 @@ def _explain_tag(error: ErrorDetails, key: str, tags: list[str]) -> str:
 
 
 def _descend(schema: Schema, location: Iterable[str | int]) -> tuple[list[str | int], Schema]:
-    """Return the keys of a location, without tags of kinds, and the schema node there."""
+    """Return the keys of a location without the tags of kinds, and its schema node."""
     node, keys = schema, list[str | int]()
     for part in location:
         kinds = branches(node)
@@ -305,7 +305,7 @@ def _descend(schema: Schema, location: Iterable[str | int]) -> tuple[list[str | 
 
 
 def branches(node: Schema) -> dict[str, Schema]:
-    """Return the kinds of a part by tag; where two types are allowed, the types."""
+    """Return the schema nodes of a part's kinds by tag, or of its types if two are allowed."""
     mapping = node.get("discriminator", {}).get("mapping", {})
     options = node.get("oneOf", [])
     tagged = {t: option for option in options for t in mapping if mapping[t] == option.get("$ref")}

@@ -33,8 +33,8 @@ from ur5lib.channels import CHANNELS, channels_of
 from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array, Labels
 
-ROWS = 1 << 16  # this many are read or written at once
-# It matches columns of the first half of a pose, a twist or a wrench.
+ROWS = 1 << 16  # read or written at once
+# Matches columns of the first half of a pose, a twist or a wrench.
 FIRST_HALF = re.compile(r"_[0-2]$|_F[xyz]$")
 # These columns may have any text.
 NAMES = ("study", "recording", "robot", "arm", "model", "fitted_on", "tested_on")
@@ -71,7 +71,7 @@ def intact(path: Source) -> Iterator[None]:
     """Raise InputError with the remedy where a file of results is damaged."""
     try:
         yield
-    # OSError: also that of Parquet without an end, which has no number of the operating system's
+    # pyarrow raises OSError without an errno for a truncated Parquet file
     except (InputError, OSError, ValueError, pa.ArrowException) as error:
         if isinstance(error, OSError) and error.errno is not None:
             raise
@@ -83,7 +83,7 @@ def intact(path: Source) -> Iterator[None]:
 
 
 def unit(column: str) -> str:
-    """Return the unit of a column's channel: the longest channel's name with which it begins.
+    """Return the unit of a column's channel, the longest channel name that the column begins with.
 
     Raises ValueError for an unknown channel.
     """
@@ -93,7 +93,7 @@ def unit(column: str) -> str:
 
 
 def column_unit(column: str, unit: str) -> str:
-    """Return the unit of one column of a channel: of `N, Nm`, forces have the first."""
+    """Return the unit of one column of a channel: from `N, Nm`, N for forces and Nm for moments."""
     first, _, second = unit.partition(", ")
     return first if FIRST_HALF.search(column) or not second else second
 
@@ -125,7 +125,7 @@ def write_table(
 def _write_parquet(arrays: Mapping[str, Column], schema: pa.Schema, path: Path | BytesIO) -> None:
     """Write columns part by part, which avoids a copy of the whole."""
     count = len(next(iter(arrays.values())))
-    # A dictionary of measured values takes three quarters of the time, and makes files larger.
+    # dictionary encoding would take three quarters of the time, and makes such files larger
     with pq.ParquetWriter(path, schema, use_dictionary=False) as writer:
         for start in range(0, count, ROWS):
             rows = slice(start, start + ROWS)
@@ -135,7 +135,7 @@ def _write_parquet(arrays: Mapping[str, Column], schema: pa.Schema, path: Path |
 
 def read_table(path: Source, names: list[str] | None = None) -> pd.DataFrame:
     """Read a table of signals, or some of its columns."""
-    # Column by column, which avoids a second copy of the whole.
+    # column by column avoids a second copy of the whole
     with intact(path), pq.ParquetFile(path) as file:
         wanted = file.schema_arrow.names if names is None else names
         arrays = {name: file.read([name]).column(0).to_numpy() for name in wanted}
@@ -150,7 +150,7 @@ def read_units(path: Source) -> dict[str, str]:
 
 
 def read_footer(path: Source) -> pq.FileMetaData:
-    """Return where a table's columns are in its file, with their names as `schema.names`."""
+    """Return the Parquet metadata of a table: places of the columns, names in `schema.names`."""
     with intact(path):
         return pq.read_metadata(path)
 
@@ -164,8 +164,8 @@ def read_columns(
 ) -> Column:
     """Return columns of a table as an array (N, len(names)), without reading others.
 
-    rows: indices of the rows to return, ascending; all by default; footer: of `read_footer`, if
-    there is one: of a short table, it takes longer to read than the columns.
+    rows: indices of the rows to return, ascending; all by default; footer: from `read_footer`, to
+    save reading it again, which takes longer than the columns of a short table.
     """
     with intact(path), pq.ParquetFile(path, metadata=footer) as file:
         count = file.metadata.num_rows if rows is None else len(rows)
@@ -191,7 +191,7 @@ def channel(table: pd.DataFrame, name: str, count: int | None = None) -> Array:
     """Return a channel as a copied array (N, count), by default of all its columns."""
     have = count or next(k for k in range(len(table.columns) + 1) if f"{name}_{k}" not in table)
     values = [table[column].to_numpy(np.float64) for column in columns(name, max(1, have))]
-    return np.array(values).T  # one column after the other in memory, as pandas has them
+    return np.array(values).T  # column-major in memory, as in pandas
 
 
 def named(values: Array, name: str) -> dict[str, Array]:
@@ -201,23 +201,23 @@ def named(values: Array, name: str) -> dict[str, Array]:
 
 
 def write_csv(table: pd.DataFrame, path: str | Path, digits: int = 9) -> None:
-    """Write a table of results: an empty cell where no value applies, numbers to some digits."""
+    """Write a table of results; NaN becomes an empty cell, numbers have `digits` digits."""
     of_numbers = table.shape[1] > 1 and bool((table.dtypes == np.float64).all())
     write = _write_numbers if of_numbers else csv_text
     write_aside(path, lambda aside: write(table, digits, aside))
 
 
 def csv_text(table: pd.DataFrame, digits: int = 9, path: Path | None = None) -> str | None:
-    """Return a table of results as it is written; None if it is written to a path."""
+    """Return the CSV text of a table of results, or write it to a path and return None."""
     return table.to_csv(path, index=False, float_format=f"%.{digits}g")
 
 
 def write_exactly(table: pd.DataFrame, path: Path, header: bool = True) -> None:
-    """Write a table as CSV with numbers that, read again, are the same to the last bit."""
+    """Write a table as CSV; numbers are the same to the last bit when read again."""
     if any(kind.kind not in "iuf" for kind in table.dtypes):
         table.to_csv(path, index=False, header=header)
         return
-    # Arrow takes a tenth of the time; the names stay here, since it puts quotes around them
+    # ten times as fast with Arrow; the header is written here, since Arrow would quote the names
     arrays = [pa.array(table.iloc[:, k], from_pandas=True) for k in range(table.shape[1])]
     form = pacsv.WriteOptions(include_header=False, quoting_style="none")
     with path.open("wb") as file:
@@ -227,7 +227,7 @@ def write_exactly(table: pd.DataFrame, path: Path, header: bool = True) -> None:
 
 
 def _write_numbers(table: pd.DataFrame, digits: int, path: Path) -> None:
-    """Write a table of float numbers alone, which pandas takes four times as long for."""
+    """Write a table of only floats, four times as fast as pandas."""
     line = ",".join([f"%.{digits}g"] * table.shape[1]) + "\n"
     with path.open("w", encoding="utf-8", newline="") as file:
         table.iloc[:0].to_csv(file, index=False)
@@ -242,9 +242,7 @@ def write_rows(kind: type, rows: Iterable[object], path: str | Path) -> None:
 
 
 def table_of(kind: type, rows: Iterable[object]) -> pd.DataFrame:
-    """Return rows as a table with a column for each field of their class; True and False are yes
-    and no.
-    """
+    """Return rows as a table with a column for each field of `kind`; True is "yes", False "no"."""
     names = [field.name for field in fields(kind)]
     cells = [[_cell(getattr(row, name)) for name in names] for row in rows]
     return pd.DataFrame(cells, columns=names)
@@ -253,7 +251,10 @@ def table_of(kind: type, rows: Iterable[object]) -> pd.DataFrame:
 def table_by_owner(
     kind: type, rows: Mapping[str, Iterable[object]], owner: str = "recording"
 ) -> pd.DataFrame:
-    """Return the table of the rows of several recordings or arms (`robot`), with these first."""
+    """Return a table of the rows of several recordings or arms; the first column names the owner.
+
+    owner: name of this column, `recording` or `robot`.
+    """
     each = [*((of, row) for of, own in rows.items() for row in own)]
     table = table_of(kind, (row for _, row in each))
     table.insert(0, owner, pd.Series([of for of, _ in each], dtype=object))
@@ -282,14 +283,14 @@ def _parsed(file: Any) -> pd.DataFrame:
 
 
 def read_cells(path: str | Path) -> pd.DataFrame:
-    """Read a table of results, each cell as its text."""
+    """Read a table of results with all cells as text."""
     with _whole_lines(path) as file:
         return pd.read_csv(file, dtype=str, keep_default_na=False)
 
 
 @contextlib.contextmanager
 def _whole_lines(path: str | Path) -> Iterator[BinaryIO]:
-    """Open a table of results. Raises InputError where its last line has no end."""
+    """Open a table of results. Raises InputError if its last line is incomplete."""
     with intact(path), open(path, "rb") as file:
         file.seek(max(0, file.seek(0, os.SEEK_END) - 1))
         if file.read() != b"\n":
@@ -299,9 +300,7 @@ def _whole_lines(path: str | Path) -> Iterator[BinaryIO]:
 
 
 def checksum(path: str | Path) -> str:
-    """Return the SHA-256 of a file, which may be larger than the memory; of a folder, of those of
-    its files.
-    """
+    """Return the SHA-256 of a file of any size, or of the checksums of a folder's files."""
     if (folder := Path(path)).is_dir():
         files = sorted(file for file in folder.iterdir() if file.is_file())
         return hashlib.sha256("".join(map(checksum, files)).encode()).hexdigest()
@@ -320,7 +319,7 @@ def json_text(data: object) -> str:
 
 
 def read_json(path: str | Path, of_object: Callable[[dict[str, Any]], Any] | None = None) -> Any:
-    """Read a summary; of_object: what becomes of each of its objects."""
+    """Read a summary; of_object: function that converts each JSON object."""
     with intact(path):
         return json.loads(Path(path).read_text(encoding="utf-8"), object_hook=of_object)
 
@@ -328,7 +327,7 @@ def read_json(path: str | Path, of_object: Callable[[dict[str, Any]], Any] | Non
 def read_record(kind: type[Record], path: str | Path) -> Record:
     """Read a summary as a record with declared fields.
 
-    Raises InputError where its fields differ, as those of another version.
+    Raises InputError if its fields differ, as in results of another version.
     """
     try:
         return as_record(kind, read_json(path, _with_sentence))
@@ -340,8 +339,8 @@ def read_record(kind: type[Record], path: str | Path) -> Record:
 
 
 def _with_sentence(data: dict[str, Any]) -> dict[str, Any]:
-    """Return a part of a summary; a finding or remark of version 0.2, which had values in place of
-    its sentence, with its code as such.
+    """Return a part of a summary; findings and remarks of version 0.2, which had values instead of
+    a sentence, get their code as the sentence.
     """
     if not data.keys() >= {"code", "values"}:
         return data
@@ -365,12 +364,12 @@ def as_record(kind: type[Record], data: object) -> Record:
 
 @cache
 def _validator(kind: Any) -> SchemaValidator:
-    """Return what checks the fields of a record; it takes longer to build than to use."""
+    """Return the validator of a record's fields, cached since building it takes long."""
     return SchemaValidator(_null_is_nan(TypeAdapter(kind).core_schema))
 
 
 def _null_is_nan(schema: Any) -> Any:
-    """Return pydantic's schema with every number that may not be null as NaN where it is."""
+    """Return pydantic's schema, changed so that null becomes NaN unless a number is optional."""
     if isinstance(schema, list):
         return [_null_is_nan(part) for part in schema]
     if not isinstance(schema, dict):
@@ -387,7 +386,7 @@ def key(field: str) -> str:
     return field.removesuffix("_")
 
 
-BY_KEY = {"alias_generator": key}  # a record with such a field has it as `__pydantic_config__`
+BY_KEY = {"alias_generator": key}  # `__pydantic_config__` of records with such a field
 
 
 def write_text(text: str, path: str | Path) -> None:
@@ -436,7 +435,7 @@ def made(folder: Path) -> Path:
 
 
 def _plain(data: object) -> object:
-    if isinstance(data, float):  # first: most are
+    if isinstance(data, float):  # first, as the most frequent
         return data if math.isfinite(data) else None
     if hasattr(data, "model_dump"):
         return _plain(data.model_dump())

@@ -2,8 +2,8 @@
 
 Every estimator of ur5rivals/estimators learns its constants and its noise from the
 contact-free recordings of the role `fit`, predicted by fits without their own path. It is then
-scored against the force sensor, or, without one, by the force that it shows on recordings of the
-role `validate`.
+scored against the force sensor, or, without one, by its (false) force on recordings of the role
+`validate`.
 """
 
 import sys
@@ -30,7 +30,7 @@ TABLE_FILE = RESULTS_FOLDER / "leaderboard.csv"
 
 
 class LearnedContender(NamedTuple):
-    """An estimator with what it learnt from one arm's recordings."""
+    """An estimator with its constants learnt from one arm's recordings."""
 
     estimator: Contender
     learned: Learned
@@ -39,8 +39,8 @@ class LearnedContender(NamedTuple):
 def leaderboard(folders: Iterable[Path], place: str | None = None) -> str:
     """Return the tables of studies, in Markdown, and write them as one to TABLE_FILE.
 
-    folders: results/<study>; place: of a further estimator, as in `outside`. Raises InputError
-    where a study is not built, or that estimator breaks the protocol.
+    folders: results/<study>; place: of a further estimator, as in `outside`. Raises InputError if a
+    study is not built, or the further estimator breaks the protocol.
     """
     chosen = contenders(place)
     table = scored([arm for folder in folders for arm in read_arms(folder)], chosen)
@@ -61,7 +61,7 @@ def scored(arms: Sequence[StudyArm], chosen: Sequence[Contender]) -> pd.DataFram
 
 
 def arm_rows(arm: StudyArm, chosen: Sequence[Contender]) -> Iterator[dict[str, Any]]:
-    """Yield the rows of an arm's recordings, each with what the estimator learnt."""
+    """Yield the rows of an arm's recordings, each with the estimator's learnt constants."""
     entries = {entry.estimator.name: entry for entry in learnt(arm, chosen)}
     for run in arm.sensed:
         for row in sensed_rows(run, estimates(entries, run), OURS):
@@ -72,7 +72,7 @@ def arm_rows(arm: StudyArm, chosen: Sequence[Contender]) -> Iterator[dict[str, A
 
 
 def learnt(arm: StudyArm, chosen: Sequence[Contender]) -> Iterator[LearnedContender]:
-    """Yield the estimators that this arm's recordings suffice for; print why another does not."""
+    """Yield the estimators that can learn from this arm's recordings; print why others cannot."""
     for contender in chosen:
         print(f"{arm.study}, {arm.robot}: {contender.name}", file=sys.stderr, flush=True)
         try:
@@ -84,13 +84,13 @@ def learnt(arm: StudyArm, chosen: Sequence[Contender]) -> Iterator[LearnedConten
 
 
 def estimates(entries: dict[str, LearnedContender], run: Run) -> EstimatesByName:
-    """Return the estimates of a run by name, without those that it lacks the inputs of."""
+    """Return the estimates of a run by name, leaving out those with missing inputs."""
     by_name = {name: entry.learned.method(run) for name, entry in entries.items()}
     return {name: estimate for name, estimate in by_name.items() if estimate is not None}
 
 
 def described(arm: StudyArm, entry: LearnedContender) -> dict[str, Any]:
-    """Return the columns that say what a row is about."""
+    """Return the columns that identify a row."""
     constants = entry.learned.constants.items()
     return {
         "study": arm.study,

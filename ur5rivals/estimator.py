@@ -11,7 +11,7 @@ Method = Callable[[Run], Estimate | None]
 
 
 class Learned(NamedTuple):
-    """A method with its constants filled in, and its latency [s], None if it was not measured."""
+    """A method with its learnt constants, and its latency [s], None if it was not measured."""
 
     method: Method
     constants: dict[str, Any]
@@ -22,9 +22,9 @@ class Learned(NamedTuple):
 class Contender:
     """One row of the table.
 
-    source: the publication; causal: whether no later sample of its inputs is used; learn: takes the
-    contact-free runs of the role `fit`, predicted by fits without their own path, and nothing else.
-    It may raise InputError if they do not suffice.
+    source: the publication; causal: whether it uses only present and past samples; learn: takes
+    only the contact-free runs of the role `fit`, predicted by fits without their own path; it may
+    raise InputError if they do not suffice.
     """
 
     name: str
@@ -34,5 +34,5 @@ class Contender:
 
 
 def ready(name: str) -> Callable[[Sequence[Run]], Learned]:
-    """Return how to learn an estimate that the study already has: there is nothing to learn."""
+    """Return the `learn` of an estimate that the study already has, with nothing to learn."""
     return lambda _: Learned(lambda run: run.ready.get(name), {})

@@ -1,4 +1,4 @@
-"""From an external torque to a force with its band: by least squares, or as F̂ᵐᵃᵖ."""
+"""The force with its band from an external torque: by least squares, or as F̂ᵐᵃᵖ."""
 
 from collections.abc import Callable, Sequence
 
@@ -18,7 +18,7 @@ TorqueEstimate = Callable[[Run], Array]
 """Returns the external torque (N, 6) [Nm] of a run, NaN where unknown."""
 
 NO_TORQUE = np.zeros(6)  # Nm
-CUTOFF_HZ = 2.0  # Hz; this is the cut-off of a study's low-pass
+CUTOFF_HZ = 2.0  # Hz; of a study's low-pass
 TYPICAL_FORCE = 15.0  # N; typical contact with an arm that is not described
 
 
@@ -27,9 +27,9 @@ def learned_noise(
 ) -> ResidualModel:
     """Return the spread of an estimated torque on contact-free runs, by joint and its state.
 
-    breakaway: (6,) [Nm], up to which dry friction keeps a joint at rest; only our own estimate uses
-    it. As for the project's own estimates, the spread is wider by Student's t if there are few
-    paths. Raises InputError if a joint never moves.
+    breakaway: torque (6,) [Nm], used only by our own estimate. As for the project's own estimates,
+    the spread is wider by Student's t if there are few paths. Raises InputError if a joint never
+    moves.
     """
     stretches = [
         TorqueStretch(estimate[rows], run.states[rows], run.period)
@@ -58,13 +58,12 @@ def force(run: Run, torque: Array, noise: ResidualModel) -> Estimate:
 
 
 def breakaway_of(runs: Sequence[Run]) -> Array:
-    """Return the runs' median of the torque (6,) [Nm] up to which dry friction keeps a joint at
-    rest."""
+    """Return the median breakaway torque (6,) [Nm] of the runs."""
     return np.asarray(np.median([run.breakaway for run in runs], axis=0))
 
 
 def most_probable(run: Run, torque: Array, noise: ResidualModel) -> Estimate:
-    """Return F̂ᵐᵃᵖ, its gate and background included, of another external torque (N, 6) [Nm].
+    """Return F̂ᵐᵃᵖ, including gate and background, computed from an external torque (N, 6) [Nm].
 
     noise: of that torque without contact, with the breakaway torque.
     """

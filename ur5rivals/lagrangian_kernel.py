@@ -1,15 +1,15 @@
-"""Covariances of joint torques by energies that are Gaussian processes [Giacomuzzo et al. 2024].
+"""Covariances of joint torques from Gaussian processes of energies [Giacomuzzo et al. 2024].
 
 Kinetic and potential energy, T and U, are independent processes with covariances k_T and k_U. The
-torques are linear in them, by Lagrange's operator G = d/dt ∂/∂q̇ - ∂/∂q of T - U, and so are a
-process, too, with the covariances G G' (k_T + k_U), where G' is that of the second motion. With
+torques are linear in them, by Lagrange's operator G = d/dt ∂/∂q̇ - ∂/∂q of T - U, and therefore also
+a process, with covariances G G' (k_T + k_U), where G' acts on the second motion. With
 p_k = 1 - w_k (1 - cos(q_k - q'_k)) of a revolute joint,
 
     k_T = Σ_l (q̇ᵀ S_l q̇')² Π_k≤l p_lk²   (S_l diagonal: the joints up to l move link l)
     k_U = s² Π_k p_k
 
-The energies of an arm are polynomials like those that these covariances describe, whatever its
-links: squares of speeds times cosines and sines of the joints, at most squared in T, not in U.
+These covariances describe the energies of any arm, which are polynomials: squares of speeds times
+cosines and sines of the joints, at most squared in T, linear in U.
 """
 
 from typing import NamedTuple
@@ -49,8 +49,8 @@ class Energies(NamedTuple):
 
 
 class Polynomial(NamedTuple):
-    """P = Π_k p_k^d between N and M postures, (N, M), and of ln P the slope r (n, N, M) and the
-    second derivative, which is diagonal, (n, N, M), by q.
+    """P = Π_k p_k^d between N and M postures, (N, M); r = ∂ ln P/∂q (n, N, M), and the diagonal
+    ∂² ln P/∂q² (n, N, M).
     """
 
     value: Tensor
@@ -74,7 +74,8 @@ def polynomial(first: Tensor, second: Tensor, share: Tensor, degree: int) -> Pol
 def torque_covariance(first: Motion, second: Motion, energies: Energies, right: Tensor) -> Tensor:
     """Return the covariances (C, n, N, M) [Nm²] of torques at N motions with those at M others.
 
-    right: (C, n, M), of which combinations of the second's torques; `each_torque` gives all.
+    right: (C, n, M), coefficients of C linear combinations of the second motion's torques;
+    `each_torque` for the torques themselves.
     """
     right = right[:, :, None]
     postures = polynomial(first.q, second.q, energies.postures, 1)
@@ -88,7 +89,7 @@ def torque_covariance(first: Motion, second: Motion, energies: Energies, right: 
 def kinetic(first: Motion, second: Motion, speed: Tensor, turn: Tensor, right: Tensor) -> Tensor:
     """Return G G' (q̇ᵀ S q̇')² P of a link, as `torque_covariance`; speed, turn: S, w (n,).
 
-    As P depends on q - q', its derivatives by q' are those by q with the other sign.
+    As P depends on q - q', ∂P/∂q' = -∂P/∂q.
     """
     (v, a), (w, b) = (  # q̇ᵀ S q̇', q̇ᵀ S q̈'; q̈ᵀ S q̇', q̈ᵀ S q̈'
         ((speed[:, None] * rate).T @ second.qd, (speed[:, None] * rate).T @ second.qdd)
@@ -98,7 +99,7 @@ def kinetic(first: Motion, second: Motion, speed: Tensor, turn: Tensor, right: T
     qd, qdd = first.qd[:, :, None], first.qdd[:, :, None]
     other_qd, other_qdd, speed = second.qd[:, None], second.qdd[:, None], speed[:, None, None]
     gradient, bent = P.value * P.slope, P.second(qd)
-    # how P changes along the first motion, the second, and both
+    # derivatives of P along the first motion, the second, and both
     ahead, back = (gradient * qd).sum(0), -(gradient * other_qd).sum(0)
     both = -(bent * other_qd).sum(0)
 
@@ -114,6 +115,6 @@ def kinetic(first: Motion, second: Motion, speed: Tensor, turn: Tensor, right: T
 
 
 def each_torque(motions: Motion) -> Tensor:
-    """Return each torque of M motions (n, n, M), as `torque_covariance` takes it."""
+    """Return the coefficients (n, n, M) of each torque of M motions for `torque_covariance`."""
     joints, samples = motions.q.shape
     return torch.eye(joints, dtype=motions.q.dtype)[:, :, None].expand(-1, -1, samples)

@@ -1,8 +1,8 @@
 """A torque without contact, learnt as a function of the motion, by path.
 
-What friction and model leave is learnt from (q, q̇, torque of the rigid-body model) at one instant,
-and subtracted, so that it can be part of a causal estimate. Or the motors' whole torque is learnt,
-without friction and model, and what is measured beyond it is the external torque.
+Either the residual of friction and model is learnt from (q, q̇, torque of the rigid-body model) at
+one instant, so that it can be subtracted in a causal estimate. Or the motors' whole torque is
+learnt, without friction and model, and the external torque is the measured less the learnt one.
 """
 
 from collections.abc import Callable, Sequence
@@ -45,7 +45,7 @@ def residual(run: Run) -> TrainingSamples:
 
 
 def samples(runs: Sequence[Run], step: float, of: Learnable) -> TrainingSamples:
-    """Return the samples of runs every `step` seconds, where all is finite."""
+    """Return the finite samples of runs every `step` seconds."""
     parts = []
     for run in runs:
         rows = slice(None, None, max(1, round(step / run.period)))
@@ -62,7 +62,7 @@ def spread_over(learnt: TrainingSamples, count: int) -> TrainingSamples:
 
 
 def in_parts(predict: Predict, count: int) -> Predict:
-    """Return a prediction that takes about `count` samples at once."""
+    """Return a prediction that is computed in parts of about `count` samples."""
     return lambda new: np.concatenate(
         [predict(part) for part in np.array_split(new, 1 + len(new) // count)]
     )
@@ -75,9 +75,7 @@ def deviation(values: Array) -> Array:
 
 
 def standardised(train: Train, learnt: TrainingSamples, left_out: TrainingSamples) -> Predict:
-    """Train on samples less their mean, over their standard deviation; return the prediction in
-    their own units.
-    """
+    """Train on (samples - mean) / standard deviation; return the prediction in original units."""
     mean = TrainingSamples(*(values.mean(axis=0) for values in learnt))
     std = TrainingSamples(*map(deviation, learnt))
     to_learn, to_stop = (
@@ -97,10 +95,10 @@ def standardised(train: Train, learnt: TrainingSamples, left_out: TrainingSample
 def cross_fitted(
     train: Train, runs: Sequence[Run], step: float, of: Learnable = residual
 ) -> TorqueEstimate:
-    """Return what is learnt of a run, for each path by the regression that has not seen it.
+    """Return a function that predicts a run's torque by the regression without the run's path.
 
-    A path beyond those is predicted by the mean of the regressions. Raises InputError if all runs
-    follow one path.
+    Other paths are predicted by the mean of the regressions. Raises InputError if all runs follow
+    one path.
     """
     paths = sorted({run.path for run in runs})
     if len(paths) < 2:
@@ -126,11 +124,11 @@ def cross_fitted(
 
 
 def on_top(name: str, source: str, train: Train, step: float) -> list[Contender]:
-    """Return the estimators that subtract a regression from least squares and from the momentum
-    observer; name: of the regression; step: as in `samples`.
+    """Return two estimators that subtract a regression from the torque: before least squares, and
+    in the momentum observer; name: of the regression; step: as in `samples`.
     """
 
-    @lru_cache(maxsize=1)  # both learn it from the same runs
+    @lru_cache(maxsize=1)  # both estimators learn it from the same runs
     def residual_of(runs: tuple[Run, ...]) -> TorqueEstimate:
         return cross_fitted(partial(standardised, train), runs, step)
 
@@ -155,8 +153,8 @@ def motor(run: Run) -> Array:
 
 
 def beyond(predicted: TorqueEstimate, runs: Sequence[Run]) -> Learned:
-    """Return what the motors carry beyond their predicted torque, through a low-pass that is tuned
-    as that of causal least squares.
+    """Return the estimator of measured less predicted motor torque, with a low-pass tuned as that
+    of causal least squares.
     """
 
     def unexplained(run: Run) -> Run:

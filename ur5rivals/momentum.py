@@ -1,4 +1,4 @@
-"""What momentum observers share: the generalised momentum that an external torque has added.
+"""The base of momentum observers: the generalised momentum z that an external torque has added.
 
     z(t) = p(t) - ∫ (τ_m - τ_f + Cᵀ q̇ - g) dt,   dz/dt = τ_ext
 
@@ -7,8 +7,8 @@ external torque:
 
     ẑ⁻ = ẑ + T d,   e = z - ẑ⁻,   ẑ = ẑ⁻ + (momentum's correction),   d = d + (torque's correction)
 
-Corrections a e and b e are those of a linear observer. Its transfer function from z to d is b (1 -
-p) / (1 + (a + T b - 2) p + (1 - a) p²), p being a delay by one sample.
+A linear observer has the corrections a e and b e. Its transfer function from z to d is
+b (1 - p) / (1 + (a + T b - 2) p + (1 - a) p²), where p is a delay by one sample.
 """
 
 from abc import ABC, abstractmethod
@@ -24,10 +24,9 @@ from ur5rivals.run import Run
 def momentum_rate(weightless: LinkModel, q: Array, qd: Array, qdd: Array, torque: Array) -> Array:
     """Return the rate τ_m - τ_f + Cᵀ q̇ - g (N, 6) [Nm] of an arm without contact.
 
-    weightless: its model without gravity, with what it carries; q, qd, qdd: (N, 6) [rad, rad/s,
-    rad/s²]; torque: external, τ_ext (N, 6) [Nm], as what the inverse dynamics at this motion and
-    the friction leave of τ_m. So the rate is that of the momentum, D q̈ + C q̇ + Cᵀ q̇, less τ_ext,
-    and q̈ cancels.
+    weightless: its model without gravity, with its payload; q, qd, qdd: (N, 6) [rad, rad/s,
+    rad/s²]; torque: external, τ_ext (N, 6) [Nm], τ_m less friction and inverse dynamics at this
+    motion. The rate is D q̈ + C q̇ + Cᵀ q̇ - τ_ext, in which q̈ cancels.
     """
     rate = weightless.inverse_dynamics(q, qd, qdd) + weightless.coriolis_torque(q, qd)
     return rate - torque
@@ -36,7 +35,7 @@ def momentum_rate(weightless: LinkModel, q: Array, qd: Array, qdd: Array, torque
 def added_momentum(run: Run, rows: slice) -> Array:
     """Return z (n, 6) [Nm s] of an unbroken stretch, zero at its first sample.
 
-    The rate is integrated by trapezoids, which end at the sample itself: nothing later is used.
+    The rate is integrated by trapezoids up to each sample, without later ones.
     """
     momentum, rate = run.momentum[rows], run.rate[rows]
     between = (rate[1:] + rate[:-1]) / 2

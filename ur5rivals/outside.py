@@ -1,7 +1,7 @@
-"""An estimator from outside this project: found by its name, and under the rule of all rivals.
+"""An estimator from outside this project: found by its name, under the same rule as all rivals.
 
-It gets copies of the runs that all estimators get, without the force sensor and without what the
-study's own estimates say. Whoever breaks the protocol is refused in one sentence.
+It gets copies of the runs that all estimators get, without the force sensor and without the study's
+own estimates. An estimator that breaks the protocol is refused with one sentence.
 """
 
 import importlib
@@ -24,15 +24,15 @@ from ur5rivals.tuning import MAX_LATENCY, latency
 EXAMPLE_HINT = "docs/outside.md shows an example"
 ENTRY_POINTS = "ur5rivals.estimators"  # group in which a package names its estimators
 FIELD_TYPES = {"name": str, "source": str, "causal": bool}
-MAX_CAUSAL_DIFFERENCE = 0.01  # N; two estimates of one sample are the same up to it
+MAX_CAUSAL_DIFFERENCE = 0.01  # N; between equal estimates of a sample
 
 
 def outside(place: str, taken: Collection[str]) -> Contender:
     """Return the estimator at `package.module:Class`, in the working folder or installed.
 
-    place: names a class that is made without arguments, or an object; or the entry point by which
-    an installed package names it; taken: names of the rivals.
-    Raises ProtocolError with what it lacks; so does its `learn`.
+    place: of a class without arguments, or of an object; or the entry point of an installed
+    package; taken: names of the rivals. Raises ProtocolError with the missing part, also in the
+    estimator's `learn`.
     """
     estimator = made(place)
     for field, kind in FIELD_TYPES.items():
@@ -63,7 +63,7 @@ def refuse(place: str, fault: str) -> NoReturn:
 
 
 def made(place: str) -> Any:
-    """Return what `package.module:Class` names, an object of it if it is a class."""
+    """Return the object at `package.module:Class`, constructed if it is a class."""
     points = entry_points(group=ENTRY_POINTS, name=place)
     module, _, name = next((point.value for point in points), place).partition(":")
     if not module or not name:
@@ -85,7 +85,7 @@ def made(place: str) -> Any:
 
 
 def learn(estimator: Any, place: str, runs: Sequence[Run]) -> Learned:
-    """Return what it learns, and its latency as measured here, None if it is not causal.
+    """Return the estimator's learnt method, and its measured latency, None if it is not causal.
 
     Raises ProtocolError if its estimates on the same runs break the protocol or the rule.
     """
@@ -115,12 +115,12 @@ def learn(estimator: Any, place: str, runs: Sequence[Run]) -> Learned:
 
 
 def without_answers(run: Run) -> Run:
-    """Return a copy of what every rival may use of a run."""
+    """Return a copy of the inputs in a run that every rival may use."""
     return deepcopy(replace(run, sensor=None, ready={}, repeats=()))
 
 
 def check(estimate: Any, run: Run, place: str) -> None:
-    """Raise unless it is an estimate at each sample with complete inputs, or None."""
+    """Raise ProtocolError unless an estimate has all samples with complete inputs, or is None."""
     if estimate is None:
         return
     if not isinstance(estimate, Estimate):
@@ -144,7 +144,7 @@ def check(estimate: Any, run: Run, place: str) -> None:
 
 
 def check_causal(method: Method, run: Run, place: str) -> None:
-    """Raise if the first half of a run has another force where the second half is not given yet."""
+    """Raise ProtocolError if the force in the first half of a run depends on the second half."""
     half = len(run.q) // 2
     alone, whole = method(run.part(slice(half))), method(run)
     assert alone is not None

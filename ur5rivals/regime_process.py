@@ -1,7 +1,7 @@
 """A Gaussian process of a torque with noise that depends on the joint and its regime of motion.
 
-The mean's kernel is that of `estimators/gaussian_process.py`, with its prior; each of the noises
-has that of the noise there.
+The mean has the kernel and the prior of `estimators/gaussian_process.py`; each noise has the prior
+of the noise there.
 """
 
 from typing import NamedTuple
@@ -27,10 +27,10 @@ from ur5rivals.learned_residual import (
 )
 from ur5rivals.run import Run
 
-FAST_SPEED = 0.3  # rad/s; a joint is fast from it on
+FAST_SPEED = 0.3  # rad/s; least speed of a fast joint
 REST, REVERSAL, SLOW, FAST = REGIMES = range(4)
-MAX_SAMPLES = 300  # the process is learnt from at most this many
-ROWS_TOGETHER = 1000  # samples that are predicted at once
+MAX_SAMPLES = 300  # for learning the process
+ROWS_TOGETHER = 1000  # samples predicted at once
 KERNEL_PRIOR, NOISE_PRIOR = PRIOR_LOGARITHMS[:4], PRIOR_LOGARITHMS[4:] * 6 * len(REGIMES)
 
 
@@ -78,9 +78,10 @@ def most_likely(points: Points, values: Tensor) -> Tensor:
 
 
 def train(learnt: TrainingSamples, _: TrainingSamples) -> Predict:
-    """Return what predicts mean and variance of the torque (N, 12) [Nm, Nm²], noise included.
+    """Return a function that predicts mean and variance, with noise, of the torque (N, 12)
+    [Nm, Nm²].
 
-    The path that is left out is not needed.
+    The left-out path is not needed.
     """
     inputs, torque = spread_over(learnt, MAX_SAMPLES)
     unit, scale = deviation(inputs[:, :18]), deviation(torque)

@@ -25,8 +25,7 @@ from ur5lib.timeseries.segments import DEAD_ZONE, by_segment, unbroken
 
 DISABLED_FLAGS = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
 LOWPASS_ORDER, CUTOFF_HZ = 4, 2.0  # Hz; above, measured currents are mostly noise
-# These, in rad and s, are those of the UR5e in MuJoCo Menagerie, 2000 Nm/rad and 400 Nm s/rad on
-# joints of 150 Nm.
+# rad, s; as of the UR5e in MuJoCo Menagerie, 2000 Nm/rad and 400 Nm s/rad on joints of 150 Nm.
 SERVO_RANGE, SERVO_TIME = 0.075, 0.2
 SIMULATION_STEP = 0.002  # s, at most
 
@@ -78,7 +77,7 @@ def _row(label: str, cells: Sequence[str]) -> str:
 
 
 def _rms(label: str, error: Array, moving: Mask) -> str:
-    """Return a row of root mean square errors, of (N, n), in motion: NaN for a joint that rests."""
+    """Return a row of RMS errors in motion, from errors (N, n): NaN for a joint that rests."""
     square = np.where(moving, error**2, np.nan)
     with np.errstate(invalid="ignore"):
         rms = np.sqrt(np.nansum(square, axis=0) / np.isfinite(square).sum(axis=0))
@@ -103,7 +102,7 @@ def read_model(file: Path, gravity: Array, joints: int) -> mujoco.MjModel:
 
 
 def compiled(file: Path) -> mujoco.MjModel:
-    """Return a model as MuJoCo compiles it; of a URDF, without its shapes: their files may lack."""
+    """Return a model as MuJoCo compiles it; a URDF without shapes, whose files may be missing."""
     root = ElementTree.parse(file).getroot()
     if root.tag != "robot":
         return mujoco.MjModel.from_xml_path(str(file))
@@ -126,11 +125,11 @@ def inverse_dynamics(model: mujoco.MjModel, motion: Motion) -> Array:
 def deviation(
     model: mujoco.MjModel, motion: Motion, torque: Array, torque_max: Array, period: float
 ) -> Array:
-    """Return how far a simulated arm is from a motion (N, n) [rad] that the same torque drives.
+    """Return the deviation (N, n) [rad] of a simulated arm from a motion with the same torque.
 
-    A servo adds kp (q - q̂) + kd (q̇ - q̇̂): it gives torque_max at SERVO_RANGE, and kd / kp is
-    SERVO_TIME. The arm starts on each unbroken stretch of the motion, and stays there if the model
-    is right.
+    A servo adds kp (q - q̂) + kd (q̇ - q̇̂), with kp = torque_max / SERVO_RANGE and
+    kd = SERVO_TIME kp. The arm starts on each unbroken stretch of the motion, and follows it if the
+    model is right.
 
     torque: (N, n) [Nm], of the motors; torque_max: (n,) [Nm]; period: [s] between samples.
     """
@@ -155,7 +154,7 @@ def deviation(
 
 
 def _at(moments: Array, values: Array) -> Array:
-    """Return values (N, n) between samples, linearly, at moments (M,) in numbers of samples."""
+    """Return values (N, n) linearly interpolated at moments (M,) in units of samples."""
     return np.transpose([np.interp(moments, np.arange(len(values)), one) for one in values.T])
 
 

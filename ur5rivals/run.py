@@ -1,4 +1,4 @@
-"""One recording as every estimator of the benchmark is given it."""
+"""One recording as input for all estimators of the benchmark."""
 
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple, Self
@@ -26,9 +26,7 @@ class Estimate(NamedTuple):
 
 
 class FittedArm(NamedTuple):
-    """The arm of a recording as mounted, what was fitted to it, its payload, and where contacts
-    are assumed.
-    """
+    """The arm of a recording as mounted, with its fit, payload, and assumed place of contacts."""
 
     robot: Robot
     friction: Friction
@@ -36,7 +34,7 @@ class FittedArm(NamedTuple):
     place: ContactPlace
 
 
-@dataclass(frozen=True, eq=False)  # equal only to itself, so that results can be kept by run
+@dataclass(frozen=True, eq=False)  # equal only to itself, so that runs can be keys of caches
 class Run:
     """Inputs of an estimate, (N, 6) where no other shape is given, NaN where unknown.
 
@@ -45,11 +43,11 @@ class Run:
     [Nm]; friction: predicted, without contact [Nm]; jacobian: J_g (N, 6, 6), base frame; torque:
     external, k (i_predicted - i), unfiltered [Nm]; smoothed: the same through the study's
     zero-phase low-pass; momentum: p = D q̇ [Nm s]; rate: dp/dt of an arm without contact,
-    tau_m - tau_f + Cᵀ q̇ - g [Nm]; breakaway: (6,) [Nm], up to which dry friction keeps a joint at
-    rest; gears: unfiltered; position_error: target less actual angles [rad], None where the target
-    was not recorded; measured: what the controller states, while all else is smoothed; arm: with
-    its fit; repeats: other runs of its path without contact; ready: estimates that the study
-    already has; sensor: the force sensor's wrench less bias and tool weight, as in `Estimate`.
+    tau_m - tau_f + Cᵀ q̇ - g [Nm]; breakaway: torque (6,) [Nm]; gears: unfiltered; position_error:
+    target less actual angles [rad], None if the target was not recorded; measured: the controller's
+    unsmoothed samples; arm: with its fit; repeats: other runs of its path without contact; ready:
+    estimates that the study already has; sensor: the force sensor's wrench less bias and tool
+    weight, as in `Estimate`.
     """
 
     name: str
@@ -77,7 +75,7 @@ class Run:
     sensor: Array | None = None
 
     def part(self, rows: slice) -> Self:
-        """Return some samples, without sensor and ready estimates."""
+        """Return the samples `rows`, without sensor and ready estimates."""
         names = ["segment", "states", "q", "qd", "qdd", "model", "friction", "jacobian"]
         names += ["torque", "smoothed", "momentum", "rate", "position_error"]
         sampled = {name: getattr(self, name) for name in names}
@@ -90,7 +88,7 @@ class Run:
     def pushed(self, torque: Array) -> Self:
         """Return the same motion under an additional external torque (N, 6) [Nm].
 
-        The motors then carry that much less, and the motion stays as it is.
+        The motors' torque is reduced by it, and the motion does not change.
         """
         return replace(
             self,
@@ -101,7 +99,7 @@ class Run:
         )
 
     def _with_less_current(self, torque: Array) -> Measured | None:
-        """Return what the controller states where the motors carry less torque (N, 6) [Nm]."""
+        """Return the controller's samples with the current of `torque` (N, 6) [Nm] subtracted."""
         if self.measured is None or self.arm is None:
             return self.measured
         constant = torque_constants(self.arm.friction.fit_for(self.name))

@@ -18,11 +18,11 @@ EstimatesByName = Mapping[str, Estimate]
 
 
 def sensed_rows(run: Run, estimates: EstimatesByName, ours: str) -> Iterator[dict[str, Any]]:
-    """Yield figures in contact and free, against the sensor; by axis, and of the vector (`norm`).
+    """Yield scores against the sensor, in contact and free; by axis, and of the vector (`norm`).
 
     Samples in which any estimate is unknown are left out for all. mae: of an axis; rmse: of the
-    force vector; score: interval score, mean of the axes; <figure>_more: how much larger it is than
-    that of `ours`. Each has the 95 % interval (_low, _high) from resamples of whole contacts.
+    force vector; score: interval score, mean of the axes; <figure>_more: difference from the figure
+    of `ours`. Each has the 95 % interval (_low, _high) from a bootstrap over whole contacts.
     """
     assert run.sensor is not None
     size = np.linalg.norm(run.sensor[:, :3], axis=1)
@@ -48,7 +48,7 @@ def sensed_rows(run: Run, estimates: EstimatesByName, ours: str) -> Iterator[dic
 
 
 def axis_figures(figures: Mapping[str, Array], axis: int) -> dict[str, float]:
-    """Return the figures of an axis that are shown."""
+    """Return the shown figures of an axis."""
     return {key: float(figures[key][axis]) for key in SHOWN_FIGURES if key in figures}
 
 
@@ -114,9 +114,10 @@ def _resampled(
 
 
 def free_rows(run: Run, estimates: EstimatesByName) -> Iterator[dict[str, Any]]:
-    """Yield the force [N] that each estimate shows where nothing touches the arm.
+    """Yield for each estimate its force [N] on a run without contact.
 
-    median and largest95: of |F|; coverage95: how often the band contains the force of zero.
+    median: of |F|; largest95: 95 % quantile of |F|; coverage95: share of samples with zero in the
+    band.
     """
     common = known_to_all(estimates)
     for name, estimate in estimates.items():
@@ -138,7 +139,7 @@ def known_to_all(estimates: EstimatesByName) -> Mask:
 
 
 def masked(estimate: Estimate, rows: Mask) -> Estimate:
-    """Return an estimate in some samples, NaN in the others."""
+    """Return an estimate in the samples `rows`, NaN in the others."""
     wrench, std = estimate
     masked_std = None if std is None else np.where(rows[:, None], std, np.nan)
     return Estimate(np.where(rows[:, None], wrench, np.nan), masked_std)

@@ -1,4 +1,4 @@
-"""The recordings of a built study as runs: to fit on, with a force sensor, and free of contact."""
+"""The recordings of a built study as runs: for the fit, with a force sensor, without contact."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -38,13 +38,13 @@ from ur5lib.timeseries.trajectories import group_by_path
 from ur5rivals.momentum import momentum_rate
 from ur5rivals.run import Estimate, FittedArm, Run
 
-JOINT_COUNT = 6  # estimators are written for arms with this many
+JOINT_COUNT = 6  # of arms that the estimators support
 RECORDS: tuple[type[Any], ...] = (Signals, Motion, Torques, Kinematics, Currents, Premises)
 
 
 @dataclass(frozen=True)
 class StudyArm:
-    """The runs of one arm that carry no undeclared load.
+    """The runs of one arm without an undeclared load.
 
     fit: contact-free, of the role `fit`; sensed: of the role `contact`, with a force sensor; free:
     contact-free, of the role `validate`, which no fit has seen.
@@ -78,7 +78,7 @@ def read_arms(folder: Path) -> list[StudyArm]:
 
 
 def read_arm(study: FinishedStudy, entries: Sequence[Recording], name: str) -> StudyArm:
-    """Return the runs of an arm, the paths of all of them labelled together."""
+    """Return the runs of an arm, with common labels of their paths."""
     robot, friction = study.arm(name), study.parameters(Friction, name, "friction")
     cutoff = study.configuration().settings.lowpass.currents.cutoff_hz
     six = len(robot.joints) == JOINT_COUNT
@@ -100,7 +100,7 @@ def read_arm(study: FinishedStudy, entries: Sequence[Recording], name: str) -> S
 
 
 def repeats_of(run: Run, free: Sequence[Run]) -> tuple[Run, ...]:
-    """Return the other runs along a run's path, each with the others but this one."""
+    """Return the other runs along a run's path; their own repeats exclude this run."""
     same = [other for other in free if other.path == run.path and other.name != run.name]
     return tuple(
         replace(run_of_path, repeats=tuple(other for other in same if other is not run_of_path))
@@ -111,7 +111,7 @@ def repeats_of(run: Run, free: Sequence[Run]) -> tuple[Run, ...]:
 def read_run(
     study: FinishedStudy, entry: Recording, arm: Robot, fitted: Friction, cutoff: float
 ) -> Run | None:
-    """Return a recording, None where its external torque is unknown or it carries a load.
+    """Return a recording, None if its external torque is unknown or its load is undeclared.
 
     cutoff: of the currents' low-pass [Hz].
     """
@@ -157,7 +157,7 @@ def read_run(
 
 
 def opened(study: FinishedStudy, name: str) -> PredictedRecording:
-    """Return what the study has of a recording."""
+    """Return a study's files of a recording."""
     loads = {kind.__name__.lower(): partial(study.record, kind, name) for kind in RECORDS}
     loads["prediction"] = partial(study.record, Prediction, name, "currents")
     return PredictedRecording(loads, name=name)
@@ -166,8 +166,8 @@ def opened(study: FinishedStudy, name: str) -> PredictedRecording:
 def ready_estimates(
     study: FinishedStudy, name: str, robot: Robot, signals: Signals
 ) -> dict[str, Estimate]:
-    """Return the estimates that the study has, the published ones as corrected; in a study without
-    published values, the controller's alone replaces these.
+    """Return the study's estimates, and the published ones as corrected; in a study without
+    published values, only the controller's in place of the latter.
     """
     forces = study.record(Forces, name)
     published: Mapping[str, Array] = controller_estimate(robot, signals)

@@ -58,7 +58,7 @@ def common(row: pd.Series) -> list[str]:
 
 
 def interval(row: pd.Series, figure: str, sign: str = "") -> str:
-    """Return a figure with its 95 % interval, where it has one."""
+    """Return a figure with its 95 % interval, if it has one."""
     value = number(row.get(figure), sign=sign)
     low, high = (row.get(f"{figure}_{end}") for end in ("low", "high"))
     return value if low is None or pd.isna(low) else f"{value} ({number(low)} to {number(high)})"

@@ -1,8 +1,8 @@
-"""One rule for the constants of all rivals, by contact-free recordings to fit on alone.
+"""One rule for the constants of all rivals, from the contact-free fit recordings only.
 
 Of the candidates with a latency of at most 50 ms, the one with the least false force is taken: the
-median of |F| where nothing touches the arm. (Near a singularity, |F| without a prior has no bound,
-and a mean would judge those postures alone.) An estimate that uses later samples has no latency.
+median of |F| without contact. (Near a singularity, |F| without a prior is unbounded, and a mean
+would depend only on those postures.) An estimate that uses later samples has no latency.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -18,15 +18,15 @@ from ur5rivals.estimator import Learned, Method
 from ur5rivals.force import TorqueEstimate, force, learned_noise
 from ur5rivals.run import Run
 
-MAX_LATENCY = 0.05  # s; a causal estimate may be this late
-STEP_SHARE = 1 - np.exp(-1)  # share of a step, after which its latency is counted
-PUSH_FORCE = 15.0  # N; a usual push by hand is this large
+MAX_LATENCY = 0.05  # s; of a causal estimate
+STEP_SHARE = 1 - np.exp(-1)  # latency is the time to reach this share of a step
+PUSH_FORCE = 15.0  # N; usual push by hand
 SPAN_BEFORE, SPAN_AFTER = 3.0, 1.0  # s around the start of a trial push
 PUSH_PLACES = (0.25, 0.5, 0.75)  # trial pushes start at these shares of the longest run
 
 
 class Candidate(Protocol):
-    """An estimate of the external torque with its constants filled in: a dataclass of them."""
+    """An estimate of the external torque: a dataclass of its constants."""
 
     __dataclass_fields__: ClassVar[dict[str, Any]]
 
@@ -38,8 +38,8 @@ SomeCandidate = TypeVar("SomeCandidate", bound=Candidate)
 
 
 def tuned(candidates: Iterable[Candidate], runs: Sequence[Run]) -> Learned:
-    """Return the candidate with the least false force among those that are quick enough, with the
-    least-squares force of its torque; raises as `least_false`.
+    """Return the least-squares force of the candidate with the least false force among those with
+    a latency of at most MAX_LATENCY; raises as `least_false`.
     """
     return least_false(candidates, runs, lambda candidate: fitted(candidate.torque, runs))
 
@@ -50,7 +50,7 @@ def least_false(
     method_of: Callable[[SomeCandidate], Method],
 ) -> Learned:
     """Return the method of the candidate with the least false force among those with a latency of
-    at most MAX_LATENCY [s]. Raises InputError if none is as quick.
+    at most MAX_LATENCY [s]. Raises InputError if there is none.
     """
     delays = [(latency(candidate.torque, runs), candidate) for candidate in candidates]
     prompt = [
@@ -67,13 +67,13 @@ def least_false(
 
 
 def untuned(torque: TorqueEstimate, runs: Sequence[Run], latency: float | None = None) -> Learned:
-    """Return a torque estimate without constants of its own, with its noise on the runs."""
+    """Return a torque estimate without constants to tune, with its noise on the runs."""
     return Learned(fitted(torque, runs), {}, latency)
 
 
 def fitted(torque: TorqueEstimate, runs: Sequence[Run]) -> Method:
     """Return the least-squares force of a torque estimate, with its noise on contact-free runs."""
-    cached_torque = cache(torque)  # the noise and the false force are of the same runs
+    cached_torque = cache(torque)  # noise and false force need the same runs
     noise = learned_noise(cached_torque, runs)
     return lambda run: force(run, cached_torque(run), noise)
 
@@ -86,10 +86,10 @@ def false_force(method: Method, runs: Sequence[Run]) -> float:
 
 
 def latency(torque: TorqueEstimate, runs: Sequence[Run]) -> float:
-    """Return after which time [s] the estimate shows 63 % of a push that starts within one sample.
+    """Return the time [s] in which the estimate reaches 63 % of a push that starts within a sample.
 
-    Median over three places of the longest run and three directions; infinite where most pushes
-    never show.
+    Median over three places of the longest run and three directions; infinite if most pushes never
+    reach it.
     """
     run = max(runs, key=lambda candidate: len(candidate.q))
     starts = [round(place * len(run.q)) for place in PUSH_PLACES]
@@ -97,7 +97,7 @@ def latency(torque: TorqueEstimate, runs: Sequence[Run]) -> float:
 
 
 def _delays(torque: TorqueEstimate, run: Run, start: int) -> Iterator[float]:
-    """Yield the latency [s] at a push along each axis of the base."""
+    """Yield the latency [s] for a push along each axis of the base."""
     before, after = (round(seconds / run.period) for seconds in (SPAN_BEFORE, SPAN_AFTER))
     start_of_part = max(0, start - before)
     part = run.part(slice(start_of_part, start + after))
@@ -109,5 +109,5 @@ def _delays(torque: TorqueEstimate, run: Run, start: int) -> Iterator[float]:
         with np.errstate(invalid="ignore", divide="ignore"):
             share = (change * push).sum(axis=1) / (push**2).sum(axis=1)
         reached = np.flatnonzero(share[start - start_of_part :] >= STEP_SHARE)
-        # the sample at which the push starts already is one period of it
+        # + 1: the first sample of the push counts as one period
         yield (reached[0] + 1) * run.period if len(reached) else np.inf

@@ -1,1 +1,1 @@
-"""What all estimators of the benchmark share: inputs, tuning, the way to a force, scores."""
+"""Shared parts of the benchmarks: inputs, drawn studies, scores, pages and figures."""

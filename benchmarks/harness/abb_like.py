@@ -1,9 +1,9 @@
 """A made-up industrial arm of six joints, as its user knows it, and logs of its motors.
 
-The truth is Pinocchio's: links of an arm as an ABB IRB 1600, rotors, and gears whose dry friction
-reverses gradually and is uneven along a turn, beside viscous, load-dependent and thinning friction.
-The controller counts turns of the motors from a home of its own, two axes reversed, and motor 6
-turns with joint 5, too.
+The truth is computed by Pinocchio: links similar to an ABB IRB 1600, rotors, and gears. Their dry
+friction reverses gradually and varies along a turn; viscous, load-dependent and thinning friction
+are added. The controller counts turns of the motors from its own home, two axes are reversed, and
+motor 6 also turns with joint 5.
 """
 
 from collections.abc import Mapping
@@ -19,8 +19,8 @@ from scipy.interpolate import make_interp_spline
 from ur5lib.identification.current_regression import UNSEEN_ERRORS
 from ur5lib.timeseries.arrays import Array
 
-JOINTS, WEIGHT = 6, 250.0  # kg, with the base, which no torque shows
-# of each joint: its place on the link before [m], axis, range [deg], largest speed [deg/s]
+JOINTS, WEIGHT = 6, 250.0  # 1, kg with the base, which torques do not depend on
+# of each joint: position on the previous link [m], axis, range [deg], largest speed [deg/s]
 CHAIN = (
     ((0, 0, 0.4865), (0, 0, 1), (-180, 180), 150),
     ((0.15, 0, 0), (0, 1, 0), (-90, 150), 160),
@@ -30,21 +30,21 @@ CHAIN = (
     ((0.065, 0, 0), (1, 0, 0), (-400, 400), 460),
 )
 MASSES = (70.0, 45.0, 40.0, 15.0, 6.0, 2.0)  # kg, of the links
-ROTORS = (12.0, 15.0, 8.0, 1.5, 1.0, 0.5)  # kg m², behind the gears, as all that follows
+ROTORS = (12.0, 15.0, 8.0, 1.5, 1.0, 0.5)  # kg m²; on the joints' side of the gears, as all below
 COULOMB = (60.0, 80.0, 40.0, 15.0, 10.0, 6.0)  # Nm
 VISCOUS = (60.0, 80.0, 40.0, 8.0, 6.0, 4.0)  # Nm s/rad
 THINNING = (10.0, 12.0, 6.0, 0.8, 0.6, 0.4)  # Nm s²/rad²
-SPREAD = 0.3  # by which arms differ from these values, relative
-LOST = 0.03, 0.05  # range of the share of a transmitted torque that its gear takes
-REVERSAL = 3e-4  # rad, over which dry friction reverses
-# Dry friction differs along a turn by as much as it does on real arms along a path that no fit has
-# seen, root mean square, relative.
+SPREAD = 0.3  # relative difference of arms from these values
+LOST = 0.03, 0.05  # range of friction over transmitted torque
+REVERSAL = 3e-4  # rad; dry friction reverses over it
+# Relative RMS variation of dry friction along a turn, as on real arms along paths that no fit has
+# seen.
 UNEVEN, WAVES = UNSEEN_ERRORS[0], 3
 OFFSET, NOISE, RIPPLE = 0.005, 0.02, 0.005  # of the largest torque
 RESOLVER = 1e-3  # rad, noise of a motor's angle
-STEP, EVERY = 1e-3, 4  # s, of the simulation; a sample of the logs is each fourth of its steps
-PERIOD, HARMONICS, BLEND = 12.0, 5, 2.0  # s, 1, s: of Fourier series, between which the arm goes on
-SPEED, RANGE = 0.5, 0.3  # shares of the limits of speed, of range, that they use
+STEP, EVERY = 1e-3, 4  # s, 1; of the simulation, which logs every fourth step
+PERIOD, HARMONICS, BLEND = 12.0, 5, 2.0  # s, 1, s; of Fourier series, and between two of them
+SPEED, RANGE = 0.5, 0.3  # shares of the limits of speed and range that the series use
 
 
 class Counts(NamedTuple):
@@ -66,7 +66,7 @@ class MadeUpArm:
     """An arm, drawn from a seed."""
 
     def __init__(self, seed: int) -> None:
-        """Draw links, gears, friction and how the controller counts."""
+        """Draw links, gears, friction and the controller's counts."""
         random = np.random.default_rng(seed)
         names = ("ROTORS", "COULOMB", "VISCOUS", "THINNING")
         self.rotors, self.coulomb, self.viscous, self.thinning = (
@@ -99,7 +99,7 @@ class MadeUpArm:
         coupling = counts.coupling()
         shaft = (counts.directions * (q - counts.home)) @ coupling.T
         rate, change = ((counts.directions * v) @ coupling.T for v in (qd, qdd))
-        # the work of the shafts is that of the joints
+        # shafts and joints do the same work
         carried = (counts.directions * torque) @ np.linalg.inv(coupling)
         this_run = 1 + differs * random.normal(size=JOINTS)
         driven = carried + self.rotors * change + this_run * self.friction(shaft, rate, carried)
@@ -126,7 +126,9 @@ class MadeUpArm:
         return np.asarray(dry + wet)
 
     def as_described(self, description: dict[str, Any]) -> dict[str, Any]:
-        """Return what `ur5 describe` wrote, with what its user knows of the controller."""
+        """Return a description by `ur5 describe`, completed with the user's knowledge of the
+        controller.
+        """
         counts, motors = self.counts, description["motors"]
         for name, gear in zip(description["joints"], counts.gears.tolist(), strict=True):
             motors[name]["gear_ratio"] = gear
@@ -140,9 +142,9 @@ class MadeUpArm:
 
 
 def arm_file(random: np.random.Generator, known: bool) -> Element:
-    """Return an arm's URDF, with drawn links or, as its user has it, with placeholders.
+    """Return an arm's URDF, with drawn links (known) or, as its user has it, with placeholders.
 
-    Of half of the seeds, each link weighs 1 kg there; of the others, nothing is said of links.
+    For half of the seeds, the placeholders weigh 1 kg each; for the others, there are none.
     """
     root = Element("robot", name="made-up")
     SubElement(root, "link", name="base")
@@ -183,7 +185,7 @@ def add_inertial(link: Element, mass: float, tail: Array, random: np.random.Gene
 
 
 def drawn_motion(random: np.random.Generator, motions: int) -> tuple[Array, Array, Array]:
-    """Return q, q̇, q̈ (N, 6) of several Fourier series, each about a posture of its own."""
+    """Return q, q̇, q̈ (N, 6) of several Fourier series, each about another posture."""
     time = np.arange(0, motions * PERIOD, STEP)
     q = np.zeros((len(time), JOINTS))
     low, high = np.radians([limits for _, _, limits, _ in CHAIN]).T
@@ -207,7 +209,7 @@ def drawn_motion(random: np.random.Generator, motions: int) -> tuple[Array, Arra
 
 
 def window(time: Array, k: int, motions: int) -> Array:
-    """Return one (N,) during series k, zero during others, with smooth changes between."""
+    """Return 1 during series k, 0 during others, with smooth transitions (N,)."""
 
     def risen(at: float) -> Array:
         share = np.clip((time - at) / BLEND + 0.5, 0, 1)
@@ -220,8 +222,8 @@ def window(time: Array, k: int, motions: int) -> Array:
 def write_files(
     arm: MadeUpArm, seed: int, folder: Path, logs: Mapping[str, tuple[int, float]]
 ) -> None:
-    """Write arm.urdf as its user has it, and logs; logs: by name, how many motions they hold, and
-    by how much friction differs in them.
+    """Write arm.urdf as its user has it, and logs; logs: by name, the number of motions, and the
+    relative deviation of friction.
     """
     folder.mkdir(parents=True, exist_ok=True)
     placeholders = arm_file(np.random.default_rng([seed, 1]), known=False)

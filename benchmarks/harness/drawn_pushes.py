@@ -8,13 +8,13 @@ from ur5lib.study.model import CurrentLowpass
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 
-FORCES, LEVER = (5.0, 80.0), 0.1  # N, m: their range; the moment of each is up to LEVER times it
+FORCES, LEVER = (5.0, 80.0), 0.1  # N, m; range of forces; moments are up to LEVER times the force
 LASTS, PAUSES = (0.5, 3.0), (2.0, 6.0)  # s
 DRAWS, SEED = 3, 0
 
 
 def drawn_pushes(time: Array, lowpass: CurrentLowpass) -> Iterator[Array]:
-    """Yield DRAWS times the wrenches (N, 6) [N, Nm] of pushes, low-passed like torques.
+    """Yield DRAWS series of the wrenches (N, 6) [N, Nm] of pushes, low-passed like torques.
 
     time: (N,) [s], in equal steps.
     """

@@ -44,7 +44,7 @@ def planned(
 def fourier(
     random: np.random.Generator, share: float, seconds: float = FIT_SECONDS
 ) -> dict[str, Any]:
-    """Return a drawn excitation about a drawn posture; share: of the limits, that is used."""
+    """Return a drawn excitation about a drawn posture; share: used share of the limits."""
     return {
         "kind": "fourier",
         "draw": int(random.integers(10**6)),

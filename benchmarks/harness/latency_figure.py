@@ -6,8 +6,8 @@ from matplotlib.axes import Axes
 from ur5lib.report.figures.house_style import JOINT_COLOURS, Drawing, house_style
 from ur5rivals.estimators.ours import OURS
 
-LATER_DATA = -12.0  # ms, where estimates stand that use later data
-UNKNOWN = 62.0  # ms, where causal ones stand whose latency is not known
+LATER_DATA = -12.0  # ms; position of estimates that use later data
+UNKNOWN = 62.0  # ms; position of causal estimates with unknown latency
 
 
 def error_over_latency(table: pd.DataFrame) -> Drawing:

@@ -17,13 +17,13 @@ UNFOLDED = "</details>"
 
 
 def folded(table: str) -> str:
-    """Return a table in Markdown that a reader opens: a picture shows what it says."""
+    """Return a folded table in Markdown, since a picture shows its content."""
     return f"{FOLDED}\n\n{table}\n\n{UNFOLDED}"
 
 
 def replaced(text: str, title: str, tables: str) -> str:
-    """Return a page with other tables in a section, below the lines that introduce it; only the
-    folded one where there is one.
+    """Return a page with new tables in a section, below its introduction; if the section has a
+    folded table, only this is replaced.
     """
     old = section(text, title)
     if not old:
@@ -42,9 +42,9 @@ def section(text: str, title: str) -> str:
 
 
 def table_in(text: str, title: str, head: str = "") -> pd.DataFrame:
-    """Return a table of a section, as text: the first of which the first column has this name.
+    """Return a section's table as text: the first one with `head` as name of its first column.
 
-    title: of the section, or of the page; without a head, the first table.
+    title: of the section, or of the page; head: "" for the first table.
     """
     whole = section(text, title) or text
     for block in re.findall(r"(?:^\|.*\n?)+", whole, re.MULTILINE):

@@ -1,4 +1,4 @@
-"""What benchmarks are asked for on the command line: seeds, or studies that are built."""
+"""Command-line options of benchmarks: seeds, or built studies."""
 
 import argparse
 import sys
@@ -10,7 +10,7 @@ STUDIES = ["thesis", "ur10e"]
 
 
 class Asked(NamedTuple):
-    """How many seeds; quick: whether the run is only to show that it runs."""
+    """Number of seeds; quick: whether the run only tests that the benchmark runs."""
 
     seeds: int
     quick: bool
@@ -24,8 +24,8 @@ def options_of(about: str) -> argparse.ArgumentParser:
 
 
 def asked(about: str, seeds: int, first: int = 0) -> Asked:
-    """Return the options of the command line; about: of the benchmark; seeds: unless stated; first:
-    seed of a run.
+    """Return the options of the command line; about: help text; seeds: default number; first: first
+    seed.
     """
     options = options_of(about)
     options.add_argument(

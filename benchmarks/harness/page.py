@@ -15,7 +15,7 @@ from ur5rivals.study import StudyArm
 from ur5rivals.tables import common, interval, number
 
 TEMPLATE = "page.md.jinja"
-FIGURES = {  # what the sentences are about: component and figure, and how it is called
+FIGURES = {  # of the sentences: component and figure, with its name
     ("norm", "rmse"): "error in contact (RMSE)",
     ("Fx", "mae"): "MAE along x",
     ("Fy", "mae"): "MAE along y",
@@ -29,9 +29,9 @@ ABSENT = "Estimators of the tables above that did not run on all of these seeds:
 
 
 class Comparison(NamedTuple):
-    """The other estimators beside ours, in one figure on one recording.
+    """The other estimators compared with ours, in one figure on one recording.
 
-    better: those lower beyond chance; worse: how many of the `others` are higher beyond chance.
+    better: those significantly lower; worse: number of `others` that are significantly higher.
     """
 
     recording: str
@@ -44,7 +44,7 @@ class Comparison(NamedTuple):
 def page(table: pd.DataFrame, arms: Sequence[StudyArm], further: Mapping[str, Any]) -> str:
     """Return the page in Markdown.
 
-    further: `detections` and `simulated`, what these sections hold, None where it was not measured.
+    further: contents of the sections `detections` and `simulated`, None if not measured.
     """
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(Path(__file__).parent),
@@ -65,10 +65,10 @@ def page(table: pd.DataFrame, arms: Sequence[StudyArm], further: Mapping[str, An
 
 
 def with_kept(new: str, old: str, measured: bool, estimators: Sequence[str]) -> str:
-    """Return the new page with the old page's sections of other commands, and with that on
-    simulated arms unless it was measured.
+    """Return the new page with the old page's sections by other commands, and with its section on
+    simulated arms unless this was measured.
 
-    estimators: of the tables. Those that the section does not show are named below it.
+    estimators: of the tables; those missing in the section are named below it.
     """
     kept = [section(old, title).rstrip() for title in OF_OTHER_COMMANDS if section(old, title)]
     new = "\n\n".join([new.rstrip(), *kept]) + "\n"
@@ -119,10 +119,10 @@ def comparisons(table: pd.DataFrame) -> Iterator[Comparison]:
 
 
 def comparison(recording: str, title: str, own: pd.DataFrame, figure: str) -> Comparison:
-    """Return who is lower than ours beyond chance, and how many are higher.
+    """Return the estimators significantly lower than ours, and the number of higher ones.
 
-    Beyond chance is a difference whose 95 % interval does not contain zero; too few contacts give
-    no interval.
+    Significant: the 95 % interval of the difference excludes zero. Too few contacts give no
+    interval.
     """
     others = own.drop(index=OURS).dropna(subset=figure)
     ends = [f"{figure}_more_{end}" for end in ("low", "high")]
@@ -138,7 +138,7 @@ def named(rows: pd.DataFrame, figure: str) -> list[str]:
 
 
 def findings(table: pd.DataFrame) -> list[str]:
-    """Return a sentence for each figure in which another estimator is better beyond chance."""
+    """Return a sentence for each figure in which another estimator is significantly better."""
     return [
         f"`{own.recording}`, {own.figure}: {', '.join(own.better)}."
         for own in comparisons(table)
@@ -147,7 +147,7 @@ def findings(table: pd.DataFrame) -> list[str]:
 
 
 def opening(table: pd.DataFrame) -> Iterator[str]:
-    """Yield what the page says first: how much is compared, and who is best where."""
+    """Yield the first sentences of the page: the number of estimators, and the best ones."""
     vector = table[(table["component"] == "norm") & (table["during"] == "contact")]
     kinds = table.drop_duplicates("estimator")["causal"].value_counts()
     yield (
@@ -193,8 +193,8 @@ def false_force(table: pd.DataFrame) -> pd.Series:
 
 
 def summary(table: pd.DataFrame) -> str:
-    """Return a row for each estimator, by its mean error over recordings with a force sensor; those
-    that lack some come last.
+    """Return a row for each estimator, sorted by its mean error over recordings with a force
+    sensor; those that lack a recording are last.
     """
     vector = table[(table["component"] == "norm") & (table["during"] == "contact")]
     recordings, free = [*vector["recording"].unique()], false_force(table)

@@ -1,5 +1,5 @@
-"""Predicted currents beside their twenty-line rival: plain least squares with the root of the
-velocity and dry friction of four memories.
+"""Predicted currents compared with a twenty-line rival: plain least squares with the root of the
+velocity, and dry friction that reverses over four distances.
 """
 
 from collections.abc import Iterator, Sequence
@@ -28,7 +28,7 @@ from ur5lib.timeseries.arrays import Array, Mask
 
 
 def currents_table(study: Study, quick: bool) -> str:
-    """Return the RMSE [A] of the low-passed currents of paths, and dates, that are left out."""
+    """Return a table of the RMSE [A] of low-passed currents on left-out paths and dates."""
     arm, smooth = load_robot(study.arm), Smoother(*study.lowpass)
     errors = []
     for _, fitted, tested in without_each(study)[: 1 if quick else None]:
@@ -104,5 +104,5 @@ def _rows(record: CurrentSamples, smooth: Smoother, joint: int) -> tuple[Array, 
 
 
 def stride(record: CurrentSamples) -> int:
-    """Return every how many samples one counts as independent."""
+    """Return the number of samples between independent ones."""
     return max(1, round(INDEPENDENT_STEP / record.period))

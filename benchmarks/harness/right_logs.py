@@ -1,4 +1,4 @@
-"""Logs that are as declared: of the real arms at hand, and drawn ones of simulated arms."""
+"""Correctly declared logs: of real arms with files here, and drawn ones of simulated arms."""
 
 import tempfile
 from collections.abc import Iterator, Mapping
@@ -37,7 +37,7 @@ STUDIES = {  # of the workflow, and the folder of their files among the referenc
     "kuka-kr300": "kuka-kr300/benchmark-10hz",
 }
 MOST = 22  # recordings of a study, evenly chosen
-# offsets [m] and angles between axes [degrees] of arms of seven joints, and masses of links [kg]
+# Arms of seven joints: offsets [m] and angles between axes [degrees], masses of links [kg].
 XMATE = (0.3415, 0, 0.394, 0, 0.366, 0, 0.2503), (-90, 90, -90, 90, -90, 90, 0)
 MED = (0.34, 0, 0.4, 0, 0.4, 0, 0.126), (-90, 90, 90, -90, -90, 90, 0)
 MASSES = (4.0, 4.0, 3.0, 3.0, 2.0, 1.5, 0.5)
@@ -45,15 +45,15 @@ MEASURED = ["actual_q", "actual_qd", "actual_torque"]
 SIMULATED_ARMS = {  # names of described arms by kind; what else is simulated is drawn
     "UR": ("ur3", "ur5", "ur10", "ur3e", "ur5e", "ur10e", "ur16e", "ur20"),
 }
-WRONG, WRONG_CENTER = 0.4, 0.05  # of masses, as logarithms; m, of centres; both by link
-BEND, SWAY = 0.5, 0.5  # rad, of each joint of an arm of seven, and by which postures differ
+WRONG, WRONG_CENTER = 0.4, 0.05  # errors of each link: log mass; centre of mass [m]
+BEND, SWAY = 0.5, 0.5  # rad; posture of an arm of seven joints; variation between postures
 
 
 Made = tuple[str, Robot, dict[str, Any]]  # a log's name, arm and entry
 
 
 class RightLog(NamedTuple):
-    """A log and what is declared of it, rightly; arm: whose limits are set without it."""
+    """A log and its correct declarations; arm: limits are set without this arm's logs."""
 
     arm: str
     name: str
@@ -61,7 +61,7 @@ class RightLog(NamedTuple):
 
 
 def real_logs(shared: Path) -> Iterator[RightLog]:
-    """Yield the logs of real arms, as far as they are at hand; shared: the reference data."""
+    """Yield the logs of real arms with files here; shared: the reference data."""
     for study, folder in STUDIES.items():
         if (shared / folder).is_dir():
             yield from of_study(study, shared / folder)
@@ -71,7 +71,7 @@ def real_logs(shared: Path) -> Iterator[RightLog]:
 
 
 def of_study(study: str, folder: Path) -> Iterator[RightLog]:
-    """Yield the logs of a study of the workflow, whose files lie in a folder."""
+    """Yield the logs of a study of the workflow; folder: of its files."""
     text = (PROJECT / f"workflow/studies/{study}.yaml").read_text()
     raw = yaml.safe_load(text.replace(f"raw/{study}", str(folder.resolve())))
     raw.pop("reference", None)
@@ -92,7 +92,7 @@ def checked(
 
 
 def of_baxter(shared: Path) -> Iterator[Made]:
-    """Yield a Baxter's logs, with its links and as if nobody knew them."""
+    """Yield a Baxter's logs, with known and with unknown links."""
     if (folder := shared / "baxter").is_dir():
         baxter, _ = robot_from_urdf(folder / "baxter.urdf", tip="left_wrist")
         for file, arm in product(("Random", "square"), (baxter, unknown(baxter))):
@@ -102,7 +102,7 @@ def of_baxter(shared: Path) -> Iterator[Made]:
 
 
 def of_cobots(shared: Path) -> Iterator[Made]:
-    """Yield logs of arms of unknown links whose torque of joint 3 was written with another sign."""
+    """Yield logs of arms with unknown links; the sign of joint 3's torque is wrong in the files."""
     mended = {"actual_torque": [1, 1, -1, 1, 1, 1]}
     files = {
         "shelec": ("shelec-cobot/shelec.urdf", "shelec-cobot/traj1_6ms.csv"),
@@ -115,7 +115,7 @@ def of_cobots(shared: Path) -> Iterator[Made]:
 
 
 def of_staubli(shared: Path) -> Iterator[Made]:
-    """Yield a TX40's log, with its links and as if nobody knew them."""
+    """Yield a TX40's log, with known and with unknown links."""
     if (folder := shared / "staubli-tx40").is_dir():
         tx40, _ = robot_from_urdf(folder / "tx40_mdh_modified.urdf")
         for arm in (tx40, unknown(tx40)):
@@ -142,7 +142,7 @@ def of_ur5(shared: Path) -> Iterator[Made]:
 
 
 def of_sensing_arms(shared: Path) -> Iterator[Made]:
-    """Yield logs of arms of seven joints with torque sensors; one senses what the links feel."""
+    """Yield logs of seven-joint arms with torque sensors; one has torques of opposite sign."""
     if (folder := shared / "seven-joints").is_dir():
         names = dict(zip(MEASURED, ("ang", "vel", "torque"), strict=True))
         arrays = {name: f"excit_{short}_record.txt" for name, short in names.items()}
@@ -156,7 +156,7 @@ def of_sensing_arms(shared: Path) -> Iterator[Made]:
 
 
 def of_lwr(shared: Path) -> Iterator[Made]:
-    """Yield a KUKA LWR's runs, whose joints follow two signals, with its links and without."""
+    """Yield a KUKA LWR's runs, with known and with unknown links."""
     if (folder := shared / "lwr4-flobaroid").is_dir():
         lwr, _ = robot_from_urdf(folder / "kuka_lwr4.urdf")
         names = dict(zip(MEASURED, ("positions", "velocities", "torques"), strict=True))
@@ -173,12 +173,12 @@ def table(path: Path, columns: list[str], **keys: Any) -> dict[str, Any]:
 
 
 def of_joints(count: int, *channels: str) -> list[str]:
-    """Return the columns of channels of an arm with another number of joints than six."""
+    """Return the columns of channels of an arm with `count` joints."""
     return [f"{name}_{joint}" for name in channels for joint in range(count)]
 
 
 def unknown(arm: Robot) -> Robot:
-    """Return an arm whose links nobody knows."""
+    """Return an arm with unknown links."""
     return arm.model_copy(update={"links": "unknown"})
 
 
@@ -232,11 +232,11 @@ def on_the_stand(arm: Robot, seed: int, folder: Path) -> Checked:
     kind = {"format": "rtde-csv", "file": ROBOT_FILES["rtde-csv"], "folder": str(folder)}
     log = checked(kind, arm)
     kept = [name for name in log.robot if not name.startswith(("target_", "actual_TCP"))]
-    return replace(log, robot=log.robot[kept])  # of targets, most would follow at once
+    return replace(log, robot=log.robot[kept])  # without targets, which show most
 
 
 def big_gears(seed: int, folder: Path) -> Checked:
-    """Return a log of a made-up industrial arm of unknown links, by its motors' torques."""
+    """Return a log of motor torques of a made-up industrial arm with unknown links."""
     made = MadeUpArm(seed)
     write_files(made, seed, folder, {"log": (1 + seed % 2, 0.03)})
     described = robot_from_urdf(folder / "arm.urdf")[0].model_dump(mode="json", exclude_none=True)
@@ -246,9 +246,10 @@ def big_gears(seed: int, folder: Path) -> Checked:
 
 
 def wrongly_described(log: Checked) -> Iterator[Checked]:
-    """Yield a log under a description whose links are wrong, as of a URDF made for pictures.
+    """Yield a log with a description of wrong links, as in a URDF made for pictures.
 
-    Placeholders are called known, known links differ; none of a UR, of which all are described.
+    Placeholders are declared as known, known links are changed. No logs of UR arms, as all are
+    described.
     """
     if log.arm.has_ur_motors():
         return

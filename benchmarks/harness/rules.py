@@ -1,4 +1,4 @@
-"""The tables of docs/report.md that say when a result is good: limits and words of the code."""
+"""The tables of docs/report.md on when a result is good, with limits and words of the code."""
 
 import re
 from collections.abc import Sequence
@@ -13,13 +13,13 @@ from ur5lib.topics.health.changes import MIN_DATES
 
 WORDS = Path(__file__).parents[2] / "ur5lib/report/page/kit/words.typ"
 ERRORS = "currents, links, motion"  # questions with an error of each joint or component
-RIVALLED = "currents, motion, force"  # those with a simple method beside
+RIVALLED = "currents, motion, force"  # questions with a simple rival
 NOTHING: list[Reason] = ["uncalibrated", "touched", "no_motion", "no_unseen", "no_reference"]
 NOTHING += ["no_sensor", "no_contact", "unknown_links"]
 
 
 class Rule(NamedTuple):
-    """When cards of some questions have a state, and the reasons that they give."""
+    """The condition for a state of some questions' cards, and the reasons that they give."""
 
     state: State
     questions: str
@@ -134,7 +134,7 @@ def codes(reasons: Sequence[Reason]) -> str:
 
 
 def short_words() -> dict[str, str]:
-    """Return the three words that the page has for each reason, of an arm with currents."""
+    """Return the page's short words for each reason, for an arm with currents."""
     block = WORDS.read_text().partition("#let why = (")[2].partition("\n)")[0]
     block = block.replace('study.quantity + "', '"current')
     return dict(re.findall(r'(\w+): "([^"]*)"', block))

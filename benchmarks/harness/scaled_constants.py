@@ -1,4 +1,4 @@
-"""Constants of F̂ᵐᵃᵖ and its gate: of what each is a share, and what half and twice of it change."""
+"""Constants of F̂ᵐᵃᵖ and its gate: their units, and the effect of half and twice their value."""
 
 from collections.abc import Iterator, Mapping
 from pkgutil import resolve_name
@@ -13,8 +13,10 @@ from ur5lib.timeseries.arrays import Array
 
 
 class Constant(NamedTuple):
-    """A constant: of what it is a share or a number; what was in sight when it was chosen, and the
-    commit that did; where it lies: a field of the prior, or the places of a name.
+    """A constant.
+
+    of: its unit; chosen: the data for its choice, and the commit; where: a field of the prior, or
+    the modules with its name.
     """
 
     of: str
@@ -126,13 +128,13 @@ CONSTANTS = {
     ),
     "as unsure as bands from": Constant("paths", "thesis, 804eb846", (f"{RESIDUAL}.GATE_PATHS",)),
 }
-Counts = Mapping[tuple[str, str], pd.DataFrame]  # rows by part, and by what they are counted
+Counts = Mapping[tuple[str, str], pd.DataFrame]  # rows by part, and by kind of contacts counted
 HEADS = ["constant", "value", "of what", "chosen on"]
 COUNTED = {"sensor": "contacts", "pushes": "pushes"}
 
 
 def value(constant: Constant) -> Any:
-    """Return what a constant is."""
+    """Return the value of a constant."""
     first = constant.where[0]
     return resolve_name(first) if "." in first else getattr(ContactPrior(1.0), first)
 
@@ -143,8 +145,8 @@ def of(name: str, factor: float) -> str:
 
 
 def scaled() -> Iterator[tuple[str, Mapping[str, Any], Mapping[str, Any]]]:
-    """Yield the name of each constant times each factor, and what it changes: names, by their
-    places, and fields of the prior.
+    """Yield the name of each constant times each factor, with the new values: of names by their
+    places, and of fields of the prior.
     """
     for name, own in CONSTANTS.items():
         for factor in FACTORS:
@@ -154,10 +156,10 @@ def scaled() -> Iterator[tuple[str, Mapping[str, Any], Mapping[str, Any]]]:
 
 
 def changes(found: Mapping[str, pd.DataFrame]) -> str:
-    """Return a line for each constant: what half and twice of it change in the counts of studies.
+    """Return a line for each constant: the changes in studies' counts by half and twice its value.
 
-    found: rows of `part`, `by` and counts, by study; the first part is the whole. A column for
-    contacts at the sensor and for pushes of each.
+    found: rows of `part`, `by` and counts, by study; the first part is the whole estimate. Each
+    study has a column for contacts at the sensor and one for pushes.
     """
     whole = next(iter(found.values()))["part"].iloc[0]
     columns = {
@@ -190,7 +192,7 @@ def told(number: Any) -> str:
 
 
 def scores(counts: Counts, by: str, part: str) -> str:
-    """Return the RMSE, and what is found, inside and false, of a part."""
+    """Return a part's RMSE, found contacts, share inside the band, and false alarms."""
     own = counts[part, by].sum(numeric_only=True)
     words = [f"{np.sqrt(own['square'] / own['samples']):.1f} N", f"{own['found']:.0f} found"]
     words += [f"{100 * own['inside'] / own['samples']:.0f} % inside"]
@@ -198,7 +200,7 @@ def scores(counts: Counts, by: str, part: str) -> str:
 
 
 def change(counts: Counts, by: str, whole: str, part: str) -> str:
-    """Return by how much a part differs from the whole, 0 where nothing does."""
+    """Return the differences of a part's counts from the whole's in words, "0" if none."""
     own, other = (counts[one, by] for one in (part, whole))
     sums = own.sum(numeric_only=True) - other.sum(numeric_only=True)
     rmse, error = rmse_change(own["square"].to_numpy(), other["square"].to_numpy())
@@ -212,7 +214,7 @@ def change(counts: Counts, by: str, whole: str, part: str) -> str:
 
 
 def rmse_change(own: Array, other: Array) -> tuple[float, float]:
-    """Return by how much one RMSE is above another [%], and its standard error by jackknife.
+    """Return the relative difference of two RMSEs [%], and its standard error by jackknife.
 
     own, other: sums of squares (R,) over the same samples of each recording, or draw of pushes.
     """
@@ -222,5 +224,5 @@ def rmse_change(own: Array, other: Array) -> tuple[float, float]:
 
 
 def false(counts: Counts, part: str) -> float:
-    """Return the false alarms of the recordings that pushes are put onto."""
+    """Return the number of false alarms on the recordings to which pushes are added."""
     return float(counts[part, "alarms"]["found"].sum())

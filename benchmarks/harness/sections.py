@@ -15,7 +15,7 @@ from ur5lib.report.results import Results
 from ur5lib.report.views.contacts import alarm_rates, classes
 from ur5lib.tables import read_csv
 
-JUDGED = ("Fmap", "Fu")  # those of the thesis find nothing at the thresholds that the rule gives
+JUDGED = ("Fmap", "Fu")  # the thesis's estimates find nothing at the thresholds of the rule
 
 
 def simulated_section(path: Path) -> dict[str, Any] | None:
@@ -35,15 +35,15 @@ def simulated_section(path: Path) -> dict[str, Any] | None:
 
 
 def detection_tables(folders: Sequence[Path]) -> str:
-    """Return, for each study, its contacts at a force sensor, and its alarms where none is."""
+    """Return, for each study, its contacts at a force sensor, and its alarms without a sensor."""
     studies = [judged(folder) for folder in folders]
     made = [table for own in studies for table in (found_table(classes(own)), alarm_table(own))]
     return "\n\n".join(filter(None, made))
 
 
 def found_table(rows: pd.DataFrame) -> str:
-    """Return a line for each recording and estimate: contacts found by the force they reach, false
-    and extra alarms, delay.
+    """Return a line for each recording and estimate: found contacts by class of force, false and
+    extra alarms, delay.
     """
     forces = sorted(rows["force_class_n"].unique())
     heads = ["recording", "estimate", "from [N]", *(f"≥ {force:g} N" for force in forces)]
@@ -62,7 +62,7 @@ def found_table(rows: pd.DataFrame) -> str:
 
 
 def found(row: pd.Series) -> str:
-    """Return how many contacts were found, and how many merged."""
+    """Return the numbers of found and of merged contacts."""
     merged = f", {row['merged']:.0f} merged" if row["merged"] > 0 else ""
     return f"{row['found']:.0f} of {row['contacts']:.0f}{merged}"
 

@@ -1,4 +1,4 @@
-"""Pictures of the documents over time: what a step makes of a recording of a built study."""
+"""The documents' pictures over time: results of a step on a recording of a built study."""
 
 import re
 import textwrap
@@ -26,12 +26,12 @@ from ur5lib.topics.thresholds.torque_thresholds import thresholds_of
 MEASURED: Any = {"color": "black", "linewidth": 0.9}
 DOCUMENTS = Path(__file__).parents[2] / "docs"
 SLOW = 4, 2.0  # order and cut-off [Hz] of the currents' low-pass, as the default of a study
-LEVEL = 2  # points of a line at one value, which sets no limits
+LEVEL = 2  # a line with this many points is level, and sets no limits
 Span = tuple[float, float]  # s
 
 
 def shown(axis: Axes, span: Span, label: str) -> None:
-    """Limit an axis in time to a span, the values to what is there, and name it."""
+    """Limit an axis to a span of time and to the values in it, and label it."""
     axis.set_xlim(*span)
     drawn = [np.asarray([line.get_xdata(), line.get_ydata()], dtype=float) for line in axis.lines]
     values = np.concatenate(
@@ -48,12 +48,12 @@ def record(folder: Path, kind: Any, recording: str, name: str = "") -> Any:
 
 
 def packets(folder: Path, recording: str) -> Drawing:
-    """Draw when frames of a recording arrived, and which were lost."""
+    """Draw the times of received frames of a recording, and the lost frames."""
     return packet_figure(record(folder, Signals, recording))
 
 
 def start_stamps_against_joints(folder: Path, recording: str, span: Span) -> Drawing:
-    """Draw an IMU's angular rate by its stamps, as aligned, and what the joints make of it."""
+    """Draw an IMU's angular rate by start stamps and as aligned, and the rate from the joints."""
     place = folder / "recordings" / recording
     kinematics = record(folder, Kinematics, recording)
     signals, motion = record(folder, Signals, recording), record(folder, Motion, recording)
@@ -148,13 +148,13 @@ def alarm_threshold(folder: Path, recording: str) -> float:
 
 
 def norm(wrench: Array) -> Array:
-    """Return the size (N,) [N] of the force of wrenches (N, 6)."""
+    """Return |F| (N,) [N] of wrenches (N, 6)."""
     size: Array = np.linalg.norm(wrench[:, :3], axis=1)
     return size
 
 
 def live_force(folder: Path, recording: str, span: Span) -> Drawing:
-    """Draw the force as stated while the arm runs, with its state, beside the sensor's."""
+    """Draw the live estimate of the force, with its state, and the sensor's force."""
     live = pd.read_parquet(folder / "recordings" / recording / "live_forces.parquet")
     sensor = record(folder, SensorWrenches, recording, "sensor")
     size = np.linalg.norm(live[["live_Fx", "live_Fy", "live_Fz"]], axis=1)
@@ -201,7 +201,7 @@ def tare(folder: Path, plain: str, tared: str) -> Drawing:
 
 
 def sensor_bias(folder: Path, recording: str) -> Drawing:
-    """Draw what a force sensor reads, and the same without bias and the tool's weight."""
+    """Draw a force sensor's reading, raw and without bias and the tool's weight."""
     sensor = record(folder, SensorWrenches, recording, "sensor")
     readings = {
         "as read, in the sensor's axes": record(folder, Signals, recording).force_sensor,
@@ -242,7 +242,7 @@ def first_motion(folder: Path, recording: str, span: Span, joints: tuple[int, ..
 
 
 def thresholds(folder: Path, robot: str) -> Drawing:
-    """Draw the torques from which on a joint was touched, by joint and speed."""
+    """Draw the torque thresholds of contact, by joint and speed."""
     rows = pd.DataFrame(thresholds_of(load(folder), robot).in_json()["by_speed"])
     speeds = dict(zip(("at rest", "slow", "fast"), (ORANGE, GREEN, BLUE), strict=True))
     with house_style(2.8) as (figure, ((axis,),)):
@@ -257,12 +257,12 @@ def thresholds(folder: Path, robot: str) -> Drawing:
 
 
 def friction_alone(folder: Path, robot: str, joint: int) -> Drawing:
-    """Draw what `model.plot("friction", joint=...)` does."""
+    """Return the drawing of `model.plot("friction", joint=...)`."""
     return Drawing(load(folder).model(robot).plot("friction", joint=joint), pd.DataFrame())
 
 
 def of_a_paper(folder: Path, recording: str) -> Drawing:
-    """Draw what the ten lines of docs/api.md do for a recording of a study."""
+    """Draw the same as the ten lines of docs/api.md for a recording of a study."""
     page = (DOCUMENTS / "api.md").read_text().partition("### A figure for a paper")[2]
     [lines] = re.findall(r"^ {4}import matplotlib(?:.*\n)+?(?=\n\S)", page, re.MULTILINE)
     code = textwrap.dedent(lines).replace('"mine"', repr(str(folder)))

@@ -12,7 +12,7 @@ from ur5lib.timeseries.arrays import Array
 from ur5rivals.estimators.ours import OURS
 from ur5rivals.tables import interval, number, share
 
-LINK_6 = ("flange", "tool")  # places at which estimators may be right
+LINK_6 = ("flange", "tool")  # places on the last link, where estimators assume contacts
 COLUMNS = ["estimator", "causal", "latency", "RMSE at the flange [N]",
            "RMSE at the tool [N]", "in band", "interval score [N]",
            "RMSE at the elbow [N]", "free, median [N]"]  # fmt: skip
@@ -24,7 +24,7 @@ def simulated_table(table: pd.DataFrame) -> str:
 
 
 def better_than_ours(table: pd.DataFrame) -> Iterator[str]:
-    """Yield which estimators are better than ours beyond chance, by place."""
+    """Yield the estimators that are significantly better than ours, by place."""
     rows = compared(table)
     for place in LINK_6:
         better = rows[rows[f"{place}_more_high"] < 0]
@@ -37,7 +37,7 @@ def better_than_ours(table: pd.DataFrame) -> Iterator[str]:
 
 
 def refused_on_some(table: pd.DataFrame) -> list[str]:
-    """Return the estimators that ran on some seeds but not on all, each with how many lack."""
+    """Return the estimators that ran on only some seeds, with the number of missing ones."""
     lack = table["flange_square"].isna().groupby(table["estimator"]).agg(["sum", "size"])
     some = lack[(lack["sum"] > 0) & (lack["sum"] < lack["size"])]
     return [f"{name} on {missing} of {seeds}" for name, missing, seeds in some.itertuples()]

@@ -1,4 +1,4 @@
-"""The situations of benchmarks/world.py: what differs from a usual study of the test stand."""
+"""The situations of benchmarks/world.py, as differences from a usual study of the test stand."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -26,13 +26,14 @@ Plan = dict[str, Any]
 class Situation:
     """One situation.
 
-    arm, mounting: of the study; tool: [m], where it is touched beyond the flange; declared: [m],
-    tool centre point of the study, None for none; paths: to fit on, of `seconds` each; stops: how
-    many of them have pauses; rate: [Hz], of the files; forces, lasts: of pushes, in typical forces
-    and [s]; link: that is touched, None for the tool; twice: two pushes at once; press: [s], a slow
-    one at rest in place of pushes; untouched: of its recording [s]; later: further keys of what is
-    not fitted; plan: of all recordings; constants: of the stand, by name; noise: [A], added to
-    currents; step: [A], of currents.
+    arm, mounting: of the study; tool: distance of the touched point from the flange [m]; declared:
+    tool centre point of the study [m], None for none; paths: number of fit paths, of `seconds`
+    each; stops: number of these with pauses; rate: of the files [Hz]; forces: range of pushes [in
+    typical forces]; lasts: their duration [s]; link: the touched one, None for the tool; twice: two
+    pushes at once; press: duration of a slow press at rest in place of pushes [s]; untouched: span
+    of its recording [s]; later: further keys of recordings that are not fitted; plan: keys of all
+    recordings; constants: of the stand, by name; noise: added to currents [A]; step: quantisation
+    of currents [A].
     """
 
     arm: str = "ur5e"
@@ -57,12 +58,12 @@ class Situation:
 
 
 def rubbing(factor: float) -> Plan:
-    """Return the keys of a friction that is stronger by a factor."""
+    """Return the keys for friction multiplied by a factor."""
     return {"coulomb_factor": [factor] * 6, "viscous_factor": [factor] * 6}
 
 
 def load(mass: float) -> Plan:
-    """Return the keys of a load that nobody declared."""
+    """Return the keys for an undeclared load [kg]."""
     return {"undeclared_payload": {"mass": mass, "center_of_mass": [0.02, 0.0, 0.06]}}
 
 
@@ -142,7 +143,7 @@ def pushes(own: Situation, random: np.random.Generator, force: float, count: int
 def push(
     own: Situation, random: np.random.Generator, size: float, start: float, seconds: float
 ) -> Plan:
-    """Return a push of a size [N] in a drawn direction."""
+    """Return a push of this force [N] in a drawn direction."""
     way = random.normal(size=3)
     where: Plan = {"point": [0.0, 0.0, own.tool]}
     if own.link:

@@ -1,4 +1,4 @@
-"""Recordings of the virtual test stand, read as real ones are, and what is fitted to them."""
+"""Recordings of the virtual test stand, read like real ones, and fits to them."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -95,7 +95,7 @@ class Taken:
 
     @cached_property
     def smoothed(self) -> SmoothedJoints:
-        """Return what the Smoother makes of the encoders."""
+        """Return the smoothed encoder data."""
         return smooth_encoders(self.signals.time, self.signals.segment, *measured(self.signals))
 
     @cached_property
@@ -110,7 +110,7 @@ class Taken:
 
     @cached_property
     def record(self) -> CurrentSamples:
-        """Smoothed motion, its torque under the true model, the measured current."""
+        """The smoothed motion, its torque by the true model, and the measured current."""
         name = f"seed {self.summary.plan.seed}"
         own = {"signals": self.signals, "motion": self.motion, "torques": self.torques}
         record = current_record(AlignedRecording(name=name, **own), self.robot)
@@ -119,7 +119,7 @@ class Taken:
 
     @cached_property
     def imu(self) -> ImuRecord:
-        """Return what IMU and joints show of its mounting."""
+        """Return the data of IMU and joints that determine its mounting."""
         return imu_samples(self.robot, self.signals, self.kinematics, ACCELERATIONS)
 
 
@@ -150,13 +150,13 @@ def plans(seed: int, seconds: float = SECONDS) -> list[dict[str, Any]]:
 
 
 def rotors(recordings: list[Taken]) -> Rotors:
-    """Rotor inertias from what rigid links leave of the controller's torque at the targets."""
+    """Rotor inertias from the residual of rigid links in the controller's torque at the targets."""
     runs = {own.record.name: commanded(own.robot, own.signals, own.motion) for own in recordings}
     return fitted_rotors({name: rotor_samples(run, MOTIONS) for name, run in runs.items()})
 
 
 def fitted_map(recordings: list[Taken], others: list[Taken] | None = None) -> Friction:
-    """The map from motion to current; others: of the arm, which tell the controller's ratios."""
+    """The map from motion to current; others: recordings that show the controller's constants."""
     known = [*recordings, *(others or [])]
     ratios = [controllers_ratio(own.signals, own.motion) for own in known]
     prior = prior_of(known[0].robot, ratios)
@@ -165,12 +165,12 @@ def fitted_map(recordings: list[Taken], others: list[Taken] | None = None) -> Fr
 
 
 def currents(friction: Friction, own: Taken) -> Currents:
-    """External torques, by a fit that has not seen the path."""
+    """External torques, by the fit without the recording's path."""
     fit, no_load = friction.fit_for(own.record.name), 0 * own.record.q
     return predicted_currents(own.record, fit, no_load, own.torques, Smoother(*CURRENTS))
 
 
 def residuals_of(friction: Friction, free: list[Taken]) -> Residuals:
-    """What is left of the torque without contact."""
+    """The residual torque without contact."""
     known = [(currents(friction, own), own.motion) for own in free]
     return residual_models(known, friction, CURRENTS.cutoff)

@@ -23,16 +23,16 @@ BLUE, ORANGE, GREEN, PINK = JOINT_COLOURS[:4]
 GREY = "#777777"
 MOTIONS = {"at rest": ORANGE, "slow": GREEN, "fast": BLUE}  # of pushes
 AXES = {"x": BLUE, "y": ORANGE, "z": GREEN}
-ROW = 0.19  # inches of a row of dots or bars
-MARGIN = 0.75  # inches around them
+ROW = 0.19  # inches; of a row of dots or bars
+MARGIN = 0.75  # inches; around the rows
 TOTALS = {"total_0": 0.0, "total_0.1": 0.1, "total_0.5": 0.5, "total_1": 1.0}  # rad/s
 ESTIMATES = {
     "Fmap": "MAP estimate",
     "ungated_least_squares": "plain least squares",
     "Fu": "controller",
 }
-LEAST_FORCE = 1.0  # N, mean in contact: an axis along which something pushes
-NO_TERMS = 2  # of a fit's parameters, torque constant and offset are no friction
+LEAST_FORCE = 1.0  # N; an axis is pushed if the mean in contact exceeds this
+NO_TERMS = 2  # parameters before the friction terms: torque constant and offset
 
 
 def rows_of(folder: Path, name: str) -> pd.DataFrame:
@@ -103,7 +103,7 @@ def constants(folder: Path) -> Drawing:
             own = rows["use"] == used
             label = "fitted, may be used" if used == "yes" else "may not be used"
             dots(axis, rows[own], at[own], BLUE, markerfacecolor=face, label=label)
-        # a refused value is the known one: what the currents say instead is its own column
+        # the value of a refused constant is the documented one; that of the currents is a column
         against = rows.dropna(subset="contradicted")
         axis.plot(
             against["contradicted"], against.index, "x", color=ORANGE, label="by the currents"
@@ -174,7 +174,7 @@ def friction_terms(folder: Path, joint: int = 3) -> Drawing:
 
 
 def truths(folder: Path) -> Drawing:
-    """Draw how far estimates of a simulated study lie from the truth, in standard errors."""
+    """Draw (estimate - truth) / standard error of a simulated study."""
     rows = rows_of(folder, "truth").dropna(subset=["truth", "std_error"]).query("std_error > 0")
     rows = rows.assign(errors=(rows["estimate"] - rows["truth"]) / rows["std_error"])
     names = [*rows["quantity"].unique()]
@@ -240,7 +240,7 @@ def live_pushes(page: Path) -> Drawing:
 
 
 def worth_of_next(folder: Path) -> Drawing:
-    """Draw what one more recording would leave of the bands, relative to now."""
+    """Draw the bands after one more recording, relative to the present ones."""
     rows = rows_of(folder, "next_recordings")
     kinds = {"force": BLUE, "current": ORANGE, "mass": GREEN}
     now = rows[rows["after"] == "now"].iloc[0]
@@ -260,7 +260,7 @@ def worth_of_next(folder: Path) -> Drawing:
 
 
 def by_axis(folder: Path, estimates: Mapping[str, str]) -> Drawing:
-    """Draw errors of forces in contact by axis and estimate, with that of stating none."""
+    """Draw errors of forces in contact by axis and estimate, with the error of zero."""
     rows = rows_of(folder, "force_mae").query("during == 'contact' and kind == 'compensated'")
     rows = rows[rows["estimate"].isin([*estimates]) & rows["component"].str.startswith("F")]
     rows = rows[rows["mean_force"] > LEAST_FORCE]
@@ -312,7 +312,7 @@ def numbers(cells: pd.Series) -> pd.DataFrame:
 
 
 def simulated_arms(page: Path) -> Drawing:
-    """Draw the error of each estimator on simulated arms, where they are pushed."""
+    """Draw the error of each estimator on simulated arms, by pushed place."""
     rows = table_in(page.read_text(), "Simulated arms")
     places = {"flange": BLUE, "tool": GREEN, "elbow": ORANGE}
     with house_style(ROW * len(rows) + MARGIN) as (figure, ((axis,),)):
@@ -386,7 +386,7 @@ def parts_of_estimate(page: Path) -> Drawing:
 
 
 def states_a_second(page: Path) -> Drawing:
-    """Draw states a second of processor and GPU over how many there are."""
+    """Draw states a second of processor and GPU over the number of states."""
     rows = table_in(page.read_text(), "Evidence for the methods", "states")
     count = rows["states"].str.replace(",", "").astype(float)
     kinds = {"processor": GREY, "GPU with transfers": BLUE, "GPU": GREEN, "MJX": ORANGE}

@@ -1,4 +1,4 @@
-"""How long a call takes."""
+"""Times of calls."""
 
 import time
 from collections.abc import Callable

@@ -1,6 +1,6 @@
-"""Models of torque from motion, fitted to some runs of an arm to predict those of others.
+"""Models of torque from motion, fitted to some runs of an arm to predict the torques of others.
 
-Ours is that of a study's steps. Those beside it take velocities and accelerations from a spline
+Ours is the model of a study's steps. The others take velocities and accelerations from a spline
 through the positions.
 """
 
@@ -37,10 +37,10 @@ from ur5lib.timeseries.lowpass import Butterworth
 MAX_GAP = 0.1  # s, as in studies
 MOTION, CURRENTS = Butterworth(4, 10.0), Butterworth(4, 2.0)
 SMOOTH = Smoother(*CURRENTS)
-MEMORIES = (1e-5, 1e-4, 1e-3, 1e-2)  # rad, over which parts of dry friction reverse
-# Ten times that of a study: the files are known to be of one session.
+MEMORIES = (1e-5, 1e-4, 1e-3, 1e-2)  # rad; parts of dry friction reverse over these distances
+# Ten times SAME_POSTURE of a study, since all files are of one session.
 SESSION_POSTURE = 1e-3  # rad
-RIDGE = 1e-8  # of the columns' mean squares: the regressor's columns depend on each other
+RIDGE = 1e-8  # of the columns' mean squares, since the columns are linearly dependent
 
 
 class Run:
@@ -54,7 +54,7 @@ class Run:
         read = read_recording(ENTRY.validate_python(keys | columns), [file], arm, MAX_GAP)
         aligned = align_recording(read.robot, read.force, read.imu, read.clocks)
         self.signals, self.motion = Signals.from_table(aligned.signals), aligned.motion
-        self.before: Sequence[Motion] = ()  # of the runs before, see `chained`
+        self.before: Sequence[Motion] = ()  # motions of the earlier runs, see `chained`
 
     @cached_property
     def torque(self) -> Array:
@@ -70,12 +70,12 @@ class Run:
 
     @cached_property
     def rigid(self) -> Array:
-        """Return the regressor (N, n, P) of any links and rotors on that spline."""
+        """Return the regressor (N, n, P) of links and rotors on the spline `by_spline`."""
         return LinkModel(self.arm, self.arm.chosen_model).regressor(*self.by_spline)
 
 
 def chained(runs: Sequence[Run]) -> list[Run]:
-    """Return runs that know the motions before, as far as each began where the one before ended."""
+    """Return runs with their earlier motions, as far back as each begins where the last ended."""
     following = [*map(copy, runs)]
     for earlier, run in pairwise(following):
         moved = np.abs(posture_change(earlier.motion, run.motion)).max()
@@ -87,7 +87,7 @@ Columns = Callable[[Run], Array]  # regressors (N, n, P) of a run
 
 
 def linear_map(run: Run) -> Array:
-    """Return columns of q, q̇, q̈ and a constant, for each joint its own."""
+    """Return columns of q, q̇, q̈ and a constant, separate for each joint."""
     inputs = np.column_stack([*run.by_spline, np.ones(len(run.torque))])
     return in_rows([inputs] * run.torque.shape[1])
 
@@ -100,7 +100,9 @@ def rigid_links(run: Run) -> Array:
 
 
 def with_gears(run: Run) -> Array:
-    """Return the same with root and square of the velocity, and a counterbalance on each joint."""
+    """Return `rigid_links` with root and square of the velocity, and a counterbalance on each
+    joint.
+    """
     q, qd, _ = run.by_spline
     gears = [np.sign(qd) * np.sqrt(np.abs(qd)), qd * np.abs(qd), np.sin(q), np.cos(q)]
     further = np.stack(gears, axis=2).swapaxes(0, 1)
@@ -108,7 +110,7 @@ def with_gears(run: Run) -> Array:
 
 
 def with_memory(run: Run) -> Array:
-    """Return the same with dry friction that reverses over MEMORIES beside each other (Dahl)."""
+    """Return `with_gears` with dry friction of parallel Dahl elements (MEMORIES)."""
     q, qd, _ = run.by_spline
     known = run.signals.segment, run.signals.period
     states = []
@@ -128,7 +130,7 @@ def in_rows(columns: Sequence[Array] | Array) -> Array:
 
 
 def least_squares(of: Columns, fitted: Sequence[Run], judged: Sequence[Run]) -> list[Array]:
-    """Return the torques of runs by the columns' least squares on others, weighted by joint."""
+    """Return the torques of judged runs by least squares on fitted runs, weighted by joint."""
     size = np.concatenate([run.torque for run in fitted]).std(axis=0)
     rows = np.concatenate([of(run) / size[:, None] for run in fitted])
     rows = rows.reshape(-1, rows.shape[-1])
@@ -141,7 +143,7 @@ def least_squares(of: Columns, fitted: Sequence[Run], judged: Sequence[Run]) -> 
 
 
 class Ours:
-    """The arm that a study's steps find on some runs, and their friction."""
+    """The arm and its friction, as a study's steps identify them on some runs."""
 
     def __init__(self, arm: Robot, fitted: Sequence[Run]) -> None:
         """Identify links, gears and counterbalances, then friction."""
@@ -165,8 +167,8 @@ class Ours:
         return record
 
     def predicted(self, run: Run, fit: CurrentFit | None = None) -> tuple[Array, Array]:
-        """Return the torque (N, n) [Nm] of a run, low-passed but at its ends, and half of its 95 %
-        band, NaN there.
+        """Return the torque (N, n) [Nm] of a run, low-passed except at its ends, and the half-width
+        of its 95 % band, NaN at the ends.
         """
         record, fit = self.record(run), fit or self.friction.fit
         predicted = predict(fit, record)
@@ -174,6 +176,6 @@ class Ours:
         return np.where(np.isfinite(slow), slow, predicted), band(fit, record, SMOOTH)
 
     def inputs(self, run: Run, fit: CurrentFit) -> tuple[Array, Array]:
-        """Return (q, q̇, torque predicted) (N, 3 n) of a run, and the torque that is left."""
+        """Return (q, q̇, predicted torque) (N, 3 n) of a run, and the residual torque (N, n)."""
         torque, _ = self.predicted(run, fit)
         return np.hstack([run.motion.q, run.motion.motor_qd, torque]), run.torque - torque

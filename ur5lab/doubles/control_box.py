@@ -33,15 +33,15 @@ from ur5lib.timeseries.arrays import Array
 Program = Iterator[None]  # advanced once per cycle, until it ends
 Outputs = Mapping[str, Array | float]  # under RTDE names
 ELBOW_BODY = "link_2"
-SUPPLY_VOLTAGE = 48.0  # V; this is the voltage of the supply
-STANDBY_POWER = 60.0  # W; an arm at rest takes this power
+SUPPLY_VOLTAGE = 48.0  # V
+STANDBY_POWER = 60.0  # W; of an arm at rest
 
-PROTECTIVE_STOP_DECELERATION = 20.0  # rad/s²; a protective stop brakes at this rate
-PROGRAM_END_DECELERATION = 4.0  # rad/s²; an arm brakes at this rate where a program ends in motion
+PROTECTIVE_STOP_DECELERATION = 20.0  # rad/s²
+PROGRAM_END_DECELERATION = 4.0  # rad/s²; if a program ends in motion
 
 JOINT_RUNNING, JOINT_IDLE = 253, 255  # RTDE's `joint_mode`
-POWER_ON_BIT, PROGRAM_BIT = 1, 2  # these are bits of `robot_status_bits`
-NORMAL_BIT, PROTECTIVE_BIT = 1, 4  # these are bits of `safety_status_bits`
+POWER_ON_BIT, PROGRAM_BIT = 1, 2  # of `robot_status_bits`
+NORMAL_BIT, PROTECTIVE_BIT = 1, 4  # of `safety_status_bits`
 
 
 class UnsupportedCommandError(Exception):
@@ -52,7 +52,8 @@ class UnsupportedCommandError(Exception):
 class Watchdog:
     """Stops the program when a client does not write a register often enough.
 
-    name: of the input register; longest: between two writes [s]; last: time of the last one [s].
+    name: of the input register; longest: allowed time between two writes [s]; last: time of the
+    last write [s].
     """
 
     name: str
@@ -100,7 +101,7 @@ class ControlBox:
 
     @property
     def outputs(self) -> Outputs:
-        """Return the outputs of the last cycle, which are computed when they are first read."""
+        """Return the outputs of the last cycle, computed at the first access."""
         if self._outputs is None:
             self._outputs = self._instruments.read() | self._status() | self.registers
         return self._outputs
@@ -185,7 +186,7 @@ class ControlBox:
 
 
 class Instruments:
-    """The channels of `stand.controller`, and further ones, in each cycle."""
+    """The measured and computed outputs in each cycle: those of `stand.controller`, and others."""
 
     def __init__(self, arm: LiveArm, cycle: float, random: np.random.Generator) -> None:
         """cycle: [s]; random: generator of the noise, unused where the plan has none."""

@@ -25,7 +25,7 @@ STATE_REGISTER, RESULT_REGISTER, PROGRESS_REGISTER = 0, 1, 2  # output integers
 READY_STATE, DONE_STATE = 1, 2
 STOP_COMMAND = 255
 REALTIME_COMMANDS = (9, 11, 26, 38, 58)
-# The register of progress consists of these.
+# Parts of the progress register.
 RUNNING_BIT, COUNT_UNIT, OPERATION_UNIT = 1 << 15, 1 << 16, 1 << 24
 PROGRESS_MODULUS = 128  # counts and operations are counted modulo this
 

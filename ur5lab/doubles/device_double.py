@@ -1,4 +1,4 @@
-"""What doubles of devices share: a clock of their own, and a thread that samples and answers."""
+"""The base of device doubles: a clock of its own, and a thread that samples and answers."""
 
 import math
 import select
@@ -13,8 +13,8 @@ from ur5lab.doubles.transmission import Delivery, TransmissionFaults
 from ur5lib.timeseries.arrays import Array
 
 HOST = "127.0.0.1"
-MIN_SLEEP = 0.001  # s; samples due meanwhile are sent together
-MAX_CATCH_UP_FACTOR = 3  # after the computer was busy, samples are sent at this many times the rate
+MIN_SLEEP = 0.001  # s; samples that become due meanwhile are sent together
+MAX_CATCH_UP_FACTOR = 3  # largest multiple of the rate at which late samples are sent
 Reading = Callable[[float], Array]  # of the host's monotonic time [s]
 
 
@@ -22,8 +22,8 @@ Reading = Callable[[float], Array]  # of the host's monotonic time [s]
 class DeviceClock:
     """A device's clock: t_host = start + (1 + drift) (t_device − offset).
 
-    offset_s: its time when the device is switched on [s]; drift_ppm: positive: slow; start: when
-    the device is switched on [s, the host's time.monotonic].
+    offset_s: the clock's time when the device is switched on [s]; drift_ppm: positive for a slow
+    clock; start: host time when the device is switched on [s, time.monotonic].
     """
 
     offset_s: float = 0.0
@@ -44,7 +44,7 @@ class DeviceClock:
         return self.start + self.scale * (shown - self.offset_s)
 
     def shown(self, host: float) -> float:
-        """Return the clock's time at a time of the host [s]."""
+        """Return the clock's time [s] at a host time [s]."""
         return self.offset_s + (host - self.start) / self.scale
 
 
@@ -52,7 +52,7 @@ class DeviceDouble(ABC):
     """A double that samples by its own clock and answers requests, while the context lasts.
 
     reading: returns the true reading at a time [s, the host's monotonic], at or shortly before the
-    present; called in the device's thread. delivery: has the samples lost and late so far. line:
+    present; called in the device's thread. delivery: with the lost and late samples so far. line:
     file descriptor from which requests are read.
     """
 

@@ -1,4 +1,4 @@
-"""Doubles of all devices of a laboratory, in place of those that a study names."""
+"""Doubles of all devices of a laboratory, in place of a study's devices."""
 
 import csv
 from collections.abc import Iterator
@@ -34,7 +34,7 @@ PUSH = {"kind": "push", "start_s": 8, "seconds": 3, "force": [20.0, -10.0, 25.0]
 
 @contextmanager
 def lab_double(robot: Robot, is_pushed: bool, folder: Path) -> Iterator[LabSettings]:
-    """Yield the settings of doubles, which answer on this computer alone.
+    """Yield the settings of doubles, which answer only on this computer.
 
     They replace an arm, an ATI Net F/T on its flange, and an Xsens MTi. is_pushed: whether the arm
     is pushed 8 s after it is switched on. folder: of the recording; the truth is written next to
@@ -61,7 +61,7 @@ def _write_truth(
     arm: ControllerDouble, box: NetFTDouble, imu: XsensDouble, folder: Path, start: float
 ) -> None:
     """Write the truth of a recording that starts at a time of the controller's clock [s]."""
-    counts = {  # the first sample that each sensor's file has, its rate, and its clock
+    counts = {  # of each sensor: first sample in its file, rate, clock
         "force": (_first(folder / "force_sensor.csv", "ft_sequence"), INTERNAL_RATE, box.clock),
         "imu": (_first(folder / "imu.csv", "sample_counter"), IMU_RATE, imu.clock),
     }

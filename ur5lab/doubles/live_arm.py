@@ -28,7 +28,7 @@ from ur5lib.timeseries.profiles import duration
 
 STANDSTILL = np.zeros(6)
 STATES_KEPT = VELOCITY_WINDOW + 1  # the controller computes velocities from this many last states
-LIMIT_TOLERANCE = 1.02  # targets may go up to the limits of position and speed times this
+LIMIT_TOLERANCE = 1.02  # targets may reach this multiple of the limits of position and speed
 MAX_FOLLOWING_ERROR = 0.1  # rad; a larger deviation from the target stops the arm
 
 
@@ -91,7 +91,7 @@ class LiveArm:
         self.motion.freedrive(lambda: (data.qpos.copy(), data.qvel.copy()))
 
     def exceeded(self) -> str:
-        """Return in words the limit that the arm exceeds; empty where it exceeds none."""
+        """Return in words the limit that the arm exceeds, "" if none."""
         target = self.motion
         for joint in range(6):
             outwards = target.q[joint] * target.qd[joint] > 0
@@ -135,7 +135,7 @@ class TargetGenerator:
     def movej(self, goal: Array, speed: float, acceleration: float) -> None:
         """Move to the angles `goal` (6,) [rad]; joints start and stop together.
 
-        speed [rad/s], acceleration [rad/s²]: of the joint with the longest way.
+        speed [rad/s], acceleration [rad/s²]: of the joint with the longest travel.
         """
         _expect_positive(speed, acceleration)
         self._start("movej", self._movej_targets(goal, speed, acceleration))

@@ -1,7 +1,7 @@
 """The double of a Net F/T box: a force sensor that streams RDT records and has a page of settings.
 
 Source of the protocol: ATI Industrial Automation, Net F/T manual 9620-05-NET FT. Its
-records are encoded independently of the decoder in `recorder`, so that one proves the other.
+records are encoded independently of the decoder in `recorder`, so that one tests the other.
 """
 
 import contextlib
@@ -17,7 +17,7 @@ from ur5lab.doubles.transmission import TransmissionFaults
 from ur5lab.recorder import net_ft
 from ur5lib.timeseries.arrays import Array
 
-INTERNAL_RATE = 7000  # Hz; ft_sequence counts at this rate
+INTERNAL_RATE = 7000  # Hz; of ft_sequence
 SATURATION_STATUS = net_ft.ERROR_BIT | net_ft.SATURATION_BIT
 COUNTS = 1_000_000  # counts per unit, of force and torque
 MAX_COUNT = 2**31 - 1  # count

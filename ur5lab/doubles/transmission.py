@@ -1,4 +1,4 @@
-"""The packets of a double on their way to a client, and what may happen to them."""
+"""The packets of a double on their way to a client, with faults of transmission."""
 
 import heapq
 import random
@@ -6,8 +6,8 @@ import time
 from asyncio import StreamWriter
 from dataclasses import dataclass
 
-SECOND_PART_DELAY = 0.003  # s; the second part of a split packet follows after it
-MAX_BACKLOG_BYTES = 1 << 16  # a client that has this many unread is sent no more
+SECOND_PART_DELAY = 0.003  # s; between the parts of a split packet
+MAX_BACKLOG_BYTES = 1 << 16  # unread bytes, above which a client gets no more packets
 
 
 @dataclass(frozen=True)
@@ -38,8 +38,8 @@ class Delivery:
     """The packets in transmission.
 
     is_stream: bytes in order, as on a serial line; otherwise datagrams. lost: numbers of the
-    samples that were never sent; late: of those that arrived after a later one. Numbers restart
-    when the device is switched on.
+    samples that were never sent; late: numbers of the samples that arrived after a later one.
+    Numbers restart when the device is switched on.
     """
 
     def __init__(self, faults: TransmissionFaults, is_stream: bool) -> None:

@@ -36,7 +36,7 @@ class TrueStates:
     def part(self, name: str, when: Array | float) -> Array:
         """Return a quantity of STATE_TYPE at times (...) [s, host]: (..., components).
 
-        Interpolated between steps; times before the first or after the last one give that one.
+        Interpolated between steps; before the first and after the last step, these steps' values.
         """
         last = self._count() - 1
         passed = (np.asarray(when, np.float64) - self._clock.start) / self._clock.scale

@@ -26,7 +26,7 @@ from ur5lib.robots.urscript import (
 )
 from ur5lib.timeseries.arrays import Array
 
-# A move with a duration has at least this way: without one, it would have no speed.
+# rad; least travel of a move with a duration, which defines its speed.
 MIN_WAY = 1e-9  # rad
 
 
@@ -52,7 +52,7 @@ def wait_until_done(box: ControlBox) -> Program:
 
 
 def end_freedrive(box: ControlBox) -> Program:
-    """Stay where the arm was led; yield once per cycle until it rests."""
+    """Stay where the arm was guided; yield once per cycle until it rests."""
     box.arm.motion.stopj(PROGRAM_END_DECELERATION)
     yield from wait_until_done(box)
 

@@ -1,7 +1,7 @@
 """The double of an Xsens MTi: a motion tracker that speaks Xbus on a pseudo-terminal.
 
 Source of the protocol: Xsens, MT Low-Level Communication Protocol Documentation. Its samples are
-encoded independently of the decoder in `recorder`, so that one proves the other.
+encoded independently of the decoder in `recorder`, so that one tests the other.
 """
 
 import contextlib
@@ -15,7 +15,7 @@ from ur5lab.doubles.transmission import TransmissionFaults
 from ur5lab.recorder import xbus, xsens
 
 WAKE_UP_MESSAGE = 0x3E
-IDENTITY_ANSWERS = {  # they answer requests for the device's identity
+IDENTITY_ANSWERS = {  # to requests for the device's identity
     xsens.REQUEST_DEVICE_ID: bytes.fromhex("07700ABC"),
     xsens.REQUEST_FIRMWARE: bytes([1, 8, 2]),
     xsens.REQUEST_PRODUCT_CODE: b"MTi-30-2A5G4        ",
@@ -30,7 +30,7 @@ LEGACY_SETTINGS = {
     xsens.SET_OUTPUT_MODE: b"\x00\x02",
     xsens.SET_OUTPUT_SETTINGS: b"\x00\x00\x00\x01",
 }
-SERIAL_BUFFER_BYTES = 1 << 16  # a serial port that nobody reads keeps this many
+SERIAL_BUFFER_BYTES = 1 << 16  # kept by a serial port that nobody reads
 INVALID_MESSAGE, INVALID_PARAMETER = b"\x04", b"\x21"
 
 
@@ -82,7 +82,7 @@ class XsensDouble(DeviceDouble):
         if not self._is_measuring:
             return None
         true = self.reading(self.instant(sample))
-        # The counter starts where the clock does: with the clock's offset.
+        # The counter starts with the clock's offset.
         count = round(self.shown(sample) * self.rate_hz) % 2**16
         if self._is_legacy:
             return xbus.encode(xbus.MTDATA, struct.pack(">9fH", *true, count))
@@ -100,7 +100,7 @@ class XsensDouble(DeviceDouble):
         return xbus.encode(xbus.MTDATA2, b"".join(parts))
 
     def send(self, part: bytes) -> None:
-        """Write bytes; as of a serial port, Linux keeps the first unread ones, no further ones."""
+        """Write bytes; a full buffer drops the newest ones, as Linux does for a serial port."""
         self._unread = (self._unread + part)[:SERIAL_BUFFER_BYTES]
         with contextlib.suppress(BlockingIOError):  # a terminal keeps fewer
             self._unread = self._unread[os.write(self.line, self._unread) :]
@@ -132,7 +132,7 @@ class XsensDouble(DeviceDouble):
             self.send(xbus.encode(xbus.ERROR_MESSAGE, INVALID_MESSAGE))
 
     def _set_legacy(self, request: int, data: bytes) -> None:
-        """Accept the one mode and rate that the device offers."""
+        """Accept the only mode and rate that the device offers."""
         offered = LEGACY_SETTINGS | {
             xsens.SET_PERIOD: round(xsens.PERIOD_CLOCK / self.rate_hz).to_bytes(2, "big")
         }

@@ -1,4 +1,4 @@
-"""The design of a trajectory: as informative as an arm's limits and its surroundings allow."""
+"""The design of the most informative trajectory within an arm's limits and surroundings."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,23 +13,23 @@ from ur5lab.excitation.trajectory import Margins, Path, WorkCell, resting_series
 from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array, Mask
 
-CHECK_RATE = 1000.0  # Hz; results are checked at this rate
-COARSE_CHECK_RATE = 25.0  # Hz; attempts are checked at this rate
-POSTURE_TRIALS = 1000  # this many random ones are tried
-# Random postures keep each joint within this angle of the middle of its range.
+CHECK_RATE = 1000.0  # Hz; of the check of results
+COARSE_CHECK_RATE = 25.0  # Hz; of the check of attempts
+POSTURE_TRIALS = 1000  # random postures
+# rad; in random postures, each joint is within this angle of the middle of its range.
 MAX_POSTURE_ANGLE = 2.6  # rad
-BISECTION_STEPS = 8  # the largest share of a path is found in this many
+BISECTION_STEPS = 8  # in the search for the largest share of a path
 SHRINK_FACTOR = 0.97  # a path that fails the fine check shrinks by this factor
 MAX_SHRINKS = 30
-LINE_SEARCH_FAILURE = 2  # L-BFGS-B of SciPy returns this status
+LINE_SEARCH_FAILURE = 2  # status of SciPy's L-BFGS-B
 
 
 @dataclass(frozen=True)
 class Effort:
     """The effort of the search.
 
-    starts: random ones; first: iterations from each; rounds: for each round from the best start,
-    the weight of the penalty and the number of iterations.
+    starts: number of random starts; first: iterations from each; rounds: for each further round
+    from the best start, the weight of the penalty and the number of iterations.
     """
 
     starts: int = 4
@@ -144,7 +144,7 @@ class Design:
 
     @cached_property
     def worth(self) -> Worth:
-        """Return what its recording would add."""
+        """Return the information that a recording of the trajectory would add."""
         return Worth.along(self.task, self.path)
 
 
@@ -175,10 +175,10 @@ def design(
 def _improved_point(
     objective: Objective, start: Array, weight: float, iterations: int, stepped: Stepped
 ) -> Array:
-    """Return the best point of L-BFGS-B from a start; steps that it does not need count as done.
+    """Return the best point of L-BFGS-B from a start; unused iterations are reported as done.
 
-    Sign changes of dry friction cause kinks of the criterion. Where one stops the line search, the
-    search restarts at the lowest point seen.
+    Sign changes of dry friction cause kinks of the criterion. If one stops the line search, the
+    search restarts at the lowest point so far.
     """
     lowest = np.inf, start
 

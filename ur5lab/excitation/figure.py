@@ -15,8 +15,8 @@ from ur5lib.dynamics.flange import link_frames
 from ur5lib.report.figures.house_style import HOUSE_STYLE, JOINT_COLOURS, PAGE_WIDTH, Drawing
 from ur5lib.timeseries.arrays import Array
 
-DRAWN_RATE = 20.0  # Hz; states are drawn at this rate
-DRAWN_POSTURES = 25  # each view of the arm's sweep has this many
+DRAWN_RATE = 20.0  # Hz; of drawn states
+DRAWN_POSTURES = 25  # in each view of the arm's sweep
 SWEEP_VIEWS = {
     "from above": (0, 1),
     "from the side": (0, 2),
@@ -33,7 +33,7 @@ PANEL_HEIGHTS = (1.2, 0.8, 0.8, 1.2, 1.6)
 
 
 def excitation_figure(design: Design) -> Drawing:
-    """Return the figure; its data are the angles that are drawn."""
+    """Return the figure; its data are the drawn angles."""
     time, states = design.path.sampled(DRAWN_RATE)
     with plt.rc_context(HOUSE_STYLE):
         figure = Figure(figsize=(PAGE_WIDTH, 1.5 * PAGE_WIDTH), layout="constrained")
@@ -84,7 +84,7 @@ def _draw_margins(panel: Axes, margins: Margins) -> None:
 
 
 def _draw_errors(panel: Axes, worth: Worth, links: int) -> None:
-    """Draw by how much each parameter's standard error falls; links: how many are the links'."""
+    """Draw standard error after / before of each parameter; links: number of base parameters."""
     place = np.arange(len(worth.before))
     panel.semilogy(place, worth.after / worth.before, "o", color=JOINT_COLOURS[0], markersize=2.5)
     panel.axvspan(-0.5, links - 0.5, color="black", alpha=0.06, linewidth=0)

@@ -13,11 +13,11 @@ from ur5lib.robots.description import Payload
 from ur5lib.tables import json_text, write_text
 from ur5lib.timeseries.arrays import Array
 
-SERVO_RATE = 125.0  # Hz; servoj runs at it on every UR
-REST_DURATION = 3.0  # s; the test stand records so long before and after the motion, in total
-STATES_PER_MOVE = 20  # this many are checked between two way-points
+SERVO_RATE = 125.0  # Hz; every UR supports servoj at this rate
+REST_DURATION = 3.0  # s; in total before and after the motion on the test stand
+STATES_PER_MOVE = 20  # checked between two way-points
 WAY_POINT_SPACINGS = (1.0, 0.5, 0.25, 0.1, 0.04)  # s; the widest without collision is used
-APPROACH_ARGUMENTS = "a=0.5, v=0.5"  # rad/s², rad/s; the movej to the start uses these
+APPROACH_ARGUMENTS = "a=0.5, v=0.5"  # rad/s², rad/s; of the movej to the start
 SERVO_ARGUMENTS = "t=0.008, lookahead_time=0.1, gain=300"
 STUDY_NAME = "excitation"
 
@@ -43,7 +43,7 @@ def write_files(
 
 
 def summary(design: Design) -> dict[str, object]:
-    """Return a trajectory, its margins and its worth, as `Worth` explains it."""
+    """Return a trajectory, its margins and its `Worth` as plain data."""
     problem, worth = design.task.problem, design.worth
     columns = {
         "parameter": problem.names(),
@@ -67,7 +67,7 @@ def summary(design: Design) -> dict[str, object]:
 
 
 def way_points(cell: WorkCell, path: Path) -> Array:
-    """Return postures (M, n) [rad] along a path, dense enough for straight moves to keep clear."""
+    """Return way-points (M, n) [rad] along a path, so dense that straight moves do not collide."""
     for spacing in WAY_POINT_SPACINGS:
         points = path.sampled(1 / spacing)[1].q
         steps = np.linspace(points[:-1], points[1:], STATES_PER_MOVE, axis=1).reshape(
@@ -81,8 +81,8 @@ def way_points(cell: WorkCell, path: Path) -> Array:
 def script(q: Array) -> str:
     """Return a URScript program that moves to the start and streams q (N, 6) [rad] at 125 Hz.
 
-    A controller runs what it receives as soon as it has the last line, `end`; a call after that
-    line would be another program, which replaces it. Source: Universal Robots' script manual,
+    A controller starts a program when it receives the last line, `end`; a call after that line
+    would be another program and replace this one. Source: Universal Robots' script manual,
     Connecting to URControl.
     """
     lines = [f"  servoj({_list(row)}, {SERVO_ARGUMENTS})" for row in q]

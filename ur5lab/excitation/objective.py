@@ -1,6 +1,6 @@
-"""The objective of the optimisation of a trajectory, with its exact gradient, and its worth.
+"""The objective for optimising a trajectory, with its exact gradient, and a trajectory's worth.
 
-It depends on the question for which a recording is designed, a criterion of its information.
+The question for which a recording is designed decides the criterion on its information.
 """
 
 from collections.abc import Callable
@@ -24,22 +24,22 @@ from ur5lib.timeseries.profiles import fourier_terms
 Criterion = Callable[[Array], tuple[float, Array]]
 """From the information M (P, P) to a value, the larger the better, and its gradient (P, P)."""
 
-CONDITION_WEIGHT = 30.0  # a condition number's logarithm has this weight relative to log det
-MIN_EIGENVALUE_SHARE = 1e-12  # less than this share of the largest eigenvalue is rounding
-MAX_SERIES_FREQUENCY = 0.6  # Hz; no harmonic is higher, since faster ones excite elastic joints
+CONDITION_WEIGHT = 30.0  # of log condition numbers relative to log det
+MIN_EIGENVALUE_SHARE = 1e-12  # of the largest eigenvalue; smaller ones are rounding errors
+MAX_SERIES_FREQUENCY = 0.6  # Hz; faster harmonics excite elastic joints
 MIN_HARMONICS = 4
 MAX_HARMONICS = 30
-STATE_STEP = 0.05  # s; the optimisation evaluates a path at states this far apart
-USED_LIMIT_SHARE = 0.97  # the optimisation may use this share of each limit
-# A recording that leaves this share of a standard error lowers it too little.
+STATE_STEP = 0.05  # s; between the states at which the optimisation evaluates a path
+USED_LIMIT_SHARE = 0.97  # of each limit, that the optimisation may use
+# A standard error that keeps more than this share counts as not lowered by a recording.
 MIN_KEPT_ERROR_SHARE = 0.9
 
 
 def d_optimality(estimated: Mask) -> Criterion:
     """Return the criterion log det of the information on some parameters, with the others unknown.
 
-    estimated: (P,), which parameters. log det M - log det M_oo, with o the others, which is the log
-    det of the Schur complement (D_s-optimality).
+    D_s-optimality: log det M - log det M_oo, the log det of the Schur complement, with o the other
+    parameters. estimated: (P,), mask of the parameters.
     """
     other_parameters = np.ix_(~estimated, ~estimated)
 
@@ -73,8 +73,8 @@ def i_optimality(rows: Array) -> Criterion:
 def conditioning(scale: Array) -> Criterion:
     """Return the criterion -log of the information's condition number, in units of a scale (P,).
 
-    Parameters of scale zero are left out. The criterion is zero if the number is too large for
-    double precision.
+    Parameters with scale zero are left out. The criterion is zero if the condition number is too
+    large for double precision.
     """
     scaled = np.ix_(scale > 0, scale > 0)
     weight = np.outer(scale, scale)
@@ -95,10 +95,10 @@ def conditioning(scale: Array) -> Criterion:
 
 
 def _model_criterion(problem: DesignProblem, _: WorkCell) -> Criterion:
-    """Return D-optimality plus two condition numbers, to which it is not very sensitive.
+    """Return D-optimality plus two condition numbers, to which D-optimality is not very sensitive.
 
-    The condition number of the base parameters is in SI units, as in the literature; that of all
-    parameters is in units of their prior standard deviations.
+    One is of the base parameters in SI units, as in the literature, the other of all parameters in
+    units of their prior standard deviations.
     """
     of_base = np.where(np.arange(len(problem.theta)) < problem.count, 1.0, 0.0)
     of_all = np.sqrt(np.diag(np.linalg.inv(problem.prior)))
@@ -118,13 +118,13 @@ def _model_criterion(problem: DesignProblem, _: WorkCell) -> Criterion:
 def _undetermined_criterion(problem: DesignProblem, _: WorkCell) -> Criterion:
     """Return I-optimality of standard errors relative to the prior's.
 
-    The largest ratios dominate their mean square.
+    The criterion is the mean square of the ratios, which the largest ones dominate.
     """
     return i_optimality(problem.to_physical() / problem.standard_errors(problem.prior)[:, None])
 
 
 def _d_optimality_of(problem: DesignProblem, place: slice) -> Criterion:
-    """Return D-optimality of the parameters at a place in θ."""
+    """Return D-optimality of the parameters θ[place]."""
     estimated = np.zeros(len(problem.theta), dtype=bool)
     estimated[place] = True
     return d_optimality(estimated)
@@ -250,7 +250,7 @@ class Objective:
         return total, slopes[:4], slopes[4]
 
     def _nearness(self, q: Array) -> tuple[float, Array]:
-        """Return the penalty for parts that are too close, over DISTANCE_REACH, and its slope."""
+        """Return the penalty for parts that are too close, and its slope by q (N, n)."""
         min_distance = self._task.cell.limits.clearance / USED_LIMIT_SHARE
         clearances = self._task.cell.capsules.near(q, gradient_below=min_distance)
         missing = np.maximum(min_distance - clearances.distance, 0) / DISTANCE_REACH
@@ -278,8 +278,8 @@ class Worth:
 
     log_det: log det of the information M (P, P) after the recording; gain: increase by the
     recording; regressor_condition: condition number of the base parameters' regressor in SI units
-    (Gautier 1992); condition: condition number of J, each column in units of its prior standard
-    deviation, infinite where no target torque distinguishes masses from gains; prior, before,
+    (Gautier 1992); condition: condition number of J, with columns in units of the prior standard
+    deviation, infinite without target torques, which separate masses from gains; prior, before,
     after: standard errors (P,) of `DesignProblem.names` in physical units, by the prior alone,
     before the recording, and after it.
     """
@@ -295,8 +295,7 @@ class Worth:
     def least_determined(self) -> Labels:
         """Return the indices (P,) that sort the parameters, the least determined first.
 
-        They are sorted by the ratio to the prior's standard error before the recording; equal ones
-        by that after.
+        Sorted by before / prior, the ratio of standard errors, then by after / prior.
         """
         return np.lexsort([-self.after / self.prior, -np.round(self.before / self.prior, 9)])
 

@@ -21,9 +21,9 @@ VELOCITY_SHARE = 0.5
 ACCELERATION_SHARE = 0.5
 TORQUE_SHARE = 0.8
 MAX_JERK = 200.0  # rad/s³; no description states a limit
-ENDLESS_RANGE = 2 * np.pi  # rad; a joint that turns without end may go this far to either side
-MIN_CLEARANCE = 0.03  # m; capsules stay at least this far apart
-DISTANCE_REACH = 0.1  # m; distances are measured up to it
+ENDLESS_RANGE = 2 * np.pi  # rad; range of a joint without limits, to either side
+MIN_CLEARANCE = 0.03  # m; between capsules
+DISTANCE_REACH = 0.1  # m; largest measured distance
 JOINT_LIMITS = ("position", "velocity", "acceleration", "jerk", "torque")
 
 
@@ -68,9 +68,9 @@ class Path:
 class Limits:
     """The limits of a trajectory; those of joints apply to both signs.
 
-    position, velocity, acceleration, jerk, torque: (n,) [rad, rad/s, rad/s², rad/s³, Nm], the
-    first from the middle of a joint's range; clearance: smallest allowed distance between parts
-    [m]; singular_value: the value below which the Jacobian's smallest singular value must not fall.
+    position, velocity, acceleration, jerk, torque: (n,) [rad, rad/s, rad/s², rad/s³, Nm], position
+    from the middle of a joint's range; clearance: smallest allowed distance between parts [m];
+    singular_value: least allowed value of the Jacobian's smallest singular value.
     """
 
     position: Array
@@ -88,11 +88,11 @@ class Limits:
 
 @dataclass(frozen=True)
 class Margins:
-    """The use of its limits by a trajectory, which keeps them if `broken` returns nothing.
+    """A trajectory's use of the limits, which it keeps if `broken` returns nothing.
 
-    used: by the name of a limit, the largest share of it that each joint uses, (n,); clearance:
+    used: by name of a limit, the largest share of it that each joint uses, (n,); clearance:
     smallest distance between parts [m], at most DISTANCE_REACH; nearest: the names of these parts,
-    empty beyond DISTANCE_REACH; singular_value: the smallest of the Jacobian.
+    empty beyond DISTANCE_REACH; singular_value: smallest one of the Jacobian along the trajectory.
     """
 
     limits: Limits
@@ -143,9 +143,9 @@ class Margins:
 
 @dataclass(frozen=True)
 class WorkCell:
-    """An arm in its surroundings, with all that checks a trajectory.
+    """An arm in its surroundings, with all limits on a trajectory.
 
-    middle: of the joints' ranges (n,) [rad]; twists: how many the flange has, at most 6.
+    middle: of the joints' ranges (n,) [rad]; twists: the flange's degrees of freedom, at most 6.
     """
 
     robot: Robot
@@ -179,7 +179,7 @@ class WorkCell:
         )
 
     def limited(self, states: States) -> States:
-        """Return states as they are limited to both sides: positions from the middle."""
+        """Return states with positions relative to the middle, since limits apply to both signs."""
         return states._replace(q=states.q - self.middle)
 
     def singular_value(self, q: Array) -> Array:
@@ -187,7 +187,7 @@ class WorkCell:
         return singular_value(self.model.arm, q, self.twists)
 
     def differentiable_singular_value(self, q: Array) -> tuple[Array, PullBack]:
-        """Return the same, and the pull-back of its derivative to q."""
+        """Return `singular_value`, and the pull-back of its derivative to q."""
         return differentiable_singular_value(self.model.arm, q, self.twists)
 
     def margins(self, states: States) -> Margins:

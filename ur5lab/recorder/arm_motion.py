@@ -15,10 +15,10 @@ from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array
 
 WATCHDOG_RATE = 4.0  # Hz; the controller stops the arm when this program writes less often
-PROGRAM_START_TIMEOUT = 5.0  # s; the control program starts in this time
-POLL_INTERVAL = 0.01  # s; queries of a motion's state are this far apart
-STOP_DECELERATION = 5.0  # rad/s²; `stop` brakes at this rate
-SERVOJ_LOOKAHEAD, SERVOJ_GAIN = 0.1, 300.0  # servoj has these [s, 1], as URScript's defaults
+PROGRAM_START_TIMEOUT = 5.0  # s; for the start of the control program
+POLL_INTERVAL = 0.01  # s; between queries of a motion's state
+STOP_DECELERATION = 5.0  # rad/s²; of `stop`
+SERVOJ_LOOKAHEAD, SERVOJ_GAIN = 0.1, 300.0  # s, 1; URScript's defaults
 REST_TIME = 1.0  # s; rest before and after a motion, which shows a force sensor's bias
 SERVOJ_RATE = 125.0  # Hz; every controller supports servoj at this rate
 CATCH_UP_TIME = 3 * SERVOJ_LOOKAHEAD  # s; the arm reaches the last point of a stream within it
@@ -77,8 +77,7 @@ class ArmMotion:
     def stream(self, q: Array, rate: float) -> bool:
         """Follow joint angles (N, 6) [rad] at `rate` [Hz] by servoj, from the present posture.
 
-        Points that this program is too late for are left out, which keeps the timing. Raises
-        MotionError.
+        If this program is late, it skips points to keep the timing. Raises MotionError.
         """
         self._prepare()
         start, last = time.monotonic(), len(q) - 1
@@ -148,7 +147,7 @@ class ArmMotion:
             raise MotionError(self._refusal(name))
 
     def _is_connected(self) -> bool:
-        """Return whether the controller is connected; otherwise repeats the last state."""
+        """Return whether the controller is connected; if not, ur_rtde repeats the last state."""
         return self._control is not None and self._control.isConnected()
 
     def _wait(self, done: Callable[[], bool]) -> None:
@@ -170,7 +169,7 @@ class ArmMotion:
 
 
 class Mover(threading.Thread):
-    """Executes a motion, or lets the arm be led by hand; failure: why it ended early, if it did."""
+    """Executes a motion, or lets a person guide the arm; failure: reason of an early end."""
 
     def __init__(self, address: str, motion: CommandedMotion | None) -> None:
         """motion: None to lead by hand until `stop`."""

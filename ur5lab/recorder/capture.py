@@ -102,7 +102,7 @@ def capture(
             status.ended = str(error)
         except OSError as error:
             status.ended = f"{path} cannot be written ({error.strerror}); free some space"
-        except Exception as error:  # a fault of the recorder, which the others outlive
+        except Exception as error:  # a fault of this recorder must not end the others
             status.ended = f"recording it failed ({type(error).__name__}: {error})"
         status.final = True
         if os.getppid() == parent:

@@ -13,11 +13,11 @@ from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.sampling import interpolated
 
-CHECKED_STEP = 0.02  # rad; checked samples of a path are this far apart
+CHECKED_STEP = 0.02  # rad; between checked samples of a path
 MIN_POINTS = 2
 EXPECTED_LINES = "give six joint angles [rad], or a time [s] and six angles, in every line"
-FULL_SPEED, FULL_ACCELERATION = 1.0, 2.0  # rad/s, rad/s²; movej has these at the full speed
-START_TOLERANCE = 0.01  # rad; a closer arm need not move to the start
+FULL_SPEED, FULL_ACCELERATION = 1.0, 2.0  # rad/s, rad/s²; of movej at speed factor 1
+START_TOLERANCE = 0.01  # rad; within it, the arm is at the start
 DEFAULT_POSITION_LIMIT = 4 * np.pi  # rad; limit of joints without a published one
 
 

@@ -1,4 +1,4 @@
-"""The interface between the recorder and any device that it records, and what devices share."""
+"""The interface between the recorder and its devices, and functions that devices share."""
 
 import math
 import select
@@ -19,8 +19,8 @@ from ur5lib.timeseries.arrays import Array
 CHUNK_BYTES = 1 << 16  # bytes read at a time
 MAX_GAP = 10.0  # s; after a longer jump, the counter is damaged or was restarted
 MAX_SILENCE = 1.0  # s
-ANSWER_TIMEOUT = 3.0  # s; a device answers in this time
-GATHERING_TIME = 0.05  # s; one call collects samples for this long
+ANSWER_TIMEOUT = 3.0  # s
+GATHERING_TIME = 0.05  # s; in which one call collects samples
 
 
 class DeviceLost(Exception):  # noqa: N818, an event that every recorder expects
@@ -68,10 +68,10 @@ class Packets:
 
 @dataclass(kw_only=True)
 class Identity:
-    """A device's entry in the manifest; what is None has no entry.
+    """A device's entry in the manifest; fields that are None are left out.
 
-    rate_hz: nominal, None where the device does not say; clock: the name of its own time; missing:
-    channels that it lacks; the others: how an arm, a force sensor or an IMU is set.
+    rate_hz: nominal, None if the device does not state it; clock: the name of its own time;
+    missing: channels that it lacks; the others: settings of an arm, a force sensor or an IMU.
     """
 
     model: str
@@ -140,8 +140,8 @@ class Counter:
 class CycleCounter:
     """Counts the cycles [s] that are missing between a controller's timestamps.
 
-    Stamps that are not finite count for nothing, nor do steps back and steps beyond MAX_GAP:
-    they are damaged, or the controller was restarted. last: timestamp [s] before the first.
+    Ignores stamps that are not finite, steps back, and steps beyond MAX_GAP, at which stamps are
+    damaged or the controller was restarted. last: timestamp [s] before the first.
     """
 
     def __init__(self, cycle: float, last: float = math.nan) -> None:
@@ -190,9 +190,9 @@ def receive(connection: socket.socket, address: str, patience: float) -> tuple[f
 
 @contextmanager
 def answering(interface: str, address: str, port: int) -> Iterator[socket.socket]:
-    """Connect to a controller, and close the connection where the block that asks it fails.
+    """Connect to a controller, and close the connection if the block of the context fails.
 
-    Raises `no_controller` where the controller does not answer, or as nobody understands.
+    Raises the error of `no_controller` if the controller does not answer, or unintelligibly.
     """
     try:
         connection = socket.create_connection((address, port), ANSWER_TIMEOUT)
@@ -206,7 +206,7 @@ def answering(interface: str, address: str, port: int) -> Iterator[socket.socket
 
 
 def no_controller(interface: str, address: str, port: int, error: Exception) -> InputError:
-    """Return the error for a controller that does not answer; interface: by which it was asked."""
+    """Return the error for a controller that does not answer; interface: name of the used one."""
     return InputError(
         f"no controller answers by {interface} at {address}, port {port} ({error}); check that it "
         "is switched on and that this is its address"

@@ -13,8 +13,8 @@ from ur5lab.rtde_variables import SafetyMode
 
 MAX_LOST_SHARE = 0.001  # share of samples that may be lost
 MIN_RATE_SHARE = 0.9  # least share of a device's nominal rate
-RATE_SETTLING_TIME = 2.0  # s; after it, a rate can be judged
-MIN_TURN_FOR_FRICTION = 0.5  # rad; the friction of a joint that turns less cannot be identified
+RATE_SETTLING_TIME = 2.0  # s; rates are judged after this time
+MIN_TURN_FOR_FRICTION = 0.5  # rad; least motion that identifies a joint's friction
 
 
 def table(statuses: Mapping[str, Status]) -> Table:
@@ -40,7 +40,7 @@ def reading(latest: Mapping[str, float]) -> str:
 
 
 def warnings(statuses: Mapping[str, Status], identities: Mapping[str, Identity]) -> Iterator[str]:
-    """Yield warnings, one sentence each, which stays the same while its cause lasts."""
+    """Yield warnings, one sentence each, with the same words while the cause lasts."""
     for name, status in statuses.items():
         if status.ended:
             yield f"{name} has ended: {status.ended}; the others go on"

@@ -33,9 +33,9 @@ from ur5lib.robots.urscript import (
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.profiles import duration, trapezoid
 
-SAMPLE_PERIOD = 0.008  # s; samples of a plan are this far apart
+SAMPLE_PERIOD = 0.008  # s; of a plan
 NEGLIGIBLE_WAY = 1e-9  # rad, m; shorter moves take no time
-GOAL_TOLERANCE = 1e-3  # rad; a straight line must end within it of its commanded angles
+GOAL_TOLERANCE = 1e-3  # rad; between the end of a straight line and its commanded angles
 ACCEPTED_CALLS = (
     "write movej([six angles]), movej(p[pose]), movel(p[pose]), movel([six angles]) or sleep(t)"
 )
@@ -88,7 +88,7 @@ def read_program(path: Path) -> list[Move]:
 def planned_motion(
     moves: Sequence[Move], robot: Robot, present: Array, speed: float, wait: float
 ) -> CommandedMotion:
-    """Return the trajectory of a file's moves, from the goal of the first one on.
+    """Return the trajectory of a file's moves, beginning at the goal of the first one.
 
     present: posture (6,) [rad], which selects the solution nearest to it if the first goal is a
     pose; speed: factor of the commanded speeds, not of pauses; wait: least time [s] between the
@@ -129,13 +129,13 @@ def _not_negative(value: float) -> float:
 
 
 def _goal_angles(move: Move, robot: Robot, near: Array) -> Array:
-    """Return the angles (6,) of a goal; of a pose, the solution nearest to a posture (6,) [rad]."""
+    """Return the angles (6,) [rad] of a goal; for a pose, the solution nearest to `near` (6,)."""
     if not isinstance(move.goal, ToolPose):
         return move.goal
     rotation, position = _pose(move.goal)
     candidates = inverse_kinematics(robot, rotation[None], position[None])[0]
     candidates = candidates[np.isfinite(candidates).all(axis=1)]
-    # turned towards `near` as far as the joints' limits allow
+    # whole turns bring each joint close to `near`, within its limits
     candidates = near + (candidates - near + np.pi) % (2 * np.pi) - np.pi
     beyond = np.abs(candidates) > position_limits(robot)
     candidates -= 2 * np.pi * np.sign(candidates) * beyond
@@ -218,8 +218,8 @@ def _expect_regular(move: Move, robot: Robot, q: Array) -> None:
 
 
 def _overlap(robot: Robot, leg: Array, following: Array, blend: float) -> int:
-    """Return by how many samples two moves overlap: while frame 6 is within the blend radius [m] on
-    both, and for at most half of either.
+    """Return the number of samples by which two moves overlap: while frame 6 is within the blend
+    radius [m] on both, and at most half of either move.
     """
     ahead, behind = (link_frames(robot, part)[1][:, 6] for part in (leg[::-1], following))
     outside = [

@@ -56,7 +56,7 @@ TORQUE_UNITS = {  # Nm
     "lbfft": 4.4482216152605 * 0.3048,
     "kgfcm": 9.80665e-2,
 }
-REQUEST_ATTEMPTS = 4  # the stream is requested this often: UDP may lose a request
+REQUEST_ATTEMPTS = 4  # for the stream, since UDP may lose requests
 MAX_PAGE_BYTES = 1 << 20  # bytes
 RECEIVE_BUFFER_BYTES = (
     1 << 22

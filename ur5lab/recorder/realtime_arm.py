@@ -21,8 +21,8 @@ from ur5lib.robots.realtime_message import SOFTWARE_BY_SIZE
 
 PORT = 30003
 MESSAGE_HEAD = struct.Struct(">id")  # size and timestamp of a message
-READ_TIMEOUT = 0.1  # s; one call waits at most this long
-MIN_CYCLE = 1e-4  # s; any controller has a longer one
+READ_TIMEOUT = 0.1  # s; of one call
+MIN_CYCLE = 1e-4  # s; shorter than that of any controller
 
 
 class RealtimeArm:
@@ -86,7 +86,7 @@ class RealtimeArm:
         stream, at, stamps = self._rest + data, 0, list[float]()
         while len(stream) - at >= self._size:
             size, stamp = MESSAGE_HEAD.unpack_from(stream, at)
-            if size != self._size:  # damaged; the reader of the recording repairs it
+            if size != self._size:  # damaged; repaired when the recording is read
                 at = len(stream)
                 break
             stamps.append(stamp)

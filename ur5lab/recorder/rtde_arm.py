@@ -45,8 +45,8 @@ RECORDED_OUTPUTS = (
 )
 RATE_BY_MAJOR_VERSION = {3: 125.0}  # Hz, by the controller's software; later ones send at 500
 DEFAULT_RATE = 500.0
-HANDSHAKE_TIMEOUT = 6.0  # s; the first data package comes within it after the connection
-READ_TIMEOUT = 0.1  # s; one call waits for samples for it
+HANDSHAKE_TIMEOUT = 6.0  # s; from the connection to the first data package
+READ_TIMEOUT = 0.1  # s; for samples in one call
 
 
 class RtdeClient:
@@ -100,7 +100,7 @@ class RtdeClient:
         while len(self._buffer) - start >= PACKAGE_HEADER.size:
             size, kind = PACKAGE_HEADER.unpack_from(self._buffer, start)
             if size < PACKAGE_HEADER.size:
-                if packages:  # the next call meets it, too
+                if packages:  # the next call raises it, too
                     break
                 raise DeviceLost(f"{self._address} does not send RTDE packages")
             if len(self._buffer) - start < size:
@@ -179,9 +179,9 @@ class RtdeArm:
         )
 
     def read(self) -> NewSamples:
-        """Return the samples that arrive within 0.05 s, as `Device.read`, or the first of all."""
+        """Return the samples of 0.05 s, as `Device.read`, after at most 0.1 s for the first."""
         until, packages = time.monotonic() + GATHERING_TIME, self._client.receive(READ_TIMEOUT)
-        with contextlib.suppress(DeviceLost):  # which the next call meets, too
+        with contextlib.suppress(DeviceLost):  # the next call raises it, too
             while packages and (remaining := until - time.monotonic()) > 0:
                 packages += self._client.receive(remaining)
         self._silence.check(len(packages))

@@ -20,8 +20,8 @@ from ur5lib.tables import checksum, read_json, write_json
 
 MANIFEST = "manifest.json"
 HOST_CLOCK = "time.monotonic of the host, plus its difference to seconds since 1970 at the start"
-START_TIMEOUT = 30.0  # s; a device answers and its process starts within it
-CLOSING_TIMEOUT = 10.0  # s; all processes write their last samples in this time
+START_TIMEOUT = 30.0  # s; for a device's process to start and the device to answer
+CLOSING_TIMEOUT = 10.0  # s; for all processes to write their last samples
 POLL_INTERVAL = 0.05  # s between queries of their reports meanwhile
 
 
@@ -45,7 +45,7 @@ class Session:
         self._context = multiprocessing.get_context("spawn")
         self._stop = self._context.Event()
         self._workers: dict[str, _Worker] = {}
-        self.zero = time.time() - time.monotonic()  # of the host's clock, for all devices
+        self.zero = time.time() - time.monotonic()  # s; the same zero for all devices
 
     def __enter__(self) -> Self:
         """Start all devices. Raises InputError when one does not answer; none records then."""
@@ -108,7 +108,7 @@ class Session:
         raise InputError(answer or f"{name} does not answer; check its cable and its address")
 
     def _listen(self, name: str, worker: _Worker) -> None:
-        """Take the last report of a device; a process that died without one has ended."""
+        """Take the last report of a device; a process that died without one counts as ended."""
         try:
             while worker.connection.poll():
                 report = worker.connection.recv()
@@ -120,14 +120,14 @@ class Session:
 
 
 def left_behind(folder: Path) -> str:
-    """Return as a line what a session that was cut off, as by a power failure, left in a folder;
-    of any other folder "".
+    """Return a line on the files that an interrupted session, as by a power failure, left in a
+    folder, "" for any other folder.
     """
     manifest = folder / MANIFEST
     try:
         if not manifest.is_file() or read_json(manifest)["complete"]:
             return ""
-    except (InputError, KeyError, TypeError):  # another one's file
+    except (InputError, KeyError, TypeError):  # a file of another program
         return ""
     files = sorted(folder.glob("*.csv"))
     counts = ", ".join(f"{file.name} has {rows_in(file)} samples" for file in files)

@@ -23,8 +23,8 @@ PREAMBLE = b"\xfa\xff"  # preamble, and the bus identifier of a device that is c
 MAX_DATA_BYTES = 2048  # bytes of data in a message
 EXTENDED_LENGTH = 0xFF  # the length byte that announces two more
 ERROR_MESSAGE = 0x42  # identifier of the answer to a request that is unknown or not accepted
-READ_TIMEOUT = 0.02  # s; one call waits for bytes for it
-ACKNOWLEDGEMENT_TIMEOUT = 0.5  # s; an acknowledgement comes in this time
+READ_TIMEOUT = 0.02  # s; for bytes in one call
+ACKNOWLEDGEMENT_TIMEOUT = 0.5  # s
 REQUEST_ATTEMPTS = 4  # requests that arrive while the device starts are lost
 
 MTDATA, MTDATA2 = 0x32, 0x36  # identifiers of the messages

@@ -19,7 +19,7 @@ REQUEST_DEVICE_ID, REQUEST_PRODUCT_CODE, REQUEST_FIRMWARE = 0x00, 0x1C, 0x12
 SET_OUTPUT_CONFIGURATION = 0xC0  # identifier and rate [Hz] of each item of MTData2
 SET_PERIOD, SET_SKIP_FACTOR = 0x04, 0xD4  # the older MTi
 SET_OUTPUT_MODE, SET_OUTPUT_SETTINGS = 0xD0, 0xD2
-WITH_EACH_SAMPLE = 0xFFFF  # rate of counter and time
+WITH_EACH_SAMPLE = 0xFFFF  # rate of counter and time, sent with each sample
 PERIOD_CLOCK = 115_200  # Hz; the older MTi gives its sampling period in ticks of this clock
 
 UNITS = units_of("imu_a", "imu_g", "imu_m")

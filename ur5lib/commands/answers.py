@@ -13,7 +13,7 @@ from ur5lib.study.address import RESULTS_FOLDER
 from ur5lib.study.reading import read_study
 from ur5lib.workspace.topics import modules_of_topics
 
-MAX_PAYLOAD = 35.0  # kg; the maker's largest arm carries less
+MAX_PAYLOAD = 35.0  # kg; above the payload of the maker's largest arm
 
 
 def payload_answers(study: Path) -> Iterator[str]:
@@ -26,10 +26,10 @@ def payload_answers(study: Path) -> Iterator[str]:
 
 
 def payload_numbers(study: Path) -> list[dict[str, Any]]:
-    """Return the mass on each recording's flange [kg] by `currents` and by `sensor`, with its
-    interval from low to high and the configured mass; None where nothing determines it.
+    """Return the mass on each recording's flange [kg] by `currents` and by `sensor`, with its 95 %
+    interval from low to high and the configured mass; None if it is not determined.
 
-    Raises InputError where the study was not run.
+    Raises InputError if the study was not run.
     """
     return [
         {
@@ -55,7 +55,7 @@ def _payloads(study: Path) -> Iterator[tuple[str, pd.DataFrame, pd.DataFrame]]:
 
 
 def _whole(row: Any) -> dict[str, float]:
-    """Return the mass on the flange, the undeclared part of which is a row of a table."""
+    """Return the whole mass on the flange and its interval; row: of the undeclared part."""
     whole = {name: row.configured + getattr(row, name) for name in ("mass", "low", "high")}
     return whole | {"configured": row.configured}
 
@@ -75,7 +75,7 @@ def _carried(loads: pd.DataFrame, sensed: pd.DataFrame) -> Iterator[str]:
 def _mass(mass: float, low: float, high: float) -> str:
     """Return a mass and its 95 % interval [kg] in words.
 
-    If the interval reaches below zero, its end farther from zero bounds an undetectable load.
+    If the interval contains zero, its end farther from zero is the limit for an undetected load.
     """
     bound = max(high, -low)
     if bound > MAX_PAYLOAD:

@@ -1,4 +1,4 @@
-"""A study's recordings looked through, without the workflow."""
+"""The check of a study's recordings without the workflow."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -44,13 +44,13 @@ from ur5lib.timeseries.segments import in_chunks
 from ur5lib.workspace.extensions import take_up_all
 
 ERROR_SEVERITIES = ("stop", "error")
-MAX_NAMED = 3  # a finding names this many recordings
-MAX_PROPOSED_NAMES = 20  # an error proposes this many names of recordings
+MAX_NAMED = 3  # recordings in a finding
+MAX_PROPOSED_NAMES = 20  # recordings that an error proposes
 SEVERITY_STYLES = {"stop": "bold red", "error": "bold red", "warning": "yellow", "note": ""}
 
 
 class Form(NamedTuple):
-    """How findings are printed: with all that could not be checked or is not used, or as JSON."""
+    """The form of printed findings: with all unchecked and unused parts in full, or as JSON."""
 
     everything: bool = False
     as_json: bool = False
@@ -64,9 +64,8 @@ def print_findings(
 ) -> int:
     """Print the findings of a study's recordings, or those of some recordings in detail.
 
-    contract: that they are checked against. Returns how many are stop signs or errors. Raises
-    InputError when the study itself is wrong or lacks a recording that is named, or where an
-    extension cannot be used.
+    contract: to check them against. Returns the number of stop signs and errors. Raises InputError
+    if the study is wrong or lacks a named recording, or if an extension cannot be used.
     """
     take_up_all()
     study = read_study(path)
@@ -84,10 +83,10 @@ def print_findings_of(
     form: Form = FOLDED,
     contract: Contract | None = None,
 ) -> int:
-    """Print the findings of recordings; returns how many are stop signs or errors.
+    """Print the findings of recordings; return the number of stop signs and errors.
 
-    named: recordings with findings printed in detail; none: all, by finding; contract: that they
-    are checked against.
+    named: recordings with findings printed in detail; empty: all recordings, by finding; contract:
+    to check them against.
     """
     console = text_console(stderr=form.as_json)  # the JSON is on stdout
     lacking = [f"contract: {one}" for one in contract.lacking(study)] if contract else []
@@ -110,7 +109,7 @@ def print_findings_of(
     if not there:
         return len(lacking)
     names = [recording.name for recording in there]
-    # without its recordings, which would go to each process with each of them
+    # without its recordings, or each process would get all of them with every task
     alone = study.model_copy(update={"recordings": []})
     with side_by_side(partial(_held_against, contract, study=alone), there) as looked:
         results = dict(zip(announced(names), looked, strict=True))
@@ -123,7 +122,7 @@ def print_findings_of(
 
 
 def refused_arms(study: Study) -> list[str]:
-    """Return why `ur5 run` will fit nothing to arms, by their descriptions, a sentence each."""
+    """Return for each arm with a description that prevents a fit by `ur5 run` the reason."""
     fitted = [recording for recording in study.recordings if recording.role == "fit"]
     accepted = {one.arm.known_as for one in fitted if "side" in one.accepted()}
     arms = {one.arm.known_as: one.arm for one in fitted if one.arm.known_as not in accepted}
@@ -133,7 +132,7 @@ def refused_arms(study: Study) -> list[str]:
 def _held_against(
     contract: Contract | None, recording: Recording, study: Study
 ) -> tuple[Quality, dict[str, OwnClock]]:
-    """Return what `look_through` does, with what breaks a contract."""
+    """Return the result of `look_through`, with violations of a contract as errors."""
     quality, clocks = look_through(recording, study)
     return contract.held_against(recording, quality) if contract else quality, clocks
 
@@ -146,12 +145,10 @@ def print_tables(
     roles: Mapping[str, str] | None = None,
     form: Form = FOLDED,
 ) -> int:
-    """Print the quality and the clocks of recordings; returns the number of errors, of which some
-    stop a study.
+    """Print the quality and the clocks of recordings; return the number of stop signs and errors.
 
-    named: recordings of which all findings and clocks are printed; if empty, each finding is
-    printed once, with the least certain clock of each device; roles: by recording; form: of the
-    tables.
+    named: recordings to print with all findings and clocks; if empty, each finding is printed once,
+    with the least certain clock of each device; roles: by recording; form: of the tables.
     """
     findings = {
         name: map(files.quality_row, files.findings(own)) for name, own in qualities.items()
@@ -190,7 +187,7 @@ def is_there(recording: Recording) -> bool:
 
 
 def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str, OwnClock]]:
-    """Return a recording's quality and own clocks; of an unusable one, only the error."""
+    """Return a recording's quality and own clocks; for an unusable one, only the error."""
     arm = recording.arm.description().mounted(recording.known_gravity())
     if recording.at_rest:
         return look_through_postures(recording, arm), {}
@@ -206,7 +203,7 @@ def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str,
     cutoff = cutoffs["currents"]
     checked = Checked(intake.robot, arm, load.configured, load.payload, fitted, cutoff)
     doubts = disagreements(declared, tool.tcp if tool else None, signals)
-    if not fitted:  # in a run, `slower_than_fit` knows whether that matters
+    if not fitted:  # in a run, `slower_than_fit` decides whether it matters
         doubts += slow_samples(signals.actual_q, signals.segment, checked.step, cutoff)
     if recording.untouched is not None:
         doubts += tare_doubts(recording.untouched, signals, arm, cutoff)
@@ -245,7 +242,7 @@ def _clocks_of(intake: Intake, arm: Robot) -> dict[str, OwnClock]:
     if not intake.sensors:
         return {}
     robot = Signals.from_table(intake.robot)
-    # without torch, which takes two seconds to load
+    # not with torch, which takes two seconds to load
     rotation = in_chunks(lambda q: link_frames(arm, q)[0][:, -1], robot.actual_q)
     jacobian = in_chunks(lambda q: geometric_jacobian(arm, q), robot.actual_q)
     return own_clocks(intake.quality.starts, intake.sensors, robot, rotation, jacobian)
@@ -277,7 +274,7 @@ def _print_by_finding(
 ) -> None:
     """Print each finding once: the recordings that it concerns, and what it means.
 
-    everything: what could not be checked or is not used, too; otherwise in one line each.
+    everything: list unchecked and unused parts in full; otherwise in one line each.
     """
     is_unused = (quality["finding"] == files.UNUSED) & ~everything
     found = by_finding(quality[~is_unused], None if everything else MAX_NAMED_PLACES)
@@ -300,7 +297,7 @@ def _print_by_finding(
 
 
 def _not_checked(found: pd.DataFrame, names: list[str]) -> str:
-    """Return what could not be checked as one sentence, with the riskiest in full."""
+    """Return one sentence on unchecked parts, with the riskiest one in full."""
     rows = found.sort_values("finding", key=lambda f: f.map(UNCHECKED.index), kind="stable")
     kinds = [*dict.fromkeys(rows["finding"].str.replace(" not checked", ""))]
     riskiest = rows.iloc[0]
@@ -312,7 +309,7 @@ def _not_checked(found: pd.DataFrame, names: list[str]) -> str:
 
 
 def _not_used(unused: pd.DataFrame, names: list[str]) -> str:
-    """Return which columns are not used as one sentence, with the riskiest: of an unknown name."""
+    """Return one sentence on unused columns, with the riskiest ones, those of unknown names."""
     places = zip(unused["place"], unused["detail"], strict=True)
     reasons = pd.Series([d.removeprefix(f"{place}: ") for place, d in places], unused.index)
     reason = UNKNOWN_NAME if (reasons == UNKNOWN_NAME).any() else reasons.iloc[0]
@@ -325,7 +322,7 @@ def _not_used(unused: pd.DataFrame, names: list[str]) -> str:
 
 
 def concerned(some: Sequence[str], names: Sequence[str]) -> str:
-    """Return which recordings a finding concerns: their number, and names where they are few."""
+    """Return in words the recordings that a finding concerns: their number, and a few names."""
     if len(some) == 1:
         return some[0]
     if len(some) == len(names):

@@ -1,4 +1,4 @@
-"""`ur5 export --format sensor`: bias and tool of a force sensor, and how to take them off."""
+"""`ur5 export --format sensor`: bias and tool of a force sensor, and how to subtract them."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -33,8 +33,8 @@ FORMULA = (  # docs/exports.md has its symbols
 def compensation(study: FinishedStudy | None, robot: str, only: str) -> str:
     """Return bias and tool of an arm's force sensor by recording, as JSON with the formula.
 
-    only: a recording, empty for all of the arm. Raises InputError without a study, and where no
-    recording has a force sensor.
+    only: a recording, "" for all of the arm. Raises InputError without a study, and if no recording
+    has a force sensor.
     """
     if study is None:
         raise InputError("--format sensor is what a study fitted; name its folder by --results")
@@ -55,7 +55,7 @@ def compensation(study: FinishedStudy | None, robot: str, only: str) -> str:
 
 
 def _recording(study: FinishedStudy, arm: Robot, entry: Recording) -> dict[str, Any] | None:
-    """Return what a recording shows of its sensor, and when it did; None without a sensor."""
+    """Return a recording's start and its results on the sensor; None without a sensor."""
     quality, sensor = study.quality(entry.name), study.beside_sensor(entry.name)
     if sensor.offset is None:
         return None
@@ -76,7 +76,7 @@ def _recording(study: FinishedStudy, arm: Robot, entry: Recording) -> dict[str, 
 
 
 def offset_of(offset: OffsetAccount) -> dict[str, Any]:
-    """Return what was subtracted from a reading, each fitted value with its 95 % interval."""
+    """Return the values subtracted from a reading, fitted ones with their 95 % interval."""
     inertia = offset.inertia and [*offset.inertia]
     return {
         "free_share": offset.free,
@@ -91,9 +91,9 @@ def offset_of(offset: OffsetAccount) -> dict[str, Any]:
 
 
 def spread(recordings: Sequence[dict[str, Any]]) -> dict[str, Any] | None:
-    """Return how far the values of recordings lie apart, of those with a mass.
+    """Return the spread of mass, bias and centre of mass over the recordings with a mass.
 
-    recordings: as of `compensation`. None with fewer than two.
+    recordings: as in `compensation`. None with fewer than two.
     """
     weighed = [recording for recording in recordings if recording["mass"]]
     if len(weighed) < 2:
@@ -110,7 +110,7 @@ def spread(recordings: Sequence[dict[str, Any]]) -> dict[str, Any] | None:
 
 
 def _apart(intervals: Iterable[Interval | None]) -> dict[str, float] | None:
-    """Return the lowest and highest of some values, and their standard deviation."""
+    """Return lowest and highest value, and standard deviation; None with fewer than two values."""
     values = [one["value"] for one in intervals if one]
     if len(values) < 2:
         return None
@@ -119,7 +119,7 @@ def _apart(intervals: Iterable[Interval | None]) -> dict[str, float] | None:
 
 
 def _start(quality: Quality, entry: Recording) -> str | None:
-    """Return when a recording began, else its date; None where there is neither."""
+    """Return the start of a recording in ISO 8601, else its date, else None."""
     if quality.start_epoch_s is None:
         return None if entry.date is None else str(entry.date)
     return datetime.fromtimestamp(quality.start_epoch_s, UTC).isoformat(timespec="seconds")
@@ -137,7 +137,7 @@ def _is_doubt(one: Finding) -> bool:
 
 
 def _reading(quality: Quality) -> str:
-    """Return the channel that was read: of a sensor in the arm's wrist, else `ft`."""
+    """Return the sensor's channel: that of a sensor in the arm's wrist, else `ft`."""
     own = (name for f in quality.findings if f.finding == "wrist sensor" for name in f.channels)
     return next(own, "ft")
 
@@ -145,7 +145,8 @@ def _reading(quality: Quality) -> str:
 def _center(offset: OffsetAccount) -> tuple[Array, Array]:
     """Return the tool's centre of mass (3,) [m] and its error, NaN without a certain mass.
 
-    c = h / m. Their errors are independent: forces show the mass, moments the first moment h.
+    c = h / m. The errors of m, from forces, and of the first moment h, from moments, are
+    independent.
     """
     if not abs(offset.mass) > NORMAL95 * offset.mass_std:
         return np.full(3, np.nan), np.full(3, np.nan)

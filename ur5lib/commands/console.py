@@ -1,4 +1,4 @@
-"""What commands print while they work: text from outside, and the file that is being read."""
+"""Output of commands at work: text from outside, and the file that is being read."""
 
 import sys
 from collections.abc import Iterator, Sequence
@@ -18,8 +18,8 @@ def text_console(**settings: Any) -> Console:
 
 
 def announced(items: Sequence[Item]) -> Iterator[Item]:
-    """Yield files, or names of recordings, and print each on stderr before; on a terminal, a bar
-    has its name.
+    """Yield files, or names of recordings; print each on stderr first, or show it in a progress bar
+    on a terminal.
     """
     if sys.stderr.isatty():
         yield from _beside_a_bar(items)

@@ -1,4 +1,4 @@
-"""What a lab wants of every recording, as a file: written from good ones, compared with others."""
+"""A lab's requirements on every recording in a file, written from good ones, to check others."""
 
 import json
 import math
@@ -23,9 +23,9 @@ from ur5lib.study.model import Recording, Study
 from ur5lib.study.reading import read_plain
 from ur5lib.tables import write_text
 
-MARGIN = 0.1  # another recording may be shorter or slower than a good one by this share
-FEW_MISSING = 0.01  # share of missing values that no contract forbids by itself
-BROKEN = "contract"  # the finding that a recording is not as a contract wants it
+MARGIN = 0.1  # other recordings may be shorter or slower than the good ones by this share
+FEW_MISSING = 0.01  # share of missing values that a written contract always allows
+BROKEN = "contract"  # the finding that a recording violates a contract
 Role = Literal["fit", "validate", "contact"]
 
 
@@ -61,9 +61,9 @@ class Contract(Strict):
     devices: dict[Device, Stream] = Field(description="what is wanted of each device")
 
     def held_against(self, recording: Recording, quality: Quality) -> Quality:
-        """Return the quality of a recording with what breaks the contract as errors.
+        """Return the quality of a recording with violations of the contract as errors.
 
-        Postures at rest have neither length nor rate; a recording that cannot be read stays so.
+        Postures at rest have neither length nor rate; an unreadable recording keeps its quality.
         """
         if recording.at_rest or any(one.finding == "unusable" for one in quality.findings):
             return quality
@@ -71,7 +71,7 @@ class Contract(Strict):
         return replace(quality, findings=[*broken, *quality.findings])
 
     def lacking(self, study: Study) -> Iterator[str]:
-        """Yield a sentence for each role of which a study has too few recordings."""
+        """Yield a sentence for each role with too few recordings in a study."""
         counts = Counter(one.role for one in study.recordings)
         for role, least in self.recordings.items():
             if counts[role] < least:
@@ -93,9 +93,9 @@ class Contract(Strict):
 
 
 def recorded(recording: Recording) -> dict[Device, Recorded]:
-    """Return what the devices of a recording recorded, before any repair.
+    """Return by device the properties of its recorded samples, before any repair.
 
-    Raises InputError where it cannot be read.
+    Raises InputError if the recording cannot be read.
     """
     raw = read_recording(recording)
     tables = {"robot": raw.robot.table} | {d: one.table for d, one in raw.sensors.items()}
@@ -148,9 +148,9 @@ def read_contract(path: Path) -> Contract:
 
 
 def write_contract(study: Study, named: Sequence[str], path: Path) -> None:
-    """Write what recordings of a study have in common as a contract, with a margin.
+    """Write the common properties of a study's good recordings as a contract, with MARGIN.
 
-    named: those that are good, none for all. Raises InputError where the file exists.
+    named: the good ones, empty for all. Raises InputError if the file exists.
     """
     if path.exists():
         raise InputError(

@@ -32,9 +32,8 @@ COLUMN_INDEX = re.compile(r"_[0-9]+$|_[Fnft][xyz]$|(?<=imu_[agm])[xyz]$")
 class RecordingTables:
     """A recording's tables by name.
 
-    study: that it is of; start: time zero in seconds since 1970, None where unknown; tables: those
-    that are not empty, with the common index `time` [s], and the columns' units in
-    `attrs["units"]`.
+    study: its study; start: time zero in seconds since 1970, None if unknown; tables: only those
+    with rows, with the common index `time` [s], and the columns' units in `attrs["units"]`.
     """
 
     study: FinishedStudy
@@ -50,9 +49,10 @@ def channels(columns: list[str]) -> dict[str, list[str]]:
 
 
 def with_smallest_push(study: FinishedStudy, name: str, forces: pd.DataFrame) -> pd.DataFrame:
-    """Return a recording's forces with the push [N] along x, y and z that would have been found at
-    each sample by the speed of the flange, and its standard error, which is NaN beyond the largest
-    trial; both are NaN where it is not determined.
+    """Return a recording's forces with the smallest push [N] along x, y and z that would be found,
+    and its standard error, by the flange's speed at each sample.
+
+    The standard error is NaN beyond the largest trial; both are NaN if not determined.
     """
     table, robot = study.table("pushes"), study.recording(name).arm.known_as
     linear = study.record(Kinematics, name).jacobian[:, :3]
@@ -113,12 +113,12 @@ def _structure(table: pd.DataFrame) -> dict[str, np.ndarray | dict[str, str]]:
 
 
 def write_mcap(contents: RecordingTables, path: Path) -> None:
-    """Write a topic for each table, e.g. /forces, and a JSON message for each sample and table; and
-    what Foxglove's 3D panel draws.
+    """Write a topic for each table, e.g. /forces, with a JSON message for each sample, and topics
+    for Foxglove's 3D panel.
 
-    A message of a table has a number for each column, without unknown values. The topic's JSON
-    schema has the units. Time stamps count from 1970, or from the recording's start if its date is
-    unknown. Raises InputError where the file cannot be written.
+    A message of a table has a number for each column with a known value. The topic's JSON schema
+    has the units. Time stamps count from 1970, or from the recording's start if its date is
+    unknown. Raises InputError if the file cannot be written.
     """
 
     def write(aside: Path) -> None:
@@ -138,7 +138,7 @@ def _write_messages(writer: Writer, contents: RecordingTables) -> None:
     streams = [_stream(name, table) for name, table in contents.tables.items()]
     streams += drawn(contents.study, contents.name, contents.tables, stamps)
     topics = [_add_topic(writer, stream) for stream in streams]
-    # the streams have a message a sample, or no end
+    # streams have one message for each sample, or are infinite
     rows = zip(stamps, *(stream.messages for stream in streams), strict=False)
     for number, (stamp, *messages) in enumerate(rows):
         for topic, message in zip(topics, messages, strict=True):
@@ -167,7 +167,7 @@ def _messages(table: pd.DataFrame) -> Iterator[bytes]:
         yield json.dumps({name: x for name, x in values if math.isfinite(x)}).encode()
 
 
-# Ending of a path, and what writes it.
+# By ending of a path: kind of its files, and the function that writes them.
 WRITERS: dict[str, tuple[str, Callable[[RecordingTables, Path], None]]] = {
     "mat": (".mat", write_mat),
     "csv": ("", write_csv_folder),
@@ -180,9 +180,9 @@ def write_recordings(
 ) -> Iterator[Path]:
     """Write recordings of a study, and yield the path of each: <into>/<recording>.<to>.
 
-    results: results/<study>; names: of its recordings, none for all; to: a key of `WRITERS`; into:
-    the folder, by default `exported` among the results. CSV is a folder itself. Raises InputError
-    for missing results and files that cannot be written.
+    results: results/<study>; names: of its recordings, empty for all; to: a key of `WRITERS`; into:
+    the folder, by default `exported` in the results. CSV files get a folder for each recording.
+    Raises InputError for missing results and files that cannot be written.
     """
     if to not in WRITERS:
         raise unknown("format", to, WRITERS)

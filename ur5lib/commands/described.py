@@ -12,10 +12,10 @@ from ur5lib.tables import write_text
 def describe_urdf(
     file: Path, base: str | None, tip: str | None, name: str | None, physical: bool = False
 ) -> list[str]:
-    """Write an arm's description to `robots/`; return in sentences what it says and assumes.
+    """Write an arm's description to `robots/`; return sentences about its content and assumptions.
 
-    name: of the arm, that of the URDF where it is None; others: see `robot_from_urdf`. Raises
-    InputError where the name is taken, and as `robot_from_urdf`.
+    name: of the arm, None for that of the URDF; others: see `robot_from_urdf`. Raises InputError if
+    the name is taken, and as `robot_from_urdf`.
     """
     robot, remarks = robot_from_urdf(file, base, tip, physical)
     name = name or robot.name

@@ -39,7 +39,7 @@ WRITERS: dict[str, Callable[[Robot, str, JointFriction | None, TcpPose | None], 
     "sdf": lambda arm, model, friction, _: sdf(arm, written_bodies(arm, model), friction),
     "isaac": lambda arm, model, friction, _: isaac(arm, model, friction),
 }
-ROS_NAMES = [f"{joint}_joint" for joint in JOINTS]  # a UR's joints have these, base to wrist
+ROS_NAMES = [f"{joint}_joint" for joint in JOINTS]  # of a UR's joints, base to wrist
 OF_TOPICS = {
     name: write
     for topic in modules_of_topics("exports").values()
@@ -47,7 +47,7 @@ OF_TOPICS = {
 }
 FORMATS = (*WRITERS, "json", "sensor", *OF_TOPICS)
 FITTED = ("constants", "currents")  # questions of verdicts.csv about what is fitted to an arm
-MIN_MOVING_SAMPLES = 100  # from this many samples on, a joint's friction is determined
+MIN_MOVING_SAMPLES = 100  # least number that determines a joint's friction
 UNIT_NOTE = "SI: m, kg, s, rad, N, Nm, A; joints from 1; low and high: the 95 % interval"
 BANDS = "band_moving", "band_reversing", "band_standing", "band_unknown"
 FITTED_FIELDS = ("terms", "distances", "held", *BANDS, "contradicted")
@@ -62,13 +62,13 @@ def exported(
     ros_names: bool = False,
     accept: str = "",
 ) -> str:
-    """Return an arm with one of its link models, by default the chosen or the identified one, what
-    its force sensor reads without contact, or what a topic exports.
+    """Return the text of an arm in a format: one of its link models, by default the chosen or the
+    identified one, bias and tool of its force sensor, or an export of a topic.
 
-    results: of a study that identified it; as_in: recording of the study that gives the arm payload
-    and mounting, empty for none; ros_names: whether joints of a UR are called as ROS does; accept:
-    reason for which what the verdicts say not to use is exported, and which the file states. Raises
-    InputError for unknown names, missing results, and such verdicts without a reason.
+    results: of a study that identified the arm; as_in: recording with the payload and mounting to
+    use, "" for none; ros_names: whether a UR's joints get their names in ROS; accept: reason to
+    export values that the verdicts say not to use, which is written to the file. Raises InputError
+    for unknown names, missing results, and such verdicts without a reason.
     """
     if to not in FORMATS:
         raise unknown("format", to, FORMATS)
@@ -120,7 +120,7 @@ def _link_model(arm: Robot, robot: str, model: str | None, study: FinishedStudy 
 def _overruled(
     study: FinishedStudy | None, robot: str, questions: Sequence[str], accept: str
 ) -> Overruled:
-    """Return what a reason overrules; of an arm as described, nothing."""
+    """Return the overruled verdicts, none for an arm as described."""
     return Overruled() if study is None else overruled(study, robot, questions, accept)
 
 
@@ -131,7 +131,7 @@ def tool_centre_point(study: FinishedStudy | None, recording: str) -> TcpPose | 
 
 
 def called_by_ros(name: re.Match[str]) -> str:
-    """Return what ROS calls the joint of a match, which has its number as group."""
+    """Return a joint's name in ROS; name: a match with the joint's number as group 1."""
     return ROS_NAMES[int(name[1]) - 1]
 
 
@@ -143,8 +143,8 @@ def described(robot: str) -> Robot:
 
 
 def simulator_friction(robot: str, model: str, study: FinishedStudy) -> JointFriction | None:
-    """Return the Coulomb and viscous friction that is closest to the identified friction, which has
-    more terms, on the recordings of its fit; None without a fit.
+    """Return the Coulomb and viscous friction closest to the identified friction, which has more
+    terms, over the fitted recordings; None without a fit.
     """
     friction = study.parameters(Friction, robot, "friction")
     if not friction.from_:
@@ -172,10 +172,10 @@ def motor_torque(fit: CurrentFit, current: Array) -> Array:
 
 
 def _coulomb_and_viscous(qd: Array, torque: Array) -> Array:
-    """Return Coulomb and viscous friction [Nm, Nm s/rad] by non-negative least squares, and the
-    share of the mean square that they have, (3,).
+    """Return a joint's Coulomb and viscous friction [Nm, Nm s/rad] by non-negative least squares,
+    and the share of the torque's mean square that they explain, (3,).
 
-    NaN for a joint with too few samples in motion.
+    NaN for a joint with too few samples in motion. qd [rad/s], torque [Nm]: (N,).
     """
     moving = (np.abs(qd) > DEAD_ZONE) & np.isfinite(torque)
     if np.count_nonzero(moving) < MIN_MOVING_SAMPLES:
@@ -235,13 +235,13 @@ def identified_parameters(
 
 
 def _sum_of(row: BaseParameter) -> dict[str, float]:
-    """Return the coefficients of the links' parameters that are grouped in a base parameter."""
+    """Return the coefficients of the links' parameters in a base parameter, by their names."""
     names = parameter_names(len(row.weights))
     return {names[i]: float(row.weights[i]) for i in np.flatnonzero(row.weights)}
 
 
 def _shown(row: BaseParameter | Parameter, hidden: str) -> dict[str, str | float | bool]:
-    """Return the fields of a record but one."""
+    """Return the fields of a record except `hidden`."""
     return {name: value for name, value in vars(row).items() if name != hidden}
 
 

@@ -1,4 +1,4 @@
-"""What Foxglove's 3D panel draws of a recording: its arm, how the joints move it, and forces."""
+"""A recording for Foxglove's 3D panel: its arm, the joints' motion, and forces."""
 
 import json
 import math
@@ -19,7 +19,7 @@ from ur5lib.timeseries.arrays import Array
 
 BASE = "frame_0"  # frame of the URDF in which forces are given
 METRES_PER_NEWTON = 0.005  # length of an arrow
-# An arrow's shaft has this share of its length; the diameters are in m.
+# Share of the shaft in an arrow's length; diameters of shaft and head [m].
 SHAFT_SHARE, SHAFT_DIAMETER, HEAD_DIAMETER = 0.8, 0.015, 0.035
 # Topic: table, columns' prefix, colour.
 ARROWS: dict[str, tuple[str, str, tuple[float, float, float]]] = {
@@ -123,7 +123,7 @@ def from_x_axis(direction: Array) -> Array:
     """Return quaternions x, y, z, w (N, 4) that turn the x-axis into unit vectors (N, 3)."""
     x, y, z = direction.T
     half = np.stack([0 * x, -z, y, 1 + x], axis=1)
-    half[np.isclose(x, -1)] = 0, 0, 1, 0  # half a turn, about any axis across
+    half[np.isclose(x, -1)] = 0, 0, 1, 0  # half a turn about z, as any axis across x
     return np.asarray(half / np.linalg.norm(half, axis=1, keepdims=True))
 
 
@@ -135,7 +135,7 @@ def _json(message: Mapping[str, Any]) -> bytes:
     return json.dumps(message).encode()
 
 
-# The parts of Foxglove's schemas that are written, as JSON Schema
+# The used parts of Foxglove's schemas, as JSON Schema
 
 
 def _object(**properties: Any) -> dict[str, Any]:

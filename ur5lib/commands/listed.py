@@ -1,4 +1,4 @@
-"""What there is in the working folder: `ur5 list`, and the answer to a command without a study."""
+"""The studies of the working folder: `ur5 list`, and the answer to a command without a study."""
 
 import time
 from collections.abc import Iterator
@@ -18,7 +18,7 @@ def studies_here() -> Iterator[str]:
 
 
 def written(report: Path) -> str | None:
-    """Return when a report was written; None where there is none."""
+    """Return the time at which a report was written; None without a report."""
     if not report.is_file():
         return None
     return time.strftime("%Y-%m-%d %H:%M", time.localtime(report.stat().st_mtime))

@@ -1,4 +1,4 @@
-"""Verdicts against an export, and the reason that overrules them, which the file carries."""
+"""Verdicts against an export, and the reason that overrules them, which is put in the file."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -15,20 +15,20 @@ FORBIDDEN = "do not use"
 
 @dataclass(frozen=True)
 class Overruled:
-    """Verdicts that were overruled, in sentences, and the reason that was given; none by default.
+    """Overruled verdicts, in sentences, and the given reason.
 
-    verdicts: empty where nothing is against the export.
+    verdicts: empty if none is against the export.
     """
 
     reason: str = ""
     verdicts: tuple[str, ...] = ()
 
     def in_json(self) -> dict[str, Any]:
-        """Return the field of a JSON file, without one where nothing was overruled."""
+        """Return the field for a JSON file, {} if nothing was overruled."""
         return {"accepted": asdict(self)} if self.verdicts else {}
 
     def as_comment(self, in_xml: bool) -> str:
-        """Return the first line of an XML or a YAML file, empty where nothing was overruled."""
+        """Return the first line of an XML or a YAML file, "" if nothing was overruled."""
         if not self.verdicts:
             return ""
         note = f"The study says: {' '.join(self.verdicts)} Exported nevertheless: {self.reason}"
@@ -37,10 +37,10 @@ class Overruled:
 
 
 def overruled(study: FinishedStudy, robot: str, questions: Sequence[str], reason: str) -> Overruled:
-    """Return what a reason overrules of the verdicts on what is exported of an arm.
+    """Return the verdicts against an export of an arm, overruled by a reason.
 
-    questions: of verdicts.csv; reason: empty for none. Raises InputError where a verdict says not
-    to use it, or the results have no verdicts, and no reason is given.
+    questions: those of verdicts.csv that concern the export; reason: "" for none. Raises InputError
+    if no reason is given, and a verdict says not to use it or the results have no verdicts.
     """
     stated, states = " ".join(printable(reason).split()), card_states(study.folder)
     if states is None:
@@ -57,7 +57,7 @@ def overruled(study: FinishedStudy, robot: str, questions: Sequence[str], reason
 
 
 def _against(states: Sequence[CardState], robot: str, questions: Sequence[str]) -> Iterator[str]:
-    """Yield the verdicts that say not to use it: of the arm, else of all arms together."""
+    """Yield the verdicts that say "do not use", those on the arm, else those on all arms."""
     for question in questions:
         own = [one for one in states if one.question == question and one.arm in ("", robot)]
         if own and (decides := max(own, key=lambda one: bool(one.arm))).state == FORBIDDEN:

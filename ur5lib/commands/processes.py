@@ -14,15 +14,15 @@ from ur5lib.workspace.extensions import take_up_all
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
 
-MAX_PROCESSES = 4  # each has a recording in memory
-MIN_ITEMS = 4  # each process has this many items, since it takes a while to start
+MAX_PROCESSES = 4  # limits memory, since each process loads a recording
+MIN_ITEMS = 4  # for each process, since its start takes a while
 
 
 @contextmanager
 def side_by_side(
     function: Callable[[Item], Answer], items: Sequence[Item]
 ) -> Iterator[Iterable[Answer]]:
-    """Yield a function's answers to items, in their order; many are worked on in processes.
+    """Yield a function's results for items, in their order; many items are split among processes.
 
     Raises InputError where a process ends early.
     """
@@ -43,5 +43,5 @@ def side_by_side(
 
 
 def _start() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is answered by the process that waits
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent process handles Ctrl-C
     take_up_all()

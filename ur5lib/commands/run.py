@@ -1,4 +1,4 @@
-"""`ur5 run`: Snakemake builds a study; of what it prints, the progress and what went wrong."""
+"""`ur5 run`: Snakemake builds a study; prints the progress and what went wrong."""
 
 import re
 import subprocess
@@ -25,23 +25,23 @@ from ur5lib.workspace.places import SNAKEFILE, WORKFLOW
 
 PROGRESS = re.compile(r"(\d+) of (\d+) steps \(\d+%\) done")
 STEPS_TO_RUN = re.compile(r"^total +(\d+)$", re.MULTILINE)
-# Lines that Snakemake prints of every run.
+# Lines that Snakemake prints in every run.
 USUAL = re.compile(
     r"$|\[|Using |Assuming |Building DAG|Provided |Rules claiming|Select jobs|Execute \d"
     r"|WorkflowError in file|the study has errors$|  File \".*\", line \d+, in <module>"
     r"|Job stats|job +count|-+ +-+|\w+ +\d+$|Finished jobid|Complete log|Elapsed time|report: "
 )
 SECONDS_BETWEEN_LINES = 60.0
-Report = Callable[[int, int], None]  # it takes the number of steps done, and of all
+Report = Callable[[int, int], None]  # takes the numbers of finished and of all steps
 
 
 def build(
     study: Path, results: Path, options: Sequence[str], verbose: bool, quiet: bool = False
 ) -> Path | None:
-    """Build a study and return its report; print progress, and lines that are not usual, on stderr.
+    """Build a study and return its report; print progress and unusual lines on stderr.
 
-    options: of Snakemake; verbose: print all of its lines; quiet: no progress. Of a dry run, all
-    lines are printed, and no report is returned. Raises InputError where it fails.
+    options: of Snakemake; verbose: print all of its lines; quiet: no progress. A dry run prints all
+    lines and returns None. Raises InputError if the run fails.
     """
     read_study(study)
     dry = _is_dry(options)
@@ -55,16 +55,17 @@ def build(
 
 
 def _is_dry(options: Sequence[str]) -> bool:
-    """Return whether Snakemake's options ask for a run that makes nothing."""
+    """Return whether Snakemake's options ask for a dry run."""
     return any(re.fullmatch(r"--dry-?run|-[a-zA-Z]*n", option) for option in options)
 
 
 @dataclass(frozen=True)
 class State:
-    """The state of a study's results: who makes them, what is missing.
+    """The state of a study's results.
 
-    report: its file, None while there is none; unreadable: reasons by recording; steps_to_run: that
-    a run would take, None while another makes them; verdicts: states of cards, None without any.
+    report: its file, None without one; unreadable: reasons by recording; steps_to_run: number of
+    steps in a new run, None while another run is active; verdicts: states of cards, None without
+    any.
     """
 
     study: str
@@ -76,7 +77,7 @@ class State:
     verdicts: "list[CardState] | None"
 
     def lines(self) -> Iterator[str]:
-        """Yield it line by line."""
+        """Yield the state line by line."""
         from ur5lib.commands.verdicts import lines
 
         if self.being_made_by:
@@ -96,7 +97,7 @@ class State:
 
 
 def state(study: Path, results: Path) -> State:
-    """Return the state of a study's results. Raises InputError where it has mistakes."""
+    """Return the state of a study's results. Raises InputError if the study has mistakes."""
     from ur5lib.commands.verdicts import card_states  # slow to import
 
     read_study(study)
@@ -113,7 +114,7 @@ def state(study: Path, results: Path) -> State:
 
 
 def _steps_to_run(study: Path) -> int:
-    """Return how many steps a run would take. Raises InputError where the study has mistakes."""
+    """Return the number of steps in a new run. Raises InputError if the study has mistakes."""
     dry = subprocess.run(
         _command(study, ["--dry-run", "--quiet", "host"]),
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
@@ -131,13 +132,13 @@ def _command(study: Path, options: Sequence[str]) -> list[str]:
     place = [] if here else ["--snakefile", str(SNAKEFILE)]
     if not here and not any(option.startswith("--workflow-profile") for option in options):
         place += ["--workflow-profile", str(WORKFLOW / "profiles" / "default")]
-    # -P: modules of the working folder hide none of Snakemake's
+    # -P: modules in the working folder must not replace Snakemake's
     program = [sys.executable, "-P", "-m", "snakemake"]
     return [*program, *place, "--configfile", str(study), *options]
 
 
 def _watch(command: Sequence[str], report: Report, verbose: bool) -> int:
-    """Run a command, print its lines that are not usual, and return its exit status."""
+    """Run a command, print its unusual lines, and return its exit status."""
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace"
     ) as process:
@@ -149,14 +150,14 @@ def _watch(command: Sequence[str], report: Report, verbose: bool) -> int:
                 if verbose or not (steps or USUAL.match(line)):
                     print(printable(line), end="", file=sys.stderr, flush=True)
         except KeyboardInterrupt:
-            process.communicate()  # Ctrl-C has reached it, too; it removes what is not complete
+            process.communicate()  # Ctrl-C has reached it, too; it removes incomplete files
             raise
     return process.returncode
 
 
 @contextmanager
 def _progress() -> Iterator[Report]:
-    """Yield what shows the steps that are done: a bar on a terminal, a line a minute in a file."""
+    """Yield a `Report` that shows progress: a bar on a terminal, a line a minute in a file."""
     if not sys.stderr.isatty():
         yield _a_line_a_minute()
         return
@@ -170,7 +171,7 @@ def _untold(done: int, total: int) -> None:
 
 
 def _a_line_a_minute() -> Report:
-    """Return what prints the steps that are done, at most once a minute."""
+    """Return a `Report` that prints the number of finished steps at most once a minute."""
     printed = time.monotonic()
 
     def report(done: int, total: int) -> None:

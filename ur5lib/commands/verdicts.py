@@ -13,7 +13,7 @@ from ur5lib.records.verdicts import reason_in_words
 
 @dataclass(frozen=True)
 class CardState:
-    """The state of a card: its question and arm, empty of all arms; reason: a code and in words."""
+    """The state of a card: its question and arm, "" for all arms; reason: code; why: in words."""
 
     question: str
     arm: str
@@ -22,13 +22,13 @@ class CardState:
     why: str
 
     def line(self, with_arm: bool = False) -> str:
-        """Return it as a line."""
+        """Return the state as a line."""
         of = f" of {self.arm}" if with_arm and self.arm else ""
         return printable(f"{self.question}{of}: {self.state}{self.why and f'. {self.why}'}")
 
 
 def card_states(results: Path) -> list[CardState] | None:
-    """Return the rows that decide, as far as they have a state; None where nothing was judged."""
+    """Return the states of the cards, from verdicts of rank 1; None if nothing was judged."""
     if not (results / "tables" / "verdicts.csv").is_file():
         return None
     study = FinishedStudy(results)
@@ -39,10 +39,10 @@ def card_states(results: Path) -> list[CardState] | None:
 
 
 def lines(states: list[CardState] | None, study: str) -> Iterator[str]:
-    """Yield a line for each state of `card_states`, or one that says that there are none.
+    """Yield a line for each state of `card_states`, or one line that there are none.
 
-    study: the address of its file. If there are several arms, the state of each replaces that of
-    all.
+    study: the address of its file. If a question has states for arms, its state for all arms is
+    left out.
     """
     if states is None:
         yield f"no verdicts, as results of an earlier version; next: ur5 run {study}"
@@ -53,7 +53,7 @@ def lines(states: list[CardState] | None, study: str) -> Iterator[str]:
 
 
 def measured(study: FinishedStudy, arm: str) -> Effort:
-    """Return what an arm measures, or all arms of a study (empty) do."""
+    """Return the effort that an arm measures; arm "": torque if all of the study's arms do."""
     arms = [arm] if arm else [path.name for path in (study.folder / "parameters").glob("*")]
     known = [one for one in arms if (study.folder / "parameters" / one / "arm.yaml").is_file()]
     return TORQUE if {study.arm(one).measured for one in known} == {TORQUE} else CURRENT

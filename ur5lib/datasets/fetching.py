@@ -15,15 +15,15 @@ from ur5lib.datasets.catalogue import catalogue
 from ur5lib.errors import InputError, unknown
 from ur5lib.tables import made, write_aside
 
-TIMEOUT_S = 30  # s
-MOST_GB = 10  # an archive and its unpacked files are smaller; the catalogue's largest has below 1
+TIMEOUT_S = 30
+MOST_GB = 10  # of an archive, and of its unpacked files; the catalogue's largest has less than 1
 NAME_CHARACTERS = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.- ")
 
 
 def is_there(path: Path, checksum: str) -> bool:
     """Return whether a file exists; checksum: SHA-256, or another kind as in `md5:…`.
 
-    Raises InputError if its checksum is another.
+    Raises InputError if its checksum differs.
     """
     if path.exists() and not hash_matches(path, checksum):
         raise InputError(
@@ -36,7 +36,7 @@ def is_there(path: Path, checksum: str) -> bool:
 def place(source: Path, target: Path, checksum: str) -> None:
     """Copy a file under a temporary name, verify it and rename it.
 
-    Raises InputError if its checksum is another, or it cannot be written.
+    Raises InputError if its checksum differs, or it cannot be written.
     """
 
     def copy(aside: Path) -> None:
@@ -58,10 +58,10 @@ def fetch_archive(
 ) -> int:
     """Copy files into a folder, from a zip file in the network or from another folder.
 
-    archive: URL of the zip file; checksums: SHA-256 by name; unverified: how many files of unknown
-    SHA-256 lie next to them in the archive. Every other file is verified before it is put in place;
-    files that exist already are kept. Returns the number of verified files added. Raises InputError
-    for a failure of the network, the source, a checksum or the target.
+    archive: URL of the zip file; checksums: SHA-256 by name; unverified: number of files in the
+    archive without a listed SHA-256. All listed files are verified before they are put in place;
+    existing files are kept. Returns the number of verified files added. Raises InputError for a
+    failure of the network, the source, a checksum or the target.
     """
     missing = {f: sha for f, sha in checksums.items() if not is_there(target / f, sha)}
     others = unverified and len(others_beside(target, checksums)) < unverified
@@ -77,7 +77,7 @@ def fetch_archive(
 
 @contextmanager
 def _folder_in(target: Path) -> Iterator[Path]:
-    """Yield a temporary folder in another, in place of what a killed run has left there."""
+    """Yield a new temporary folder in another; one that a killed run left is deleted first."""
     folder, existed = target / ".fetching", target.exists()
     shutil.rmtree(folder, ignore_errors=True)
     try:
@@ -85,18 +85,18 @@ def _folder_in(target: Path) -> Iterator[Path]:
     finally:
         shutil.rmtree(folder, ignore_errors=True)
         if not existed:
-            with suppress(OSError):  # where it is not empty
+            with suppress(OSError):  # if it is not empty
                 target.rmdir()
 
 
 def _unpacked(url: str, folder: Path) -> Path:
-    """Download a zip file into a folder, and return the one with its files.
+    """Download and unpack a zip file in a folder, and return the folder with its files.
 
-    Raises InputError where that fails.
+    Raises InputError if that fails.
     """
     remedy = "check the network, or copy the recordings from a local folder with --from"
     archive = folder / "archive.zip"
-    # Archives are repacked on request; their files are verified.
+    # the server packs archives on request: only their files have checksums
     _retrieve(url, None, archive, remedy, int(MOST_GB * 1e9))
     try:
         with zipfile.ZipFile(archive) as packed:
@@ -107,7 +107,7 @@ def _unpacked(url: str, folder: Path) -> Path:
         raise InputError(
             f"{url} gives no zip file, but perhaps a web page, or a part of one; {remedy}"
         ) from error
-    except Exception as error:  # of damaged archives, zipfile raises anything
+    except Exception as error:  # for damaged archives, zipfile raises anything
         raise InputError(f"{url} could not be unpacked ({error}); {remedy}") from error
     if size_gb > MOST_GB:
         raise InputError(f"{url} unpacks to {size_gb:,.0f} GB, more than {MOST_GB}; {remedy}")
@@ -117,7 +117,7 @@ def _unpacked(url: str, folder: Path) -> Path:
 def _retrieve(url: str, checksum: str | None, path: Path, remedy: str, most: int) -> None:
     """Download a file, and verify it. Raises InputError with the remedy if that fails.
 
-    most: bytes, beyond which the server does not send the file that was published.
+    most: largest number of bytes; a larger file is not the published one.
     """
     pooch.get_logger().setLevel("WARNING")
     downloader = pooch.HTTPDownloader(progressbar=True, timeout=TIMEOUT_S)

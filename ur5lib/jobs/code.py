@@ -1,4 +1,4 @@
-"""The code of a step, as a checksum: Snakemake knows nothing of the modules that a step imports.
+"""The checksum of a step's code, since Snakemake does not follow the imports of a step.
 
 `python -m ur5lib.jobs.code ur5lib/force/gate.py` prints the steps that use a file.
 """
@@ -16,7 +16,7 @@ from ur5lib.workspace.places import PACKAGE
 TYPES = re.compile(r"^if TYPE_CHECKING:.*\n(?:(?: .*)?\n)+", re.MULTILINE)  # types change no result
 IMPORT = re.compile(r"^ *(?:from|import) (ur5lib[\w.]*)(?: import (\([^)]*\)|.*))?", re.MULTILINE)
 
-LOOPS = {  # what a module imports by a loop over folders
+LOOPS = {  # modules that a module imports by a loop over folders
     "report/page/handed.py": ("report/views/*.py", "topics/*/report.py"),
     "report/topics.py": ("topics/*/found.py",),
 }
@@ -25,8 +25,8 @@ LOOPS = {  # what a module imports by a loop over folders
 def checksum_of_step(step: str, files: Collection[Path] = ()) -> str:
     """Return a checksum of a step's module, of all modules that it uses, and of files.
 
-    files: of the library, too. It is the same wherever the library is installed. Extensions of a
-    user count as code of the steps with modules that take them up.
+    files: further ones of the library. The checksum does not depend on the place of installation.
+    A user's extensions count as code of the steps with modules that load them.
     """
     modules = modules_of_step(step)
     every = [*modules, *sorted({*files}), *source_files({*modules})]
@@ -34,7 +34,7 @@ def checksum_of_step(step: str, files: Collection[Path] = ()) -> str:
 
 
 def module_of(step: str) -> Path:
-    """Return the file of a step, in the folder of its topic or in `steps`."""
+    """Return the file of a step's module, in the folder of its topic or in `steps`."""
     of_topic = PACKAGE.glob(f"topics/*/{step}.py")
     return next(of_topic, PACKAGE / "steps" / f"{step}.py")
 
@@ -79,12 +79,12 @@ def imported_modules(path: Path) -> set[Path]:
 
 
 def in_library(paths: Iterable[str | Path]) -> list[Path]:
-    """Return those files that belong to the library: they count as code of a step."""
+    """Return the files that belong to the library, which count as code of a step."""
     return [Path(path) for path in paths if Path(path).is_relative_to(PACKAGE)]
 
 
 def of_study(paths: Iterable[str | Path]) -> list[str]:
-    """Return those files that belong to the study: inputs of a step."""
+    """Return the files that belong to the study, which are inputs of a step."""
     return [str(path) for path in paths if not Path(path).is_relative_to(PACKAGE)]
 
 

@@ -1,8 +1,8 @@
 """Files of a job as the typed arguments of its step, and the step's results as files.
 
-A step is a function of records. Its parameters, and the fields of what it takes as `Opened`, have
-the names of its rule's inputs and params, and their types say how a file is read; what it returns
-is written under the names of its outputs.
+A step is a function of records. Its parameters, and the fields of its `Opened` parameters, have the
+names of the rule's inputs and params, and their types decide how a file is read. Its results are
+written to the rule's outputs of the same names.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -39,10 +39,10 @@ PLAIN = (str, int, float, bool)  # settings that need no conversion
 
 
 def arguments(step: Callable[..., Any], input: Files, params: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a step's arguments by name; one without a file or setting has its default.
+    """Return a step's arguments by name; those without a file or setting keep their default.
 
-    input: paths; a parameter of type Mapping takes a list of files by the folders in which they
-    lie, of recordings or arms. Raises InputError where a file is not as its type says.
+    input: paths; a parameter of type Mapping takes a list of files, by the folders (of recordings
+    or arms) that contain them. Raises InputError if a file does not match its type.
     """
     kinds = parameter_types(step)
     loads = {name: partial(_read, kinds[name], of) for name, of in input.items() if name in kinds}
@@ -55,8 +55,8 @@ def assembled(
 ) -> dict[str, Any]:
     """Return a step's arguments by name.
 
-    loads: what reads a parameter, now, or a field of an `Opened`, when it is first used; known:
-    parameters and fields in memory.
+    loads: functions that read a parameter (called now) or a field of an `Opened` (called at its
+    first use); known: parameters and fields in memory.
     """
     own = _annotated(step)
     given = {name: load() for name, load in loads.items() if name in own}
@@ -71,7 +71,7 @@ def assembled(
 
 
 def _each(record: type[Opened], loads: Mapping[str, Callable[[], Any]]) -> Mapping[str, Opened]:
-    """Return a record of each recording or arm by its name; loads: of each field by name."""
+    """Return a record for each recording or arm, by its name; loads: functions by field."""
     several = {field: load() for field, load in loads.items()}
 
     def of(name: str) -> Opened:
@@ -84,10 +84,10 @@ def _each(record: type[Opened], loads: Mapping[str, Callable[[], Any]]) -> Mappi
 
 
 def write(step: Callable[..., Any], result: Any, output: Files) -> None:
-    """Write what a step returns: a record, or several under the names of the outputs.
+    """Write a step's result to its outputs: one record, or several by the outputs' names.
 
-    Several are the fields of a NamedTuple, or a dictionary. The numbers of a figure are written
-    next to it. None: the step has written its files itself.
+    Several: the fields of a NamedTuple, or a dictionary. The numbers of a figure are written next
+    to it. None: the step has written its files itself.
     """
     kind = get_type_hints(step)["return"]
     for name, (own, value) in _parts(kind, result, output).items():
@@ -95,7 +95,7 @@ def write(step: Callable[..., Any], result: Any, output: Files) -> None:
 
 
 def leave(step: Callable[..., Any], reason: str, output: Files) -> None:
-    """Write why a recording cannot be read in place of a step's results; of rows, none are left."""
+    """Write the reason why a recording cannot be read to a step's outputs; to tables, no rows."""
     kind = get_type_hints(step)["return"]
     for paths in output.values():
         for path in [paths] if isinstance(paths, str) else paths:
@@ -120,8 +120,9 @@ def _parts(kind: Any, result: Any, output: Files) -> dict[str, tuple[Any, Any]]:
 
 @cache
 def parameter_types(step: Callable[..., Any]) -> dict[str, Any]:
-    """Return the types of what a step is given, by name: of its parameters and, in place of an
-    `Opened`, of its fields; of what is optional, without None.
+    """Return the types of a step's parameters by name, with the fields of an `Opened` in its place.
+
+    Optional types are returned without None.
     """
     types = dict[str, Any]()
     for name, kind in _annotated(step).items():
@@ -140,13 +141,13 @@ def _annotated(step: Callable[..., Any]) -> dict[str, Any]:
 
 
 def opened(kind: Any) -> type[Opened] | None:
-    """Return the record of files that a parameter takes, one or a Mapping of several."""
+    """Return the type of `Opened` that a parameter takes, alone or in a Mapping, else None."""
     own = get_args(kind)[1] if get_origin(kind) is Mapping else kind
     return own if isinstance(own, type) and issubclass(own, Opened) else None
 
 
 def _without_none(kind: Any) -> Any:
-    """Return the type of what may be absent; a union of several types stays."""
+    """Return a type without None; a union of several other types stays as it is."""
     if not isinstance(kind, UnionType):
         return kind
     others = [part for part in get_args(kind) if part is not type(None)]
@@ -154,7 +155,7 @@ def _without_none(kind: Any) -> Any:
 
 
 def _read(kind: Any, paths: str | Sequence[str]) -> Any:
-    """Return what is in a file, or in several files by their folders, each when it is used."""
+    """Return the content of a file, or of several by their folders, each read at its first use."""
     origin = get_origin(kind)
     if kind is Path or (origin in (list, Sequence) and get_args(kind) == (Path,)):
         return Path(paths) if isinstance(paths, str) else [*map(Path, paths)]
@@ -168,7 +169,7 @@ def _read(kind: Any, paths: str | Sequence[str]) -> Any:
 
 
 def read_file(kind: Any, path: Source) -> Any:
-    """Return the record in a file; in memory, a table."""
+    """Return the record in a file; path: also the buffer of a table."""
     if isinstance(kind, type) and issubclass(kind, Table):
         return kind.read(path)
     if kind is pd.DataFrame and not str(path).endswith(".csv"):
@@ -183,7 +184,7 @@ def read_file(kind: Any, path: Source) -> Any:
 
 
 def setting(kind: Any, value: Any) -> Any:
-    """Return a setting as its type: records and settings of a study come as plain data."""
+    """Return plain data of a study converted to the type of a setting."""
     if value is None or kind in PLAIN or kind is Any:
         return value
     return _validated(kind)(value)

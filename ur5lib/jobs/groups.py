@@ -18,9 +18,8 @@ def groups_of_topics() -> dict[str, str]:
 def _groups(rules: Path) -> Iterator[tuple[str, str]]:
     """Yield each step of a file of rules with its group.
 
-    A recording's step is in the group of its judgement, but for estimates of forces, for which
-    thresholds wait. An arm's step is in the group of the document, or in that of the fits if
-    recordings wait for it.
+    A recording's step is in the group "judgement", or in "forces" if it estimates forces, which
+    thresholds need. An arm's step is in the group "document", or in "fits" if recordings need it.
     """
     text = rules.read_text(encoding="utf-8")
     for step, body in RULE.findall(text):

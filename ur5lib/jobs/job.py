@@ -29,9 +29,9 @@ Setting = str | float | bool | list["Setting"] | dict[str, "Setting"] | None  # 
 class Job:
     """A step, the files that it reads and writes, and its settings.
 
-    log: file of its output, and of the traceback of an unexpected error; benchmark: file of its
-    wall time [s], largest memory [MB], start-up time [s], in which it loaded packages that its
-    process had not loaded yet, and processor time [s], which includes start-up.
+    log: file of its output, and of the traceback of an unexpected error; benchmark: file with wall
+    time [s], largest memory [MB], start-up time [s] (to load packages new to the process), and
+    processor time [s] including start-up.
     """
 
     step: str
@@ -44,8 +44,8 @@ class Job:
     def run(self) -> str:
         """Run the step in this process; return its error as one sentence, empty on success.
 
-        From now on, all output of the process goes to the log, also that of libraries. What a
-        killed process wrote aside and did not rename is deleted.
+        From now on, all output of the process goes to the log, also that of libraries. Temporary
+        files that a killed process left are deleted.
         """
         for path in map(Path, paths(self.output)):
             for part in path.parent.glob(f".{path.name}.*.part"):
@@ -101,7 +101,7 @@ def paths(files: Files) -> list[str]:
 
 def largest_memory() -> float:
     """Return the largest memory of this process [MB]; on Linux, since the job began."""
-    status = Path("/proc/self/status")  # what `getrusage` returns may be that of the parent
+    status = Path("/proc/self/status")  # `getrusage` may return the parent's memory
     if not status.exists():
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     (kilobytes,) = re.findall(r"VmHWM:\s*(\d+)", status.read_text())
@@ -110,7 +110,7 @@ def largest_memory() -> float:
 
 @cache
 def step_named(name: str) -> Callable[..., Any]:
-    """Return the function of a step, which its module is named by."""
+    """Return the function of a step, which has the name of its module."""
     module = ".".join(module_of(name).relative_to(PACKAGE.parent).with_suffix("").parts)
     step: Callable[..., Any] = getattr(importlib.import_module(module), name)
     return step
@@ -118,8 +118,8 @@ def step_named(name: str) -> Callable[..., Any]:
 
 @cache
 def load_step(name: str) -> Callable[..., Any]:
-    """Return the function of a step in a process of jobs, which keeps its packages."""
+    """Return the function of a step, and keep its packages in memory for later jobs."""
     step = step_named(name)
     gc.collect()
-    gc.freeze()  # no later collection looks at what the packages keep
+    gc.freeze()  # later collections skip the packages' objects
     return step

@@ -1,4 +1,4 @@
-"""The files of a step in memory, byte for byte, so that its results are those of a job."""
+"""A step on files in memory with the same bytes as on disk, so that its results equal a job's."""
 
 import json
 from collections.abc import Mapping
@@ -21,9 +21,9 @@ Contents = Content | Mapping[str, Content]  # several by recording, or by arm
 
 
 def call(step: str, inputs: Mapping[str, Contents], params: Mapping[str, Any]) -> Any:
-    """Return what a step returns.
+    """Return the result of a step.
 
-    inputs: what its records are read from; params: plain data of a study, paths.
+    inputs: contents of its files; params: plain data of a study, paths.
     """
     function = step_named(step)
     kinds = parameter_types(function)
@@ -33,7 +33,7 @@ def call(step: str, inputs: Mapping[str, Contents], params: Mapping[str, Any]) -
 
 
 def contents(name: str, result: Any) -> dict[str, Content]:
-    """Return what a step returns as files: one of a name, or by the fields of a NamedTuple."""
+    """Return a step's result as files: one with a name, or one for each field of a NamedTuple."""
     parts = result._asdict() if hasattr(result, "_asdict") else {name: result}
     return {part: _content(value) for part, value in parts.items()}
 

@@ -1,8 +1,7 @@
 """Recordings that cannot be read: their files say why, and the rest of a study goes on.
 
-The step that reads a recording leaves the reason in place of each file that it would have written.
-A later step of the same recording leaves it in its own, and one of several recordings goes on
-without it.
+The step that reads a recording writes the reason into each of its output files. Later steps of the
+same recording copy it to their outputs; steps of several recordings go on without this recording.
 """
 
 import json
@@ -17,12 +16,12 @@ MAX_BYTES = 10_000  # a file with a reason is at most this large
 
 
 def marked(reason: str) -> str:
-    """Return the text that a file has in place of its contents."""
+    """Return the text that replaces the contents of a file."""
     return f"{MARK}{json.dumps(reason)}}}\n"
 
 
 def reason(path: str) -> str:
-    """Return why a recording cannot be read, by one of its files; empty of one that can be."""
+    """Return the reason in a recording's file why it cannot be read, "" if it can be."""
     file = Path(path)
     if not file.is_file() or file.stat().st_size > MAX_BYTES:
         return ""
@@ -32,11 +31,10 @@ def reason(path: str) -> str:
 
 
 def readable(files: Files) -> tuple[Files, dict[str, str]]:
-    """Return the files of a job without those of recordings that cannot be read, and of these the
-    reasons by name.
+    """Return the files of a job without those of unreadable recordings, and the reasons by name.
 
-    Raises UnreadableError where the recording that the job is of cannot be read. Where none of
-    several can, they are like recordings that a study lacks.
+    Raises UnreadableError if the job's own recording is unreadable. If all of several are, the job
+    runs as in a study without recordings.
     """
     kept, absent = dict[str, str | list[str]](), dict[str, str]()
     for name, paths in files.items():

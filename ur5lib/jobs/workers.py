@@ -1,7 +1,7 @@
 """The warm processes of a run: one for each simultaneous job, with the packages that it has loaded.
 
-Such a process loads this package from where its parent has it, and modules of the working folder
-last: a `numpy.py` there is the user's own.
+Such a process loads this package from the same place as its parent, and searches the working folder
+last, so that a user's `numpy.py` there does not replace the package.
 """
 
 import atexit
@@ -51,12 +51,12 @@ class Worker:
         other.close()
 
     def end(self) -> None:
-        """End the process, so that its processor time is added to that of this one."""
+        """End the process and wait for it, which adds its processor time to this process's."""
         self.process.terminate()
         self.process.wait()
 
 
-MUCH_READ = 500e6  # B: half an hour of an arm at 500 Hz
+MUCH_READ = 500e6  # B; half an hour of an arm at 500 Hz
 FAILED: list[str] = []  # the errors of this run's steps, a sentence each
 IDLE: queue.LifoQueue[Worker] = queue.LifoQueue()
 
@@ -86,7 +86,7 @@ def run_step(
 def run_job(job: Job) -> None:
     """Run a job in a warm process. Raises StepError with one sentence if it fails.
 
-    A large job has a process of its own: what others have left in memory would be added to its own.
+    A large job gets a new process, without the memory that earlier jobs have left.
     """
     read = sum(os.path.getsize(path) for path in paths(job.input) if os.path.exists(path))
     error = in_warm_process(Job.run, job, alone=read > MUCH_READ)
@@ -99,7 +99,9 @@ def run_job(job: Job) -> None:
 def in_warm_process(
     run: Callable[[Work], Answer], work: Work, alone: bool = False
 ) -> Answer | None:
-    """Return what a function answers in a warm process, or one of its own; None if that ended."""
+    """Return a function's answer from a warm process, or from a new one if `alone`; None if the
+    process ended.
+    """
     try:
         worker = Worker() if alone else IDLE.get_nowait()
     except queue.Empty:
@@ -129,10 +131,10 @@ def end_idle() -> None:
 
 
 def end_beside_the_schedule() -> None:
-    """Have the signal to end (SIGTERM) handled in a thread of its own.
+    """Handle the signal to end (SIGTERM) in a separate thread.
 
-    Snakemake's handler takes the lock of its scheduler, which the thread that it interrupts may
-    have: a run that was asked to end while it chose its jobs waited for itself, for ever.
+    Snakemake's handler takes the lock of its scheduler. If the interrupted thread has this lock,
+    while it chooses jobs, the handler would wait for it for ever.
     """
     handler = signal.getsignal(signal.SIGTERM)
     if callable(handler):
@@ -170,6 +172,6 @@ def serve(connection: Connection) -> None:
 def end_with(connection: Connection) -> None:
     """End this process and its job with the other side: another run may write its files next."""
     closed = select.poll()
-    closed.register(connection, 0)  # no event but the end
+    closed.register(connection, 0)  # only the end of the connection
     closed.poll()
     os._exit(0)

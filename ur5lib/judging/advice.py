@@ -54,16 +54,15 @@ def corrections(study: StudyTables) -> Iterator[Advice]:
 
 
 def _of_recordings(code: str, names: list[str], value: float | None = None) -> Iterator[Advice]:
-    """Yield advice about recordings, which names the first and counts all."""
+    """Yield one piece of advice that names the first recording and counts all of them."""
     if names:
         about: Any = {"recording": names[0], "recordings": len(names)}
         yield Advice(code=code, kind="correction", value=value, **about)
 
 
 def _contradicted(study: StudyTables) -> dict[str, tuple[list[int], list[int]]]:
-    """Return by arm the joints with constants that contradict the documented ones for no clear
-    cause: those that gravity loads, which show it, and the others, with currents that say little
-    about a constant.
+    """Return by arm the joints with constants that contradict the documented ones without a clear
+    cause: first those that gravity loads, then those with currents that say little about constants.
     """
     found: dict[str, tuple[list[int], list[int]]] = {}
     for row in study.rows("remarks", code=CONTRADICTIONS).itertuples():
@@ -86,7 +85,7 @@ def faulty_files(study: StudyTables) -> Iterator[Advice]:
 
 
 def missing_recordings(study: StudyTables) -> Iterator[Advice]:
-    """Ask for recordings that would determine what is not determined."""
+    """Ask for recordings that would determine the parameters still undetermined."""
     for robot in sorted(study.placeholders.difference(study.listed("parameters", "robot"))):
         refused = study.rows("remarks", robot=robot, step="identification")
         why = "; ".join(refused["remark"])
@@ -95,7 +94,7 @@ def missing_recordings(study: StudyTables) -> Iterator[Advice]:
     order = remarks.assign(order=remarks["code"].map([*ASKING].index))
     for (_, robot, code), part in order.groupby(["order", "robot", "code"], sort=True):
         joints = _listed([*part["joint"].astype(int)])
-        kind = LATER if ASKING[code] == "few_paths" else RECORD  # surer bars, not smaller ones
+        kind = LATER if ASKING[code] == "few_paths" else RECORD  # surer intervals only
         yield Advice(code=ASKING[code], kind=kind, robot=robot, joints=joints)
     for role in ("fit", "validate"):
         if not study.with_role(role):

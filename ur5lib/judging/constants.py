@@ -1,4 +1,4 @@
-"""Torque constants and gains: how many may be used, how certain they are, which are far."""
+"""Torque constants and gains: how many may be used, their uncertainty, and their deviation."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -21,7 +21,7 @@ def constants(study: StudyTables) -> pd.DataFrame:
 
 
 def judge_constants(study: StudyTables, robot: str) -> Iterator[Verdict]:
-    """Judge by how many constants may be used; nothing where no friction was fitted."""
+    """Judge the constants by the share that may be used; yield nothing without fitted friction."""
     rows = constants(study)
     if len(study.rows("remarks", step=STOP)):
         yield Verdict(question=QUESTION, arm=robot, state="do not use", reason="stopped")
@@ -32,7 +32,7 @@ def judge_constants(study: StudyTables, robot: str) -> Iterator[Verdict]:
 
 
 def _counted(rows: pd.DataFrame, robot: str) -> Iterator[Verdict]:
-    """Yield of how many joints the constant may be used, and the gravest reason against others."""
+    """Yield the number of joints with a usable constant, and the gravest reason against others."""
     use = rows["use"] == "yes"
     reason, row = _gravest(rows)
     state: State = "usable" if use.mean() > MIN_USABLE_SHARE else "not determined"
@@ -65,7 +65,7 @@ REASONS_BY_GRAVITY: list[Reason] = [
 
 
 def _gravest(rows: pd.DataFrame) -> tuple[Reason, "pd.Series[Any] | None"]:
-    """Return the gravest reason of a joint, and this joint's row."""
+    """Return the gravest reason of any joint and that joint's row, or "" and None."""
     for reason in REASONS_BY_GRAVITY:
         if len(own := rows[rows["reason"] == reason]):
             return reason, own.iloc[0]
@@ -73,7 +73,7 @@ def _gravest(rows: pd.DataFrame) -> tuple[Reason, "pd.Series[Any] | None"]:
 
 
 def _widest(rows: pd.DataFrame, robot: str) -> Iterator[Verdict]:
-    """Yield the constant that may be used with the widest 95 % interval, as a share of it."""
+    """Yield the largest relative half-width of a usable constant's 95 % interval [%]."""
     usable = rows[rows["use"] == "yes"]
     if usable.empty:
         return
@@ -97,8 +97,9 @@ def _widest(rows: pd.DataFrame, robot: str) -> Iterator[Verdict]:
 
 
 def _farthest(rows: pd.DataFrame, study: StudyTables, robot: str) -> Iterator[Verdict]:
-    """Yield the constant farthest from the documented one, of those that the recordings determine,
-    also where they contradict it.
+    """Yield the constant farthest from the documented one, in its standard deviations.
+
+    Only determined constants count, and those that contradict the documented one.
     """
     refused = rows["contradicted"].notna()
     told = rows[(rows["determined"] == "yes") | refused].dropna(subset=["known", "known_std"])
@@ -126,8 +127,8 @@ def _farthest(rows: pd.DataFrame, study: StudyTables, robot: str) -> Iterator[Ve
 
 
 def judge_gravity(study: StudyTables, robot: str) -> Iterator[Verdict]:
-    """Yield for each joint that gravity loads how far its constant is from the documented one:
-    whether arm, mounting and payload are those described.
+    """Yield the relative deviation [%] from the documented constant of each joint that gravity
+    loads: a large one means that arm, mounting or payload are not as described.
     """
     rows = constants(study)
     if rows.empty or study.stopped():
@@ -154,8 +155,8 @@ def judge_gravity(study: StudyTables, robot: str) -> Iterator[Verdict]:
 
 
 def judge_load(study: StudyTables, robot: str) -> Iterator[Verdict]:
-    """Yield on how many recordings without contact the 95 % interval of the load contains the
-    declared one, of those on which it is within what the arm carries.
+    """Yield the number of contact-free recordings on which the load's 95 % interval contains the
+    declared load. Recordings with a half interval wider than the arm's load are not counted.
     """
     names = [*study.with_role("fit"), *study.with_role("validate")]
     rows = study.rows("payload", recording=names)

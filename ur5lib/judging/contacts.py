@@ -1,4 +1,4 @@
-"""Contacts that are found, false alarms, and the pushes that would be seen."""
+"""Found contacts, false alarms, and the smallest pushes that would be found."""
 
 from collections.abc import Iterator, Mapping
 from datetime import date
@@ -20,8 +20,9 @@ EVERY_DAY, WITHOUT_FIT, FARTHEST = "all", "without fit", "farthest"  # choices o
 
 
 def at_sensors(study: StudyTables) -> pd.DataFrame:
-    """Return the contacts at the sensors that reach 5 N, with their fate by the leading estimate,
-    on recordings that no fit has used, if there are any; seen: whether none are.
+    """Return the contacts of at least 5 N at the sensors, with their fate by the leading estimate.
+
+    Recordings that no fit has used, or all if there are no such contacts; then `fitted` is true.
     """
     rows = at_every_sensor(study)
     unseen = rows[~rows["recording"].isin(study.with_role("fit"))]
@@ -31,8 +32,8 @@ def at_sensors(study: StudyTables) -> pd.DataFrame:
 
 
 def judge_contacts(study: StudyTables) -> Iterator[Verdict]:
-    """Yield how many contacts at a sensor are found, from which force on all are, and how much the
-    found ones are off; by motion, too.
+    """Yield the number of found contacts, the force [N] above which none is missed, and the errors
+    of the peaks; the first two also at rest and in motion.
     """
     rows = at_sensors(study)
     if rows.empty:
@@ -53,13 +54,13 @@ def judge_contacts(study: StudyTables) -> Iterator[Verdict]:
 
 
 def _found(rows: pd.DataFrame) -> dict[str, Any]:
-    """Return how many contacts are found."""
+    """Return the number of found contacts."""
     count = int((rows["fate"] == FATES[0]).sum())
     return {"quantity": "contacts found", "count": count, "of": len(rows)} | _motion_of(rows)
 
 
 def _found_from(rows: pd.DataFrame) -> dict[str, Any]:
-    """Return the force from which on none is missed: that of the smallest above all missed ones."""
+    """Return the smallest peak force [N] above that of all missed contacts; {} without one."""
     missed = rows.loc[rows["fate"] == FATES[-1], "peak"]
     above = rows[(rows["peak"] > missed.max()) | missed.empty]
     if above.empty:
@@ -76,7 +77,7 @@ def _motion_of(rows: pd.DataFrame) -> dict[str, Any]:
 
 
 def _of_fate(rows: pd.DataFrame, fate: str) -> dict[str, Any]:
-    """Return how many contacts are missed or merged, and the largest of these."""
+    """Return the number of contacts with a fate, missed or merged, and the largest of them."""
     own = rows[rows["fate"] == fate]
     words = {"missed": "contacts missed, the largest", "merged": "contacts in another's alarm"}
     about = {"quantity": words[fate], "count": len(own), "of": len(rows)}
@@ -88,7 +89,7 @@ def _of_fate(rows: pd.DataFrame, fate: str) -> dict[str, Any]:
 
 
 def _peaks(rows: pd.DataFrame) -> Iterator[dict[str, Any]]:
-    """Yield by how much the peaks of found contacts are off, in the mean and at most."""
+    """Yield the mean [%] and the largest [N] error of the peaks of found contacts."""
     found = rows[rows["fate"] == FATES[0]].dropna(subset="peak_error")
     if len(found):
         shares = 100 * found["peak_error"] / found["peak"]
@@ -107,8 +108,9 @@ def detections(study: StudyTables) -> pd.DataFrame:
 
 
 def noticed(study: StudyTables) -> Iterator[Noticed]:
-    """Yield by recording which contacts are found, alarms, and the widest band; recordings to fit
-    or to validate are left out without alarms.
+    """Yield by recording the contacts by fate, the alarms, and the widest band.
+
+    Recordings for fit or validation without contacts and alarms are left out.
     """
     sensed, roles = at_every_sensor(study), study.roles()
     alarms = study.rows("contacts", estimate=LEADING)
@@ -132,7 +134,7 @@ def at_every_sensor(study: StudyTables) -> pd.DataFrame:
 
 
 def _contacts_on(rows: pd.DataFrame) -> dict[str, Any]:
-    """Return the contacts at the sensor of a recording, by fate."""
+    """Return the numbers, times and peaks of one recording's contacts at the sensor, by fate."""
     found, merged, missed = (rows[rows["fate"] == fate] for fate in FATES)
     errors = (found["peak_error"] / found["peak"]).astype(float).dropna()
     return {
@@ -149,7 +151,7 @@ def _contacts_on(rows: pd.DataFrame) -> dict[str, Any]:
 
 
 def _alarms_on(rows: pd.DataFrame, counts: Any, study: StudyTables) -> dict[str, Any]:
-    """Return the alarms of a recording, those that are false, and the widest band of a contact."""
+    """Return the numbers of alarms and false alarms, and the widest band of a contact."""
     minutes = _minutes(study)[counts.recording]
     false = counts.false_alarms_per_min
     if pd.isna(false):  # without a sensor
@@ -179,7 +181,7 @@ def _end(values: "pd.Series[float]", which: str) -> float | None:
 
 
 def _minutes(study: StudyTables) -> "pd.Series[float]":
-    """Return how long recordings last [min]."""
+    """Return the duration of each recording [min]."""
     return study.tables["recordings"].set_index("recording")["duration_s"].astype(float) / 60
 
 
@@ -199,8 +201,9 @@ def false_alarms(study: StudyTables) -> Iterator[FalseAlarms]:
 
 
 def of_days(rows: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
-    """Yield rows of recordings with their `days` from a fit: of all days, of those without a fit,
-    of the farthest; parts without `minutes` are left out.
+    """Yield the rows of all days, of days without a fit recording, and of the farthest day.
+
+    rows: with `days` from the nearest fit recording and `minutes`; parts of 0 minutes are left out.
     """
     days = rows["days"]
     parts = {EVERY_DAY: rows, WITHOUT_FIT: rows[days > 0]}
@@ -209,7 +212,10 @@ def of_days(rows: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
 
 
 def counted(rows: pd.DataFrame) -> dict[str, Any]:
-    """Return recordings, minutes, alarms and their rate, of rows with `alarms` and `minutes`."""
+    """Return the numbers of recordings, minutes and alarms, and the rate of alarms [1/min].
+
+    rows: with `alarms` and `minutes`.
+    """
     minutes, alarms = float(rows["minutes"].sum()), round(rows["alarms"].sum())
     return {
         "recordings": len(rows),
@@ -221,9 +227,7 @@ def counted(rows: pd.DataFrame) -> dict[str, Any]:
 
 
 def upper_limit(count: int) -> float:
-    """Return the upper limit of an expected count: with more, so few would have a chance below 5 %
-    (Poisson).
-    """
+    """Return the one-sided 95 % upper limit of a Poisson mean from one observed count."""
     return float(gammaincinv(count + 1, UPPER_LIMIT))
 
 
@@ -249,8 +253,8 @@ def days_between(dates: Mapping[str, date | None], roles: Mapping[str, str]) -> 
 
 
 def judge_alarms(study: StudyTables) -> Iterator[Verdict]:
-    """Yield how often an alarm is false on validate recordings, with the upper limit, also on days
-    without a fit, and how many are false on recordings with contacts.
+    """Yield the false alarms on validate recordings with the upper limit of their rate, the same
+    on days without a fit, and the number of false alarms on recordings with contacts.
     """
     rows = [row for row in false_alarms(study) if row.role == "validate"]
     numbers = [number for row in rows if row.days != FARTHEST for number in rates(row)]
@@ -265,7 +269,7 @@ def judge_alarms(study: StudyTables) -> Iterator[Verdict]:
 
 
 def rates(row: FalseAlarms) -> Iterator[dict[str, Any]]:
-    """Yield how often an alarm is false, in how many minutes."""
+    """Yield the number of false alarms, the minutes, and the upper limit of the rate [1/min]."""
     other = " on days without a fit recording" if row.days == WITHOUT_FIT else ""
     short = row.alarms == 0 and row.per_min_high > GOOD_ALARM_RATE
     about = {"basis": "unseen", "reason": "short" if short else ""}
@@ -276,8 +280,10 @@ def rates(row: FalseAlarms) -> Iterator[dict[str, Any]]:
 
 
 def judge_pushes(study: StudyTables, robot: str) -> Iterator[Verdict]:
-    """Yield the smallest push that trials find with a probability of 95 %, the axis that needs the
-    largest by motion, the hardest motion first; with the real contacts of that motion.
+    """Yield the smallest push [N] that trials find with a probability of 95 %.
+
+    One verdict for each motion, on its worst axis and with the real contacts, the hardest motion
+    first; then one for the best motion and axis.
     """
     rows = study.rows("pushes", robot=robot)
     if rows.empty:
@@ -312,7 +318,7 @@ def _trial(row: "pd.Series[Any]") -> dict[str, Any]:
 
 
 def _real(rows: pd.DataFrame) -> dict[str, Any]:
-    """Return from which force on no real contact is missed, nothing without any."""
+    """Return the force [N] above which no real contact is missed; {} without contacts."""
     if rows.empty:
         return {}
     from_ = _found_from(rows).get("value")
@@ -328,8 +334,8 @@ def _easiest(rows: pd.DataFrame, robot: str, rank: int) -> Iterator[Verdict]:
 
 
 def _hardest(rows: pd.DataFrame) -> "pd.Series[Any]":
-    """Return the axis that needs the largest push, first one that no trial reached; axes: all of
-    those.
+    """Return the row of the axis that needs the largest push; an axis without a found push counts
+    as larger than all. `axes` names all such axes.
     """
     row = rows.loc[max(rows.index, key=lambda at: _size(rows.loc[at]))]
     beyond = rows.loc[rows["bound"] == ">", "axis"]

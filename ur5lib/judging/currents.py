@@ -16,7 +16,7 @@ QUESTION = "currents"
 
 
 def unseen(study: StudyTables) -> pd.DataFrame:
-    """Return the errors on validate recordings without contacts and undeclared loads."""
+    """Return the errors on validate recordings without contacts or undeclared loads."""
     rows = study.rows("current_rmse", recording=study.quiet("validate"))
     return rows.assign(error=rows["rmse_lowpassed"], zero=rows["zero_rmse_lowpassed"])
 
@@ -60,7 +60,7 @@ def torque_constants(study: StudyTables) -> pd.Series:
 
 
 def judge_currents(study: StudyTables, robot: str) -> Iterator[Verdict]:
-    """Judge predicted currents by joint: their band, plain least squares, and repeatability."""
+    """Judge predicted currents by joint: error, coverage of the band, least squares, repeats."""
     every = errors(study, robot)
     found = [one for one in every if one.state != "not determined"]
     about: Any = {"arm": robot}
@@ -90,7 +90,9 @@ def _why_not(study: StudyTables) -> Reason:
 
 
 def _bands(errors: list[JudgedError], robot: str) -> Iterator[Verdict]:
-    """Yield the least share of readings in the band, and by how much bands are too wide."""
+    """Yield the least share of readings in the band, and the largest multiple of the band needed
+    to contain 95 %.
+    """
     least = min(errors, key=lambda one: one.coverage95 or 0.0)
     yield Verdict(
         question=QUESTION,
@@ -118,7 +120,7 @@ def _bands(errors: list[JudgedError], robot: str) -> Iterator[Verdict]:
 
 
 def _as_torque(errors: list[JudgedError], robot: str) -> Iterator[Verdict]:
-    """Yield the largest error as a torque of a joint."""
+    """Yield the largest error of a joint's current, converted to torque [Nm]."""
     known = [one for one in errors if one.largest_torque is not None]
     if known:
         most = max(known, key=lambda one: one.largest_torque or 0.0)
@@ -143,8 +145,8 @@ def _farthest_in_time(study: StudyTables, robot: str) -> Iterator[Verdict]:
 
 
 def judge_friction(study: StudyTables, robot: str) -> Iterator[Verdict]:
-    """Yield the widest 95 % interval of the total friction of a joint that may be used, as a share
-    of it, and of how many joints friction may be used.
+    """Yield the widest relative 95 % interval of a usable total friction, and the number of joints
+    with a usable one.
     """
     rows = study.rows("friction")
     rows = rows[rows["parameter"].astype(str).str.startswith(TOTAL)]
@@ -152,7 +154,7 @@ def judge_friction(study: StudyTables, robot: str) -> Iterator[Verdict]:
         return
     half = rows[["low", "high"]].sub(rows["value"], axis="index").abs().max(axis="columns")
     shares = half / rows["value"].abs()
-    usable = rows[(rows["use"] == "yes") & (shares < 1)]  # no number smaller than its error
+    usable = rows[(rows["use"] == "yes") & (shares < 1)]  # an estimate below its error is useless
     others = rows[~rows["joint"].isin(usable["joint"])]
     reason = reason_in(
         next(iter(others["reason"].dropna().mode()), "undetermined" * bool(len(others)))

@@ -26,8 +26,8 @@ class Conditions:
     """Conditions of a good error.
 
     unseen: whether it comes from recordings that no fit has used; better: least skill;
-    least: mean of what is measured [its unit], below which no error is judged; simple_rival:
-    whether the rival is a simple method, which a good one beats.
+    least: errors are judged only where the measured quantity has a larger mean [its unit];
+    simple_rival: whether the rival is a simple method, which a good one beats.
     """
 
     unseen: bool = True
@@ -50,8 +50,8 @@ def by_place(rows: pd.DataFrame, place: str) -> pd.DataFrame:
 
 
 def with_floors(table: pd.DataFrame, study: StudyTables, quantity: str) -> pd.DataFrame:
-    """Return errors by place with their repeatability, and the error of its own repeats as a
-    multiple of it: errors of other motions say nothing about it.
+    """Return errors by place with `floor`, the difference between repeated motions, and
+    `in_floors`, the error on these motions as a multiple of it.
     """
     rows = study.rows("repetition", quantity=quantity)
     rows = rows.set_index("component" if quantity == "force" else "joint")
@@ -116,11 +116,11 @@ def beaten(error: float, rival: float) -> Iterator[Reason]:
 def verdicts(
     errors: Sequence[JudgedError], quantity: str, interval: str = "", **about: Any
 ) -> Iterator[Verdict]:
-    """Yield the error that decides, the worst one where that is another, the largest, also of those
-    that are not judged, and the largest multiple of the repeatability.
+    """Yield the decisive error, the largest relative one if it is another, the largest on a
+    recording, and the largest multiple of the repeatability.
 
-    The gravest state decides, of equal ones the gravest reason; the worst is the largest share of
-    its zero.
+    The error with the gravest state, then the gravest reason, decides. The relative error is
+    error / zero. The largest on a recording includes errors that are not judged.
     """
     known = [one for one in errors if one.state != "not determined"]
     first = min(known, key=_gravity)
@@ -151,7 +151,7 @@ def _largest(errors: Sequence[JudgedError], quantity: str, **about: Any) -> Verd
 
 
 def _repeated(errors: Sequence[JudgedError], **about: Any) -> Iterator[Verdict]:
-    """Yield the error on repeated motions that is the largest multiple of what these differ by."""
+    """Yield the error on repeated motions that is the largest multiple of their difference."""
     known = [(one, (one.in_floors or 0.0) * (one.floor or 0.0)) for one in errors]
     if known := [(one, error) for one, error in known if error > MIN_DIFFERENCE]:
         most, error = max(known, key=lambda pair: pair[0].in_floors or 0.0)
@@ -213,7 +213,7 @@ def _verdict(one: JudgedError, rank: int, quantity: str, interval: str, **about:
 
 
 def severest(states: Iterable[State | None]) -> State:
-    """Return the state of several: the severest, good only if all are."""
+    """Return the severest of several states: good only if all are good."""
     known = sorted((one for one in states if one), key=STATES_BY_SEVERITY.index)
     mixed = known[0] == "good" and known[-1] != "good"
     return "usable" if mixed else known[0]

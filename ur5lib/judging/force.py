@@ -52,14 +52,14 @@ def in_contact(study: StudyTables) -> pd.DataFrame:
 
 
 def sure(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the errors where the sensor's bias is sure, or all if it is nowhere."""
+    """Return the errors where the sensor's bias is certain, or all if it is certain nowhere."""
     known = rows[rows["use"] == "yes"]
     return known if len(known) else rows
 
 
 def judge_force(study: StudyTables) -> Iterator[Verdict]:
-    """Judge the force where its error is largest, by the recording with the largest share of its
-    force, and by the same sum for plain least squares.
+    """Judge the force by its largest error, by the recording with the largest relative error, and
+    by the mean error of plain least squares.
     """
     if study.stopped():
         yield Verdict(question=QUESTION, state="do not use", reason="stopped")
@@ -95,7 +95,7 @@ def state_of(rows: pd.DataFrame) -> tuple[State, Reason]:
 
 
 def _doubts(rows: pd.DataFrame, share: float) -> Iterator[Reason]:
-    """Yield why a force is not good, the gravest reason first; share: of the force, the error."""
+    """Yield why a force is not good, the gravest reason first; share: error / mean force."""
     pushed = rows[rows["mean_force"] > MIN_PUSH]
     if rows["estimate"].eq(STATIC).any():
         yield "uncalibrated"
@@ -120,7 +120,7 @@ def _worst_axis(rows: pd.DataFrame) -> "pd.Series[Any]":
 
 
 def _worst_recording(rows: pd.DataFrame) -> "pd.Series[Any]":
-    """Return means over x, y, z of the recording with the largest error as a share of the force."""
+    """Return the means over x, y, z of the recording with the largest error / mean force."""
     means = rows.groupby("recording", sort=False)[["mae", "mean_force", "plain"]].mean()
     means["share"] = means["mae"] / means["mean_force"]
     return means.loc[means["share"].idxmax()]
@@ -129,8 +129,8 @@ def _worst_recording(rows: pd.DataFrame) -> "pd.Series[Any]":
 def _numbers(
     rows: pd.DataFrame, doubted: pd.DataFrame, state: State, reason: Reason
 ) -> Iterator[Verdict]:
-    """Yield the numbers of the force: at the worst place, where the bias is uncertain, on the worst
-    recording, over all, and the gain.
+    """Yield the error at the worst place, a larger one where the bias is uncertain, that on the
+    worst recording, the mean over all, and the gain of the estimate over the sensor.
     """
     row, share, has_rival = _worst_axis(rows), _worst_recording(rows), rows["plain"].notna().any()
     name = f"mean absolute error of {_named(str(row['estimate']))} in contact"
@@ -179,8 +179,8 @@ def _interval(row: "pd.Series[Any]") -> dict[str, Any]:
 
 
 def _bands(study: StudyTables, known: pd.DataFrame) -> Iterator[Verdict]:
-    """Yield what the 95 % bands contain in contact along axes that are pushed, at rest and in
-    motion, the worse first.
+    """Yield the quality of the 95 % bands in contact along pushed axes, at rest and in motion, the
+    worse first.
     """
     rows = known.dropna(subset=["coverage95", "band_factor95"])
     rows = rows[rows["mean_force"] > MIN_PUSH]
@@ -203,8 +203,8 @@ def _bands(study: StudyTables, known: pd.DataFrame) -> Iterator[Verdict]:
 
 
 def _worth(part: pd.DataFrame) -> Iterator[tuple[str, float, str, "pd.Series[Any]", Reason]]:
-    """Yield the least share of readings in the band, for how long it contains zero, and its width:
-    each with its unit, row and reason.
+    """Yield the least share of readings in the band, the longest share of time in which it contains
+    zero, and its relative width: (quantity, value, unit, row, reason) each.
     """
     own = sure(part)
     doubt: Reason = "sensor_bias" if (own["use"] == "no").any() else ""
@@ -222,8 +222,8 @@ def _worth(part: pd.DataFrame) -> Iterator[tuple[str, float, str, "pd.Series[Any
 
 
 def error_parts(study: StudyTables) -> Iterator[ErrorParts]:
-    """Yield the parts of the error in contact by recording, means over x, y, z; friction: what
-    neither alarms nor a gain explain.
+    """Yield the parts of the error in contact by recording, means over x, y, z [N]; friction: the
+    remainder that neither alarms nor a gain explain.
     """
     rows = in_contact(study)
     names = {"mae": "error", "mae_missed": "missed", "mae_shut": "late_alarms", "mae_gain": "gain"}

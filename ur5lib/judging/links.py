@@ -24,9 +24,9 @@ class ModelComparison(NamedTuple):
     """Errors of the link models at one motion, on recordings in which the arm moves.
 
     rows: of torque_mae.csv; unseen: whether no fit has used these recordings; ranked: the models,
-    those that are closest, or at most 5 % farther, on most joints first, of equal ones that with
-    the least errors; best: the first of these that are equal; near: number of their joints; differ:
-    number of joints on which the models differ.
+    sorted by the number of joints on which a model is closest or at most 5 % farther, then by
+    error; best: the models with the largest such number, `near`; differ: number of joints on which
+    the models differ.
     """
 
     rows: pd.DataFrame
@@ -62,8 +62,8 @@ def named(model: str) -> str:
 
 
 def errors(study: StudyTables, robot: str) -> list[JudgedError]:
-    """Return the errors below 2 Hz of the model that is closest on most joints, by joint, compared
-    with those of the model that comes next.
+    """Return by joint the errors below 2 Hz of the model that is closest on most joints, with the
+    errors of the second model.
     """
     compared = compare(study)
     if compared is None:
@@ -80,8 +80,9 @@ def errors(study: StudyTables, robot: str) -> list[JudgedError]:
 
 
 def judge_links(study: StudyTables, robot: str) -> Iterator[Verdict]:
-    """Judge the link model that is closest on most joints, below 2 Hz: gravity, which is most of
-    that, is described far better than by half.
+    """Judge the link model that is closest on most joints, below 2 Hz.
+
+    Gravity dominates there, so a good model needs more skill than other estimates.
     """
     every = errors(study, robot)
     found = [one for one in every if one.state != "not determined"]
@@ -110,8 +111,8 @@ def judge_links(study: StudyTables, robot: str) -> Iterator[Verdict]:
 def _under_given_load(
     study: StudyTables, compared: ModelComparison, rows: list[Verdict]
 ) -> Iterator[Verdict]:
-    """Yield verdicts; a load that the controller counts with, unknown to the study, is no error of
-    a good model.
+    """Yield the verdicts, "good" lowered to "usable" if the controller assumes a load that the
+    study does not declare.
     """
     names = [*compared.rows["recording"].unique()]
     loads = study.rows("quality", finding=GIVEN_LOAD, recording=names)
@@ -124,8 +125,8 @@ def _under_given_load(
 
 
 def _without_targets(study: StudyTables, robot: str) -> Iterator[Verdict]:
-    """Yield why links are not judged; of those found from measured torques, how many base
-    parameters these determine.
+    """Yield why links are not judged; for links fitted to measured torques, with the number of
+    determined base parameters.
     """
     found = study.rows("parameters", robot=[*study.placeholders])
     if len(found):

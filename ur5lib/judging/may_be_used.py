@@ -11,7 +11,7 @@ from ur5lib.records.verdicts import Reason, Use
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.metrics import NORMAL95
 
-CONSTANT = "torque_constant"  # the name of a gain, too, in a fit
+CONSTANT = "torque_constant"  # in a fit, the gain of measured torques has this name, too
 UNLIKELY, UNPROVEN = "unlikely constant", "unproven fit"  # codes of remarks on a joint
 NO_MOTION, ONE_PATH = "no motion", "one path"
 
@@ -31,7 +31,7 @@ def may_be_used(parameter: Parameter, fitted: Friction, arm: Robot) -> MayBeUsed
 
 
 def _obstacles(parameter: Parameter, fitted: Friction, arm: Robot) -> Iterator[Reason]:
-    """Yield what forbids the use of a parameter, the worst first."""
+    """Yield the reasons against the use of a parameter, the gravest first."""
     codes, is_constant = codes_of(fitted, parameter.joint), parameter.name == CONSTANT
     if fitted.stopped is not None:
         yield "stopped"
@@ -41,7 +41,7 @@ def _obstacles(parameter: Parameter, fitted: Friction, arm: Robot) -> Iterator[R
         yield "contradicted"
     if UNPROVEN in codes:
         yield "unproven"
-    # links that are fitted to the measured efforts are in proportion to these, whatever their unit
+    # links fitted to the measured efforts scale with these: any constant fits
     if is_constant and arm.links != "known":
         yield "unknown_links"
     if not is_constant and (NO_MOTION in codes or _rests(fitted)):
@@ -51,7 +51,7 @@ def _obstacles(parameter: Parameter, fitted: Friction, arm: Robot) -> Iterator[R
 
 
 def _doubts(parameter: Parameter, fitted: Friction) -> Iterator[Reason]:
-    """Yield with which doubt a parameter is used, the largest first."""
+    """Yield the doubts about a usable parameter, the largest first."""
     if parameter.name == CONSTANT and _is_far(parameter, fitted):
         yield "far"
     if ONE_PATH in codes_of(fitted, parameter.joint):
@@ -59,25 +59,27 @@ def _doubts(parameter: Parameter, fitted: Friction) -> Iterator[Reason]:
 
 
 def codes_of(fitted: Friction, joint: int) -> set[str]:
-    """Return the codes of the remarks on a joint, from 1."""
+    """Return the codes of the remarks on a joint, counted from 1."""
     joints = fitted.fit.joints
     return {remark.code for remark in joints[joint - 1].remarks} if joints else set()
 
 
 def contradicted(fitted: Friction, joint: int) -> float | None:
-    """Return the constant of a joint, from 1, that contradicts the documented one; None without
-    any."""
+    """Return a joint's fitted constant if it contradicts the documented one, else None.
+
+    joint: counted from 1.
+    """
     joints = fitted.fit.joints
     return joints[joint - 1].contradicted if joints else None
 
 
 def _rests(fitted: Friction) -> bool:
-    """Return whether an arm was fitted in postures at rest alone."""
+    """Return whether an arm was fitted only in postures at rest."""
     return bool(fitted.at_rest) and not fitted.from_
 
 
 def _is_far(constant: Parameter, fitted: Friction) -> bool:
-    """Return whether a constant is farther from the documented one than on 95 % of arms."""
+    """Return whether |k - k_documented| > 1.96 σ_documented."""
     known, joint = fitted.known_constants, constant.joint - 1
     if known is None:
         return False
@@ -85,8 +87,9 @@ def _is_far(constant: Parameter, fitted: Friction) -> bool:
 
 
 def friction_rows(fitted: Friction, arm: Robot) -> list[FrictionRow]:
-    """Return torque constants, offsets and friction, by its terms and in total at a load; of a
-    torque constant, also the prior one, and the fitted one where that contradicts it.
+    """Return the rows of torque constants, offsets, friction terms, and total friction at a load.
+
+    A torque constant comes with its prior, and with the fitted value that contradicts this prior.
     """
     loads = {} if fitted.load is None else dict(enumerate(fitted.load.tolist(), start=1))
     rows = [FrictionRow(**_values(row, fitted, arm)) for row in fitted.parameters]
@@ -97,7 +100,7 @@ def friction_rows(fitted: Friction, arm: Robot) -> list[FrictionRow]:
 
 
 def torque_constants(fitted: Friction, arm: Robot) -> Iterator[TorqueConstant]:
-    """Yield the torque constants of these alone, a row for each joint of motors with currents."""
+    """Yield only the torque constants of `friction_rows`, one for each joint with currents."""
     names = [field.name for field in fields(TorqueConstant) if field.name != CONSTANT]
     for row in friction_rows(fitted, arm):
         if row.parameter == CONSTANT:

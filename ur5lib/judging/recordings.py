@@ -26,8 +26,8 @@ STATES: dict[str, tuple[State, Reason]] = {
 
 
 def judge_recordings(study: StudyTables) -> Iterator[Verdict]:
-    """Judge by the most serious finding, and count the findings; a recording that was left out is
-    more serious than an error.
+    """Judge by the most serious finding, and count the findings; an excluded recording is more
+    serious than an error.
     """
     quality = study.tables["quality"]
     serious = {*quality["severity"]}
@@ -61,7 +61,7 @@ def judge_recordings(study: StudyTables) -> Iterator[Verdict]:
 
 
 def worst_finding(study: StudyTables) -> "pd.Series | None":
-    """Return the most serious finding, of equal ones that of the largest share of frames."""
+    """Return the most serious finding; among equals, the one with the largest share of frames."""
     quality = study.tables["quality"]
     keys = ["recording", "device", "finding", "severity"]
     rows = quality.groupby(keys, sort=False, as_index=False)["count"].sum()
@@ -89,8 +89,8 @@ def lost_shares(study: StudyTables) -> dict[str, float]:
 
 
 def felt_while_fitted(study: StudyTables) -> list[str]:
-    """Return the recordings of the role fit on which a fit without them finds more contacts than
-    expected from the rate of alarms on the arm's other ones, and on usual ones.
+    """Return the fit recordings on which the arm was probably touched: a fit without the recording
+    finds more contacts there than the alarm rate on the arm's other fit recordings explains.
     """
     alarms = study.rows("contacts", estimate=LEADING, kind=[*OF_CONTACTS, "false"])
     found = alarms["recording"].value_counts()
@@ -100,13 +100,14 @@ def felt_while_fitted(study: StudyTables) -> list[str]:
     rows = rows.fillna({"alarms": 0})
     others = rows.groupby("arm")[["alarms", "seconds"]].transform("sum") - rows
     rate = (others["alarms"] + USUAL_ALARMS) / (others["seconds"] + USUAL_SECONDS)
-    chance = gammainc(rows["alarms"], rate * rows["seconds"])  # of as many or more, by Poisson
+    chance = gammainc(rows["alarms"], rate * rows["seconds"])  # Poisson: P(this many or more)
     return [*rows.index[len(rows) * chance < MAX_CHANCE_OF_ALARMS]]
 
 
 def uses(study: StudyTables) -> Iterator[RecordingUse]:
-    """Yield for each recording the purposes that it serves, and those that it may not, with the
-    reason; a recording that serves nothing has one row.
+    """Yield for each recording the purposes for which it may and may not be used, with the reason.
+
+    A recording without any purpose has one row.
     """
     served, refused, doubted = dict(_served(study)), [*_refused(study)], [*_doubts(study)]
     for name in study.roles():
@@ -124,7 +125,7 @@ def uses(study: StudyTables) -> Iterator[RecordingUse]:
 
 
 def _served(study: StudyTables) -> Iterator[tuple[str, set[str]]]:
-    """Yield what recordings serve, with their names."""
+    """Yield each purpose with the recordings that serve it."""
     errors, loads = study.rows("current_rmse", model="fitted"), {*study.loaded()}
     moving = {name for name in study.roles() if study.moving(name)}
     forces = study.rows("force_mae", during="contact", use="yes")
@@ -139,7 +140,7 @@ def _served(study: StudyTables) -> Iterator[tuple[str, set[str]]]:
 
 
 def _refused(study: StudyTables) -> Iterator[tuple[str, Reason, set[str]]]:
-    """Yield what recordings do not serve, the reason, and their names."""
+    """Yield each refused purpose with the reason and the recordings."""
     stops = study.rows("quality", severity="stop")
     stopped = {*stops.loc[stops["finding"] != UNREADABLE, "recording"]}
     yield "all", "stopped", stopped
@@ -154,7 +155,7 @@ def _refused(study: StudyTables) -> Iterator[tuple[str, Reason, set[str]]]:
 
 
 def _doubts(study: StudyTables) -> Iterator[tuple[str, Reason, set[str]]]:
-    """Yield doubts about what recordings serve all the same, the graver of two last."""
+    """Yield each doubtful purpose with the doubt and the recordings, the graver doubts last."""
     yield "fit", "felt", {*felt_while_fitted(study)}
     yield "fit", "touched", {*study.touched()}
     yield "links", "fitted", {*study.with_role("fit")}

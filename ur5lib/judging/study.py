@@ -1,4 +1,4 @@
-"""The tables of a study with what the study says of its recordings and arms."""
+"""The tables of a study, and its configuration of recordings and arms."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
@@ -33,9 +33,9 @@ OPTIONAL = {  # tables that not every study has
 class StudyTables:
     """The tables of a study, by name, and its configuration.
 
-    placeholders: the arms with links found from their measured torques; effort: that is measured,
-    of torques where all arms measure these; bearing: by arm, the joints that gravity loads; loads:
-    by arm, a load [kg] that it carries well.
+    placeholders: the arms with links fitted to measured torques; effort: the measured effort,
+    torque if all arms measure it, else current; bearing: by arm, the joints that gravity loads;
+    loads: by arm, a load [kg] that it carries safely.
     """
 
     study: Mapping[str, Any]
@@ -52,7 +52,7 @@ class StudyTables:
         return self._only(entries, robot)
 
     def _only(self, entries: Sequence[Mapping[str, Any]], robot: str) -> Self:
-        """Return the results of some recordings, all of one arm, and of this arm."""
+        """Return the results of one arm and of its recordings `entries`."""
         known = {"recording": [one["name"] for one in entries], "robot": robot}
         tables = {
             table: self.rows(table, **{key: known[key] for key in known if key in rows})
@@ -66,12 +66,12 @@ class StudyTables:
         return [name for name in self.roles() if name not in used]
 
     def roles(self) -> dict[str, str]:
-        """Return the role of each recording, AT_REST of postures, which have no other use."""
+        """Return the role of each recording; recordings of postures have AT_REST."""
         entries = self.study["recordings"]
         return {one["name"]: AT_REST if one.get("still") else one["role"] for one in entries}
 
     def with_role(self, role: str, among: Iterable[str] | None = None) -> list[str]:
-        """Return the names of the recordings with a role, of all or among some."""
+        """Return the names of the recordings with a role, from all or from `among`."""
         roles = self.roles()
         names = roles if among is None else {*among}
         return [name for name in roles if roles[name] == role and name in names]
@@ -94,7 +94,7 @@ class StudyTables:
         }
 
     def stopped(self) -> bool:
-        """Return whether a recording or an arm contradicts the study; one that cannot be read does
+        """Return whether a recording or an arm contradicts the study; an unreadable recording does
         not.
         """
         found = self.rows("quality", severity="stop")["finding"]
@@ -106,7 +106,7 @@ class StudyTables:
         return str(entries[recording].get("file", recording))
 
     def loaded(self) -> list[str]:
-        """Return the recordings with an undeclared load that is certain by the currents."""
+        """Return the recordings on which the currents prove an undeclared load."""
         return [*self.rows("payload", taken="yes")["recording"]]
 
     def touched(self) -> list[str]:

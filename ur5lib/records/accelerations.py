@@ -15,9 +15,9 @@ COMPONENTS = {"x": "m/s2", "y": "m/s2", "z": "m/s2", "rx": "rad/s2", "ry": "rad/
 class Accelerations(SegmentedTable):
     """Linear and angular acceleration at the IMU's place, base frame, (N, 6) [m/s², rad/s²].
 
-    felt: by the calibrated IMU, acceleration: by estimate; causal_felt, causal: by the IMU
-    as mounted and through Euler angles, with a causal filter. None and empty where no IMU's clock
-    could be estimated from its motion.
+    felt: by the calibrated IMU; acceleration: by estimate; causal_felt, causal: with a causal
+    filter, by the IMU as mounted and through Euler angles. None and empty if no IMU's clock could
+    be estimated from its motion.
     """
 
     felt: Array | None = channel("felt", MOTION, SIX, optional=True)
@@ -36,9 +36,10 @@ class AccelerationErrors:
 
 @dataclass(frozen=True)
 class Difference:
-    """How far encoders and IMU differ in a range of frequency, x, y, z [m/s²], rx, ry, rz [rad/s²].
+    """The difference of encoders and IMU in a range of frequency, x, y, z [m/s²], rx, ry, rz
+    [rad/s²].
 
-    square: (6,), mean squares; quantiles: (101, 6), of the absolute difference.
+    square: (6,), mean squares; quantiles: (101, 6), percentiles of the absolute difference.
     """
 
     square: Array

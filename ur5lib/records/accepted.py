@@ -1,4 +1,4 @@
-"""Stop signs that the study accepts by their kind: they become warnings with its reasons."""
+"""Stop signs of the kinds that the study accepts become warnings with the study's reasons."""
 
 from collections.abc import Container, Iterable, Iterator, Mapping
 
@@ -8,7 +8,7 @@ ACCEPTED = "accepted stop sign"  # the finding that the study overrules a stop s
 
 
 def up_to_first_standing(signs: Iterable[Finding], accepted: Container[str]) -> Iterator[Finding]:
-    """Yield stop signs up to the first of a kind that is not accepted: others follow from it."""
+    """Yield stop signs up to the first that is not accepted, which causes the following ones."""
     for sign in signs:
         yield sign
         if sign.kind not in accepted:
@@ -16,7 +16,7 @@ def up_to_first_standing(signs: Iterable[Finding], accepted: Container[str]) -> 
 
 
 def accepting(found: Contradictions, accepted: Mapping[str, str]) -> Contradictions:
-    """Return contradictions with accepted stop signs as warnings, and notes on needless reasons.
+    """Return contradictions with accepted stop signs as warnings, and notes on unused reasons.
 
     accepted: the study's reasons by kind.
     """
@@ -35,5 +35,5 @@ def accepting(found: Contradictions, accepted: Mapping[str, str]) -> Contradicti
 
 
 def accepted_sign(sign: str, reason: str) -> str:
-    """Return the words of a stop sign that the study accepts, and why."""
+    """Return the sentence of an accepted stop sign, with the study's reason."""
     return f"accepted by the study: {reason}; found: {sign}"

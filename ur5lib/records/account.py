@@ -1,11 +1,11 @@
-"""The account of an imported file: what each of its columns was taken for, and why."""
+"""The account of an imported file: the channel assigned to each of its columns, and why."""
 
 from dataclasses import dataclass
 from typing import Literal
 
 Evidence = Literal["option", "name", "numbers", "position"]
 Confidence = Literal["check", "proven", "assumed", "left out"]
-NOTHING = "nothing"  # what a column that is left out was taken for
+NOTHING = "nothing"  # the channel of a column that is left out
 UNKNOWN_NAME = "no channel is named so; if it is one, write its name in the entry"
 
 

@@ -7,9 +7,9 @@ from ur5lib.robots.description import Robot
 
 
 class ArmFits(Opened):
-    """What is known of an arm.
+    """An arm and its fits.
 
-    described, identified: without and with the models that were identified.
+    described, identified: the arm without and with its identified models.
     """
 
     described: Robot

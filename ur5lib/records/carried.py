@@ -18,10 +18,9 @@ PLACE, TURN = 0.005, 0.01  # m, rad
 
 @dataclass(frozen=True)
 class Carried:
-    """The payload on the flange, its source, and the one that the controller counts
-    with.
+    """The payload on the flange, its source, and the one that the controller assumes.
 
-    Currents contain the torque of `payload`, `target_moment` that of `configured`; None: nothing.
+    Currents contain the torque of `payload`, `target_moment` that of `configured`; None: no load.
     """
 
     payload: Payload | None
@@ -43,10 +42,10 @@ def carried(declared: Payload | None, signals: Signals) -> Carried:
 
 
 def configured_payload(signals: Signals) -> Payload | None:
-    """Return the payload that the controller was given, the medians of RTDE's channels.
+    """Return the payload configured in the controller, the medians of RTDE's channels.
 
-    Centre of mass and inertia are zero where they were not recorded. None where no mass was
-    recorded, or none is carried.
+    Centre of mass and inertia are zero if they were not recorded. None if no mass was recorded, or
+    if it is zero.
     """
     if signals.payload is None:
         return None
@@ -61,17 +60,17 @@ def configured_payload(signals: Signals) -> Payload | None:
 
 
 def medians(values: Array | None, count: int) -> Any:
-    """Return the median of each of some columns, zero where it was not recorded."""
+    """Return the medians (count,) of columns, or zeros if they were not recorded."""
     if values is None or not np.isfinite(values).any():
         return (0.0,) * count
     return tuple(np.nan_to_num(np.nanmedian(values, axis=0)).tolist())
 
 
 def disagreements(declared: Payload | None, tcp: Six | None, signals: Signals) -> list[Finding]:
-    """Return where a study's payload and tool centre point differ from the controller's.
+    """Return findings where the study's payload and tool centre point differ from the controller's.
 
-    declared, tcp: of the study, None where it declares none; tcp: position [m] and rotation vector
-    [rad] in frame 6. What was not recorded cannot differ.
+    declared, tcp: of the study, None if undeclared; tcp: position [m] and rotation vector [rad] in
+    frame 6. Quantities that were not recorded are not compared.
     """
     found = {
         "payload": _other_payload(declared, signals),

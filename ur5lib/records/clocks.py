@@ -8,7 +8,7 @@ from ur5lib.errors import Remark
 from ur5lib.timeseries.arrays import Array
 
 # Standard deviation of an unknown drift. Quartz is accurate to 1e-4, but a host's software makes
-# the stamps: the only host with a measured drift, the thesis's, is off by 0.0033.
+# the stamps: the only host with a measured drift, the thesis's, drifts by 0.0033.
 UNKNOWN_DRIFT_STD = 0.003
 
 
@@ -43,8 +43,8 @@ class ClockRelation:
 class OwnClock(ClockRelation):
     """A device's clock from its own start stamp and motion.
 
-    warning: why motion does not determine it, None if it does; stamps: the offset by start stamps
-    alone [s].
+    warning: why motion does not determine it, else None; stamps: the offset by start stamps only
+    [s].
     """
 
     warning: Remark | None
@@ -53,7 +53,7 @@ class OwnClock(ClockRelation):
 
 @dataclass(frozen=True)
 class SettledClock(ClockRelation):
-    """The clock by which a device's samples are put on the robot's time.
+    """The clock that maps a device's samples to the robot's time.
 
     warning: of its own clock; end_std: standard error at the end of the recording [s].
     """

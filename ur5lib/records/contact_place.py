@@ -1,4 +1,4 @@
-"""The place in frame 6 where contacts of a recording are assumed, and what says so."""
+"""The assumed place of a recording's contacts in frame 6, and its source."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -10,17 +10,17 @@ from ur5lib.timeseries.arrays import Array
 
 Source = Literal["study", "tool", "tcp_offset", "actual_TCP_pose", "sensor", "payload", "none"]
 
-TOOL_RADIUS = 0.03  # m; a tool reaches this far about its tool centre point
-TOOL_WEIGHT = 20.0  # samples for which a place counts in addition to the contact's own
-WRIST_RADIUS = 0.1  # m; the same where there is no tool centre point
+TOOL_RADIUS = 0.03  # m; of a tool about its tool centre point
+TOOL_WEIGHT = 20.0  # the prior on the place has the weight of this many samples of the contact
+WRIST_RADIUS = 0.1  # m; of the wrist, without a tool centre point
 WRIST_WEIGHT = 1.0
-MIN_TCP_DISTANCE = 0.005  # m; a tool centre point that is nearer to the flange was never set
+MIN_TCP_DISTANCE = 0.005  # m; a tool centre point closer to the flange counts as never set
 
 
 @dataclass(frozen=True)
 class ContactPlace:
-    """Where contacts are assumed: point [m], in frame 6, within some metres; weight: samples for
-    which this counts in addition to those of a contact; source: what says so.
+    """The prior on the place of contacts: point [m] in frame 6, with radius `within` [m]; weight:
+    in samples of a contact; source: of the point.
     """
 
     point: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -29,12 +29,12 @@ class ContactPlace:
     source: Source = "none"
 
     def farther(self, distance: float) -> Self:
-        """Return a place farther along z of frame 6 [m]."""
+        """Return the place moved by a distance [m] along z of frame 6."""
         x, y, z = self.point
         return replace(self, point=(x, y, z + distance))
 
     def on(self, rotation: Array) -> Array:
-        """Return the place (N, 3) [m] from the origin of frame 6, base axes; rotation: R_6."""
+        """Return the vector (N, 3) [m] from frame 6 to the place, base axes; rotation: R_6."""
         return np.asarray(rotation @ np.array(self.point))
 
 
@@ -64,12 +64,11 @@ def contact_place(
     tools: dict[Source, Sequence[float] | None],
     centers: dict[Source, Sequence[float] | None],
 ) -> ContactPlace:
-    """Return the place of contacts: as the study states it, else the first tool centre point, else
-    the first centre that is given; points [m], frame 6.
+    """Return the place of contacts: by the study, else the first tool centre point, else the first
+    centre; points [m], frame 6.
 
-    stated: point and within how many metres; tools: tool centre points, of which those on the
-    flange were never set; centers: of what is mounted on the flange, about which contacts may be
-    anywhere on the wrist.
+    stated: point and radius [m]; tools: tool centre points, ignored on the flange (never set);
+    centers: of parts mounted on the flange, with contacts anywhere on the wrist.
     """
     if stated is not None:
         point, within = stated

@@ -14,7 +14,7 @@ Cause = Literal["late_alarm", "constants", "stiction", "friction"]  # of an erro
 Kind = Literal["contact", "load", "off_flange", "false"]  # of an alarm
 OFF_FLANGE: Kind = "off_flange"
 WHOLE = "norm"  # the component of all three axes together
-OF_CONTACTS: list[Kind] = ["contact", OFF_FLANGE]  # neither loads nor false
+OF_CONTACTS: list[Kind] = ["contact", OFF_FLANGE]  # kinds of alarms by a contact
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,7 +138,7 @@ class Contacts:
     places: list[PlaceRow] = field(default_factory=list)
 
     def findings(self) -> list[Finding]:
-        """Return where a sensor shows another place of contacts than the one that is assumed."""
+        """Return a finding if a sensor shows another place of contacts than the assumed one."""
         return [found for row in self.places if (found := _other_place(row))]
 
 

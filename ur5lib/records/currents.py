@@ -14,11 +14,11 @@ class Currents(SegmentedTable):
 
     predicted_current and current_band, half its 95 % band [A], or, where torques are measured,
     predicted_torque and torque_band [Nm]; external_torque: the environment acting on the arm [Nm];
-    load_doubt: standard deviation that an estimated load leaves [Nm]; gear_torque, friction_torque:
-    what the gears transmit, and their friction, in that motion without contact [Nm]; load_loss:
-    friction per torque transmitted, with its sign [Nm/Nm]; all three low-passed as the external
-    torque; tared: (N,), where the external torque is counted from an untouched span, None without
-    one. All None where no currents were recorded, or no recording could be fitted.
+    load_doubt: standard deviation from the error of an estimated load [Nm]; gear_torque,
+    friction_torque: transmitted torque and friction of the gears in the same motion without contact
+    [Nm]; load_loss: signed friction per transmitted torque [Nm/Nm]; all three low-passed as the
+    external torque; tared: (N,), where the external torque is relative to an untouched span, None
+    without one. All None if no currents were recorded, or no recording could be fitted.
     """
 
     predicted_current: Array | None = channel("predicted_current", "A", JOINTS, optional=True)
@@ -39,5 +39,5 @@ class Currents(SegmentedTable):
 
     @property
     def band(self) -> Array | None:
-        """Return half the 95 % band (N, n) of the predicted efforts."""
+        """Return the half-width (N, n) of the 95 % band of the predicted efforts."""
         return self.current_band if self.torque_band is None else self.torque_band

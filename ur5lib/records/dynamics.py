@@ -1,4 +1,4 @@
-"""Where the flange is at the measured positions, and joint torques of the link models."""
+"""The flange's pose at the measured positions, and joint torques of the link models."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -27,7 +27,7 @@ class Kinematics(Table):
 
     @classmethod
     def of(cls, time: Array, rotation: Array, origin: Array, jacobian: Array) -> Self:
-        """Return the record of `flange_kinematics`, with the smallest singular values."""
+        """Return the record from the results of `flange_kinematics`, with singular values."""
 
         def smallest(J: Array) -> Array:
             return np.linalg.svd(J, compute_uv=False)[:, -1].astype(float)
@@ -46,7 +46,7 @@ class Torques(SegmentedTable):
     """Inverse dynamics and its parts, (N, 6) [Nm] each.
 
     target, measured: by link model, at the targets and at the measured motion, with the payload
-    that the controller was given; payload_torque: what the true payload adds to that.
+    configured in the controller; payload_torque: true payload less configured payload.
     """
 
     interpolated: Mask = channel("interpolated", "1", dtype=np.bool_)

@@ -1,4 +1,4 @@
-"""A recording with its forces, and what they are compared with."""
+"""A recording with its forces, and the sensor's wrenches that they are compared with."""
 
 from ur5lib.records.accelerations import Accelerations, ImuComparison
 from ur5lib.records.contacts import Contacts
@@ -9,9 +9,9 @@ from ur5lib.records.predicted_recording import PredictedRecording
 
 
 class EstimatedRecording(PredictedRecording):
-    """All that is known of a recording.
+    """A recording with its estimated forces.
 
-    further: a topic's estimates of its force, None without.
+    further: force estimates of a topic, None without any.
     """
 
     forces: Forces

@@ -1,4 +1,4 @@
-"""What a force sensor shows of the estimates, and of itself."""
+"""The estimates' errors against a force sensor, and the sensor's own readings."""
 
 from dataclasses import dataclass, field
 
@@ -93,7 +93,7 @@ class SensorAccount:
     mounting_doubt: Remark | None = None
 
     def findings(self) -> list[Finding]:
-        """Return why the sensor's mounting and bias may be wrong."""
+        """Return findings with the reasons why the sensor's mounting and bias may be wrong."""
         found = []
         if self.mounting_doubt is not None:
             detail = self.mounting_doubt.text

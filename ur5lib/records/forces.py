@@ -14,19 +14,19 @@ REFERENCES = ("printed", "corrected", "compensated")
 
 
 class Estimate(Protocol):
-    """What an estimator of the contact wrench states, see `ur5lib.force.estimators.Stated`."""
+    """An estimator's contact wrench and band, see `ur5lib.force.estimators.Stated`."""
 
     @property
     def wrench(self) -> Array:
-        """(N, 6) [N, Nm]."""
+        """The contact wrench (N, 6) [N, Nm]."""
 
     @property
     def std(self) -> Array | None:
-        """Its standard deviation (N, 6)."""
+        """The wrench's standard deviation (N, 6) [N, Nm], None if it is not stated."""
 
     @property
     def log_odds(self) -> Array | None:
-        """Log-odds (N,) of contact, None of an estimator that is not gated."""
+        """Log-odds (N,) of contact, None if the estimator is not gated."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,10 +34,10 @@ class Forces(SegmentedTable):
     """Contact wrenches from currents: the environment acting on the arm, base axes, frame 6's
     origin, (N, 6) [N, Nm].
 
-    wrench and, where it states one, std, its standard deviation, by estimate; log_odds: that there
-    is a contact, (N,), given all samples; background: (N, 6) [Nm], slow external torque that is no
-    contact; if_untouched: (N,), where no contact is found: there, the leading estimate's band is
-    valid only if nothing touches the arm.
+    wrench, and std, its standard deviation, if stated: by estimate; log_odds: of a contact given
+    all samples, (N,); background: (N, 6) [Nm], slow external torque that is no contact;
+    if_untouched: (N,), where no contact is found: there, the leading estimate's band is valid only
+    if nothing touches the arm.
     """
 
     wrench: dict[str, Array] = channel("{}", "N, Nm", WRENCH)
@@ -70,8 +70,8 @@ class Forces(SegmentedTable):
 
 @dataclass(frozen=True, kw_only=True)
 class FurtherForces(SegmentedTable):
-    """Estimates other than this study's, as of its controller or a topic, (N, 6) [N, Nm]: as
-    printed, and put right; the environment acting on the arm, base axes.
+    """Estimates from other sources, such as the controller or a topic, (N, 6) [N, Nm]: as printed,
+    and corrected; the environment acting on the arm, base axes.
     """
 
     printed: dict[str, Array] = channel("printed_{}", "N, Nm", WRENCH)
@@ -82,9 +82,9 @@ class FurtherForces(SegmentedTable):
 class SensorWrenches(SegmentedTable):
     """The force sensor's wrench, (N, 6) [N, Nm], the environment acting on the arm, base axes.
 
-    printed: the raw reading; corrected: less its mean at the start, both placed by start stamps;
-    compensated: by the best clock, less bias and tool weight; the last two at frame 6's origin.
-    plain: what plain least squares states, the simplest rival of the estimates.
+    printed: the raw reading; corrected: less its mean at the start, both timed by start stamps;
+    compensated: timed by the best clock, less bias and tool weight; the last two at frame 6's
+    origin. plain: the wrench by plain least squares, for comparison with the estimates.
     """
 
     wrench: dict[str, Array] = channel("{}", "N, Nm", WRENCH, keys=REFERENCES)

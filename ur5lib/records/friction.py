@@ -11,8 +11,8 @@ from ur5lib.robots.friction import coefficient_names
 from ur5lib.tables import BY_KEY
 from ur5lib.timeseries.arrays import Array
 
-MAX_PRIOR_SHARE = 0.5  # above it, the data do not determine a parameter
-# The names of a joint's total friction begin with it; the velocity [rad/s] follows.
+MAX_PRIOR_SHARE = 0.5  # of a parameter that the data determine
+# Names of a joint's total friction begin with this; the velocity [rad/s] follows.
 TOTAL = "total_"
 
 
@@ -22,7 +22,7 @@ class CoefficientEstimate:
 
     coefficients: (P,), of the torque [A/Nm], an offset [A] and friction terms; shares: (4, P), of
     the information on them, see `shares_of_knowledge`; replicates: (B, P), of the bootstrap over
-    recordings; std_error: (P,), of `physical_values` values.
+    recordings; std_error: (P,), of the parameters that `physical_values` returns.
     """
 
     coefficients: Array
@@ -40,16 +40,15 @@ class CoefficientEstimate:
 class JointFit:
     """One joint's map from motion to current.
 
-    terms: of friction; held: (1 + D,) [A], friction at rest beyond that in motion, may be negative,
-    and what of it reverses over D other distances [rad], see `held_columns`;
-    band_moving, band_reversing, band_standing, band_unknown: half of the 95 % band [A] around the
-    low-passed current of a recording that was left out, by its `MotionState`, without what days
-    change;
-    unseen: (P,), see `unseen_difference`; remarks: doubts about the fit; doubt:
-    (P, P), covariance of the coefficients where no motion that was left out shows their errors;
-    alone: (P,), coefficients that the currents alone would give, None unless their torque constant
-    contradicts the documented one, which the estimate then keeps; alone_half: of the 95 % interval
-    of its 1/k [A/Nm].
+    terms: of friction; held: (1 + D,) [A], friction at rest in excess of that in motion, may be
+    negative, and its parts that reverse over D other distances [rad], see `held_columns`;
+    band_moving, band_reversing, band_standing, band_unknown: half-width of the 95 % band [A] of a
+    left-out recording's low-passed current, by its `MotionState`, without the variation from day to
+    day; unseen: (P,), see `unseen_difference`; remarks: doubts about the fit; doubt: (P, P),
+    covariance of the coefficients if no left-out motion shows their errors; alone: (P,), the
+    coefficients without the prior, None unless their torque constant contradicts the documented
+    one, which the estimate then keeps; alone_half: half-width of the 95 % interval of 1/k in
+    `alone` [A/Nm].
     """
 
     terms: tuple[str, ...]
@@ -72,29 +71,30 @@ class JointFit:
 
     @property
     def bands(self) -> tuple[float, ...]:
-        """The bands [A] by `MotionState`."""
+        """Half-widths of the 95 % band [A], in the order of `MotionState`."""
         return self.band_moving, self.band_reversing, self.band_standing, self.band_unknown
 
     @property
     def contradicted(self) -> float | None:
-        """The torque constant [Nm/A] that contradicts the documented one, None without any."""
+        """The torque constant [Nm/A] that contradicts the documented one, else None."""
         return None if self.alone is None else float(1 / self.alone[0])
 
     def surely_above(self, known: float) -> bool:
-        """Return whether the constant that contradicts is above `known` [Nm/A], or negative, by its
-        own error.
+        """Return whether 1/k, with its 95 % interval, is below 1/known: k > known [Nm/A] or k < 0.
+
+        k: the contradicting torque constant.
         """
         return self.alone is not None and float(self.alone[0]) + self.alone_half < 1 / known
 
     def std_error(self) -> Array:
-        """Return the standard errors (P,) of the arm's parameters on any day."""
+        """Return the standard errors (P,) of the parameters, including variation between days."""
         return np.hypot(self.estimate.std_error, self.unseen)
 
 
 @dataclass(frozen=True)
 class CurrentFit:
-    """The maps of the joints; units: number of paths, or of stretches if paths are few; dates: of
-    the recordings, ISO 8601, as far as they are given.
+    """The maps of the joints; units: number of paths, or of stretches if paths are few; dates: the
+    given ones of the recordings, ISO 8601.
     """
 
     joints: tuple[JointFit, ...]
@@ -106,7 +106,7 @@ class CurrentFit:
 class Parameter:
     """One fitted value in SI units, or the friction of all terms; joint 1 to 6; interval: 95 %.
 
-    prior_share, arm_share, day_share, run_share: of the information on it, see
+    prior_share, arm_share, day_share, run_share: shares of the information on the value, see
     `shares_of_knowledge`.
     """
 
@@ -123,7 +123,7 @@ class Parameter:
 
     @property
     def rests_on_prior(self) -> bool:
-        """Return whether other arms determine it more than these recordings."""
+        """Return whether the prior (other arms) contributes most of the information."""
         return self.prior_share > MAX_PRIOR_SHARE
 
 
@@ -132,7 +132,7 @@ NO_FIT = CurrentFit((), 0)
 
 @dataclass(frozen=True)
 class LeftOut:
-    """A fit without the paths of some recordings, by which these are judged."""
+    """A fit without the paths of some recordings, used to judge these recordings."""
 
     recordings: list[str]
     fit: CurrentFit
@@ -140,7 +140,7 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class KnownConstants:
-    """Torque constants (6,) [Nm/A] that are given before the fit, and their standard errors."""
+    """Documented torque constants (6,) [Nm/A], and their standard errors."""
 
     value: Array
     std_error: Array
@@ -150,17 +150,17 @@ class KnownConstants:
 class Friction:
     """friction.json: the map from motion to motor current of an arm.
 
-    from_: the recordings in motion of the fit, none where friction is what other arms have;
-    at_rest: those of postures, which show torque constants alone; paths: number of trajectories;
-    period: the longest step between their samples [s], None without any; left_out: fits that
-    predict what they have not seen; explained: (6,), share of the currents' variance that these
-    explain, None of a single path; load: (6,) [Nm], mean size of the links' torque in motion over
-    the fit, NaN of a joint that does not move, None without recordings; totals: friction of all
+    from_: the fitted recordings in motion, empty if the friction is only the prior; at_rest: the
+    fitted recordings of postures, which determine only torque constants; paths: number of
+    trajectories; period: the longest step between samples [s], None without any; left_out: fits
+    without some paths; explained: (6,), share of the currents' variance that these fits explain on
+    the left-out paths, None with a single path; load: (6,) [Nm], mean |torque of the links| in
+    motion, NaN for a joint that does not move, None without recordings; totals: friction of all
     terms at that load, see `total_friction`; least_squares: (6, 4), the baseline's coefficients;
     cross_validation: (R, R, 6) [A], RMSE of a fit to one recording, tested on another; model: link
-    model of the torques; stopped: how the recordings contradict the arm; refused: why else there is
-    no fit; remarks: what the fit contradicts, but the study accepts; effort: the quantity of
-    `channels.Effort` that is predicted.
+    model of the torques; stopped: how the recordings contradict the arm; refused: other reasons why
+    there is no fit; remarks: contradictions that the study accepts; effort: the predicted quantity
+    of `channels.Effort`.
     """
 
     __pydantic_config__ = BY_KEY
@@ -186,14 +186,14 @@ class Friction:
 
     @property
     def measured(self) -> Effort:
-        """Return what is predicted: currents, or torques, which have gains as torque constants."""
+        """Return the predicted effort: currents, or torques, with gains in place of constants."""
         return EFFORTS[self.effort]
 
     def fit_for(self, recording: str) -> CurrentFit:
-        """Return the fit without a recording's path, or the only one there is."""
+        """Return the fit without a recording's path, or the fit to all if there is none."""
         return next((own.fit for own in self.left_out if recording in own.recordings), self.fit)
 
 
 def without_totals(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the rows of the table of friction that are of single parameters."""
+    """Return the rows of friction.csv except those of total friction."""
     return rows[~rows["parameter"].astype(str).str.startswith(TOTAL)]

@@ -1,4 +1,4 @@
-"""What is judged of a recording by itself, without a sensor and its contacts."""
+"""The judgement of a recording without a sensor and its contacts."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -131,8 +131,8 @@ class LoadRow:
 
 @dataclass(frozen=True, kw_only=True)
 class Judgement:
-    """judgement.json: findings about a recording, for the table `quality`, and its rows of the
-    tables that the other fields name.
+    """judgement.json: findings about a recording, for the table `quality`, and its rows for the
+    tables with the names of the other fields.
     """
 
     findings: list[Finding] = field(default_factory=list)

@@ -7,7 +7,7 @@ from ur5lib.timeseries.arrays import Array
 
 
 class Measured(NamedTuple):
-    """What a controller states: time (N,) [s], q, qd, current (N, n); qd None where it does not."""
+    """Controller data: time (N,) [s], q [rad], qd [rad/s], current [A] (N, n); qd may be None."""
 
     time: Array
     period: float
@@ -25,7 +25,7 @@ class Measured(NamedTuple):
         )
 
     def at(self, rows: Any) -> Self:
-        """Return some samples."""
+        """Return the samples `rows`."""
         step = rows.step if isinstance(rows, slice) else 1
         qd, period = self.qd, self.period * (step or 1)
         some_qd = None if qd is None else qd[rows]

@@ -9,7 +9,7 @@ from ur5lib.timeseries.arrays import Array
 
 @dataclass(frozen=True)
 class Excitation:
-    """What the motion of some recordings determines at a given noise of the torques.
+    """The parameters that the motion of recordings determines at a given noise of the torques.
 
     condition: condition numbers of the regressor's columns, by group of base parameters and for
     "all"; infinite if a column is zero; combinations: number of independent combinations of the
@@ -52,7 +52,7 @@ class BaseParameter:
     """A base parameter in SI units.
 
     parameter: its name, with the parameters that are grouped with it; determined: whether the data
-    determine it; weights: (P,), of the arm's parameters π in the sum that it is.
+    determine it; weights: (P,), w of the sum wᵀ π over the arm's parameters π.
     """
 
     parameter: str
@@ -64,11 +64,11 @@ class BaseParameter:
 
 @dataclass(frozen=True, kw_only=True)
 class Identification:
-    """identification.json: the rigid bodies that the controller's torques show.
+    """identification.json: the rigid bodies identified from the controller's torques.
 
     from_: the recordings with torques; noise: of the torques (n,) [Nm]; mae [Nm] and
-    smallest_eigenvalues [kg m², kg]: (n,), "without constraint" and "consistent"; refused: why
-    nothing was identified.
+    smallest_eigenvalues [kg m², kg]: (n,) each, for the fits "without constraint" and "consistent";
+    refused: why nothing was identified.
     """
 
     __pydantic_config__ = BY_KEY

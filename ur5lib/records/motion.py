@@ -10,7 +10,7 @@ from ur5lib.records.table import JOINTS, XYZ, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.kalman import InnovationTest
 
-# An arm at rest is read the same again within this [rad]. Friction reverses over as much.
+# rad; repeated readings of an arm at rest agree within this, over which friction reverses, too.
 SAME_POSTURE = 1e-4
 
 
@@ -19,10 +19,10 @@ class Motion(SegmentedTable):
     """Positions [rad], velocities [rad/s] and accelerations [rad/s²] of the joints on the link's
     side, their standard deviations, and velocities on the motor's side, (N, 6) each.
 
-    Links vibrate against motors; friction acts on the motors' side. Where an IMU is to be added, it
-    also has what the smoother took to drive the joints and to disturb their encoders, (N, 6) each:
-    jerk, vibration: intensities of white jerks; position_noise, velocity_noise: standard
-    deviations; shared: the covariance that it leaves to velocities and accelerations.
+    Links vibrate against motors; friction acts on the motors' side. For the fusion with an IMU, it
+    also has the smoother's process and encoder noise, (N, 6) each: jerk, vibration: intensities of
+    white jerks; position_noise, velocity_noise: standard deviations; shared: posterior covariance
+    of velocity and acceleration.
     """
 
     q: Array = channel("q", "rad", JOINTS)
@@ -40,16 +40,15 @@ class Motion(SegmentedTable):
 
 
 def posture_change(before: Motion, own: Motion) -> Array:
-    """Return by how much joints (n,) [rad] moved between two recordings."""
+    """Return the motion (n,) [rad] of joints between two recordings."""
     return own.q[0] - before.q[-1]
 
 
 def motions_before(own: Motion, chain: Sequence[str], motion: Mapping[str, Motion]) -> list[Motion]:
-    """Return the motions of a chain of recordings before one, oldest first, each of which begins
-    where the one before ended.
+    """Return the motions before a recording, oldest first, each beginning where the last one ended.
 
-    chain: their names, oldest first; motion: of those that can be read. It is cut behind the last
-    that cannot, or after which the arm was moved.
+    chain: names of the earlier recordings, oldest first; motion: of readable recordings. Motions
+    before an unreadable recording, or before the arm was moved in between, are left out.
     """
     known = [own]
     for name in reversed(chain):
@@ -64,9 +63,9 @@ def motions_before(own: Motion, chain: Sequence[str], motion: Mapping[str, Motio
 
 @dataclass(frozen=True, kw_only=True)
 class FusedMotion(Motion):
-    """The same from encoders and IMU, and the IMU's biases, (N, 3) [m/s², rad/s].
+    """The motion from encoders and IMU, and the IMU's biases, (N, 3) [m/s², rad/s].
 
-    It has no sample where no IMU's clock could be estimated from its motion.
+    Without samples if no IMU's clock could be estimated from its motion.
     """
 
     accelerometer_bias: Array = channel("accelerometer_bias", "m/s2", XYZ)
@@ -79,7 +78,7 @@ class FusedMotion(Motion):
 class MotionAccount:
     """The estimated noise by name, and the test of the innovations.
 
-    noise: what varies with time as its quantiles (3, 6) of 10, 50 and 90 %, what lasts as (6,).
+    noise: time-varying ones as quantiles (3, 6) of 10, 50 and 90 %, constant ones as (6,).
     """
 
     noise: dict[str, Array]
@@ -88,8 +87,8 @@ class MotionAccount:
 
 @dataclass(frozen=True)
 class Alignment:
-    """alignment.json: the clocks of the devices, by which the signals are aligned, and how well the
-    smoother's motion explains the encoders.
+    """alignment.json: the clocks that align the devices' signals, and the smoother's noise and test
+    of innovations on the encoders.
     """
 
     clocks: dict[str, SettledClock]

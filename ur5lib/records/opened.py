@@ -1,4 +1,4 @@
-"""What is on disk of one recording or arm, each file opened when it is first used."""
+"""The files of one recording or arm, each opened when it is first used."""
 
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 class Opened:
     """Records by the names of their fields, each read when it is first used, and kept.
 
-    A step that takes one is given, under the names of its fields, what its rule names so among its
-    inputs and params. name: of the recording or the arm.
+    The fields of a step's `Opened` are those inputs and params of its rule with the same names.
+    name: of the recording or the arm.
     """
 
     name: str = ""
@@ -17,7 +17,7 @@ class Opened:
     def __init__(
         self, loads: Mapping[str, Callable[[], Any]] = MappingProxyType({}), /, **known: Any
     ) -> None:
-        """Take what is in memory by field; loads: what reads each other field."""
+        """Take fields in memory, `known`; loads: a function for each other field that reads it."""
         vars(self).update(known, _loads=loads)
 
     if not TYPE_CHECKING:  # a type checker knows the fields by their annotations

@@ -1,4 +1,4 @@
-"""Numbers and lists as sentences have them, which findings, remarks and next steps share."""
+"""The notation of numbers and lists in the sentences of findings, remarks and next steps."""
 
 import math
 from collections.abc import Iterable
@@ -10,10 +10,10 @@ MAX_STATED_NUMBER = 9999
 
 
 def number(value: float | None, form: str = "") -> str:
-    """Return a number in words, with a minus sign; "unknown" of None and what is not finite.
+    """Return a number as text, with a true minus sign and without an exponent.
 
-    form: as of an f-string. Beyond four digits before the point it is "above 9999", and it never
-    has an exponent.
+    "unknown" for None and numbers that are not finite, "above 9999" with more than four digits
+    before the point. form: as of an f-string.
     """
     if value is None or not math.isfinite(value):
         return "unknown"
@@ -21,7 +21,7 @@ def number(value: float | None, form: str = "") -> str:
 
 
 def as_written(values: Iterable[float], form: str = "") -> str:
-    """Return numbers as a study writes them: between commas, with hyphens; form: as of `number`."""
+    """Return numbers in the notation of a study: commas, hyphens as minus; form: as of `number`."""
     return ", ".join(_bounded(value, form) for value in values)
 
 

@@ -23,7 +23,6 @@ class Postures:
     contradictions: Contradictions
 
     def held_torque(self, arm: Robot, model: str) -> Array:
-        """Return the torque (M, n) [Nm] by which an arm in the postures carries itself and its
-        payload."""
+        """Return the gravity torque (M, n) [Nm] of an arm with its payload in the postures."""
         loaded = arm.mounted(self.gravity).carrying(self.payload)
         return gravity_torque(loaded, model, self.q)

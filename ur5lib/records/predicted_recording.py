@@ -1,4 +1,4 @@
-"""A recording with the currents that its motion needs without contact."""
+"""A recording with the currents predicted for its motion without contact."""
 
 from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.currents import Currents
@@ -6,7 +6,7 @@ from ur5lib.records.prediction import Prediction
 
 
 class PredictedRecording(AlignedRecording):
-    """What is known of a recording before its forces are estimated."""
+    """A recording before its forces are estimated."""
 
     currents: Currents
     prediction: Prediction

@@ -1,4 +1,4 @@
-"""How well currents are predicted, and what the arm carried by these."""
+"""The errors of predicted currents, and the arm's load estimated from them."""
 
 from dataclasses import dataclass, field
 
@@ -12,10 +12,10 @@ from ur5lib.timeseries.arrays import Array
 class Scores:
     """Scores of one recording, (6,) each.
 
-    rmse: of the raw current [A]; of the low-passed current: rmse_lowpassed [A], mae [A], r2, and
-    coverage, the share of samples inside the 95 % band, and band_factor95, by which this would have
-    to be multiplied to contain 95 % of them; rmse_before_motion, coverage_before_motion: likewise
-    until a joint first moves, where nothing shows to which side friction acts; NaN elsewhere.
+    rmse: of the raw current [A]; of the low-passed current: rmse_lowpassed [A], mae [A], r2,
+    coverage, the share of samples inside the 95 % band, and band_factor95, the multiple of the band
+    that contains 95 % of them; rmse_before_motion, coverage_before_motion: the same until a joint
+    first moves, where the sign of friction is unknown, NaN without such samples.
     """
 
     rmse: Array
@@ -36,7 +36,9 @@ class Scores:
 
 @dataclass(frozen=True)
 class LoadEstimate:
-    """A load: mass, std_error [kg]; interval: 95 % [kg]; certain: significant in all parts."""
+    """A load: mass, std_error [kg]; interval: 95 % [kg]; certain: significant in all parts of the
+    recording.
+    """
 
     mass: float
     std_error: float
@@ -48,8 +50,8 @@ class LoadEstimate:
 class JudgedLoad(LoadEstimate):
     """An undeclared load in addition to the given payload, which has a mass `configured` [kg].
 
-    carried: both masses together [kg]; taken: whether the load is included in the prediction;
-    center_of_mass: (3,) [m], with its standard error; NaN of a load that is uncertain.
+    carried: sum of both masses [kg]; taken: whether the prediction includes the load;
+    center_of_mass: (3,) [m], with its standard error; NaN for an uncertain load.
     """
 
     configured: float
@@ -61,9 +63,9 @@ class JudgedLoad(LoadEstimate):
 
 @dataclass(frozen=True)
 class Prediction:
-    """currents.json: how well the currents of a recording are predicted, and what the arm carried.
+    """currents.json: scores of a recording's predicted currents by model, and the arm's load.
 
-    fitted: whether it is a recording of the fit; scores: by model.
+    fitted: whether the fit used the recording.
     """
 
     fitted: bool
@@ -76,8 +78,8 @@ class Prediction:
         return self.load is not None and self.load.taken
 
     def with_load(self, payload: Payload | None) -> Payload | None:
-        """Return what the arm carries: a given payload, and the undeclared load that the prediction
-        includes, a point mass, as one body.
+        """Return one body of the given payload and the undeclared load, a point mass, that the
+        prediction includes.
         """
         if self.load is None or not self.load.taken:
             return payload

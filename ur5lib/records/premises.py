@@ -1,4 +1,4 @@
-"""What a recording's torques and forces rest on."""
+"""The premises of a recording's torques and forces."""
 
 from dataclasses import dataclass, field
 
@@ -9,8 +9,8 @@ from ur5lib.records.quality import Contradictions
 
 @dataclass(frozen=True)
 class Premises:
-    """premises.json: the payload that the arm carries, what contradicts the study, and where
-    contacts are assumed.
+    """premises.json: the arm's payload, contradictions of the study, and the assumed place of
+    contacts.
     """
 
     load: Carried

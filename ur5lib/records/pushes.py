@@ -1,4 +1,4 @@
-"""The pushes that trials on an arm's contact-free recordings show to be detected."""
+"""The detected pushes in trials on an arm's contact-free recordings."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -11,22 +11,21 @@ SPEEDS = {
     0.0: "at rest",
     0.01: "slow",
     0.25: "fast",
-}  # of the flange, from [m/s] on
+}  # name of a motion by the least speed of the flange [m/s]
 
 
 @dataclass(frozen=True, kw_only=True)
 class SmallestPush:
     """A row of pushes.csv: the push along an axis that the leading estimate detects with 95 %.
 
-    motion: of the flange, slow or fast, or at rest, of the whole arm; axis: x, y or z of the base;
-    value [N], with its standard error and 95 % interval, empty where the trials do not determine it
-    or the arm is fitted to a single path; bound: ">" of a push beyond `largest_tried` [N], the
-    largest trial; seconds: duration of a trial push [s]; trials: number of those in this motion
-    along this axis, of which so many are `blind`, in poses in which two standard deviations of the
-    joints' torques exceed the largest contact that the gate expects, three typical ones: they count
-    nowhere else;
-    basis: unseen, if recordings that no fit has seen were among those tried, or fit; reason:
-    one_path, undetermined, or fitted, of a value by fit recordings alone.
+    motion: slow or fast (of the flange), or at rest (of the whole arm); axis: x, y or z of the
+    base; value [N], with standard error and 95 % interval, empty if the trials do not determine it
+    or the arm is fitted to a single path; bound: ">" if the push exceeds `largest_tried` [N];
+    seconds: duration of a trial push [s]; trials: their number in this motion along this axis;
+    blind: number of trials in poses in which two standard deviations of the joints' torques exceed
+    the largest contact that the gate expects, three typical ones; they count nowhere else; basis:
+    unseen if a recording that no fit has seen was tried, else fit; reason: one_path, undetermined,
+    or fitted (the value is from fit recordings only).
     """
 
     motion: str
@@ -49,14 +48,14 @@ class PushDirection:
     """A row of push_directions.csv: the push in a direction at a posture that the leading estimate
     detects with 95 %.
 
-    posture: which of all places of trials it is: stretched out or folded, with the flange farthest
-    from the base's origin or nearest; easiest or hardest, where the direction that joints feel
-    least needs the smallest or the largest push; recording, time_s, posture_deg: where it is, and
-    the joints there [°]; motion: see `SmallestPush`; plane, angle_deg: of the direction,
-    horizontal, from the base's x to its y, or vertical, from its x to its z [°]; unit: the push
-    that is worth one standard deviation of the joints' torques [N], empty where no joint feels any;
-    value: so many units that all axes together need in this motion [N], with its standard error,
-    empty where joints feel almost none (see `blind`) and beyond the largest trial.
+    posture: one of all places of trials: stretched out or folded, with the flange farthest from the
+    base's origin or nearest; easiest or hardest, with the smallest or largest push in the direction
+    that joints feel least; recording, time_s, posture_deg: of this place, with the joints [°];
+    motion: see `SmallestPush`; plane, angle_deg: of the direction [°], horizontal from the base's x
+    to its y, or vertical from x to z; unit: the push that changes the joints' torques by one
+    standard deviation [N], empty if no joint feels any; value: unit times the number of units that
+    all axes together need in this motion [N], with its standard error, empty if joints feel almost
+    none (see `blind`) and beyond the largest trial.
     """
 
     posture: str
@@ -74,7 +73,7 @@ class PushDirection:
 @dataclass(frozen=True, kw_only=True)
 class PushesFound:
     """A row of push_curve.csv: the share of pushes of a force [N] that the leading estimate detects
-    in a motion, along x, y and z together, by a logistic curve of the trials; but for `blind` ones.
+    in a motion, along x, y and z together, by a logistic curve fitted to all but `blind` trials.
     """
 
     motion: str

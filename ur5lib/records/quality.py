@@ -11,18 +11,18 @@ from ur5lib.records.account import AccountRow
 T = TypeVar("T")
 Device = Literal["robot", "force", "imu"]
 Severity = Literal["stop", "error", "warning", "note"]
-GIVEN_LOAD = "given load"  # the finding that the controller counts with a load unknown to the study
-# Share of target_moment that the right arm may leave. It leaves 0.063 at most.
+GIVEN_LOAD = "given load"  # the finding that the controller assumes a load unknown to the study
+# Largest share of target_moment that the right arm's model may not explain; measured: 0.063.
 MAX_SHARE_UNMODELLED = 0.15
-# Share of the motor's largest torque that a contact takes. Right recordings leave 0.071 of it,
-# without the worst arm 0.061.
+# A larger residual, as a share of the motor's largest torque, is a contact. In recordings without
+# contact, it is at most 0.071, without the worst arm 0.061.
 CONTACT_TORQUE_SHARE = 0.1
 ODD_TARGET = "odd target"  # the finding that a target of a current is to blame
 UNREADABLE = "unreadable"  # the finding that a recording cannot be read
-STOP = "stop sign"  # it replaces a remark's step: no forces are stated for the arm
+STOP = "stop sign"  # in place of a remark's step: no forces are stated for the arm
 SAME_RUN = "same run"  # the finding that a recording's contents are those of another one
 UNUSUAL_FRICTION = "unusual friction"  # the finding that friction hides a contact's force
-UNCHECKED = (  # findings of what could not be checked, the riskiest first
+UNCHECKED = (  # findings that something could not be checked, the riskiest first
     "nothing checked",
     "arm not checked",
     "order not checked",
@@ -44,10 +44,10 @@ class Finding:
 
     severity: stop (the recording contradicts the study), error (the device is unusable), warning
     (results may suffer), note (harmless); count: number of samples, rows or files; detail: the
-    sentence about it, made printable, since it quotes hostile files; place: where in a file it is,
-    with which that sentence starts; kind: under which a study accepts a stop sign, empty if it
-    cannot; code: which of several causes it is, where that decides; joints: from 1, and channels
-    that it is about, where these decide.
+    sentence about it, made printable, since it quotes hostile files; place: in a file, with which
+    the sentence starts; kind: name by which a study accepts a stop sign, "" if it cannot; code: of
+    the cause, if other code depends on it; joints (from 1), channels: those concerned, if other
+    code depends on them.
     """
 
     device: Device
@@ -67,16 +67,16 @@ class Finding:
         object.__setattr__(self, "place", printable(self.place))
 
     def sentence(self) -> str:
-        """Return the sentence about it, of a stop sign with how a study overrules it."""
+        """Return the sentence about the finding; for a stop sign, with how to overrule it."""
         return overrulable(self.detail, self.kind)
 
 
 @dataclass(frozen=True)
 class StartOffset:
-    """How much later a device's clock started than the robot's, by the start stamps [s].
+    """The delay of a device's clock after the robot's, by the start stamps [s].
 
-    drift_std: of a device with samples stamped by the robot's host, 0 of one that shares the
-    robot's clock, None for others.
+    drift_std: for samples stamped by the robot's host; 0 for the robot's own clock; None for
+    others.
     """
 
     seconds: float
@@ -93,7 +93,7 @@ def add_finding(
     detail: str,
     channels: Sequence[str] = (),
 ) -> None:
-    """Add a finding if it counts anything."""
+    """Add a finding unless its count is 0."""
     if count:
         found = Finding(device, finding, severity, int(count), detail, channels=(*channels,))
         findings.append(found)
@@ -103,11 +103,11 @@ def add_finding(
 class Quality:
     """quality.json: the size and timing of a recording, its files and what is wrong with them.
 
-    rows: that were read; frames: after the repair; jitter_s: of the time stamps, "median" and
-    "99 %"; start_epoch_s: when the robot's clock read zero, since 1970; starts: of the other
-    devices; files: SHA-256 of the devices' files, read: of all files, by their path; fingerprint:
-    hashes of the robot's rows; account: what import took the columns for; ends: where it begins and
-    ends, as text.
+    rows: as read; frames: after the repair; jitter_s: of the time stamps, "median" and "99 %";
+    start_epoch_s: zero of the robot's clock, since 1970; starts: of the other devices; files:
+    SHA-256 of the devices' files, read: of all files, by their path; fingerprint: hashes of the
+    robot's rows; account: channels that import assigned to the columns; ends: first and last row,
+    as text.
     """
 
     rows: int = 0
@@ -138,17 +138,17 @@ class Quality:
 
 @dataclass(frozen=True)
 class Contradictions:
-    """What in a recording contradicts the study, and doubts about it.
+    """Contradictions between a recording and the study, and doubts about the recording.
 
-    stop_signs: contradictions with which no forces may be stated; findings: about its payload, its
-    tool, its length and the targets of its currents.
+    stop_signs: contradictions that forbid to state forces; findings: about its payload, its tool,
+    its length and the targets of its currents.
     """
 
     stop_signs: list[Finding] = field(default_factory=list)
     findings: list[Finding] = field(default_factory=list)
 
     def odd_targets(self) -> list[int]:
-        """Return the joints, from 1, with a `target_current` that is not that of their motors."""
+        """Return the joints, from 1, with a `target_current` that does not match their motors."""
         return [joint for one in self.findings if one.finding == ODD_TARGET for joint in one.joints]
 
 
@@ -169,7 +169,7 @@ class Log:
         line: str = "",
         channels: Sequence[str] = (),
     ) -> None:
-        """Add a finding behind the file's name, if it counts anything; line: where in the file."""
+        """Add a finding with the file's name in front, unless its count is 0; line: in the file."""
         if count:
             place = f"{self.path.name}, line {line}" if line else self.path.name
             told = f"{place}: {meaning}", place
@@ -179,7 +179,7 @@ class Log:
             self.findings.append(found)
 
     def unless_unusable(self, read: Callable[[], T | None]) -> T | None:
-        """Return what a function reads of a sensor; None, and a finding, for an InputError."""
+        """Return the result of reading a sensor; at an InputError, add a finding, return None."""
         try:
             return read()
         except InputError as error:
@@ -189,9 +189,9 @@ class Log:
 
 
 def contradiction(code: str, kind: str, detail: str, joints: Sequence[int] = ()) -> Finding:
-    """Return a stop sign: what contradicts the study so much that no forces may be stated.
+    """Return a stop sign: a contradiction of the study that forbids to state forces.
 
-    kind: under which a study accepts it (`Accept`); joints: from 1, that it names.
+    kind: name by which a study accepts it (`Accept`); joints: those concerned, from 1.
     """
     named = (*joints,)
     return Finding("robot", "contradiction", "stop", 1, detail, "", kind, code, named)

@@ -1,4 +1,4 @@
-"""What repetition leaves of the errors of an arm."""
+"""The differences between repeated motions of an arm."""
 
 from dataclasses import dataclass
 

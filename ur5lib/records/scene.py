@@ -23,7 +23,7 @@ class Scene:
     along −z; segment: (K,), labels of unbroken stretches; q: (K, n) [rad]; torque: (K, n) [Nm], the
     external one; force, std: (K, 3) [N], the environment on the arm at the origin of frame n and
     its standard deviation, base axes, by the estimate with the label `estimate`; sensed: (K, 3)
-    [N], the same by the force sensor; contacts, alarms: what the sensor and the estimate find;
+    [N], the force by the sensor; contacts, alarms: contacts by the sensor and by the estimate;
     free: whether nothing touches the arm, so that each alarm is false.
     """
 

@@ -11,13 +11,13 @@ from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.segments import by_segment
 
-# Above it, measured accelerations are noise, the controller's are not; no setting changes it.
+# Above this cut-off, measured accelerations are mostly noise, unlike the controller's.
 ACCELERATION_ORDER, ACCELERATION_CUTOFF = 4, 2.0  # Hz
 
 # A target that moves, and a joint that is led, travel at least this far.
 MIN_TARGET_TRAVEL, MIN_LED_TRAVEL = 0.01, 0.1  # rad
 
-SENSOR_COLUMNS = {  # they are of force [N] and torque [Nm], of acceleration [m/s²] and rate [rad/s]
+SENSOR_COLUMNS = {  # force [N] and torque [Nm]; acceleration [m/s²] and rate [rad/s]
     "force": columns("ft"),
     "imu": [*columns("imu_a"), *columns("imu_g")],
 }
@@ -94,8 +94,8 @@ def slowly(
 
 
 def is_led(signals: Signals) -> bool:
-    """Return whether a joint moves while its target rests: a hand leads the arm, and the torque of
-    the target is not that of the motion.
+    """Return whether a joint moves while its target rests: a hand guides the arm, so that the
+    target's torque does not belong to the motion.
     """
     if signals.target_q is None:
         return False

@@ -18,22 +18,22 @@ from ur5lib.tables import ByKey, Source, read_columns, read_footer, write_table
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import period
 
-JOINTS = ("0", "1", "...")  # there are as many as the arm has
+JOINTS = ("0", "1", "...")  # labels, as many as the arm has joints
 SIX = tuple("012345")
 WRENCH = ("Fx", "Fy", "Fz", "nx", "ny", "nz")
 WRENCH_UNITS = ["N"] * 3 + ["Nm"] * 3
 XYZ = tuple("012")
 
-Load = Callable[[list[str], type], Array]  # of some columns of a table, (N, len(names))
+Load = Callable[[list[str], type], Array]  # names and type to a table's columns (N, len(names))
 
 
 @dataclass(frozen=True)
 class Channel:
-    """The columns of one quantity, <name>_<label> for each label, or <name> where it has none.
+    """The columns of one quantity, <name>_<label> for each label, or <name> without labels.
 
-    shape: of one sample; the labels name its flat elements in order; -1 in it is the number of
-    joints, where the labels are JOINTS; optional: whether it may be absent; keys: that may replace
-    `{}` in the name, any without them but those of standard deviations, which end in _std.
+    shape: of one sample, labels: of its flat elements in order; -1 in the shape is the number of
+    joints, with JOINTS as labels; optional: whether it may be absent; keys: that may replace `{}`
+    in the name; without them, any key that does not end in _std (standard deviations).
     """
 
     name: str
@@ -46,11 +46,11 @@ class Channel:
 
     @property
     def several(self) -> bool:
-        """Return whether there is one for each of some keys."""
+        """Return whether the channel exists once for each key."""
         return "{}" in self.name
 
     def columns(self, name: str, joints: int = 6) -> list[str]:
-        """Return the columns' names of an arm's table; name: the channel's, its key filled in."""
+        """Return the names of the columns; name: of the channel, with its key filled in."""
         whole = math.prod(self.sized(joints))
         labels = map(str, range(whole)) if self.labels == JOINTS else self.labels
         return [f"{name}_{label}" for label in labels] or [name]
@@ -60,7 +60,7 @@ class Channel:
         return tuple(joints if size < 0 else size for size in self.shape)
 
     def joints_in(self, names: Collection[str]) -> int:
-        """Return the number of joints of which a table has this channel, 0 without it."""
+        """Return the number of joints in a table's columns of this channel, 0 without them."""
         if self.labels != JOINTS:
             return 0
         pattern = re.escape(self.name).replace(r"\{\}", ".+") + r"_(\d+)"
@@ -69,9 +69,9 @@ class Channel:
         return math.ceil((max(places, default=-1) + 1) / of_each_joint)
 
     def stems(self, names: Collection[str], joints: int) -> dict[str, str]:
-        """Return the channel's name for each key of which a table has all columns.
+        """Return the channel's name by key, for keys with all columns in a table.
 
-        The key is empty where there is one channel only.
+        The key is "" for a channel without keys.
         """
         stems, have = {"": self.name}, {*names}
         if self.several:
@@ -83,7 +83,7 @@ class Channel:
         return {key: stem for key, stem in stems.items() if {*self.columns(stem, joints)} <= have}
 
     def samples(self, load: Load, stem: str, joints: int) -> Array:
-        """Return the samples (N, *shape); stem: the channel's name, its key filled in."""
+        """Return the samples (N, *shape); stem: the channel's name, with its key filled in."""
         flat = load(self.columns(stem, joints), self.dtype)
         return flat.reshape(len(flat), *self.sized(joints))
 
@@ -112,7 +112,7 @@ def channel(
     own = (-1,) if labels == JOINTS else (len(labels),) if labels else ()
     declared = Channel(name, unit, labels, own if shape is None else shape, dtype, optional, keys)
     metadata = {"channel": declared}
-    # a factory, not a default: it leaves no attribute of the class that would hide the file's
+    # a default would be an attribute of the class and hide the file's channel
     if declared.several:
         return field(default_factory=dict, metadata=metadata)
     if optional:
@@ -133,10 +133,10 @@ class Table:
 
     @classmethod
     def read(cls, path: Source, rows: Labels | None = None) -> Self:
-        """Read a table, each channel when it is first used: a long recording fits no memory whole.
+        """Read a table, each channel when it is first used, since long recordings exceed memory.
 
-        rows: ascending, those to read; all by default. Raises KeyError where a column that is not
-        optional is missing.
+        rows: to read, ascending, all by default. Raises KeyError if a column of a channel that is
+        not optional is missing.
         """
         footer = read_footer(path)
         load = partial(read_columns, path, rows=rows, footer=footer)
@@ -145,10 +145,9 @@ class Table:
         return made
 
     def anew(self, rows: Labels | None = None) -> Self:
-        """Return the table of a file with nothing loaded, so that the memory of this one can be
-        freed.
+        """Return a table of the same file without loaded channels, so that this one can be freed.
 
-        rows: ascending, those to read; all by default. A table in memory is returned as it is.
+        rows: to read, ascending, all by default. A table in memory is returned with these rows.
         """
         path = self.__dict__.get("_path")
         if path is not None:
@@ -156,7 +155,7 @@ class Table:
         return self if rows is None else self._at(rows)
 
     def _at(self, rows: Labels) -> Self:
-        """Return some rows of a table in memory."""
+        """Return the table in memory with only these rows."""
         values = {name: getattr(self, name) for name in _channels(type(self))}
         taken: dict[str, Any] = {
             name: {key: own[rows] for key, own in value.items()}
@@ -186,7 +185,7 @@ class Table:
     @classmethod
     def _of(cls, names: list[str], load: Load) -> Self:
         channels, made = _channels(cls), object.__new__(cls)
-        # as many joints as the widest channel of joints has
+        # the number of joints of the widest channel
         joints = max(declared.joints_in(names) for declared in channels.values()) or 6
         loads = made.__dict__["_loads"] = {}
         for name, declared in channels.items():
@@ -228,7 +227,7 @@ def _channels(record: type[Table]) -> dict[str, Channel]:
 
 @dataclass(frozen=True, kw_only=True)
 class SegmentedTable(Table):
-    """Samples of a recording that gaps may divide.
+    """Samples of a recording that may have gaps.
 
     segment: (N,), labels of unbroken stretches.
     """

@@ -1,6 +1,6 @@
 """The units of the tables of results, by column.
 
-Where rows differ, the column `unit` or `parameter` says it, and none is listed here.
+Columns with different units by row are not listed: `unit` or `parameter` gives the unit there.
 """
 
 from collections.abc import Iterable
@@ -44,9 +44,9 @@ BY_TABLE: dict[str, dict[str, str]] = {  # a pattern of columns' names, and thei
 
 
 def column_units(table: str, columns: Iterable[str], effort: str) -> dict[str, str]:
-    """Return the units of the columns of a table that have one for all rows.
+    """Return the units of a table's columns that have the same unit in all rows.
 
-    `N, Nm` is of forces and moments, by `component`; effort: `A`, or `Nm` of an arm that measures
+    `N, Nm`: of forces and moments, by `component`; effort: `A`, or `Nm` for an arm that measures
     torques.
     """
     found = {name: _unit(BY_TABLE.get(table, {}), name) for name in columns}

@@ -95,14 +95,14 @@ assert {"", *REASONS} == {*get_args(Reason)}
 
 
 def reason_in(cell: object) -> Reason:
-    """Return the reason in a cell of a table, which may be empty."""
+    """Return the reason in a cell of a table, "" for an empty cell."""
     return cast("Reason", cell) if isinstance(cell, str) else ""
 
 
 def reason_in_words(cell: object, effort: Effort = CURRENT) -> str:
-    """Return the sentence of a reason in a table's cell, empty of an empty cell.
+    """Return the sentence of a reason in a table's cell, "" for an empty cell.
 
-    effort: that the arm measures. An unknown reason, as of a later version, stays a code.
+    effort: measured by the arm. An unknown reason, as of a later version, stays a code.
     """
     if not isinstance(cell, str):  # NaN
         return ""

@@ -1,4 +1,4 @@
-"""Findings of a study beyond its cards, the gravest first, and results that its data leave out."""
+"""Findings of a study in addition to its cards, and results that its data do not allow."""
 
 import re
 from collections.abc import Iterator
@@ -25,20 +25,20 @@ from ur5lib.report.stated import (
 )
 from ur5lib.report.views.forces import leading, searched
 
-MOST_FINDINGS = 8  # a reader takes in this many; the tables have all
+MOST_FINDINGS = 8  # on the page, to be readable; the tables have all
 MOST_OF_A_KIND = 3
-WRENCH_NAME = r"(?i)force|wrench|\bft[_x]|\bf_?[xyz]\b"  # columns of a file with a wrench match it
+WRENCH_NAME = r"(?i)force|wrench|\bft[_x]|\bf_?[xyz]\b"  # matches columns with a wrench
 EXPLAINED = "explained contradiction"  # code of a remark that names the cause
 CONTRADICTIONS = ["unlikely constant", "current against constant", "torque against gain", EXPLAINED]
-ASIDE = re.compile(r"\((by itself, .*)\)$")  # the words of such a remark have its numbers there
+ASIDE = re.compile(r"\((by itself, .*)\)$")  # the end of such a remark, with its numbers
 
 Found = tuple[str, list[str]]
 """A table, and the findings of one kind that are in it."""
 
 
 def findings(results: Results) -> list[str]:
-    """Return the findings, the gravest first: faults, those of topics, then contacts; after them,
-    how many others there are, and the tables that have them.
+    """Return the findings, the gravest first: faults, findings of topics, then contacts; last, the
+    number of others and the tables that contain them.
     """
     every = [
         (table, place, told) for table, own in _kinds(results) for place, told in enumerate(own)
@@ -81,19 +81,19 @@ def _stopped_recordings(results: Results) -> Iterator[str]:
 
 
 def _stopped_arms(results: Results) -> Iterator[str]:
-    """Report the arms of which no forces are stated."""
+    """Report the arms without stated forces."""
     for row in results.rows("remarks", step=STOP).itertuples():
         sign, line = overruled(row.remark)
         yield _without_forces(f"Stop sign on {row.robot}: {sign}.", line)
 
 
 def _without_forces(stop: str, line: str) -> str:
-    """Return what follows from a stop sign, and the line that overrules it, if one does."""
+    """Return a stop sign with its consequence, and the line of a study that overrules it."""
     return f"{stop} No forces are stated." + (f" If the study is right: `{line}`." if line else "")
 
 
 def _accepted(results: Results) -> Iterator[str]:
-    """Report the stop signs that the study overrules: numbers rest on its reasons."""
+    """Report the stop signs that the study overrules, with its reasons."""
     rows = results.rows("quality", finding=ACCEPTED).groupby("detail", sort=False)["recording"]
     arms = results.rows("remarks", code=ACCEPTED).groupby("remark", sort=False)["robot"]
     for detail, names in (*rows, *arms):
@@ -118,7 +118,7 @@ def _contradictions(results: Results) -> Iterator[str]:
 
 
 def _undeclared_loads(results: Results) -> Iterator[str]:
-    """Report the loads that are certain by currents or torques, and that nothing declares."""
+    """Report the undeclared loads that currents or torques prove."""
     rows = results.rows("payload", taken="yes")
     names, show = [*rows["recording"]], f"The {results.effort.quantity}s show"
     if len(names) == 1:
@@ -141,7 +141,7 @@ def _felt(results: Results) -> Iterator[str]:
 
 
 def _without_a_sensor(results: Results) -> dict[str, pd.DataFrame]:
-    """Return the contacts that are found, by contact recording without a sensor."""
+    """Return the found contacts, by contact recording without a sensor."""
     found = {*results.rows("detection", estimate=LEADING)["recording"]}
     names = results.with_role("contact", found.difference(results.listed("force_mae")))
     contacts = results.rows("contacts", estimate=LEADING, kind=OF_CONTACTS)
@@ -149,8 +149,7 @@ def _without_a_sensor(results: Results) -> dict[str, pd.DataFrame]:
 
 
 def _off_flange(results: Results) -> Iterator[str]:
-    """Report the contacts that are not on the flange: stated forces are valid only for the
-    flange."""
+    """Report the contacts off the flange, for which the stated forces are wrong."""
     for name, rows in _without_a_sensor(results).items():
         if times := [*rows.loc[rows["kind"] == OFF_FLANGE, "peak_s"]]:
             yield (
@@ -160,7 +159,7 @@ def _off_flange(results: Results) -> Iterator[str]:
 
 
 def _without_sensor(results: Results) -> Iterator[str]:
-    """Report how many contacts are found on recordings without a sensor, also none."""
+    """Report the number of contacts, also 0, found on each recording without a sensor."""
     counts = {name: len(rows) for name, rows in _without_a_sensor(results).items()}
     if counts:
         each = [f"{count or 'none'} on “{name}”" for name, count in counts.items()]
@@ -168,7 +167,7 @@ def _without_sensor(results: Results) -> Iterator[str]:
 
 
 def _withheld(results: Results) -> Iterator[str]:
-    """Report recordings without a stated force, because friction hides it."""
+    """Report recordings on which no force is stated because friction hides it."""
     for row in results.rows("quality", finding=UNUSUAL_FRICTION).itertuples():
         yield f"No force is stated on “{row.recording}”: {claim(row.detail)}."
 
@@ -192,14 +191,14 @@ def _undetermined_moments(results: Results) -> Iterator[str]:
 
 
 def _taken_up(results: Results) -> Iterator[str]:
-    """Report loads that the arm takes up."""
+    """Report loads that the arm picks up."""
     for row in results.rows("contacts", estimate=LEADING, kind="load").itertuples():
         mass = with_error(row.load_mass, row.load_mass_std)
         yield f"The arm takes up a load of {mass} kg on “{row.recording}”."
 
 
 def _readings(results: Results) -> Iterator[str]:
-    """Report largest force and share in contact by sensor, where no friction was fitted."""
+    """Report largest force and share in contact by each sensor, if no friction was fitted."""
     if len(results.tables["friction"]):
         return
     for row in results.tables["sensed"].itertuples():
@@ -211,7 +210,7 @@ def _readings(results: Results) -> Iterator[str]:
 
 
 def _unsearched(results: Results) -> Iterator[str]:
-    """Say that no contact was searched for, so that none is denied."""
+    """Report that no contacts were searched for, so that their absence means nothing."""
     if searched(results).empty and results.tables["sensed"].empty:
         yield ("No contact was searched for: no friction was fitted, and no force sensor recorded.")
 

@@ -22,16 +22,16 @@ from ur5lib.report.stated import (
     remedy,
 )
 
-MAX_STEPS = 3  # a reader remembers this many
-NO_PLACE = "[x, y, z]"  # it replaces a centre of mass that is to be measured
+MAX_STEPS = 3  # on the first screen
+NO_PLACE = "[x, y, z]"  # in place of a centre of mass that the user must measure
 
 
 class Asked(NamedTuple):
-    """Advice as the words of a step take it.
+    """Advice in the form that the sentences of steps use.
 
-    detail: what was found, without how a study overrules it; recordings: the first, and how many
-    others; several: whether there are others; value: the number of the row; place: the centre of
-    mass of a load.
+    detail: the finding, without the line that overrules it; recordings: in words, the first and the
+    number of others; several: whether there are others; value: the row's number; place: a load's
+    centre of mass.
     """
 
     results: Results
@@ -66,14 +66,14 @@ def next_steps(results: Results) -> list[Step]:
 
 
 def _of_study(results: Results, kind: str) -> Iterator[Step]:
-    """Yield the steps of a kind of rows of advice.csv."""
+    """Yield a step for each row of advice.csv of a kind."""
     for row in results.rows("advice", kind=kind).to_dict("records"):
         known = {str(name): None if pd.isna(value) else value for name, value in row.items()}
         yield _step(results, known)
 
 
 def _step(results: Results, row: dict[str, Any]) -> Step:
-    """Return the step of a row of advice.csv; a line that its detail proposes is what does it."""
+    """Return the step of a row of advice.csv; a line in its detail replaces the step's command."""
     detail, _ = overruled(row["detail"] or "")
     recording, count = row["recording"] or "", row["recordings"]
     asked = Asked(
@@ -100,7 +100,7 @@ def _joints(results: Results, robot: str | None, numbers: str) -> str:
 
 
 def _center_of_mass(results: Results, recording: str) -> str:
-    """Return the centre of mass of the load on a recording, as a study writes it."""
+    """Return the centre of mass of a recording's load in the notation of a study."""
     rows = results.rows("payload", recording=recording, taken="yes", configured=0)
     places = rows[[f"center_of_mass_{axis}" for axis in "xyz"]].dropna().to_numpy()
     return f"[{', '.join(f'{part:.3f}' for part in places[0])}]" if len(places) else NO_PLACE

@@ -16,13 +16,13 @@ from ur5lib.robots.description import Robot
 from ur5lib.workspace.origin import commit
 
 MOST_SHOWN = 4  # recordings with tables and figures of their own in one section
-MOST_ROWS = 60  # a table has at most this many; of more recordings, none has a row of its own
+MOST_ROWS = 60  # of a table; with more recordings, none has a row of its own
 PACKAGES = ["snakemake", "numpy", "scipy", "pandas", "pyarrow"]
 PACKAGES += ["torch", "pytorch-kinematics", "mujoco", "matplotlib", "typst"]
 
 
 def with_zero(rows: pd.DataFrame, method: str, each: list[str]) -> pd.DataFrame:
-    """Return rows, and after each recording's its `zero` as values of a further method "zero".
+    """Return rows, and after each recording's rows its `zero` as values of a method "zero".
 
     method: column of the methods' names; each: columns that distinguish a method's rows.
     """
@@ -35,8 +35,8 @@ def with_zero(rows: pd.DataFrame, method: str, each: list[str]) -> pd.DataFrame:
 class Results(StudyTables):
     """A study's results.
 
-    figures: the folder of figures; drawn: recordings with figures; other_arms: those that are no
-    UR arms; first_number: of the first recording, by which it is R1.
+    figures: the folder of figures; drawn: recordings with figures; other_arms: arms of other
+    makers; first_number: number of the first recording, 1 for R1.
     """
 
     figures: Path = Path()
@@ -86,8 +86,8 @@ class Results(StudyTables):
         return len(self.study.get("recordings", ())) > MOST_ROWS
 
     def with_floor(self, rows: pd.DataFrame, quantity: str) -> pd.DataFrame:
-        """Return rows with what repetition alone leaves of their errors (`floor`), by their arm
-        and component (of forces) or joint.
+        """Return rows with `floor`, the difference between repeated motions of the same arm, by
+        component (of forces) or joint.
         """
         place = "component" if quantity == "force" else "joint"
         known = self.rows("repetition", quantity=quantity).drop_duplicates(["robot", place])
@@ -96,7 +96,7 @@ class Results(StudyTables):
         return rows.assign(floor=[floors.get(key) for key in zip(arms, places, strict=True)])
 
     def shown(self, names: Sequence[str], most: int = MOST_SHOWN) -> list[str]:
-        """Return the first few recordings, as a report has room for, of those with figures.
+        """Return the first `most` of the named recordings that have figures.
 
         A study of many recordings shows one: each has a page of its own.
         """

@@ -10,9 +10,9 @@ from ur5lib.errors import OVERRULED_BY, printable
 from ur5lib.report.results import Results
 
 MOST_NAMED = 3  # recordings that a sentence names
-# A part of a finding that says what is wrong has this many words; a shorter one is a place.
+# A part of a finding with fewer words is a place; with more, it says what is wrong.
 MIN_CLAIM_WORDS = 4
-LINE = re.compile(r"`([\w ]+: [^`]+)`")  # a sentence quotes a line of a study or a description so
+LINE = re.compile(r"`([\w ]+: [^`]+)`")  # a quoted line of a study or a description
 UNSPACED = re.compile(r"(?<=\d)%")
 LOAD_BESIDE_AXIS = "0.06 0 0.05"  # m; gravity on a load there, in frame 6, loads the last joint
 
@@ -51,7 +51,9 @@ def capital(text: str) -> str:
 
 
 def with_error(value: float, std: float) -> str:
-    """Return a value with its standard error, if there is one, of which one digit decides both."""
+    """Return a value ± its standard error, rounded to one digit of the error; without an error, the
+    value alone.
+    """
     if not 0 < std < math.inf:
         return f"{value:.3g}"
     digits = max(0, -math.floor(math.log10(std)))
@@ -69,7 +71,7 @@ def joints(numbers: Iterable[float]) -> str:
 def listed(names: Sequence[str], count: int = 0) -> str:
     """Return names in words: a; a and b; a, b and 3 others.
 
-    count: of all, of which `names` may be the first alone.
+    count: of all names, if `names` has only the first.
     """
     count = max(count, len(names))
     shown = [*names[: MOST_NAMED if count > MOST_NAMED else count]]
@@ -84,25 +86,25 @@ def quoted(names: Iterable[str], count: int = 0) -> str:
 
 
 def claim(text: str) -> str:
-    """Return what a finding says is wrong, without its reasons and its remedy."""
+    """Return the part of a finding that says what is wrong, without reasons and remedy."""
     whole = text.partition("; ")[0]
     first = whole.partition(": ")[0]
     return UNSPACED.sub(" %", first if len(first.split()) >= MIN_CLAIM_WORDS else whole)
 
 
 def remedy(text: str) -> str:
-    """Return what a finding asks for after its first semicolon, empty if nothing."""
+    """Return the part of a finding after its first semicolon, which asks for a remedy, or ""."""
     return text.partition("; ")[2].partition("; ")[0].partition(" (")[0]
 
 
 def line(text: str) -> str:
-    """Return the line of a study or a description that a finding proposes, empty if none."""
+    """Return the line of a study or a description that a finding proposes, "" without one."""
     found = LINE.search(text)
     return found[1] if found else ""
 
 
 def overruled(text: str) -> tuple[str, str]:
-    """Return a stop sign, and the line with which a study overrules it, empty if none does."""
+    """Return a stop sign, and the line of a study that overrules it, "" without one."""
     sign, _, after = text.partition(OVERRULED_BY)
     return sign, line(after)
 

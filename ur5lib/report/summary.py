@@ -1,6 +1,4 @@
-"""The summary of a study as data, `results.json`: verdicts with those of the last build, what to do
-next, and findings.
-"""
+"""The summary of a study, `results.json`: verdicts, what they were before, next steps, findings."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
@@ -19,8 +17,8 @@ from ur5lib.strict import Strict
 
 SCHEMA_FILE = "results.schema.json"
 KEY = ("question", "arm", "quantity", "unit", "interval", "joint", "axis", "motion", "recording")
-WHOLE = {"rank", "joint", "count", "of"}  # these numbers have no decimals
-DIGITS = 3  # another number differs in this many significant ones
+WHOLE = {"rank", "joint", "count", "of"}  # columns of integers
+DIGITS = 3  # two numbers are the same if they agree in this many significant digits
 
 
 @dataclass(frozen=True)
@@ -56,7 +54,7 @@ class Summary(Strict):
 
 
 def page_data(results: Results, last: Summary | None = None) -> dict[str, Any]:
-    """Return what a page states of the first screen: verdicts, and what was found.
+    """Return the data of a page's first screen: verdicts, and what was found.
 
     last: the summary of the last build.
     """
@@ -69,7 +67,7 @@ def page_data(results: Results, last: Summary | None = None) -> dict[str, Any]:
 
 
 def summary(results: Results, data: Mapping[str, Any]) -> dict[str, object]:
-    """Return `page_data` as the summary of a study, plain data that fit `summary_schema`."""
+    """Return the summary of a study from `page_data`, as plain data of `summary_schema`."""
     recordings = results.study["recordings"]
     plain = {
         "$schema": SCHEMA_FILE,
@@ -90,7 +88,7 @@ def summary_schema() -> dict[str, object]:
 
 
 def last_summary(path: Path) -> Summary | None:
-    """Return the summary of the last build, None where there is none that this version reads."""
+    """Return the summary of the last build, None if it is missing or from another version."""
     try:
         return Summary.model_validate_json(path.read_bytes())
     except (OSError, ValidationError):
@@ -98,7 +96,7 @@ def last_summary(path: Path) -> Summary | None:
 
 
 def analysed_on(results: Results) -> str:
-    """Return the date on which the last step ended (ISO), empty where no step has a time."""
+    """Return the date on which the last step ended (ISO), "" if no step has a time."""
     times = results.tables.get("run_times")
     return str(times["last_end"].max())[:10] if times is not None and len(times) else ""
 
@@ -106,8 +104,8 @@ def analysed_on(results: Results) -> str:
 def verdict_rows(results: Results, last: Summary | None = None) -> list[dict[str, Any]]:
     """Return the rows of verdicts.csv as plain data, empty cells as None.
 
-    before: what the number was in the last build where it was another, as value, count, of and
-    date, else None. A build with the same numbers everywhere has what the last one had.
+    before: the different number of the last build (value, count, of, date), None if it is the same.
+    A build in which no number changed keeps `before` of the last build.
     """
     rows = [_plain(row) for row in results.rows("verdicts").to_dict("records")]
     earlier = _by_key(map(asdict, last.verdicts)) if last else {}
@@ -119,9 +117,9 @@ def verdict_rows(results: Results, last: Summary | None = None) -> list[dict[str
 def _before(
     row: dict[str, Any], was: dict[str, Any] | None, date: str, same: bool
 ) -> dict[str, Any] | None:
-    """Return what the number of a row was in the last build.
+    """Return the number of a row in the last build if it was different, else None.
 
-    was: the row there; same: whether that build has the same numbers everywhere.
+    was: the row in the last build; same: whether no number of the study changed.
     """
     if was is None:
         return None
@@ -131,7 +129,7 @@ def _before(
 
 
 def _differ(row: dict[str, Any], was: dict[str, Any]) -> bool:
-    """Return whether a number was another one, if there was one."""
+    """Return whether a row had a number, and a different one."""
     numbers = _numbers(was)
     return numbers != (None, None, None) and _rounded(row) != _rounded(was)
 
@@ -150,7 +148,7 @@ def _by_key(rows: Iterable[dict[str, Any]]) -> dict[tuple[str, ...], dict[str, A
 
 
 def _key(row: dict[str, Any]) -> tuple[str, ...]:
-    """Return what a number is of, by which that of the last build is found."""
+    """Return the key of a number, by which it is found in the last build."""
     return tuple(str(row[part] or "") for part in KEY)
 
 

@@ -1,9 +1,9 @@
 """What the topics of a study add to its report, found by a loop over their folders.
 
-The module `found` in the folder of a topic may have functions of the study's results: `advice`,
-what to do next; `to_record`, what to record where nothing is more urgent; `findings`; and
-`shown_first`, the recordings with which a table's figures begin. It is asked where the study has
-the tables that its `TABLES` names.
+The module `found` in the folder of a topic may have functions of the study's results: `advice`, the
+next steps; `to_record`, a recording to make if nothing is more urgent; `findings`; and
+`shown_first`, the recordings with which a table's figures begin. They are called if the study has
+the tables that the module's `TABLES` names.
 """
 
 from collections.abc import Iterator
@@ -15,31 +15,31 @@ from ur5lib.workspace.topics import modules_of_topics
 
 
 def advice(results: Results) -> Iterator[Step]:
-    """Yield what the topics propose to do next."""
+    """Yield the next steps that the topics propose."""
     for topic in _asked(results, "advice"):
         yield from topic.advice(results)
 
 
 def to_record(results: Results) -> Iterator[Step]:
-    """Yield what the topics propose to record, where nothing is more urgent."""
+    """Yield the recordings that the topics propose, for use if nothing is more urgent."""
     for topic in _asked(results, "to_record"):
         yield from topic.to_record(results)
 
 
 def findings(results: Results) -> Iterator[tuple[str, list[str]]]:
-    """Yield the findings of each topic, after the name of the table that has them all."""
+    """Yield for each topic the name of the table with all findings, and the findings to report."""
     for topic in _asked(results, "findings"):
         yield topic.TABLES[0], [*topic.findings(results)]
 
 
 def shown_first(results: Results, table: str) -> list[str]:
-    """Return the recordings that topics want to be shown first, of those with rows of a table."""
+    """Return the recordings with rows of a table that topics want to be shown first."""
     asked = _asked(results, "shown_first")
     return [name for topic in asked for name in topic.shown_first(results, table)]
 
 
 def _asked(results: Results, slot: str) -> Iterator[ModuleType]:
-    """Yield the topics that have a function and the tables that they need."""
+    """Yield the topics that have the function `slot`, if the study has their tables."""
     for topic in modules_of_topics("found").values():
         if hasattr(topic, slot) and {*topic.TABLES} <= results.tables.keys():
             yield topic

@@ -1,6 +1,6 @@
-"""Commands of the packages next to this one: an entry point of the project names each.
+"""Commands of the packages next to this one, each named by an entry point of the project.
 
-In a clone, installed or not, pyproject.toml itself is read. A package that was deleted has none.
+In a clone, installed or not, pyproject.toml itself is read. A deleted package has no commands.
 """
 
 import tomllib
@@ -17,7 +17,7 @@ GROUP = "ur5lib.commands"
 class Command(NamedTuple):
     """A command: its name, what it runs, and the `PANEL` of its module, under which it is listed.
 
-    Its module loads what it needs inside the function, as `ur5` imports it whenever it runs.
+    `ur5` imports the module at every start: slow imports belong into the function.
     """
 
     name: str

@@ -19,8 +19,8 @@ from typing import Any, NamedTuple
 from ur5lib.errors import InputError
 from ur5lib.workspace.places import PACKAGE
 
-FOLDER = Path("extensions")  # it is in the workspace, which is the working folder
-ENTRY_POINT_GROUP = "ur5lib."  # its beginning: ur5lib.friction, ...
+FOLDER = Path("extensions")  # in the workspace, which is the working folder
+ENTRY_POINT_GROUP = "ur5lib."  # prefix of ur5lib.friction, ...
 PAGE = "docs/extensions.md shows how"
 USE_VARIABLE = "UR5_EXTENSIONS"  # a command of `ur5` sets this variable to NAMED or LEFT_OUT
 NAMED = "named"  # each is named on stderr before it runs
@@ -28,15 +28,15 @@ LEFT_OUT = "left out"
 
 
 class Kind(NamedTuple):
-    """What a workspace may add: its name in the extension's module, and the module of ur5lib that
-    takes it up when it is imported.
+    """A kind of extension: its name in the extension's module, and the module of ur5lib that loads
+    such extensions when it is imported.
     """
 
     name: str
     taken_up_by: str
 
     def file(self) -> Path:
-        """Return the file of the module that takes it up."""
+        """Return the file of the module that loads the extensions."""
         return PACKAGE.parent.joinpath(*self.taken_up_by.split(".")).with_suffix(".py")
 
 
@@ -56,7 +56,7 @@ class Addition(NamedTuple):
 
 
 def additions(kind: str) -> Iterator[Addition]:
-    """Yield what the workspace adds of a kind of KINDS.
+    """Yield the workspace's additions of a kind of KINDS.
 
     Raises InputError where an extension cannot be loaded, or two of them state the same name.
     """
@@ -89,7 +89,7 @@ def take_up_all() -> None:
 
 
 def source_files(modules: Container[Path]) -> list[Path]:
-    """Return the files of all extensions that these modules of ur5lib take up.
+    """Return the files of all extensions that these modules of ur5lib load.
 
     A module in a package counts with all files of the package's folder.
     """
@@ -113,7 +113,7 @@ def _loaders(kind: str) -> dict[str, Callable[[], Any]]:
 
 
 def _module_in(file: Path) -> ModuleType:
-    """Run a file and return its module, which has a name of its own, as its classes need."""
+    """Run a file and return its module, with a unique name, which its classes need."""
     spec = spec_from_file_location(f"ur5lib_extension_{file.stem}", file)
     assert spec is not None
     assert spec.loader is not None
@@ -137,13 +137,13 @@ def _module(source: str, load: Callable[[], Any]) -> ModuleType:
 
 
 def failed(source: str, error: Exception) -> InputError:
-    """Return the error of an extension in which its own code raised one."""
+    """Return the error for an extension whose own code raised an exception."""
     cause = traceback.format_exception_only(error)[-1].strip()
     return InputError(f"{source}{_line_of(source, error)} fails ({cause}); correct it")
 
 
 def _line_of(source: str, error: Exception) -> str:
-    """Return the line of a file at which it fails, for a message; empty where it is unknown."""
+    """Return the failing line of a file for a message, "" if it is unknown."""
     if isinstance(error, SyntaxError):
         return f", line {error.lineno}"
     frames = traceback.extract_tb(error.__traceback__)

@@ -9,11 +9,11 @@ from ur5lib.tables import made, write_text
 from ur5lib.workspace.places import WORKFLOW
 
 TEMPLATES = Path(__file__).parent / "templates"
-SCHEMA = "workflow/study.schema.json"  # the first line of a study names it
+SCHEMA = "workflow/study.schema.json"  # named in the first line of a study
 
 
 def new_workspace(folder: Path) -> str:
-    """Make a workspace with Snakefile, studies, README.md, raw/ and profiles/; say what is next.
+    """Make a workspace: Snakefile, studies, README.md, raw/, profiles/. Return the next step.
 
     Files that are there already stay as they are. Raises InputError where the folder has a
     Snakefile, or cannot be written.

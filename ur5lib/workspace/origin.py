@@ -12,7 +12,7 @@ DIGITS = 12
 def commit() -> str:
     """Return the commit of the code, with "+ changes" when the files differ from it.
 
-    Of a clone, git states it; else the stamp of a release. "(unknown)" where neither does.
+    In a clone, from git; else from the stamp of a release; "(unknown)" without both.
     """
     stamp = STAMP.read_text(encoding="utf-8").strip()
     if not stamp.startswith("$"):
@@ -29,5 +29,5 @@ def commit() -> str:
 
 
 def lock() -> str:
-    """Return the first digits of the SHA-256 of requirements.lock, the packages tested with."""
+    """Return the first digits of the SHA-256 of requirements.lock, the tested packages."""
     return hashlib.sha256((WORKFLOW / "requirements.lock").read_bytes()).hexdigest()[:DIGITS]

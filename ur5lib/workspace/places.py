@@ -1,4 +1,4 @@
-"""Where the workflow lies: in a clone next to the package, in an installed package inside it."""
+"""The place of the workflow: next to the package in a clone, inside an installed package."""
 
 from pathlib import Path
 

@@ -2,12 +2,12 @@
 
     x = (d, α, κ) of each joint, a random walk;   k i = (τ_model + e^α τ_f - d) e^-κ + n
 
-The state is the external torque d, the logarithm α by which friction differs from the predicted
-one, and the logarithm κ by which the torque constant does. The torque wanders quickly and the
-logarithms slowly, which distinguishes them; all are zero at first, because all estimators are given
-the same friction and constants. The paper filters angles and velocities of three joints and adapts
-the noise of the unknown input; here, the motion is given, the motor's torque k i is measured, and
-friction and torque constant adapt, as the thesis suggests in Section 6.3 (an adaptive observer).
+The state is the external torque d and the logarithms α of friction / predicted friction and κ of
+torque constant / given constant. The torque varies quickly and the logarithms slowly, which
+separates them; all are zero at first, because all estimators are given the same friction and
+constants. The paper filters angles and velocities of three joints and adapts the noise of the
+unknown input; here, the motion is given, the motor's torque k i is measured, and friction and
+torque constant adapt, as the thesis suggests in Section 6.3 (an adaptive observer).
 
 J. Jung, J. Lee, K. Huh: Robust contact force estimation for robot manipulators in three-dimensional
 space. Proceedings of the Institution of Mechanical Engineers, Part C 220(9) (2006).
@@ -25,13 +25,13 @@ from ur5rivals.estimators.adaptive_kalman_filter import sample_noise
 from ur5rivals.run import Run
 from ur5rivals.tuning import tuned
 
-WANDERINGS = (1.0, 3.0, 10.0)  # d wanders by these in a second, in units of the torque's noise
-DRIFTS = (0.001, 0.01)  # the logarithms wander by these in a second
+WANDERINGS = (1.0, 3.0, 10.0)  # standard deviation of d's random walk after 1 s / torque noise
+DRIFTS = (0.001, 0.01)  # the same of the logarithms
 
 
 @dataclass(frozen=True)
 class AdaptiveExtendedKalman:
-    """wandering: of d; drift: of α and κ [1/√s]; noise: (6,) [Nm], of the motor's torque."""
+    """Random walks: wandering: of d; drift: of α and κ [1/√s]; noise: of motor torque (6,) [Nm]."""
 
     wandering: float
     drift: float
@@ -74,7 +74,7 @@ def motor_torque(state: Array, model: Array, friction: Array) -> tuple[Array, Ar
 
 
 def learn(runs: Sequence[Run]) -> Learned:
-    """Tune how quickly the torque, and friction and torque constant, may change."""
+    """Tune the random walks of the torque, and of friction and torque constant."""
     noise = sample_noise(runs)
     tried = product(WANDERINGS, DRIFTS)
     return tuned([AdaptiveExtendedKalman(*constants, noise) for constants in tried], runs)

@@ -1,10 +1,10 @@
 """The adaptive Kalman filter with a moving average of variable length [Cao et al. 2021].
 
-A mode-switching moving average of the joints' torque comes before a disturbance Kalman filter: its
-window grows while the torque stays within its noise, and is short again as soon as it leaves it.
+A mode-switching moving average of the joints' torque precedes a disturbance Kalman filter: its
+window grows while the torque stays within the noise, and becomes short when the torque leaves it.
 This follows the paper's abstract; the rule of switching below, by the mean of a short window, is
-this benchmark's own, and the average is taken of the torque, not of the current alone, so that the
-momentum's change is not late against the motors'.
+this benchmark's own, and the average is taken of the torque, not only of the current, so that the
+momentum's change and the motors' torque have the same delay.
 
 F. Cao, P. D. Docherty, S. Ni, X. Chen: Contact force and torque sensing for serial manipulator
 based on an adaptive Kalman filter with variable time period. Robotics and Computer-Integrated
@@ -26,8 +26,8 @@ from ur5rivals.tuning import tuned
 
 SHORTEST_WINDOW, LONGEST_WINDOW = 2, 25  # samples, least and greatest length of the window
 SWITCHING_DEVIATIONS = (1.0, 2.0, 3.0)  # standard deviations of the short mean that switch the mode
-WANDERINGS = (5.0, 10.0, 20.0, 40.0)  # they are those of the Kalman filter
-MOMENTUM_NOISE = 0.1  # noise of the momentum, in units of what the torque's noise adds in a step
+WANDERINGS = (5.0, 10.0, 20.0, 40.0)  # of the Kalman filter
+MOMENTUM_NOISE = 0.1  # noise of the momentum / change of momentum in a step by the torque's noise
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def sample_noise(runs: Sequence[Run]) -> Array:
 
 
 def learn(runs: Sequence[Run]) -> Learned:
-    """Tune where the mode switches, and how quickly the filter follows."""
+    """Tune the threshold of the switch, and the filter's random walk."""
     noise = sample_noise(runs)
     return tuned(
         [

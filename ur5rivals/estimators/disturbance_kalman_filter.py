@@ -2,8 +2,8 @@
 
     z_k = z_k-1 + T (d_k-1 + w),   d_k = d_k-1 + v,   measured: z + n
 
-The stationary gains depend on the ratios of the noises alone; w has the unit 1. It is causal, and
-offline through the smoother of Rauch, Tung and Striebel with the same noises. The paper's
+The stationary gains depend only on the ratios of the noises; w is set to 1. One estimator is
+causal, one offline with the smoother of Rauch, Tung and Striebel and the same noises. The paper's
 semiparametric model of the friction is left out: all estimators are given the same friction.
 
 J. Hu, R. Xiong: Contact force estimation for robot manipulator using semiparametric model and
@@ -24,14 +24,14 @@ from ur5rivals.momentum import LinearObserver, added_momentum
 from ur5rivals.run import Run
 from ur5rivals.tuning import tuned, untuned
 
-WANDERINGS = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0)  # d wanders by these in a second, in units of w
-MEASUREMENT_NOISES = (0.1, 1.0, 3.0)  # noise of z, in units of what w adds in a step
+WANDERINGS = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0)  # standard deviation of d's walk after 1 s / w
+MEASUREMENT_NOISES = (0.1, 1.0, 3.0)  # noise n / change of z by w in a step
 SOURCE = "Hu and Xiong 2018"
 
 
 @dataclass(frozen=True)
 class DisturbanceKalman(LinearObserver):
-    """wandering: of d in a second; measured: noise of z."""
+    """wandering: random walk of d in a second; measured: noise of z."""
 
     wandering: float
     measured: float

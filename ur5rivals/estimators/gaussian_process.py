@@ -1,10 +1,10 @@
-"""A Gaussian process for what friction and model leave [Rasmussen and Williams 2006].
+"""A Gaussian process for the residual of friction and model [Rasmussen and Williams 2006].
 
 It is exact, on samples 0.4 s apart. The kernel is a squared exponential with one length each for q,
 q̇ and the model's torque, common to all joints; lengths, amplitude and noise maximise the marginal
 likelihood of the contact-free torque (their Equation 5.8) times a lognormal prior, without which
-few paths let the lengths run away. It works on top of least squares (offline) and of the momentum
-observer (causal).
+the lengths diverge on few paths. The predicted residual is subtracted before least squares
+(offline) and before the momentum observer (causal).
 
 C. E. Rasmussen, C. K. I. Williams: Gaussian Processes for Machine Learning. MIT Press (2006).
 """
@@ -21,13 +21,13 @@ from ur5lib.timeseries.arrays import Array
 from ur5rivals.learned_residual import Predict, TrainingSamples, on_top
 
 SAMPLE_STEP = 0.4  # s between samples, beyond which the torque's errors are nearly independent
-MAX_ITERATIONS = 60  # L-BFGS has at most this many
-# Each input has the length with this index.
+MAX_ITERATIONS = 60  # of L-BFGS
+# Index of the length of each input.
 LENGTH_OF_INPUT = torch.tensor([0] * 6 + [1] * 6 + [2] * 6)
-# Logarithms of the lengths, amplitude and noise, in units of the standard deviations: where the
-# search starts, and the prior's centre; its width is a factor of e.
+# Start of the search and centre of the prior, whose width is 1: logarithms of lengths, amplitude
+# and noise in units of the standard deviations.
 PRIOR_LOGARITHMS = [1.5, 1.5, 1.5, 0.0, -0.5]
-SEARCH_WIDTH = 5.0  # the search has this width, in widths of the prior
+SEARCH_WIDTH = 5.0  # of the search, in widths of the prior
 
 
 def kernel(first: torch.Tensor, second: torch.Tensor, logs: torch.Tensor) -> torch.Tensor:
@@ -54,7 +54,7 @@ def negative_log_likelihood(
 
 
 def train(learnt: TrainingSamples, _: TrainingSamples) -> Predict:
-    """Fit the process; the path that is left out is not needed."""
+    """Fit the process; the left-out path is not needed."""
     points, values = map(torch.as_tensor, learnt)
     logs = most_probable(partial(negative_log_likelihood, points, values), PRIOR_LOGARITHMS)
     weights = torch.cholesky_solve(values, factor(points, logs))
@@ -68,8 +68,9 @@ def train(learnt: TrainingSamples, _: TrainingSamples) -> Predict:
 def most_probable(
     misfit: Callable[[torch.Tensor], torch.Tensor], centre: ArrayLike
 ) -> torch.Tensor:
-    """Return the logarithms (n,) with the least misfit, a negative log-likelihood, less that of
-    their prior: normal about the centre (n,), with deviations of 1.
+    """Return the logarithms (n,) of maximum posterior density.
+
+    misfit: negative log-likelihood; centre: of the normal prior (n,) with standard deviations 1.
     """
     centre = np.asarray(centre)
 

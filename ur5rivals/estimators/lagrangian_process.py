@@ -36,11 +36,11 @@ from ur5rivals.run import Run
 SEARCH_SAMPLES = 120  # the constants are chosen by this many
 MAX_SAMPLES, ROWS_TOGETHER = 300, 100  # torques are predicted from the first, the second at once
 SMOOTH_SPEED = 0.01  # rad/s; dry friction reverses over it
-ROUNDING = 1e-8  # share of the variance without which rounding spoils a matrix without noise
+ROUNDING = 1e-8  # share of the variance added to a matrix without noise, against rounding errors
 # Centres of the prior; its width is a factor of e².
 SPEED_WEIGHT, ENERGY_SIZE = 0.3, 20.0  # kg m², J
 DRY, VISCOUS, NOISE = 3.0, 3.0, 1.0  # Nm, Nm s/rad, Nm
-PRIOR_WIDTH = 2.0  # this is the width of the prior of logarithms
+PRIOR_WIDTH = 2.0  # of the logarithms
 
 
 class Process(NamedTuple):
@@ -70,7 +70,7 @@ class Process(NamedTuple):
 
 
 def process_of(logs: Tensor, joints: int) -> Process:
-    """Return the process with constants of these logarithms (n² + 5 n + 1,), in prior widths."""
+    """Return the process with these constants; logs: (n² + 5 n + 1,), in widths of the prior."""
     rows, columns = torch.tril_indices(joints, joints)
     sizes = [len(rows), len(rows), joints, joints, joints, joints, 1]
     speed, turn, posture, dry, viscous, noise, size = (PRIOR_WIDTH * logs).split(sizes)
@@ -94,7 +94,7 @@ def most_likely(learnt: TrainingSamples) -> Process:
 
 
 def train(learnt: TrainingSamples, _: TrainingSamples) -> Predict:
-    """Fit the process; the path that is left out is not needed."""
+    """Fit the process; the left-out path is not needed."""
     process = most_likely(spread_over(learnt, SEARCH_SAMPLES))
     kept = spread_over(learnt, MAX_SAMPLES)
     motions, torque = Motion.of(kept.inputs), torch.as_tensor(kept.torque.T.reshape(-1, 1))
@@ -112,7 +112,7 @@ def motion(run: Run) -> TrainingSamples:
 
 
 def learn(runs: Sequence[Run]) -> Learned:
-    """Learn from all paths but each one, then tune the low-pass. Raises as `cross_fitted`."""
+    """Learn leaving each path out in turn, then tune the low-pass. Raises as `cross_fitted`."""
     return beyond(cross_fitted(train, runs, SAMPLE_STEP, motion), runs)
 
 

@@ -1,8 +1,8 @@
 """Weighted least squares without a prior: F = (J_v S⁻¹ J_vᵀ)⁻¹ J_v S⁻¹ τ [Aitken 1936].
 
-It is offline from the torque that passed the study's zero-phase low-pass, at all times or, as in
-the study, only in the contacts that F̂ᵐᵃᵖ finds, less the background; causal from the torque
-through a first-order low-pass.
+Offline from the torque after the study's zero-phase low-pass, at all times or, as in the study,
+only in the contacts that F̂ᵐᵃᵖ finds, less the background; causal from the torque after a
+first-order low-pass.
 
 A. C. Aitken: On least squares and linear combination of observations. Proceedings of the Royal
 Society of Edinburgh 55 (1936).
@@ -43,7 +43,7 @@ class LowPassed:
 
 
 def learn_offline(runs: Sequence[Run]) -> Learned:
-    """The low-pass is the study's, so that only the noise is learnt."""
+    """Learn only the noise, since the low-pass is the study's."""
     return untuned(lambda run: run.smoothed, runs)
 
 

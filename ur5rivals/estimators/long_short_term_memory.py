@@ -1,16 +1,16 @@
 """A long short-term memory for the motors' torque without contact [Oh et al. 2026].
 
 NEXT learns the whole torque of the motors from the motion of the last second, without a model of
-friction or links, and takes what is measured beyond it for the external torque. Its inputs are q,
-q̇ and, where the target was recorded, the position error. A push moves the arm off its target, so
-that the position error may show the network the contact that it is to leave out; a second
-estimator does without.
+friction or links; the external torque is the measured torque less the predicted one. Its inputs are
+q, q̇ and, if the target was recorded, the position error. A push moves the arm off its target, so
+that the position error may reveal the contact to the network, which must not predict it; a second
+estimator does not use this error.
 
-For each path of the recordings to fit on, one network learns from the others and stops where its
-error on that path is least; the same seed gives the same network. The external torque passes the
-low-pass of causal least squares, tuned by the rule. The network is smaller than the published one
-(two layers of 128 units with dropout, a head of 256, states 20 ms apart), so that one processor
-trains it in seconds.
+For each path of the fit recordings, one network learns from the others and stops at its least error
+on the left-out path; the same seed gives the same network. The external torque passes the low-pass
+of causal least squares, tuned by the same rule. The network is smaller than the published one (two
+layers of 128 units with dropout, a head of 256, states 20 ms apart), so that one processor trains
+it in seconds.
 
 S. Oh, J. J. Liu, T. Tao, P. Han, K. Shaw, S. Funabashi, R. Salakhutdinov, D. Pathak: FACTR 2:
 Learning external force sensing for commodity robot arms improves policy learning. arXiv 2606.12406
@@ -43,11 +43,11 @@ from ur5rivals.run import Estimate, Run
 
 SEQUENCE_LENGTH = 20  # states that the network sees
 SEQUENCE_STEP = 0.05  # s between them
-SAMPLE_STEP = 0.04  # s between samples that are learnt from
+SAMPLE_STEP = 0.04  # s between training samples
 HIDDEN_UNITS, LEARNING_RATE = 64, 3e-3  # units; step size of Adam
 MAX_STEPS, BATCH_SIZE = 600, 128  # steps of training, samples of each
-STEPS_BETWEEN_CHECKS = 25  # the error on the path left is checked every this many
-PATIENCE_STEPS = 200  # steps without a smaller error on the path left, after which training ends
+STEPS_BETWEEN_CHECKS = 25  # of the error on the left-out path
+PATIENCE_STEPS = 200  # training ends after so many steps without a smaller error on that path
 SOURCE = "Oh et al. 2026"
 
 
@@ -76,7 +76,7 @@ class Memory(nn.Module):
 
 
 def train(learnt: TrainingSamples, left_out: TrainingSamples) -> Predict:
-    """Minimise the squared error; keep the weights that predict the path left out best."""
+    """Minimise the squared error; keep the weights that predict the left-out path best."""
     seen, unseen = (
         Tensors(*(torch.as_tensor(values, dtype=torch.float32) for values in batch))
         for batch in (learnt, left_out)
@@ -110,7 +110,7 @@ def motion(run: Run, *, with_error: bool) -> TrainingSamples:
     """Return sequences of past states in the order of time, (N, SEQUENCE_LENGTH * 12 or 18), and
     k i [Nm].
 
-    At the start of a stretch, its first state replaces what was before.
+    Before the start of a stretch, its first state is repeated.
     """
     states = [run.q, run.qd]
     if with_error and run.position_error is not None:
@@ -123,7 +123,7 @@ def motion(run: Run, *, with_error: bool) -> TrainingSamples:
 
 
 def learn(runs: Sequence[Run], *, with_error: bool) -> Learned:
-    """Train on all paths but each one, then tune the low-pass. Raises as `cross_fitted`."""
+    """Train leaving each path out in turn, then tune the low-pass. Raises as `cross_fitted`."""
     if with_error and any(run.position_error is None for run in runs):
         raise InputError("target_q was not recorded, which the position error needs")
     of, network = partial(motion, with_error=with_error), partial(standardised, train)

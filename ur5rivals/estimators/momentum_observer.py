@@ -2,7 +2,8 @@
 
     r = K (p - ∫ (τ_m - τ_f + Cᵀ q̇ - g + r) dt),   dr/dt = K (τ_ext - r)
 
-It is causal, and offline: forwards and backwards with the same K, by least squares and as F̂ᵐᵃᵖ.
+One estimator is causal; two are offline, forwards and backwards with the same K: by least squares
+and as F̂ᵐᵃᵖ.
 
 A. De Luca, R. Mattone: Actuator failure detection and isolation using generalized momenta. ICRA
 (2003). A. De Luca, A. Albu-Schäffer, S. Haddadin, G. Hirzinger: Collision detection and safe
@@ -57,7 +58,7 @@ def observe(
     finite = finite_rows(momentum + rate)
     for rows in unbroken(segment, finite):
         if finite[rows.start] and rows.stop - rows.start > 4:
-            # joint by joint, which takes less memory
+            # one joint at a time, to save memory
             for observed, p, change in zip(
                 result[rows].T, momentum[rows].T, rate[rows].T, strict=True
             ):
@@ -87,7 +88,7 @@ def learn_offline(runs: Sequence[Run]) -> Learned:
 
 
 def learn_gated(runs: Sequence[Run]) -> Learned:
-    """Take the bandwidth of the study's low-pass; the noise is learnt."""
+    """Take the bandwidth of the study's low-pass, and learn the noise."""
 
     def observed(run: Run) -> Array:
         torque_of_observer = observe(run.momentum, run.rate, run.segment, run.period, CUTOFF_HZ)

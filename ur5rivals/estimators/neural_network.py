@@ -1,13 +1,13 @@
-"""A small neural network for what friction and model leave [Yilmaz et al. 2020].
+"""A small neural network for the residual of friction and model [Yilmaz et al. 2020].
 
-Two hidden layers of 32 units, Adam with weight decay. For each path of the recordings to fit on,
-one network learns from the others and stops where its error on that path is least; the same seed
-gives the same network. It works on top of least squares (offline) and of the momentum observer
-(causal).
+Two hidden layers of 32 units, Adam with weight decay. For each path of the fit recordings, one
+network learns from the others and stops at its least error on the left-out path; the same seed
+gives the same network. The predicted residual is subtracted before least squares (offline) and
+before the momentum observer (causal).
 
 N. Yilmaz, J. Y. Wu, P. Kazanzides, U. Tumerdem: Neural network based inverse dynamics
 identification and external force estimation on the da Vinci Research Kit. ICRA (2020). There, a
-network learns the whole torque; here, what friction and model leave of it.
+network learns the whole torque; here, its residual.
 """
 
 import torch
@@ -18,13 +18,13 @@ from ur5rivals.learned_residual import Predict, TrainingSamples, on_top
 
 SAMPLE_STEP = 0.1  # s between samples
 HIDDEN_UNITS, TRAINING_STEPS = 32, 400  # units of a layer; steps of Adam, each over all samples
-LEARNING_RATE, WEIGHT_DECAY = 3e-3, 1e-2  # Adam has these
+LEARNING_RATE, WEIGHT_DECAY = 3e-3, 1e-2  # of Adam
 
 
 def network() -> nn.Sequential:
-    """Return a network from 18 inputs to 6 torques, with weights by a fixed seed.
+    """Return a network from 18 inputs to 6 torques, with initial weights by a fixed seed.
 
-    Its output begins at zero, so that a network that learns nothing subtracts next to nothing.
+    Its output is almost zero at first, so that an untrained network subtracts almost nothing.
     """
     torch.manual_seed(0)
     hidden = [
@@ -40,7 +40,7 @@ def network() -> nn.Sequential:
 
 
 def train(learnt: TrainingSamples, left_out: TrainingSamples) -> Predict:
-    """Minimise the squared error; keep the weights that predict the path left out best."""
+    """Minimise the squared error; keep the weights that predict the left-out path best."""
     learnt_pair, left_pair = (tuple(map(torch.as_tensor, values)) for values in (learnt, left_out))
     layers = network()
     optimiser = torch.optim.AdamW(layers.parameters(), lr=LEARNING_RATE, weight_decay=WEIGHT_DECAY)

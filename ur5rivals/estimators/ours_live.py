@@ -1,7 +1,7 @@
 """F̂ᵐᵃᵖ, live: the estimator that `ur5 export --format live` writes, fed sample by sample.
 
-It is given what the controller states, positions, velocities and currents, and nothing smoothed.
-Its noise and threshold come from the runs to fit on; its constants were chosen before.
+Its inputs are the controller's positions, velocities and currents, unsmoothed. Its noise and
+threshold are learnt from the fit runs; its constants are fixed.
 """
 
 from collections.abc import Sequence
@@ -20,17 +20,17 @@ from ur5rivals.run import Estimate, Run
 from ur5rivals.tuning import latency
 
 OURS_LIVE = "F̂ᵐᵃᵖ, live"
-FALSE_PER_MIN = 1.0  # alarms, by which no force changes
+FALSE_PER_MIN = 1.0  # false alarms allowed a minute; no force depends on it
 
 
 @dataclass(frozen=True)
 class LiveMap:
-    """known: what runs without contact show, as `learned` returns it."""
+    """known: the result of `learned` on runs without contact."""
 
     known: dict[str, Any]
 
     def estimate(self, run: Run) -> Estimate | None:
-        """Return the wrench and its deviation, None where the controller's samples are missing."""
+        """Return the wrench and its deviation, None without the controller's samples."""
         if (given := inputs(run)) is None:
             return None
         arm, measured = given
@@ -46,8 +46,8 @@ class LiveMap:
 
 
 def inputs(run: Run) -> tuple[dict[str, Any], Measured] | None:
-    """Return the numbers of a run's arm, by the fit without its path, and what its controller
-    stated.
+    """Return `numbers` of a run's arm by the fit without its path, and the controller's samples;
+    None without samples.
     """
     if run.measured is None or run.arm is None:
         return None
@@ -56,7 +56,7 @@ def inputs(run: Run) -> tuple[dict[str, Any], Measured] | None:
 
 
 def learn(runs: Sequence[Run]) -> Learned:
-    """The noise is learnt. Raises InputError without samples of a controller."""
+    """Learn the noise. Raises InputError without a controller's samples."""
     given = {run: own for run in runs if (own := inputs(run)) is not None}
     known, paths = [*given.values()], len({run.path for run in given})
     if not known:

@@ -2,15 +2,15 @@
 
     τ̂_m = τ_model + K (q_target - q) + c,   τ_ext = τ_model + τ_f - τ̂_m
 
-The motors' torque is taken from the position error instead of the current: what the loop adds to
-the torque of the model. The paper detunes the loops of a robot, so that the error becomes large and
-a given gain turns it into a torque. The loops here are stiff and closed, and so gains and constant
-follow from the contact-free recordings, by least squares against the friction that the loop must
-overcome there. The paper's estimator of the force, which is given what touches the robot, is left
-out: all estimators share the way from torque to force.
+The motors' torque is the torque of the model plus that of the position loop, computed from the
+position error instead of the current. The paper detunes a robot's loops, so that the error is large
+and a given gain converts it into a torque. The loops here are stiff and closed, so that gains and
+constant are fitted to the contact-free recordings, by least squares against the friction that the
+loop must overcome there. The paper's estimator of the force, which is given the touching object, is
+left out: all estimators compute the force from the torque in the same way.
 
-A trial push cannot show a latency, because the motion does not react to it. The low-pass has the
-largest latency that the rule allows.
+A trial push cannot measure the latency, because the motion does not react to it. The low-pass has
+the largest latency that the rule allows.
 
 A. Stolt, M. Linderoth, A. Robertsson, R. Johansson: Force controlled robotic assembly without a
 force sensor. ICRA (2012).
@@ -54,7 +54,7 @@ def fitted_loops(runs: Sequence[Run]) -> PositionError:
 
 
 def learn(runs: Sequence[Run]) -> Learned:
-    """Learn the loops' gains. Raises InputError where the target angles were not recorded."""
+    """Learn the loops' gains. Raises InputError if the target angles were not recorded."""
     if any(run.position_error is None for run in runs):
         raise InputError("a recording to fit on has no target_q; record it")
     learned = untuned(fitted_loops(runs).torque, runs)

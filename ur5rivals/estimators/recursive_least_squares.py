@@ -2,12 +2,12 @@
 
     min Σ_i λ^(k-i) (τ_i - J_vᵀ F_k)ᵀ S⁻¹ (τ_i - J_vᵀ F_k)
 
-The dynamics pass a first-order filter, so that they need no acceleration: what they leave is the
-torque τ of the first-order momentum observer. The recursion is written by its information, with
-sums that forget exponentially, and gives the same force. As for all estimators, the joints are
-weighted by their noise S, which the paper does not do; the Jacobian, which changes little within
-the filter's time, is not filtered. The band counts one sample's information alone, because errors
-of friction last longer than the memory.
+The dynamics pass a first-order filter, so that they need no acceleration: their residual is the
+torque τ of the first-order momentum observer. The recursion is in information form, with
+exponentially weighted sums, and gives the same force. As for all estimators, the joints are
+weighted by their noise S, unlike in the paper; the Jacobian, which changes little within the
+filter's time constant, is not filtered. The band uses the information of only one sample, because
+errors of friction last longer than the memory.
 
 M. Van Damme, P. Beyl, B. Vanderborght, V. Grosu, R. Van Ham, I. Vanderniepen, A. Matthys,
 D. Lefeber: Estimating robot end-effector force from noisy actuator torque measurements. ICRA
@@ -29,8 +29,8 @@ from ur5rivals.force import learned_noise
 from ur5rivals.run import Estimate, Run
 from ur5rivals.tuning import least_false
 
-FILTER_GAINS = (30.0, 40.0, 60.0, 100.0)  # the filter has one of these [1/s]
-MEMORY_SPANS = (0.01, 0.02, 0.03, 0.04)  # s; after one of these, a sample's weight is 1/e
+FILTER_GAINS = (30.0, 40.0, 60.0, 100.0)  # 1/s
+MEMORY_SPANS = (0.01, 0.02, 0.03, 0.04)  # s; a sample of this age has the weight 1/e
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class ForgettingLeastSquares:
 def forgotten(values: Array, forgetting: float) -> Array:
     """Return the mean (n, ...) of the values up to each sample, weighted by forgetting^age.
 
-    From the first sample on, its weights sum up to one.
+    The weights are normalised to the sum 1 at every sample.
     """
     weights = lfilter([1.0], [1.0, -forgetting], np.ones(len(values)))
     sums = lfilter([1.0], [1.0, -forgetting], values, axis=0)

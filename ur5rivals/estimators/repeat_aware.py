@@ -1,9 +1,8 @@
-"""F̂ᵐᵃᵖ less what contact-free runs of the same trajectory show.
+"""F̂ᵐᵃᵖ less the residual torque of contact-free runs of the same trajectory.
 
-Friction depends on position and direction in a way that no formula describes, but it repeats. Where
-a run passes the configuration of a contact-free one at the same velocity, the external torque of
-that one is subtracted. Contact-free runs that are subtracted from one another show how well it
-repeats.
+Friction depends on position and direction in a way that no formula describes, but it repeats. At
+configurations and velocities that a contact-free run also passes, that run's external torque is
+subtracted. Differences between contact-free runs give the repeatability.
 """
 
 from collections.abc import Sequence
@@ -28,8 +27,8 @@ from ur5rivals.run import Estimate, Run
 
 
 def repeated(run: Run) -> Array:
-    """Return the external torque (N, 6) [Nm] less that of the nearest sample of the other runs in
-    (q, qd): as it is where the run rests, or none is near.
+    """Return the external torque (N, 6) [Nm] less that of the other runs' sample nearest in
+    (q, qd); nothing is subtracted at rest, or without a near sample.
     """
     pairs = [(free, _moves(free) & finite_rows(free.smoothed)) for free in run.repeats]
     places = np.concatenate([scaled_states(free.q, free.qd)[rows] for free, rows in pairs])
@@ -46,9 +45,9 @@ def _moves(run: Run) -> Mask:
 
 
 def noise_of_repeats(noise: ResidualModel, runs: Sequence[Run]) -> ResidualModel:
-    """Return the noise in motion of runs of one trajectory, each less the others, at rest as it is.
+    """Return the noise with that in motion replaced by the repeatability of one trajectory's runs.
 
-    With a single run, the repeatability is unknown. It is wider by Student's t for few runs.
+    It is wider by Student's t for few runs. With a single run, the repeatability is unknown.
     """
     if len(runs) < 2:
         return noise
@@ -74,7 +73,7 @@ def noise_of_repeats(noise: ResidualModel, runs: Sequence[Run]) -> ResidualModel
 
 
 def learn(runs: Sequence[Run]) -> Learned:
-    """The noise without other runs is learnt; that with them is each trajectory's own."""
+    """Learn the noise of runs without repeats; with repeats, each trajectory has its own."""
     noise = learned_noise(lambda run: run.smoothed, runs, breakaway_of(runs))
 
     def estimate(run: Run) -> Estimate | None:

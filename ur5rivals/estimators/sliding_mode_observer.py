@@ -4,8 +4,8 @@
     T₁ = 2 √S₁,   T₂ = 2 √S₂
 
 The ratios of T to S are this benchmark's: two constants remain, and the linear part is critically
-damped. The steps are those of Euler. S₁ bounds how quickly the external torque may change; its
-unit is each joint's torque without contact, so that one number serves joints of all sizes.
+damped. Integrated by Euler's method. S₁ bounds the rate of the external torque, in units of each
+joint's torque without contact, so that one number serves joints of all sizes.
 
 G. Garofalo, N. Mansfeld, J. Jankowski, C. Ott: Sliding mode momentum observers for estimation of
 external torques and joint acceleration. ICRA (2019).

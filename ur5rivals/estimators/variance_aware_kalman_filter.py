@@ -1,13 +1,13 @@
-"""A Kalman filter that trusts a torque as far as its variance allows [Akbıyık et al. 2025].
+"""A Kalman filter that weights a torque by its predicted variance [Akbıyık et al. 2025].
 
     d_k = d_k-1 + v,   τ_k - μ_k = d_k + n,   var n = σ²_k
 
-K-VARK learns mean μ and variance σ² of what friction and model leave of the torque τ, as functions
-of the motion, and filters the external torque d by them; the noise of v adapts by variational
-Bayes. This is from the paper's abstract. The rest is this benchmark's own: `regime_process`, with
-noise that depends on the joint and its regime (at rest, reversing, slow, fast), replaces its
-movement primitives, each joint is filtered alone, and the variance before a sample adapts by the
-rule of Huang et al. 2018.
+K-VARK learns mean μ and variance σ² of the residual torque τ of friction and model, as functions of
+the motion, and filters the external torque d with them; the noise of v adapts by variational Bayes.
+This is from the paper's abstract. The rest is this benchmark's own: `regime_process`, with noise
+that depends on the joint and its regime (at rest, reversing, slow, fast), replaces the movement
+primitives, each joint is filtered separately, and the prior variance of a sample adapts by the rule
+of Huang et al. 2018.
 
 O. Akbıyık, N. Alhousani, F. J. Abu-Dakka: K-VARK: Kernelized variance-aware residual Kalman filter
 for sensorless force estimation in collaborative robots. arXiv 2512.13009 (2025). Y. Huang,
@@ -30,14 +30,16 @@ from ur5rivals.regime_process import motion, train
 from ur5rivals.run import Run
 from ur5rivals.tuning import tuned
 
-# The torque d wanders by these in a second, in units of the usual σ.
+# Standard deviations of d's random walk after 1 s, in units of the usual σ.
 WANDERINGS = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0)
-PRIOR_WEIGHT, ROUNDS = 3.0, 3  # the variance before a sample has this weight, and adapts this often
+PRIOR_WEIGHT, ROUNDS = 3.0, 3  # of a sample's prior variance; of its adaptation
 
 
 @dataclass(frozen=True)
 class VarianceAware:
-    """wandering: of d; usual: σ² (6,) [Nm²]; residual: returns μ and σ² (N, 12) [Nm, Nm²]."""
+    """wandering: random walk of d; usual: σ² (6,) [Nm²]; residual: function of a run that returns μ
+    and σ² (N, 12) [Nm, Nm²].
+    """
 
     wandering: float
     usual: Array = field(repr=False)
@@ -66,14 +68,14 @@ class VarianceAware:
 
 
 def moments(values: Array) -> tuple[Array, Array]:
-    """Return mean and variance (N, 6) that are side by side."""
+    """Return mean and variance (N, 6) each from columns (N, 12)."""
     return values[:, :6], values[:, 6:]
 
 
 def learn(runs: Sequence[Run]) -> Learned:
-    """Learn from all paths but each one, then tune the filter. Raises as `cross_fitted`."""
+    """Learn leaving each path out in turn, then tune the filter. Raises as `cross_fitted`."""
     learnt = cross_fitted(train, runs, SAMPLE_STEP, motion)
-    kept = lru_cache(maxsize=32)(learnt)  # of the runs that all candidates are tried on
+    kept = lru_cache(maxsize=32)(learnt)  # all candidates are tried on the same runs
     usual = np.nanmedian(np.concatenate([moments(kept(run))[1] for run in runs]), axis=0)
     return tuned([VarianceAware(wandering, usual, kept) for wandering in WANDERINGS], runs)
 

@@ -1,7 +1,7 @@
-# What is fitted to an arm, from its recordings.
+# The fits to an arm, from its recordings.
 
 
-# These take less than a second: on a cluster they are no jobs, but run where Snakemake was started.
+# These take less than a second: on a cluster, they run where Snakemake was started, not as jobs.
 localrules:
     describe_arm,
     pool_drifts,
@@ -57,8 +57,8 @@ rule calibrate_imu:
         run_step(rule, input, output, params, log)
 
 
-# The same step, on recordings that no calibration above has seen: it judges, and corrects nothing. Of
-# many, those drawn do: each new one would let all others wait.
+# The same step on recordings that the calibration above has not used: it judges, and corrects
+# nothing. Of many recordings, it uses those that are drawn: the others would wait for each new one.
 rule calibrate_imu_without_each:
     input:
         signals=results_of(SELECTION.drawn, "signals.parquet"),

@@ -1,4 +1,4 @@
-# A cluster's job starts Snakemake once more, which snakemake-executor-plugin-slurm 2.8 does not tell the
-# groups: it would start it yet again for each step. Local rules run where they are, in warm processes.
+# A cluster's job starts Snakemake again. snakemake-executor-plugin-slurm 2.8 does not pass on the
+# groups, so each step would start another one. Local rules run inside the job, in warm processes.
 if workflow.remote_exec:
     workflow.localrules(*(step.name for step in workflow.rules))

@@ -41,7 +41,7 @@ RECORDINGS = SELECTION.recordings
 TRUTHS = SELECTION.truths(RESULTS)
 ARMS = STUDY.arms()
 ROBOTS = sorted(ARMS)
-TABLES = [  # that make_tables writes for every study, besides those of which steps write parts
+TABLES = [  # written by make_tables for every study; others are joined from parts that steps write
     "recordings",
     "files",
     "account",
@@ -83,7 +83,7 @@ PAGE = sorted(PACKAGE.glob("report/page/**/*.*")) + sorted(PACKAGE.glob("topics/
 PAGE = [path for path in PAGE if path.suffix in (".typ", ".css", ".js", ".LICENSE")]
 
 
-# A second run of a study would delete what the first has made. Who waits plans afterwards.
+# A second run of a study would delete the first one's results: it waits before it plans its jobs.
 turn = []
 try:
     if workflow.remote_exec:
@@ -94,8 +94,8 @@ except InputError as error:
     raise WorkflowError(str(error))
 
 
-# Each job's end starts a timer that weighs all jobs anew every second: a tenth of a study's minutes.
-# No option ends it: https://github.com/snakemake/snakemake/pull/3744
+# Each job's end starts a timer that reschedules all jobs every second, which takes a tenth of a
+# study's time. No option stops it: https://github.com/snakemake/snakemake/pull/3744
 onstart:
     if workflow.is_main_process and not turn:
         try:
@@ -117,7 +117,7 @@ wildcard_constraints:
 
 
 def check_page():
-    """Typeset the page of no study where its sources are newer than the report: before any job."""
+    """Typeset the page of an empty study, before any job, if a source is newer than the report."""
     page = Path(f"{RESULTS}/report.html")
     since = page.stat().st_mtime if page.is_file() else 0
     if workflow.is_main_process and max(path.stat().st_mtime for path in PAGE) > since:
@@ -167,12 +167,12 @@ def parameters(name):
 
 
 def parameter_of(name):
-    """Return a function of the path of a file of a recording's arm."""
+    """Return a function that gives the path of a file of a recording's arm."""
     return lambda wildcards: parameter(name).format(robot=SELECTION.arm(wildcards.recording))
 
 
 def results_of(names, file):
-    """Return a function of the paths of a file of each recording that another function names."""
+    """Return a function that gives the paths of a file of the recordings that `names` returns."""
     return lambda wildcards: results(file, names(wildcards.robot))
 
 
@@ -237,24 +237,24 @@ def recordings_of(robot):
 
 
 def further_forces(wildcards):
-    """Return the files of estimates beside this study's of a recording or an arm's `fit` ones."""
+    """Return the files of further estimates of a recording, or of an arm's `fit` recordings."""
     of = dict(wildcards)
     names = [of["recording"]] if "recording" in of else fitted_on(of["robot"])
     return [path for file in FURTHER_FORCES for path in results(file, names)]
 
 
 def of_recording(method):
-    """Return a function of what the selection's method tells of a job's recording."""
+    """Return a function that calls a method of the selection with a job's recording."""
     return lambda wildcards: method(wildcards.recording)
 
 
 def gravities_of(names):
-    """Return a function of gravity in the base frames of recordings that another function names."""
+    """Return a function that gives the gravities in base frames of the recordings of `names`."""
     return lambda wildcards: SELECTION.gravities(names(wildcards.robot))
 
 
 def from_study(step):
-    """Return what the study gives a step, each as a function of a job's recording or arm."""
+    """Return a step's parameters from the study, as functions of a job's recording or arm."""
     return {
         name: lambda wildcards, of=of: of(SELECTION, wildcards[0])
         for name, of in STEPS[step].items()

@@ -1,6 +1,5 @@
-# The steps of a recording, in their order. One ends where recordings wait for each other: for the
-# drifts of hosts, the arm's model, its friction, its load in other recordings, its residuals, its
-# thresholds.
+# The steps of a recording, in their order. A new step begins where recordings wait for each other:
+# for drifts of hosts, the arm's model, friction, load in others, residuals and thresholds.
 
 
 rule read_recording:
@@ -23,7 +22,7 @@ rule read_recording:
         run_step(rule, input, output, params, log)
 
 
-# Recordings at rest, without time: none of the other steps runs for them.
+# Postures at rest, without time: no other step runs for them.
 rule read_postures:
     input:
         raw=of_recording(SELECTION.raw_files),
@@ -142,7 +141,7 @@ rule estimate_forces:
         run_step(rule, input, output, params, log)
 
 
-# Beside forces: no step of a force needs the IMU.
+# Independent of the forces, whose steps do not need the IMU.
 rule compare_accelerations:
     input:
         quality=result("quality.json"),

@@ -88,7 +88,7 @@ rule draw_filters:
         run_step(rule, input, output, params, log)
 
 
-# Thousands of inputs are given as functions: of a list, Snakemake weighs each path when it parses.
+# Thousands of inputs are given as functions: Snakemake checks each path of a list when it parses.
 rule make_tables:
     input:
         judgements=lambda wildcards: results("judgement.json")
@@ -165,7 +165,7 @@ rule write_report:
         tables=outputs_in("tables"),
         figures=outputs_in("figures"),
     output:
-        # an error of the page leaves all as they are; the last results are read before
+        # `update` keeps the last results, which are read first, if the page has an error
         html=update(f"{RESULTS}/report.html"),
         details=update(f"{RESULTS}/details.html"),
         pdf=update(f"{RESULTS}/report.pdf"),

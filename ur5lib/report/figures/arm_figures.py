@@ -22,12 +22,12 @@ UPRIGHT_POSTURE = [
     0.0,
     0.0,
 ]  # rad, position 2 of Figure 4.1 of a UR
-DRAWING_MARGIN = 0.03  # m; the drawing has this margin
-MAX_DISTANCE_FROM_JOINTS = 0.3  # m; a drawn point is at most this far from the joints
+DRAWING_MARGIN = 0.03  # m; around the drawing
+MAX_DISTANCE_FROM_JOINTS = 0.3  # m; the axes end at most this far from the joints
 PANELS_PER_ROW = 4  # panels
-CIRCLE_ANGLES = np.linspace(0, 2 * np.pi, 48, endpoint=False)  # rad; they go along a circle's edge
+CIRCLE_ANGLES = np.linspace(0, 2 * np.pi, 48, endpoint=False)  # rad; points of a drawn circle
 SIDE_VIEW = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])  # along x: y to the right, z up
-# This is the same view, with x towards the lower left.
+# The same view, with x drawn towards the lower left.
 OBLIQUE_VIEW = np.array([[-0.45, 1.0, 0.0], [-0.3, 0.0, 1.0]])
 AXIS_COLOURS = {"x": "#D55E00", "y": "#009E73", "z": "#0072B2"}
 AXIS_LENGTH = 0.11  # share of the drawing's largest extent
@@ -37,8 +37,8 @@ PLACE_COLUMNS, PARAMETER_COLUMNS = ["x [m]", "y [m]", "z [m]"], ["a [m]", "d [m]
 
 class MassModel(NamedTuple):
     """A link model in base axes: masses (6,) [kg] and centres of mass (6, 3) [m] of the links;
-    outlines: by link, the outline of each body seen along x, (K, 2) [m] in y and z; bodies: what
-    they are, "cylinders" or "ellipses".
+    outlines: by link, the outline of each body seen along x, (K, 2) [m] in y and z; bodies:
+    "cylinders" or "ellipses".
     """
 
     masses: Array
@@ -48,7 +48,7 @@ class MassModel(NamedTuple):
 
 
 def placed(robot: Robot, name: str, rotation: Array, origin: Array) -> MassModel:
-    """Return a link model in base axes: its cylinders or, where it has none, ellipsoids.
+    """Return a link model in base axes, with its cylinders or, if it has none, ellipsoids.
 
     rotation: (7, 3, 3), origin: (7, 3) [m], of frames 0 to 6.
     """
@@ -85,7 +85,7 @@ def ellipsoid_outline(mass: float, inertia: Array, center: Array) -> Array:
     """Return the outline (K, 2) [m], seen along x, of a homogeneous ellipsoid of a mass [kg] and an
     inertia about its centre (3, 3) [kg m²], base axes.
 
-    Its mass is spread with covariance (tr(I)/2 1 − I) / m, a fifth of its squared half-axes.
+    The covariance of its mass, (tr(I)/2 1 − I) / m, is a fifth of the squared half-axes.
     """
     spread = (np.trace(inertia) / 2 * np.eye(3) - inertia) / mass
     squares, axes = np.linalg.eigh(5 * SIDE_VIEW @ spread @ SIDE_VIEW.T)
@@ -125,7 +125,7 @@ def mass_panels(joints: Array, models: Mapping[str, MassModel]) -> Drawing:
 
 
 def _limits(line: Array, outlines: Sequence[Array]) -> tuple[Array, Array]:
-    """Return the lower and the upper ends of the axes, around joints and outlines (K, 2)."""
+    """Return lower and upper limits (2,) [m] of the axes, around joints and outlines (K, 2)."""
     drawn = np.concatenate([line, *outlines])
     # undetermined parameters can have any value, so the arm limits the axes
     low = np.maximum(drawn.min(axis=0), line.min(axis=0) - MAX_DISTANCE_FROM_JOINTS)
@@ -156,7 +156,7 @@ def frame_panels(
     and its wrist enlarged.
 
     rotation: (n + 1, 3, 3), origin: (n + 1, 3) [m], of frames 0 to n in the base frame;
-    parameters: none of an arm that is described otherwise.
+    parameters: empty for an arm without Denavit-Hartenberg parameters.
     """
     with house_style(4.4, 1, 2, width_ratios=[1, 1.6]) as (figure, ((whole, wrist),)):
         last = len(origin) - 1
@@ -200,7 +200,7 @@ def _draw_frames(axis: Axes, rotation: Array, origin: Array, frames: Sequence[in
 def _draw_links(
     axis: Axes, origin: Array, parameters: Sequence[DenavitHartenberg], frames: Sequence[int]
 ) -> None:
-    """Draw the links between some frames, each with its parameters other than zero next to it."""
+    """Draw the links between some frames, each labelled with its nonzero parameters."""
     axis.plot(
         *(OBLIQUE_VIEW @ origin[[*frames]].T), "o-", color="#999999", markersize=4, linewidth=3
     )

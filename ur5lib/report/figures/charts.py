@@ -34,7 +34,7 @@ def joint_panels(joints: int, axes: tuple[str, str]) -> Iterator[tuple[Figure, l
         for joint, axis in enumerate(panels.flat[:joints], start=1):
             xlabel, ylabel = (re.sub(r"(\w)_(\d)", r"$\1_\2$", text.format(joint)) for text in axes)
             axis.set(ylabel=ylabel)
-            axis.set_xlabel(xlabel, loc="left")  # on the right is the power of the numbers
+            axis.set_xlabel(xlabel, loc="left")  # the power of ten is on the right
             axis.locator_params(axis="x", nbins=4)
         yield figure, [*panels.flat[:joints]]
 
@@ -60,8 +60,9 @@ def scatter_panels(
 
 
 def by_joint(columns: Mapping[str, Array]) -> pd.DataFrame:
-    """Return the numbers of panels, joint after joint; columns: (N, n), or fewer rows, by name,
-    with {} for the joint.
+    """Return the numbers of panels as a table, joint after joint.
+
+    columns: (N, n), or fewer rows, by name with {} for the joint.
     """
     joints = range(next(iter(columns.values())).shape[1])
     named = {name.format(j + 1): own[:, j] for j in joints for name, own in columns.items()}

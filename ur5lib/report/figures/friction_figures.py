@@ -1,4 +1,4 @@
-"""Currents over torques as in Figures 6.1 and 6.2, friction of an arm with its band, residuals."""
+"""Currents over torques as in Figures 6.1 and 6.2, an arm's friction with its band, residuals."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, fields
@@ -27,21 +27,21 @@ from ur5lib.report.figures.house_style import (
 )
 from ur5lib.timeseries.arrays import Array
 
-DRAWN_STEP = 0.1  # s; the drawn samples are this far apart
-BAR_HEIGHT = 0.16  # inches; it contains the space to the next
+DRAWN_STEP = 0.1  # s; between drawn samples
+BAR_HEIGHT = 0.16  # inches; includes the space to the next bar
 SYMBOLS = {CURRENT: "i_{0}", TORQUE: "measured τ_{0}"}
-CURVE_POINTS = 30  # a curve has this many in one direction of motion
-BAND_PARTS = 15  # the samples of one direction have this many, and a band is a mean over each
+CURVE_POINTS = 30  # of a friction curve in one direction of motion
+BAND_PARTS = 15  # of the samples in one direction of motion; the band is averaged over each
 FRICTION_BAND_STYLE = {**BAND_STYLE, "label": "95 % band"}
 REST_STYLE: Any = {"color": "#444444", "capsize": 3, "linewidth": 1, "label": "95 % band at rest"}
-FRICTION_COLUMNS = (  # the numbers have these
+FRICTION_COLUMNS = (  # of the figure's numbers
     "velocity, joint {} [rad/s]",
     "measured, joint {} [Nm]",
     "fitted, joint {} [Nm]",
     "half of the 95 % band, joint {} [Nm]",
     "half of the band at rest, joint {} [Nm]",
 )
-KNOWLEDGE_SOURCES = {  # the shares of a parameter's knowledge, and their colours, darker in turn
+KNOWLEDGE_SOURCES = {  # sources of the information on a parameter, and their colours
     "prior_share": ("other arms and the maker", "#E0E0E0"),
     "arm_share": ("other days", "#E69F00"),
     "day_share": ("other recordings of the day", "#0072B2"),
@@ -62,16 +62,17 @@ PARAMETER_SYMBOLS = {
     "coupled_coulomb": "shaft Coulomb",
     "coupled_viscous": "shaft viscous",
     "coupled_rotor": "shaft rotor",
-}  # on a narrow axis
+}  # labels short enough for a narrow axis
 
 
 @dataclass(frozen=True)
 class MovingSamples:
     """Low-passed samples of recordings, (N, 6) each; NaN where a joint rests.
 
-    predicted: current, and `spring`, the part of it that springs take, by the fit to all; error: of
-    the torque that a fit predicts which has not seen the path, and half of its 95 % band [Nm], NaN
-    without that prediction; resting: (R, 6), mean half of the band [Nm] at rest, a row a recording.
+    predicted: current [A] by the fit to all recordings; spring: the part of it that springs take;
+    error: measured torque less its prediction by the fit without the recording's path, half:
+    half-width of that prediction's 95 % band [Nm], both NaN without a prediction; resting: (R, 6),
+    mean half-width at rest [Nm] in each of R recordings.
     """
 
     time: Array
@@ -89,7 +90,7 @@ class MovingSamples:
     def from_record(
         cls, record: CurrentSamples, friction: Friction, currents: Currents, smooth: Smooth
     ) -> Self:
-        """Return a recording's samples where each joint moves; currents: predicted for it."""
+        """Return a recording's samples in motion; currents: its predicted currents."""
         every = max(1, round(DRAWN_STEP / record.period))
         state = motion_states(record, smooth)[::every]
         moving = state == MotionState.MOVING
@@ -116,7 +117,7 @@ class MovingSamples:
 
     @classmethod
     def joined(cls, parts: Sequence[Self], joints: int) -> Self:
-        """Return the samples of all parts, after a row of NaN: panels may be empty."""
+        """Return the samples of all parts, after a row of NaN so that no panel lacks samples."""
         nothing, names = np.full((1, joints), np.nan), [field.name for field in fields(cls)]
         arrays = ([nothing, *(getattr(part, name) for part in parts)] for name in names)
         return cls(*map(np.concatenate, arrays))
@@ -163,8 +164,7 @@ def current_figures(
 ) -> dict[str, Drawing]:
     """Return the figures of currents over torque and of residuals by name.
 
-    constant, known: torque constants (6,) [Nm/A] of the fit, and those before it; effort: that is
-    measured.
+    constant, known: fitted and prior torque constants (6,) [Nm/A]; effort: the measured quantity.
     """
     symbol, unit = SYMBOLS[effort], effort.unit
     axis = f"{symbol} [{unit}]"
@@ -192,9 +192,9 @@ def friction_figure(
     samples: MovingSamples, models: Sequence[JointFit], load: Array | None
 ) -> Drawing:
     """Draw friction over velocity, a panel for each joint: the fitted curve at the mean load, the
-    95 % band of predictions, and what was measured, as far from the curve as from its prediction.
+    95 % band of predictions, and the measured points at curve + prediction error.
 
-    models: of the joints; load: (n,) [Nm], of the fit, None without recordings.
+    models: of the joints; load: mean one of the fit (n,) [Nm], None without recordings.
     """
     known = np.isfinite(samples.qd + samples.error + samples.half)
     if load is None or not known.any():
@@ -222,17 +222,17 @@ def friction_figure(
 
 
 def _branches(qd: Array) -> Iterator[Array]:
-    """Yield velocities from the lowest to the highest of (N,) [rad/s] in each direction."""
+    """Yield evenly spaced velocities over the range of qd (N,) [rad/s], for each direction."""
     for own in (qd[qd < 0], qd[qd > 0]):
         if len(own):
             yield np.linspace(own.min(), own.max(), CURVE_POINTS)
 
 
 def band_over(qd: Array, half: Array, at: Array) -> Array:
-    """Return half of the 95 % band at velocities `at` (M,) [rad/s] in motion: the mean of a part of
-    the samples, of neighbours in velocity.
+    """Return the half-width of the 95 % band at velocities `at` (M,) [rad/s] in motion, [Nm].
 
-    qd, half: of the samples (N,) [rad/s], [Nm]; NaN in qd is left out.
+    Interpolated between means over BAND_PARTS of the samples sorted by velocity. qd, half: of the
+    samples (N,) [rad/s], [Nm]; NaN in qd is left out.
     """
     found = np.full(len(at), np.nan)
     for direction in (-1, 1):

@@ -31,7 +31,7 @@ JOINT_COLOURS = (
 
 @dataclass(frozen=True)
 class Style:
-    """How a line is drawn: its colour, or that of each joint; its dashes, solid without; width."""
+    """How a line is drawn: one colour, or one for each joint; dashes, () for solid; width."""
 
     colours: tuple[str, ...]
     dashes: tuple[float, ...] = ()
@@ -40,14 +40,14 @@ class Style:
     def line(
         self, i: int, x: Sequence[float] | Array = (), y: Sequence[float] | Array = ()
     ) -> Line2D:
-        """Return the line of a panel, from 0, through points x, y (N,)."""
+        """Return the line through points x, y (N,) in the style of panel i, counted from 0."""
         shape: Any = (0, self.dashes) if self.dashes else "-"
         colour = self.colours[i % len(self.colours)]
         return Line2D(x, y, color=colour, linewidth=self.width, linestyle=shape)
 
 
 LINE_STYLES = {
-    "pale": Style(("#C4C4C4",), width=0.7),  # what is not judged
+    "pale": Style(("#C4C4C4",), width=0.7),  # for signals that are not judged
     "measured": Style(("#000000",), width=1.1),
     "leading": Style(("#009E73",), width=1.2),
     "first": Style(("#0072B2",), (5, 1.2)),
@@ -74,17 +74,17 @@ DOT_STYLE: Any = {"markersize": 1.5, "alpha": 0.4, "rasterized": True}
 BAND_STYLE: Any = {"color": "#009E73", "alpha": 0.25, "linewidth": 0}
 GAP_STYLE: Any = {"facecolor": "none", "edgecolor": "#999999", "hatch": "////", "linewidth": 0}
 SHADE_STYLE: Any = {"color": "#000000", "alpha": 0.12, "linewidth": 0}
-PAGE_WIDTH = 7.2  # inches; A4 has this many between margins
-ALONE_HEIGHT = 3.6  # inches; a panel shown alone is this high
-# Inches from a y-axis to its label, which leaves room for ticks such as −0.0025.
+PAGE_WIDTH = 7.2  # inches; A4 between margins
+ALONE_HEIGHT = 3.6  # inches; of a panel shown alone
+# Inches from a y-axis to its label; leaves room for ticks such as −0.0025.
 LABEL_DISTANCE = 0.6
-IMAGE_DPI = 130  # images inside a figure have this resolution
-LETTER_WIDTH = 0.6  # letters have this share of their size
-LEGEND_LINE_LETTERS = 8  # a line takes the space of so many letters next to its label
-SCREEN_DPI = 100  # a figure in a notebook has this resolution
-PALETTE_SIZE = 64  # with this many colours, such an image has a fourth of the size of one with all
+IMAGE_DPI = 130  # of images inside a figure
+LETTER_WIDTH = 0.6  # mean width of a letter over its font size
+LEGEND_LINE_LETTERS = 8  # a legend's line is as wide as this many letters
+SCREEN_DPI = 100  # of a figure in a notebook
+PALETTE_SIZE = 64  # colours of an image inside a figure: a fourth of the size with all colours
 EMBEDDED_IMAGE = re.compile(rb"(?<=data:image/png;base64,)[A-Za-z0-9+/=\s]+")
-MOST_VERTICES = 9000  # lines are kept as such up to this many; with more, an image is smaller
+MOST_VERTICES = 9000  # lines with more become an image, which is smaller
 
 
 class Ticks(ScalarFormatter):
@@ -121,7 +121,7 @@ class NotebookFigure(Figure):
 class Drawing(NamedTuple):
     """A figure and its numbers; no rows for an empty figure.
 
-    styles: of a figure over time, the style of each line, in the order of the data's columns.
+    styles: of a figure over time: the style of each line, in the order of the data's columns.
     """
 
     figure: Figure
@@ -169,9 +169,9 @@ def save(drawing: Drawing, path: str | Path) -> None:
 
 
 def _place_labels(figure: Figure) -> None:
-    """Align the labels of all y-axes at a fixed distance, which the widest tick labels leave free.
+    """Align the labels of all y-axes at a fixed distance, beyond the widest tick labels.
 
-    Matplotlib's own search for that distance takes a quarter of the drawing time.
+    Matplotlib's own search for this distance takes a quarter of the drawing time.
     """
     for axes in figure.axes:
         left = ScaledTranslation(-LABEL_DISTANCE, 0, figure.dpi_scale_trans)

@@ -14,13 +14,13 @@ class Panel(NamedTuple):
 
 
 def joint_quantity(symbol: str, unit: str) -> list[Panel]:
-    """Return the panels of a quantity of each joint, of as many as an arm may have."""
+    """Return a panel for each joint, for as many joints as an arm may have."""
     joints = range(1, MOST_JOINTS + 1)
     return [Panel(f"joint {joint}", f"{symbol}_{joint}", unit) for joint in joints]
 
 
 def cartesian_quantity(linear: tuple[str, str, str], angular: tuple[str, str, str]) -> list[Panel]:
-    """Return the panels of a quantity with x, y, z; linear, angular: name, symbol and unit."""
+    """Return six panels, x, y, z linear and angular; linear, angular: name, symbol and unit."""
     return [
         Panel(f"{name}{axis}", f"{symbol}_{axis}", unit)
         for name, symbol, unit in (linear, angular)

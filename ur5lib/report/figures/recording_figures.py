@@ -32,7 +32,7 @@ from ur5lib.timeseries.segments import starts, without_ends
 
 OptionalLines = Mapping[
     str, tuple[Array | None, str]
-]  # values (N, 6), if there are any, and style, by label
+]  # values (N, 6), None without any, and style, by label
 StyledLines = dict[str, tuple[Array, str]]
 TimedTable = Signals | Accelerations | Forces | SensorWrenches
 ESTIMATE_STYLES = (
@@ -41,15 +41,15 @@ ESTIMATE_STYLES = (
     "second",
     "fourth",
     "fifth",
-)  # of estimates; the first has the band
-LATE_STEP_PERIODS = 1.5  # periods: a longer step lacks frames
-ENLARGED_SPAN = (-0.15, 0.35)  # s; it counts from the first late frame
+)  # estimates; the band is that of the first
+LATE_STEP_PERIODS = 1.5  # periods; in a longer step, frames were lost
+ENLARGED_SPAN = (-0.15, 0.35)  # s; about the first late frame
 RECEIVED_COLOUR, LOST_COLOUR, SPEED_COLOUR = JOINT_COLOURS[0], JOINT_COLOURS[1], "#666666"
 
 
 def torque_figure(signals: Signals, torques: Torques, robot: Robot) -> Drawing:
-    """Return Figures 5.11 and 5.12: the chosen model, the same with rotors, and the fullest against
-    the controller's torque, low-passed as in the table of their errors, which names the closest.
+    """Return Figures 5.11 and 5.12: the torques of the chosen model, of the same with rotors, and
+    of the fullest one against the controller's torque, low-passed as in the table of errors.
     """
     if signals.target_moment is None:
         return nothing_to_draw()
@@ -70,8 +70,8 @@ def torque_figure(signals: Signals, torques: Torques, robot: Robot) -> Drawing:
 def effort_figure(
     signals: Signals, currents: Currents, effort: Effort, lowpass: tuple[int, float]
 ) -> Drawing:
-    """Return the measured effort and that predicted for motion without contact with its band,
-    low-passed as for the table of their errors.
+    """Return the measured effort, and the one predicted for motion without contact with its band,
+    low-passed as in the table of errors.
     """
     name, panels = effort.channel, CURRENT_PANELS if effort == CURRENT else TORQUE_PANELS
     measured, predicted = signals.effort, currents.predicted
@@ -94,7 +94,7 @@ def effort_figure(
 
 
 def acceleration_figure(accelerations: Accelerations) -> Drawing:
-    """Return Figures 5.14 and 5.15 by the calibrated IMU and the joints."""
+    """Return Figures 5.14 and 5.15: accelerations by the calibrated IMU and by the joints."""
     lines: OptionalLines = {
         "IMU": (accelerations.felt, "measured"),
         "from the joints": (accelerations.acceleration.get("encoders"), "first"),
@@ -110,8 +110,8 @@ def estimate_figure(
 ) -> Drawing:
     """Return the new estimates, the band of the first, and the sensor; hidden: see Traces.
 
-    Drawn are forces and their size, or moments; with a sensor, plain least squares in place of the
-    gated one, since it judges the others.
+    Draws forces and their magnitude, or moments; with a sensor, plain least squares in place of the
+    gated estimate, for comparison with the others.
     """
     part, panels = (_moments, MOMENT_PANELS) if moments else (_forces, FORCE_PANELS)
     wrenches = dict(forces.wrench)
@@ -128,7 +128,7 @@ def estimate_figure(
         whole, half = forces.wrench[lead], NORMAL95 * forces.std[lead]
         band = part(whole - half), part(whole + half)
         for edge in band:
-            edge[:, 3:] = np.nan  # a size has no such band
+            edge[:, 3:] = np.nan  # the magnitude has no such band
     shown = {
         label: (part(own) if own is not None else None, how) for label, (own, how) in lines.items()
     }
@@ -136,7 +136,7 @@ def estimate_figure(
 
 
 def _forces(wrench: Array) -> Array:
-    """Return the force and its size (N, 4) of a wrench (N, 6)."""
+    """Return the force and its magnitude (N, 4) of a wrench (N, 6)."""
     return np.column_stack([wrench[:, :3], np.linalg.norm(wrench[:, :3], axis=1)])
 
 
@@ -155,12 +155,12 @@ def draw_lines(
     unfiltered: Array | None = None,
     errors: bool = True,
 ) -> Drawing:
-    """Draw the lines that there are over a table's time, and the errors of all others against the
+    """Draw the lines with values over a table's time, and the errors of the others against the
     first.
 
-    Without the first line there are no errors. further: errors of what is not drawn itself; band,
-    hidden: see Traces; unfiltered: the first line as recorded (N, n), drawn pale behind all;
-    errors: whether they are drawn.
+    Without values of the first line, no errors are drawn. further: lines of which only the errors
+    are drawn; band, hidden: see Traces; unfiltered: the first line as recorded (N, n), drawn pale
+    behind all; errors: whether to draw errors.
     """
     first = next(iter(lines))
     series = _broken(lines, table.segment)
@@ -199,7 +199,7 @@ def with_breaks(values: Array | Mask, segment: Labels) -> Array:
 def packet_figure(signals: Signals) -> Drawing:
     """Return Figure 4.4: steps between received frames, the arm's speed, the first late frames.
 
-    Empty for a recording that lacks no frame.
+    Empty for a recording without lost frames.
     """
     received = ~signals.interpolated
     time, steps = signals.time[received][1:], 1000 * np.diff(signals.time[received])

@@ -15,15 +15,15 @@ from ur5lib.robots.inertia import link_tail
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import Span, starts
 
-SHORTEST_STEP = 0.1  # s; postures this far apart are closer than what the low-pass leaves
-MOST_POSTURES = 1200  # a recording shows so many, in addition to the last of each segment
-DECIMALS = 4  # stored numbers have this many
+SHORTEST_STEP = 0.1  # s; between postures, shorter than the low-pass resolves
+MOST_POSTURES = 1200  # of a recording, in addition to the last of each segment
+DECIMALS = 4  # of stored numbers
 
 
 def arm_scene(recording: EstimatedRecording, arm: Robot, thresholds: Mapping[str, float]) -> Scene:
     """Return the arm at some times of a recording; thresholds: of alarms, by estimate.
 
-    arm: under the recording's gravity. A sensor decides before the role whether nothing touches it.
+    arm: under the recording's gravity. Contacts at a sensor overrule a role without contact.
     """
     signals, forces, sensor = recording.signals.anew(), recording.forces, recording.sensor
     time, felt = signals.time, sensor.wrench.get("compensated")
@@ -50,7 +50,7 @@ def arm_scene(recording: EstimatedRecording, arm: Robot, thresholds: Mapping[str
 
 
 def shown_rows(segment: Labels, period: float) -> Labels:
-    """Return evenly spaced rows of each segment, and its last; segment: (N,); period: [s]."""
+    """Return evenly spaced rows of each segment and its last row; segment: (N,); period: [s]."""
     count = len(segment)
     step = max(round(SHORTEST_STEP / period), -(-count // MOST_POSTURES), 1)
     first = np.flatnonzero(starts(segment))
@@ -61,7 +61,7 @@ def shown_rows(segment: Labels, period: float) -> Labels:
 
 
 def upright(gravity: Sequence[float]) -> Array:
-    """Return the smallest rotation (3, 3) of gravity (3,) [m/s²], base frame, to −z."""
+    """Return the smallest rotation (3, 3) that turns gravity (3,) [m/s²], base frame, to −z."""
     turn, _ = Rotation.align_vectors([[0.0, 0.0, -1.0]], [gravity])
     matrix: Array = turn.as_matrix().round(9) + 0.0
     return matrix
@@ -81,5 +81,5 @@ def _size(wrench: Array) -> Array:
 
 
 def _spans(found: Sequence[Span], time: Array) -> Spans:
-    """Return the times [s] of the first and the last sample of stretches."""
+    """Return first and last time [s] of each stretch."""
     return [(float(time[first]), float(time[end - 1])) for first, end in found]

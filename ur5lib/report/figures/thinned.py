@@ -10,15 +10,15 @@ import pandas as pd
 from ur5lib.tables import read_csv
 from ur5lib.timeseries.arrays import Array
 
-POINTS = 30  # friction has this many in one direction of motion
-PARTS = 24  # the range of a joint's positions has this many
-LEAST = 5  # a part has this many samples
+POINTS = 30  # of friction in one direction of motion
+PARTS = 24  # of a joint's range of positions
+LEAST = 5  # samples of a part
 QUARTILES = {"low": 0.25, "median": 0.5, "high": 0.75}
 
 
 def by_velocity(numbers: Path) -> pd.DataFrame:
     """Return some samples of `friction_figure` of each joint and direction, evenly over velocity:
-    velocity [rad/s]; measured, fitted, half of the 95 % band, and that at rest, [Nm].
+    velocity [rad/s]; measured, fitted, half-width of the 95 % band, and the same at rest, [Nm].
     """
     return _joined(_some(own.sort_values("velocity")) for own in _directions(_read(numbers)))
 
@@ -37,14 +37,13 @@ def _joined(parts: Iterable[pd.DataFrame]) -> pd.DataFrame:
 
 
 def _read(numbers: Path) -> pd.DataFrame:
-    """Return the numbers of a figure; none where nothing was drawn."""
+    """Return the numbers of a figure, empty if nothing was drawn."""
     drawn = numbers.is_file() and numbers.read_bytes()[:2].strip()
     return read_csv(numbers) if drawn else pd.DataFrame()
 
 
 def _joints(every: pd.DataFrame, names: list[str]) -> Iterator[pd.DataFrame]:
-    """Yield the samples of each joint; names: what their columns contain in addition to the
-    joint."""
+    """Yield the samples of each joint; names: new names of its columns."""
     joint = 1
     while of_joint := [own for own in every if re.search(rf"joint {joint}\b", own)]:
         columns = {name: column for name in names for column in of_joint if name in column}
@@ -66,7 +65,7 @@ def _directions(every: pd.DataFrame) -> Iterator[pd.DataFrame]:
 
 
 def _some(samples: pd.DataFrame) -> pd.DataFrame:
-    """Return a few of samples sorted by velocity, evenly over it."""
+    """Return a few samples, evenly spaced in velocity; samples: sorted by velocity."""
     velocity = samples["velocity"].to_numpy(float)
     wanted = np.linspace(velocity[0], velocity[-1], POINTS)
     return samples.iloc[np.unique(np.searchsorted(velocity, wanted))]

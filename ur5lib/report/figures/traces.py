@@ -34,15 +34,15 @@ from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import runs
 
 StyledLines = Mapping[str, tuple[Array, str]]
-MAX_DRAWN_POINTS = 1100  # half a printed page has about as many dots across
-MIN_PANEL_SPAN = 1e-3  # a panel has at least this span
+MAX_DRAWN_POINTS = 1100  # about the dots across half a printed page
+MIN_PANEL_SPAN = 1e-3  # least height of a panel, in its unit
 MOST_LEGEND_COLUMNS = 6
 LEGEND_ROW = 0.17  # inches
-LEGEND_MARGIN = 0.1  # inches; the rows have this margin around them
-UNFILTERED = "unfiltered"  # label of what was recorded, behind what is judged
-ERROR = "error of "  # it precedes the label of a line
+LEGEND_MARGIN = 0.1  # inches; around the rows
+UNFILTERED = "unfiltered"  # label of the recorded signal behind the filtered one
+ERROR = "error of "  # precedes the label of a line
 HIDDEN = "near a singularity"
-# It reads line, panel and unit from the name of a column of the numbers.
+# Reads line, panel and unit from the name of a column of the numbers.
 LINE_COLUMN = re.compile(r"(.*), (.*) \[(.*)\]")
 BAND_EDGES = ("95 % band, lower", "95 % band, upper")
 TORQUE_PANELS = joint_quantity(r"\tau", "Nm")
@@ -59,10 +59,9 @@ ACCELERATION_PANELS = cartesian_quantity(
 class Traces:
     """Lines drawn over time (N,) [s]; NaN in time is a gap.
 
-    series, errors: by label, values (N, k) of k panels and a style; errors get panels under the
-    values'.
-    band: lower and upper edge of a 95 % band, (N, 6) each, drawn about the first error's zero, too;
-    hidden: (N,), where a force is undetermined.
+    series, errors: by label, values (N, k) of k panels and a style; errors are drawn in panels
+    below the values; band: lower and upper edge of a 95 % band, (N, 6) each, also drawn about zero
+    of the first error; hidden: (N,), where a force is undetermined.
     """
 
     time: Array
@@ -98,7 +97,7 @@ def draw_traces(traces: Traces, panels: Sequence[Panel]) -> Drawing:
 def _decimated(traces: Traces) -> Traces:
     """Return the traces with fewer samples and the same envelope."""
 
-    def thin(values: Array) -> Array:  # one after the other, which takes less memory
+    def thin(values: Array) -> Array:  # one array at a time, to save memory
         return decimate(traces.time, values)[1]
 
     def all_thin(series: StyledLines) -> StyledLines:
@@ -112,7 +111,7 @@ def _decimated(traces: Traces) -> Traces:
 
 
 def _around_zero(traces: Traces) -> tuple[Array, Array] | None:
-    """Return the band of an error: as wide as that of the values."""
+    """Return the band of an error: the values' band, moved to zero."""
     if traces.band is None:
         return None
     _, half = decimate(traces.time, (traces.band[1] - traces.band[0]) / 2)
@@ -125,7 +124,7 @@ def _grid(traces: Traces, panels: Sequence[Panel]) -> tuple[Figure, list[Axes], 
     rows = -(-len(panels) // 2)
     height = (4.7 if traces.errors else 3.8) * (rows / 3)
     figure = Figure(figsize=(PAGE_WIDTH, height))
-    # Margins of its own: a layout that looks for room takes a third of the drawing time.
+    # Fixed margins: matplotlib's layout engines take a third of the drawing time.
     figure.subplots_adjust(0.105, 0.42 / height, 0.99, 1 - 0.42 / height, wspace=0.27, hspace=0.3)
     ratios = [2, 1] * rows if traces.errors else [1] * rows
     axes = figure.subplots(pairs * rows, 2, sharex=True, squeeze=False, height_ratios=ratios)
@@ -158,7 +157,7 @@ def _draw_panel(
 
 def _legend(figure: Figure, traces: Traces, spans: list[tuple[Any, str]]) -> None:
     """Draw one legend for all panels; a style with a colour per joint shows them all."""
-    handles: Any = {}  # lines, or several of one label, which the stubs do not know
+    handles: Any = {}  # lines, or tuples of lines, which the stubs lack
     for label, (_, style) in [*traces.series.items(), *traces.errors.items()]:
         count = next(iter(traces.series.values()))[0].shape[1]
         lines = tuple(LINE_STYLES[style].line(i) for i in range(count))
@@ -225,7 +224,7 @@ def _shaded(traces: Traces) -> list[tuple[Array, Array, Any, str]]:
 
 
 def decimate(time: Array, values: Array, points: int = MAX_DRAWN_POINTS) -> tuple[Array, Array]:
-    """Return time (N,) and values (N, M) with the same envelope in about `points` rows, at most.
+    """Return time (N,) and values (N, M) thinned to about `points` rows, with the same envelope.
 
     Rows are grouped in buckets. Each bucket keeps the lowest and the highest value of every column,
     in their order, at the times of its first and middle row. Rows with time NaN mark gaps; they are

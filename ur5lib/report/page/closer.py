@@ -1,4 +1,4 @@
-"""*Replay*: what its scripts need of the figures over time and of the arm, in few bytes."""
+"""*Replay*: the figures over time and the arm, packed for its scripts."""
 
 import json
 import re
@@ -19,9 +19,9 @@ from ur5lib.timeseries.arrays import Array
 FOLDER = Path(__file__).parent / "templates" / "closer"
 VENDORED = FOLDER / "vendored"
 SCRIPTS = ("numbers.js", "stretch.js", "plots.js", "scene.js", "arm.js", "look.js")
-LEVELS = 256  # values are rounded to this many: about two for each dot of a panel on the screen
+LEVELS = 256  # values are rounded to this many, about two for each pixel of a panel
 MILLI = 1e-3  # s, rad; times and angles are rounded to it
-CENTI = 1e-2  # N, Nm; what is measured is rounded to it
+CENTI = 1e-2  # N, Nm; torques and forces are rounded to it
 JOINT_DASHES = (4, 1.5)
 
 
@@ -43,7 +43,7 @@ def _text(path: Path) -> str:
 def packed_lines(path: str | Path) -> str:
     """Return the lines of a figure over time [s], packed; empty for other figures.
 
-    path: an SVG that `save` wrote, with its numbers as CSV next to it. Packed are panels (name and
+    path: an SVG that `save` wrote, with its numbers as CSV next to it. Content: panels (name and
     unit), lines (label, colours and dashes), whether there is a band, where no contact is found
     (`_shut`), and columns (`_column`): the time, each line panel by panel, the edges of the band.
     """
@@ -68,22 +68,22 @@ def packed_lines(path: str | Path) -> str:
 
 
 def _shut(edges: pd.DataFrame) -> Array:
-    """Return where no contact is found, 1 (N,): a force of zero is the middle of all its bands."""
+    """Return 1 where no contact is found, else 0 (N,): there, all bands are centred on zero."""
     lower, upper = np.split(edges.to_numpy(float), 2, axis=1)
     shut: Array = (np.nan_to_num(lower + upper) == 0).all(axis=1) & np.isfinite(lower).any(axis=1)
     return shut.astype(float)
 
 
 def _line(label: str, name: str, panels: int) -> dict[str, Any]:
-    """Return how a line is drawn; one in the colours of the joints is dashed, to differ in grey."""
+    """Return colours and dashes of a line; lines in the joints' colours also differ by dashes."""
     style = LINE_STYLES[name]
     dashes = JOINT_DASHES if len(style.colours) > 1 else style.dashes
     return {"label": label, "colours": style.colours[:panels], "dashes": dashes}
 
 
 def packed_scene(file: Path) -> str:
-    """Return what is drawn of the arm, packed: the fields of `Scene`, arrays over time as columns
-    (`_column`) by component.
+    """Return a `Scene` packed: its fields, arrays over time as a column (`_column`) for each
+    component.
     """
     scene = read_record(Scene, file)
     measured = {name: getattr(scene, name) for name in ("torque", "force", "std", "sensed")}
@@ -115,10 +115,10 @@ def _columns(values: Array, level: float) -> list[dict[str, Any]]:
 
 
 def _column(values: Array, level: float | None = None) -> dict[str, Any]:
-    """Return values (N,) as levels above the lowest, and these as steps from each to the next.
+    """Return values (N,) quantised and delta-coded: low + level * cumulated steps.
 
-    level: to multiples of which values are rounded; by default, LEVELS are as far apart as the ends
-    allow, 0 if these are the same. A value that is not finite is None.
+    level: quantum of the values; by default (max - min) / (LEVELS - 1). The step of a value that is
+    not finite is None.
     """
     known = np.isfinite(values)
     low, high = (values[known].min(), values[known].max()) if known.any() else (0.0, 0.0)

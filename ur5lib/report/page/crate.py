@@ -1,4 +1,7 @@
-"""What made a study's results, as a Workflow Run RO-Crate: https://w3id.org/ro/wfrun/workflow/0.5."""
+"""The provenance of a study's results as a Workflow Run RO-Crate.
+
+https://w3id.org/ro/wfrun/workflow/0.5
+"""
 
 import mimetypes
 import os
@@ -34,9 +37,9 @@ def run_crate(
 ) -> dict[str, Any]:
     """Return the content of ro-crate-metadata.json for the results of one study.
 
-    folder: of configuration.yaml, Snakefile and the results. used: files of devices and of the
-    workspace's extensions, which stay where they are; their checksums identify them. citation: of
-    the software, as in CITATION.cff. checksums: of files that need not be read again.
+    folder: with configuration.yaml, Snakefile and the results; used: files of devices and of the
+    workspace's extensions, which are not copied but identified by checksum; citation: of the
+    software, as in CITATION.cff; checksums: known ones, so that these files are not read again.
     """
     crate = ROCrate(version="1.1")
     crate.metadata.extra_terms["sha256"] = SHA256_TERM

@@ -8,7 +8,7 @@ from ur5lib.records.quality import SAME_RUN
 
 SEVERITIES = ("stop", "error", "warning", "note")  # most serious first; see docs/report.md
 
-MAX_NAMED_PLACES = 3  # places of a meaning that are named next to the findings of other recordings
+MAX_NAMED_PLACES = 3  # of one meaning, in a table of several recordings
 PARTICULAR_WORD = re.compile(
     r"\S*(?:[/\\]|\d[\d.e]|\w\.\w)\S*"
 )  # a path, or a number of two digits
@@ -17,8 +17,8 @@ PARTICULAR_WORD = re.compile(
 def group_findings(quality: pd.DataFrame, most: int | None = None) -> pd.DataFrame:
     """Group findings of one kind in one row: counts summed, each meaning stated once.
 
-    quality: the place of a finding is the start of its detail; most: places of a meaning that are
-    named, None for all.
+    quality: the detail of a finding begins with its place; most: number of named places of a
+    meaning, None for all.
     """
     kind = ["recording", "device", "finding", "severity"]
     rows = [
@@ -31,10 +31,10 @@ def group_findings(quality: pd.DataFrame, most: int | None = None) -> pd.DataFra
 def by_finding(quality: pd.DataFrame, most: int | None = MAX_NAMED_PLACES) -> pd.DataFrame:
     """Group findings of all recordings, one row a finding, most serious first.
 
-    Stop signs and errors keep each meaning, whatever its numbers and paths, and each run that
-    several recordings contain; of others, `detail` is that of the recording with the largest count,
-    and `alike` whether all recordings have the same. `recordings` is a list; most: as in
-    `group_findings`.
+    Stop signs and errors keep one detail for each meaning (numbers and paths ignored) and for each
+    run that several recordings contain. Other findings keep the detail of the recording with the
+    largest count; alike: whether all recordings have the same detail. recordings: a list; most: as
+    in `group_findings`.
     """
     grouped = group_findings(quality, most).sort_values("count", ascending=False, kind="stable")
     general = grouped["detail"].str.replace(PARTICULAR_WORD, "…", regex=True)
@@ -67,7 +67,7 @@ def _stated_once(findings: pd.DataFrame, most: int | None) -> str:
 
 
 def _listed(places: list[str], most: int | None) -> str:
-    """Join places, of many the first few and how many others there are."""
+    """Join places; of more than `most`, the first ones and the number of others."""
     named = places[:most]
     others = [f"{len(places) - len(named)} others"] if named[: len(places)] != places else []
     return "; ".join([*named, *others])

@@ -1,4 +1,4 @@
-"""What Python hands to the page: the study, rows of tables and of views, as JSON in a folder."""
+"""The data that Python gives to the page: study, rows of tables and views, as JSON in a folder."""
 
 import csv
 import json
@@ -31,8 +31,8 @@ SOURCES = Path(__file__).parent
 TOPICS = sorted(PACKAGE.glob("topics/*/section.typ"))
 WORDS = (*sorted(SOURCES.glob("*.typ")), *sorted(SOURCES.glob("*/*.typ")), *TOPICS)
 ROWS = re.compile(r'rows-of\("([\w.]+)"\)')
-DIGITS = 15  # numbers in JSON have this many after the point
-MOST_NAMED = 4  # a notice names this many recordings
+DIGITS = 15  # of numbers in JSON, after the point
+MOST_NAMED = 4  # recordings in a notice
 
 
 class AbsentTableError(KeyError):
@@ -48,9 +48,9 @@ class Tables(dict[str, pd.DataFrame]):
 
 @contextmanager
 def handed_over(results: Results, stated: Mapping[str, Any]) -> Iterator[Path]:
-    """Provide a folder with the sources of the page, and what they read.
+    """Provide a folder with the sources of the page and the data that they read.
 
-    stated: `verdicts` and, of a page with a first screen, what was `found`, as of `page_data`.
+    stated: `verdicts` and, for a page with a first screen, `found`, both as in `page_data`.
     """
     results = replace(results, tables=Tables(results.tables))
     rows = {f"rows/{name}": rows_of(name, results) for name in rows_read()}
@@ -60,7 +60,7 @@ def handed_over(results: Results, stated: Mapping[str, Any]) -> Iterator[Path]:
 
 @contextmanager
 def sources(data: Mapping[str, object], figures: Path = Path()) -> Iterator[Path]:
-    """Provide a folder with the sources of the page; data: what they read, by name of file."""
+    """Provide a folder with the sources of the page; data: contents of the JSON files, by name."""
     with TemporaryDirectory() as folder:
         root = Path(folder)
         shutil.copy(SOURCES / "report.typ", root)  # the main file must not be a link
@@ -79,7 +79,7 @@ def sources(data: Mapping[str, object], figures: Path = Path()) -> Iterator[Path
 
 
 def of_no_study() -> dict[str, Any]:
-    """Return what the page reads of a study without recordings and rows."""
+    """Return the page's data for a study without recordings and rows."""
     study = {"study": "", "title": "", "recordings": []}
     tables = {
         "recordings": pd.DataFrame(columns=["recording", "duration_s"]),
@@ -94,7 +94,7 @@ def of_no_study() -> dict[str, Any]:
 
 
 def _as_json(content: object) -> str:
-    """Return rows as JSON: a dictionary each, in which an empty cell is null."""
+    """Return rows as JSON, a dictionary each, with null for empty cells."""
     if isinstance(content, pd.DataFrame):
         rows = content.reset_index(drop=True)
         return str(rows.to_json(orient="records", double_precision=DIGITS, force_ascii=False))
@@ -102,13 +102,14 @@ def _as_json(content: object) -> str:
 
 
 def rows_read() -> list[str]:
-    """Return the tables and views that the page reads, by the text of its sources."""
+    """Return the names of tables and views that the page's sources read."""
     return sorted({name for path in WORDS for name in ROWS.findall(path.read_text("utf-8"))})
 
 
 def rows_of(name: str, results: Results) -> object:
-    """Return the rows of a table, or of a view `module.function`; none where a topic's table is
-    absent. Raises KeyError or AttributeError where there is no such view.
+    """Return the rows of a table, or of a view `module.function`; [] if a topic's table is absent.
+
+    Raises KeyError or AttributeError if there is no such view.
     """
     module, _, function = name.rpartition(".")
     try:
@@ -126,7 +127,7 @@ def views() -> dict[str, ModuleType]:
 
 
 def study_data(results: Results) -> dict[str, Any]:
-    """Return what the page says of the whole study."""
+    """Return the page's data on the whole study."""
     study = results.study
     effort = results.effort._asdict()
     figures = dict(drawn_figures(results.figures))
@@ -189,10 +190,11 @@ def _scenes(figures: Path) -> set[str]:
 
 
 def drawn_figures(folder: Path) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield the figures that have numbers, by path without suffix, with what they show.
+    """Yield the figures with numbers, by path without suffix, and a description of their content.
 
-    lines, errors: labels, `banded` that with a band; pale: unfiltered lines; hidden: near a
-    singularity; gaps: of the time; columns: all labels and names of the numbers.
+    lines, errors: labels; banded: the label with a band; pale, hidden, gaps: whether there are
+    unfiltered lines, spans near a singularity, gaps of time; columns: all labels and columns of the
+    numbers.
     """
     for numbers in sorted(folder.rglob("*.csv")) if folder != Path() else ():
         with numbers.open(encoding="utf-8", newline="") as rows:
@@ -205,7 +207,7 @@ def drawn_figures(folder: Path) -> Iterator[tuple[str, dict[str, Any]]]:
 
 
 def shown(header: Sequence[str]) -> dict[str, Any]:
-    """Return what a figure shows, by the names of its numbers."""
+    """Return the description of a figure's content from the header of its numbers."""
     labels = [*dict.fromkeys(own[1] for own in map(LINE_COLUMN.fullmatch, header) if own)]
     errors = [label.removeprefix(ERROR) for label in labels if label.startswith(ERROR)]
     lines = [one for one in labels if one not in (*BAND_EDGES, UNFILTERED) and ERROR not in one]

@@ -22,7 +22,7 @@ EXPERIMENTAL = "html export is under active development"  # the one warning that
 LINES = re.compile(r'<script type="text/plain" data-lines="([^"]+)"></script>')
 SCENE = re.compile(r'<script type="text/plain" data-scene="([^"]+)"></script>')
 IMAGE = re.compile(r'src="(figures/[^"]+\.svg)"')
-REFERENCE = re.compile(r"(?<=[\"(])#([\w-]+)(?=[\")])")  # one part of an SVG refers to another so
+REFERENCE = re.compile(r"(?<=[\"(])#([\w-]+)(?=[\")])")  # from one part of an SVG to another
 STYLE = re.compile(r'style="([^"]*)"')
 # These are escaped in a data URI in double quotes.
 IN_ADDRESS = str.maketrans({"%": "%25", "#": "%23", "&": "%26"})
@@ -53,19 +53,19 @@ def report_and_details(root: Path) -> tuple[str, str]:
 
 
 def check_sources() -> None:
-    """Typeset the page of no study, which takes a moment. Raises InputError as `html_page` does."""
+    """Typeset the page of an empty study, which is fast. Raises InputError as `html_page` does."""
     with sources(of_no_study()) as root:
         _compiled(root, "report", "html")
 
 
 def _with_lines(root: Path, path: str) -> str:
-    """Return the lines of a figure over time, packed, as a script that is data."""
+    """Return the packed lines of a figure over time in a script element of data."""
     packed = closer.packed_lines(root / "figures" / f"{path}.svg")
     return f'<script type="text/plain">{packed}</script>' if packed else ""
 
 
 def _with_scene(root: Path, text: str, name: str) -> str:
-    """Return what is drawn of the arm on a recording, if a figure of the page shows it."""
+    """Return the packed scene of a recording's arm if a figure of the page shows it."""
     if f'data-recording="{name}"' not in text:
         return ""
     packed = closer.packed_scene(root / "figures" / name / "scene.json")
@@ -79,9 +79,9 @@ def _data_uri(path: Path) -> str:
 
 
 def _compact(svg: str) -> str:
-    """Return an SVG of matplotlib's without what nobody sees: metadata, names that nothing refers
-    to, groups of one, spaces, and digits beyond a tenth of a point; other names and styles that
-    repeat are short.
+    """Return a matplotlib SVG without invisible parts: metadata, unused names, groups of one
+    element, spaces, and digits beyond a tenth of a point. Used names and repeated styles become
+    short.
     """
     names = {name: f"n{i}" for i, name in enumerate(dict.fromkeys(REFERENCE.findall(svg)))}
     svg = re.sub(r"<metadata>.*?</metadata>|<!--.*?-->", "", svg)
@@ -100,14 +100,14 @@ def _compact(svg: str) -> str:
 
 
 def _scripts(text: str) -> Iterator[str]:
-    """Yield the scripts that a page needs: of *Replay*, and of tables, which sort and copy."""
+    """Yield the scripts that a page needs: of *Replay*, and for sorting and copying tables."""
     if "data-recording=" in text:
         yield from closer.scripts()
     yield TABLES.read_text(encoding="utf-8")
 
 
 def _hashes(text: str) -> list[str]:
-    """Return the hashes of a page's scripts, as its security policy names them."""
+    """Return the hashes of a page's scripts in the notation of its security policy."""
     digests = (b64encode(sha256(own.encode()).digest()).decode() for own in SCRIPT.findall(text))
     return [f"'sha256-{digest}'" for digest in digests]
 
@@ -118,7 +118,7 @@ def pdf_document(root: Path) -> bytes:
 
 
 def said(root: Path, selector: str, page: str = "report") -> list[Any]:
-    """Return what a page has under a label: <card>, <table>. Typst queries paper alone."""
+    """Return the values of a page under a label: <card>, <table>. Typst can query only the PDF."""
     options = _options(root, page, "pdf")
     return list(json.loads(typst.query(root / "report.typ", selector, field="value", **options)))
 
@@ -130,8 +130,8 @@ def _options(root: Path, page: str, target: str) -> dict[str, Any]:
 
 
 def _compiled(root: Path, page: str, target: str, **further: Any) -> bytes:
-    """Return a page in a format. A warning is an error: layout that HTML lacks is dropped with its
-    content.
+    """Return a page in a format. Warnings are errors: Typst drops layout that HTML lacks, with its
+    content. Raises InputError.
     """
     options = _options(root, page, target) | {"format": target, "timestamp": 0} | further
     try:
@@ -145,7 +145,7 @@ def _compiled(root: Path, page: str, target: str, **further: Any) -> bytes:
 
 
 def _failed(root: Path, diagnostic: str) -> InputError:
-    """Return an error of the sources: what, and the file, line and column where it is."""
+    """Return an error in the sources, with its file, line and column."""
     own = re.sub(rf"\S*{root.name}/topics", "ur5lib/topics", diagnostic)
     own = re.sub(rf"\S*{root.name}/", "ur5lib/report/page/", own)
     return InputError(f"the page cannot be typeset\n{own}")

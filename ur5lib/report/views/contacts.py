@@ -1,4 +1,4 @@
-"""Contacts found, alarms, readings of the sensor, forces by which the estimate is judged."""
+"""Found contacts, alarms, readings of the sensor, and the errors that judge the estimate."""
 
 import pandas as pd
 
@@ -39,7 +39,9 @@ def at_sensors(results: Results) -> pd.DataFrame:
 
 
 def judged(results: Results) -> pd.DataFrame:
-    """Return the rows of `decided` with repeatability (`floor`) and whether the sensor is sure."""
+    """Return the rows of `decided` with repeatability (`floor`), and whether the sensor's bias is
+    certain.
+    """
     rows = results.with_floor(decided(results), "force")
     return rows.assign(sure=~rows["recording"].isin(results.doubted()))
 
@@ -57,7 +59,7 @@ def force_errors(results: Results) -> pd.DataFrame:
 
 
 def classes(results: Results) -> pd.DataFrame:
-    """Return the contacts found by size of their force, of recordings with a force sensor."""
+    """Return the numbers of found contacts by class of force, on recordings with a force sensor."""
     return results.rows("detection").dropna(subset="force_class_n")
 
 

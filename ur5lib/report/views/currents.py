@@ -20,7 +20,7 @@ def predicted(results: Results) -> list[str]:
 
 
 def constants(results: Results) -> pd.DataFrame:
-    """Return torque constants, offsets and friction; moved: whether their joint did."""
+    """Return torque constants, offsets and friction; moved: whether the joint moved."""
     rows = without_totals(results.tables["friction"])
     return rows.assign(moved=rows["reason"].ne(UNMOVED))
 
@@ -33,7 +33,7 @@ def by_joint(results: Results) -> pd.DataFrame:
 
 
 def resting(results: Results) -> list[str]:
-    """Return the arms that were fitted at rest alone, in postures."""
+    """Return the arms that were fitted only in postures at rest."""
     moving = results.arms()
     judged = {moving[name] for name in results.tables["current_rmse"]["recording"]}
     return [robot for robot in results.tables["friction"]["robot"].unique() if robot not in judged]
@@ -51,7 +51,7 @@ def joint_remarks(results: Results) -> list[dict[str, object]]:
 
 def predictions(results: Results) -> pd.DataFrame:
     """Return the errors of all models on the recordings of `predicted`, or on the only recording,
-    with what repetition leaves of them (`floor`).
+    with the difference between repeated motions (`floor`).
     """
     names = predicted(results) if len(results.roles()) > 1 else [*results.roles()]
     return results.with_floor(results.rows("current_rmse", recording=names), "current")

@@ -1,4 +1,4 @@
-"""The figure of the first screen, and the recording with the largest error of the force."""
+"""The figure of the first screen, and the recording with the largest relative force error."""
 
 from collections.abc import Iterator
 
@@ -7,13 +7,12 @@ from ur5lib.report.views import contacts, currents, models
 
 
 def first_figure(results: Results) -> dict[str, str]:
-    """Return kind and recording of the first figure, empty where nothing over time is drawn."""
+    """Return kind and recording of the first figure, {} if no figure over time is drawn."""
     return next(({"kind": kind, "recording": name} for kind, name in _figures(results)), {})
 
 
 def worst_force(results: Results) -> list[str]:
-    """Return the recording with the error of the force that is the largest share of it, if it is
-    drawn."""
+    """Return the drawn recording with the largest relative error of the force, else []."""
     rows = results.rows("error_parts").sort_values("share", ascending=False)
     return results.shown([*rows["recording"]], 1)
 

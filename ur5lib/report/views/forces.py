@@ -8,7 +8,7 @@ from ur5lib.report.topics import shown_first
 
 REPORT_RANK = {
     name: place for place, name in enumerate([*NEW, *PUBLISHED])
-}  # in the report's order
+}  # in the order of the report
 
 
 def compared(results: Results) -> list[str]:
@@ -25,7 +25,7 @@ def with_moments(results: Results) -> list[str]:
 
 
 def searched(results: Results) -> pd.DataFrame:
-    """Return the detections by the estimates of this study, without published ones."""
+    """Return the detections by this study's estimates, without published ones."""
     return results.rows("detection", estimate=GATED)
 
 
@@ -36,6 +36,6 @@ def leading(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def saturated(results: Results, among: list[str]) -> list[str]:
-    """Return the recordings, of some, on which the force sensor is saturated at times."""
+    """Return the recordings among some on which the force sensor saturates."""
     found = results.rows("quality", recording=among, device="force", finding="saturation")
     return [*found["recording"].unique()]

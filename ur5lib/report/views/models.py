@@ -20,8 +20,8 @@ def torque_errors(results: Results) -> pd.DataFrame:
 
 
 def determined(results: Results) -> list[dict[str, object]]:
-    """Return by arm how many of its base parameters the recordings determine (`count`, `of`), and
-    whether by measured torques.
+    """Return for each arm the number of determined base parameters (`count`, `of`), and whether
+    measured torques determine them.
     """
     rows = results.tables["parameters"]
     return [

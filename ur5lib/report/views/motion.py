@@ -23,7 +23,7 @@ def errors(results: Results) -> pd.DataFrame:
 
 
 def by_estimate(results: Results) -> pd.DataFrame:
-    """Return the same with a row for each recording and estimate, and a column for each component
+    """Return `errors` with a row for each recording and estimate, and a column for each component
     of the acceleration.
     """
     rows = errors(results)

@@ -13,7 +13,7 @@ LOST_FRAMES = "lost frames"
 
 
 def late(results: Results) -> list[str]:
-    """Return the recording with figures that lost most frames."""
+    """Return the recording that lost most frames, among those with figures."""
     lost = results.rows("quality", device="robot", finding=LOST_FRAMES)
     return results.shown([*lost.sort_values("count", ascending=False)["recording"]], 1)
 
@@ -31,9 +31,9 @@ def tables(results: Results) -> pd.DataFrame:
 
 
 def legend(results: Results) -> pd.DataFrame:
-    """Return the recordings, also those left out: role, duration, devices, lost frames and their
-    share, the gravest finding, but for those of what could not be checked, and how many kinds of
-    findings there are by severity.
+    """Return all recordings, also those left out: role, duration, devices, lost frames and their
+    share, the gravest finding except unchecked items, and the number of kinds of findings by
+    severity.
     """
     used = results.tables["recordings"].set_index("recording")[["duration_s", "devices", "frames"]]
     quality = by_severity(results.tables["quality"])
@@ -47,14 +47,14 @@ def legend(results: Results) -> pd.DataFrame:
 
 
 def _kinds(quality: pd.DataFrame) -> pd.DataFrame:
-    """Return how many kinds of findings there are of each severity, by recording."""
+    """Return the number of kinds of findings of each severity, by recording."""
     kinds = quality.drop_duplicates(["recording", "device", "finding", "severity"])
     counts = pd.crosstab(kinds["recording"], kinds["severity"])
     return counts.reindex(columns=pd.Index(SEVERITIES), fill_value=0)
 
 
 def gravest(results: Results) -> pd.DataFrame:
-    """Return the same, the recordings with the gravest findings and most lost frames first."""
+    """Return `legend`, the recordings with the gravest findings and most lost frames first."""
     keys = [*SEVERITIES[:-1], "lost_share"]
     return legend(results).sort_values(keys, ascending=False, kind="stable")
 
@@ -73,9 +73,7 @@ def left_out(results: Results) -> list[str]:
 
 
 def accepted_signs(results: Results) -> list[dict[str, Any]]:
-    """Return the stop signs that the study overrules: their words, and of which recordings or
-    arms.
-    """
+    """Return the stop signs that the study overrules, with the recordings or arms concerned."""
     rows = results.rows("quality", finding=ACCEPTED).groupby("detail", sort=False)["recording"]
     arms = results.rows("remarks", code=ACCEPTED).groupby("remark", sort=False)["robot"]
     return [{"detail": detail, "of": [*of]} for group in (rows, arms) for detail, of in group]

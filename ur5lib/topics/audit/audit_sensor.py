@@ -27,17 +27,17 @@ from ur5lib.topics.audit.free_reading import (
 )
 from ur5lib.topics.audit.rows import AuditRow
 
-# The tool's centre of mass, at which its acceleration counts, is found in this many rounds.
+# The pull acts at the tool's centre of mass, which the fit finds: both are iterated this often.
 CENTER_ROUNDS = 3
-# Beyond this error of its scale, the declared payload is wrong, not the sensor.
+# A larger error of the sensor's scale means that the declared payload is wrong, not the sensor.
 MAX_SCALE_ERROR_OF_SENSOR = 0.15
-MIN_FREE_DURATION = 5.0  # s; with less time without contact, nothing is said
-# Errors that matter: a quarter of the maker's accuracy of 4 N and 0.3 Nm, and what 0.05 kg weigh.
+MIN_FREE_DURATION = 5.0  # s; the audit needs this much time without contact
+# Errors that matter: a quarter of the accuracy in the data sheet, 4 N and 0.3 Nm; 0.05 kg.
 MIN_WRENCH_ERROR = np.array([1.0] * 3 + [0.1] * 3)  # N, Nm; per minute
 MIN_TURN_DEG, MIN_SCALE_ERROR, MIN_MASS_ERROR, MIN_CENTER_ERROR = 2.0, 0.05, 0.1, 0.01
 MIN_ZERO_ERROR = 2 * MIN_WRENCH_ERROR
-SCALE_STD = 0.03  # a scale has this prior where only the mass that a sensor weighs shows it
-# Below this [m/s²], inertia, which a controller may leave in its force, does not matter.
+SCALE_STD = 0.03  # prior standard deviation of the scale, which only a known mass determines
+# m/s²; below it, the force of inertia does not matter, which a controller may not compensate.
 MAX_INERTIAL_ACCELERATION = 0.3
 
 
@@ -64,11 +64,9 @@ def audit(
     tool: Payload | None,
     currents: JudgedLoad | None,
 ) -> list[AuditRow]:
-    """Return what can be said of the sensor, a row a value, and the time without contact.
+    """Return a row for each estimated value of the sensor, and one for the time without contact.
 
-    tool: on the flange, as declared.
-    currents: the load that the motor currents show in addition to the tool, None where they show
-    none.
+    tool: on the flange, as declared; currents: the load by the motor currents, None without one.
     """
     free, rows, moved = 0.0, list[AuditRow](), moved_tool(robot, kinematics, motion)
     if signals.ft_raw_wrench is not None:
@@ -85,7 +83,7 @@ def audit(
             # the zero of the controller's force, and the weight that it still contains
             zero = [*_wrench_rows("zero", stated.bias, stated.std()[0], MIN_ZERO_ERROR)]
             held = row("left_mass", "", left.mass, left.mass_std, "kg", 0.0, MIN_MASS_ERROR)
-            if any(one.verdict == "unknown" for one in zero):  # which looks like a weight
+            if any(one.verdict == "unknown" for one in zero):  # a zero error looks like a weight
                 held = replace(held, verdict="unknown")
             rows += [*zero, held]
     if currents:
@@ -99,7 +97,7 @@ def audit(
 def _explained(
     robot: Robot, signals: Signals, moved: ToolMotion, tool: Payload | None
 ) -> tuple[FreeReading, SensorErrors]:
-    """Explain the raw reading, with the tool where it turns out to be."""
+    """Fit the raw reading and the sensor's errors, iterating the tool's centre of mass."""
     assert signals.ft_raw_wrench is not None
     raw = in_frame_6(signals.ft_raw_wrench, robot)
     center = np.array(tool.center_of_mass) if tool else np.zeros(3)
@@ -116,7 +114,9 @@ def _explained(
 def _left_by_controller(
     signals: Signals, rotation: Array, moved: ToolMotion, weight: Array
 ) -> FreeReading | None:
-    """Explain the controller's force, in axes of frame 6, where the arm is slow for long enough."""
+    """Fit the controller's force, axes of frame 6, at small accelerations of the tool; None if
+    these last less than MIN_FREE_DURATION.
+    """
     assert signals.actual_TCP_force is not None
     slow = np.linalg.norm(moved.pull - weight, axis=1) < MAX_INERTIAL_ACCELERATION
     if slow.sum() * signals.period < MIN_FREE_DURATION:
@@ -128,7 +128,7 @@ def _left_by_controller(
 
 def _turn_rows(sensed: SensorErrors, declared: Array) -> Iterator[AuditRow]:
     """Yield the rotation vector from frame 6 to the sensor's axes; declared: (3,) [°]."""
-    left = Rotation.from_rotvec(sensed.turn)  # of the reading, turned by what is declared
+    left = Rotation.from_rotvec(sensed.turn)  # remains after the declared turn
     turn = (left * Rotation.from_rotvec(declared, degrees=True)).as_rotvec(degrees=True)
     std = np.rad2deg(sensed.turn_std)
     yield from _axis_rows("turn", turn, std, "°", declared, MIN_TURN_DEG)
@@ -158,7 +158,7 @@ def _sensor_rows(
 
 
 def _shift_rows(reading: FreeReading, time: Array) -> Iterator[AuditRow]:
-    """Yield the mean shift of the reading by a contact, where there were two or more."""
+    """Yield the mean shift of the reading from before to after a contact; needs two contacts."""
     shifts = shifts_after_contacts(reading, time)
     if len(shifts) > 1:
         error = shifts.std(axis=0, ddof=1) / np.sqrt(len(shifts))
@@ -203,8 +203,8 @@ def row(
 ) -> AuditRow:
     """Return a value with its 95 % interval and the verdict on it.
 
-    limit: the error that matters. unknown: the interval is wider than that; wrong: the value is
-    further from what is expected than its interval and the limit allow; right otherwise.
+    limit: smallest error that matters. wrong: |value - expected| > max(half interval, limit);
+    unknown: not wrong, but half interval > limit; right otherwise; "" without expected or limit.
     """
     half, verdict = NORMAL95 * std, ""
     if expected is not None and limit is not None:

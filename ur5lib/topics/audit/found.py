@@ -6,7 +6,7 @@ from ur5lib.report.results import Results
 from ur5lib.report.stated import Step, listed, quoted
 
 TABLES = ("audit",)
-NAMES = {  # these quantities are not named by themselves
+NAMES = {  # names in sentences that differ from those in audit.csv
     "bias": "bias at the start",
     "turn": "turn of its axes",
     "mass": "mass on it",

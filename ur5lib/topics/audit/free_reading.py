@@ -4,8 +4,8 @@ Without contact, a sensor with the axes R in frame 6 and the scales k reads
 
     f = diag(k) Rᵀ m p + b + d t,    n = k̄ Rᵀ (c × m p - I α) + b + d t
 
-of a tool of mass m and inertia I at c, where p pulls on each of its kilograms and α is its angular
-acceleration. Its errors are partly slow (`slow_covariance`).
+for a tool of mass m and inertia I with its centre of mass at c, where p = g - a is gravity less
+acceleration, and α the angular acceleration. Part of the errors is slow (`slow_covariance`).
 """
 
 from dataclasses import dataclass
@@ -21,35 +21,35 @@ from ur5lib.force.sensor_drift import slow_covariance
 from ur5lib.robots.description import Payload
 from ur5lib.timeseries.arrays import Array
 
-MAX_AUDIT_SAMPLES = 5_000  # a fit uses at most this many
+MAX_AUDIT_SAMPLES = 5_000  # longer recordings are thinned to this many
 SECONDS_PER_MINUTE = 60.0
 UNIT_PULL = np.ones((1, 3))
-# Columns of the parameters.
+# Columns of the regressor of `_terms`.
 RESPONSE_COLUMNS = slice(0, 18)
 BIAS_COLUMNS = slice(18, 24)
 DRIFT_COLUMNS = slice(24, 30)
-# Expected before any reading: a tool that weighs what it should, within a share of it and a mass,
-# or of unknown mass where none is declared; little drift; an inertia as of small tools.
+# Standard deviations of the prior: of a declared mass, a share and a constant part; of an
+# undeclared mass; of the drift; of the inertia, that of small tools.
 DECLARED_MASS_SHARE_STD = 0.3
 DECLARED_MASS_STD = 0.3  # kg
 UNDECLARED_MASS_STD = 3.0  # kg
-CENTER_DISTANCE_STD = 0.2  # m; the tool's centre of mass is this far from the sensor
+CENTER_DISTANCE_STD = 0.2  # m; of the tool's centre of mass, about the sensor
 DRIFT_STD = np.array([5.0] * 3 + [0.5] * 3)  # N/min, Nm/min
 INERTIA_STD = 0.02  # kg m²
 TURN_STD = 1.0  # rad
 SCALE_STD = 0.3
 FREE_MASS_STD = 10.0  # kg
-SPAN_BEFORE_CONTACT = np.array([-1.25, -0.25])  # s; it counts from the start of a contact
-SPAN_AFTER_CONTACT = np.array([0.25, 1.25])  # s; it counts from the end of a contact
+SPAN_BEFORE_CONTACT = np.array([-1.25, -0.25])  # s; from the start of a contact
+SPAN_AFTER_CONTACT = np.array([0.25, 1.25])  # s; from the end of a contact
 
 
 @dataclass(frozen=True)
 class FreeReading:
-    """The reading (N, 6) without contact, explained by pull, bias and drift.
+    """The reading (N, 6) without contact: response @ pull + bias + drift t.
 
-    response: of forces and moments to a pull, (6, 3) [kg, kg m]; bias, drift: (6,), at the start
-    [N, Nm], and per minute; covariance: of response, bias and drift, (30, 30), in this order;
-    residual: (N, 6) [N, Nm], what contacts and noise leave; seconds: without contact.
+    response: (6, 3) [kg, kg m]; bias: (6,) [N, Nm] at the start; drift: (6,) [N/min, Nm/min];
+    covariance: (30, 30), of response, bias and drift in this order; residual: (N, 6) [N, Nm], from
+    contacts and noise; seconds: time without contact.
     """
 
     response: Array
@@ -86,11 +86,11 @@ class SensorErrors:
 def fit_free_reading(
     reading: Array, pull: Array, spin: Array, time: Array, period: float, tool: Payload | None
 ) -> FreeReading:
-    """Explain a reading between contacts, which fill less than half of the time.
+    """Fit the reading between contacts, which fill less than half of the time.
 
     reading: (N, 6) [N, Nm], NaN rows allowed; pull: p (N, 3) [m/s²], at the tool's centre of mass,
     and spin: α (N, 3) [rad/s²], axes of frame 6; time: (N,) [s]; period: [s]; tool: as declared.
-    Least squares under a wide prior: what the motion does not determine stays undetermined.
+    Least squares with a wide prior: parameters that the motion does not excite keep its error.
     """
     stride = slice(None, None, max(1, -(-len(reading) // MAX_AUDIT_SAMPLES)))
     measured = finite_rows(reading) & finite_rows(pull)
@@ -121,7 +121,7 @@ def fit_free_reading(
 
 
 def _covariance(terms: Array, residual: Array, time: Array, prior_precision: Array) -> Array:
-    """Return the covariance (39, 39) of the parameters; no two components share one of them."""
+    """Return the covariance (39, 39) of the parameters; each belongs to one component only."""
     covariance = np.zeros((39, 39))
     for component, repeats in enumerate(REPEATABILITY):
         columns = np.flatnonzero(
@@ -135,7 +135,7 @@ def _covariance(terms: Array, residual: Array, time: Array, prior_precision: Arr
 
 
 def _expectation(tool: Payload | None) -> tuple[Array, Array]:
-    """Return what is expected of the parameters (39,), and the standard deviations of that."""
+    """Return mean (39,) and standard deviation (39,) of the parameters' prior."""
     mass, center = (tool.mass, np.array(tool.center_of_mass)) if tool else (0.0, np.zeros(3))
     expected = np.zeros(39)
     expected[RESPONSE_COLUMNS] = response_of(
@@ -216,8 +216,8 @@ def response_of(parameters: Array) -> Array:
 
 
 def shifts_after_contacts(reading: FreeReading, time: Array) -> Array:
-    """Return by how much each contact shifted the reading, (C, 6) [N, Nm], from the second before
-    it to the second after it. Contacts without a free second on both sides are left out.
+    """Return the shift of the mean reading, (C, 6) [N, Nm], from the second before to the second
+    after each contact. Contacts without a free second on both sides are left out.
     """
     force = np.linalg.norm(reading.residual[:, :3], axis=1)
     touched = np.zeros(len(force), dtype=bool)

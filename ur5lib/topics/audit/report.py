@@ -16,15 +16,15 @@ CARRIED = ("mass", "center_of_mass")
 
 
 def every_value(results: Results) -> pd.DataFrame:
-    """Return every value of the recordings' sensors, with its number of digits."""
+    """Return every value of the audit, with the number of digits to print."""
     rows = results.rows("audit")
     rows = rows[rows["quantity"] != "free_time"]
     return rows.assign(digits=rows["unit"].map(DIGITS_BY_UNIT))
 
 
 def by_quantity(results: Results) -> pd.DataFrame:
-    """Return a row by recording, quantity and unit: values, standard errors and expected values of
-    its components (x, y, z, or one), `first` to `third`, and the gravest verdict.
+    """Return a row for each recording, quantity and unit: value, standard error and expected value
+    of up to three components, `first` to `third`, and the gravest of their verdicts.
     """
     rows, every = every_value(results).astype({"verdict": object}), list[dict[str, object]]()
     rows = rows.fillna({"verdict": ""})
@@ -53,8 +53,8 @@ def free(results: Results) -> pd.DataFrame:
 
 
 def declared(results: Results) -> pd.DataFrame:
-    """Return the recordings with a load on the sensor that is to be declared: mass and declared
-    mass [kg], x, y, z [m].
+    """Return the recordings with a load on the sensor that should be declared: `mass` with its
+    `std_error`, `declared` mass [kg], and the centre of mass `x`, `y`, `z` [m].
     """
     found = list[dict[str, object]]()
     for recording, rows in results.rows("audit").groupby("recording", sort=False):
@@ -68,8 +68,8 @@ def declared(results: Results) -> pd.DataFrame:
 
 
 def is_to_declare(audit: Mapping[str, pd.DataFrame]) -> bool:
-    """Return whether a sensor's load is certain enough to declare it, and none is declared or its
-    centre of mass is another, which no wrong scale of the sensor explains.
+    """Return whether a sensor's load is certain, and either undeclared or with another centre of
+    mass than declared, which an error of the sensor's scale cannot explain.
 
     audit: the rows of a recording, by quantity.
     """

@@ -1,4 +1,4 @@
-# The audit of the force sensor in an arm's wrist; of many recordings, of those that are examined.
+# The audit of the force sensor in an arm's wrist; of many recordings, only the selected ones.
 RUNS_FOR["audit_sensor"] = [name for name in RECORDINGS if name in SELECTION.examined]
 
 

@@ -8,7 +8,7 @@ from ur5lib.records.phrases import number
 from ur5lib.report.stated import with_error
 from ur5lib.topics.audit.report import is_to_declare
 
-JUDGED = {  # each quantity has its words, and the limit of a right one
+JUDGED = {  # by quantity: its name in sentences, and the limit of a right value
     "scale": ("the scale", "5 %"),
     "drift": ("the drift", "1 N/min"),
     "shift": ("the shift by a contact", "1 N"),
@@ -77,8 +77,8 @@ def _judged(name: str, row: pd.Series) -> str:
 
 
 def _payload(audit: AuditRows) -> Iterator[str]:
-    """Yield the mass on the sensor with the declared one, the command that declares it, and that by
-    the currents.
+    """Yield the mass on the sensor and the declared mass, the command that declares the former, and
+    the mass by the currents.
     """
     mass = audit["mass"].loc[""]
     declared = "none is" if pd.isna(mass.expected) else f"{mass.expected:g} kg are"

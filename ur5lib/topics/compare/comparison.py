@@ -15,12 +15,12 @@ from ur5lib.records.friction import without_totals
 from ur5lib.tables import intact, write_text
 from ur5lib.timeseries.metrics import NORMAL95
 
-ERROR_CHANCE = 0.05  # chance of any false change in a topic, and of a miss of a single interval
-CHANGED_RATIO = 1.1  # ratio of two errors without interval from which they count as different
-PARAMETER_UNITS = {  # others have Nm
+ERROR_CHANCE = 0.05  # of any false change in a topic; a single interval misses with it, too
+CHANGED_RATIO = 1.1  # two errors without intervals count as different from this ratio on
+PARAMETER_UNITS = {  # all others have the unit Nm
     **{"torque_constant": "Nm/A", "gain": "Nm/Nm", "viscous": "Nm s/rad", "load": ""}
 }
-WITH_DETERMINED = ["parameters", "friction"]  # tables that say which rows the data determine
+WITH_DETERMINED = ["parameters", "friction"]  # tables with a column `determined`
 COMPARED_SEVERITIES = ["stop", "error", "warning"]
 StudyPair = tuple[FinishedStudy, FinishedStudy]  # before and after
 PAIR_COLUMNS = ("value_a", "value_b", "half_a", "half_b")  # estimates, half of their intervals
@@ -173,7 +173,7 @@ def _both(
 def _read(
     study: FinishedStudy, table: str, keys: Sequence[str], numbers: Sequence[str]
 ) -> pd.DataFrame:
-    """Return a table. Raises InputError where it lacks a column, or a cell is none of its kind."""
+    """Return a table. Raises InputError if a column is missing, or a cell has the wrong type."""
     rows = study.table(table)
     rows = rows.rename(columns={old: new for new, old in OLDER_NAMES.items()})
     with intact(study.folder / "tables" / f"{table}.csv"):

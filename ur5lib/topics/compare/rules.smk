@@ -1,4 +1,4 @@
-# A study's results beside those of the studies that it names in `compare_with`.
+# A study's results compared with those of the studies in its `compare_with`.
 COMPARED = [
     "quality",
     "parameters",

@@ -1,20 +1,20 @@
 """Changes of a quantity from date to date: slow drifts, and jumps.
 
-A value of date t is y = a + c x + Σ d f(t): a constant a of its group, such as the path that was
-recorded; an effect c of a covariate x, such as the temperature; and changes of size d. The shape f
-rises evenly from 0 to 1 for a drift, and is 0 before and 1 after a jump. A change that comes
-together with another group or covariate cannot be separated from it.
+A value on date t is y = a + c x + Σ d f(t): a is constant for a group of dates, such as those with
+the same path; c is the effect of a covariate x, such as the temperature; d are the sizes of
+changes. f rises linearly from 0 to 1 for a drift, and is 0 before and 1 after a jump. A change that
+coincides with a change of group or covariate cannot be separated from it.
 
-The residuals are correlated from date to date, as of an autoregression of first order,
-y(t) = ρ y(t-1) + noise. Slow noise looks like a drift or a jump, and twenty dates determine ρ
+The residuals are correlated from date to date by a first-order autoregression,
+r(t) = ρ r(t-1) + noise. Slow noise looks like a drift or a jump, and twenty dates determine ρ
 poorly. Therefore every likelihood is a mean over a range of ρ, all equally likely a priori.
 
 Changes are added one by one, each the likeliest of all candidates. A change is accepted by the
 ratio of the likelihoods with and without it. Without any change, the distribution of that ratio
-depends on the dates, the weights and ρ alone. It is simulated with the WORST_CORRELATION ρ, for
-which large ratios are most frequent, and twice: with noise according to the weights, and with equal
-noise on all dates, since weights are estimates. So the chance of a false change is at most the
-stated one, although many jumps are tried.
+depends only on the dates, the weights and ρ. It is simulated with ρ = WORST_CORRELATION, for which
+large ratios are most frequent, and twice: with noise according to the weights, and with equal noise
+on all dates, since weights are estimates. So the chance of a false change is at most the stated
+one, although many jumps are tried.
 """
 
 from collections.abc import Sequence
@@ -29,33 +29,33 @@ from scipy.special import stdtrit
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.metrics import BAND_COVERAGE
 
-MIN_DEGREES_OF_FREEDOM = 3  # the residuals have at least this many
+MIN_DEGREES_OF_FREEDOM = 3  # of the residuals
 MIN_DATES = MIN_DEGREES_OF_FREEDOM + 3  # a constant, a covariate and a change take this many
 FALSE_ALARM_PROBABILITY = 0.05  # chance of any false change on an arm, at most
 MIN_DATES_BESIDE_JUMP = 2  # a jump has this many on either side: one alone may be an outlier
-MAX_CHANGES = 3  # one series has at most this many
-# Dates beyond which a series is one of spans, and their number; at 2 years, of 12 days each.
+MAX_CHANGES = 3  # of one series
+# A series of more dates is averaged over this many spans; with 2 years, each takes 12 days.
 MAX_SINGLE_DATES = 120
 SPAN_COUNT = 60
-# Largest correlation of neighbouring dates at which the chance of a false change is as stated.
+# The chance of a false change is as stated up to this correlation of neighbouring dates.
 WORST_CORRELATION = 0.5
-SEARCH_CORRELATIONS = np.linspace(0.0, WORST_CORRELATION, 6)  # changes are searched under these
-# Sizes are estimated under these: residuals look less correlated than the noise is.
+SEARCH_CORRELATIONS = np.linspace(0.0, WORST_CORRELATION, 6)  # ρ of the search for changes
+# ρ for the sizes of changes, larger: residuals look less correlated than the noise is.
 SIZE_CORRELATIONS = np.linspace(0.0, 0.75, 6)
-NOISE_DRAWS = 20_000  # there are this many in all
-BATCH_DRAWS = 1_000  # there are this many at a time
-MEDIAN_CHI2 = 0.4549  # one degree of freedom has this median
-MIN_RELATIVE_DIVISOR = 1e-12  # it is relative to the scale of what is divided
-MAX_CONSTANT_RANGE = 1e-9  # a covariate with this range within the groups counts as constant
-MIN_UNEXPLAINED_SHARE = 1e-6  # the columns before a change leave at least this share of it
+NOISE_DRAWS = 20_000  # simulated series in all
+BATCH_DRAWS = 1_000  # simulated series at a time
+MEDIAN_CHI2 = 0.4549  # median of χ² with one degree of freedom
+MIN_RELATIVE_DIVISOR = 1e-12  # least divisor, relative to the dividend's scale
+MAX_CONSTANT_RANGE = 1e-9  # a covariate with a smaller range within the groups counts as constant
+MIN_UNEXPLAINED_SHARE = 1e-6  # a change's column is tried if the others leave this share of it
 
 
 @dataclass(frozen=True)
 class DatedSeries:
     """A quantity on n dates, all arrays (n,).
 
-    day: the dates, ascending, in days; value, std_error: in any unit, the error being that within
-    the date (the variation from date to date is estimated); covariate: None if it is unknown;
+    day: the dates, ascending, in days; value, std_error: in any unit; std_error is the error within
+    a date, the variation from date to date is estimated; covariate: None if unknown;
     group: labels; dates of different groups may differ systematically; None for one group.
     """
 
@@ -70,11 +70,10 @@ class DatedSeries:
 class Change:
     """A change of a series, in the unit of its values.
 
-    kind: a drift rises evenly from the day `first` to the day `last`; a jump happened at some time
-    between them, with a probability of 95 %; before: the value on the first date, mean of all
-    groups; size: of the change, with std_error and 95 % interval (low, high); explained: the
-    covariate's contribution in the same time; chance: the probability that noise alone shows a
-    change as clear as this one.
+    kind: a drift rises linearly from the day `first` to the day `last`; a jump lies between them
+    with a probability of 95 %; before: the value on the first date, mean of all groups; size: with
+    std_error and 95 % interval (low, high); explained: the covariate's contribution in the same
+    time; chance: p-value, the probability of a change as clear as this one by noise alone.
     """
 
     kind: Literal["drift", "jump"]
@@ -91,11 +90,11 @@ class Change:
 
 @dataclass(frozen=True)
 class _ChangeRegression:
-    """A series as a regression; each row is multiplied by the square root of its weight.
+    """A series as a weighted regression; each row is multiplied by √weight.
 
-    base: (n, P), columns of the constant, which is the root itself, the groups and the covariate;
-    tried: (n, K), of a drift and of every jump; value: (n,); after: (K - 1,), the first date after
-    each jump; adjusts: whether the covariate is among the base, as its last column.
+    base: (n, P), columns of the constant (√weight), the groups and the covariate; tried: (n, K),
+    columns of a drift and of every jump; value: (n,); after: (K - 1,), index of the first date
+    after each jump; adjusts: whether the last column of the base is the covariate.
     """
 
     base: Array
@@ -106,7 +105,7 @@ class _ChangeRegression:
 
     @classmethod
     def from_series(cls, series: DatedSeries) -> "_ChangeRegression":
-        # Standard errors are uncertain: a date with a very small one would weigh too much.
+        # Standard errors are estimates: a date with a very small one would weigh too much.
         error = np.maximum(series.std_error, np.median(series.std_error))
         variance = error**2 + variance_between_dates(series.value, error)
         root = (
@@ -133,12 +132,12 @@ class _ChangeRegression:
 
 
 def over_spans(series: DatedSeries) -> DatedSeries:
-    """Return a series of many dates as one of the means of SPAN_COUNT successive spans of dates.
+    """Return the means of a series of many dates over SPAN_COUNT successive spans.
 
-    A series of at most MAX_SINGLE_DATES dates stays as it is. A date's value is a constant of its
-    group and the mean of its span: groups differ by as much in every span. Standard errors are the
-    larger of two: by the stated ones, and by the scatter within the span. Simulating the noise of
-    all dates would take minutes, and a change need not be dated to the day.
+    A series of at most MAX_SINGLE_DATES dates stays as it is. Fitted model: value = constant of its
+    group + mean of its span. Standard errors are the larger of two: by the stated ones, and by the
+    scatter within the span. Simulating the noise of all dates would take minutes, and a change need
+    not be dated to the day.
     """
     if len(series.day) <= MAX_SINGLE_DATES:
         return series
@@ -162,8 +161,8 @@ def over_spans(series: DatedSeries) -> DatedSeries:
 def find_changes(series: DatedSeries, level: float, seed: int = 0) -> list[Change]:
     """Return the changes of a series in the order in which they were found, the clearest first.
 
-    level: the chance of any false change, at most; seed: of the simulated noise. Returns none if
-    there are fewer than MIN_DATES dates, or too few for the number of groups.
+    level: largest chance of any false change; seed: of the simulated noise. Returns [] if there are
+    fewer than MIN_DATES dates, or too few for the number of groups.
     """
     if len(series.day) < MIN_DATES:
         return []
@@ -184,15 +183,15 @@ def find_changes(series: DatedSeries, level: float, seed: int = 0) -> list[Chang
 
 @lru_cache(1)
 def _worst_noise(seed: int, draws: int, dates: int) -> Array:
-    """Return noise (draws, dates) of WORST_CORRELATION; kept, as series of an arm share dates."""
+    """Return noise (draws, dates) with ρ = WORST_CORRELATION; cached: an arm's series share it."""
     noise = np.random.default_rng(seed).standard_normal((draws, dates))
     return coloured(noise, WORST_CORRELATION)
 
 
 def coloured(noise: Array, correlation: float) -> Array:
-    """Return independent noise (B, n) made an autoregression of first order along its rows.
+    """Return independent noise (B, n) turned into a first-order autoregression along its rows.
 
-    Its variance stays the same. correlation: of neighbours.
+    The variance stays the same. correlation: ρ of neighbours.
     """
     result = np.sqrt(1 - correlation**2) * noise
     result[:, 0] = noise[:, 0]
@@ -200,7 +199,7 @@ def coloured(noise: Array, correlation: float) -> Array:
 
 
 def whitened(rows: Array, correlation: float) -> Array:
-    """Return rows (n, ...) without the correlation of neighbours; the inverse of `coloured`."""
+    """Return rows (n, ...) with the correlation of neighbours removed: inverse of `coloured`."""
     result = rows.astype(float)
     result[1:] -= correlation * rows[:-1]
     result[1:] /= np.sqrt(1 - correlation**2)
@@ -210,9 +209,9 @@ def whitened(rows: Array, correlation: float) -> Array:
 def _chance(
     problem: _ChangeRegression, chosen: Sequence[int], observed: float, noise: Array, level: float
 ) -> float:
-    """Return the chance that noise (B, n) alone gives as large odds of any further change.
+    """Return the chance that noise (B, n) alone gives log odds of a further change ≥ `observed`.
 
-    The larger chance of two kinds of noise: according to the weights, and equal on all dates. The
+    The larger of two: with noise according to the weights, and with equal noise on all dates. The
     simulation stops once the chance exceeds the level.
     """
     alike = noise * problem.base[:, 0]
@@ -246,9 +245,9 @@ def _log_odds(problem: _ChangeRegression, chosen: Sequence[int], values: Array) 
 
 
 def _log_sum(logarithms: Array) -> Array:
-    """Return the logarithm (...) of the sum over the first axis of what has logarithms (N, ...).
+    """Return log Σ exp(logarithms) over the first axis, (N, ...) to (...).
 
-    A tenth of the time of `numpy.logaddexp.reduce`, which most of a simulation would be.
+    Ten times as fast as `numpy.logaddexp.reduce`, which would dominate the simulation.
     """
     highest = logarithms.max(axis=0)
     return np.asarray(highest + np.log(np.exp(logarithms - highest).sum(axis=0)))
@@ -278,9 +277,9 @@ def _any_change(log_odds: Array) -> Array:
 
 
 def _indicators(series: DatedSeries) -> Array:
-    """Return a column for each group, (n, G), which is 1 on its dates and 0 on others.
+    """Return indicator columns (n, G) of the groups: 1 on a group's dates, 0 on others.
 
-    Groups of a single date count as one group.
+    All groups of a single date form one group.
     """
     if series.group is None:
         return np.ones((len(series.day), 1))
@@ -290,11 +289,11 @@ def _indicators(series: DatedSeries) -> Array:
 
 
 def explained_shares(fixed: Array, tried: Array, values: Array) -> Array:
-    """Return the share (B, K) of the remaining variance that each further column explains.
+    """Return the share (B, K) of the residual variance that each tried column explains.
 
-    fixed: (n, P), columns with an effect that is removed first; tried: (n, K), of which one at a
-    time is added; values: (B, n), rows to explain. F is share / (1 - share) times the degrees of
-    freedom. A column that is almost a combination of the fixed ones explains nothing.
+    fixed: (n, P), columns fitted first; tried: (n, K), added one at a time; values: (B, n).
+    F = share / (1 - share) times the degrees of freedom. A column that is almost a linear
+    combination of the fixed ones explains 0.
     """
     basis = np.linalg.qr(fixed)[0]
     remaining = tried - basis @ (basis.T @ tried)
@@ -308,12 +307,12 @@ def explained_shares(fixed: Array, tried: Array, values: Array) -> Array:
 
 
 def variance_between_dates(value: Array, std_error: Array) -> float:
-    """Return the variance from date to date that exceeds the standard errors.
+    """Return the variance σ² from date to date in excess of the standard errors s.
 
     value, std_error: (n,).
 
-    It follows from the median of squared successive differences, d² = (s₁² + s₂² + 2 σ²) χ²₁:
-    neither a slow drift nor a few jumps add to it.
+    The median of squared successive differences, d² = (s₁² + s₂² + 2 σ²) χ²₁, determines it: a slow
+    drift or a few jumps do not affect this median.
     """
     # median of d² = (2 s² + 2 σ²) median of χ²₁
     difference = np.median(np.diff(value) ** 2) / MEDIAN_CHI2
@@ -321,9 +320,9 @@ def variance_between_dates(value: Array, std_error: Array) -> float:
 
 
 def _likeliest_change(log_odds: Array) -> int:
-    """Return the place of the likeliest change: a drift, or else the best jump; log_odds: (K,).
+    """Return the index of the likeliest change, the drift or the best jump; log_odds: (K,).
 
-    A priori, a drift is as likely as a jump, and each date of a jump as likely as another.
+    Prior: a drift is as likely as a jump, and all dates of a jump are equally likely.
     """
     odds = np.exp(log_odds - log_odds.max())
     return 0 if odds[0] > odds[1:].mean() else 1 + int(odds[1:].argmax())
@@ -336,11 +335,11 @@ def _change(
     place: int,
     chance: float,
 ) -> Change:
-    """Return one of the chosen changes, its size fitted together with all others."""
+    """Return the change `place` of the chosen ones; all their sizes are fitted together."""
     columns = problem.columns(chosen)
     value, std_error, freedom = _generalised_least_squares(columns, problem.value)
     column = problem.base.shape[1] + place
-    # Student's t of the residuals' degrees of freedom
+    # Student's t with the residuals' degrees of freedom
     half = std_error[column] * float(stdtrit(freedom, 0.5 + BAND_COVERAGE / 2))
     is_drift = chosen[place] == 0
     when = (0, len(series.day) - 1) if is_drift else _jump_dates(problem, chosen, place)
@@ -360,10 +359,10 @@ def _change(
 
 
 def _generalised_least_squares(columns: Array, value: Array) -> tuple[Array, Array, int]:
-    """Return coefficients (P,), their standard errors from the residuals, degrees of freedom.
+    """Return coefficients (P,), their standard errors (P,) from the residuals, degrees of freedom.
 
-    Means over correlations (SIZE_CORRELATIONS), weighted by likelihood; the standard errors include
-    the differences of the coefficients between correlations.
+    Means over ρ in SIZE_CORRELATIONS, weighted by likelihood; the standard errors include the
+    variance of the coefficients over ρ.
     """
     fits, freedom = [], len(value) - columns.shape[1]
     for correlation in SIZE_CORRELATIONS:
@@ -379,9 +378,9 @@ def _generalised_least_squares(columns: Array, value: Array) -> tuple[Array, Arr
 
 
 def _jump_dates(problem: _ChangeRegression, chosen: Sequence[int], place: int) -> tuple[int, int]:
-    """Return the dates between which a jump lies with a probability of BAND_COVERAGE, as indices.
+    """Return the indices of the dates between which a jump lies with probability BAND_COVERAGE.
 
-    A priori, every date is as likely as another.
+    Prior: all dates are equally likely.
     """
     others = [number for i, number in enumerate(chosen) if i != place]
     log_odds = _log_odds(problem, others, problem.value[None])[0, 1:]
@@ -393,7 +392,7 @@ def _jump_dates(problem: _ChangeRegression, chosen: Sequence[int], place: int) -
 
 
 def _covariate_change(series: DatedSeries, problem: _ChangeRegression, change: int) -> float:
-    """Return by how much the covariate rose while the series changed."""
+    """Return the rise of the covariate during a change of the series."""
     if series.covariate is None:
         return 0.0
     if change == 0:

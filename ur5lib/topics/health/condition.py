@@ -23,7 +23,7 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import unbroken
 
 QUANTITIES = ("coulomb", "viscous", "torque_constant", "offset", "noise")
-# A joint's samples have these coefficients in the given columns.
+# Columns of these coefficients in a joint's regressor.
 FITTED_COLUMNS = {"offset": 1, "coulomb": 2, "viscous": 3}
 MAX_CONSTANT_ERROR = 0.2  # beyond this relative error, a torque constant is not stated
 UNKNOWN_ESTIMATE = float("nan"), float("nan")  # value and standard error
@@ -34,8 +34,8 @@ def joint_conditions(record: CurrentSamples, smooth: Smooth, fit: CurrentFit) ->
     """Return value and standard error of each of QUANTITIES, for each of joints 1 to 6.
 
     record: one contact-free recording; smooth: the low-pass; fit: of its arm. Value and error are
-    NaN if the joint moves too little. Standard errors come from the recording alone; they do not
-    include how much recordings differ from one another.
+    NaN if the joint moves too little. Standard errors come from this recording only and exclude the
+    variation between recordings.
     """
     samples = joint_samples([record], smooth, fit.joints[0].terms)
     noise = _noise(record, smooth)
@@ -60,13 +60,13 @@ def _motion_estimates(moving: JointSamples, joint: JointFit) -> Estimates:
     (value, *_), (error, *_) = _fitted_coefficients(
         np.column_stack([torque, fitted_columns]), current, moving
     )
-    determined = value > error / MAX_CONSTANT_ERROR  # not where both are NaN
+    determined = value > error / MAX_CONSTANT_ERROR  # false if both are NaN
     constant = (float(1 / value), float(error / value**2)) if determined else UNKNOWN_ESTIMATE
     return {**quantities, "torque_constant": constant}
 
 
 def _held_current_of_fit(samples: JointSamples, joint: JointFit) -> Array:
-    """Return the current (n,) [A] of the friction terms that are fixed at the arm's fit."""
+    """Return the current (n,) [A] of the friction terms that keep the arm's fitted coefficients."""
     is_held = [name not in FITTED_COLUMNS for name in coefficient_names(joint.terms)]
     current: Array = samples.columns[:, 2:] @ (joint.estimate.coefficients[2:] * is_held)
     return current
@@ -87,7 +87,7 @@ def _fitted_coefficients(
 
 
 def _noise(record: CurrentSamples, smooth: Smooth) -> list[tuple[float, float]]:
-    """Return the RMS [A] of each joint's current beyond the low-pass, and its standard error."""
+    """Return each joint's RMS current above the low-pass cut-off [A], and its standard error."""
     fast = record.current - smooth(record.current, record)
     parts = [fast[rows] for rows in unbroken(blocks(record))]
     power = np.array([np.nanmean(part**2, axis=0) for part in parts if np.isfinite(part).any()])

@@ -1,4 +1,4 @@
-"""Each joint's friction, torque constant, offset and noise over time, with what changed."""
+"""Each joint's friction, torque constant, offset and noise over time, with their changes."""
 
 import pandas as pd
 

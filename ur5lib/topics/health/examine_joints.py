@@ -20,7 +20,7 @@ from ur5lib.topics.health.rows import Checkup
 def examine_joints(
     recording: PredictedRecording, friction: Friction, arm: Robot, lowpass: Butterworth
 ) -> Checkup:
-    """Return the condition of each joint; without a date where there is none.
+    """Return the condition of each joint; with date None if the recording cannot be used.
 
     friction, arm: fitted; lowpass: of the currents.
     """
@@ -52,8 +52,8 @@ def checkup(
 def dated(given: str, quality: Quality, currents: Prediction) -> date | None:
     """Return the date of a recording, None if it is unknown or the recording cannot be used.
 
-    A recording with a stop sign or an unknown load cannot be used. given: ISO 8601, by the study;
-    if empty, the date (UTC) of its start stamp counts.
+    A recording with a stop sign or an unknown load cannot be used. given: ISO 8601, from the study;
+    if empty, the date (UTC) of the start stamp is used.
     """
     start = quality.start_epoch_s
     if currents.is_loaded or not currents.scores:

@@ -12,7 +12,7 @@ QUESTION = "drift"
 
 
 def judge_health(health: pd.DataFrame, changes: pd.DataFrame) -> list[Verdict]:
-    """Return whether friction, constants, offsets or noise of a joint changed; nothing with too few
+    """Return whether friction, constants, offsets or noise of a joint changed; [] with too few
     dates.
 
     health, changes: health.csv and health_changes.csv of an arm.
@@ -53,8 +53,8 @@ def _judged(health: pd.DataFrame, changes: pd.DataFrame) -> Iterator[Verdict]:
 
 
 def state_of(health: pd.DataFrame, changes: pd.DataFrame) -> tuple[State, Reason]:
-    """Return the state, and why it is not good; on paths of their own, dates show no change that
-    another path would not explain.
+    """Return the state, and why it is not good. Only dates with a repeated path count: otherwise
+    the path may explain a difference.
     """
     if len(changes):
         return "usable", "changed"
@@ -62,6 +62,6 @@ def state_of(health: pd.DataFrame, changes: pd.DataFrame) -> tuple[State, Reason
 
 
 def repeated(health: pd.DataFrame) -> int:
-    """Return on how many dates the arm moved along the same paths as on another date."""
+    """Return the number of dates on which the arm moved along the paths of another date."""
     days = health.groupby("group")["date"].nunique()
     return int(days.where(days > 1, 0).sum())

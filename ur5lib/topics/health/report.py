@@ -36,8 +36,8 @@ def paths(results: Results) -> pd.DataFrame:
 
 
 def changed(results: Results) -> pd.DataFrame:
-    """Return the changes as `ranked`, with their parts of the value before (not of offsets):
-    part, part_error, part_low, part_high; part_by_temperature, where it is worth mentioning.
+    """Return the changes as `ranked`, relative to the value before (offsets excepted): part,
+    part_error, part_low, part_high; part_by_temperature if it exceeds MIN_TEMPERATURE_EFFECT.
     """
     rows = found.ranked(results)
     before = rows["before"].abs().where(rows["quantity"] != "offset")

@@ -33,7 +33,7 @@ rule track_health:
         changes=parameter("health_changes.csv"),
     log:
         **traces("track_health", "{robot}"),
-    priority: 1  # of thousands of recordings, it takes long
+    priority: 1  # first, since it takes long for thousands of recordings
     params:
         code=code("track_health"),
     run:

@@ -21,7 +21,7 @@ from ur5lib.topics.health.changes import (
 )
 from ur5lib.topics.health.rows import Checkup, Condition, Health, JointChange
 
-MIN_TEMPERATURE_RANGE = 1.0  # K; dates that differ by more make temperature a covariate
+MIN_TEMPERATURE_RANGE = 1.0  # K; temperature is a covariate if dates differ by more
 
 
 class TrackedHealth(NamedTuple):
@@ -44,7 +44,7 @@ def track_health(checkups: Mapping[str, Checkup], motion: Mapping[str, Motion]) 
 
 
 def health_of(checkups: Sequence[Checkup], paths: Iterable[PathStates]) -> Health:
-    """Return each quantity by date and its changes; nothing with fewer than MIN_DATES dates.
+    """Return each quantity by date and its changes; empty with fewer than MIN_DATES dates.
 
     paths: along which the arm moved, one for each checkup.
     """
@@ -84,7 +84,7 @@ def _on_date(checkups: Sequence[Checkup], day: str, group: int) -> Iterator[Cond
 def together(value: Array, std_error: Array) -> tuple[float, float]:
     """Return the weighted mean of a date's recordings (n,) and its standard error.
 
-    The standard error is the larger of two: by the stated errors, and by the scatter.
+    The standard error is the larger of two: from the stated errors, and from the scatter.
     """
     weight = 1 / np.maximum(std_error, 1e-9 * np.abs(value) + 1e-300) ** 2
     mean = float(weight @ value / weight.sum())
@@ -108,7 +108,7 @@ def _changes(rows: Sequence[Condition]) -> Iterator[JointChange]:
 
 
 def _series(rows: Sequence[Condition]) -> DatedSeries:
-    """Return a quantity on all dates, temperatures as its covariate where there are all."""
+    """Return a quantity on all dates; temperature is its covariate if every date has one."""
     day = np.array([date.fromisoformat(row.date).toordinal() for row in rows], dtype=float)
     value, error = (
         np.array([getattr(row, name) for row in rows]) for name in ("value", "std_error")

@@ -29,10 +29,10 @@ UNITS = "SI: m, kg, s, rad, N, Nm, A; links in the axes of their joint, joints f
 
 
 def known_of_arm(study: FinishedStudy, robot: str, as_in: str) -> dict[str, Any]:
-    """Return what the file of an arm contains; as_in: recording that gives it the payload, declared
-    or found, the place of contacts and the mounting, "" for none.
+    """Return the contents of an arm's file.
 
-    Raises InputError where no force may be stated, with the report's reason.
+    as_in: recording with the payload (declared or found), the place of contacts and the mounting to
+    use, "" for none. Raises InputError with the report's reason if no force may be stated.
     """
     arm, friction = study.arm(robot), study.parameters(Friction, robot, "friction")
     live = study.parameters(LiveFit, robot, "live")
@@ -64,14 +64,14 @@ def known_of_arm(study: FinishedStudy, robot: str, as_in: str) -> dict[str, Any]
 
 
 def carried(study: FinishedStudy, recording: str) -> Payload | None:
-    """Return what the arm carries in a recording: what is declared, and the load that was found."""
+    """Return the arm's payload in a recording: the declared one plus the load that was found."""
     found = study.record(Prediction, recording, "currents")
     return found.with_load(study.payload(recording))
 
 
 def _pushes(study: FinishedStudy, robot: str) -> Iterator[dict[str, Any]]:
     """Yield the smallest pushes that the estimator finds, by motion and axis."""
-    if "live_pushes" in study.tables:  # not of an earlier version
+    if "live_pushes" in study.tables:  # results of earlier versions lack it
         rows = study.table("live_pushes").query("robot == @robot")
         yield from (
             rows[PUSH_COLUMNS].astype({"bound": object}).fillna({"bound": ""}).to_dict("records")
@@ -79,7 +79,7 @@ def _pushes(study: FinishedStudy, robot: str) -> Iterator[dict[str, Any]]:
 
 
 def _judged(study: FinishedStudy, entries: list[Recording]) -> Iterator[dict[str, Any]]:
-    """Yield how the estimator does on recordings that nothing was learnt from."""
+    """Yield the estimator's results on recordings from which nothing was learnt."""
     for entry in entries:
         folder = study.folder / "recordings" / entry.name
         path = folder / "live_forces.parquet"
@@ -101,7 +101,7 @@ def _judged(study: FinishedStudy, entries: list[Recording]) -> Iterator[dict[str
 
 
 def _validity(study: FinishedStudy, entries: list[Recording], fitted: list[str]) -> dict[str, Any]:
-    """Return the dates of the recordings fitted to, and their motors' temperatures [°C]."""
+    """Return dates and motor temperatures [°C] of the fitted recordings."""
     dates = {str(one.date) for one in entries if one.name in fitted and one.date is not None}
     known = [*_temperatures(study, fitted)]
     spans = {"low": min(known)[0], "high": max(high for _, high in known)} if known else None

@@ -1,4 +1,4 @@
-"""The contacts that the live estimator states in a recording, compared with those at the sensor."""
+"""The contacts that the live estimator finds in a recording, compared with those at the sensor."""
 
 from dataclasses import fields
 
@@ -18,10 +18,10 @@ NAMES = [field.name for field in fields(LiveDetection)]
 def count_live_contacts(
     live: LiveForces, sensor: SensorWrenches, contacts: Contacts
 ) -> list[LiveDetection]:
-    """Return how many contacts at the sensor are found, by the force that they reach.
+    """Return the numbers of contacts at the sensor and of found ones, by the force that they reach.
 
-    contacts: by all estimates of the whole recording; the leading one finds loads and contacts off
-    the flange, which a sensor does not feel. Empty where the estimator states nothing.
+    contacts: by the offline estimates; the leading one also finds loads and contacts off the
+    flange, which a sensor does not feel. Empty if the estimator states nothing.
     """
     if live.contact is None or live.known is None:
         return []
@@ -39,5 +39,5 @@ def count_live_contacts(
 
 
 def samples_of(alarm: Contact, time: Array) -> Span:
-    """Return the stretch of an alarm in samples; time: (N,) [s]."""
+    """Return first and last sample of an alarm; time: (N,) [s]."""
     return int(np.searchsorted(time, alarm.start_s)), int(np.searchsorted(time, alarm.end_s)) + 1

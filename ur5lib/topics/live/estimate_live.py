@@ -16,11 +16,11 @@ def estimate_live(
     arm: Robot,
     contact_force_n: float | None,
 ) -> LiveForces:
-    """Return what the estimator that `ur5 export --format live` writes would have stated.
+    """Return the answers that the estimator of `ur5 export --format live` would have given.
 
-    With the load that the arm carries, if one was found. contact_force_n: of a typical contact [N],
-    None: by the arm's payload. Empty without a fit, without positions or currents, and
-    where the recording contradicts the study.
+    The payload includes a load that was found. contact_force_n: of a typical contact [N], None:
+    from the arm's payload. Empty without a fit, without positions or currents, and if the recording
+    contradicts the study.
     """
     signals, premises = recording.signals, recording.premises
     run = Measured.of(signals)

@@ -1,4 +1,4 @@
-"""Formats of `ur5 export`: what the live estimator needs of an arm, and the estimator itself."""
+"""Formats of `ur5 export`: an arm's file for the live estimator, and the estimator itself."""
 
 from collections.abc import Callable
 from functools import partial
@@ -13,14 +13,14 @@ HELP = (
     "live.schema.json: this estimator in Python and C++, and what describes that file"
 )
 FILES = ("live.py", "live.hpp", "live.schema.json")
-QUESTIONS = ("force", "constants", "currents")  # of verdicts.csv, that forbid an export
+QUESTIONS = ("force", "constants", "currents")  # bad verdicts on these forbid an export
 
 Format = Callable[["FinishedStudy | None", str, str, str], str]
 """Returns the text of an arm; see `ur5lib.commands.exported`."""
 
 
 def arm_file(study: "FinishedStudy | None", robot: str, as_in: str, accept: str) -> str:
-    """Return the file of an arm, which states the reason if verdicts are overruled."""
+    """Return an arm's file, with the user's reason if verdicts are overruled."""
     from ur5lib.commands.overruled import overruled  # slow to import
     from ur5lib.errors import InputError
     from ur5lib.tables import json_text
@@ -41,7 +41,7 @@ def arm_file(study: "FinishedStudy | None", robot: str, as_in: str, accept: str)
 
 
 def _text(name: str, *_: object) -> str:
-    """Return a file of the estimator."""
+    """Return the text of a file of the estimator."""
     return Path(__file__).with_name(name).read_text(encoding="utf-8")
 
 

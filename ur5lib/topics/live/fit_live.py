@@ -22,11 +22,11 @@ def fit_live(
     false_alarms_per_min: float,
     contact_force_n: float | None,
 ) -> LiveFit:
-    """Return the noise and the threshold of an arm, each recording by the fit without its path;
-    empty without a fit, or with the reason why no force is stated.
+    """Return the noise and the threshold of an arm; each recording uses the fit without its path.
 
-    signals, premises, gravities: of the arm's `fit` recordings; contact_force_n: of a typical
-    contact [N], None: by the arm's payload.
+    Empty without a fit; `refused` gives the reason if no force may be stated. signals, premises,
+    gravities: of the arm's `fit` recordings; contact_force_n: of a typical contact [N], None: from
+    the arm's payload.
     """
     for refused in (friction.stopped, friction.refused, residuals.refused):
         if refused is not None:
@@ -35,7 +35,7 @@ def fit_live(
         return LiveFit()
     under = {name: arm.mounted(gravity) for name, gravity in gravities.items()}
     try:
-        for own in premises.values():  # the fit of all, which is exported, may be refused, too
+        for own in premises.values():  # the exported fit to all recordings may be refused, too
             numbers(arm, friction, "", own.load.payload, own.place, contact_force_n)
         runs = [
             (
@@ -48,5 +48,5 @@ def fit_live(
         return LiveFit(learned(runs, friction.paths, false_alarms_per_min))
     except RefusalError as refusal:
         return LiveFit(refused=refusal.remark)
-    except InputError as error:  # friction that is not of one joint alone
+    except InputError as error:  # friction that couples joints
         return LiveFit(refused=Remark("other reason", str(error)))

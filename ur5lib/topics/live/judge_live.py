@@ -1,4 +1,4 @@
-"""Judge the live estimator of an arm: contacts that it finds, and its false alarms."""
+"""Judge the live estimator of an arm by its found contacts and its false alarms."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from datetime import date
@@ -17,7 +17,7 @@ from ur5lib.records.verdicts import Verdict
 from ur5lib.topics.live.rows import LiveFalseAlarms
 
 QUESTION, ESTIMATE = "live", "live"
-COLUMNS = ["role", "days", "duration", "minutes", "alarms"]  # of a recording without contact
+COLUMNS = ["role", "days", "duration", "minutes", "alarms"]  # a recording without contact
 
 
 class JudgedLive(NamedTuple):
@@ -35,8 +35,8 @@ def judge_live(
     roles: dict[str, str],
     dates: dict[str, str],
 ) -> JudgedLive:
-    """Return how many contacts it finds, and how often its alarm is false where nothing touches the
-    arm and no load is undeclared.
+    """Return the number of found contacts, and the false alarms on recordings without contact and
+    without an undeclared load.
 
     detection: live_detection.csv by recording; roles, dates (ISO 8601, empty where unknown): of the
     recordings.
@@ -67,8 +67,8 @@ def _day(stated: str) -> date | None:
 
 
 def _time(counts: "pd.Series[Any]", duration: float) -> dict[str, Any]:
-    """Return the duration of a recording [min], the minutes in which the estimator knows, and the
-    number of its alarms.
+    """Return the duration of a recording [min], the minutes with a decision on contact, and the
+    number of alarms.
     """
     known, alarms = 1 - counts["unknown"], counts["alarms_per_min"]
     return {"duration": duration, "minutes": known * duration, "alarms": alarms * duration}
@@ -89,12 +89,12 @@ def _false_alarms(rows: pd.DataFrame) -> Iterator[LiveFalseAlarms]:
 
 
 def _of_contacts(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the row of the contacts of 5 N at a sensor, none where there are none."""
+    """Return the row of contacts from 5 N on at a sensor; empty without such contacts."""
     return rows[(rows["force_class_n"] == CONTACT_FORCE) & (rows["contacts"] > 0)]
 
 
 def _found(detection: Iterable[pd.DataFrame]) -> Iterator[dict[str, Any]]:
-    """Yield how many contacts of 5 N at a sensor are found."""
+    """Yield the number of found contacts from 5 N on at a sensor."""
     rows = [*map(_of_contacts, detection)]
     count, of = (sum(int(own[name].sum()) for own in rows) for name in ("found", "contacts"))
     if of:
@@ -104,7 +104,7 @@ def _found(detection: Iterable[pd.DataFrame]) -> Iterator[dict[str, Any]]:
 def _beside_contacts(
     detection: Mapping[str, pd.DataFrame], minutes: Mapping[str, float]
 ) -> Iterator[dict[str, Any]]:
-    """Yield how many alarms are false on recordings with contacts at a sensor."""
+    """Yield the number of false alarms on recordings with contacts at a sensor."""
     rates_of = {
         name: own["false_alarms_per_min"].iloc[0]
         for name, rows in detection.items()

@@ -1,4 +1,4 @@
-"""What `live.py` knows of an arm: its numbers, and the noise of runs without contact."""
+"""The file of an arm that `live.py` reads: parameters, and the noise of runs without contact."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -37,58 +37,56 @@ from ur5lib.timeseries.trajectories import REST_SPEED
 from ur5lib.topics.live.live import STATES, STILL, TERMS, UNMOVED, Live
 from ur5lib.topics.live.live_recording import Followed, follow
 
-# Magnitudes of contacts among which each torque chooses, in typical forces.
+# Standard deviations of the prior on a contact's force, in units of the typical force.
 SIZES = (1 / 3, 1.0, 3.0, 9.0)
 ANYWHERE = ContactPlace()
-CONSTANTS: dict[str, Any] = {  # docs/live.md says on what they were chosen
+CONSTANTS: dict[str, Any] = {  # docs/live.md lists the data for their choice
     "gain": 20.0,  # 1/s, of the observer
-    "rare": 0.2,  # share of the samples of a free arm with a noise that is `wide` times wider
+    "rare": 0.2,  # this share of a free arm's samples has `wide` times the noise
     "wide": 2.0,
-    "doubt": 1.0,  # factor on deviations of the wrench, of few paths
-    "duration": 0.05,  # s, for which evidence lasts before a contact is stated
-    "hysteresis": 2.0,  # in log-odds, by which it then may fall
-    "freeze": 0.0,  # evidence above which the slow errors of the run are not learnt
-    "thaw": 0.5,  # s, of less evidence before they are again
-    "slow": 100.0,  # s, in which they are learnt: a push of 10 s keeps 80 % of itself
-    "settle": RELAXATION_TIME,  # s, of a start, and of friction after a stop
+    "doubt": 1.0,  # factor on the wrench's standard deviation, larger if learnt on few paths
+    "duration": 0.05,  # s; evidence must last this long before a contact is stated
+    "hysteresis": 2.0,  # log-odds; the contact then lasts down to the threshold less this
+    "freeze": 0.0,  # log-odds; above it, slow errors are not learnt
+    "thaw": 0.5,  # s; they are learnt again after this time below `freeze`
+    "slow": 100.0,  # s; time constant of slow errors: a push of 10 s keeps 80 % of its force
+    "settle": RELAXATION_TIME,  # s; until a start is over, and friction is relaxed after a stop
     "stop": MIN_STOP_DURATION,  # s
-    "reversal": 0.5,  # s, after a joint was slow
+    "reversal": 0.5,  # s; a joint counts as reversing for this long after it was slow
     "rest_speed": REST_SPEED,  # rad/s
-    # rad, of motion after which friction no longer depends on what was before
+    # rad; after this motion, friction no longer depends on its history
     "moved": 2 * START_DISTANCE,
-    "window": 0.2,  # s, within which joints at rest move when the arm is touched
-    "confirmed": 0.1,  # s of rest after that move: a motion that starts is no contact
-    "stays": 0.4,  # s without a move, after which such a contact is over
-    "large": 1.3,  # typical forces, which nothing but a contact may show
-    "blind": 3.5,  # typical forces, standard deviation of one that joints feel almost nothing of
-    "faster": 1.5,  # times the speeds that the study saw, beyond which nothing is stated
+    "window": 0.2,  # s; a touched arm's resting joints move within this time
+    "confirmed": 0.1,  # s; the arm must rest this long after that move, or else it started to move
+    "stays": 0.4,  # s; without a move for this long, such a contact is over
+    "large": 1.3,  # typical forces; a larger force without a contact is not reported
+    "blind": 3.5,  # typical forces; the arm is blind if the force's standard deviation is larger
+    "faster": 1.5,  # nothing is stated beyond this multiple of the speeds in the study
     "least_step": 1e-4,  # s between samples
     "dead_zone": DEAD_ZONE,  # rad/s
-    "max_gap": 0.1,  # s without a sample, after which the run starts anew
-    "margin": 2.0,  # factor on speeds and currents above which a sample is no measurement
-    "jump": 0.02,  # rad, beyond that speed
-    "turns": 100.0,  # rad, of any joint
-    "acceleration": 20.0,  # rad/s² and rad, standard deviations of the filter of positions
+    "max_gap": 0.1,  # s; after a longer gap, the run starts anew
+    "margin": 2.0,  # samples beyond this multiple of the largest speeds and currents are dropped
+    "jump": 0.02,  # rad; a position may jump by this much in addition
+    "turns": 100.0,  # rad; samples with larger positions are dropped
+    "acceleration": 20.0,  # rad/s²; with `encoder` [rad], the noise of the filter of positions
     "encoder": 5e-5,
 }
-MIN_LOG_ODDS = 1.6  # of a contact, likewise
-# Move of a joint at rest, that no free arm makes: at least, and in the median of a free arm's.
-MIN_SHIFT, SHIFTS = 1.2e-4, 4.0  # rad
-MIN_REST = 5.0  # s, that shows how joints move at rest
-UNSHIFTED = CONSTANTS["turns"]  # rad, which no joint moves at rest
+MIN_LOG_ODDS = 1.6  # least threshold of a contact
+# A joint at rest that moves more is touched: max(MIN_SHIFT, SHIFTS times a free arm's median).
+MIN_SHIFT, SHIFTS = 1.2e-4, 4.0  # rad, 1
+MIN_REST = 5.0  # s; least time at rest that determines this median
+UNSHIFTED = CONSTANTS["turns"]  # rad; no joint moves that far at rest
 RAREST = CONSTANTS["max_gap"] / 2  # s between samples
 LEARNING_STEP = 0.008  # s
-LONGEST = 300.0  # s of each recording from which noise is learnt
-MIN_BREAKAWAY_SHARE = 0.004  # of a motor's largest torque
-MIN_SPEED = 0.1  # rad/s, that counts as seen
+LONGEST = 300.0  # s; noise is learnt from the start of each recording up to this time
+MIN_BREAKAWAY_SHARE = 0.004  # least breakaway torque over a motor's largest torque
+MIN_SPEED = 0.1  # rad/s; least value for the largest speed in the study
 BANDWIDTH = CONSTANTS["gain"] / (2 * np.pi)  # Hz
 
 
 @dataclass(frozen=True)
 class LiveFit:
-    """live.json: what recordings without contact show, as `learned` returns it, empty without a
-    fit; refused: why no force is stated.
-    """
+    """live.json: the result of `learned`, empty without a fit; refused: why no force is stated."""
 
     known: dict[str, Any] = field(default_factory=dict)
     refused: Remark | None = None
@@ -102,12 +100,12 @@ def numbers(
     place: ContactPlace = ANYWHERE,
     contact_force_n: float | None = None,
 ) -> dict[str, Any]:
-    """Return kinematics, links, rotors, gears and constants of an arm with a payload, and what is
-    assumed of contacts with it.
+    """Return kinematics, links, rotors, gears and constants of an arm with a payload, and the
+    assumptions on contacts.
 
-    robot: as mounted; recording: with the path that the friction's fit left out, "" for that of
-    all; place: of contacts; contact_force_n: of a typical one [N], None: by the arm's payload.
-    Raises InputError where the friction has a term that is not that of a joint of its own.
+    robot: as mounted; recording: use the fit without its path, "": the fit to all; place: of
+    contacts; contact_force_n: of a typical contact [N], None: from the arm's payload. Raises
+    InputError if a friction term couples joints.
     """
     arm, joints = robot.carrying(payload), friction.fit_for(recording).joints
     constant = 1 / np.array([joint.estimate.coefficients[0] for joint in joints])
@@ -148,7 +146,7 @@ def _contacts(prior: ContactPrior, place: ContactPlace) -> dict[str, Any]:
 
 
 def _friction_terms(robot: Robot, friction: Friction, recording: str) -> dict[str, Array]:
-    """Return the coefficients (n,) [Nm, ...] of friction by name, 0 of joints without the term."""
+    """Return the coefficients (n,) [Nm, ...] of friction by term, 0 for joints without the term."""
     joints = friction.fit_for(recording).joints
     terms = {name: np.zeros(len(joints)) for name in BASE_TERMS}
     for k, joint in enumerate(joints):
@@ -160,8 +158,8 @@ def _friction_terms(robot: Robot, friction: Friction, recording: str) -> dict[st
 
 
 def _presliding(friction: Friction, recording: str) -> list[dict[str, Any]]:
-    """Return the distances [rad] over which friction reverses: the share of dry friction in motion
-    that does, and of each joint the friction at rest beyond it, held (n,) [Nm].
+    """Return for each presliding distance [rad] the share of dry friction in motion that reverses
+    over it, and the additional friction at rest, `held` (n,) [Nm].
 
     h z + Σ h_d (z_d - z) = (h - Σ h_d) z + Σ h_d z_d, see `held_columns`.
     """
@@ -183,7 +181,7 @@ def _presliding(friction: Friction, recording: str) -> list[dict[str, Any]]:
 
 
 def _links(arm: Robot, bodies: RigidBodies) -> Iterator[dict[str, Any]]:
-    """Yield each link in the axes of its joint, with the way to the next."""
+    """Yield each link in the axes of its joint, with the translation to the next joint."""
     for k, pose in enumerate(arm.link_poses()):
         rotation, position = link_tail(pose)
         yield {
@@ -198,11 +196,11 @@ def _links(arm: Robot, bodies: RigidBodies) -> Iterator[dict[str, Any]]:
 def learned(
     runs: Sequence[tuple[Mapping[str, Any], Measured]], paths: int, false_per_min: float
 ) -> dict[str, Any]:
-    """Return speeds seen, noise, threshold and constants by runs without contact.
+    """Return largest speeds, noise, threshold and constants, learnt from runs without contact.
 
-    runs: numbers of the arm, of fits that left out the run's path, and what was measured; paths:
-    their number; false_per_min: alarms allowed a minute. Raises RefusalError where they are too
-    short, have too few samples a second, or a joint never moves.
+    runs: `numbers` of the arm by the fit without the run's path, and the measured run; paths: their
+    number; false_per_min: allowed alarms [1/min]. Raises RefusalError if runs are too short, are
+    sampled too slowly, or a joint never moves.
     """
     period = float(np.median([run.period for _, run in runs]))
     if period > RAREST:
@@ -242,8 +240,8 @@ def learned(
 
 
 def unmoved_std(stretches: Sequence[TorqueStretch], breakaway: Array) -> Array:
-    """Return the deviation (n,) [Nm] of joints that have not moved yet, the usual one of rest where
-    the stretches show little of it.
+    """Return the standard deviation (n,) [Nm] of joints that have not moved yet; at least the usual
+    one at rest if the stretches contain little of this state.
     """
     shown = [own.period * (own.states == UNMOVED) for own in stretches]
     seconds = sum(one.sum(axis=0) for one in shown)
@@ -256,10 +254,10 @@ def unmoved_std(stretches: Sequence[TorqueStretch], breakaway: Array) -> Array:
 
 
 def least_shift(shifts: Sequence[tuple[Array, float]]) -> float:
-    """Return the move [rad] of a joint at rest that shows a contact.
+    """Return the threshold [rad] on the move of a resting joint that indicates a contact.
 
-    shifts: largest of a free arm's joints (N,) [rad], and period [s]. Where there are too few,
-    none does.
+    shifts: largest move of a free arm's joints (N,) [rad], and period [s]. With less than MIN_REST
+    of them, the threshold is UNSHIFTED, which no joint reaches.
     """
     if sum(len(own) * period for own, period in shifts) < MIN_REST:
         return UNSHIFTED
@@ -267,12 +265,12 @@ def least_shift(shifts: Sequence[tuple[Array, float]]) -> float:
 
 
 def velocity(run: Measured) -> Array:
-    """Return q̇ (N, n) [rad/s] as measured, or by differences."""
+    """Return q̇ (N, n) [rad/s], measured or by differences of q."""
     return np.gradient(run.q, run.period, axis=0) if run.qd is None else run.qd
 
 
 def few_rows(period: float) -> slice:
-    """Return the rows of the first minutes of a recording, not faster than needed; period: [s]."""
+    """Return the rows of a recording's first LONGEST s, thinned to LEARNING_STEP; period: [s]."""
     return slice(0, round(LONGEST / period), max(1, round(LEARNING_STEP / period)))
 
 
@@ -283,11 +281,11 @@ def _noise(
     stiction: float = USUAL_STICTION,
     rubbing: float = USUAL_RUBBING,
 ) -> dict[str, Any]:
-    """Return by state [Nm]: standard deviations (6, n); of a contact, what dry friction absorbs on
-    average, and what it hides beyond that, as `contact_wrench` of the whole recording assumes it;
-    and the move [rad] at rest that shows a contact.
+    """Return by state (6, n) [Nm]: `std` of the noise; `absorbed`, the mean part of a contact's
+    torque that dry friction takes up, and `hidden`, the standard deviation of this part, both as in
+    `contact_wrench`; and `shift` [rad], the move at rest that indicates a contact.
 
-    stiction, rubbing: what it absorbs at most at rest, and in motion, in breakaway torques.
+    stiction, rubbing: largest absorbed torque at rest and in motion, in breakaway torques.
     """
     still = np.arange(len(STATES)) == STILL
     absorbed = np.where(still, MEAN_STICTION * stiction, 0.0)
@@ -301,8 +299,9 @@ def _noise(
 
 
 def _threshold(followed: Sequence[tuple[Followed, float]], allowed: float) -> dict[str, float]:
-    """Return the log-odds with few enough alarms, and how many remain a minute, of the time in
-    which contacts are decided."""
+    """Return the threshold `log_odds` with at most the allowed alarms [1/min], the remaining rate
+    `false_per_min`, and the `minutes` with a decision on contact.
+    """
     peaks = sorted(
         float(own.evidence[first:last].max()) for own, _ in followed for first, last in own.alarms()
     )

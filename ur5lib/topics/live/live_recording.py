@@ -1,8 +1,8 @@
-"""The answers of the live estimator to a recording: those of `Live.step`, in blocks of samples.
+"""The live estimator on a recording: the answers of `Live.step`, computed in blocks of samples.
 
-What follows from measured samples alone is computed for all of them at once. The slow errors of the
-run depend on the evidence before: a block is computed as if it were learnt from throughout, and
-ends at the first sample that is suspected.
+Quantities that depend only on measured samples are computed for a whole chunk. Slow errors of the
+run are learnt only while no contact is suspected: a block is computed as if it learnt throughout,
+and is cut at the first suspected sample.
 """
 
 from collections.abc import Iterator, Mapping
@@ -16,14 +16,13 @@ from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import runs
 from ur5lib.topics.live.live import MOVING, STILL, Answer, Live
 
-CHUNK = 1024  # samples, of which what was measured is computed at once
-BLOCK = 128  # samples, that are learnt from at once
+CHUNK = 1024  # samples; quantities of measured samples are computed for this many at once
+BLOCK = 128  # samples; slow errors are learnt from this many at once
 
 
 class Followed(NamedTuple):
-    """The answers to samples: wrench, std (N, 6), evidence, contact, known (N,), and of n joints
-    torque [Nm], shift [rad] and state (N, n). Where `known` is false, nothing is stated of
-    contacts.
+    """The answers to N samples: wrench, std (N, 6) [N, Nm]; evidence (N,), log-odds of a contact;
+    contact (N,); known (N,), whether contact is decided; torque [Nm], shift [rad], state (N, n).
     """
 
     wrench: Array
@@ -41,7 +40,7 @@ class Followed(NamedTuple):
 
 
 class Sensed(NamedTuple):
-    """What follows from measured samples alone, (M, ...); observed, friction: [Nm]."""
+    """Quantities that depend only on measured samples, (M, ...); observed, friction: [Nm]."""
 
     time: Array
     passed: Array
@@ -57,13 +56,13 @@ class Sensed(NamedTuple):
     place: Array
 
     def at(self, rows: slice) -> Self:
-        """Return some samples."""
+        """Return the samples `rows`."""
         return type(self)._make(own[rows] for own in self)
 
 
 def follow(arm: Mapping[str, Any], run: Measured) -> Followed:
-    """Return the answers to a recording: at a sample that cannot be used the last, or a fresh start
-    after too many.
+    """Return the answers to a recording. An unusable sample repeats the last answer; after more
+    than `max_gap` s of them, it gets that of a fresh start.
     """
     estimator = LiveRecording(arm)
     rows, restarts = estimator.used(run)
@@ -73,7 +72,7 @@ def follow(arm: Mapping[str, Any], run: Measured) -> Followed:
         estimator.restart()
         for begin in range(first, last, CHUNK):
             parts += estimator.chunk(run.at(rows[begin : min(begin + CHUNK, last)]))
-    answers = Followed._make(map(np.concatenate, zip(*parts, strict=True)))  # of none, then of rows
+    answers = Followed._make(map(np.concatenate, zip(*parts, strict=True)))  # row 0: a fresh start
     at = np.arange(len(run.time))
     latest = np.searchsorted(rows, at, side="right")
     missed = at - np.concatenate([[-1], rows])[latest]
@@ -101,7 +100,7 @@ class LiveRecording(Live):
     """The estimator, given many samples at once."""
 
     def used(self, run: Measured) -> tuple[Labels, Mask]:
-        """Return the rows (M,) of usable samples, and after which (M - 1,) the run starts anew."""
+        """Return the usable rows (M,), and whether the run restarts after each of them (M - 1,)."""
         qd = np.zeros_like(run.q) if run.qd is None else run.qd
         rows = np.flatnonzero(self.possible(run.time, run.q, run.current, qd))
         last, now = rows[:-1], rows[1:]
@@ -120,7 +119,7 @@ class LiveRecording(Live):
             rows = np.delete(rows, np.argmin(usable) + 1)
 
     def chunk(self, run: Measured) -> Iterator[Followed]:
-        """Yield the answers to usable samples without a restart, which go on after the last."""
+        """Yield the answers to usable samples without a restart, continuing the last chunk."""
         sensed, first = self._sense(run), 0
         while first < len(sensed.time):
             part = sensed.at(slice(first, first + BLOCK))
@@ -132,7 +131,7 @@ class LiveRecording(Live):
             first += len(answers.wrench)
 
     def _sense(self, run: Measured) -> Sensed:
-        """Return what follows from samples alone."""
+        """Return the quantities that depend only on samples, and update the state."""
         if first := bool(np.isnan(self.time)):
             self.start(run.time[0])
         passed = np.diff(run.time, prepend=self.time)
@@ -172,7 +171,7 @@ class LiveRecording(Live):
         return Sensed(run.time, passed, qd, observed, friction, *moved, *further)
 
     def _velocities(self, run: Measured, passed: Array, first: bool) -> Array:
-        """Return q̇ (M, n) [rad/s] where the controller states none."""
+        """Return q̇ (M, n) [rad/s] by the filter of positions, for runs without measured q̇."""
         found = np.empty_like(run.q)
         for k, q in enumerate(run.q):
             self.passed = passed[k]
@@ -181,11 +180,11 @@ class LiveRecording(Live):
         return found
 
     def _judged(self, part: Sensed, learns: bool) -> Followed:
-        """Return the answers up to the first suspected sample, all of them where none is learnt."""
+        """Return the answers up to the first suspected sample, or all if nothing is learnt."""
         rested = self._rested(part, learns)
         before = np.array(rested[:-1])[:, None]
         state = self.states(part.slow_for, part.slow_ago, before, part.reach)
-        # rested[1:] is without what a motion of the next sample ends
+        # rested[1:] is 0 where the next sample moves
         rest = self._rest(part, before[:, 0] + part.passed * (part.at_rest & learns), learns)
         torque, drift, scale = self._slow(part, state, rest[:-1], learns)
         sensed = torque, state, part.qd, part.jacobian, part.place
@@ -216,19 +215,19 @@ class LiveRecording(Live):
         return Followed._make(own[:count] for own in (wrench, std, *found))
 
     def _sure(self, stated: Array, before: Array, unsure: Mask) -> Array:
-        """Return what was sure last of what is stated (M, 6), as of `before` (6,)."""
+        """Return `stated` (M, 6) with the last sure row in place of unsure ones; before: (6,)."""
         rows = np.where(unsure, 0, np.arange(1, len(unsure) + 1))
         return np.vstack([before, stated])[np.maximum.accumulate(rows)]
 
     def _pull(self, part: Sensed, torque: Array, state: Any) -> Array:
-        """Return the external torque (M, n) [Nm] at rest, a fraction of a second before."""
+        """Return the external torque (M, n) [Nm] at rest, low-passed: time constant `window`."""
         share = (part.passed / (self.set["window"] + part.passed))[:, None]
         return cascade(1 - share, share * np.where(state == STILL, torque, 0.0), self.pull)
 
     def _felt(
         self, part: Sensed, state: Any, pull: Array
     ) -> tuple[Mask, list[tuple[float, float]]]:
-        """Return where encoders feel a contact (M,), and since when, and when joints moved last."""
+        """Return whether encoders feel a contact (M,), since when, and when joints moved last."""
         moved, pushed = self.shifts(part.shift, pull)
         rests = (state == STILL).all(axis=1)
         felt, since = [], []
@@ -240,7 +239,7 @@ class LiveRecording(Live):
         return np.array(felt), since
 
     def _rested(self, part: Sensed, learns: bool) -> list[float]:
-        """Return for how long [s] the arm rests, before each sample, and after the last."""
+        """Return the time [s] at rest before each sample, and after the last (M + 1)."""
         rested = [self.rested]
         for still, passed in zip(part.at_rest, part.passed, strict=True):
             rested[-1] *= bool(still)
@@ -248,16 +247,16 @@ class LiveRecording(Live):
         return rested
 
     def _rest(self, part: Sensed, rested: Array, learns: bool) -> Array:
-        """Return the background at rest (M + 1, n) [Nm], before each sample, and after the last."""
+        """Return the learnt torque at rest (M + 1, n) [Nm], before each sample, after the last."""
         settles = rested <= self.set["settle"]
         share = part.passed / np.where(settles & (rested > 0), rested, self.set["slow"])
         share = (share * (part.at_rest & learns))[:, None]
         return np.vstack([self.rest, cascade(1 - share, share * part.observed, self.rest)])
 
     def _slow(self, part: Sensed, state: Any, rest: Array, learns: bool) -> tuple[Array, ...]:
-        """Return the torque (M, n) less slow errors, and drift and scale (M + 1, n).
+        """Return the torque (M, n) [Nm] less slow errors, and their drift and scale (M + 1, n).
 
-        Each sample changes the next: a Volterra equation, with iterations that converge.
+        Each sample changes the next: a Volterra equation, solved by fixed-point iteration.
         """
         per_scale = part.friction / (part.friction**2 + self.breakaway**2)
         share = part.passed[:, None] * (state == MOVING) * learns / self.set["slow"]
@@ -276,7 +275,7 @@ class LiveRecording(Live):
             before = torque
 
     def _contacts(self, part: Sensed, evidence: Array) -> tuple[Mask, Mask]:
-        """Return the samples (M,) in contact, and the doubtful ones."""
+        """Return whether samples (M,) are in contact, and whether they are doubtful."""
         doubtful = part.time - self.started < self.set["settle"]
         doubtful |= self.is_fast(part.qd)
         low = np.where(evidence < self.threshold, part.time, -np.inf)
@@ -291,7 +290,7 @@ class LiveRecording(Live):
 
 
 def cascade(kept: Array, added: Array, first: Array) -> Array:
-    """Return x_k = kept_k x_(k-1) + added_k, each (M, ...), of x before: (...), by doubling."""
+    """Return x_k = kept_k x_(k-1) + added_k (M, ...) with x_(-1) = first (...), by doubling."""
     kept, found, step = kept.copy(), added + 0 * kept, 1
     found[0] += kept[0] * first
     while step < len(found):

@@ -1,4 +1,4 @@
-"""The smallest push that the live estimator finds on an arm, by the trials of `measure_pushes`."""
+"""The smallest push that the live estimator finds on an arm, by trials as in `measure_pushes`."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -30,10 +30,10 @@ def measure_live_pushes(
     gravities: dict[str, list[float] | None],
     contact_force_n: float | None,
 ) -> list[LivePush]:
-    """Return the smallest pushes by motion and axis, none where no push can be tried.
+    """Return the smallest pushes by motion and axis; empty if no push can be tried.
 
-    recordings, gravities: of those without contact, each by the fit without its path;
-    contact_force_n: [N], of a typical contact, None: by the arm's payload.
+    recordings, gravities: without contact, each with the fit without its path; contact_force_n: of
+    a typical contact [N], None: from the arm's payload.
     """
     trials, least = dict[str, Trials](), MIN_TRIALS // max(1, len(recordings))
     for name, recording in recordings.items():
@@ -60,9 +60,8 @@ def live_trials(
 ) -> Trials:
     """Return trial pushes on the first minutes of a contact-free recording.
 
-    The motors carry that much less of what they feel of a push; encoders show none of it.
-    jacobian, speed: as `where_pushed` returns them; least: number of pushes, if there is a time for
-    any.
+    A push changes only the currents, by felt torque / torque constant; encoders do not move.
+    jacobian, speed: as `where_pushed` returns them; least: number of pushes if any fits.
     """
     rows, estimator = few_rows(run.period), Live(file)
     some = run.at(rows)

@@ -1,4 +1,4 @@
-"""What the live estimator states of a recording, and the rows of its tables."""
+"""The live estimator's answers to a recording, and the rows of its tables."""
 
 from dataclasses import dataclass
 
@@ -12,10 +12,10 @@ from ur5lib.timeseries.arrays import Array, Mask
 
 @dataclass(frozen=True, kw_only=True)
 class LiveForces(SegmentedTable):
-    """What the live estimator states of a recording, fed sample by sample; None where no force is.
+    """The live estimator's answers to a recording, fed sample by sample; None without a force.
 
-    wrench, std: as in `Forces`, (N, 6) [N, Nm]; evidence: (N,), log-odds of a contact; contact,
-    known: (N,), whether it states one, and whether it knows.
+    wrench, std: as in `Forces`, (N, 6) [N, Nm]; evidence: (N,), log-odds of a contact; contact:
+    (N,), whether a contact is stated; known: (N,), whether contact is decided.
     """
 
     wrench: Array | None = channel("live", "N, Nm", WRENCH, optional=True)

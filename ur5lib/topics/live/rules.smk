@@ -1,4 +1,4 @@
-# The force as it would have been stated while the arm ran, and the contacts that it finds.
+# The force that the live estimator would have stated, and the contacts that it finds.
 
 
 rule fit_live:

@@ -1,4 +1,4 @@
-"""What to record next, as a step: what narrows the band of forces most, or what limits it."""
+"""The next recording, as a step: the one that narrows the band of forces most, or a rest."""
 
 from collections.abc import Iterator
 
@@ -12,11 +12,13 @@ TABLES = ("next_recordings",)
 NOW = "now"  # the bands without another recording
 
 Outlook = tuple[str, pd.Series, pd.Series]
-"""An arm, its bands as they are, and after the recording that narrows forces most."""
+"""An arm, its present bands, and its bands after the recording that narrows forces most."""
 
 
 def to_record(results: Results) -> Iterator[Step]:
-    """Ask for the recording that narrows the band of forces, or for what would where none does."""
+    """Ask for the recording that narrows the band of forces, or for rest before contacts if no
+    recording does.
+    """
     known = [*outlooks(results)]
     for robot, now, best in known:
         if best["worthwhile"] == "yes":
@@ -43,7 +45,7 @@ def outlooks(results: Results) -> Iterator[Outlook]:
 
 
 def _rests(results: Results, robot: str) -> bool:
-    """Return whether all recordings of an arm with contacts name a span at rest before these."""
+    """Return whether all contact recordings of an arm declare a span at rest before contacts."""
     arms, entries = results.arms(), results.study["recordings"]
     own = [one for one in entries if arms[one["name"]] == robot and one["role"] == "contact"]
     return bool(own) and all(one.get("untouched") for one in own)

@@ -1,4 +1,4 @@
-"""What another recording of an arm is worth: the bands before and after it, in a user's units."""
+"""The value of another recording of an arm: the bands before and after it, in a user's units."""
 
 from collections.abc import Mapping, Sequence
 
@@ -12,7 +12,7 @@ from ur5lib.topics.next_recordings.found import NOW
 from ur5lib.topics.next_recordings.rows import RankedBands
 
 WORTHWHILE_BAND_RATIO = 0.9  # a worthwhile recording leaves at most this share of a force's band
-# Recordings that may come next last this long, as `ur5 excite` designs them.
+# Candidates last as long as the recordings that `ur5 excite` designs.
 CANDIDATE_DURATION = 20.0  # s
 
 
@@ -48,7 +48,7 @@ def rank_recordings(
 
 
 def with_worth(ranked: Sequence[Bands]) -> list[RankedBands]:
-    """Return the bands after recordings with whether each is worthwhile."""
+    """Return the bands after each recording, with `worthwhile` added."""
     now = next(one.force for one in ranked if one.after == NOW)
     return [
         RankedBands(

@@ -11,8 +11,8 @@ MAX_NAMED_PARAMETERS = 3  # the next recording is designed for this many paramet
 
 
 def outlook(results: Results) -> pd.DataFrame:
-    """Return for each arm half of the 95 % band of a force [N] after the best recording and `now`,
-    what that records, and whether it is worthwhile.
+    """Return for each arm the half-width of the force's 95 % band [N] after the best recording and
+    `now`, what this recording is, and whether it is worthwhile.
     """
     return pd.DataFrame([{**best, "now": now["force"]} for _, now, best in outlooks(results)])
 
@@ -25,8 +25,8 @@ def least_determined(results: Results) -> pd.DataFrame:
 
 
 def commands(results: Results) -> pd.DataFrame:
-    """Return for each arm with fitted friction the command that designs a recording for what is
-    least determined, and the load [kg] next to the axis of the last joint, if there is any.
+    """Return for each arm with fitted friction the command that designs a recording for the least
+    determined parameters, the number of its last joint, and a load [kg] for it, if there is any.
     """
     last = results.rows("friction").groupby("robot", sort=False)["joint"].max().reset_index()
     loads = [results.loads.get(robot) for robot in last["robot"]]

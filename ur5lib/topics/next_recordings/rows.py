@@ -1,4 +1,4 @@
-"""What another recording of an arm is worth."""
+"""The value of another recording of an arm."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-# What to record next, by what is known of an arm from its `fit` recordings.
+# The value of further recordings of an arm, given its `fit` recordings.
 
 
 rule rank_recordings:

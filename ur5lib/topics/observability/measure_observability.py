@@ -1,6 +1,6 @@
 """How well the bands of currents cover an arm's contact-free recordings.
 
-The share of each joint's efforts within their stated band, by its velocity.
+The share of each joint's efforts within their stated band, as a function of its speed.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -32,7 +32,7 @@ def measure_observability(
     predictions: Mapping[str, Prediction],
     friction: Friction,
 ) -> list[Observed]:
-    """Return how well the bands cover contact-free recordings of an arm by speed."""
+    """Return the coverage of the bands on an arm's contact-free recordings, by speed."""
     errors = list[Judged]()
     for name, moved in motion.items():
         predicted = currents[name]
@@ -42,16 +42,16 @@ def measure_observability(
 
 
 class Judged(NamedTuple):
-    """Speeds of joints (n, 6) [rad/s], errors as shares of the 95 % band stated there (n, 6)."""
+    """Speeds |q̇| (n, 6) [rad/s] of joints, and |error| / half-width of the 95 % band (n, 6)."""
 
     speed: Array
     of_band: Array
 
 
 def judged(motion: Motion, currents: Currents, fit: CurrentFit) -> Judged:
-    """Return the errors of a contact-free recording's current as shares of the band stated there.
+    """Return |τ_ext / k| / half-width of the current's band, on a contact-free recording.
 
-    fit: has not seen the recording's path. The external torque is k times the error of the current.
+    fit: without the recording's path, with torque constants k; τ_ext / k is the current's error.
     """
     every = max(1, round(INDEPENDENT_STEP / motion.period))
     torque, stated = currents.external_torque, currents.band
@@ -64,8 +64,8 @@ def judged(motion: Motion, currents: Currents, fit: CurrentFit) -> Judged:
 
 
 def observability(errors: Sequence[Judged]) -> Iterator[Observed]:
-    """Yield by joint the shares by speed, where they suffice, and what the band at rest is
-    worth.
+    """Yield for each joint the shares in the band by speed, the speeds at which these suffice, and
+    the multiple of the band that contains 95 % of its errors at rest.
     """
     if errors:
         speed, of_band = (np.concatenate(part) for part in zip(*errors, strict=True))
@@ -109,8 +109,8 @@ def _shares(joint: int, shares: ShareBySpeed) -> Iterator[Observed]:
 
 
 def _factor_at_rest(joint: int, of_band: Array) -> Iterator[Observed]:
-    """Yield within how much of their band 95 % of a resting joint's errors are, where they suffice;
-    of_band: errors as shares of their band.
+    """Yield the multiple of the band that contains 95 % of a resting joint's errors, if there are
+    MIN_SAMPLES; of_band: |error| / half-width of the band.
     """
     known = of_band[np.isfinite(of_band)]
     if known.size >= MIN_SAMPLES:

@@ -1,4 +1,4 @@
-"""The report's part on what can be observed: smallest pushes, and at which speeds bands suffice."""
+"""The report's part on observability: smallest pushes, and the speeds at which bands suffice."""
 
 import pandas as pd
 
@@ -11,23 +11,24 @@ LEAST_DRAWN_SPEED = 0.003  # rad/s; the axis of speeds begins there
 
 
 def smallest_pushes(results: Results) -> pd.DataFrame:
-    """Return the smallest pushes [N] that trials find, or did not find."""
+    """Return the smallest pushes [N] that trials found, and the largest ones tried in vain."""
     rows = results.rows("pushes")
     return rows[rows["value"].notna() | rows["bound"].eq(">")]
 
 
 def real_contacts(results: Results) -> pd.DataFrame:
-    """Return the contacts at the sensors, at rest or in motion, with their fate and largest force;
-    those that the smallest pushes are compared with.
+    """Return the contacts at the sensors, with motion, fate and largest force, for comparison with
+    the smallest pushes.
     """
     rows = at_sensors(results)
     return rows.assign(robot=rows["recording"].map(results.arms()))
 
 
 def by_speed(results: Results) -> pd.DataFrame:
-    """Return the shares of each joint's readings within their band by speed, least first; enough:
-    the share from which on a band suffices, holds: whether it does; speed [rad/s]: in the middle of
-    the range on a logarithmic scale.
+    """Return the share of each joint's readings within their band by speed, the least first.
+
+    enough: smallest sufficient share; holds: whether it is reached, yes or no; speed: geometric
+    mean of the range's ends [rad/s].
     """
     rows = results.rows("observability", quantity="friction_in_band").dropna(subset="value")
     low, high = rows["speed_low"].clip(lower=LEAST_DRAWN_SPEED), rows["speed_high"].astype(float)
@@ -38,8 +39,8 @@ def by_speed(results: Results) -> pd.DataFrame:
 
 
 def at_rest(results: Results) -> pd.DataFrame:
-    """Return by arm and quantity, of its resting joints, the least and the largest value: the share
-    within the band, the part of the band that would contain 95 %, its width over that in motion.
+    """Return the least and the largest value over an arm's resting joints of each quantity: share
+    within the band, multiple of the band that contains 95 %, width at rest / width in motion.
     """
     rows = results.rows("observability", speed_low=0.0, quantity=[*AT_REST]).dropna(subset="value")
     return (

@@ -1,4 +1,4 @@
-"""What can be observed on an arm: how well the bands of currents cover them by speed."""
+"""Observability on an arm: the coverage of the bands of currents by speed."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-# What contact-free recordings of an arm let one observe.
+# Observability on an arm, from its contact-free recordings.
 
 
 rule measure_observability:

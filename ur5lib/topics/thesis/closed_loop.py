@@ -18,8 +18,8 @@ Gains = tuple[Array, Array]
 
 
 def closed_loops(signals: Signals, robot: Robot) -> tuple[ClosedLoop, GainSummary]:
-    """Return the joints in closed loop with published gains and with estimated ones, and these;
-    both empty where targets were not recorded.
+    """Return the joints in closed loop with published and with estimated gains, and the latter;
+    both empty if targets were not recorded.
 
     robot: under the recording's gravity.
     """
@@ -32,7 +32,7 @@ def closed_loops(signals: Signals, robot: Robot) -> tuple[ClosedLoop, GainSummar
 
 
 def tracking_of(signals: Signals) -> Tracking | None:
-    """Return targets and measured motion; None if one was not recorded."""
+    """Return targets and measured motion; None if one of them was not recorded."""
     recorded = {
         name: getattr(signals, name)
         for name in ("target_q", "target_qd", "target_qdd", "actual_q", "actual_qd")
@@ -63,7 +63,7 @@ def gain_summary(
 
 
 def best(joints: list[JointGains]) -> Gains:
-    """Return the gains of least cost: a point in their ranges, good for a simulation."""
+    """Return the gains of least cost, for a simulation; the data determine only their ranges."""
     position = np.array([joint.position.best for joint in joints])
     return position, np.array([joint.velocity.best for joint in joints])
 
@@ -71,7 +71,7 @@ def best(joints: list[JointGains]) -> Gains:
 def simulated(
     signals: Signals, robot: Robot, tracking: Tracking, sets: Mapping[str, Gains]
 ) -> ClosedLoop:
-    """Return q̂, q̂̇ and q̂̈ under each set of gains, and each link model's torque at its own."""
+    """Return q̂, q̂̇ and q̂̈ for each set of gains, and each link model's torque for its own gains."""
     states = {name: simulated_states(tracking, gains) for name, gains in sets.items()}
     q, qd, qdd = ({name: own[k] for name, own in states.items()} for k in range(3))
     given = robot.carrying(configured_payload(signals))

@@ -1,4 +1,4 @@
-"""Every published number with the rebuilt one, and as the errata say that it was computed."""
+"""Every published number with the rebuilt one, and with one computed as an erratum explains."""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -18,7 +18,7 @@ from ur5lib.topics.thesis.rows import ListedErratum
 
 
 class BesidePrint(NamedTuple):
-    """The published numbers with ours, and the errata that explain some of them."""
+    """The published numbers with ours, and the list of errata."""
 
     printed: pd.DataFrame
     errata: list[ListedErratum]
@@ -32,9 +32,9 @@ def compare_with_print(
     arm_of: dict[str, str],
     gravities: dict[str, list[float] | None],
 ) -> BesidePrint:
-    """Return the published numbers, ours, and those by the errata's explanations.
+    """Return the published numbers, the rebuilt ones, and those computed as errata explain.
 
-    recordings: that an erratum explains; arms: by name; arm_of: the arm of a recording.
+    recordings: those that an erratum explains; arms: by name; arm_of: arm's name by recording.
     """
     published = read_reference(reference)
 

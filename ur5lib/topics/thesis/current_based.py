@@ -7,14 +7,14 @@ import numpy as np
 from ur5lib.robots.description import CurrentToTorque, DeadZoneFriction
 from ur5lib.timeseries.arrays import Array, Labels
 
-# The published script takes the Jacobian by an index that starts 20 samples of 4 ms earlier
-# than the torques': found by matching Table 6.2; its maxima for F are then met within 0.6 %.
+# The published script delays the Jacobian by 20 samples of 4 ms against the torques. Found by
+# matching Table 6.2: with this lag, its maxima of F are met within 0.6 %.
 PUBLISHED_JACOBIAN_LAG = 0.08  # s
 
 
 @dataclass(frozen=True)
 class TorqueLine:
-    """The line torque = k i + b of each joint, (6,) each, NaN where a joint determines none.
+    """The line torque = k i + b of each joint, (6,) each, NaN for joints that do not determine it.
 
     torque_constant: k [Nm/A], offset: b [Nm], and their standard errors.
     """
@@ -28,8 +28,8 @@ class TorqueLine:
 def torque_on_current(current: Array, torque: Array, block: Labels) -> TorqueLine:
     """Return the least-squares lines of the torque (N, 6) [Nm] on the current (N, 6) [A].
 
-    block: (N,) ascending labels from 0, of samples with correlated errors. Standard errors by a
-    jackknife over them.
+    block: (N,) ascending labels from 0 of blocks with correlated errors. Standard errors by a
+    jackknife over the blocks.
     """
     slope, offset = _leave_one_out(current, torque, block)
     return TorqueLine(slope[-1], offset[-1], _jackknife(slope[:-1]), _jackknife(offset[:-1]))
@@ -43,7 +43,7 @@ def current_on_torque(current: Array, torque: Array, block: Labels) -> TorqueLin
 
 
 def _leave_one_out(x: Array, y: Array, block: Labels) -> tuple[Array, Array]:
-    """Return slopes and intercepts (K + 1, 6) without each of K blocks, and of all samples."""
+    """Return slopes and intercepts (K + 1, 6): without each of K blocks, last of all samples."""
     moments = np.stack([np.ones_like(x), x, y, x * x, x * y])  # (5, N, 6)
     firsts = np.flatnonzero(np.diff(block, prepend=-1))
     sums = np.add.reduceat(moments, firsts, axis=1)  # (5, K, 6)
@@ -54,7 +54,7 @@ def _leave_one_out(x: Array, y: Array, block: Labels) -> tuple[Array, Array]:
 
 
 def _jackknife(values: Array) -> Array:
-    """Return the standard error (6,) of an estimate from its values (K, 6) without each block."""
+    """Return the jackknife standard error (6,) from the estimates (K, 6) without each block."""
     count = len(values)
     return np.sqrt((count - 1) / count * np.sum((values - values.mean(axis=0)) ** 2, axis=0))
 
@@ -81,14 +81,14 @@ def friction_torque(qd: Array, friction: DeadZoneFriction) -> Array:
 
 
 def wrench_from_torque(jacobian: Array, torque: Array, min_singular_value: float) -> Array:
-    """Return F = J^-T tau (Equation 3.3), base axes, at the origin the Jacobian belongs to.
+    """Return F = J^-T tau (Equation 3.3), base axes, at the reference point of the Jacobian.
 
     jacobian: (N, 6, 6); torque: (N, 6) [Nm]. Returns (N, 6) [N, Nm], NaN where the Jacobian's
     smallest singular value is below `min_singular_value`: there the torques determine no wrench.
     """
     wrench = np.full_like(torque, np.nan)
     finite = np.isfinite(torque).all(axis=1)
-    # elsewhere, small torques would be large forces
+    # near a singularity, small torque errors become large forces
     regular = np.linalg.svd(jacobian, compute_uv=False)[:, -1] >= min_singular_value
     rows = finite & regular
     wrench[rows] = np.linalg.solve(jacobian[rows].mT, torque[rows, :, None])[..., 0]

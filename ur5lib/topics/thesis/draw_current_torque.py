@@ -1,4 +1,4 @@
-"""Currents over torques, and the printed line between them: Figures 6.1 and 6.2."""
+"""Currents over torques, with the printed line: Figures 6.1 and 6.2."""
 
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.signals import Signals

@@ -1,4 +1,4 @@
-"""Accelerations in the order of steps that the thesis's errors need, after Figures 5.14, 5.15."""
+"""Accelerations filtered before rotation, as the thesis's errors imply: Figures 5.14, 5.15."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from ur5lib.topics.thesis.reference import read_reference
 def draw_filtered_first(
     recording: AlignedRecording, arm: Robot, reference: Path
 ) -> dict[str, Drawing]:
-    """Return the figure of accelerations by the way that explains the printed errors."""
+    """Return the figure of accelerations, computed so that they reproduce the printed errors."""
     way = read_reference(reference).explained_accelerations()[recording.name]
     modelled, felt = explained_accelerations(recording, arm.mounted(recording.gravity), way)
     return {"accelerations_filtered_first": euler_figure(recording.signals, felt, modelled)}

@@ -28,9 +28,8 @@ def draw_older_model(
 
 
 def torques(signals: Signals, closed_loop: ClosedLoop, robot: Robot) -> dict[str, Array]:
-    """Return the chosen model's torque (N, 6) [Nm] in the older model's loop, and without gravity.
-
-    Gravity is what the thesis found missing in the older model.
+    """Return the chosen model's torque (N, 6) [Nm] in the older model's loop, with and without
+    gravity, which the thesis found missing in the older model.
     """
     q, qd, qdd = (getattr(closed_loop, name)[OLDER_MODEL] for name in ("q", "qd", "qdd"))
     model = LinkModel(robot.carrying(configured_payload(signals)), robot.chosen_model)

@@ -1,4 +1,4 @@
-"""Published errors, computed in the way in which an erratum explains them."""
+"""Published errors, computed as an erratum explains them."""
 
 import numpy as np
 
@@ -73,11 +73,13 @@ def _changed(robot: Robot, way: LoopError) -> Robot:
     for link, center in way.centers_of_mass.items():
         centers[link - 1] = center
     changes = {"masses": tuple(masses), "centers_of_mass": tuple(centers)}
-    changed: Model = model.model_copy(update=changes)  # unlike a described one, massless links too
+    changed: Model = model.model_copy(update=changes)  # links may be massless here
     return robot.with_model(way.model, changed)
 
 
 def _between(error: Array, places: tuple[float, ...]) -> Array:
-    """Return errors (N, 6) at places between their samples; NaN next to a NaN."""
+    """Return errors (N, 6), interpolated linearly at places from 0 to 1 between samples; NaN next
+    to a NaN.
+    """
     parts = [error if x == 0 else (1 - x) * error[:-1] + x * error[1:] for x in places]
     return np.concatenate(parts)

@@ -33,7 +33,7 @@ STATE_AXES = {"q": ("q", "rad"), "qd": (r"\dot{q}", "rad/s")}  # symbol, unit
 
 
 def chosen_gains(robot: Robot) -> str:
-    """Return the name of the gains that were published for the chosen model, or "estimated"."""
+    """Return the name of the gains published for the chosen model, or "estimated" without any."""
     return robot.chosen_model if robot.chosen_model in robot.closed_loop_gains else "estimated"
 
 

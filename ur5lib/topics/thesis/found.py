@@ -1,4 +1,4 @@
-"""What the published numbers add to the findings: those unexplained, and the claim that fails."""
+"""What the published numbers add to the findings: unexplained ones, and a failed claim."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -16,8 +16,8 @@ CLAIMED_ESTIMATE, CLAIMED_COMPONENT = "F*", "Fz"  # the thesis detects pushes by
 class ClaimScore(NamedTuple):
     """How an estimate detects pushes along z.
 
-    found: of all pushes that reach the threshold at the sensor; above: largest share of a
-    contact-free recording for which the estimate is above it.
+    pushes: those that reach the threshold at the sensor; found: of these; above: largest share of a
+    contact-free recording in which the estimate exceeds the threshold.
     """
 
     found: int
@@ -44,7 +44,7 @@ def findings(results: Results) -> Iterator[str]:
 
 
 def _claim(results: Results) -> Iterator[str]:
-    """Report that the claim to detect pushes fails, by missed pushes or by false ones."""
+    """Report missed pushes or false detections if they refute the claim to detect pushes."""
     claimed, ours = score(results, CLAIMED_ESTIMATE), score(results, LEADING)
     if claimed is None or ours is None:
         return
@@ -58,9 +58,10 @@ def _claim(results: Results) -> Iterator[str]:
 
 
 def score(results: Results, estimate: str) -> ClaimScore | None:
-    """Return an estimate's score, None without such recordings.
+    """Return an estimate's score, None without the recordings for it.
 
-    Pushes are counted on recordings with printed errors, time above on validate recordings.
+    Pushes are counted on recordings with printed errors, time above the threshold on validate
+    recordings.
     """
     printed, validated = shown_first(results, "force_mae"), results.with_role("validate")
     rows = {"component": CLAIMED_COMPONENT, "estimate": estimate}

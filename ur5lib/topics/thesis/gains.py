@@ -20,13 +20,13 @@ from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import chunks, unbroken
 from ur5lib.topics.thesis.records import Gain, JointGains
 
-GRID_NODES = 31  # the grid of gains has this many on each axis
+GRID_NODES = 31  # of the grid of gains, on each axis
 DESCENT_STARTS = 5  # least squares start from this many local minima of the grid
-PROFILE_STEP = 1e-3  # a profile's minima are searched to this step of a log gain
+PROFILE_STEP = 1e-3  # tolerance of a profile's minima, in log gain
 CONFIDENCE_LEVEL = 0.95
 CACHED_SAMPLES = 64  # states of so many samples under all gains of the grid fit into a cache
-MAX_MOTION_DURATION = 120.0  # s; more would make gains surer than the model of the loop is
-MAX_RANGE_FACTOR = 10.0  # a gain is undetermined if the ends of its range have a larger ratio
+MAX_MOTION_DURATION = 120.0  # s; with more, errors of the loop's model would exceed the ranges
+MAX_RANGE_FACTOR = 10.0  # largest high / low of a determined gain's range
 
 
 @dataclass(frozen=True)
@@ -56,11 +56,11 @@ def simulate_closed_loop(
 ) -> tuple[Array, Array, Array]:
     """Simulate the loop (2.80): q̂ [rad], q̂̇ [rad/s] and a_q = q̂̈ [rad/s²], (N, 6) each.
 
-    targets: (N, 6), unbroken and uniform; period: [s]; gains: (6,), the diagonals of K0 [1/s²] and
-    K1 [1/s]. The loop starts on its target, as the UR5's recordings do. Between samples, targets
-    change linearly (first-order hold), which the matrix exponential solves exactly. With constant
-    targets, delayed by half a step, the position errors would be two to six times those of Table
-    5.5.
+    targets: (N, 6), uniform and without gaps; period: [s]; gains: (6,), the diagonals of K0 [1/s²]
+    and K1 [1/s]. The loop starts on its target, as the UR5's recordings do. Between samples,
+    targets change linearly (first-order hold), which the matrix exponential solves exactly.
+    Constant targets (zero-order hold) delay by half a step, and the position errors would be two to
+    six times those of Table 5.5.
     """
     # q̂̈ = u - K0 q̂ - K1 q̂̇ with u = q̈_d + K0 q_d + K1 q̇_d
     drive = target_qdd + position_gains * target_q + velocity_gains * target_qd  # (N, 6)
@@ -76,10 +76,9 @@ def tracking_cost(
 ) -> Array:
     """Return the cost J (6,) of positive gains (6,), dimensionless, one for each joint.
 
-    (2.83) adds rad² and rad²/s², so that the velocities' noise dominates. Here squared residuals
-    are divided by their variance and their correlation time: J = Σ r²/(σ² t), over positions and
-    velocities. noise: (6, 2), σ √t of `JointGains`, where σ² is the residuals' mean square under
-    the best gains and t their correlation time in samples.
+    (2.83) adds rad² and rad²/s², so that the velocities' noise dominates. Here J = Σ r²/(σ² t) over
+    the residuals r of positions and velocities. noise: (6, 2), σ √t of `JointGains`, where σ² is
+    the residuals' mean square with the best gains and t their correlation time in samples.
     """
     gains = np.log(np.stack([position_gains, velocity_gains], axis=1))
     columns = zip(_joints(tracking), gains, noise, strict=True)
@@ -89,15 +88,15 @@ def tracking_cost(
 def estimate_gains(tracking: Tracking) -> list[JointGains]:
     """Estimate the gains of each joint by nonlinear least squares (2.84), with 95 % ranges.
 
-    The search range is what a recording can determine: natural frequencies from one radian over its
-    longest stretch up to Nyquist's, critically damped (2.74). Least squares start from the deepest
-    local minima of a grid in the logarithm of both gains; the noise is first that of a stiff joint,
-    then that of the gains found. The 95 % range is J <= J_min [1 + 2/(n - 2) F(2, n - 2)]: F is the
-    95 % point of Fisher's distribution, n the number of independent samples; J_min is that of a
-    joint that follows exactly, where the best of as many gains as the grid has would fit better by
-    chance. In a recording of more than MAX_MOTION_DURATION seconds, the gains come from those parts
-    in which a joint's target accelerates most. A joint with a target at rest throughout determines
-    nothing. Raises ValueError if no two successive samples are complete.
+    Natural frequencies are searched from one radian over the longest stretch up to Nyquist's,
+    critically damped (2.74). Least squares start from the deepest local minima of a grid in the
+    logarithm of both gains; the noise is first that of a joint that follows exactly, then that with
+    the gains found. The 95 % range is J <= J_min [1 + 2/(n - 2) F(2, n - 2)]: F is the 95 % point
+    of Fisher's distribution, n the number of independent samples. J_min is the cost of a joint that
+    follows exactly if noise alone explains that the best gains of the grid cost less. In a
+    recording longer than MAX_MOTION_DURATION, only the parts are used in which a joint's target
+    accelerates most. A joint with a target at rest throughout has no determined gains. Raises
+    ValueError if no two successive samples are complete.
     """
     return [_estimate(joint) for joint in _joints(tracking)]
 
@@ -106,7 +105,7 @@ def estimate_gains(tracking: Tracking) -> list[JointGains]:
 
 
 class _LoopStep(NamedTuple):
-    """x[k+1] = A x[k] + B0 u[k] + B1 u[k+1], x = [q, q̇]; of many loops (P, ...) or one."""
+    """x[k+1] = A x[k] + B0 u[k] + B1 u[k+1], x = [q, q̇]; for one loop or for many (P, ...)."""
 
     A: Array
     B0: Array
@@ -127,10 +126,10 @@ def _step(position_gain: Array | float, velocity_gain: Array | float, period: fl
 
 
 def _run(step: _LoopStep, drive: Array, start: Array) -> Array:
-    """Return the states (2, N) under u (N,) from a start (2,).
+    """Return the states (2, N) with input u (N,) from a start (2,).
 
-    By A² = tr(A) A - det(A) I (Cayley and Hamilton), x[k+1] = A x[k] + w[k+1] becomes a recursion
-    of each state alone, x[k+2] = tr(A) x[k+1] - det(A) x[k] + w[k+2] + (A - tr(A) I) w[k+1].
+    By A² = tr(A) A - det(A) I (Cayley and Hamilton), x[k+1] = A x[k] + w[k+1] decouples into one
+    recursion per state: x[k+2] = tr(A) x[k+1] - det(A) x[k] + w[k+2] + (A - tr(A) I) w[k+1].
     """
     A, B0, B1 = step
     # w[0] = x[0], w[k+1] = B0 u[k] + B1 u[k+1]
@@ -168,13 +167,14 @@ class _JointLoop:
         return np.concatenate(errors, axis=1)
 
     def squares(self, gains: Array) -> Array:
-        """Return the sums of squared errors (P, 2) under each of many log gains (P, 2).
+        """Return the sums of squared errors (P, 2) with P pairs of log gains (P, 2).
 
-        Sample by sample for all of them at once: filters for each take several times as long.
+        All pairs advance together, sample by sample: one filter per pair takes several times as
+        long.
         """
         position_gain, velocity_gain = np.exp(gains).T
         A, B0, B1 = _step(position_gain, velocity_gain, self.period)
-        # u = K0 q_d + K1 q̇_d + q̈_d, and what it adds by one target and the next: (6, 2, P)
+        # u = K0 q_d + K1 q̇_d + q̈_d; effect of both targets of a step on the state: (6, 2, P)
         drive = np.stack([position_gain, velocity_gain, np.ones(len(gains))])
         added = np.concatenate([drive[:, None] * B0.T, drive[:, None] * B1.T])
         by_q, by_qd = np.ascontiguousarray(A.T)  # (2, P) each
@@ -197,7 +197,7 @@ class _JointLoop:
         return _cost(self.errors(gains), noise)
 
     def grid(self) -> Array:
-        """Return GRID_NODES logarithms of both gains (GRID_NODES, 2), by natural frequencies."""
+        """Return logarithms of both gains (GRID_NODES, 2), evenly spaced in log frequency."""
         longest = max(stretch.shape[1] for stretch in self.stretches) * self.period
         frequency = np.array([1 / longest, np.pi / self.period])
         lowest, highest = np.log(np.stack([frequency**2, 2 * frequency], axis=1))
@@ -215,7 +215,7 @@ class _JointLoop:
         spectrum = np.sum([np.abs(np.fft.rfft(part, size)) ** 2 for part in parts], axis=0)
         covariances = np.fft.irfft(spectrum, size) / errors.shape[1]
         # σ² t = 2 Σ (c_2k + c_2k+1) - c_0, up to the first pair that is not positive
-        noise = np.full(2, np.inf)  # a joint without any error determines nothing
+        noise = np.full(2, np.inf)  # without any error, no gain is determined
         for kind, covariance in enumerate(covariances):
             if covariance[0] > 0:
                 pairs = covariance[: size // 4 * 2].reshape(-1, 2).sum(axis=1)
@@ -249,9 +249,9 @@ def _joints(tracking: Tracking) -> list[_JointLoop]:
 
 
 def _accelerated_most(stretches: list[slice], acceleration: Array, enough: int) -> list[slice]:
-    """Return all stretches, or if they are more than enough, parts with the most acceleration.
+    """Return all stretches, or the parts with the largest accelerations if they are too long.
 
-    acceleration: (N,), of the target; enough: number of samples, also the longest part.
+    acceleration: (N,), of the target; enough: largest number of samples, in all and of a part.
     """
     if sum(rows.stop - rows.start for rows in stretches) <= enough:
         return stretches
@@ -279,7 +279,7 @@ def _estimate(joint: _JointLoop) -> JointGains:
     stiff = np.concatenate([stretch[3:] - stretch[:2] for stretch in joint.stretches], axis=1)
     noise = joint.noise(stiff)
     if not any(stretch[1:3].any() for stretch in joint.stretches):
-        # the target never moves: no gains fit better than those of a joint that follows exactly
+        # the target never moves, so a joint that follows exactly has the least cost
         cost = _cost(stiff, noise)
         position, velocity = (
             Gain(
@@ -296,7 +296,7 @@ def _estimate(joint: _JointLoop) -> JointGains:
     best = _descend(joint, grid, squares, noise)
     freedom = max(joint.cost(first.x, noise) - 2, 1.0)  # n - 2
     min_cost, stiff_cost = 2 * best.cost, _cost(stiff, noise)
-    # the best of so many gains fits noise: better by chance than a joint that follows exactly
+    # noise alone lets the best of the grid's gains cost less than a joint that follows exactly
     by_chance = min_cost * _cost_rise(1 - (1 - CONFIDENCE_LEVEL) / GRID_NODES**2, freedom)
     reference = max(min_cost, stiff_cost) if stiff_cost <= by_chance else min_cost
     limit = reference * _cost_rise(CONFIDENCE_LEVEL, freedom)
@@ -311,7 +311,7 @@ def _estimate(joint: _JointLoop) -> JointGains:
 
 
 def _cost_rise(level: float, freedom: float) -> float:
-    """Return 1 + 2/(n - 2) F(2, n - 2), the cost at the end of a confidence region by the least."""
+    """Return 1 + 2/(n - 2) F(2, n - 2), the ratio J / J_min at the ends of a confidence region."""
     return float(1 + 2 / freedom * fdtri(2, freedom, level))
 
 
@@ -361,7 +361,7 @@ def _gain(
     """Return a gain and the range in which its profile stays within the limit.
 
     If a joint that follows its target exactly fits as well, the range has no upper end: the arm is
-    at rest, or moves too slowly. reference: the cost from which the limit counts.
+    at rest, or moves too slowly. reference: J_ref, subtracted from costs; limit: largest cost.
 
     The square root of the cost's rise is nearly linear in the log gain (Bates and Watts 1988,
     chapter 6), so it is interpolated linearly.
@@ -380,7 +380,9 @@ def _gain(
 
 
 def _crossing(nodes: Array, rise: Array, allowed: float) -> float:
-    """Return where the rise first falls to the allowed value; the first node if it starts below."""
+    """Return the node at which the rise first falls to `allowed`, interpolated; the first node if
+    the rise starts below.
+    """
     inside = int(np.argmax(rise <= allowed))
     if inside == 0:
         return float(nodes[0])

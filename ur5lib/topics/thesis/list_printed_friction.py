@@ -6,5 +6,5 @@ from ur5lib.topics.thesis.rows import PrintedFriction, printed_friction
 
 
 def list_printed_friction(friction: Friction, arm: Robot) -> list[PrintedFriction]:
-    """Return what the arm's description has of the parameters that were fitted."""
+    """Return the fitted parameters that the arm's description has printed values of."""
     return [*printed_friction(friction, arm)]

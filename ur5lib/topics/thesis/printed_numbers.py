@@ -81,8 +81,8 @@ def judged(
 ) -> dict[str, object]:
     """Return a number's status with the numbers behind it.
 
-    by_erratum: the number with each erratum's error; the nearest to the print is shown, and
-    explains it if equal. tolerance: largest difference that counts as equal.
+    by_erratum: the number computed with each erratum's error; the one nearest to the printed number
+    is returned, and explains it if equal. tolerance: largest difference that counts as equal.
     """
     comparison = {"printed": printed, "rebuilt": rebuilt, "ratio": rebuilt / printed}
     status = UNEXPLAINED
@@ -91,7 +91,7 @@ def judged(
         comparison |= {"as_erratum_says": by_erratum[nearest], "erratum": nearest}
         if abs(by_erratum[nearest] - printed) <= tolerance:
             status = f"erratum {nearest}"
-    if abs(rebuilt - printed) <= tolerance:  # also false where nothing could be rebuilt
+    if abs(rebuilt - printed) <= tolerance:  # false for NaN
         status = EQUAL
     return comparison | {"status": status}
 
@@ -106,7 +106,7 @@ def _found(
         return pd.Series(dtype=float)
     table = tables[lookup.table]
     column, cells = lookup.of(row)
-    if "recording" in table:  # a fit is of several
+    if "recording" in table:  # tables of fits to several have none
         table = table[table["recording"] == recording]
     numbers = table[lookup.number].unique()
     for name, value in cells.items():
@@ -115,7 +115,7 @@ def _found(
 
 
 def _decimals(table: PrintedTable) -> int:
-    """Return the most decimals of a table's numbers."""
+    """Return the largest number of decimals in a table."""
     numbers = chain.from_iterable(dict(table.values).values())
     texts = (np.format_float_positional(number, trim="-") for number in numbers)
     return max(len(text.partition(".")[2]) for text in texts)

@@ -27,7 +27,7 @@ class RebuiltThesis(NamedTuple):
     """A recording by the thesis's methods.
 
     closed_loop: with published gains and with those that fit the recording best; published: F̂ᵘ, F̂
-    and F̂*, as printed and by its equations put right; errors to constants: rows of tables.
+    and F̂*, as printed and by the corrected equations; errors to constants: rows of tables.
     """
 
     closed_loop: ClosedLoop
@@ -45,9 +45,9 @@ def rebuild_thesis(
     lowpass: Butterworth,
     min_singular_value: float,
 ) -> RebuiltThesis:
-    """Return a recording by the thesis's methods; without forces where it contradicts the study.
+    """Return a recording by the thesis's methods, without forces if it contradicts the study.
 
-    lowpass: of the external torques; min_singular_value: the least of a usable Jacobian.
+    lowpass: of the external torques; min_singular_value: least one of a usable Jacobian.
     """
     signals, torques = recording.signals, recording.torques
     loop, gains = closed_loops(signals, arm.mounted(recording.gravity))

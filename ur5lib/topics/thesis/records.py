@@ -1,4 +1,4 @@
-"""The joints in closed loop, and its gains as their motion shows them."""
+"""The joints in closed loop, and gains estimated from their motion."""
 
 from dataclasses import dataclass, field
 
@@ -8,8 +8,8 @@ from ur5lib.timeseries.arrays import Array
 
 @dataclass(frozen=True, kw_only=True)
 class ClosedLoop(SegmentedTable):
-    """The joints in closed loop, (N, 6) each, by the set of gains: a link model's published ones,
-    or "estimated".
+    """The joints in closed loop, (N, 6) each, by set of gains: the name of a link model with
+    published gains, or "estimated".
 
     q [rad], qd [rad/s], qdd [rad/s²]; torque: inverse dynamics at that motion [Nm], of the link
     model with these gains.
@@ -46,8 +46,9 @@ class JointGains:
     """The gains of one joint, and costs as in `tracking_cost`.
 
     excited: whether the target moves; if not, the recording does not determine the gains. noise:
-    (2,) [rad, rad/s], of one independent sample of position and velocity; cost: the minimum; limit:
-    cost at the ends of the 95 % range; stiff: cost of a joint that follows its target exactly.
+    (2,) [rad, rad/s], standard deviation of an independent sample of position and velocity; cost:
+    the minimum; limit: cost at the ends of the 95 % range; stiff: cost of a joint that follows its
+    target exactly.
     """
 
     position: Gain

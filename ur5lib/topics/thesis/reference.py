@@ -12,13 +12,13 @@ from ur5lib.strict import Strict, explain, read_yaml
 
 
 class LoopError(Strict):
-    """An error of the closed loop with published gains, as it must have been computed.
+    """How an error of the closed loop with published gains must have been computed.
 
-    quantity: q [rad], qd [rad/s] or torque [Nm]; figure: over time; gains: of which model;
-    velocity_gains: [1/s] of the joints, 1 to 6, with others; model: of the torque; masses [kg],
-    centers_of_mass [m]: of its links, 1 to 6, with others; from_s: first time [s] that counts;
-    places: where between two samples the error is taken, 0 to 1, by linear interpolation of all
-    signals.
+    quantity: q [rad], qd [rad/s] or torque [Nm]; figure: over time; gains: name of their model;
+    velocity_gains: other gains [1/s] by joint, 1 to 6; model: of the torque; masses [kg],
+    centers_of_mass [m]: other ones by link, 1 to 6; from_s: start [s] of the evaluated time;
+    places: positions between two samples, 0 to 1, at which the linearly interpolated signals are
+    compared.
     """
 
     quantity: Literal["q", "qd", "torque"]
@@ -33,21 +33,22 @@ class LoopError(Strict):
 
 
 class AccelerationError(Strict):
-    """An error of the end effector's acceleration, as it must have been computed.
+    """How an error of the end effector's acceleration must have been computed.
 
     The IMU is filtered in its own axes, from rest and with gravity, and rotated afterwards by
-    angles as late as the filter makes slow signals. model_delay_s: delay of the modelled one [s].
+    angles with the delay of the filter at low frequency. model_delay_s: delay of the modelled
+    acceleration [s].
     """
 
     model_delay_s: float
 
 
 NOT_PUBLISHED_VALUES = "does not hold published values"
-OLDER_MODEL = "[21]"  # a link model with equations that the thesis does not print
+OLDER_MODEL = "[21]"  # a link model; the thesis does not print its equations
 
 
 class Lookup(Strict):
-    """Where the study's tables have the numbers that belong to a published table.
+    """Where a study's table has the numbers of a published table.
 
     table: its name; value: column of the numbers, for all rows or by published row; row: column
     that names the published rows, empty if all share one row; number: column that identifies a
@@ -62,7 +63,7 @@ class Lookup(Strict):
     where: dict[str, str | dict[str, str]] = Field(default_factory=dict)
 
     def of(self, row: str) -> tuple[str, dict[str, str]]:
-        """Return the column of a published row's numbers, and what other columns have there."""
+        """Return the column with a published row's numbers, and the required values of others."""
 
         def of_row(value: str | dict[str, str]) -> str:
             return value if isinstance(value, str) else value[row]
@@ -74,9 +75,9 @@ class Lookup(Strict):
 class PrintedTable(Strict):
     """A published table: for each model or estimate, six values by joint or component.
 
-    A single value is the largest of six. sources: of rows that are printed elsewhere; quantity:
-    name of the values; rebuilt, right: where the study has them, with and without the errata;
-    relative, below_one: differences that count as equal, the latter absolute, for values below 1.
+    A single value is the largest of six. sources: by row, if printed elsewhere; quantity: name of
+    the values; rebuilt, right: their places in the study's tables, with and without the errata;
+    relative, below_one: tolerances, the latter absolute and for values below 1.
     """
 
     source: str
@@ -106,7 +107,7 @@ Printed = dict[PrintedTableName, PrintedTable]
 
 
 class Published(NamedTuple):
-    """The published tables, of which some have values of one recording."""
+    """All published tables, and the recording to look up in them."""
 
     printed: Printed
     recording: str
@@ -118,7 +119,7 @@ class Published(NamedTuple):
 
 
 class Explanation(Strict):
-    """How an erratum explains numbers: a published table's row, and the way to compute it."""
+    """How an erratum explains numbers: a row of a published table, and how to compute it."""
 
     printed: PrintedTableName
     row: str
@@ -142,7 +143,7 @@ class PublishedValues(Strict):
     errata: tuple[Erratum, ...] = ()
 
     def recordings(self, *names: PrintedTableName) -> set[str]:
-        """Return the recordings with published values, in some tables or, without names, in any."""
+        """Return the recordings with published values in the named tables, by default in any."""
         tables = self.printed.items()
         return {table.recording for name, table in tables if not names or name in names}
 

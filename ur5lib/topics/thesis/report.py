@@ -10,7 +10,7 @@ from ur5lib.report.results import Results
 from ur5lib.topics.thesis.found import score, shown_first
 from ur5lib.topics.thesis.printed_numbers import EQUAL, UNEXPLAINED
 
-COMPUTED_DIGITS = 4  # computed numbers have this many
+COMPUTED_DIGITS = 4  # of computed numbers
 PARAMETER_SYMBOLS = {"torque_constant": "k", "offset": "b"}
 CLAIMED_ESTIMATE, CLAIMED_COMPONENT = "F*", "Fz"  # the thesis detects pushes by these
 AS_PRINTED = "torque_on_current"  # the direction of regression of Equation 6.5
@@ -80,7 +80,7 @@ def beside_fit(results: Results) -> pd.DataFrame:
 
 
 def rebuilt(results: Results, recording: str) -> pd.DataFrame:
-    """Return Equation 6.5: printed, rebuilt, and by this study's fit with all friction terms."""
+    """Return k and b of Equation 6.5: printed, rebuilt, and fitted here with all friction terms."""
     rows = _by_sign(results.rows("published_constants", recording=recording, regression=AS_PRINTED))
     printed = results.rows("printed", table="current_torque", recording=recording)
     known = {(row.row, int(row.number)): row.printed for row in printed.itertuples()}
@@ -90,7 +90,7 @@ def rebuilt(results: Results, recording: str) -> pd.DataFrame:
 
 
 def _by_sign(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return a row for k and for b of each row."""
+    """Return two rows for each row, one for k and one for b."""
     parts = [
         rows.assign(
             sign=sign, parameter=name, value=rows[name], std_error=rows[f"{name}_std_error"]
@@ -113,7 +113,7 @@ def _printed_offsets(results: Results, recording: str) -> "pd.Series[float]":
 
 
 def doubted_joint(results: Results, recording: str) -> int:
-    """Return the joint with the printed offset that is furthest from this study's fit."""
+    """Return the joint, from 1, with the largest |printed - fitted| offset."""
     fitted = _fitted(results, recording).xs("offset", level="parameter")["value"]
     return int((_printed_offsets(results, recording) - fitted).abs().idxmax())
 
@@ -139,8 +139,8 @@ def by_source(results: Results) -> pd.DataFrame:
 
 
 def left_over(results: Results) -> pd.DataFrame:
-    """Return each unexplained number with the nearest computed one, that of an erratum or else the
-    rebuilt one, and the share by which this is off.
+    """Return each unexplained number with the nearest computed one, by an erratum or else rebuilt,
+    and `off`, its relative deviation.
     """
     rows = results.tables["printed"]
     rows = rows[rows["status"] == UNEXPLAINED]
@@ -150,8 +150,8 @@ def left_over(results: Results) -> pd.DataFrame:
 
 
 def with_zero_error(results: Results) -> pd.DataFrame:
-    """Return the printed and rebuilt errors of torques and forces with that of an estimate of zero,
-    of the recordings of which some can be rebuilt.
+    """Return the printed and rebuilt errors of torques and forces, and the error of an estimate of
+    zero, on the recordings with printed errors.
     """
     views = {"torque_mae": torques, "force_mae": forces, "force_max": largest_forces}
     return _together(
@@ -177,8 +177,8 @@ def constants_rebuilt(results: Results) -> pd.DataFrame:
 
 
 def offsets_on_runs(results: Results) -> pd.DataFrame:
-    """Return b and k on every recording (`on_every_run`), of the joint that is doubted by the
-    print for a recording `printed_on`.
+    """Return b and k of each doubted joint on every recording (`on_every_run`); printed_on: the
+    recording with its printed offset.
     """
     return _together(
         on_every_run(results, name).assign(printed_on=name) for name, _ in _doubted(results)
@@ -186,8 +186,8 @@ def offsets_on_runs(results: Results) -> pd.DataFrame:
 
 
 def doubted_offsets(results: Results) -> pd.DataFrame:
-    """Return for each doubted joint the printed and the fitted offset, and the least and the
-    largest one by the same regression, with the number of recordings.
+    """Return for each doubted joint the printed and the fitted offset, and the least and largest
+    offset over recordings by the thesis's regression, with their number.
     """
     every = results.tables["published_constants"]
     every = every[every["regression"] == AS_PRINTED]
@@ -221,7 +221,7 @@ def _doubted(results: Results) -> Iterator[tuple[str, int]]:
 
 
 def gains_that_differ(results: Results) -> pd.DataFrame:
-    """Return the joints of an arm for which no gain is in the ranges of all recordings."""
+    """Return the joints with disjoint ranges of a gain on different recordings of an arm."""
     ranges = results.tables["gains"].fillna({"low": 0.0, "high": np.inf})
     ranges = ranges.assign(robot=ranges["recording"].map(results.arms()))
     ends = ranges.groupby(["robot", "gain", "joint"], sort=False).agg({"low": "max", "high": "min"})
@@ -229,15 +229,17 @@ def gains_that_differ(results: Results) -> pd.DataFrame:
 
 
 def gains_that_fit(results: Results) -> pd.DataFrame:
-    """Return by model on how many joints and recordings its printed gains fit like the best."""
+    """Return by model the number of joints and recordings on which its printed gains fit as well as
+    the best ones.
+    """
     rows = results.tables["published_gains"]
     fits = rows[["model"]].assign(fit=rows["fits"] == "yes", of=1)
     return fits.groupby("model", sort=False).sum().reset_index()
 
 
 def detected(results: Results) -> pd.DataFrame:
-    """Return how the thesis's estimate detects pushes along z, and ours, each with its
-    `ClaimScore`, the pushes that are missed, and whether the thesis's claim is right.
+    """Return the `ClaimScore` along z of the thesis's estimate and of ours, the number of missed
+    pushes, and whether the thesis's claim holds for the estimate.
     """
     scores = {name: score(results, name) for name in (CLAIMED_ESTIMATE, LEADING)}
     known = {name: own for name, own in scores.items() if own is not None}
@@ -250,18 +252,18 @@ def detected(results: Results) -> pd.DataFrame:
 
 
 def above_threshold(results: Results) -> pd.DataFrame:
-    """Return the time above the thesis's threshold along z and the pushes found by it, where there
-    is the thesis's estimate.
+    """Return the time above the thesis's threshold along z and the pushes found by it; empty
+    without the thesis's estimate.
     """
     rows = results.rows("fixed_threshold", component=CLAIMED_COMPONENT)
     return rows if (rows["estimate"] == CLAIMED_ESTIMATE).any() else rows[:0]
 
 
 def _together(parts: Iterable[pd.DataFrame]) -> pd.DataFrame:
-    """Return the rows of several views, none of none."""
+    """Return the rows of all views, empty without views."""
     return pd.concat([pd.DataFrame(), *parts])
 
 
 def reference(results: Results) -> list[str]:
-    """Return the file of published values, if the study is compared with any."""
+    """Return the file of published values in a list, [] without one."""
     return [results.study["reference"]] if "reference" in results.study else []

@@ -177,7 +177,7 @@ def torque_constants(constants: PublishedConstants) -> Iterator[TorqueConstant]:
 
 
 def printed_friction(friction: Friction, arm: Robot) -> Iterator[PrintedFriction]:
-    """Yield what is printed of the fitted parameters."""
+    """Yield the printed values of the fitted parameters."""
     published: dict[str, tuple[float, ...]] = {}
     if arm.current_to_torque is not None:
         published["torque_constant"] = tuple(arm.current_to_torque.torque_constant)

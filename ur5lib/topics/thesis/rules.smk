@@ -1,4 +1,4 @@
-# What only a study with published values has: the thesis's methods, its figures, its numbers.
+# Only for a study with published values: the thesis's methods, figures and numbers.
 from ur5lib.topics.thesis.reference import read_reference
 
 if STUDY.reference:

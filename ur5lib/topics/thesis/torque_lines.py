@@ -49,14 +49,14 @@ class CurrentTorque(NamedTuple):
 
 
 def current_torque(robot: Robot, signals: Signals, torques: Torques) -> CurrentTorque | None:
-    """Return measured currents and modelled torques, the way the thesis plots them.
+    """Return measured currents and modelled torques as the thesis plots them.
 
     None for an arm without published friction, and where currents or targets were not recorded.
     """
     rigid, friction = torques.target.get(robot.chosen_model), robot.friction
     if friction is None or rigid is None or signals.actual_current is None:
         return None
-    assert signals.target_qd is not None  # of which `rigid` is
+    assert signals.target_qd is not None  # `rigid` needs targets
     received = ~signals.interpolated & np.isfinite(signals.actual_current).all(axis=1)
     qd = signals.target_qd[received]
     moves = (np.abs(qd) > friction.dead_zone).any(axis=0)

@@ -1,4 +1,4 @@
-"""The thesis's contact wrenches, as it printed them, and by its equations put right."""
+"""The thesis's contact wrenches, as printed and by the corrected equations."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -23,10 +23,10 @@ from ur5lib.topics.thesis.current_based import (
 def published_forces(
     recording: AlignedRecording, robot: Robot, design: Butterworth, min_singular_value: float
 ) -> FurtherForces:
-    """Return F^u, F and F*: as the published script makes them (errata 5, 6 and 13), and by the
-    printed equations, at the measured motion, without delay.
+    """Return F^u, F and F*: as the published script computes them (errata 5, 6 and 13), and by the
+    printed equations with the measured motion and without delay.
 
-    design: low-pass of the external torque; min_singular_value: the least of a usable Jacobian.
+    design: low-pass of the external torque; min_singular_value: least one of a usable Jacobian.
     """
     signals, torques = recording.signals, recording.torques
     jacobian = recording.kinematics.jacobian  # J_g

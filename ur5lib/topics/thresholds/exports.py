@@ -1,4 +1,4 @@
-"""Formats of `ur5 export`: torques beyond which a controller takes an arm for touched."""
+"""Formats of `ur5 export`: torque thresholds at which a controller detects contact."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -10,7 +10,7 @@ HELP = (
     "thresholds: torques that a controller takes for a contact, by joint and speed; "
     "thresholds.script: the same as a function of URScript"
 )
-QUESTIONS = ("force", "constants", "currents")  # these of verdicts.csv forbid an export
+QUESTIONS = ("force", "constants", "currents")  # bad verdicts on these forbid an export
 
 Format = Callable[["FinishedStudy | None", str, str, str], str]
 """Returns the text of an arm; see `ur5lib.commands.exported`."""

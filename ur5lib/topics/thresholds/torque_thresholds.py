@@ -1,7 +1,7 @@
-"""Torques that are seldom exceeded without contact: quantiles by joint, speed and acceleration.
+"""Torque thresholds for contact: quantiles of |τ_ext| by joint, speed and acceleration.
 
 The threshold of a rate r is the ⌈(1 - r) n⌉-th smallest of a joint's external torques |τ_ext| in n
-samples without contact: at most the share r is beyond it.
+samples without contact: at most the share r exceeds it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,11 +17,11 @@ from ur5lib.records.motion import Motion
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import DEAD_ZONE
 
-# The levels of a contact and of a collision leave this share of samples beyond.
+# Rates: shares of samples without contact beyond the thresholds of a contact and of a collision.
 LEVELS = {"lower": 0.01, "upper": 0.001}
 FAST_SHARE = 0.5  # from this share of its largest speed on, a joint is fast
 ACCELERATING_SHARE = 0.1  # from this share of the largest acceleration on, a joint accelerates
-LARGEST = 0.999  # this quantile is the largest acceleration: noise has larger ones
+LARGEST = 0.999  # this quantile counts as the largest acceleration: beyond it is noise
 UNITS = "Nm, rad/s, rad/s^2; joints from 1; rates: share of samples, of each joint by itself"
 
 
@@ -39,11 +39,11 @@ class Free(NamedTuple):
 class Thresholds:
     """Thresholds of an arm of n joints [Nm].
 
-    edges: (3, n) [rad/s], speeds from which a joint rests, is slow, is fast; by_speed: of each
-    level, (3, n); accelerating: (n,) [rad/s²], from which on it accelerates; nominal, acceleration:
-    of each level, (n,), below that and above it; counts: (3, n), samples; left_out: of each level,
-    share beyond on recordings that the thresholds were not taken from, over all and on the worst,
-    NaN of a single one.
+    edges: (3, n) [rad/s], lower edges of the speed classes rest, slow, fast; by_speed: of each
+    level, (3, n); accelerating: (n,) [rad/s²], the edge between nominal motion and acceleration;
+    nominal, acceleration: of each level, (n,), below and above this edge; counts: (3, n), samples;
+    left_out: of each level, the share beyond thresholds from the other recordings, over all and on
+    the worst recording, NaN with a single recording.
     """
 
     robot: str
@@ -58,7 +58,7 @@ class Thresholds:
     left_out: Mapping[str, tuple[float, float]]
 
     def in_json(self) -> dict[str, Any]:
-        """Return them as plain data, in the terms of `setCollisionBehavior`, too."""
+        """Return the thresholds as plain data, also in the terms of `setCollisionBehavior`."""
         behaviour = {
             f"{level}_torque_thresholds_{phase}": getattr(self, phase)[level].tolist()
             for phase in ("acceleration", "nominal")
@@ -92,9 +92,9 @@ class Thresholds:
 
 
 def thresholds_of(study: FinishedStudy, robot: str) -> Thresholds:
-    """Return the thresholds of an arm by the contact-free recordings of a study.
+    """Return the thresholds of an arm from the contact-free recordings of a study.
 
-    Raises InputError where they are too few samples for the smallest rate.
+    Raises InputError if they have too few samples for the smallest rate.
     """
     free = free_samples(study, robot)
     together = _joined([*free.values()])
@@ -122,9 +122,10 @@ def thresholds_of(study: FinishedStudy, robot: str) -> Thresholds:
 
 
 def free_samples(study: FinishedStudy, robot: str) -> dict[str, Free]:
-    """Return the samples of an arm's recordings without contact that have an external torque.
+    """Return by recording the samples of an arm without contact that have an external torque.
 
-    In a recording to fit, it is the torque beyond the fit to the other paths.
+    In a fit recording, this torque comes from the fit without its path. Raises InputError if no
+    recording has such samples.
     """
     found = dict[str, Free]()
     for entry in study.configuration().recordings:
@@ -142,22 +143,22 @@ def free_samples(study: FinishedStudy, robot: str) -> dict[str, Free]:
 
 
 def speed_edges(free: Free) -> Array:
-    """Return from which speeds (3, n) [rad/s] each joint rests, is slow, is fast."""
+    """Return the lower edges (3, n) [rad/s] of each joint's speed classes: rest, slow, fast."""
     fastest = np.nanmax(free.speed, axis=0)
     resting, slow = np.zeros_like(fastest), np.full_like(fastest, DEAD_ZONE)
     return np.stack([resting, slow, np.maximum(slow, FAST_SHARE * fastest)])
 
 
 def speed_classes(free: Free, edges: Array) -> list[Mask]:
-    """Return for each class of speeds which samples (N, n) are in it."""
+    """Return for each speed class a mask (N, n) of its samples."""
     above = [free.speed > edge for edge in edges[1:]]
     return [~above[0], above[0] & ~above[1], above[1]]
 
 
 def quantiles(torque: Array, classes: Sequence[Mask], rate: float) -> Array:
-    """Return for each class the torques (C, n) [Nm] that a share of its samples exceeds.
+    """Return for each class the torques (C, n) [Nm] that the share `rate` of its samples exceeds.
 
-    torque, classes: (N, n). A class with fewer samples than the rate needs has that of all samples.
+    torque, classes: (N, n). A class with too few samples for the rate gets the quantile of all.
     """
     every = np.ones_like(torque, bool)
     return np.array(
@@ -172,8 +173,8 @@ def quantiles(torque: Array, classes: Sequence[Mask], rate: float) -> Array:
 
 
 def left_out(free: Sequence[Free], edges: Array, rate: float) -> tuple[float, float]:
-    """Return the share of samples beyond thresholds that come from the other recordings: over all
-    recordings and joints, and on the worst recording. NaN of a single recording.
+    """Return the share of a recording's samples beyond thresholds from the other recordings: over
+    all recordings, and on the worst one. NaN with a single recording.
     """
     beyond, known = list[int](), list[int]()
     for k, own in enumerate(free if len(free) > 1 else []):

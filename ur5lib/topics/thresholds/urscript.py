@@ -1,4 +1,4 @@
-"""Thresholds of torques as a function of URScript."""
+"""Torque thresholds as a URScript function."""
 
 from collections.abc import Iterable
 

@@ -24,15 +24,15 @@ COLUMNS = [  # these are the columns of truth.csv
     *("truth", "estimate", "std_error", "within95", "zero"),
 ]
 AXIS_NAMES = ["x", "y", "z"]
-JACKKNIFE_PARTS = 8  # in a jackknife, an only recording has this many
+JACKKNIFE_PARTS = 8  # a single recording is split into this many for a jackknife
 
 
 def rows(
     quantity: str, index: Sequence[object], unit: Any, truth: Any, estimate: Any, **more: Any
 ) -> list[Row]:
-    """Return a row for each of some joints, axes, components or devices (`index`).
+    """Return a row for each joint, axis, component or device of `index`.
 
-    Other arguments: one value for all, or a value for each.
+    Other arguments: one value for all rows, or a value for each.
     """
     columns = {"quantity": quantity, "index": [*index], "unit": unit, "truth": truth}
     return pd.DataFrame(columns | {"estimate": estimate} | more).to_dict("records")
@@ -47,10 +47,10 @@ def values(
     std: Any,
     freedom: float = np.inf,
 ) -> list[Row]:
-    """Return a row for each estimated value, with whether its 95 % interval contains the truth.
+    """Return a row for each estimated value; within95: is the truth in its 95 % interval?
 
-    truth, estimate, std: (n,), estimate NaN where there is none (a joint that did not move), std
-    NaN where not stated: then the row has neither; freedom: degrees of freedom of the errors.
+    truth, estimate, std: (n,); estimate: NaN for a joint that did not move; std: NaN if not stated,
+    then the row has no std and no within95; freedom: degrees of freedom of the errors.
     """
     off, std = np.abs(np.subtract(estimate, truth)), np.asarray(std, dtype=np.float64)
     half = t.ppf(0.975, freedom) * std
@@ -64,7 +64,7 @@ def values(
 def errors(
     quantity: str, index: Sequence[object], unit: Any, truth: Array, estimate: Array, method: str
 ) -> list[Row]:
-    """Return a row for each column of a series (N, M): its RMSE, and that of zero."""
+    """Return a row for each column of a series (N, M): its RMSE, and the RMSE of zero."""
     finite = np.isfinite(estimate).all(axis=1) & np.isfinite(truth).all(axis=1)
     off, zero = (
         np.sqrt(np.mean(array[finite] ** 2, axis=0)) for array in (estimate - truth, truth)
@@ -75,7 +75,7 @@ def errors(
 def clock_rows(clocks: Mapping[str, SettledClock], truth: TrueParameters) -> Iterator[Row]:
     """Yield offset [s] and drift [ppm] of each device.
 
-    Sensors that were aligned by the host's stamps use the robot's clock: their drift has no truth.
+    Sensors aligned by the host's stamps use the robot's clock: their drift has no truth.
     """
     for device, clock in clocks.items():
         true, drift_std = truth.clocks[device], clock.drift_std or 0.0
@@ -103,7 +103,7 @@ def wrench_rows(forces: Forces, truth: Truth) -> Iterator[Row]:
 def rotor_rows(rotors: Rotors, truth: Sequence[float]) -> Iterator[Row]:
     """Yield rotor inertias; truth: (n,) [kg m²].
 
-    Their standard errors are a jackknife over recordings, or over parts of the only one.
+    Standard errors: jackknife over recordings, or over JACKKNIFE_PARTS of a single one.
     """
     if rotors.value is not None and rotors.std_error is not None:
         numbers = truth, rotors.value.inertia, rotors.std_error.inertia
@@ -128,10 +128,10 @@ def imu_rows(calibration: ImuCalibration, imu: Imu) -> Iterator[Row]:
 
 
 def friction_rows(friction: Friction, drive: TrueDrive, true: Mapping[str, Array]) -> Iterator[Row]:
-    """Yield torque constants and friction; true: as simulated, by name.
+    """Yield torque constants and friction; true: simulated parameters by name.
 
-    within95 uses the reported intervals, which are wider than normal ones for few recordings.
-    Fitted terms that the test stand's friction does not have are left out.
+    within95 uses the reported intervals (Student's t for few recordings). Fitted terms that the
+    test stand's friction does not have are left out.
     """
     truths = {
         "torque_constant": (friction.measured.constant_unit, drive.torque_constant),

@@ -123,8 +123,8 @@ def recording_rows(
 
 
 def torque_rows(robot: Robot, truth: TrueParameters, true: Truth) -> Iterator[Row]:
-    """Yield the RMSE of models' torques at the true motion, with gravity and payload as simulated,
-    against those of the simulated arm.
+    """Yield the RMSE of link models' torques against the simulated arm's, all at the true motion
+    with the simulated gravity and payload.
     """
     for payload in (truth.plan.payload, truth.plan.undeclared_payload):
         robot = robot.carrying(payload)
@@ -139,7 +139,7 @@ def torque_rows(robot: Robot, truth: TrueParameters, true: Truth) -> Iterator[Ro
 def shared(
     truths: Truths, recordings: Collection[str], part: Callable[[TrueParameters], TruthPart]
 ) -> TruthPart | None:
-    """Return a part of the truth that recordings have in common, None where they have not."""
+    """Return a part of the truth if it is equal in all recordings, else None."""
     if not recordings or not set(recordings) <= set(truths):
         return None
     parts = [part(truths[name]) for name in recordings]

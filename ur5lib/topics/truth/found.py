@@ -1,4 +1,4 @@
-"""What a simulation's truth adds to the findings: that stated intervals are too wide or narrow."""
+"""What a simulation's truth adds to the findings: intervals that are too wide or too narrow."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -7,14 +7,14 @@ from ur5lib.records.phrases import number
 from ur5lib.report.results import Results
 
 TABLES = ("truth",)
-REMARKABLE_CHANCE = 0.025  # below it, the count of intervals that contain the truth is remarkable
+REMARKABLE_CHANCE = 0.025  # one-sided; a less probable number of such intervals is reported
 LEVEL = 0.95  # stated intervals contain the truth with this probability
 
 
 class Count(NamedTuple):
-    """How many stated intervals contain the truth, of `values`, and how many right ones do.
+    """The number of stated intervals that contain the truth, and the number expected of `values`.
 
-    chance: of as many or as few, for independent values; too: wide or narrow, where it is small.
+    chance: one-sided p-value for independent values; too: wide or narrow, if the chance is small.
     """
 
     values: int
@@ -25,7 +25,7 @@ class Count(NamedTuple):
 
 
 def findings(results: Results) -> Iterator[str]:
-    """Report intervals that contain the truth too often or too seldom, as of independent values."""
+    """Report intervals that contain the truth too often or too seldom for independent values."""
     count = counted(results)
     if count and count.too:
         yield (

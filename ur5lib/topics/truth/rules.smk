@@ -1,4 +1,4 @@
-# Estimates beside the truth, of recordings that have one.
+# Estimates compared with the truth, for simulated recordings.
 if TRUTHS:
 
     rule compare_with_truth:
