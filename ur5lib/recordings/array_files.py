@@ -18,13 +18,8 @@ import scipy.io
 
 from ur5lib.errors import InputError
 from ur5lib.recordings.hdf5_links import expect_inside, expect_own_numbers
-from ur5lib.recordings.limits import expect_room
-from ur5lib.recordings.unpacked import (
-    expect_mat_room,
-    feather_numbers,
-    npz_numbers,
-    parquet_numbers,
-)
+from ur5lib.recordings.limits import BYTES_PER_NUMBER, expect_room
+from ur5lib.recordings.unpacked import expect_mat_room, feather_numbers, parquet_numbers
 from ur5lib.records.quality import Finding, Log
 from ur5lib.strict import MOST_BYTES, expect_file
 from ur5lib.timeseries.arrays import Array
@@ -60,6 +55,7 @@ def array_format(
                 )
             try:
                 arrays = load(path, wanted, findings)
+                expect_room(path, sum(array.size for array in arrays.values()))
             except InputError:
                 raise
             except Exception as error:  # of damaged files, a library may raise anything
@@ -257,7 +253,8 @@ def npz_arrays(path: Path, wanted: Collection[str] | None, findings: list[Findin
         names = [name for name in archive if wanted is None or name in wanted]
         files = {*archive.zip.namelist()}
         stored = [name if name in files else f"{name}.npy" for name in names]
-        expect_room(path, npz_numbers(archive.zip, stored))
+        sizes = [archive.zip.getinfo(name).file_size for name in stored]
+        expect_room(path, sum(sizes) / BYTES_PER_NUMBER)
         return dict(_leaves({name: _plain(archive, name) for name in names}))
 
 
