@@ -40,15 +40,16 @@ def array_format(
 ) -> Callable[[Load], Load]:
     """Register a function that loads a format; whatever it raises becomes an InputError.
 
-    name: in a study; kind: for messages; endings: of such files, none where it is always a folder;
-    is_folder: whether it may be one. Arrays that the file lacks are left out.
+    name: in a study; kind: for messages; endings: of such files; is_folder: whether it may be one,
+    without endings always. Arrays that the file lacks are left out.
     """
 
     def registered(load: Load) -> Load:
         @wraps(load)
         def loaded(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
             expect_file(path)
-            if not ((endings and path.is_file()) or (is_folder and path.is_dir())):
+            is_file = path.is_file() and (endings or not is_folder)
+            if not (is_file or (is_folder and path.is_dir())):
                 raise InputError(
                     f"{path} is missing or not {kind}; add it, or remove the recording from the "
                     "study"

@@ -17,6 +17,7 @@ import pyarrow.csv as pacsv
 from ur5lib.channels import CHANNELS, channels_of
 from ur5lib.errors import InputError
 from ur5lib.recordings.limits import expect_room, most_columns, too_large
+from ur5lib.recordings.recording import DAY
 from ur5lib.recordings.text_blocks import text_blocks
 from ur5lib.records.quality import Finding, Log
 from ur5lib.timeseries.arrays import Array, Labels
@@ -30,7 +31,6 @@ PREAMBLE = re.compile(rb"(?:[ \t]*(?:[#%][^\n]*|sep=.)?\n)*")  # blank, comment,
 SPREADSHEET_CELL = re.compile(
     r"###|\d:\d|\d[./-]\d+[./-]\d|\d[. -]+[A-Z][a-z]{2}|[A-Z][a-z]{2}[. -]+\d"
 )
-DAY = 86400.0  # s
 BLOCK_BYTES = 1 << 16  # bytes; a block of this size with a damaged line is read line by line
 TAIL_LINES = 20  # lines that show what a complete last line looks like
 LEAD_LINES = 60  # lines that show where a table begins
