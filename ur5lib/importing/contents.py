@@ -14,7 +14,6 @@ from ur5lib.errors import InputError, some, with_controls
 from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import (
     JOINTS_OF_UR,
-    MIN_MOTORS,
     NAMELESS_PREFIX,
     ColumnBlock,
     grouped,
@@ -36,6 +35,7 @@ from ur5lib.importing.spellings import (
     names_positions,
     quantity,
 )
+from ur5lib.recordings.arm_joints import FEWEST_JOINTS
 from ur5lib.recordings.array_files import LOADERS, UNREAD, format_of
 from ur5lib.recordings.channel_files import SHORT_TABLE, at_stamps, has_stamps
 from ur5lib.recordings.delimited import TURNED_TABLE, TextTable, number_in
@@ -158,7 +158,9 @@ def arm_labels(file: FileContents) -> list[str]:
     They come from the parts of a bag's topic, else from words that distinguish arms.
     """
     names = [
-        b.names for b in file.blocks if names_positions(b.stem()) and b.rows.shape[1] >= MIN_MOTORS
+        b.names
+        for b in file.blocks
+        if names_positions(b.stem()) and b.rows.shape[1] >= FEWEST_JOINTS
     ]
     names = [own for own in names if not is_computed(own[0])]
     places = [own[0].split("/")[:-1] for own in names if file.format == BAG_FORMAT]
@@ -421,11 +423,19 @@ def _chosen_blocks(
 ) -> Iterator[ColumnBlock]:
     """Yield the columns of the joints that the user names, by their quantities."""
     for stem, names in chosen.items():
-        clock = _clock_of(names[0], arrays[names[0]].size, clocks.stamps)
-        rows = np.stack([_possible(arrays[name].ravel()) for name in names], axis=1)
-        if clock:
-            told = quantity(stem, len(names), len(names)) or ""
-            yield ColumnBlock(names, rows, clock, stated=told)
+        if block := _joined(names, arrays, clocks):
+            yield replace(block, stated=quantity(stem, len(names), len(names)) or "")
+
+
+def _joined(
+    names: tuple[str, ...], arrays: Mapping[str, np.ndarray], clocks: FileClocks
+) -> ColumnBlock | None:
+    """Return single columns as a block; None where they differ in length, or have no clock."""
+    columns = [_possible(arrays[name].ravel()) for name in names]
+    clock = _clock_of(names[0], len(columns[0]), clocks.stamps)
+    if clock is None or len({*map(len, columns)}) > 1:
+        return None
+    return ColumnBlock(names, np.stack(columns, axis=1), clock)
 
 
 def is_unnamed(name: str) -> bool:
@@ -452,10 +462,8 @@ def _blocks(
             single.append(name)
     starts = range(0, len(single), width) if width else []
     for names in [tuple(single[k : k + (width or 0)]) for k in starts] or grouped(single):
-        clock = _clock_of(names[0], arrays[names[0]].size, clocks.stamps)
-        columns = [_possible(arrays[name].ravel()) for name in names]
-        if clock and len({len(column) for column in columns}) == 1:
-            yield ColumnBlock(names, np.stack(columns, axis=1), clock)
+        if block := _joined(names, arrays, clocks):
+            yield block
         else:
             title = ColumnBlock(names, np.empty((0, 0)), "").title
             account.state("left out", names, title, "numbers", "its columns differ in length")
