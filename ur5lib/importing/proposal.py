@@ -186,13 +186,19 @@ def _scale_like(
     efforts: dict[str, ColumnBlock],
     means: BlockMeans | None,
 ) -> None:
-    """Multiply efforts as another file's, in the blocks and in their means."""
+    """Multiply efforts as another file's."""
     for name, block in efforts.items():
         _, factors = scaled.get(block.names, ("", block.all_factors()))
-        scale = np.array(factors) / np.array(block.all_factors())
-        efforts[name] = block.scaled(scale)
-        if means:
-            means.currents[name] *= scale
+        _scale(name, np.array(factors) / np.array(block.all_factors()), efforts, means)
+
+
+def _scale(
+    name: str, factors: Array | float, efforts: dict[str, ColumnBlock], means: BlockMeans | None
+) -> None:
+    """Multiply an effort, in the block and in its means."""
+    efforts[name] = efforts[name].scaled(factors)
+    if means:
+        means.currents[name] *= factors
 
 
 def _possible_arms(file: FileContents) -> list[Robot]:
@@ -206,22 +212,20 @@ def _possible_arms(file: FileContents) -> list[Robot]:
 def _put_behind_gears(
     efforts: dict[str, ColumnBlock], means: BlockMeans, file: FileContents
 ) -> None:
-    """Multiply torques of the motors' side by the gears, in the blocks and in their means."""
+    """Multiply torques of the motors' side by the gears."""
     arms = _possible_arms(file)
     for name, block in efforts.items():
         gears = behind_gears(name, block, means, arms, file.account)
         if gears is not None:
-            efforts[name] = block.scaled(gears)
-            means.currents[name] *= gears
+            _scale(name, gears, efforts, means)
 
 
 def _turn(efforts: dict[str, ColumnBlock], means: BlockMeans, file: FileContents) -> None:
-    """Turn the efforts of the opposite sign, in the blocks and in their means."""
+    """Turn the efforts of the opposite sign."""
     arms = _possible_arms(file)
     for name, block in efforts.items():
         if arms and (lead := lead_of_opposite(means, name, arms)):
-            efforts[name] = block.scaled(-1.0)
-            means.currents[name] *= -1
+            _scale(name, -1.0, efforts, means)
             so = f"gravity explains it so by {lead:.3g} of log-likelihood before the sign as read"
             turned = f"it has the opposite sign: else friction would drive, and {so}"
             file.account.hold("proven", block, "numbers", turned)
