@@ -38,7 +38,7 @@ from ur5lib.importing.spellings import (
 from ur5lib.recordings.arm_joints import FEWEST_JOINTS
 from ur5lib.recordings.array_files import LOADERS, UNREAD, format_of
 from ur5lib.recordings.channel_files import SHORT_TABLE, at_stamps, has_stamps
-from ur5lib.recordings.delimited import TURNED_TABLE, TextTable, number_in
+from ur5lib.recordings.delimited import TURNED_TABLE, TextTable
 from ur5lib.recordings.entries import SKIPPED_COLUMN, expand
 from ur5lib.recordings.plausibility import is_silent
 from ur5lib.records.quality import Finding, Log
@@ -360,7 +360,7 @@ def _header(text: TextTable, stated: UserStatement) -> TableHeader:
         raise InputError(f"{path}: holds JSON, no table; save each number in a column, as CSV")
     if stated.columns and not stated.names():
         return _stated_header(path, stated, len(cells))
-    if all(number_in(cell.replace(",", ".").encode()) is not None for cell in cells):
+    if not text.has_names():
         nist = expand(NIST_COLUMNS)
         if len(cells) == len(nist):
             return TableHeader(nist, layout="NIST's UR5 degradation measurements")

@@ -80,8 +80,12 @@ class TextTable:
         lines = (self._comment, self._line) if self._comment else (self._line, second)
         self.cells, self.below = ([*map(_text, own.split(self._delimiter))] for own in lines)
 
+    def has_names(self) -> bool:
+        """Return whether the first line has names: not all of its cells are numbers."""
+        return not all(_is_cell(cell.replace(",", ".").encode()) for cell in self.cells)
+
     def rows(self, names: list[str] | None) -> tuple[pd.DataFrame, Labels]:
-        """Return the complete rows; other lines are skipped and reported.
+        """Return the complete rows, once; other lines are skipped and reported.
 
         names: of the columns, in order; None takes them from the header line. Returns float64, with
         NaN for empty cells and those with the text NaN, dates as seconds since 1970, and no column
