@@ -462,8 +462,8 @@ def _blocks(
             single.append(name)
     starts = range(0, len(single), width) if width else []
     for names in [tuple(single[k : k + (width or 0)]) for k in starts] or grouped(single):
-        if block := _joined(names, arrays, clocks):
-            yield block
+        if joined := _joined(names, arrays, clocks):
+            yield joined
         else:
             title = ColumnBlock(names, np.empty((0, 0)), "").title
             account.state("left out", names, title, "numbers", "its columns differ in length")
