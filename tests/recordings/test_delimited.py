@@ -10,8 +10,14 @@ import pytest
 from tests.command import time_limit
 from tests.conftest import said
 from ur5lib.recordings import text_blocks
-from ur5lib.recordings.delimited import first_cells, read_numbers
+from ur5lib.recordings.delimited import TextTable, read_numbers
 from ur5lib.records.quality import Finding, Log
+
+
+def both_lines(path: Path) -> tuple[list[str], list[str]]:
+    """The cells of a table's first line, and of the line under it."""
+    table = TextTable(Log(path, "robot", []))
+    return table.cells, table.below
 
 
 @pytest.mark.parametrize("size", [1 << 7, 1 << 9, 1 << 25])
@@ -48,7 +54,7 @@ def test_lines_above_a_header_have_less_than_half_its_cells(
     path, names = tmp_path / "some.csv", ["time", *"abcde"]
     lines = ["Some arm", ",".join(["5"] * cells), ",".join(names), *[",".join("123456")] * 9]
     path.write_text("\n".join(lines))
-    assert (first_cells(path)[0] == names) is header
+    assert (both_lines(path)[0] == names) is header
 
 
 # Text files in blocks of whole lines
@@ -105,7 +111,7 @@ def test_lists_in_cells_are_columns(
     path.write_text(head + "\n".join(rows) + "\n")
     expected = ["time", "q_0", "q_1", "q_2", "qd[0]"]
     if has_names:
-        assert first_cells(path)[0] == expected
+        assert both_lines(path)[0] == expected
     findings: list[Finding] = []
     table = read_numbers(Log(path, "robot", findings), None if has_names else expected)
     assert [*table] == expected
@@ -129,7 +135,7 @@ WORDS = "[INFO] run (3 axes),0.5\n"
 def test_words_in_brackets_are_no_lists(tmp_path: Path) -> None:
     path = tmp_path / "some.csv"
     path.write_text("note,q\n" + WORDS * 9)
-    assert first_cells(path) == (["note", "q"], WORDS.strip().split(","))
+    assert both_lines(path) == (["note", "q"], WORDS.strip().split(","))
 
 
 def test_a_turned_table_may_have_dates(tmp_path: Path) -> None:
@@ -137,13 +143,13 @@ def test_a_turned_table_may_have_dates(tmp_path: Path) -> None:
     dates = pd.date_range("2026-01-01", periods=2_000, freq="8ms").astype(str)
     path = tmp_path / "some.csv"
     path.write_text("t," + ",".join(dates) + "\n" + rows.to_csv(header=False))
-    assert first_cells(path)[0] == ["t", *map(str, range(6))]
+    assert both_lines(path)[0] == ["t", *map(str, range(6))]
 
 
 def test_a_nameless_index_stays_where_last_cells_are_empty(tmp_path: Path) -> None:
     path = tmp_path / "some.txt"
     path.write_text(" a b c\n0 1.0 2.0 \n1 1.5 2.5 3.5\n")
-    assert first_cells(path)[0] == ["", "a", "b", "c"]
+    assert both_lines(path)[0] == ["", "a", "b", "c"]
 
 
 @pytest.mark.parametrize(
@@ -163,7 +169,7 @@ def test_a_table_with_a_row_a_joint_is_turned(
     assert table.shape == (12_000, 18)
     np.testing.assert_allclose(table.iloc[:, -1], rows.iloc[-1])
     assert "turned table" in [finding.finding for finding in findings]
-    assert first_cells(path)[0][-1] == ("q17" if labelled else f"{rows.iloc[-1, 0]!s}")
+    assert both_lines(path)[0][-1] == ("q17" if labelled else f"{rows.iloc[-1, 0]!s}")
 
 
 @pytest.mark.parametrize("mark", [" ", "\t"])
@@ -171,7 +177,7 @@ def test_a_blank_or_a_tab_behind_an_index_without_a_name(tmp_path: Path, mark: s
     path = tmp_path / "some.txt"
     rows = pd.DataFrame(np.random.default_rng(0).normal(size=(9, 3)), columns=["a", "b", "c"])
     rows.to_csv(path, sep=mark)
-    assert first_cells(path)[0] == ["", "a", "b", "c"]
+    assert both_lines(path)[0] == ["", "a", "b", "c"]
     for names in (None, ["-", "a", "b", "c"]):
         table = read_numbers(Log(path, "robot", []), names)
         np.testing.assert_allclose(table[["a", "b", "c"]], rows)
@@ -181,7 +187,7 @@ def test_a_short_table_of_many_channels_is_upright(tmp_path: Path) -> None:
     path = tmp_path / "some.csv"
     names = [f"actual_{k}" for k in range(400)]
     pd.DataFrame(np.ones((3, 400)), columns=names).to_csv(path, index=False)
-    assert first_cells(path)[0] == names
+    assert both_lines(path)[0] == names
 
 
 def test_an_empty_file_is_one_empty_block(tmp_path: Path) -> None:

@@ -17,10 +17,8 @@ from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.currents import (
     MAX_CONSTANT_RATIO,
     MAX_SHARE_UNEXPLAINED,
-    MIN_ERRORS_OF_FRICTION,
     MIN_GRAVITY_TORQUE,
     MIN_STANDARD_ERRORS,
-    friction_in_errors,
     held_gravity,
     moving_joints,
 )
@@ -75,22 +73,20 @@ def gains_of_arms(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> dic
     return {one.arm: one.score - declared.score for one in readings(means, others, [order])}
 
 
-def foreign_mountings(means: BlockMeans, arm: Robot, driven: bool) -> Iterator[Cause]:
+def foreign_mountings(means: BlockMeans, arm: Robot, brakes: bool, drives: bool) -> Iterator[Cause]:
     """Find the mountings under which gravity explains the currents far better, if there are any.
 
     Gravity from the other side looks like currents of the opposite sign; friction distinguishes the
-    two. arm: with what it carries; driven: whether motors move it.
+    two. arm: with what it carries; brakes, drives: whether friction does so on a joint.
     """
     gains = gains_of_mountings(means, arm)
     least = max(MIN_LEAD_OF_ARM, MIN_SHARE_OF_LARGEST_GAIN * max(gains.values(), default=0.0))
     likely = [mounting for mounting, gain in gains.items() if gain > least]
     turned = [one for one in likely if np.dot(arm.gravity, one) < 0]
-    friction = [*friction_in_errors(means, arm).values()] if driven else []
-    if any(one < -MIN_ERRORS_OF_FRICTION for one in friction):
+    if drives:
         likely = [one for one in likely if one not in turned]
     if likely:
-        by_sign = turned and not any(one > MIN_ERRORS_OF_FRICTION for one in friction)
-        finding = _other_mounting(likely, bool(by_sign), means.measured)
+        finding = _other_mounting(likely, bool(turned) and not brakes, means.measured)
         yield Cause(finding, gains[likely[0]], means, arm.mounted(likely[0]))
 
 

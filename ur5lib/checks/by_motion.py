@@ -122,6 +122,14 @@ class MotionChecks:
         rubbing, errors = rubbing_joints(self.arm), self.motion.friction_in_errors()
         return {joint: float(errors[joint]) for joint in self.moving if rubbing[joint]}
 
+    def braked(self) -> set[int]:
+        """Return the joints, from 0, where friction brakes the motion, as it should."""
+        return {j for j, own in self.friction.items() if own > MIN_ERRORS_OF_FRICTION}
+
+    def driven_by_friction(self) -> list[int]:
+        """Return the joints, from 0, where friction would drive the motion."""
+        return [j for j, own in self.friction.items() if own < -MIN_ERRORS_OF_FRICTION]
+
     def gain(self, other: Explained) -> float:
         """Return by how much another explanation of all joints leads that as declared."""
         return lead(other.by_known, self.declared.by_known, self.motion.joints).size
@@ -164,8 +172,8 @@ class MotionChecks:
         links are unknown, yield the one joint with which, turned, any links explain the efforts of
         all joints best. Joints where friction brakes without a turn are left out.
         """
-        brakes = {j for j, own in self.friction.items() if own > MIN_ERRORS_OF_FRICTION}
-        others = {j: own for j, own in self.turned.items() if j not in brakes}
+        braked = self.braked()
+        others = {j: own for j, own in self.turned.items() if j not in braked}
         joints = [j for j, other in others.items() if is_turned(other, self.declared, j)]
         if not self.arm.tells_gravity():
             joints = [j for j in joints if j == max(joints, key=self._gain_of_sign)]
@@ -177,8 +185,7 @@ class MotionChecks:
 
     def turned_by_friction(self) -> Iterator[Finding]:
         """Find efforts in which friction drives the motion instead of braking it."""
-        joints = [j for j, own in self.friction.items() if own < -MIN_ERRORS_OF_FRICTION]
-        if joints:
+        if joints := self.driven_by_friction():
             yield self._as_turned(joints, by_links=False)
 
     def weak_currents(self) -> Iterator[Finding]:
@@ -286,10 +293,10 @@ class MotionChecks:
         """Return whether the opposite sign of a joint's effort would be noticed, also where all are
         turned, which unknown links do not show.
         """
-        brakes = [own > MIN_ERRORS_OF_FRICTION for own in self.friction.values()]
-        if self.friction.get(joint, 0.0) > MIN_ERRORS_OF_FRICTION:
+        braked = self.braked()
+        if joint in braked:
             return True
-        known = self.arm.tells_gravity() or any(brakes)
+        known = self.arm.tells_gravity() or bool(braked)
         own = self.turned.get(joint)
         return known and own is not None and is_turned(self.declared, own, joint)
 

@@ -89,17 +89,18 @@ class Checked:
         """Return how likely delays of currents, or of motors' torques, are; None as `answers`."""
         if self.answers is not None:
             return self.answers.delays
-        by_motors = self.arm.effort == "motor_torque" and self.driven
-        if not self.shows_currents() or not by_motors or not moving_joints(self.means).any():
-            return None
-        return delays_by_motion(self.robot, self.loaded, self.step, self.cutoff)
+        return self._delays_by_motion() if self.arm.effort == "motor_torque" else None
 
     @cached_property
     def sensed_delays(self) -> Delays | None:
         """Return the same of torques that sensors beyond the gears measure, without friction."""
-        if self.delays is not None or self.arm.measured != TORQUE or not self.shows_currents():
+        if self.delays is not None or self.arm.measured != TORQUE:
             return None
-        if not self.driven or not moving_joints(self.means).any():
+        return self._delays_by_motion()
+
+    def _delays_by_motion(self) -> Delays | None:
+        """Return how likely delays are where motors move the arm, None elsewhere."""
+        if not self.shows_currents() or not self.driven or not moving_joints(self.means).any():
             return None
         return delays_by_motion(self.robot, self.loaded, self.step, self.cutoff)
 

@@ -28,8 +28,6 @@ from ur5lib.timeseries.arrays import Array, Mask
 # A difference of log-likelihoods, of two joints before all others. In right recordings, it is at
 # most 5.
 MIN_LEAD_OF_EXCHANGE = 60.0
-# Standard errors by which friction drives. In right recordings, they are at most 2.
-MIN_ERRORS_OF_FRICTION = 4.0
 MIN_GEAR_RATIO = 20.0  # below it, friction may be less than what links leave unexplained
 # Nm; a joint with less gravity torque does not show the unit of its current
 MIN_GRAVITY_TORQUE = 3.0
@@ -121,21 +119,6 @@ def exchanged_efforts(pair: tuple[int, int], measured: Effort) -> Finding:
 def rubbing_joints(arm: Robot) -> Mask:
     """Return which joints (n,) have friction that motors feel: of a torque, those behind a gear."""
     return (np.array(arm.gear_ratios()) >= MIN_GEAR_RATIO) | (arm.measured == CURRENT)
-
-
-def friction_in_errors(means: BlockMeans, arm: Robot) -> dict[int, float]:
-    """Return the friction of joints that move, from 0, at their usual speed, in standard errors.
-
-    It is fitted together with gravity: of the arm's links, or, where these are unknown, of any
-    links.
-    """
-    gravity, rest = gravity_columns(arm, means.q), [means.qdd, np.ones((len(means.q), 1))]
-    speed, errors = np.sqrt((means.qd**2).mean(axis=0)), {}
-    for joint in np.flatnonzero(moving_joints(means) & rubbing_joints(arm)).tolist():
-        columns = np.column_stack([means.friction(joint), gravity[joint], *rest])
-        value, error = combination(columns, means.effort[:, joint], [1.0, speed[joint]])
-        errors[joint] = value / (error + 1e-9)
-    return errors
 
 
 def follows_its_model(means: BlockMeans, arm: Robot) -> bool:

@@ -164,5 +164,7 @@ def _mountings(checked: Checked) -> Iterator[Cause]:
     if checked.tells_by_gravity() or (
         loaded.measured == CURRENT and torque_constants(means, loaded).foreign()
     ):
-        for own in foreign_mountings(means, loaded, checked.driven):
+        brakes = motion is not None and bool(motion.braked())
+        drives = motion is not None and bool(motion.driven_by_friction())
+        for own in foreign_mountings(means, loaded, brakes, drives):
             yield own if motion is None else own._replace(gain=motion.gain_of_arm(own.arm))

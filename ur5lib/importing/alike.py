@@ -10,13 +10,14 @@ from typing import Any
 
 from ur5lib.importing.account import Names
 from ur5lib.importing.blocks import NAMELESS_PREFIX
-from ur5lib.importing.efforts import EFFORT_MEANINGS, LESS_GRAVITY_CHANNEL, as_amperes
+from ur5lib.importing.efforts import EFFORT_MEANINGS, as_amperes
 from ur5lib.importing.form_of_file import FormOfFile
 from ur5lib.importing.identity import ORDER, UNDESCRIBED_ARM
 from ur5lib.importing.proposal import Proposal
+from ur5lib.recordings.intake import TORQUE_LESS_GRAVITY
 from ur5lib.records.account import AccountRow
 
-EFFORTS = (*EFFORT_MEANINGS, LESS_GRAVITY_CHANNEL)
+EFFORTS = (*EFFORT_MEANINGS, TORQUE_LESS_GRAVITY)
 
 
 def form_of(proposal: Proposal) -> FormOfFile:

@@ -23,7 +23,7 @@ from ur5lib.importing.spellings import (
     without_unit,
     words,
 )
-from ur5lib.recordings.arm_joints import JOINTS, arms_among, joint_order
+from ur5lib.recordings.arm_joints import FEWEST_JOINTS, JOINTS, arms_among, joint_order
 from ur5lib.recordings.entries import OPPOSITE_SIGN
 from ur5lib.records.account import Evidence
 from ur5lib.timeseries.arrays import Array
@@ -31,7 +31,6 @@ from ur5lib.timeseries.arrays import Array
 NAMELESS_PREFIX = "column "  # and its number: a column of a table without a header
 JOINTS_OF_UR = 6
 OTHER_JOINT_COUNTS = (4, 5, 7, 8, 9)  # a gripper's fingers among them
-MIN_MOTORS = 4  # of an arm
 AXES = ("x", "y", "z")
 
 
@@ -148,7 +147,7 @@ def _by_motor(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
             tails[path, ""][leaf] = name
     for motors in tails.values():
         arms = [arm.names for arm in arms_among([*motors])] or [tuple(motors)]
-        yield from (tuple(motors[one] for one in arm) for arm in arms if len(arm) >= MIN_MOTORS)
+        yield from (tuple(motors[one] for one in arm) for arm in arms if len(arm) >= FEWEST_JOINTS)
 
 
 def with_names(columns: Sequence[str], joints: Sequence[str]) -> list[str]:
@@ -178,7 +177,7 @@ def with_bare_positions(blocks: Sequence[ColumnBlock]) -> list[ColumnBlock]:
     bare = [
         block
         for block in blocks
-        if MIN_MOTORS <= block.rows.shape[1] <= MOST_JOINTS
+        if FEWEST_JOINTS <= block.rows.shape[1] <= MOST_JOINTS
         and len(block.names) > 1
         and not (block.is_nameless() or block.stated)
         and names_joints(block.stem())

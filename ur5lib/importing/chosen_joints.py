@@ -10,8 +10,8 @@ import numpy as np
 from ur5lib.errors import InputError
 from ur5lib.importing.account import Account
 from ur5lib.importing.spellings import CLOCK_NAME
+from ur5lib.recordings.json_messages import JOINT_FIELDS
 
-JOINT_ARRAYS = ("position", "velocity", "effort")  # of a topic
 JOINT_MARK = "\0"  # where a column's name has the joint's
 
 
@@ -78,7 +78,7 @@ def joint_arrays(arrays: Iterable[str], joints: Sequence[str]) -> set[str]:
     wanted = set[str]()
     for name in arrays:
         place, _, field = name.rpartition("/")
-        if field not in JOINT_ARRAYS:
+        if field not in JOINT_FIELDS:
             wanted.add(name)
             continue
         for topic in (place, place.rpartition("/")[0]):

@@ -9,17 +9,16 @@ from ur5lib.importing.blocks import NAMELESS_PREFIX
 from ur5lib.importing.parted_runs import TEXT_ENDINGS
 from ur5lib.importing.spellings import CLOCK_NAME, named_unit, place_of
 from ur5lib.recordings.arrays import seconds_of
-from ur5lib.recordings.bunched_stamps import close_rows, even_times
+from ur5lib.recordings.bunched_stamps import are_new, close_rows, even_times
 from ur5lib.recordings.entries import UNIT_FACTORS
 from ur5lib.recordings.roll_overs import without_roll_over
-from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.arrays import Array
 
 ROW_CLOCK = "row number"  # the clock of a file without one
 ASSUMED_RATE = 125.0  # Hz; rows are at this rate until velocities show another
 USUAL_STEPS = {"s": (1e-4, 1.0), "ms": (1.0, 1e3), "us": (1e3, 5e5), "ns": (5e5, 1e9)}
 POSSIBLE_STEPS = (1e-4, 20.0)  # s
 MIN_CHANGES = 3  # of a clock
-MIN_SHARE_OF_NEW_ROWS = 0.5  # among those that are close to the one before
 MIN_SHARE_FORWARD = 0.95  # this share of steps goes forward; a clock almost never goes back
 MIN_EPOCH_STAMP = 1e9  # s; stamps after 2001 count from 1970
 # Size of second to first differences: below 1 of a motion, above of postures.
@@ -62,7 +61,7 @@ def clocks_of(arrays: Mapping[str, np.ndarray], stated: str | None) -> FileClock
         if not np.array_equal(clocks[name], as_read, equal_nan=True):
             notes[name] = "its counter of 32 bits begins again on the way: it is read as going on"
         close = close_rows(clocks[name])
-        if close.any() and _rows_are_new(close, others):
+        if close.any() and are_new(_side_by_side(others, len(stamps[name])), close):
             clocks[name] = even_times(clocks[name], close)
             notes[name] = (
                 f"{close.mean():.0%} of its steps are far shorter than a row, as of whole seconds "
@@ -84,17 +83,11 @@ def _by_place(arrays: Mapping[str, np.ndarray]) -> list[str]:
     return []
 
 
-def _rows_are_new(close: Mask, arrays: Iterable[np.ndarray]) -> bool:
-    """Return whether rows close (N - 1,) to the one before contain other data: a log that was
-    polled too fast repeats them, one of several topics leaves cells empty.
-    """
-    beside = (values for values in arrays if values.shape == (len(close) + 1,))
-    columns = (
-        array.T if len(array) > len(array.T) else array for array in arrays if array.ndim == 2
-    )
-    wide = (row for array in columns for row in array if len(row) == len(close) + 1)
-    changes = [float(np.mean(np.abs(np.diff(values)[close]) > 0)) for values in (*beside, *wide)]
-    return max(changes, default=0.0) > MIN_SHARE_OF_NEW_ROWS
+def _side_by_side(arrays: Iterable[np.ndarray], rows: int) -> Array:
+    """Return the columns (rows, M) of the arrays that have as many rows, turned or not."""
+    tall = (array.T if array.shape[-1] == rows else array for array in arrays)
+    found = [array for array in tall if len(array) == rows and array.ndim <= 2]
+    return np.column_stack([np.empty((rows, 0)), *found])
 
 
 def equally_spaced(

@@ -9,13 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from ur5lib.channels import MOST_JOINTS
-from ur5lib.channels import columns as columns_of
 from ur5lib.checks.checked import described
 from ur5lib.errors import InputError, some, with_controls
 from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import (
     JOINTS_OF_UR,
-    MIN_MOTORS,
     NAMELESS_PREFIX,
     ColumnBlock,
     grouped,
@@ -37,14 +35,10 @@ from ur5lib.importing.spellings import (
     names_positions,
     quantity,
 )
+from ur5lib.recordings.arm_joints import FEWEST_JOINTS
 from ur5lib.recordings.array_files import LOADERS, UNREAD, format_of
 from ur5lib.recordings.channel_files import SHORT_TABLE, at_stamps, has_stamps
-from ur5lib.recordings.delimited import (
-    TURNED_TABLE,
-    first_cells,
-    number_in,
-    read_numbers,
-)
+from ur5lib.recordings.delimited import TURNED_TABLE, TextTable
 from ur5lib.recordings.entries import SKIPPED_COLUMN, expand
 from ur5lib.recordings.plausibility import is_silent
 from ur5lib.records.quality import Finding, Log
@@ -164,7 +158,9 @@ def arm_labels(file: FileContents) -> list[str]:
     They come from the parts of a bag's topic, else from words that distinguish arms.
     """
     names = [
-        b.names for b in file.blocks if names_positions(b.stem()) and b.rows.shape[1] >= MIN_MOTORS
+        b.names
+        for b in file.blocks
+        if names_positions(b.stem()) and b.rows.shape[1] >= FEWEST_JOINTS
     ]
     names = [own for own in names if not is_computed(own[0])]
     places = [own[0].split("/")[:-1] for own in names if file.format == BAG_FORMAT]
@@ -192,8 +188,7 @@ def contents(
     format = PARTED_FORMAT if isinstance(file, PartedRun) else format_of(path) or TABLE_FORMAT
     if path.is_file() and path.stat().st_size == 0:
         raise InputError(f"{path} is empty; record it again, or copy it again from its source")
-    header = read_header(path, stated) if format == TABLE_FORMAT else TableHeader()
-    arrays = _arrays(file, path, header, stated, findings, account)
+    header, arrays = _read(file, path, format, stated, findings, account)
     if controls := with_controls([path.name, *header.columns, *arrays]):
         raise InputError(f"{path}: the name {controls!r} has a control character; rename it there")
     for finding in findings:
@@ -235,32 +230,34 @@ def _follows_a_hand(block: ColumnBlock, blocks: Sequence[ColumnBlock]) -> bool:
     return zero and any(b.meaning() == "target_qd" and not is_silent(b.rows) for b in blocks)
 
 
-def _arrays(
+def _read(
     file: Path | PartedRun,
     path: Path,
-    header: TableHeader,
+    format: str,
     stated: UserStatement,
     findings: list[Finding],
     account: Account,
-) -> dict[str, np.ndarray]:
-    """Return the columns of a table or of the files of a run, or the arrays of a file, of the
-    joints and the prefix that are stated.
+) -> tuple[TableHeader, dict[str, np.ndarray]]:
+    """Return the header of a table, and the columns of a table or of the files of a run, or the
+    arrays of a file, of the joints and the prefix that are stated.
     """
-    if header.columns:
-        arrays = _table(path, header, findings, account)
-    elif isinstance(file, PartedRun):
+    header = TableHeader()
+    if isinstance(file, PartedRun):
         arrays = _together(file, findings, account)
+    elif format == TABLE_FORMAT:
+        text = TextTable(Log(path, "robot", findings))
+        header = _header(text, stated)
+        arrays = _table(text, header, account)
     else:
-        load = LOADERS[format_of(path) or TABLE_FORMAT]
-        arrays = load(path, None, findings)
-        if stated.joint_names and format_of(path) == BAG_FORMAT:
+        arrays = LOADERS[format](path, None, findings)
+        if stated.joint_names and format == BAG_FORMAT:
             findings.clear()
-            arrays = load(path, joint_arrays(arrays, stated.joint_names), findings)
+            arrays = LOADERS[format](path, joint_arrays(arrays, stated.joint_names), findings)
         _state_unread(findings, account)
     arrays = of_prefix(arrays, stated.prefix, path, account) if stated.prefix else arrays
     if stated.joint_names:
         arrays = of_joints(arrays, stated.joint_names, path, account)
-    return arrays
+    return header, arrays
 
 
 def _together(run: PartedRun, findings: list[Finding], account: Account) -> dict[str, np.ndarray]:
@@ -352,18 +349,18 @@ def _width_of_nameless(columns: int, joints: int | None) -> int:
     return next(fitting, joints or JOINTS_OF_UR)
 
 
-def read_header(path: Path, stated: UserStatement = NO_STATEMENT) -> TableHeader:
+def _header(text: TextTable, stated: UserStatement) -> TableHeader:
     """Return the columns of a table; without a header, they are named `column 1` and so on.
 
     Those that are numbered like a list of the joints' names, as ROS writes it, have these names.
     Raises InputError where the columns that the user gives are others in number.
     """
-    cells, row = first_cells(path)
+    path, cells, row = text.log.path, text.cells, text.below
     if cells[0].startswith("{"):
         raise InputError(f"{path}: holds JSON, no table; save each number in a column, as CSV")
     if stated.columns and not stated.names():
         return _stated_header(path, stated, len(cells))
-    if all(number_in(cell.replace(",", ".").encode()) is not None for cell in cells):
+    if not text.has_names():
         nist = expand(NIST_COLUMNS)
         if len(cells) == len(nist):
             return TableHeader(nist, layout="NIST's UR5 degradation measurements")
@@ -381,12 +378,7 @@ def read_header(path: Path, stated: UserStatement = NO_STATEMENT) -> TableHeader
 
 
 def _stated_header(path: Path, stated: UserStatement, count: int) -> TableHeader:
-    joints = stated.joints() or JOINTS_OF_UR
-    names = [
-        f"{SKIPPED_COLUMN}{k}" if column == SKIPPED_COLUMN else name
-        for k, column in enumerate(stated.columns)
-        for name in columns_of(column, joints)
-    ]
+    names = expand(stated.columns, stated.joints() or JOINTS_OF_UR)
     if len(names) != count:
         raise InputError(
             f"{path}, line 1: has {count} columns, but --columns names {len(names)}; name each, "
@@ -406,11 +398,9 @@ def _numbered(cells: Sequence[str], stated: UserStatement) -> list[str]:
     return [cell.replace(pair[1], str(pair[0])) if pair else cell for cell, pair in pairs]
 
 
-def _table(
-    path: Path, header: TableHeader, findings: list[Finding], account: Account
-) -> dict[str, np.ndarray]:
+def _table(text: TextTable, header: TableHeader, account: Account) -> dict[str, np.ndarray]:
     """Return a table's columns by name, each once, of equal names the first."""
-    table = read_numbers(Log(path, "robot", findings), header.columns)
+    table, _ = text.rows(header.columns)
     kept = dict[str, np.ndarray]()
     for name in header.columns:
         if name in header.repeated:
@@ -433,11 +423,19 @@ def _chosen_blocks(
 ) -> Iterator[ColumnBlock]:
     """Yield the columns of the joints that the user names, by their quantities."""
     for stem, names in chosen.items():
-        clock = _clock_of(names[0], arrays[names[0]].size, clocks.stamps)
-        rows = np.stack([_possible(arrays[name].ravel()) for name in names], axis=1)
-        if clock:
-            told = quantity(stem, len(names), len(names)) or ""
-            yield ColumnBlock(names, rows, clock, stated=told)
+        if block := _joined(names, arrays, clocks):
+            yield replace(block, stated=quantity(stem, len(names), len(names)) or "")
+
+
+def _joined(
+    names: tuple[str, ...], arrays: Mapping[str, np.ndarray], clocks: FileClocks
+) -> ColumnBlock | None:
+    """Return single columns as a block; None where they differ in length, or have no clock."""
+    columns = [_possible(arrays[name].ravel()) for name in names]
+    clock = _clock_of(names[0], len(columns[0]), clocks.stamps)
+    if clock is None or len({*map(len, columns)}) > 1:
+        return None
+    return ColumnBlock(names, np.stack(columns, axis=1), clock)
 
 
 def is_unnamed(name: str) -> bool:
@@ -464,10 +462,8 @@ def _blocks(
             single.append(name)
     starts = range(0, len(single), width) if width else []
     for names in [tuple(single[k : k + (width or 0)]) for k in starts] or grouped(single):
-        clock = _clock_of(names[0], arrays[names[0]].size, clocks.stamps)
-        columns = [_possible(arrays[name].ravel()) for name in names]
-        if clock and len({len(column) for column in columns}) == 1:
-            yield ColumnBlock(names, np.stack(columns, axis=1), clock)
+        if joined := _joined(names, arrays, clocks):
+            yield joined
         else:
             title = ColumnBlock(names, np.empty((0, 0)), "").title
             account.state("left out", names, title, "numbers", "its columns differ in length")

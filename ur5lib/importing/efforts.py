@@ -25,13 +25,11 @@ from ur5lib.importing.contents import FileContents
 from ur5lib.importing.identity import MAX_SHOWN_RATIO, ArmIdentity, tells_columns
 from ur5lib.importing.spellings import is_of_motors, named_unit, names_share, newton_metres
 from ur5lib.recordings.delimited import number_in
+from ur5lib.recordings.intake import MOTOR_TORQUE, TORQUE_LESS_GRAVITY
 from ur5lib.records.account import Confidence
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
-CURRENT_CHANNEL = "actual_current"
-TORQUE_CHANNEL = "actual_current_as_torque"
-LESS_GRAVITY_CHANNEL = "actual_torque_less_gravity"
 LESS_GRAVITY = "neither"  # current nor torque: a torque less gravity, as some drivers write
 ROUNDING_STEP = 1e-3  # A; URScript gives currents with three decimals
 LARGEST_MULTIPLE_RANGE = (100, 100_000)  # multiples of a rounded current's step that it reaches
@@ -56,11 +54,11 @@ OWN_FACTORS_REASON = (
 )
 UNIT_WORDS = {"A": "A", "mA": "mA", "Nm": "Nm", LESS_GRAVITY: "Nm less gravity"}
 CHANNELS_BY_UNIT = {  # by unit, and whether it is a target
-    ("A", False): CURRENT_CHANNEL,
+    ("A", False): MEASURED_CURRENT,
     ("A", True): "target_current",
-    ("Nm", False): TORQUE_CHANNEL,
+    ("Nm", False): MOTOR_TORQUE,
     ("Nm", True): "target_moment",
-    (LESS_GRAVITY, False): LESS_GRAVITY_CHANNEL,
+    (LESS_GRAVITY, False): TORQUE_LESS_GRAVITY,
 }
 UNITS_BY_CHANNEL = {
     channel: unit for (unit, _), channel in CHANNELS_BY_UNIT.items() if unit != LESS_GRAVITY
@@ -117,17 +115,17 @@ def in_stated_unit(block: ColumnBlock, file: FileContents) -> ColumnBlock:
     """
     if metres := newton_metres(block.names[0]):
         return block.scaled(metres)
-    of_current = (block.meaning() or "effort") in ("effort", CURRENT_CHANNEL)
-    factor = number_in(file.stated.units.get(CURRENT_CHANNEL, "").encode())
+    of_current = (block.meaning() or "effort") in ("effort", MEASURED_CURRENT)
+    factor = number_in(file.stated.units.get(MEASURED_CURRENT, "").encode())
     if not of_current or factor is None or np.isnan(factor):
         return block
     file.account.hold("assumed", block, "option", f"one unit of the file is {factor:g} A")
-    return replace(block.scaled(factor), stated=CURRENT_CHANNEL)
+    return replace(block.scaled(factor), stated=MEASURED_CURRENT)
 
 
 def is_torque_of_joints(block: ColumnBlock) -> bool:
     """Return whether an effort is named as a torque of the joints, not of motors nor as raw."""
-    return block.meaning() in (TORQUE_CHANNEL, "actual_torque") and not is_of_motors(block.stem())
+    return block.meaning() in (MOTOR_TORQUE, "actual_torque") and not is_of_motors(block.stem())
 
 
 def is_target(block: ColumnBlock) -> bool:
@@ -219,7 +217,7 @@ def name_efforts(
             file.account.hold("check", blocks[name], "numbers", as_of(identity.like))
         block, target = blocks[name], any(blocks[name] is other for other in targets)
         channel = CHANNELS_BY_UNIT[unit.replace("mA", "A"), target and unit != LESS_GRAVITY]
-        if channel == TORQUE_CHANNEL and arm and (arm.measured == TORQUE or not arm.is_ur()):
+        if channel == MOTOR_TORQUE and arm and (arm.measured == TORQUE or not arm.is_ur()):
             channel = "actual_torque"
         if channel == "target_moment" and arm and not arm.is_ur():
             commanded = "a torque that the controller of another arm commanded"
@@ -360,7 +358,7 @@ def _unit(block: ColumnBlock, shown: GravityShown, file: FileContents) -> str | 
         told = f"; gravity tells {shown.constants_in_words()}" if shown.constants else ""
         account.exclude(block, f"{SHARE_REASON}{told}", "name")
         return None
-    peak, bound = np.nanmedian(np.abs(block.rows).max(axis=1)), CHANNELS[CURRENT_CHANNEL].bound
+    peak, bound = np.nanmedian(np.abs(block.rows).max(axis=1)), CHANNELS[MEASURED_CURRENT].bound
     if named == "A" and peak > bound and not shown.is_of_a_factor("mA"):
         sure: Confidence = "check" if shown.contradicts("mA") else "assumed"
         sure = "proven" if shown.constants and sure != "check" else sure
@@ -386,7 +384,7 @@ def _unit_by_gravity(block: ColumnBlock, shown: GravityShown, account: Account) 
     if named and named != best and shown.confirms(named):
         account.hold("assumed", block, "name", f"in {named}: {shown.constants_in_words()}")
         return named
-    if best == LESS_GRAVITY and not spelled and block.meaning() in ("effort", TORQUE_CHANNEL):
+    if best == LESS_GRAVITY and not spelled and block.meaning() in ("effort", MOTOR_TORQUE):
         account.hold("check", block, "numbers", LESS_GRAVITY_REASON)
         return LESS_GRAVITY
     if shown.is_of_own_factors() and not spelled and not shown.is_of_a_factor(best):
@@ -404,7 +402,7 @@ def _unit_by_gravity(block: ColumnBlock, shown: GravityShown, account: Account) 
         account.hold("proven" if sure else "assumed", block, "numbers", f"in {best}: {sentence}")
         return best
     if best != LESS_GRAVITY and not spelled and shown.is_of_a_factor(best):
-        stated = f"--unit {CURRENT_CHANNEL}={shown.factor():.3g}"
+        stated = f"--unit {MEASURED_CURRENT}={shown.factor():.3g}"
         share = "a share of rated torques, with a factor a joint, or one factor would explain it"
         unknown = f"in no unit that is known: {sentence}; {share}, as {stated}"
         account.exclude(block, unknown)

@@ -18,6 +18,7 @@ from ur5lib.checks.readings import (
     readings,
     usual_orders,
 )
+from ur5lib.checks.tool import on_flange
 from ur5lib.importing.blocks import AXES, ColumnBlock
 from ur5lib.importing.contents import FileContents
 from ur5lib.importing.motion import ImportedMotion
@@ -25,7 +26,6 @@ from ur5lib.importing.spellings import without_unit
 from ur5lib.recordings.arm_joints import JOINT_NAMES
 from ur5lib.records.account import Evidence
 from ur5lib.robots.description import Robot
-from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array
 
 MAX_DISTANCE = 0.004  # m; a calibrated arm misses its nominal kinematics by less
@@ -153,11 +153,9 @@ def fitting(
 
 def _flange_distance(arm: Robot, q: Array, position: Array, tool: bool) -> float:
     """Return how far the flange is from positions [m]; tool: but for a constant offset on it."""
-    rotation, origin = link_frames(arm, q)
-    offset = position - origin[:, -1]
+    offset = on_flange(position, q, arm)
     if tool:
-        turned = np.einsum("nij,ni->nj", rotation[:, -1], offset)
-        offset = turned - turned.mean(axis=0)
+        offset = offset - offset.mean(axis=0)
     return float(np.sqrt((offset**2).sum(axis=1).mean()))
 
 

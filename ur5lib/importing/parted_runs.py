@@ -9,7 +9,8 @@ from ur5lib.channels import MOST_JOINTS
 from ur5lib.errors import InputError
 from ur5lib.importing.spellings import COMMAND_WORDS, TOOL_WORDS, kind_of_quantity, words
 from ur5lib.recordings.array_files import format_of
-from ur5lib.recordings.delimited import first_cells
+from ur5lib.recordings.delimited import TextTable
+from ur5lib.records.quality import Log
 
 TEXT_ENDINGS = (".csv", ".txt", ".tsv", ".dat")
 STAMP_WORDS = {"t", "time", "times", "timestamp", "timestamps", "stamp", "stamps", "clock"}
@@ -97,7 +98,7 @@ def _is_narrow(path: Path) -> bool:
     state's two quantities.
     """
     try:
-        count = len(first_cells(path)[0])
+        count = len(TextTable(Log(path, "robot", [])).cells)
     except InputError:
         return False
     is_state = {*_quantity_words(_parts(path))} & STATE_WORDS and count % 2 == 0

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 
 from ur5lib.channels import RECORDED_CHANNELS, SUFFIXES, is_unused
-from ur5lib.recordings.arm_joints import JOINT_NAMES, SEVEN_JOINT_NAME, SEVEN_JOINT_NAMES
+from ur5lib.recordings.arm_joints import of_named_joint
 from ur5lib.records.account import UNKNOWN_NAME
 
 
@@ -151,11 +151,8 @@ def without_unit(name: str) -> str:
 def place_of(name: str) -> tuple[str, int]:
     """Return a column's name without unit, joint, number or axis, and its place; -1 for none."""
     name = without_unit(name)
-    for place, joint in enumerate(JOINT_NAMES):
-        if joint.search(name):
-            return joint.sub("", name), place
-    if side := SEVEN_JOINT_NAME.search(name):
-        return name[: side.start()] + name[side.end() :], SEVEN_JOINT_NAMES.index(side[1].lower())
+    if of_joint := of_named_joint(name):
+        return of_joint
     if numbered := re.fullmatch(r"(.*?)[ _.]*[(\[]?[jJ]?(\d)[)\]]?", name):
         return numbered[1], int(numbered[2])
     if numbered := re.fullmatch(NUMBERED_MOTOR, name):

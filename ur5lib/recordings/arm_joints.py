@@ -30,7 +30,7 @@ FEWEST_JOINTS = 4  # of an arm
 
 
 Places = list[tuple[int, str]]  # and names
-Parted = Callable[[int, str], tuple[str, int] | None]  # number and name: the rest and the place
+Parted = Callable[[str], tuple[str, int | None] | None]  # of a name: the rest and the place, if any
 
 
 class ArmJoints(NamedTuple):
@@ -74,33 +74,40 @@ def _groups(names: Sequence[str], parted: Parted) -> Iterator[tuple[str, Places]
     """Yield names by what is left of them without the joint, with their joints' places."""
     groups = defaultdict[str, Places](list)
     for k, name in enumerate(names):
-        if (parts := parted(k, name)) is not None:
-            groups[parts[0]].append((parts[1], name))
+        if (parts := parted(name)) is not None:
+            groups[parts[0]].append((k if parts[1] is None else parts[1], name))
     yield from groups.items()
 
 
-def _of_ur(_: int, name: str) -> tuple[str, int] | None:
+def of_named_joint(name: str) -> tuple[str, int] | None:
+    """Return what is left of a name without that of a joint of a UR, or of a seven-jointed arm, and
+    the joint's place; None where it names none.
+    """
+    return _of_ur(name) or _of_seven(name)
+
+
+def _of_ur(name: str) -> tuple[str, int] | None:
     places = [k for k, joint in enumerate(JOINT_NAMES) if joint.search(name)]
     return (JOINT_NAMES[places[0]].sub("", name), places[0]) if len(places) == 1 else None
 
 
-def _of_seven(_: int, name: str) -> tuple[str, int] | None:
+def _of_seven(name: str) -> tuple[str, int] | None:
     found = SEVEN_JOINT_NAME.search(name)
     return found and (SEVEN_JOINT_NAME.sub("", name), SEVEN_JOINT_NAMES.index(found[1].lower()))
 
 
-def _numbered(_: int, name: str) -> tuple[str, int] | None:
+def _numbered(name: str) -> tuple[str, int] | None:
     found = LAST_NUMBER.search(name)
     return found and (name[: found.start()] + name[found.end() :], int(found[1]))
 
 
-def _first_word(number: int, name: str) -> tuple[str, int] | None:
+def _first_word(name: str) -> tuple[str, None] | None:
     word = re.split(r"[_./ ]", name)[0]
-    return (word, number) if word else None
+    return (word, None) if word else None
 
 
-def _any(number: int, name: str) -> tuple[str, int] | None:
-    return ("", number) if name else None
+def _any(name: str) -> tuple[str, None] | None:
+    return ("", None) if name else None
 
 
 def _label(stem: str) -> str:

@@ -18,13 +18,8 @@ import scipy.io
 
 from ur5lib.errors import InputError
 from ur5lib.recordings.hdf5_links import expect_inside, expect_own_numbers
-from ur5lib.recordings.limits import expect_room
-from ur5lib.recordings.unpacked import (
-    expect_mat_room,
-    feather_numbers,
-    npz_numbers,
-    parquet_numbers,
-)
+from ur5lib.recordings.limits import BYTES_PER_NUMBER, expect_room
+from ur5lib.recordings.unpacked import expect_mat_room, feather_numbers, parquet_numbers
 from ur5lib.records.quality import Finding, Log
 from ur5lib.strict import MOST_BYTES, expect_file
 from ur5lib.timeseries.arrays import Array
@@ -45,21 +40,23 @@ def array_format(
 ) -> Callable[[Load], Load]:
     """Register a function that loads a format; whatever it raises becomes an InputError.
 
-    name: in a study; kind: for messages; endings: of such files, none where it is always a folder;
-    is_folder: whether it may be one. Arrays that the file lacks are left out.
+    name: in a study; kind: for messages; endings: of such files; is_folder: whether it may be one,
+    without endings always. Arrays that the file lacks are left out.
     """
 
     def registered(load: Load) -> Load:
         @wraps(load)
         def loaded(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
             expect_file(path)
-            if not ((endings and path.is_file()) or (is_folder and path.is_dir())):
+            is_file = path.is_file() and (endings or not is_folder)
+            if not (is_file or (is_folder and path.is_dir())):
                 raise InputError(
                     f"{path} is missing or not {kind}; add it, or remove the recording from the "
                     "study"
                 )
             try:
                 arrays = load(path, wanted, findings)
+                expect_room(path, sum(array.size for array in arrays.values()))
             except InputError:
                 raise
             except Exception as error:  # of damaged files, a library may raise anything
@@ -257,7 +254,8 @@ def npz_arrays(path: Path, wanted: Collection[str] | None, findings: list[Findin
         names = [name for name in archive if wanted is None or name in wanted]
         files = {*archive.zip.namelist()}
         stored = [name if name in files else f"{name}.npy" for name in names]
-        expect_room(path, npz_numbers(archive.zip, stored))
+        sizes = [archive.zip.getinfo(name).file_size for name in stored]
+        expect_room(path, sum(sizes) / BYTES_PER_NUMBER)
         return dict(_leaves({name: _plain(archive, name) for name in names}))
 
 

@@ -35,7 +35,8 @@ def read_arrays(recording: ArrayFiles) -> RawRecording:
         for channel in JOINT_CHANNELS
         for place, joint in enumerate(recording.joints or [])
     }
-    table = _table(recording, _on_its_clock(recording, arrays), path)
+    arrays = _with_columns(_on_its_clock(recording, arrays))
+    table = _table(recording, arrays, path)
     _expect_listed(recording, table)
     table = table.rename(columns=in_arm_order)
     table = drop_untimed(drop_zeroed(table, findings), Log(path, "robot", findings))
@@ -125,9 +126,6 @@ def _array(arrays: Arrays, channel: str, given: str | list[str], path: Path) -> 
     if isinstance(given, str) and given in arrays:
         return arrays[given]
     single = given if isinstance(given, list) else _single(arrays, channel, given) or [given]
-    arrays = arrays | {
-        name: part for name in single if (part := _element(arrays, name)) is not None
-    }
     missing = [name for name in single if name not in arrays]
     if missing or not single:
         named = given if isinstance(given, str) else missing[0]
@@ -146,14 +144,17 @@ def _array(arrays: Arrays, channel: str, given: str | list[str], path: Path) -> 
     return np.concatenate(turned)
 
 
-def _element(arrays: Arrays, name: str) -> np.ndarray | None:
-    """Return column k of an array by its name and number, as `state_3`; None for no such name."""
-    whole, mark, number = name.rpartition("_")
-    rows = arrays.get(whole)
-    if name in arrays or not mark or not number.isdecimal() or rows is None or rows.ndim != 2:
-        return None
-    tall = rows if rows.shape[0] > rows.shape[1] else rows.T
-    return tall[:, int(number)] if int(number) < tall.shape[1] else None
+def _with_columns(arrays: Arrays) -> Arrays:
+    """Return arrays with each column of those of several, by name and number, as `state_3`."""
+    tall = {
+        name: rows if rows.shape[0] > rows.shape[1] else rows.T
+        for name, rows in arrays.items()
+        if rows.ndim == 2
+    }
+    columns = {
+        f"{name}_{k}": column for name, rows in tall.items() for k, column in enumerate(rows.T)
+    }
+    return columns | arrays
 
 
 def _single(arrays: Arrays, channel: str, given: str) -> list[str]:

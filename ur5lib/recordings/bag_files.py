@@ -10,8 +10,7 @@ import yaml
 from rosbags.rosbag2.storage_mcap import zstd
 
 from ur5lib.errors import InputError, some
-from ur5lib.recordings.bag_chunks import USUAL_COMPRESSION, most_unpacked
-from ur5lib.recordings.limits import too_large
+from ur5lib.recordings.limits import Unpacking
 from ur5lib.strict import read_yaml
 
 ENDINGS_IN_FOLDER = (".bag", ".db3", ".mcap", ".db3.zstd", ".mcap.zstd")
@@ -52,15 +51,12 @@ def unpacked(path: Path) -> Iterator[Path]:
     if path.suffix != PACKED_ENDING:
         yield path
         return
-
-    left = most_unpacked(path)
+    unpacking = Unpacking(path)
     with TemporaryDirectory() as folder:
         whole = Path(folder, path.stem)
         with zstd.open(path) as packed, whole.open("wb") as plain:
             while piece := packed.read(PIECE_BYTES):
-                left -= len(piece)
-                if left < 0:
-                    raise too_large(path, f"{USUAL_COMPRESSION} times as much as it has bytes")
+                unpacking.count(len(piece))
                 plain.write(piece)
         yield whole
 

@@ -29,7 +29,8 @@ def evenly_stamped(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFram
     """
     time = frames["time"].to_numpy(float)
     close = close_rows(time)
-    if not close.any() or not _are_new(frames, close):
+    of_joints = [name for name in frames if joint_count([name])]
+    if not close.any() or not are_new(frames[of_joints].to_numpy(float), close):
         return frames
     even = even_times(time, close)
     step = number(1000 * np.median(np.diff(even)), ".3g")
@@ -66,12 +67,12 @@ def _far_step(steps: Array) -> float:
     return float(np.mean(steps)) / MIN_MEAN_STEP
 
 
-def _are_new(frames: pd.DataFrame, close: Mask) -> bool:
-    """Return whether rows with positions, close behind another one, contain new data."""
-    joints = frames[[name for name in frames if joint_count([name])]].to_numpy(float)
-    new = (np.diff(joints, axis=0) != 0).any(axis=1)
-    positioned = np.isfinite(frames.filter(regex=r"^actual_q_\d+$").to_numpy(float)).all(axis=1)
-    return bool(positioned.mean() > 0.5 and np.mean(new[close]) >= MIN_SHARE_NEW)
+def are_new(values: Array, close: Mask) -> bool:
+    """Return whether rows (N, M) that are close (N - 1,) to the one before contain other data: a
+    log that was polled too fast repeats them, one of several topics leaves cells empty.
+    """
+    changed = np.any(np.abs(np.diff(values, axis=0)) > 0, axis=1)
+    return bool(np.mean(changed[close]) >= MIN_SHARE_NEW)
 
 
 def _stretches(time: Array, bunch: Labels) -> Labels:

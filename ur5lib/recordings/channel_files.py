@@ -8,7 +8,7 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.recordings.array_files import Arrays, array_format
-from ur5lib.recordings.delimited import first_cells, read_numbers
+from ur5lib.recordings.delimited import TextTable
 from ur5lib.records.quality import Finding, Log
 from ur5lib.timeseries.arrays import Array
 
@@ -76,8 +76,8 @@ def _between(rows: Array, stamps: Array) -> Array:
 
 def _read_rows(path: Path, findings: list[Finding]) -> np.ndarray:
     own: list[Finding] = []
-    names = [str(index) for index, _ in enumerate(first_cells(path)[0])]
-    table = read_numbers(Log(path, "robot", own), names)
+    text = TextTable(Log(path, "robot", own))
+    table, _ = text.rows([*map(str, range(len(text.cells)))])
     blank = BLANK_LINE.search(path.read_bytes().strip())
     if blank or any(finding.finding == "damaged lines" for finding in own):
         raise InputError(

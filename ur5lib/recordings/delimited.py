@@ -17,6 +17,7 @@ import pyarrow.csv as pacsv
 from ur5lib.channels import CHANNELS, channels_of
 from ur5lib.errors import InputError
 from ur5lib.recordings.limits import expect_room, most_columns, too_large
+from ur5lib.recordings.recording import DAY
 from ur5lib.recordings.text_blocks import text_blocks
 from ur5lib.records.quality import Finding, Log
 from ur5lib.timeseries.arrays import Array, Labels
@@ -30,7 +31,6 @@ PREAMBLE = re.compile(rb"(?:[ \t]*(?:[#%][^\n]*|sep=.)?\n)*")  # blank, comment,
 SPREADSHEET_CELL = re.compile(
     r"###|\d:\d|\d[./-]\d+[./-]\d|\d[. -]+[A-Z][a-z]{2}|[A-Z][a-z]{2}[. -]+\d"
 )
-DAY = 86400.0  # s
 BLOCK_BYTES = 1 << 16  # bytes; a block of this size with a damaged line is read line by line
 TAIL_LINES = 20  # lines that show what a complete last line looks like
 LEAD_LINES = 60  # lines that show where a table begins
@@ -60,45 +60,86 @@ class Form(NamedTuple):
         return [name for name in self.names if name not in self.text]
 
 
-def read_numbers(log: Log, names: list[str] | None) -> pd.DataFrame:
-    """Return the complete rows of a delimited table, as `read_rows` does."""
-    return read_rows(log, names)[0]
+class TextTable:
+    """A delimited table that is open at its first rows.
 
-
-def read_rows(log: Log, names: list[str] | None) -> tuple[pd.DataFrame, Labels]:
-    """Return the complete rows of a delimited table; other lines are skipped and reported.
-
-    names: of the columns, in order; None takes them from the header line. The separator is a
-    comma, semicolon, tab or blank; with semicolons and tabs, commas are decimal points. Returns
-    float64, with NaN for empty cells and those with the text NaN, dates as seconds since 1970, and
-    no column of other text that is not named like a channel; and the number of each row from 0
-    (N,), skipped lines counted. Raises InputError when the file cannot be read, is not text, lacks
-    a required header, has mostly damaged lines, or contains more than may be read.
+    The separator is a comma, semicolon, tab or blank; with semicolons and tabs, commas are decimal
+    points. cells: of the line with the columns' names or, without names, of the first row; below:
+    of the line under it.
     """
-    blocks = _table_blocks(log)
-    first = next(blocks)
-    top, form = _form_of(first, log.path, names)
-    tables, damaged, fault, line = list[pa.Table](), np.empty(0, int), "", 1
-    above, count = 1 + first.count(b"\n", 0, top), 0
-    for block in chain([first], blocks):
-        data = _with_points(block, form, log)
-        end = _end_of_rows(data, top, line, form, log)
-        parsed, places = _parse(data, top, end, form)
-        tables += parsed
-        count += sum(part.num_rows for part in parsed)
-        expect_room(log.path, count * len(form.numbers()))
-        if len(places):
-            fault = fault or _fault(data, int(places[0]), form)
-            newlines = np.flatnonzero(np.frombuffer(data, np.uint8) == ord("\n"))
-            damaged = np.append(damaged, line + np.searchsorted(newlines, places))
-            if len(damaged) > max(count, MAX_DAMAGED_LINES):
-                break
-        top, line = 0, line + data.count(b"\n")
-    table = _joined(tables)
-    if len(damaged):
-        _report_damaged(log, damaged, fault, table, len(form.names))
-    lines = np.arange(above, above + len(table) + len(damaged))
-    return table, np.setdiff1d(lines, damaged)[: len(table)] - above  # blank lines are no rows
+
+    def __init__(self, log: Log) -> None:
+        """Read the beginning. Raises InputError when the file cannot be read, is not text, or
+        contains more than may be read.
+        """
+        self.log, self._blocks = log, _table_blocks(log)
+        self._first = next(self._blocks)
+        self._top, self._line, self._comment = _first_row(self._first, log.path)
+        self._delimiter = _delimiter(self._line)
+        second = self._first[self._second() :].partition(b"\n")[0]
+        lines = (self._comment, self._line) if self._comment else (self._line, second)
+        self.cells, self.below = ([*map(_text, own.split(self._delimiter))] for own in lines)
+
+    def has_names(self) -> bool:
+        """Return whether the first line has names: not all of its cells are numbers."""
+        return not all(_is_cell(cell.replace(",", ".").encode()) for cell in self.cells)
+
+    def rows(self, names: list[str] | None) -> tuple[pd.DataFrame, Labels]:
+        """Return the complete rows, once; other lines are skipped and reported.
+
+        names: of the columns, in order; None takes them from the header line. Returns float64, with
+        NaN for empty cells and those with the text NaN, dates as seconds since 1970, and no column
+        of other text that is not named like a channel; and the number of each row from 0 (N,),
+        skipped lines counted. Raises InputError when the table lacks a required header, has mostly
+        damaged lines, or contains more than may be read.
+        """
+        log, (top, form) = self.log, self._form(names)
+        tables, damaged, fault, line = list[pa.Table](), np.empty(0, int), "", 1
+        above, count = 1 + self._first.count(b"\n", 0, top), 0
+        for block in chain([self._first], self._blocks):
+            data = _with_points(block, form, log)
+            end = _end_of_rows(data, top, line, form, log)
+            parsed, places = _parse(data, top, end, form)
+            tables += parsed
+            count += sum(part.num_rows for part in parsed)
+            expect_room(log.path, count * len(form.numbers()))
+            if len(places):
+                fault = fault or _fault(data, int(places[0]), form)
+                newlines = np.flatnonzero(np.frombuffer(data, np.uint8) == ord("\n"))
+                damaged = np.append(damaged, line + np.searchsorted(newlines, places))
+                if len(damaged) > max(count, MAX_DAMAGED_LINES):
+                    break
+            top, line = 0, line + data.count(b"\n")
+        table = _joined(tables)
+        if len(damaged):
+            _report_damaged(log, damaged, fault, table, len(form.names))
+        lines = np.arange(above, above + len(table) + len(damaged))
+        return table, np.setdiff1d(lines, damaged)[: len(table)] - above  # blank lines are no rows
+
+    def _form(self, names: list[str] | None) -> tuple[int, Form]:
+        """Return where the rows begin, and their form."""
+        top, delimiter, header = self._top, self._delimiter, self._comment
+        if not header and (names is None or _is_header(self._line, delimiter, len(names))):
+            header, top = self._line, self._second()
+        names = names or _header_names(self.log.path, header, delimiter)
+        lines = self._first[top:].split(b"\n", SAMPLE_ROWS)[:SAMPLE_ROWS]
+        if delimiter in SEPARATORS_BESIDE_COMMAS:
+            lines = [line.replace(b",", b".") for line in lines]
+        cells = [line.split(delimiter) for line in lines if line.strip()]
+        if cells and all(len(row) == len(names) + 1 and not row[-1].strip() for row in cells):
+            names = [*names, UNNAMED_COLUMN]  # behind a separator at the end of each row
+        rows = [row for row in cells if len(row) == len(names)]
+        dates, text = text_columns(rows, names)
+        return top, Form(names, delimiter, dates, [*text, UNNAMED_COLUMN])
+
+    def _second(self) -> int:
+        """Return where the line under the first one begins."""
+        return _end_of_line(self._first, self._top)
+
+
+def read_numbers(log: Log, names: list[str] | None) -> pd.DataFrame:
+    """Return the complete rows of a delimited table, as `TextTable` does."""
+    return TextTable(log).rows(names)[0]
 
 
 def drop_untimed(table: pd.DataFrame, log: Log) -> pd.DataFrame:
@@ -113,19 +154,6 @@ def first_line(path: Path) -> str:
     """Return the beginning of a file, for messages."""
     with path.open("rb") as stream:
         return repr(stream.readline(60).decode(errors="replace").strip())
-
-
-def first_cells(path: Path) -> tuple[list[str], list[str]]:
-    """Return the cells of a table's first two lines, below comments other than columns' names.
-
-    Raises InputError as reading it.
-    """
-    data = next(_table_blocks(Log(path, "robot", [])))
-    top, first, header = _first_row(data, path)
-    below = data[_end_of_line(data, top) :].partition(b"\n")[0]
-    lines = (header, first) if header else (first, below)
-    named, cells = ([*map(_text, line.split(_delimiter(first)))] for line in lines)
-    return named, cells
 
 
 def _table_blocks(log: Log) -> Iterator[bytes]:
@@ -207,24 +235,6 @@ def _length_of_title(lines: list[bytes]) -> int:
     named = len(cells) >= width - 1 and not any(map(_is_cell, cells))
     short = all(2 * line.count(mark) + 2 < width for line in lines[:first])
     return sum(len(line) + 1 for line in lines[:first]) if named and short else 0
-
-
-def _form_of(data: bytes, path: Path, names: list[str] | None) -> tuple[int, Form]:
-    """Return where the rows of a table begin, and their form. data: the beginning of the file."""
-    top, first, header = _first_row(data, path)
-    delimiter = _delimiter(first)
-    if not header and (names is None or _is_header(first, delimiter, len(names))):
-        header, top = first, _end_of_line(data, top)
-    names = names or _header_names(path, header, delimiter)
-    lines = data[top:].split(b"\n", SAMPLE_ROWS)[:SAMPLE_ROWS]
-    if delimiter in SEPARATORS_BESIDE_COMMAS:
-        lines = [line.replace(b",", b".") for line in lines]
-    cells = [line.split(delimiter) for line in lines if line.strip()]
-    if cells and all(len(row) == len(names) + 1 and not row[-1].strip() for row in cells):
-        names = [*names, UNNAMED_COLUMN]  # behind a separator at the end of each row
-    rows = [row for row in cells if len(row) == len(names)]
-    dates, text = text_columns(rows, names)
-    return top, Form(names, delimiter, dates, [*text, UNNAMED_COLUMN])
 
 
 def _with_points(block: bytes, form: Form, log: Log) -> bytes:

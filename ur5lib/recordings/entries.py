@@ -403,17 +403,17 @@ def of_entry(fault: str) -> PydanticCustomError:
     return PydanticCustomError("of_entry", "{fault}", {"fault": fault})
 
 
-def expand(columns: Sequence[str]) -> list[str]:
+def expand(columns: Sequence[str], joints: int = 6) -> list[str]:
     """Return the names of the single columns: actual_q becomes actual_q_0 .. actual_q_5.
 
-    Raises InputError when a column is named twice.
+    joints: of the arm. Raises InputError when a column is named twice.
     """
     names = [
         f"{SKIPPED_COLUMN}{index}" if column == SKIPPED_COLUMN else name
         for index, column in enumerate(columns)
-        for name in columns_of(column)
+        for name in columns_of(column, joints)
     ]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
-        raise InputError(f"`columns` in the study name {twice[0]} twice; name each channel once")
+        raise InputError(f"`columns` name {twice[0]} twice; name each channel once")
     return names

@@ -1,13 +1,14 @@
 """Messages of MCAP files in JSON: states of joints, as Foxglove or ROS has them, and numbers."""
 
 import json
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from mcap.reader import make_reader
 
 from ur5lib.recordings.limits import BYTES_PER_NUMBER, expect_room
@@ -72,27 +73,10 @@ def _stamp(stamp: Any, received: float) -> Any:
     return SimpleNamespace(sec=stamp.get("sec", stamp.get("secs", 0)), nanosec=nanoseconds)
 
 
-class NumberMessages:
-    """Messages of numbers by name, of a topic: a row each, NaN for what one lacks."""
-
-    def __init__(self) -> None:
-        self.received = list[float]()
-        self.values: dict[str, dict[int, float]] = defaultdict(dict)
-
-    def add(self, content: Mapping[str, Any], received: float) -> None:
-        """Add the numbers of a message."""
-        for name, value in content.items():
-            self.values[name][len(self.received)] = value
-        self.received.append(received)
-
-    def arrays(self, topic: str) -> dict[str, Array]:
-        """Return the numbers by `<topic>/<name>`, and the times of receipt as `bag_stamp` [s]."""
-        arrays = {f"{topic}/bag_stamp": np.array(self.received)}
-        for name, found in self.values.items():
-            column = np.full(len(self.received), np.nan)
-            column[[*found]] = [*found.values()]
-            arrays[f"{topic}/{name}"] = column
-        return arrays
+def number_arrays(topic: str, rows: list[dict[str, float]]) -> dict[str, Array]:
+    """Return the numbers of messages by `<topic>/<name>`, NaN for what one lacks."""
+    table = pd.DataFrame(rows)
+    return {f"{topic}/{name}": table[name].to_numpy(float) for name in table}
 
 
 def are_numbers(content: Any) -> bool:

@@ -2,14 +2,16 @@
 
 import math
 import os
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from ur5lib.errors import InputError
 
 DEFAULT_GIGABYTES = 1.0  # of numbers; an hour at 500 Hz with 60 channels has 0.9
 LIMIT_VARIABLE = "UR5_MOST_GB"  # in the environment: another limit
 BYTES_PER_NUMBER = 8  # bytes of a number in memory, however few it has in the file
-TEXT_PER_NUMBER = 3  # bytes of text for each of those; numbers of 16 digits have 25 for 8
+USUAL_COMPRESSION = 20  # bytes for each byte of a compressed file
 BYTES_PER_COLUMN = 100_000  # bytes that a table has at least for each of its columns
 MIN_LINES = 32  # that a table has at least
 
@@ -44,10 +46,33 @@ def expect_room(path: Path, numbers: float) -> None:
         raise too_large(path, f"{most / 1e9:g} GB of numbers ({most / BYTES_PER_NUMBER:,.0f})")
 
 
-def expect_short_text(path: Path, size: int) -> None:
-    """Raise InputError where a file unpacks to so much text that it takes too long. size: bytes."""
-    if size > (most := TEXT_PER_NUMBER * most_bytes()):
-        raise too_large(path, f"{most / 1e9:g} GB of text")
+class Unpacking:
+    """How many bytes a file may still unpack to: what its numbers may take, and what is usual."""
+
+    def __init__(self, path: Path) -> None:
+        """Take a compressed file."""
+        self.path = path
+        self.left = int(most_bytes()) + USUAL_COMPRESSION * path.stat().st_size
+
+    def count(self, size: int) -> None:
+        """Count bytes. Raises InputError where they are more than the file may unpack to."""
+        self.left -= size
+        if self.left < 0:
+            raise too_large(self.path, f"{USUAL_COMPRESSION} times as much as it has bytes")
+
+    def unpacked(self, data: bytes, new: Callable[[], Any]) -> bytes:
+        """Return what a part of the file unpacks to, counted; new: makes a decompressor of bz2, lz4
+        or zstd. Raises EOFError where the part is incomplete.
+        """
+        frames = list[bytes]()
+        while data:
+            one = new()
+            frames.append(one.decompress(data, self.left + 1))
+            self.count(len(frames[-1]))
+            if not one.eof:
+                raise EOFError(self.path)
+            data = one.unused_data or b""
+        return b"".join(frames)
 
 
 def too_large(path: Path, content: str) -> InputError:

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.recordings.array_files import ENDINGS, LOADERS, Arrays
+from ur5lib.recordings.array_files import ENDINGS, Arrays, array_format
 from ur5lib.records.quality import Finding
-from ur5lib.strict import expect_file
 from ur5lib.workspace.extensions import additions
 
 OWN_FORMAT = "own"  # the formats' common name in a study; endings distinguish them
@@ -35,16 +34,13 @@ def own_readers() -> dict[str, Read]:
     return readers
 
 
+@array_format(OWN_FORMAT, "a file of an own format", *own_readers())
 def own_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
-    """Return the arrays that the reader of files with this ending gives; None: all.
+    """Return the arrays that the reader of files with this ending gives.
 
-    Raises InputError where there is no reader or no file, or the reader fails.
+    Raises InputError where there is no reader, or it fails.
     """
-    expect_file(path)
-    ending = path.suffix.lower()
-    if not path.is_file():
-        raise InputError(f"{path} is missing; add it, or remove the recording from the study")
-    readers = own_readers()
+    readers, ending = own_readers(), path.suffix.lower()
     if ending not in readers:
         raise InputError(
             f"{path}: no extension reads `{ending}` (but {', '.join(readers) or 'nothing'}); add "
@@ -59,12 +55,4 @@ def own_arrays(path: Path, wanted: Collection[str] | None, findings: list[Findin
             f"{path}: the reader of `{ending}` fails ({type(error).__name__}: {error}); "
             "correct it, or copy the file again from its source"
         ) from error
-    return {
-        name: own
-        for name, own in arrays.items()
-        if own.dtype.kind in "iuf" and own.ndim in (1, 2) and (wanted is None or name in wanted)
-    }
-
-
-LOADERS[OWN_FORMAT] = own_arrays
-ENDINGS.update(dict.fromkeys(own_readers(), OWN_FORMAT))
+    return {n: own for n, own in arrays.items() if own.dtype.kind in "iuf" and own.ndim in (1, 2)}

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.recordings.delimited import drop_untimed, first_line, read_numbers, read_rows
+from ur5lib.recordings.delimited import TextTable, drop_untimed, first_line, read_numbers
 from ur5lib.recordings.entries import (
     RESERVED_COLUMNS,
     RecordedFiles,
@@ -25,7 +25,7 @@ def read_table_csv(recording: TableFiles) -> RawRecording:
     findings: list[Finding] = []
     path, names = recording.path, expand(recording.columns)
     log = Log(path, "robot", findings)
-    table = drop_untimed(recording.in_si(*read_rows(log, names)), log)
+    table = drop_untimed(recording.in_si(*TextTable(log).rows(names)), log)
     if table.empty:
         raise InputError(
             f"{path}, line 1: no complete row of {len(names)} numbers (it begins "

@@ -19,12 +19,12 @@ from ur5lib.recordings.bag_files import PACKED_ENDING, bag_files, unpacked
 from ur5lib.recordings.json_messages import (
     JOINT_FIELDS,
     JSON_STATES,
-    NumberMessages,
     are_numbers,
     is_json,
     is_wanted,
     joint_state,
     json_messages,
+    number_arrays,
 )
 from ur5lib.recordings.limits import BYTES_PER_NUMBER, expect_room
 from ur5lib.records.quality import Finding, Log
@@ -148,7 +148,7 @@ def _of_json(
     files: list[Path], wanted: Collection[str] | None, path: Path, findings: list[Finding]
 ) -> Arrays:
     """Return the arrays of messages in JSON: states of joints, and numbers by name."""
-    topics, tables = dict[str, Messages](), dict[str, NumberMessages]()
+    topics, tables = dict[str, Messages](), defaultdict[str, list[dict[str, float]]](list)
     unread, lost = set[str](), Counter[str]()
     for topic, kind, received, content in (m for file in files for m in json_messages(file, lost)):
         if not is_wanted(topic, wanted):
@@ -157,7 +157,7 @@ def _of_json(
             state = joint_state(content, received)
             topics.setdefault(topic, Messages()).add(state, received, JOINT_FIELDS)
         elif are_numbers(content):
-            tables.setdefault(topic, NumberMessages()).add(content, received)
+            tables[topic].append({"bag_stamp": received} | content)
         else:
             unread.add(f"{topic} ({kind})")
     for one in sorted(unread):
@@ -169,7 +169,9 @@ def _of_json(
         kinds = ", ".join(sorted(one.partition("(")[2].rstrip(")") for one in unread))
         raise InputError(f"{path}: JSON messages of schema {kinds} are not read")
     arrays = _by_topic(topics, wanted, path, findings)
-    return arrays | {n: v for topic, one in tables.items() for n, v in one.arrays(topic).items()}
+    for topic, rows in tables.items():
+        arrays |= number_arrays(topic, rows)
+    return arrays
 
 
 def _by_topic(

@@ -9,7 +9,7 @@ import pandas as pd
 
 from ur5lib.channels import columns
 from ur5lib.errors import InputError
-from ur5lib.recordings.delimited import drop_untimed, read_rows
+from ur5lib.recordings.delimited import TextTable, drop_untimed
 from ur5lib.recordings.entries import Clocked, Sensor, WithSensors, expand
 from ur5lib.recordings.frozen import frozen_end, report_frozen
 from ur5lib.recordings.held_samples import fresh_samples
@@ -64,7 +64,7 @@ def read_device(
         log.findings.append(absent)
         return None
     return log.unless_unusable(
-        lambda: repair_samples(without_delays(clocked.in_si(*read_rows(log, names))), log)
+        lambda: repair_samples(without_delays(clocked.in_si(*TextTable(log).rows(names))), log)
     )
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from ur5lib.errors import InputError
-from ur5lib.recordings.limits import expect_short_text, longest_line, too_large
+from ur5lib.recordings.limits import Unpacking, longest_line, too_large
 from ur5lib.recordings.listed_cells import with_lists_apart
 from ur5lib.records.quality import Log
 from ur5lib.strict import expect_file
@@ -62,10 +62,11 @@ def _blocks(log: Log) -> Iterator[bytes]:
         # Zeros further down may be a lost disk block: that is a damaged line.
         if block[:2] in (b"\xff\xfe", b"\xfe\xff") or b"\0" in block[:1000]:
             raise InputError(f"{log.path}, line 1: not a text file; save it as plain CSV (UTF-8)")
+        unpacking = Unpacking(log.path)
         while True:
-            following = _lines(stream, log.path) if block else b""
             if packed:
-                expect_short_text(log.path, stream.tell())
+                unpacking.count(len(block))
+            following = _lines(stream, log.path) if block else b""
             if len(following) < MIN_BLOCK_BYTES:
                 yield _plain(block + following)
                 return

@@ -1,14 +1,12 @@
 """How many numbers a compressed file would unpack to, found before it is unpacked."""
 
 import io
-import math
 import struct
 import zlib
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Collection, Iterator
 from itertools import accumulate
 from pathlib import Path
-from typing import IO, Any, BinaryIO
-from zipfile import ZipFile
+from typing import Any, BinaryIO
 
 import numpy as np
 import pyarrow as pa
@@ -17,30 +15,10 @@ import pyarrow.parquet as pq
 from ur5lib.recordings.limits import BYTES_PER_NUMBER, expect_room, most_bytes
 
 PIECE_BYTES = 1 << 20  # bytes that are unpacked at a time
-NPY_HEADS: dict[tuple[int, ...], Callable[[IO[bytes]], tuple[Any, ...]]] = {  # by version
-    (1, 0): np.lib.format.read_array_header_1_0,
-    (2, 0): np.lib.format.read_array_header_2_0,
-}
 MATRIX_ELEMENT, COMPRESSED_ELEMENT = 14, 15  # kinds of elements of a MAT file
 # An element takes this many in addition to its content: 112 bytes for an array of four.
 NUMBERS_PER_ELEMENT = 4
 MAT_SIZES = {1: 1, 2: 1, 3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8, 16: 1, 17: 2, 18: 4}
-
-
-def npz_numbers(archive: ZipFile, names: Collection[str]) -> float:
-    """Return how many numbers some files of a NumPy archive contain, by the heads of their
-    arrays."""
-    return sum(_npy_numbers(archive, name) for name in names)
-
-
-def _npy_numbers(archive: ZipFile, name: str) -> float:
-    size = archive.getinfo(name).file_size
-    with archive.open(name) as file:
-        if file.read(6) != np.lib.format.MAGIC_PREFIX:
-            return size / BYTES_PER_NUMBER
-        read_head = NPY_HEADS.get(tuple(file.read(2)))
-        numbers = math.prod(read_head(file)[0]) if read_head else size
-    return max(min(numbers, size), size / BYTES_PER_NUMBER)
 
 
 def parquet_numbers(file: pq.ParquetFile, columns: Collection[str]) -> float:
