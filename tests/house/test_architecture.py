@@ -48,7 +48,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "report": BASE | METHODS - {"signals", "dynamics"} | {"judging", "records", "workspace"},
     "study": BASE | {"stand", "recordings", "records"},
     "chain": BASE | {"identification", "jobs", "records", "study"},
-    "finished": BASE | {"chain", "jobs", "records", "study"},
+    "finished": BASE | {"chain", "jobs", "records", "study", "workspace"},
     "commands": BASE
     | METHODS - {"dynamics"}
     | {"checks", "finished", "jobs", "recordings"}
