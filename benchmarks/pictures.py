@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 from benchmarks.harness import series_pictures as series
 from benchmarks.harness import table_pictures as tables
-from benchmarks.harness.markdown import markdown, replaced, section
+from benchmarks.harness.markdown import markdown, read_page, replaced, section, write_page
 from benchmarks.harness.options import built, options_of
 from benchmarks.harness.rules import with_rules
 from ur5lib.errors import InputError
@@ -133,7 +133,7 @@ def main() -> None:
     built(RESULTS_FOLDER / study for study in ("demo", LESSON))
     draw_pictures()
     report = DOCUMENTS / "report.md"
-    write_text(with_rules(with_columns(report.read_text())), report)
+    write_page(with_rules(with_columns(read_page(report))), report)
     lesson = DOCUMENTS / "lesson.md"
     write_text(with_verdicts(lesson.read_text(), first_screen(RESULTS_FOLDER / LESSON)), lesson)
     write_screens(DOCUMENTS / "gallery.md", GALLERY, lambda told: states(told.cards))
@@ -177,7 +177,7 @@ def write_screens(
 
 def with_columns(page: str) -> str:
     """Return the report's page with the columns of each table."""
-    rows = [[f"`{name}`", ", ".join(own)] for name, own in sorted(declared().items())]
+    rows = [[name, ", ".join(own)] for name, own in sorted(declared().items())]
     return replaced(page, "Columns of the tables", markdown(["table", "columns"], rows))
 
 
