@@ -176,14 +176,14 @@ def write_screens(
 
 
 def with_columns(page: str) -> str:
-    """Return the report's page with the columns of each table."""
-    rows = [[name, ", ".join(own)] for name, own in sorted(declared().items())]
-    return replaced(page, "Columns of the tables", markdown(["table", "columns"], rows))
+    """Return the report's page with the columns of each table, and what their class says."""
+    rows = [[name, ", ".join(own), said] for name, (own, said) in sorted(declared().items())]
+    return replaced(page, "Columns of the tables", markdown(["table", "columns", "means"], rows))
 
 
-def declared() -> dict[str, list[str]]:
+def declared() -> dict[str, tuple[list[str], str]]:
     """Return the columns of each table: the fields of the class that is `A row of <table>.csv`,
-    after the recording or arm, … where its step names it.
+    after the recording or arm, … where its step names it; and the rest of its docstring.
     """
     owners = dict.fromkeys(OF_RECORDINGS | OF_MOTION, "recording") | dict.fromkeys(OF_ARMS, "robot")
     found = {}
@@ -192,9 +192,9 @@ def declared() -> dict[str, list[str]]:
             continue
         module = import_module(".".join(path.relative_to(LIBRARY.parent).with_suffix("").parts))
         for kind in filter(is_dataclass, vars(module).values()):
-            if told := re.match(r"A row of (\w+)\.csv[:.]", kind.__doc__ or ""):
+            if told := re.match(r"A row of (\w+)\.csv[:.](.*)", kind.__doc__ or "", re.DOTALL):
                 names = [field.name for field in fields(kind)]
-                found[told[1]] = [owners.get(told[1], "…"), *names]
+                found[told[1]] = [owners.get(told[1], "…"), *names], " ".join(told[2].split())
     return found
 
 
