@@ -19,7 +19,7 @@ from benchmarks.harness.markdown import markdown
 from benchmarks.harness.options import built, study_options
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import RefusalError
-from ur5lib.finished import FinishedStudy
+from ur5lib.finished import StudyFiles
 from ur5lib.identification.current_samples import Smoother, measured_samples
 from ur5lib.identification.measured_torques import JOINT_TERMS, ArmFit
 from ur5lib.identification.torque_rows import MeasuredRun, torque_rows
@@ -40,7 +40,7 @@ def main() -> None:
     given = study_options(__doc__).parse_args()
     folders = built(RESULTS / name for name in given.studies)
     most = QUICK_RECORDINGS if given.quick else sys.maxsize
-    lines = [line for folder in folders for line in of_study(FinishedStudy(folder), most)]
+    lines = [line for folder in folders for line in of_study(StudyFiles(folder), most)]
     header = [
         "study",
         "arm",
@@ -51,7 +51,7 @@ def main() -> None:
     print(markdown(header, lines))
 
 
-def of_study(study: FinishedStudy, most: int) -> Iterator[list[str]]:
+def of_study(study: StudyFiles, most: int) -> Iterator[list[str]]:
     """Yield the rows of a study's arms; most: number of fit recordings of each arm."""
     for folder in sorted((study.folder / "parameters").iterdir()):
         arm, name = study.arm(folder.name), folder.name
@@ -64,7 +64,7 @@ def of_study(study: FinishedStudy, most: int) -> Iterator[list[str]]:
         yield [study.folder.name, name, *found]
 
 
-def of_arm(arm: Robot, study: FinishedStudy, names: list[str]) -> list[str]:
+def of_arm(arm: Robot, study: StudyFiles, names: list[str]) -> list[str]:
     """Return the number of an arm's recordings, the ratios of errors, and the balanced joints."""
     runs = [run for name in names for run in runs_of(arm, study, name)]
     rows = torque_rows(runs, JOINT_TERMS, SMOOTH, shaft_matrix(arm))
@@ -76,7 +76,7 @@ def of_arm(arm: Robot, study: FinishedStudy, names: list[str]) -> list[str]:
     return [str(len(runs)), text, ", ".join(map(str, found)) or "none"]
 
 
-def runs_of(arm: Robot, study: FinishedStudy, name: str) -> Iterator[MeasuredRun]:
+def runs_of(arm: Robot, study: StudyFiles, name: str) -> Iterator[MeasuredRun]:
     """Yield a recording with torques in place of currents, if it moves."""
     signals, motion = study.record(Signals, name), study.record(Motion, name)
     samples = measured_samples(name, signals, motion, arm, 0 * motion.q)

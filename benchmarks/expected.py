@@ -14,10 +14,10 @@ import numpy as np
 import pandas as pd
 import yaml
 
-from benchmarks.harness.markdown import markdown, replaced
+from benchmarks.harness.markdown import markdown, read_page, replaced, write_page
 from benchmarks.harness.options import built, study_options
 from ur5lib.records.friction import Friction
-from ur5lib.tables import read_csv, read_record, write_text
+from ur5lib.tables import read_csv, read_record
 
 RESULTS_FOLDER = Path("results")
 PROJECT = Path(__file__).parents[1]
@@ -68,7 +68,7 @@ def main() -> None:
     found = markdown(HEADS, rows)
     print(found)
     if given.page:
-        write_text(replaced(PAGE.read_text(), TITLE, found), PAGE)
+        write_page(replaced(read_page(PAGE), TITLE, found), PAGE)
 
 
 def rows_of(folder: Path) -> Iterator[Row]:

@@ -16,12 +16,13 @@ from pathlib import Path
 
 from benchmarks.harness import page
 from benchmarks.harness.latency_figure import error_over_latency
+from benchmarks.harness.markdown import read_page, write_page
 from benchmarks.harness.options import built, study_options
 from benchmarks.harness.sections import detection_tables, simulated_section
 from ur5lib.errors import InputError
 from ur5lib.force.estimators import OWN
 from ur5lib.report.figures.house_style import save
-from ur5lib.tables import write_csv, write_text
+from ur5lib.tables import write_csv
 from ur5rivals.board import RESULTS_FOLDER, TABLE_FILE, contenders, scored
 from ur5rivals.estimators import all_estimators
 from ur5rivals.estimators.ours import OURS
@@ -53,9 +54,9 @@ def main() -> None:
         simulated = simulated_section(RESULTS_FOLDER / "simulated_contacts.csv")
         further = {"simulated": simulated, "detections": detection_tables(folders)}
         text, names = page.page(table, arms, further), [*table["estimator"].unique()]
-        text = page.with_kept(text, PAGE.read_text(), simulated is not None, names)
+        text = page.with_kept(text, read_page(PAGE), simulated is not None, names)
         place = BESIDE if given.estimator or OWN else PAGE
-        write_text(
+        write_page(
             re.sub(r"\]\((?=\w+\.md)", "](../docs/", text) if place == BESIDE else text, place
         )
         save(error_over_latency(table), place.parent / "pictures" / f"{place.stem}.svg")

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 from benchmarks.harness import series_pictures as series
 from benchmarks.harness import table_pictures as tables
-from benchmarks.harness.markdown import markdown, replaced, section
+from benchmarks.harness.markdown import markdown, read_page, replaced, section, write_page
 from benchmarks.harness.options import built, options_of
 from benchmarks.harness.rules import with_rules
 from ur5lib.errors import InputError
@@ -133,7 +133,7 @@ def main() -> None:
     built(RESULTS_FOLDER / study for study in ("demo", LESSON))
     draw_pictures()
     report = DOCUMENTS / "report.md"
-    write_text(with_rules(with_columns(report.read_text())), report)
+    write_page(with_rules(with_columns(read_page(report))), report)
     lesson = DOCUMENTS / "lesson.md"
     write_text(with_verdicts(lesson.read_text(), first_screen(RESULTS_FOLDER / LESSON)), lesson)
     write_screens(DOCUMENTS / "gallery.md", GALLERY, lambda told: states(told.cards))
@@ -176,14 +176,15 @@ def write_screens(
 
 
 def with_columns(page: str) -> str:
-    """Return the report's page with the columns of each table."""
-    rows = [[f"`{name}`", ", ".join(own)] for name, own in sorted(declared().items())]
-    return replaced(page, "Columns of the tables", markdown(["table", "columns"], rows))
+    """Return the report's page with the columns of each table, and what their class says."""
+    rows = [[name, ", ".join(own), said] for name, (own, said) in sorted(declared().items())]
+    return replaced(page, "Columns of the tables", markdown(["table", "columns", "means"], rows))
 
 
-def declared() -> dict[str, list[str]]:
-    """Return the columns of each table: the recording or arm, or … if its step names the owner, and
-    the fields of the class with the docstring `A row of <table>.csv`.
+def declared() -> dict[str, tuple[list[str], str]]:
+    """Return the columns of each table, and the rest of its class's docstring: the recording or
+    arm, or … if its step names the owner, and the fields of the class with the docstring `A row of
+    <table>.csv`.
     """
     owners = dict.fromkeys(OF_RECORDINGS | OF_MOTION, "recording") | dict.fromkeys(OF_ARMS, "robot")
     found = {}
@@ -192,9 +193,9 @@ def declared() -> dict[str, list[str]]:
             continue
         module = import_module(".".join(path.relative_to(LIBRARY.parent).with_suffix("").parts))
         for kind in filter(is_dataclass, vars(module).values()):
-            if told := re.match(r"A row of (\w+)\.csv[:.]", kind.__doc__ or ""):
+            if told := re.match(r"A row of (\w+)\.csv[:.](.*)", kind.__doc__ or "", re.DOTALL):
                 names = [field.name for field in fields(kind)]
-                found[told[1]] = [owners.get(told[1], "…"), *names]
+                found[told[1]] = [owners.get(told[1], "…"), *names], " ".join(told[2].split())
     return found
 
 

@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 from scipy.special import stdtrit
 
-from benchmarks.harness.markdown import markdown, replaced
+from benchmarks.harness.markdown import markdown, read_page, replaced, write_page
 from benchmarks.harness.options import options_of
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.identification.base_parameters import InertialEstimate
@@ -30,7 +30,7 @@ from ur5lib.robots.description import Robot, load_robot
 from ur5lib.robots.drives import shaft_matrix
 from ur5lib.smoothing.encoders import smooth_encoders
 from ur5lib.smoothing.smoothed_motion import measured, motion_record
-from ur5lib.tables import named, write_text
+from ur5lib.tables import named
 from ur5lib.timeseries.arrays import Array
 
 PAGE = Path(__file__).parents[1] / "docs" / "benchmark.md"
@@ -87,10 +87,9 @@ def main() -> None:
     values = [*compared(fit.estimate(places), places, fit)]
     header = ["of", "value", "ours, 95 %", "published", "inside"]
     text = markdown(header, [value.row() for value in values])
-    text = f"{text.rstrip()}\n\n" + "".join(wrist_residuals(arm, run))
-    print(text)
+    print(text, *wrist_residuals(arm, run), sep="\n")
     if given.page:
-        write_text(replaced(PAGE.read_text(), TITLE, text), PAGE)
+        write_page(replaced(read_page(PAGE), TITLE, text), PAGE)
 
 
 def recorded(arm: Robot, folder: Path, seconds: float | None) -> MeasuredRun:

@@ -32,7 +32,7 @@ from benchmarks.harness.simulated import simulated_table
 from benchmarks.harness.timing import timed
 from benchmarks.leaderboard import QUICK
 from benchmarks.study import snakemake
-from ur5lib.finished import FinishedStudy
+from ur5lib.finished import StudyFiles
 from ur5lib.force.sensed_contact import CONTACT_FORCE, is_free
 from ur5lib.records.friction import Friction
 from ur5lib.records.signals import Signals
@@ -105,7 +105,7 @@ def seed_rows(
     clear(study)  # files of a killed run
     try:
         built(study)
-        results = FinishedStudy(RESULTS_FOLDER / study["study"])
+        results = StudyFiles(RESULTS_FOLDER / study["study"])
         robot, friction = results.arm(arm), results.parameters(Friction, arm, "friction")
         plan = parse_study(study, study["study"])
         given = robot, friction, plan.settings.lowpass.currents.cutoff_hz

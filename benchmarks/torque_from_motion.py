@@ -23,7 +23,7 @@ import numpy as np
 import pandas as pd
 from scipy.io import loadmat
 
-from benchmarks.harness.markdown import markdown, replaced
+from benchmarks.harness.markdown import markdown, read_page, replaced, write_page
 from benchmarks.harness.options import options_of
 from benchmarks.harness.torque_models import (
     Ours,
@@ -37,7 +37,6 @@ from benchmarks.harness.torque_models import (
 )
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.robots.drives import as_counted
-from ur5lib.tables import write_text
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5rivals.estimators import gaussian_process
 from ur5rivals.learned_residual import Predict, TrainingSamples, standardised
@@ -83,7 +82,7 @@ def main() -> None:
     text = table(fitted, tested, between, is_scored=given.test is not None)
     print(text)
     if given.page:
-        write_text(replaced(PAGE.read_text(), TITLE, text), PAGE)
+        write_page(replaced(read_page(PAGE), TITLE, text), PAGE)
 
 
 def withheld_part(file: Path, folder: Path) -> Path:
@@ -179,7 +178,7 @@ def line(row: Row, judged: Sequence[Run]) -> list[str]:
     within = np.where(np.isfinite(half), np.abs(error) < half, np.nan)
     share = ", ".join(f"{own:.3f}" for own in np.nanmean(within, axis=0)) if row.half else ""
     r2 = ", ".join(f"{own:.2f}" for own in 1 - nrmse**2)
-    return [row.model, *(f"{own:.3f}" for own in nrmse), f"**{nrmse.mean():.3f}**", r2, share]
+    return [row.model, *(f"{own:.3f}" for own in nrmse), f"{nrmse.mean():.3f}", r2, share]
 
 
 def scored(row: Row, judged: Sequence[Run]) -> str:
@@ -203,7 +202,7 @@ def repeated(judged: Sequence[Run]) -> Iterator[list[str]]:
             squares = np.where(used, differences**2, np.nan)
             floor = np.sqrt(np.nanmean(squares, axis=0)) / size
             name = f"the same motion driven twice, difference over √2{where}"
-            yield [name, *(f"{own:.3f}" for own in floor), f"**{floor.mean():.3f}**", "", ""]
+            yield [name, *(f"{own:.3f}" for own in floor), f"{floor.mean():.3f}", "", ""]
 
 
 def driven_twice(one: Run, two: Run) -> tuple[Array, Mask]:

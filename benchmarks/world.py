@@ -22,7 +22,7 @@ from unittest.mock import patch
 import numpy as np
 import pandas as pd
 
-from benchmarks.harness.markdown import folded, markdown
+from benchmarks.harness.markdown import folded, markdown, write_page
 from benchmarks.harness.options import options_of
 from benchmarks.harness.situations import SITUATIONS, Situation, plans
 from benchmarks.study import snakemake
@@ -38,7 +38,7 @@ from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.simulate import simulate
 from ur5lib.stand.truth import TrueParameters, Truth
 from ur5lib.study.arms import base_gravity
-from ur5lib.tables import read_csv, read_record, write_text
+from ur5lib.tables import read_csv, read_record
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import spans
@@ -60,8 +60,6 @@ with one thing changed. `python -m benchmarks.world --page` writes this page;
 ![Error of the force over that of plain least squares, and share inside the 95 % band, a situation a
 row: most are below one, those with an unknown tool above.](pictures/world.svg)
 
-"""
-LEGEND = """\
 - Errors are root mean squares of the force vector in contact, by the truth, low-passed as torques
   are; plain: least squares of the external torques.
 - Inside: share of components in the 95 % band; wide: its width over that which would hold 95 %.
@@ -89,7 +87,7 @@ def main() -> None:
     found = table(pd.DataFrame(rows))
     print(found)
     if given.page:
-        write_text(HEAD.format(seeds=given.seeds) + folded(LEGEND + found) + "\n", PAGE)
+        write_page(f"{HEAD.format(seeds=given.seeds)}{folded('world', found)}\n", PAGE)
 
 
 def judged(name: str, seed: int) -> list[dict[str, Any]]:

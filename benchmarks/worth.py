@@ -29,7 +29,7 @@ import pandas as pd
 import torch
 
 from benchmarks.harness.drawn_pushes import drawn_pushes
-from benchmarks.harness.markdown import markdown, replaced
+from benchmarks.harness.markdown import markdown, read_page, replaced, write_page
 from benchmarks.harness.options import built, study_options
 from benchmarks.harness.plain_currents import currents_table
 from benchmarks.harness.scaled_constants import changes, scaled
@@ -48,7 +48,7 @@ from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
-from ur5lib.tables import read_record, write_text
+from ur5lib.tables import read_record
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.kalman import Gaussians
 from ur5lib.timeseries.metrics import NORMAL95
@@ -141,7 +141,7 @@ def main() -> None:
     tables = [changes(found)] if given.constants else [table(rows) for rows in found.values()]
     print(*tables, sep="\n\n")
     if given.constants and given.page:
-        write_text(replaced(PAGE.read_text(), TITLE, tables[0]), PAGE)
+        write_page(replaced(read_page(PAGE), TITLE, tables[0]), PAGE)
 
 
 def arm_of(name: str) -> Study:

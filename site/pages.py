@@ -6,11 +6,13 @@
 The notebook becomes a page with what its cells print and draw, and links to it lead there. Reports
 that are built, of recordings that may be shown, are copied to reports/<study> with all that they
 link, and the gallery links them: where it has the comment `<!-- report: <study> -->`. The words for
-a picture are shown below it, unless the text there says what it shows. `--home` prints
-the address of the project's source, empty where pyproject.toml states none.
+a picture are shown below it, unless the text there says what it shows. Numbers of data/ that a page
+links are a table that opens there. `--home` prints the address of the project's source, empty where
+pyproject.toml states none.
 """
 
 import base64
+import csv
 import json
 import re
 import shutil
@@ -23,6 +25,7 @@ PROJECT = Path(__file__).parents[1]
 REPORT = re.compile(r"<!-- report: ([\w-]+) -->")
 PICTURE = re.compile(r"^!\[([^\]]+)\]\([\w/]+\.svg\)$(?!\n\n(?:\*[^*]|- \*\*Shows))", re.MULTILINE)
 CAPTION = '{}\n\n*{}*{{aria-hidden="true"}}'  # who hears the page has heard these words
+NUMBERS = re.compile(r"\[The numbers\]\((data/\w+\.csv)\)")
 LINK = re.compile(r'(?:href|src)="([^"#:]+)["#]')  # to a file beside a page
 
 
@@ -33,9 +36,19 @@ def main(folder: Path) -> None:
     (docs / "notebook.md").write_text(as_markdown(notebook, docs), encoding="utf-8")
     for page in [*folder.glob("*.md"), *docs.glob("*.md")]:
         text = page.read_text(encoding="utf-8").replace("notebook.ipynb)", "notebook.md)")
+        text = NUMBERS.sub(lambda found: table(docs / found[1]), text)
         text = REPORT.sub(lambda found: link(found[1], folder), text)
         text = PICTURE.sub(lambda found: CAPTION.format(found[0], found[1]), text)
         page.write_text(text, encoding="utf-8")
+
+
+def table(file: Path) -> str:
+    """Return a file of numbers as a table that a reader opens, with a link to the file."""
+    with file.open(encoding="utf-8", newline="") as rows:
+        head, *cells = csv.reader(rows)
+    lines = [f"| {' | '.join(row)} |" for row in (head, ["---"] * len(head), *cells)]
+    told = f"<details markdown><summary>The numbers</summary>\n\n[As CSV](data/{file.name})"
+    return "\n".join([f"{told}\n", *lines, "\n</details>"])
 
 
 def as_markdown(notebook: dict[str, Any], folder: Path) -> str:

@@ -9,7 +9,7 @@ import pytest
 
 import ur5lib
 from ur5lib.errors import InputError
-from ur5lib.finished import FILES_OF_ARM
+from ur5lib.finished import FILES_OF_ARM, StudyFiles
 from ur5lib.jobs.unreadable import marked
 from ur5lib.records.carried import Carried
 from ur5lib.records.friction import Friction
@@ -77,7 +77,7 @@ def test_the_nearest_name_is_offered(results: Path, what: str, name: str, known:
 def test_the_payload_is_that_of_the_premises(results: Path) -> None:
     carried = Carried(Payload(mass=1.5), "study", None)
     write_json(Premises(carried, Contradictions()), results / "recordings/pushed/premises.json")
-    assert ur5lib.load(results).payload("pushed") == Payload(mass=1.5)
+    assert StudyFiles(results).payload("pushed") == Payload(mass=1.5)
 
 
 def test_a_model_takes_the_table_of_currents_and_not_the_summary_beside_it(results: Path) -> None:
@@ -107,7 +107,7 @@ def test_a_damaged_file_of_settings_is_a_result_to_be_made_anew(
 ) -> None:
     (results / file).parent.mkdir(parents=True, exist_ok=True)
     (results / file).write_text(content)
-    study = ur5lib.load(results)
+    study = StudyFiles(results)
     with pytest.raises(InputError, match=rf"{file} is damaged .*rm \S*{file}\)"):
         study.arm("ur5") if "arm" in file else study.configuration()
 
@@ -133,7 +133,7 @@ def test_a_recording_that_cannot_be_read_says_why(results: Path) -> None:
     folder = results / "recordings" / "pushed"
     for file in ("forces.parquet", "quality.json"):
         (folder / file).write_text(marked("line 3: no number"))
-    study = ur5lib.load(results)
+    study = StudyFiles(results)
     for read in (study.forces, study.quality, study.start):
         with pytest.raises(InputError, match=r"recordings/pushed/.* cannot be read: line 3"):
             read("pushed")
@@ -141,4 +141,4 @@ def test_a_recording_that_cannot_be_read_says_why(results: Path) -> None:
 
 def test_a_missing_file_is_named(results: Path) -> None:
     with pytest.raises(InputError, match=r"parameters/ur5/friction\.json.*ur5 run"):
-        ur5lib.load(results).parameters(Friction, "ur5", "friction")
+        StudyFiles(results).parameters(Friction, "ur5", "friction")

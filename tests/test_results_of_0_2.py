@@ -14,7 +14,7 @@ import pytest
 
 from tests.workflow.test_simulated import POINTS
 from ur5lib.commands.verdicts import card_states, lines
-from ur5lib.finished import FinishedStudy
+from ur5lib.finished import StudyFiles
 from ur5lib.records.friction import Friction
 from ur5lib.report.summary import last_summary
 
@@ -44,7 +44,7 @@ FRICTION = {"from": ["free"], "refused": {"code": "no fit recording", "values": 
 
 
 @pytest.fixture
-def results(tmp_path: Path) -> FinishedStudy:
+def results(tmp_path: Path) -> StudyFiles:
     """A folder as 0.2 wrote it."""
     recording, arm = tmp_path / "recordings" / "pushed", tmp_path / "parameters" / "ur5"
     for folder in (recording, arm, tmp_path / "tables"):
@@ -58,10 +58,10 @@ def results(tmp_path: Path) -> FinishedStudy:
         path.write_text(json.dumps(data))
     detection = {"recording": ["pushed"], "estimate": ["Fmap"], "found": [3], "causal_found": [2]}
     pd.DataFrame(detection).to_csv(tmp_path / "tables" / "detection.csv", index=False)
-    return FinishedStudy(tmp_path)
+    return StudyFiles(tmp_path)
 
 
-def test_findings_have_their_codes_as_sentences(results: FinishedStudy) -> None:
+def test_findings_have_their_codes_as_sentences(results: StudyFiles) -> None:
     quality = results.quality("pushed")
     assert quality.frames == 9
     assert quality.saturated_channels() == ["ft_fx"]
@@ -72,7 +72,7 @@ def test_findings_have_their_codes_as_sentences(results: FinishedStudy) -> None:
     assert results.judgement("pushed").findings == quality.findings
 
 
-def test_what_was_fitted_and_the_account_of_a_sensor_are_read(results: FinishedStudy) -> None:
+def test_what_was_fitted_and_the_account_of_a_sensor_are_read(results: StudyFiles) -> None:
     friction = results.parameters(Friction, "ur5", "friction")
     assert friction.from_ == ["free"]
     assert friction.refused is not None
@@ -84,7 +84,7 @@ def test_what_was_fitted_and_the_account_of_a_sensor_are_read(results: FinishedS
     assert doubt.finding == "offset"
 
 
-def test_a_table_has_the_columns_that_it_had(results: FinishedStudy) -> None:
+def test_a_table_has_the_columns_that_it_had(results: StudyFiles) -> None:
     assert results.table("detection")["causal_found"].tolist() == [2]
 
 
@@ -103,7 +103,7 @@ def test_a_study_that_0_2_built_opens(built: Path, monkeypatch: pytest.MonkeyPat
     """In its workspace, where the files lie that its configuration names."""
     monkeypatch.chdir(built.parent)
     Path("points.txt").write_text(POINTS)
-    study = FinishedStudy(built)
+    study = StudyFiles(built)
     assert study.recordings == ["held.1", "moved"]
     assert [study.recording(name).role for name in study.recordings] == ["contact", "fit"]
     assert {len(study.table(name).columns) > 1 for name in study.tables} == {True}
@@ -119,4 +119,4 @@ def test_verdicts_of_0_2_are_printed_and_are_those_of_its_last_build(built: Path
     assert all(": " in line for line in lines(states, "made"))
     summary = last_summary(built / "results.json")
     assert summary is not None
-    assert len(summary.verdicts) == len(FinishedStudy(built).verdicts)
+    assert len(summary.verdicts) == len(StudyFiles(built).verdicts)

@@ -30,7 +30,7 @@ from ur5lib.excitation.outlook import (
     problem_after,
 )
 from ur5lib.excitation.problem import DesignProblem, build_problem, nominal_maps
-from ur5lib.finished import FinishedStudy
+from ur5lib.finished import StudyFiles
 from ur5lib.records.friction import Friction
 from ur5lib.records.models import Identification
 from ur5lib.records.motion import Motion
@@ -113,7 +113,7 @@ def earlier(options: ExciteOptions) -> tuple[Robot, Earlier | None]:
     """
     if options.results is None:
         return described(options.robot), None
-    study = FinishedStudy(options.results)
+    study = StudyFiles(options.results)
     arm = study.arm(options.robot)
     friction = study.parameters(Friction, arm.name, "friction")
     base = study.parameters(Identification, arm.name, "identification")
@@ -214,7 +214,7 @@ def _band_lines(outlook: Sequence[Bands], effort: channels.Effort) -> Iterator[s
         yield f"  {row.after:<46}{row.force:>7.2f} N {current} {row.mass:>6.3f} kg"
 
 
-def _recorded(arm: Robot, study: FinishedStudy, name: str) -> RecordedStates:
+def _recorded(arm: Robot, study: StudyFiles, name: str) -> RecordedStates:
     """Return the states of a recording."""
     gravity = study.recording(name).known_gravity()
     motion = study.record(Motion, name)

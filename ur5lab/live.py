@@ -26,7 +26,7 @@ from ur5lab.recorder.rtde_arm import (
     RtdeClient,
 )
 from ur5lib.errors import InputError
-from ur5lib.finished import FinishedStudy
+from ur5lib.finished import StudyFiles
 from ur5lib.tables import write_aside
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.topics.live.arm_file import known_of_arm
@@ -85,7 +85,7 @@ def live(
     as_in: recording with the payload and mounting to use, "" for none. Raises InputError if the
     report states no force, or no controller answers.
     """
-    study = FinishedStudy(results)
+    study = StudyFiles(results)
     arms = sorted({one.arm.known_as for one in study.configuration().recordings})
     if robot is None and len(arms) != 1:
         raise InputError(f"{results} has the arms {', '.join(arms)}; name one by --robot")

@@ -7,17 +7,15 @@
     'N'
 
 `read` gives `Recordings`, `fit` a `Model`, `load` the `FinishedStudy` of `ur5 run`, `read_arm` an
-`Arm`; `load_model` reads a saved model, and what a user can correct is an `InputError`. SI units,
-float64, samples first: (N, n). Each name is loaded when it is used: `import ur5lib` alone takes
-milliseconds.
+`Arm`, `load_model` a saved model; these names are the door, and modules may change. SI units, in
+`attrs["units"]` of each frame; float64, samples first: (N, n). What a user can correct raises an
+`InputError`. `help(ur5lib.Model)` has the rest.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 __version__ = "0.2.0"
-__all__ = ["Arm", "FinishedStudy", "InputError", "Model", "Recordings"]
-__all__ += ["fit", "load", "load_model", "read", "read_arm"]
 
 if TYPE_CHECKING:
     from ur5lib.chain.model import Model as Model
@@ -53,4 +51,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted([*__all__, "__version__"])
+    return sorted([*_HOMES, "__version__"])

@@ -1,5 +1,7 @@
 """The results of a study that was run: as data frames for a notebook, as records for commands."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from difflib import get_close_matches
 from functools import cached_property
@@ -27,6 +29,7 @@ from ur5lib.study.address import results_folder
 from ur5lib.study.model import Recording, Settings, Study
 from ur5lib.study.reading import parse_study, read_plain
 from ur5lib.tables import intact, read_csv, read_record
+from ur5lib.workspace.topics import modules_of_topics
 
 Record = TypeVar("Record")
 FILES_OF_ARM = {  # files of an arm that a model needs
@@ -49,7 +52,7 @@ FILES_OF_FITTED = {  # files of a fitted recording that a model needs
 }
 
 
-def load(study: str | Path) -> "FinishedStudy":
+def load(study: str | Path) -> FinishedStudy:
     """Return the results of a study.
 
     study: its name, as `mine`, its YAML file, or the folder of its results. Raises InputError where
@@ -121,43 +124,11 @@ class FinishedStudy(Shown):
         """
         return self._judged("uses")
 
-    def configuration(self) -> Study:
-        """Return the study with every default filled in."""
-        path = self._existing("configuration.yaml")
-        with intact(path):
-            plain = read_plain(path)
-        return parse_study(plain, str(path))
-
-    def recording(self, name: str) -> Recording:
-        """Return a recording's entry in the study."""
-        entries = {entry.name: entry for entry in self.configuration().recordings}
-        return entries[self._known(name, [*entries], "recording")]
-
     def arm(self, robot: str) -> Robot:
         """Return an arm with the link models that were identified."""
         path = self._existing("parameters", robot, "arm.yaml")
         with intact(path):
             return load_robot(path)
-
-    def parameters(self, kind: type[Record], robot: str, name: str) -> Record:
-        """Return what was fitted to an arm, e.g. `Friction` of `parameters/<arm>/friction.json`."""
-        return read_record(kind, self._existing("parameters", robot, f"{name}.json"))
-
-    def quality(self, recording: str) -> Quality:
-        """Return the files and the timing of a recording."""
-        return self.record(Quality, recording)
-
-    def judgement(self, recording: str) -> Judgement:
-        """Return the judgement of a recording without its sensor."""
-        return self.record(Judgement, recording)
-
-    def beside_sensor(self, recording: str) -> SensorAccount:
-        """Return bias and tool of a recording's force sensor."""
-        return self.record(SensorAccount, recording, "beside_sensor")
-
-    def payload(self, recording: str) -> Payload | None:
-        """Return the payload of the arm."""
-        return self.record(Premises, recording).load.payload
 
     def record(self, kind: type[Record], recording: str, name: str = "") -> Record:
         """Return a file of a recording as a record, e.g. `Motion` of motion.parquet.
@@ -176,7 +147,7 @@ class FinishedStudy(Shown):
         """
         own = self._known(name, self.tables, "table")
         table = read_csv(self.folder / "tables" / f"{own}.csv")
-        table.attrs["units"] = column_units(own, table, self._effort_unit)
+        table.attrs["units"] = column_units(own, table, self._effort_unit, _units_of_topics())
         return table
 
     def signals(self, recording: str) -> pd.DataFrame:
@@ -225,12 +196,6 @@ class FinishedStudy(Shown):
         own = self._known(recording, self.recordings, "recording")
         names = [path.stem for path in (self.folder / "recordings" / own).glob("*.parquet")]
         return self._existing("recordings", own, f"{self._known(name, names, 'file')}.parquet")
-
-    def start(self, recording: str) -> float | None:
-        """Return time zero of a recording in seconds since 1970; None where unknown."""
-        name = self._known(recording, self.recordings, "recording")
-        path = self.folder / "recordings" / name / "quality.json"
-        return self.quality(name).start_epoch_s if path.is_file() else None
 
     def model(self, robot: str) -> Model:
         """Return the model that was fitted to an arm, the same as `ur5lib.fit` of its recordings.
@@ -304,3 +269,50 @@ class FinishedStudy(Shown):
             f"{self.folder} has no {kind} {name!r:.80}, but {', '.join(near)}; correct the name, "
             "or `ur5 run` the study again"
         )
+
+
+def _units_of_topics() -> dict[str, dict[str, str]]:
+    """Return the units of the topics' tables, by a pattern of the columns' names."""
+    return {k: v for topic in modules_of_topics("units").values() for k, v in topic.UNITS.items()}
+
+
+class StudyFiles(FinishedStudy):
+    """A finished study with its files as records, which commands read."""
+
+    def configuration(self) -> Study:
+        """Return the study with every default filled in."""
+        path = self._existing("configuration.yaml")
+        with intact(path):
+            plain = read_plain(path)
+        return parse_study(plain, str(path))
+
+    def recording(self, name: str) -> Recording:
+        """Return a recording's entry in the study."""
+        entries = {entry.name: entry for entry in self.configuration().recordings}
+        return entries[self._known(name, [*entries], "recording")]
+
+    def parameters(self, kind: type[Record], robot: str, name: str) -> Record:
+        """Return what was fitted to an arm, e.g. `Friction` of `parameters/<arm>/friction.json`."""
+        return read_record(kind, self._existing("parameters", robot, f"{name}.json"))
+
+    def quality(self, recording: str) -> Quality:
+        """Return the files and the timing of a recording."""
+        return self.record(Quality, recording)
+
+    def judgement(self, recording: str) -> Judgement:
+        """Return what is judged of a recording by itself."""
+        return self.record(Judgement, recording)
+
+    def beside_sensor(self, recording: str) -> SensorAccount:
+        """Return bias and tool of a recording's force sensor."""
+        return self.record(SensorAccount, recording, "beside_sensor")
+
+    def payload(self, recording: str) -> Payload | None:
+        """Return the payload of the arm."""
+        return self.record(Premises, recording).load.payload
+
+    def start(self, recording: str) -> float | None:
+        """Return time zero of a recording in seconds since 1970; None where unknown."""
+        name = self._known(recording, self.recordings, "recording")
+        path = self.folder / "recordings" / name / "quality.json"
+        return self.quality(name).start_epoch_s if path.is_file() else None

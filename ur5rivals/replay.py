@@ -12,7 +12,7 @@ import numpy as np
 
 from ur5lib.commands.exported import motor_torque
 from ur5lib.errors import InputError
-from ur5lib.finished import FinishedStudy
+from ur5lib.finished import StudyFiles
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import Friction
@@ -38,7 +38,7 @@ def replayed(file: Path, results: Path, name: str) -> Iterator[str]:
     file: MJCF or URDF of the arm, as MuJoCo reads them, with the recording's payload; results:
     results/<study>; name: of the recording. Raises InputError for missing results.
     """
-    study = FinishedStudy(results)
+    study = StudyFiles(results)
     recording = study.recording(name)
     robot = recording.arm.known_as
     arm, friction = study.arm(robot), study.parameters(Friction, robot, "friction")

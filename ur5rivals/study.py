@@ -10,7 +10,7 @@ import numpy as np
 
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
-from ur5lib.finished import FinishedStudy
+from ur5lib.finished import StudyFiles
 from ur5lib.force.controller import controller_estimate
 from ur5lib.force.force_input import Gears, force_input
 from ur5lib.identification.current_samples import current_record
@@ -64,7 +64,7 @@ def read_arms(folder: Path) -> list[StudyArm]:
     """
     if not (folder / "configuration.yaml").is_file():
         raise InputError(f"{folder} is not built; `ur5 run` its study, or name another")
-    study = FinishedStudy(folder)
+    study = StudyFiles(folder)
     entries = study.configuration().recordings
     names = dict.fromkeys(entry.arm.known_as for entry in entries)
     arms = [read_arm(study, entries, name) for name in names]
@@ -77,7 +77,7 @@ def read_arms(folder: Path) -> list[StudyArm]:
     return usable
 
 
-def read_arm(study: FinishedStudy, entries: Sequence[Recording], name: str) -> StudyArm:
+def read_arm(study: StudyFiles, entries: Sequence[Recording], name: str) -> StudyArm:
     """Return the runs of an arm, with common labels of their paths."""
     robot, friction = study.arm(name), study.parameters(Friction, name, "friction")
     cutoff = study.configuration().settings.lowpass.currents.cutoff_hz
@@ -109,7 +109,7 @@ def repeats_of(run: Run, free: Sequence[Run]) -> tuple[Run, ...]:
 
 
 def read_run(
-    study: FinishedStudy, entry: Recording, arm: Robot, fitted: Friction, cutoff: float
+    study: StudyFiles, entry: Recording, arm: Robot, fitted: Friction, cutoff: float
 ) -> Run | None:
     """Return a recording, None if its external torque is unknown or its load is undeclared.
 
@@ -156,7 +156,7 @@ def read_run(
     )
 
 
-def opened(study: FinishedStudy, name: str) -> PredictedRecording:
+def opened(study: StudyFiles, name: str) -> PredictedRecording:
     """Return a study's files of a recording."""
     loads = {kind.__name__.lower(): partial(study.record, kind, name) for kind in RECORDS}
     loads["prediction"] = partial(study.record, Prediction, name, "currents")
@@ -164,7 +164,7 @@ def opened(study: FinishedStudy, name: str) -> PredictedRecording:
 
 
 def ready_estimates(
-    study: FinishedStudy, name: str, robot: Robot, signals: Signals
+    study: StudyFiles, name: str, robot: Robot, signals: Signals
 ) -> dict[str, Estimate]:
     """Return the study's estimates, and the published ones as corrected; in a study without
     published values, only the controller's in place of the latter.

@@ -1,9 +1,14 @@
-"""Tables and sections of pages in Markdown."""
+"""Tables and sections of pages in Markdown; tables that a picture shows are CSV files of data/."""
 
+import csv
+import io
 import re
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 
 import pandas as pd
+
+from ur5lib.tables import write_text
 
 
 def markdown(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -12,13 +17,43 @@ def markdown(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
 
 
-FOLDED = "<details markdown><summary>The numbers</summary>"
-UNFOLDED = "</details>"
+FOLD = re.compile(r"<!-- data/(\w+)\.csv -->\n+(\|.*?)\n+<!-- end -->", re.DOTALL)
+LINK = re.compile(r"\[The numbers\]\(data/(\w+)\.csv\)")
 
 
-def folded(table: str) -> str:
-    """Return a folded table in Markdown, since a picture shows its content."""
-    return f"{FOLDED}\n\n{table}\n\n{UNFOLDED}"
+def folded(name: str, table: str) -> str:
+    """Return a table in Markdown that becomes data/<name>.csv where its page is written."""
+    return f"<!-- data/{name}.csv -->\n\n{table.strip()}\n\n<!-- end -->"
+
+
+def read_page(page: Path) -> str:
+    """Return a page with the tables that it links as data."""
+
+    def table(link: re.Match[str]) -> str:
+        text = (page.parent / "data" / f"{link[1]}.csv").read_text(encoding="utf-8")
+        head, *rows = csv.reader(io.StringIO(text))
+        return folded(link[1], markdown(head, rows))
+
+    return LINK.sub(table, page.read_text(encoding="utf-8"))
+
+
+def write_page(text: str, page: Path) -> None:
+    """Write a page, its folded tables as data that it links."""
+
+    def link(fold: re.Match[str]) -> str:
+        rows = io.StringIO()
+        csv.writer(rows, lineterminator="\n").writerows(cells_of(fold[2], but=1))
+        write_text(rows.getvalue(), page.parent / "data" / f"{fold[1]}.csv")
+        return f"[The numbers](data/{fold[1]}.csv)"
+
+    write_text(FOLD.sub(link, text), page)
+
+
+def cells_of(table: str, but: int) -> list[list[str]]:
+    """Return the cells of a table in Markdown, without one of its lines."""
+    lines = [line.strip().removeprefix("|").removesuffix("|") for line in table.splitlines()]
+    del lines[but]
+    return [[cell.strip() for cell in line.split("|")] for line in lines]
 
 
 def replaced(text: str, title: str, tables: str) -> str:
@@ -28,11 +63,11 @@ def replaced(text: str, title: str, tables: str) -> str:
     old = section(text, title)
     if not old:
         return text
-    fold = max(old.find(FOLDED), 0)
-    start = old.find("\n|", fold) + 1
+    if fold := FOLD.search(old):
+        return text.replace(fold[0], folded(fold[1], tables))
+    start = old.find("\n|") + 1
     words = old[:start] if start else f"{old.rstrip()}\n\n"
-    after = old[old.index(UNFOLDED, start) :] if FOLDED in old else ""
-    return text.replace(old, f"{words}{tables.rstrip()}\n\n{after}")
+    return text.replace(old, f"{words}{tables.rstrip()}\n\n")
 
 
 def section(text: str, title: str) -> str:
@@ -48,9 +83,7 @@ def table_in(text: str, title: str, head: str = "") -> pd.DataFrame:
     """
     whole = section(text, title) or text
     for block in re.findall(r"(?:^\|.*\n?)+", whole, re.MULTILINE):
-        cells = [
-            [cell.strip() for cell in line.strip("|\n").split("|")] for line in block.splitlines()
-        ]
-        if head in ("", cells[0][0]):
-            return pd.DataFrame(cells[2:], columns=cells[0])
+        first, *rows = cells_of(block, but=1)
+        if head in ("", first[0]):
+            return pd.DataFrame(rows, columns=first)
     raise ValueError(f"no table of “{title}” begins with {head}")

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 
 from benchmarks.harness.table_pictures import BLUE, GREEN, GREY, ORANGE
 from ur5lib import load
+from ur5lib.finished import StudyFiles
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.forces import Forces, SensorWrenches
@@ -243,7 +244,7 @@ def first_motion(folder: Path, recording: str, span: Span, joints: tuple[int, ..
 
 def thresholds(folder: Path, robot: str) -> Drawing:
     """Draw the torque thresholds of contact, by joint and speed."""
-    rows = pd.DataFrame(thresholds_of(load(folder), robot).in_json()["by_speed"])
+    rows = pd.DataFrame(thresholds_of(StudyFiles(folder), robot).in_json()["by_speed"])
     speeds = dict(zip(("at rest", "slow", "fast"), (ORANGE, GREEN, BLUE), strict=True))
     with house_style(2.8) as (figure, ((axis,),)):
         for place, (name, colour) in enumerate(speeds.items()):

@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from benchmarks.harness.markdown import table_in
+from benchmarks.harness.markdown import read_page, table_in
 from ur5lib import load
 from ur5lib.identification.estimation import physical_values
 from ur5lib.identification.steady_friction import steady_columns
@@ -195,7 +195,7 @@ def truths(folder: Path) -> Drawing:
 
 def what_to_expect(page: Path) -> Drawing:
     """Draw, by arm, errors of force in contact beside the mean force, and the smallest pushes."""
-    rows = table_in(page.read_text(), "By arm", "arm")
+    rows = table_in(read_page(page), "By arm", "arm")
     with house_style(ROW * 2 * len(rows) + MARGIN, 1, 2, sharey=True) as (figure, ((left, right),)):
         for place, (force, push) in enumerate(rows.iloc[:, [4, 7]].to_numpy()):
             for error, mean in re.findall(r"([\d.]+) of (\d+)", force):
@@ -223,7 +223,7 @@ def what_to_expect(page: Path) -> Drawing:
 
 def live_pushes(page: Path) -> Drawing:
     """Draw the smallest push that the live estimate finds, by arm, motion and axis."""
-    rows = table_in(page.read_text(), "How good it is", "arm, flange")
+    rows = table_in(read_page(page), "How good it is", "arm, flange")
     with house_style(ROW * 2 * len(rows) + MARGIN) as (figure, ((axis,),)):
         for shift, (name, colour) in zip((-0.2, 0, 0.2), AXES.items(), strict=True):
             dots(
@@ -282,7 +282,7 @@ def by_axis(folder: Path, estimates: Mapping[str, str]) -> Drawing:
 
 def world(page: Path) -> Drawing:
     """Draw the error of each situation over that of plain least squares, and the share in band."""
-    rows = table_in(page.read_text(), "A world of situations").set_index("situation")
+    rows = table_in(read_page(page), "A world of situations").set_index("situation")
     ratio = pd.to_numeric(rows["ours / plain"], errors="coerce")
     inside = pd.to_numeric(rows["inside"], errors="coerce")
     with house_style(ROW * len(rows) + MARGIN, 1, 2, sharey=True, width_ratios=[3, 1]) as (
@@ -313,7 +313,7 @@ def numbers(cells: pd.Series) -> pd.DataFrame:
 
 def simulated_arms(page: Path) -> Drawing:
     """Draw the error of each estimator on simulated arms, by pushed place."""
-    rows = table_in(page.read_text(), "Simulated arms")
+    rows = table_in(read_page(page), "Simulated arms")
     places = {"flange": BLUE, "tool": GREEN, "elbow": ORANGE}
     with house_style(ROW * len(rows) + MARGIN) as (figure, ((axis,),)):
         for place, colour in places.items():
@@ -327,7 +327,7 @@ def simulated_arms(page: Path) -> Drawing:
 
 def torque_from_motion(page: Path) -> Drawing:
     """Draw the error of predicted torques of each joint and model, over that of a constant."""
-    rows = table_in(page.read_text(), "Torque from motion", "model")
+    rows = table_in(read_page(page), "Torque from motion", "model")
     rows = rows[rows["1"].str.match(r"[\d.]+$")]
     with house_style(ROW * 1.3 * len(rows) + MARGIN) as (figure, ((axis,),)):
         at = np.arange(len(rows))
@@ -352,7 +352,7 @@ def torque_from_motion(page: Path) -> Drawing:
 
 def published_friction(page: Path) -> Drawing:
     """Draw friction of a Stäubli TX40 with its interval, over the published values."""
-    rows = table_in(page.read_text(), "Friction beside published values")
+    rows = table_in(read_page(page), "Friction beside published values")
     rows = rows[rows["value"].str.match("viscous|coulomb")]
     printed = rows["published"].astype(float)
     own = numbers(rows["ours, 95 %"]).div(printed, axis=0)
@@ -368,7 +368,7 @@ def published_friction(page: Path) -> Drawing:
 
 def parts_of_estimate(page: Path) -> Drawing:
     """Draw error, share in band and contacts found of the MAP estimate without each part."""
-    rows = table_in(page.read_text(), "Evidence for the methods", "without")
+    rows = table_in(read_page(page), "Evidence for the methods", "without")
     with house_style(ROW * len(rows) + MARGIN, 1, 3, sharey=True) as (
         figure,
         ((left, middle, right),),
@@ -387,7 +387,7 @@ def parts_of_estimate(page: Path) -> Drawing:
 
 def states_a_second(page: Path) -> Drawing:
     """Draw states a second of processor and GPU over the number of states."""
-    rows = table_in(page.read_text(), "Evidence for the methods", "states")
+    rows = table_in(read_page(page), "Evidence for the methods", "states")
     count = rows["states"].str.replace(",", "").astype(float)
     kinds = {"processor": GREY, "GPU with transfers": BLUE, "GPU": GREEN, "MJX": ORANGE}
     with house_style(2.8, 1, 2, sharey=True) as (figure, (panels,)):

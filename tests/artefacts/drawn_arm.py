@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from tests.artefacts.documents import browser
-from ur5lib.finished import FinishedStudy
+from ur5lib.finished import StudyFiles
 from ur5lib.force.estimators import NEW
 from ur5lib.records.forces import Forces, SensorWrenches
 from ur5lib.records.signals import Signals
@@ -45,7 +45,7 @@ DRAWN = """([recording, time, [turn, tilt]]) => {
 
 def check_arm(results: Path, recording: str) -> None:
     """Where the tables of a recording say, at times of a small, a larger and a large force."""
-    study = FinishedStudy(results)
+    study = StudyFiles(results)
     signals, forces = study.record(Signals, recording), study.record(Forces, recording)
     sensor = SensorWrenches.read(results / "recordings" / recording / "sensor.parquet")
     entry = study.recording(recording)

@@ -2,11 +2,13 @@
 
 import json
 import os
+import pydoc
 import re
 import subprocess
 import sys
 import time
 from ast import literal_eval
+from collections import ChainMap
 from collections.abc import Mapping, Sequence
 from doctest import DocTestParser
 from html.parser import HTMLParser
@@ -29,9 +31,14 @@ from ur5lib.records.motion import Motion, motions_before
 from ur5lib.records.units import BY_TABLE, column_units
 from ur5lib.records.verdicts import REASONS
 from ur5lib.tables import write_table
+from ur5lib.workspace.topics import modules_of_topics
 
 SCREEN = 26  # lines
-ANSWERS = ["predict", "score", "friction", "estimate", "table"]  # of a model
+ANSWERS = ["predict", "score", "friction", "estimate", "table", "plot"]  # of a model
+DOOR = {*dir(ur5lib)} - {"__version__"}
+EXAMPLES = ["read_arm", "Arm", "read", "Recordings", "fit", "Model", "load_model"]  # in order
+EXAMPLES += ["load", "FinishedStudy", "InputError"]
+HELP, WIDTH = 60, 100  # lines and columns of a terminal as high as a screen
 SCRIPT = """\
     import ur5lib
 
@@ -387,12 +394,12 @@ def test_tables_have_the_units_of_their_columns(model: ur5lib.Model) -> None:
 
 
 def test_every_unit_is_of_a_table_and_a_column_that_there_are() -> None:
-    page = (PROJECT / "docs" / "report.md").read_text()
-    described = re.split("^## ", page.partition("## Columns of the tables")[2], flags=re.MULTILINE)
-    for table, patterns in BY_TABLE.items():
-        (row,) = re.findall(rf"^\| `{table}` \| (.*) \|$", described[0], re.MULTILINE)
+    described = pd.read_csv(PROJECT / "docs/data/tables.csv", index_col="table")["columns"]
+    of_topics = (topic.UNITS for topic in modules_of_topics("units").values())
+    for table, patterns in ChainMap(BY_TABLE, *of_topics).items():
+        names = described[table].split(", ")
         for pattern in patterns:
-            assert any(re.search(pattern, name) for name in row.split(", ")), (table, pattern)
+            assert any(re.search(pattern, name) for name in names), (table, pattern)
 
 
 def test_the_library_is_imported_in_an_instant() -> None:
@@ -407,8 +414,8 @@ def test_the_library_is_imported_in_an_instant() -> None:
 
 def test_every_public_name_is_there_and_documented() -> None:
     """On one screen, with the shapes of its arrays; a name that is no door is not shown."""
-    assert {*dir(ur5lib)} == {*ur5lib.__all__, "__version__"}
-    for name in ur5lib.__all__:
+    assert {*EXAMPLES} == DOOR
+    for name in DOOR:
         own = getattr(ur5lib, name)
         assert 0 < len(own.__doc__.splitlines()) <= SCREEN, name
     with pytest.raises(AttributeError, match="fitt"):
@@ -423,11 +430,8 @@ def test_the_example_of_every_public_name_runs(
     forces = pd.DataFrame({"time": [0.0, 0.1], "Fmap_Fx": [1.0, 0.5]})
     write_table(forces, "results/mine/recordings/pushed/forces.parquet", {"Fmap_Fx": "N"})
     known: dict[str, object] = {"ur5lib": ur5lib}
-    in_order = ["read_arm", "Arm", "read", "Recordings", "fit", "Model", "load_model"]
-    in_order += ["load", "FinishedStudy", "InputError"]
-    assert {*in_order} == {*ur5lib.__all__}
     of_methods = {f"Model.{name}": getattr(ur5lib.Model, name) for name in ANSWERS}
-    documented = {name: getattr(ur5lib, name) for name in in_order} | of_methods
+    documented = {name: getattr(ur5lib, name) for name in EXAMPLES} | of_methods
     for name, own in ({"ur5lib": ur5lib} | documented).items():
         once = name == "ur5lib"  # its fit is that of the next examples
         monkeypatch.setattr(ur5lib, "fit", (lambda _: model) if once else fit, raising=False)
@@ -438,6 +442,22 @@ def test_the_example_of_every_public_name_runs(
                 exec(example.source, known)
             else:
                 assert eval(example.source, known) == literal_eval(example.want), name
+
+
+def shown_by_help(own: object) -> int:
+    """Lines of `help`, as a terminal breaks them."""
+    text = pydoc.render_doc(own, renderer=pydoc.plaintext)
+    return sum(1 + max(0, len(line) - 1) // WIDTH for line in text.splitlines())
+
+
+def test_help_is_one_screen_and_of_a_class_with_its_methods_a_few() -> None:
+    """InputError has the members of every exception; each method alone is one screen, too."""
+    assert shown_by_help(ur5lib) <= HELP
+    for name in DOOR - {"InputError"}:
+        own = getattr(ur5lib, name)
+        own_methods = vars(own).values() if isinstance(own, type) else ()
+        assert shown_by_help(own) <= HELP * (2.5 if own_methods else 1), name
+        assert all(shown_by_help(one) <= HELP for one in own_methods if callable(one)), name
 
 
 @pytest.mark.slow

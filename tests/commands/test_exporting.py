@@ -23,7 +23,7 @@ from ur5lib.commands.convert import EXPORTED_TABLES, channels, write_recordings
 from ur5lib.commands.foxglove import METRES_PER_NEWTON, from_x_axis
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.errors import InputError
-from ur5lib.finished import FinishedStudy
+from ur5lib.finished import StudyFiles
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
 from ur5lib.robots.description import load_robot, robot_path, robot_yaml
@@ -90,7 +90,7 @@ def from_mcap(path: Path) -> tuple[Tables, np.ndarray]:
     return tables, np.array(stamps)
 
 
-def assert_as_in_study(tables: Tables, study: FinishedStudy, name: str, start: float = 0) -> None:
+def assert_as_in_study(tables: Tables, study: StudyFiles, name: str, start: float = 0) -> None:
     """Each table has the study's numbers, and a single unit for each column.
 
     start: what the time counts from [s].
@@ -150,7 +150,7 @@ def exported(results: Path, to: str) -> Path:
 
 
 def test_mat_has_the_study_s_numbers(results: Path) -> None:
-    study = FinishedStudy(results)
+    study = StudyFiles(results)
     parts = {part: [*study.frame("pushed", part)] for part in ("signals", "forces")}
     path = exported(results, "mat")
     assert loadmat(path)["start_epoch_s"].item() == START
@@ -162,7 +162,7 @@ def test_mat_has_the_study_s_numbers(results: Path) -> None:
 def test_csv_has_the_study_s_numbers(results: Path) -> None:
     tables = from_csv(exported(results, "csv"))
     assert tables.keys() == {"signals", "forces"}
-    assert_as_in_study(tables, FinishedStudy(results), "pushed")
+    assert_as_in_study(tables, StudyFiles(results), "pushed")
 
 
 def test_forces_have_the_push_that_would_have_been_found(results: Path) -> None:
@@ -196,7 +196,7 @@ def test_forces_have_the_push_that_would_have_been_found(results: Path) -> None:
 def test_mcap_has_the_study_s_numbers(results: Path) -> None:
     tables, stamps = from_mcap(exported(results, "mcap"))
     assert tables.keys() == {"signals", "forces"}
-    assert_as_in_study(tables, FinishedStudy(results), "pushed", START)
+    assert_as_in_study(tables, StudyFiles(results), "pushed", START)
     assert (np.diff(stamps) >= 0).all()
 
 
@@ -205,7 +205,7 @@ def test_mcap_has_the_messages_that_foxglove_draws(results: Path) -> None:
     read = messages(exported(results, "mcap"))
     ((_, description),) = read["/robot_description"]
     arm = pinocchio.buildModelFromXML(description["data"])
-    study = FinishedStudy(results)
+    study = StudyFiles(results)
     q, force = study.signals("pushed"), study.forces("pushed")[WRENCH[:3]].to_numpy()
     flange = study.record(Kinematics, "pushed").origin
     states, scenes = read["/joint_states"], read["/arrow_Fmap"]

@@ -18,7 +18,7 @@ from ur5lib.commands.exported import exported
 from ur5lib.commands.overruled import Overruled, overruled
 from ur5lib.commands.verdicts import card_states, lines
 from ur5lib.errors import InputError
-from ur5lib.finished import FinishedStudy
+from ur5lib.finished import StudyFiles
 from ur5lib.records.verdicts import Verdict, reason_in_words
 from ur5lib.robots.description import load_robot, robot_path, robot_yaml
 from ur5lib.tables import write_rows, write_text
@@ -110,8 +110,8 @@ def test_results_without_verdicts_say_so_in_one_line(
 @pytest.mark.parametrize("state", ["good", "usable", "not determined"])
 def test_only_do_not_use_is_refused(results: Path, state: str) -> None:
     judged(results, *(verdict(question, state) for question in QUESTIONS))
-    assert overruled(FinishedStudy(results), "ur5", QUESTIONS, "") == Overruled()
-    assert overruled(FinishedStudy(results), "ur5", QUESTIONS, REASON) == Overruled()
+    assert overruled(StudyFiles(results), "ur5", QUESTIONS, "") == Overruled()
+    assert overruled(StudyFiles(results), "ur5", QUESTIONS, REASON) == Overruled()
 
 
 def test_each_verdict_against_it_is_named_with_its_reason_and_the_option(results: Path) -> None:
@@ -122,7 +122,7 @@ def test_each_verdict_against_it_is_named_with_its_reason_and_the_option(results
         verdict("links", "do not use", reason="worse_than_zero"),
     )
     with pytest.raises(InputError) as refused:
-        overruled(FinishedStudy(results), "ur5", QUESTIONS, " ")
+        overruled(StudyFiles(results), "ur5", QUESTIONS, " ")
     message = str(refused.value)
     for code, question in (("blind", "force"), ("unlikely", "constants")):
         assert f"{question}: do not use. {reason_in_words(code)}"[:-1] in message
@@ -137,14 +137,14 @@ def test_an_arm_is_judged_by_itself_where_it_was(results: Path) -> None:
         verdict("constants", "usable"),
         verdict("constants", "do not use", "", reason="unknown_links"),
     )
-    study = FinishedStudy(results)
+    study = StudyFiles(results)
     assert overruled(study, "ur5", QUESTIONS, "") == Overruled()
     with pytest.raises(InputError, match="constants: do not use"):
         overruled(study, "kuka-kr300", QUESTIONS, "")
 
 
 def test_results_without_verdicts_are_exported_for_a_reason_alone(results: Path) -> None:
-    study = FinishedStudy(results)
+    study = StudyFiles(results)
     with pytest.raises(InputError, match=r"no verdicts, .* `ur5 run mine` again; .*--accept"):
         overruled(study, "ur5", QUESTIONS, "")
     assert overruled(study, "ur5", QUESTIONS, "an old study").reason == "an old study"

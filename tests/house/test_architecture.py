@@ -6,10 +6,14 @@ import graphlib
 import re
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterator
+from importlib.metadata import packages_distributions
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 from tests.conftest import PROJECT
 from ur5lib.jobs.code import all_steps, module_of, modules_of_step
@@ -48,7 +52,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "report": BASE | METHODS - {"signals", "dynamics"} | {"judging", "records", "workspace"},
     "study": BASE | {"stand", "recordings", "records"},
     "chain": BASE | {"identification", "jobs", "records", "study"},
-    "finished": BASE | {"chain", "jobs", "records", "study"},
+    "finished": BASE | {"chain", "jobs", "records", "study", "workspace"},
     "commands": BASE
     | METHODS - {"dynamics"}
     | {"checks", "finished", "jobs", "recordings"}
@@ -62,6 +66,8 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     | {"commands", "finished", "jobs", "judging", "records"}
     | {"report", "stand", "steps", "study"},
 }
+DISTRIBUTIONS = packages_distributions()
+COME_ALONG = {"mujoco-core", "mujoco-studio", "pydantic-core"}  # with what is declared
 MODULES = sorted((PROJECT / "ur5lib").rglob("*.py"))
 BESIDE = sorted(path.name for path in PROJECT.glob("ur5*") if path.name != "ur5lib")
 EVERY = MODULES + sorted(path for package in BESIDE for path in (PROJECT / package).rglob("*.py"))
@@ -107,6 +113,24 @@ def users_of(package: str) -> set[Path]:
     ):
         users |= more
     return users
+
+
+def brought_for(package: str) -> set[str]:
+    """The distributions that a package of the wheel imports, but for this one."""
+    files = (PROJECT / package).rglob("*.py")
+    names = {name.partition(".")[0] for path in files for name in imports(path)}
+    found = (own for name in names - {"ur5lib"} for own in DISTRIBUTIONS.get(name, []))
+    return {*map(canonicalize_name, found)}
+
+
+def test_the_wheel_needs_what_ur5lib_imports() -> None:
+    """All of it is declared; what a package beside imports alone would be an extra."""
+    project = tomllib.loads((PROJECT / "pyproject.toml").read_text())["project"]
+    needed = {canonicalize_name(Requirement(line).name) for line in project["dependencies"]}
+    own, beside = brought_for("ur5lib"), set[str]().union(*map(brought_for, BESIDE))
+    assert own - needed == COME_ALONG
+    assert needed - own == {"clarabel", "font-source-sans-pro"}  # by name, and as files
+    assert beside - own == set()
 
 
 @pytest.mark.parametrize("package", BESIDE)

@@ -8,7 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.harness.markdown import folded, replaced
+from benchmarks.harness.markdown import (
+    folded,
+    markdown,
+    read_page,
+    replaced,
+    table_in,
+    write_page,
+)
 from benchmarks.harness.rules import RULES, with_rules
 from benchmarks.pictures import OF_PAGES, PICTURES, with_columns
 from tests.conftest import PROJECT
@@ -43,7 +50,7 @@ def test_the_readme_leads_to_every_document() -> None:
 
 def test_the_report_s_page_lists_the_columns_of_all_tables() -> None:
     """Besides, it may have those whose rows steps write: of a topic that is deleted."""
-    page = (PROJECT / "docs" / "report.md").read_text()
+    page = read_page(PROJECT / "docs" / "report.md")
     listed, written = page.splitlines(), with_columns(page).splitlines()
     more = [line for line in listed if line not in written]
     assert [line for line in written if line not in listed] == [], "`make pictures` writes them"
@@ -52,7 +59,7 @@ def test_the_report_s_page_lists_the_columns_of_all_tables() -> None:
 
 def test_the_report_s_page_has_the_rules_of_the_code() -> None:
     """Limits, reasons and their words, with the reasons that judges give."""
-    page = (PROJECT / "docs" / "report.md").read_text()
+    page = read_page(PROJECT / "docs" / "report.md")
     assert with_rules(page) == page, "`make pictures` writes them"
     known = {reason for rule in RULES for reason in rule.reasons}
     assert {*REASONS_BY_GRAVITY} - {""} <= known
@@ -66,13 +73,24 @@ def test_pictures_of_tables_show_what_their_pages_say(name: str, tmp_path: Path)
     assert (tmp_path / "drawn.svg").read_bytes() == shown, "`make pictures` draws it anew"
 
 
-def test_a_benchmark_writes_its_folded_table_alone() -> None:
+def test_a_benchmark_writes_its_table_of_numbers_alone(tmp_path: Path) -> None:
     """What a section has besides stays: the KR300's has the fields of an entry form."""
-    table = folded("words\n\n| old |")
-    page = f"## One\n\n| field |\n| --- |\n\n{table}\n\nmore\n\n## Two\n"
-    assert replaced(page, "One", "| new |") == page.replace("old", "new")
+    table = folded("own", "| a | b |\n| --- | --- |\n| old, 1 |  |")
+    text = f"## One\n\n| field |\n| --- |\n\n{table}\n\nmore\n\n## Two\n"
+    write_page(text, page := tmp_path / "page.md")
+    assert "[The numbers](data/own.csv)\n\nmore" in page.read_text()
+    assert (tmp_path / "data" / "own.csv").read_text() == 'a,b\n"old, 1",\n'
+    assert read_page(page) == text
+    new = table_in(text, "One", "a").replace("old, 1", "new")
+    replacing = markdown([*new], new.to_numpy().tolist())
+    assert replaced(text, "One", replacing) == text.replace("old, 1", "new")
     plain = "## One\n\nwords\n\n| old |\n\n"
     assert replaced(plain, "One", "| new |") == plain.replace("old", "new")
+
+
+def test_numbers_are_linked_by_a_page() -> None:
+    linked = {target for page in PAGES for target, _ in LINK.findall(page.read_text())}
+    assert {f"data/{one.name}" for one in (PROJECT / "docs" / "data").iterdir()} <= linked
 
 
 def test_every_picture_is_shown() -> None:

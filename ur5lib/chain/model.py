@@ -1,14 +1,17 @@
 """The model of an arm: fitted to recordings, shown, saved, and used on other recordings."""
 
+from __future__ import annotations
+
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
-from typing import Any, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
 
 from ur5lib import __version__
 from ur5lib.chain.predicted import beside_measured, errors, expect_predicted, friction_at
@@ -28,6 +31,9 @@ from ur5lib.study.model import Settings, Study
 from ur5lib.study.selection import Selection
 from ur5lib.tables import as_written, write_text
 
+if TYPE_CHECKING:  # it loads for a while, and only a figure needs it
+    from matplotlib.figure import Figure
+
 TABLES = ["friction", "torque_constants", "cross_validation", "rotor_inertia", "parameters"]
 TABLES += ["excitation", "remarks"]
 FILES_OF_TABLES = {
@@ -45,7 +51,6 @@ YAML_FILES = ("described", "arm", "urdf")  # files of an arm; the others are JSO
 JSON_FILES = ("drifts", "rotors", "summary", "friction", "residuals", "threshold")
 
 
-@dataclass(frozen=True, repr=False, eq=False)
 class Model(Shown):
     """Torque constants, friction, links and residuals of an arm, as `ur5lib.fit` returns them.
 
@@ -61,10 +66,12 @@ class Model(Shown):
         >>> model.save("model.json")
     """
 
-    _settings: Settings
-    robot: str
-    _arm: Files
-    _fitted: Mapping[str, Files]
+    def __init__(
+        self, settings: Settings, robot: str, arm: Files, fitted: Mapping[str, Files]
+    ) -> None:
+        """Take what was fitted; `ur5lib.fit` and `load_model` make one."""
+        self.robot = robot
+        self._settings, self._arm, self._fitted = settings, arm, fitted
 
     @property
     def identified(self) -> Robot:
@@ -104,12 +111,15 @@ class Model(Shown):
         table.attrs["units"] = column_units(name, table, self.identified.measured.unit)
         return table
 
-    def plot(self, name: str, joint: int | None = None) -> Any:
+    def plot(self, name: str, joint: int | None = None) -> Figure:
         """Return a figure of the report, matplotlib's: "friction", "current_torque",
         "current_torque_friction", "residuals", "knowledge", "models" or "frames".
 
         joint: from 1, to have its panel alone, of the first three. Raises InputError for another
         name or joint, and of the first five where the model came from a file.
+
+            >>> model.plot("friction", joint=3).axes[0].get_ylabel()
+            'friction of joint 3 [Nm]'
         """
         expect_known("figure", name, FIGURES)
         joints = len(self.identified.joints)
@@ -166,7 +176,7 @@ class Model(Shown):
         """
         return errors(self._predicted(recordings, accept), self._friction)
 
-    def friction(self, velocity: Any, load: Any = 0.0) -> pd.DataFrame:
+    def friction(self, velocity: ArrayLike, load: ArrayLike = 0.0) -> pd.DataFrame:
         """Return the friction of each joint at steady velocities, all terms together.
 
         velocity: one, or (M,) [rad/s]; at 0, as a joint begins to move in positive direction; load:
@@ -235,7 +245,7 @@ class Model(Shown):
         write_text(json.dumps(self._saved(), indent=1) + "\n", expect_text(path, "file"))
 
     @classmethod
-    def _read(cls, path: str | Path) -> "Model":
+    def _read(cls, path: str | Path) -> Model:
         """Read a model that was saved. Raises InputError where the file has none."""
         file = Path(expect_text(path, "file"))
         try:

@@ -1,8 +1,8 @@
 """Recordings that were read: their content, their use, and their signals as frames."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Self
 
 import pandas as pd
 from pydantic import ValidationError
@@ -17,23 +17,26 @@ from ur5lib.records.quality import Finding, Quality
 from ur5lib.robots.description import Robot
 from ur5lib.strict import explain
 from ur5lib.study.accept import Accept, joined
-from ur5lib.study.model import Study
+from ur5lib.study.model import Recording, Study
 from ur5lib.study.selection import Selection
 from ur5lib.tables import has_unit, read_footer, read_table, read_units, table_by_owner
 
 NO_USE = ("stop", "error")  # severities of findings that prevent a fit
 
 
-@dataclass(frozen=True, repr=False)
 class Arm(Shown):
-    """An arm as described; name: of its description.
+    """An arm as `ur5lib.read_arm` returns it; it shows the limits of its joints.
 
-    >>> ur5lib.read_arm("ur5e").description.rated_payload
-    5.0
+    name: in results; description: its joints, link models, drives and frames, in SI units, a
+    `ur5lib.robots.description.Robot`.
+
+        >>> ur5lib.read_arm("ur5e").description.rated_payload  # [kg]
+        5.0
     """
 
-    name: str
-    description: Robot
+    def __init__(self, name: str, description: Robot) -> None:
+        """Take the description of a name; `ur5lib.read_arm` reads it."""
+        self.name, self.description = name, description
 
     def _title(self) -> str:
         robot = self.description
@@ -43,7 +46,7 @@ class Arm(Shown):
         )
 
     def summary(self) -> pd.DataFrame:
-        """Return the limits of each joint."""
+        """Return the limits of each joint: position [rad], speed [rad/s] and torque [Nm]."""
         robot = self.description
         low, high = zip(*robot.position_limits(), strict=True)
         return pd.DataFrame(
@@ -57,7 +60,6 @@ class Arm(Shown):
         ).round(3)
 
 
-@dataclass(frozen=True, repr=False, eq=False)
 class Recordings(Shown):
     """Recordings of one arm, as `ur5lib.read` returns them; a loop yields each alone.
 
@@ -72,10 +74,15 @@ class Recordings(Shown):
         [['free1'], ['free2']]
     """
 
-    _study: Study
-    _arm: Files
-    _files: Mapping[str, Files]
-    _qualities: Mapping[str, Quality]
+    def __init__(
+        self,
+        study: Study,
+        arm: Files,
+        files: Mapping[str, Files],
+        qualities: Mapping[str, Quality],
+    ) -> None:
+        """Take what was read of each; `ur5lib.read` makes them."""
+        self._study, self._arm, self._files, self._qualities = study, arm, files, qualities
 
     @property
     def names(self) -> list[str]:
@@ -96,11 +103,11 @@ class Recordings(Shown):
         """Return the number of recordings."""
         return len(self._files)
 
-    def __iter__(self) -> Iterator["Recordings"]:
+    def __iter__(self) -> Iterator[Recordings]:
         """Yield each recording alone."""
         return map(self.__getitem__, self.names)
 
-    def __getitem__(self, names: str | Sequence[str]) -> "Recordings":
+    def __getitem__(self, names: str | Sequence[str]) -> Recordings:
         """Return one recording, or several in their order here.
 
         Raises InputError for an unknown name, and for no name.
@@ -108,27 +115,24 @@ class Recordings(Shown):
         asked = names if isinstance(names, list | tuple) and names else [names]
         chosen = [expect_known("recording", name, self.names) for name in asked]
         entries = [one for one in self._study.recordings if one.name in chosen]
-        study = self._study.model_copy(update={"recordings": entries})
-        return replace(
-            self, _study=study, _files={one.name: self._files[one.name] for one in entries}
-        )
+        return self._of(entries)
 
     @property
-    def fit(self) -> "Recordings":
+    def fit(self) -> Recordings:
         """Return the recordings that are fitted to. Raises InputError if there are none."""
         return self._with_role("fit")
 
     @property
-    def validate(self) -> "Recordings":
+    def validate(self) -> Recordings:
         """Return contact-free recordings that no fit uses. Raises InputError if there are none."""
         return self._with_role("validate")
 
     @property
-    def contact(self) -> "Recordings":
+    def contact(self) -> Recordings:
         """Return those in which something may touch the arm. Raises InputError without any."""
         return self._with_role("contact")
 
-    def _with_role(self, role: str) -> "Recordings":
+    def _with_role(self, role: str) -> Recordings:
         names = [name for name, own in self.roles.items() if own == role]
         if not names:
             raise InputError(
@@ -195,7 +199,7 @@ class Recordings(Shown):
         words = "".join(f"; check {row.subject}: {row.taken_for}" for row in checks.itertuples())
         return printable(f"{name}: {self.roles[name]}, {', '.join(read)}{words}")
 
-    def _accepting(self, reasons: Mapping[str, str] | None) -> Self:
+    def _accepting(self, reasons: Mapping[str, str] | None) -> Recordings:
         """Return the recordings with reasons to overrule stop signs, by kind, as in a study.
 
         Raises InputError for an unknown kind, and for a kind without a reason.
@@ -218,7 +222,13 @@ class Recordings(Shown):
             one.model_copy(update={"accept": joined(general, one.accept)})
             for one in self._study.recordings
         ]
-        return replace(self, _study=self._study.model_copy(update={"recordings": entries}))
+        return self._of(entries)
+
+    def _of(self, entries: Sequence[Recording]) -> Recordings:
+        """Return those of some entries of their study."""
+        study = self._study.model_copy(update={"recordings": entries})
+        files = {one.name: self._files[one.name] for one in entries}
+        return Recordings(study, self._arm, files, self._qualities)
 
     def _chain(self, study: Study) -> Chain:
         """Return their chain of steps, with copies of the results so far."""

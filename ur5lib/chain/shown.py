@@ -1,7 +1,6 @@
 """Objects that show themselves on one screen of a terminal or notebook."""
 
 import sys
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from html import escape
@@ -13,16 +12,16 @@ from ur5lib.errors import printable
 MOST_ROWS, MOST_LETTERS = 16, 50  # of a table; of a cell
 
 
-class Shown(ABC):
+class Shown:
     """An object that is shown by a sentence and a table."""
 
-    @abstractmethod
     def _title(self) -> str:
         """Return a sentence: what it is, how much it contains, and what may be done with it."""
+        raise NotImplementedError
 
-    @abstractmethod
     def summary(self) -> pd.DataFrame:
         """Return the table that shows it; numbers with their units in the column's names."""
+        raise NotImplementedError
 
     def __repr__(self) -> str:
         """Return title and table as text."""

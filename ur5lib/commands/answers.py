@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.errors import InputError
-from ur5lib.finished import FinishedStudy
+from ur5lib.finished import StudyFiles
 from ur5lib.study.address import RESULTS_FOLDER
 from ur5lib.study.reading import read_study
 from ur5lib.workspace.topics import modules_of_topics
@@ -97,9 +97,9 @@ def _place(row: Any) -> str:
     return f"; {row.mass:.2f} kg are undeclared, at ({parts}) m in frame 6"
 
 
-def finished_study(study: Path) -> FinishedStudy:
+def finished_study(study: Path) -> StudyFiles:
     """Return the results of the last run of a study."""
     folder = RESULTS_FOLDER / read_study(study).study
     if not (folder / "tables").is_dir():
         raise InputError(f"{folder} has no tables; make them: ur5 run {study}")
-    return FinishedStudy(folder)
+    return StudyFiles(folder)

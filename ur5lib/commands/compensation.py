@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.finished import FinishedStudy
+from ur5lib.finished import StudyFiles
 from ur5lib.records.quality import Finding, Quality
 from ur5lib.records.sensor_offset import OffsetAccount
 from ur5lib.records.signals import Signals
@@ -30,7 +30,7 @@ FORMULA = (  # docs/exports.md has its symbols
 )
 
 
-def compensation(study: FinishedStudy | None, robot: str, only: str) -> str:
+def compensation(study: StudyFiles | None, robot: str, only: str) -> str:
     """Return bias and tool of an arm's force sensor by recording, as JSON with the formula.
 
     only: a recording, "" for all of the arm. Raises InputError without a study, and if no recording
@@ -54,7 +54,7 @@ def compensation(study: FinishedStudy | None, robot: str, only: str) -> str:
     )
 
 
-def _recording(study: FinishedStudy, arm: Robot, entry: Recording) -> dict[str, Any] | None:
+def _recording(study: StudyFiles, arm: Robot, entry: Recording) -> dict[str, Any] | None:
     """Return a recording's start and its results on the sensor; None without a sensor."""
     quality, sensor = study.quality(entry.name), study.beside_sensor(entry.name)
     if sensor.offset is None:

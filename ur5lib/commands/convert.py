@@ -16,7 +16,7 @@ from scipy.io.matlab import MatWriteError
 
 from ur5lib.commands.foxglove import Stream, drawn
 from ur5lib.errors import InputError, unknown
-from ur5lib.finished import FinishedStudy
+from ur5lib.finished import StudyFiles
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
 from ur5lib.records.pushes import SPEEDS
@@ -36,7 +36,7 @@ class RecordingTables:
     with rows, with the common index `time` [s], and the columns' units in `attrs["units"]`.
     """
 
-    study: FinishedStudy
+    study: StudyFiles
     name: str
     start: float | None
     tables: dict[str, pd.DataFrame]
@@ -48,7 +48,7 @@ def channels(columns: list[str]) -> dict[str, list[str]]:
     return {name: [*group] for name, group in groups}
 
 
-def with_smallest_push(study: FinishedStudy, name: str, forces: pd.DataFrame) -> pd.DataFrame:
+def with_smallest_push(study: StudyFiles, name: str, forces: pd.DataFrame) -> pd.DataFrame:
     """Return a recording's forces with the smallest push [N] along x, y and z that would be found,
     and its standard error, by the flange's speed at each sample.
 
@@ -186,7 +186,7 @@ def write_recordings(
     """
     if to not in WRITERS:
         raise unknown("format", to, WRITERS)
-    study, (ending, write) = FinishedStudy(results), WRITERS[to]
+    study, (ending, write) = StudyFiles(results), WRITERS[to]
     folder = into or results / "exported"
     for name in names or study.recordings:
         frames = {table: study.frame(name, table) for table in EXPORTED_TABLES}

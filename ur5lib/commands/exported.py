@@ -13,7 +13,7 @@ from scipy.optimize import nnls
 from ur5lib.commands.compensation import compensation
 from ur5lib.commands.overruled import Overruled, overruled
 from ur5lib.errors import InputError, perhaps, unknown
-from ur5lib.finished import FinishedStudy
+from ur5lib.finished import StudyFiles
 from ur5lib.identification.base_parameters import parameter_names
 from ur5lib.identification.currents import torque_constants
 from ur5lib.recordings.arm_joints import JOINTS
@@ -72,7 +72,7 @@ def exported(
     """
     if to not in FORMATS:
         raise unknown("format", to, FORMATS)
-    study = None if results is None else FinishedStudy(results)
+    study = None if results is None else StudyFiles(results)
     if to in OF_TOPICS:
         return str(OF_TOPICS[to](study, robot, as_in, accept))
     if to == "sensor":
@@ -100,7 +100,7 @@ def exported(
     return json_text(parameters)
 
 
-def _link_model(arm: Robot, robot: str, model: str | None, study: FinishedStudy | None) -> str:
+def _link_model(arm: Robot, robot: str, model: str | None, study: StudyFiles | None) -> str:
     """Return the link model that is exported. Raises InputError where the arm lacks it."""
     if model is None and arm.links == "unknown":
         raise InputError(
@@ -118,13 +118,13 @@ def _link_model(arm: Robot, robot: str, model: str | None, study: FinishedStudy 
 
 
 def _overruled(
-    study: FinishedStudy | None, robot: str, questions: Sequence[str], accept: str
+    study: StudyFiles | None, robot: str, questions: Sequence[str], accept: str
 ) -> Overruled:
     """Return the overruled verdicts, none for an arm as described."""
     return Overruled() if study is None else overruled(study, robot, questions, accept)
 
 
-def tool_centre_point(study: FinishedStudy | None, recording: str) -> TcpPose | None:
+def tool_centre_point(study: StudyFiles | None, recording: str) -> TcpPose | None:
     """Return the tool centre point of a recording, None without a recording or a declared one."""
     tool = study.recording(recording).known_tool() if study and recording else None
     return tool.tcp if tool else None
@@ -142,7 +142,7 @@ def described(robot: str) -> Robot:
     return load_robot(robot_path(robot))
 
 
-def simulator_friction(robot: str, model: str, study: FinishedStudy) -> JointFriction | None:
+def simulator_friction(robot: str, model: str, study: StudyFiles) -> JointFriction | None:
     """Return the Coulomb and viscous friction closest to the identified friction, which has more
     terms, over the fitted recordings; None without a fit.
     """
@@ -156,7 +156,7 @@ def simulator_friction(robot: str, model: str, study: FinishedStudy) -> JointFri
     return JointFriction(*np.array([*fitted]).T)
 
 
-def friction_torque(fit: CurrentFit, study: FinishedStudy, recording: str, model: str) -> Array:
+def friction_torque(fit: CurrentFit, study: StudyFiles, recording: str, model: str) -> Array:
     """Return the predicted torque of friction (N, n) [Nm] in a recording, k i + b - τ."""
     current = study.record(Currents, recording).predicted
     torques = study.record(Torques, recording)
@@ -200,7 +200,7 @@ def described_arm(arm: Robot, model: str) -> dict[str, Any]:
 
 
 def identified_parameters(
-    study: FinishedStudy, robot: str, friction: JointFriction | None
+    study: StudyFiles, robot: str, friction: JointFriction | None
 ) -> dict[str, Any]:
     """Return the identified parameters of an arm with standard errors and intervals.
 

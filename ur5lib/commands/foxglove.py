@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from ur5lib.finished import FinishedStudy
+from ur5lib.finished import StudyFiles
 from ur5lib.force.estimators import LEADING
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.robots.exports import urdf
@@ -41,7 +41,7 @@ class Stream(NamedTuple):
 
 
 def drawn(
-    study: FinishedStudy, name: str, tables: Mapping[str, pd.DataFrame], stamps: list[int]
+    study: StudyFiles, name: str, tables: Mapping[str, pd.DataFrame], stamps: list[int]
 ) -> Iterator[Stream]:
     """Yield the arm's URDF, states of its joints, and contact forces as arrows at its flange.
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from ur5lib.commands.verdicts import CardState, card_states
 from ur5lib.errors import InputError, printable
-from ur5lib.finished import FinishedStudy, no_verdicts
+from ur5lib.finished import StudyFiles, no_verdicts
 from ur5lib.records.verdicts import reason_in_words
 
 FORBIDDEN = "do not use"
@@ -36,7 +36,7 @@ class Overruled:
         return f"<!-- {re.sub('-(?=-)', '- ', note)} -->\n" if in_xml else f"# {note}\n"
 
 
-def overruled(study: FinishedStudy, robot: str, questions: Sequence[str], reason: str) -> Overruled:
+def overruled(study: StudyFiles, robot: str, questions: Sequence[str], reason: str) -> Overruled:
     """Return the verdicts against an export of an arm, overruled by a reason.
 
     questions: those of verdicts.csv that concern the export; reason: "" for none. Raises InputError

@@ -7,7 +7,7 @@ from typing import Any
 
 from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.errors import printable
-from ur5lib.finished import FinishedStudy
+from ur5lib.finished import StudyFiles
 from ur5lib.records.verdicts import reason_in_words
 
 
@@ -31,7 +31,7 @@ def card_states(results: Path) -> list[CardState] | None:
     """Return the states of the cards, from verdicts of rank 1; None if nothing was judged."""
     if not (results / "tables" / "verdicts.csv").is_file():
         return None
-    study = FinishedStudy(results)
+    study = StudyFiles(results)
     rows = study.verdicts
     rows = rows[(rows["rank"] == 1) & rows["state"].notna()]
     named = rows.astype({"arm": object, "reason": object}).fillna({"arm": "", "reason": ""})
@@ -52,13 +52,13 @@ def lines(states: list[CardState] | None, study: str) -> Iterator[str]:
     yield from (one.line(with_arm) for one in states if one.arm or one.question not in several)
 
 
-def measured(study: FinishedStudy, arm: str) -> Effort:
+def measured(study: StudyFiles, arm: str) -> Effort:
     """Return the effort that an arm measures; arm "": torque if all of the study's arms do."""
     arms = [arm] if arm else [path.name for path in (study.folder / "parameters").glob("*")]
     known = [one for one in arms if (study.folder / "parameters" / one / "arm.yaml").is_file()]
     return TORQUE if {study.arm(one).measured for one in known} == {TORQUE} else CURRENT
 
 
-def _card_state(study: FinishedStudy, row: Any) -> CardState:
+def _card_state(study: StudyFiles, row: Any) -> CardState:
     why = reason_in_words(row.reason, measured(study, row.arm)) if row.reason else ""
     return CardState(row.question, row.arm, row.state, row.reason, why)

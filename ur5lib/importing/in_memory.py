@@ -1,5 +1,7 @@
 """Arms and recordings as objects, of what `ur5 describe` and `ur5 import` write as files."""
 
+from __future__ import annotations
+
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence

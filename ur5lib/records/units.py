@@ -3,9 +3,10 @@
 Columns with different units by row are not listed: `unit` or `parameter` gives the unit there.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from re import search
 
+ByTable = Mapping[str, Mapping[str, str]]
 WRENCH, ACCELERATION, EFFORT = "N, Nm", "m/s2, rad/s2", "effort"  # by component, and by arm
 BY_ENDING = {
     "s": "s",
@@ -24,13 +25,15 @@ BY_TABLE: dict[str, dict[str, str]] = {  # a pattern of columns' names, and thei
     "contacts": {"^F": "N", "flange_speed": "m/s", "load_mass": "kg"},
     "cross_validation": {"rmse": EFFORT},
     "current_rmse": {"rmse|^mae$": EFFORT},
-    "error_parts": {"^error$": "N", "^drift": "N/min"},
+    "error_parts": {"^(error|missed|late_alarms|gain|friction)$": "N", "^drift": "N/min"},
     "force_mae": {"^(zero_)?(mae.*|max|interval_score95)$|mean_force": WRENCH},
     "friction": {"^load$": "Nm", "known|contradicted": f"Nm/{EFFORT}"},
+    "judged_errors": {"torque$": "Nm"},
     "model_errors": {"mae": "Nm"},
     "noticed": {"^(largest_missed|smallest_found|peak_bias|band)$": "N"},
     "payload": {"center_of_mass": "m", "^(mass|std_error|low|high|configured)$": "kg"},
     "push_curve": {"force": "N"},
+    "push_directions": {"^(unit|value|std_error)$": "N"},
     "pushes": {"^(value|std_error|low|high|largest_tried)$": "N"},
     "rotor_inertia": {
         "^(value|std_error)$": "kg m2",
@@ -43,17 +46,20 @@ BY_TABLE: dict[str, dict[str, str]] = {  # a pattern of columns' names, and thei
 }
 
 
-def column_units(table: str, columns: Iterable[str], effort: str) -> dict[str, str]:
+def column_units(
+    table: str, columns: Iterable[str], effort: str, own: ByTable | None = None
+) -> dict[str, str]:
     """Return the units of a table's columns that have the same unit in all rows.
 
     `N, Nm`: of forces and moments, by `component`; effort: `A`, or `Nm` for an arm that measures
-    torques.
+    torques; own: units of further tables, such as those of a topic.
     """
-    found = {name: _unit(BY_TABLE.get(table, {}), name) for name in columns}
+    patterns = {**BY_TABLE, **(own or {})}.get(table, {})
+    found = {name: _unit(patterns, name) for name in columns}
     return {name: unit.replace(EFFORT, effort) for name, unit in found.items() if unit}
 
 
-def _unit(patterns: dict[str, str], column: str) -> str:
+def _unit(patterns: Mapping[str, str], column: str) -> str:
     for pattern, unit in patterns.items():
         if search(pattern, column):
             return unit

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from ur5lib.cli import app
 from ur5lib.errors import InputError
-from ur5lib.finished import FinishedStudy
+from ur5lib.finished import StudyFiles
 from ur5lib.topics.compare.comparison import (
     CHANGE_COLUMNS,
     TOPICS,
@@ -79,7 +79,7 @@ def test_noise_alone_changes_nothing(tmp_path: Path) -> None:
     differ, changes, compared = 0, 0, 0
     for seed in range(1, 41, 2):
         folders = (results(tmp_path / str(seed + k), seed=seed + k) for k in range(2))
-        pair = tuple(map(FinishedStudy, folders))
+        pair = tuple(map(StudyFiles, folders))
         found = [one for topic in ("friction", "model") for one in TOPICS[topic](pair)]
         differ += sum(one.differs for one in found)
         changes += len([one for one in found if one.changed])

@@ -11,7 +11,7 @@ import pytest
 from tests.conftest import Workflow
 from ur5lib.commands.exported import exported
 from ur5lib.errors import InputError
-from ur5lib.finished import FinishedStudy
+from ur5lib.finished import StudyFiles
 from ur5lib.records.signals import Signals
 from ur5lib.records.verdicts import Verdict
 from ur5lib.tables import read_json, write_rows
@@ -34,10 +34,10 @@ def test_what_the_live_estimator_needs_is_exported(results: Path, tmp_path: Path
     )
     jsonschema.validate(known, schema)
     [pushed] = [row for row in known["judged_on"] if row["recording"] == "way_points_pushed"]
-    sensor = FinishedStudy(results).sensor("way_points_pushed")
+    sensor = StudyFiles(results).sensor("way_points_pushed")
     size = np.linalg.norm(sensor[[f"compensated_F{axis}" for axis in "xyz"]], axis=1)
     assert pushed["rmse_in_contact"] < 0.7 * np.sqrt((size[size > 5.0] ** 2).mean())
-    table = FinishedStudy(results).table("live_pushes")
+    table = StudyFiles(results).table("live_pushes")
     stated = [own["value"] or np.nan for own in known["smallest_pushes"]]
     np.testing.assert_allclose(stated, table["value"].astype(float))
     shutil.copytree(results / "parameters", tmp_path / "parameters")
@@ -68,7 +68,7 @@ def test_it_carries_the_reason_for_which_a_verdict_is_overruled(
 @pytest.mark.parametrize("name", ["way_points_pushed", "standstill_pushed"])
 def test_the_report_shows_what_the_exported_estimator_states(results: Path, name: str) -> None:
     """Fed sample by sample: its wrench, its contacts, and the rows of its table."""
-    study = FinishedStudy(results)
+    study = StudyFiles(results)
     run, stated = study.record(Signals, name), study.frame(name, "live_forces")
     estimator = Live(json.loads(exported("ur5", None, "live", results, name)))
     assert run.actual_q is not None

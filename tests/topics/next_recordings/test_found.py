@@ -1,16 +1,21 @@
 """What to record next, as a step."""
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import pytest
 
 from tests.made_study import study
+from ur5lib import load
 from ur5lib.report.next_steps import next_steps
 from ur5lib.report.results import Results
 from ur5lib.report.stated import Step
+from ur5lib.tables import write_csv
 from ur5lib.topics.next_recordings import found
 
+TABLE = "next_recordings"
 RANKED = [(found.NOW, 10.0), ("20 s, slowly", 9.7), ("20 s with 2 kg", 9.0)]
 
 
@@ -46,3 +51,8 @@ def test_without_its_table_nothing_is_asked_for() -> None:
     made = ranked("yes")
     tables = {name: own for name, own in made.tables.items() if name != "next_recordings"}
     assert next_steps(replace(made, tables=tables)) == next_steps(study())
+
+
+def test_its_table_has_units(tmp_path: Path) -> None:
+    write_csv(pd.DataFrame({"force": [8.1], "mass": [0.1]}), tmp_path / "tables" / f"{TABLE}.csv")
+    assert load(tmp_path).table(TABLE).attrs["units"] == {"force": "N", "mass": "kg"}

@@ -2,10 +2,10 @@
 
 import pandas as pd
 
-from ur5lib.finished import FinishedStudy
+from ur5lib.finished import StudyFiles
 
 
-def masses(results: FinishedStudy) -> pd.DataFrame:
+def masses(results: StudyFiles) -> pd.DataFrame:
     """Return the mass on the flange [kg] by recording: `value`, its interval `low` to `high`."""
     rows = results.table("audit") if "audit" in results.tables else pd.DataFrame({"quantity": []})
     return rows[rows["quantity"] == "mass"]

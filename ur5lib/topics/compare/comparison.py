@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import norm
 
-from ur5lib.finished import FinishedStudy
+from ur5lib.finished import StudyFiles
 from ur5lib.force.estimators import LEADING
 from ur5lib.records.friction import without_totals
 from ur5lib.tables import intact, write_text
@@ -22,7 +22,7 @@ PARAMETER_UNITS = {  # all others have the unit Nm
 }
 WITH_DETERMINED = ["parameters", "friction"]  # tables with a column `determined`
 COMPARED_SEVERITIES = ["stop", "error", "warning"]
-StudyPair = tuple[FinishedStudy, FinishedStudy]  # before and after
+StudyPair = tuple[StudyFiles, StudyFiles]  # before and after
 PAIR_COLUMNS = ("value_a", "value_b", "half_a", "half_b")  # estimates, half of their intervals
 CHANGE_COLUMNS = ["study", "topic", "name", "before", "after", "differs", "changed"]
 
@@ -53,7 +53,7 @@ def compare(before: Path, after: Path) -> list[Comparison]:
 
     Raises InputError where a folder has no results.
     """
-    studies = FinishedStudy(before), FinishedStudy(after)
+    studies = StudyFiles(before), StudyFiles(after)
     return [comparison for topic in TOPICS.values() for comparison in topic(studies)]
 
 
@@ -171,7 +171,7 @@ def _both(
 
 
 def _read(
-    study: FinishedStudy, table: str, keys: Sequence[str], numbers: Sequence[str]
+    study: StudyFiles, table: str, keys: Sequence[str], numbers: Sequence[str]
 ) -> pd.DataFrame:
     """Return a table. Raises InputError if a column is missing, or a cell has the wrong type."""
     rows = study.table(table)

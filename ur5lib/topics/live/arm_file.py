@@ -7,7 +7,7 @@ import numpy as np
 
 from ur5lib import __version__
 from ur5lib.errors import InputError
-from ur5lib.finished import FinishedStudy
+from ur5lib.finished import StudyFiles
 from ur5lib.force.sensed_contact import in_contact
 from ur5lib.jobs.unreadable import reason
 from ur5lib.records.contact_place import ContactPlace
@@ -28,7 +28,7 @@ PUSH_COLUMNS += ["trials", "blind"]
 UNITS = "SI: m, kg, s, rad, N, Nm, A; links in the axes of their joint, joints from 1"
 
 
-def known_of_arm(study: FinishedStudy, robot: str, as_in: str) -> dict[str, Any]:
+def known_of_arm(study: StudyFiles, robot: str, as_in: str) -> dict[str, Any]:
     """Return the contents of an arm's file.
 
     as_in: recording with the payload (declared or found), the place of contacts and the mounting to
@@ -63,13 +63,13 @@ def known_of_arm(study: FinishedStudy, robot: str, as_in: str) -> dict[str, Any]
     )
 
 
-def carried(study: FinishedStudy, recording: str) -> Payload | None:
+def carried(study: StudyFiles, recording: str) -> Payload | None:
     """Return the arm's payload in a recording: the declared one plus the load that was found."""
     found = study.record(Prediction, recording, "currents")
     return found.with_load(study.payload(recording))
 
 
-def _pushes(study: FinishedStudy, robot: str) -> Iterator[dict[str, Any]]:
+def _pushes(study: StudyFiles, robot: str) -> Iterator[dict[str, Any]]:
     """Yield the smallest pushes that the estimator finds, by motion and axis."""
     if "live_pushes" in study.tables:  # results of earlier versions lack it
         rows = study.table("live_pushes").query("robot == @robot")
@@ -78,7 +78,7 @@ def _pushes(study: FinishedStudy, robot: str) -> Iterator[dict[str, Any]]:
         )
 
 
-def _judged(study: FinishedStudy, entries: list[Recording]) -> Iterator[dict[str, Any]]:
+def _judged(study: StudyFiles, entries: list[Recording]) -> Iterator[dict[str, Any]]:
     """Yield the estimator's results on recordings from which nothing was learnt."""
     for entry in entries:
         folder = study.folder / "recordings" / entry.name
@@ -100,7 +100,7 @@ def _judged(study: FinishedStudy, entries: list[Recording]) -> Iterator[dict[str
         yield row
 
 
-def _validity(study: FinishedStudy, entries: list[Recording], fitted: list[str]) -> dict[str, Any]:
+def _validity(study: StudyFiles, entries: list[Recording], fitted: list[str]) -> dict[str, Any]:
     """Return dates and motor temperatures [°C] of the fitted recordings."""
     dates = {str(one.date) for one in entries if one.name in fitted and one.date is not None}
     known = [*_temperatures(study, fitted)]
@@ -108,7 +108,7 @@ def _validity(study: FinishedStudy, entries: list[Recording], fitted: list[str])
     return {"dates": sorted(dates), "temperature": spans}
 
 
-def _temperatures(study: FinishedStudy, names: list[str]) -> Iterator[tuple[float, float]]:
+def _temperatures(study: StudyFiles, names: list[str]) -> Iterator[tuple[float, float]]:
     """Yield the lowest and highest temperature [°C] of a motor in each recording that has them."""
     for name in names:
         known = study.record(Signals, name).joint_temperatures

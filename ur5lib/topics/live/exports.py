@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ur5lib.finished import FinishedStudy
+    from ur5lib.finished import StudyFiles
 
 HELP = (
     "live: what the estimator of the force needs while the arm runs; live.py, live.hpp, "
@@ -15,11 +15,11 @@ HELP = (
 FILES = ("live.py", "live.hpp", "live.schema.json")
 QUESTIONS = ("force", "constants", "currents")  # bad verdicts on these forbid an export
 
-Format = Callable[["FinishedStudy | None", str, str, str], str]
+Format = Callable[["StudyFiles | None", str, str, str], str]
 """Returns the text of an arm; see `ur5lib.commands.exported`."""
 
 
-def arm_file(study: "FinishedStudy | None", robot: str, as_in: str, accept: str) -> str:
+def arm_file(study: "StudyFiles | None", robot: str, as_in: str, accept: str) -> str:
     """Return an arm's file, with the user's reason if verdicts are overruled."""
     from ur5lib.commands.overruled import overruled  # slow to import
     from ur5lib.errors import InputError

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ur5lib.finished import FinishedStudy
+    from ur5lib.finished import StudyFiles
 
 HELP = (
     "thresholds: torques that a controller takes for a contact, by joint and speed; "
@@ -12,11 +12,11 @@ HELP = (
 )
 QUESTIONS = ("force", "constants", "currents")  # bad verdicts on these forbid an export
 
-Format = Callable[["FinishedStudy | None", str, str, str], str]
+Format = Callable[["StudyFiles | None", str, str, str], str]
 """Returns the text of an arm; see `ur5lib.commands.exported`."""
 
 
-def as_json(study: "FinishedStudy | None", robot: str, as_in: str, accept: str) -> str:
+def as_json(study: "StudyFiles | None", robot: str, as_in: str, accept: str) -> str:
     """Return the thresholds of an arm, with the reason if verdicts are overruled."""
     from ur5lib.commands.overruled import overruled  # slow to import
     from ur5lib.tables import json_text
@@ -27,7 +27,7 @@ def as_json(study: "FinishedStudy | None", robot: str, as_in: str, accept: str) 
     return json_text(thresholds_of(study, robot).in_json() | against.in_json())
 
 
-def as_script(study: "FinishedStudy | None", robot: str, as_in: str, accept: str) -> str:
+def as_script(study: "StudyFiles | None", robot: str, as_in: str, accept: str) -> str:
     """Return a function of URScript. Raises InputError for an arm that is no UR."""
     from ur5lib.commands.overruled import overruled
     from ur5lib.errors import InputError
@@ -41,7 +41,7 @@ def as_script(study: "FinishedStudy | None", robot: str, as_in: str, accept: str
     return against.as_comment(in_xml=False) + in_urscript(thresholds_of(study, robot))
 
 
-def _study(study: "FinishedStudy | None", as_in: str) -> "FinishedStudy":
+def _study(study: "StudyFiles | None", as_in: str) -> "StudyFiles":
     from ur5lib.errors import InputError
 
     if study is None:

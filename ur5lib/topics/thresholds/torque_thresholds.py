@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.finished import FinishedStudy
+from ur5lib.finished import StudyFiles
 from ur5lib.records.currents import Currents
 from ur5lib.records.motion import Motion
 from ur5lib.timeseries.arrays import Array, Mask
@@ -91,7 +91,7 @@ class Thresholds:
         ]
 
 
-def thresholds_of(study: FinishedStudy, robot: str) -> Thresholds:
+def thresholds_of(study: StudyFiles, robot: str) -> Thresholds:
     """Return the thresholds of an arm from the contact-free recordings of a study.
 
     Raises InputError if they have too few samples for the smallest rate.
@@ -121,7 +121,7 @@ def thresholds_of(study: FinishedStudy, robot: str) -> Thresholds:
     )
 
 
-def free_samples(study: FinishedStudy, robot: str) -> dict[str, Free]:
+def free_samples(study: StudyFiles, robot: str) -> dict[str, Free]:
     """Return by recording the samples of an arm without contact that have an external torque.
 
     In a fit recording, this torque comes from the fit without its path. Raises InputError if no
