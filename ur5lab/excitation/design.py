@@ -188,17 +188,19 @@ def _improved_point(
         lowest = min(lowest, (value, x.copy()), key=itemgetter(0))
         return value, gradient
 
+    def count_step(xk: Array) -> None:
+        stepped(1)
+
     done = 0
     while done < iterations:
         lowest_before, remaining = lowest[0], iterations - done
-        options = {"maxiter": remaining, "maxfun": 2 * remaining, "ftol": 0.0, "gtol": 0.0}
         run = minimize(
             recorded_value,
             lowest[1],
             method="L-BFGS-B",
             jac=True,
-            options=options,
-            callback=lambda _: stepped(1),
+            options={"maxiter": remaining, "maxfun": 2 * remaining, "ftol": 0.0, "gtol": 0.0},
+            callback=count_step,
         )
         done += run.nit
         if run.status != LINE_SEARCH_FAILURE or lowest[0] >= lowest_before:

@@ -95,9 +95,19 @@ def write_mat(contents: RecordingTables, path: Path) -> None:
     variables = {"recording": contents.name, "start_epoch_s": start}
     for name, table in contents.tables.items():
         variables[name] = _structure(table)
-    form = {"appendmat": False, "long_field_names": True, "do_compression": True}
+
+    def save(aside: Path) -> None:
+        savemat(
+            aside,
+            variables,
+            appendmat=False,
+            long_field_names=True,
+            do_compression=True,
+            oned_as="column",
+        )
+
     try:
-        write_aside(path, lambda aside: savemat(aside, variables, oned_as="column", **form))
+        write_aside(path, save)
     except MatWriteError as error:
         raise InputError(
             f"{path}: {contents.name} is too long for a MAT file; export it with --format mcap"

@@ -56,7 +56,8 @@ def joint_states(qd: Array, segment: Labels, period: float, cutoff: float) -> St
     for rows in unbroken(segment):
         slow, stretch = np.abs(qd[rows]) < REST_SPEED, states[rows]
         # a joint that is slow only for a moment has not stopped
-        stopped = binary_opening(slow, np.ones((max(1, round(MIN_STOP_DURATION / period)), 1)))
+        stop_rows = max(1, round(MIN_STOP_DURATION / period))
+        stopped = binary_opening(slow, np.ones((stop_rows, 1), np.bool_))
         relaxing = stopped & _within_reach(~stopped, RELAXATION_TIME, period)
         stretch[_within_reach(slow & ~stopped, reach, period)] = JointState.REVERSING
         stretch[_within_reach(relaxing, reach, period)] = JointState.SETTLING

@@ -204,7 +204,7 @@ class Curve(NamedTuple):
         x = np.log(force) - np.log(unit)
         start = np.array([np.median(x[detected]), LOG_STEEPNESS])
         best = minimize(_cost, start, args=(x, detected))
-        return cls(best.x, best.hess_inv)
+        return cls(best.x, np.asarray(best.hess_inv))
 
     def share(self, force: Array, unit: Array) -> Array:
         """Return the share (K,) of pushes of forces (K,) [N] that is found, mean over units (M,)

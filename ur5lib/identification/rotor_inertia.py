@@ -65,7 +65,11 @@ def _fit_joint(samples: Array) -> Array:
     start = np.linalg.lstsq(terms, residual)[0]
     deviation = np.abs(residual - terms @ start).mean()  # the median would be that at rest
     scale = HUBER_LIMIT * np.sqrt(np.pi / 2) * deviation
-    return least_squares(lambda x: (terms @ x - residual) / scale, start, loss="huber").x
+
+    def misfit(values: Array) -> Array:
+        return (terms @ values - residual) / scale
+
+    return least_squares(misfit, start, loss="huber").x
 
 
 def fitted_rotors(samples: Mapping[str, RotorSamples | None]) -> Rotors:

@@ -28,7 +28,7 @@ def scaled_states(q: Array, qd: Array) -> Array:
 def nearest(places: Array, other_places: Array) -> tuple[Mask, NDArray[np.intp]]:
     """Return whether each state (N, 2 n) is near one of others (M, 2 n), and the nearest (N,)."""
     distance, index = cKDTree(other_places).query(places, distance_upper_bound=1.0)
-    return np.isfinite(distance), index
+    return np.isfinite(distance), np.asarray(index)
 
 
 @dataclass(frozen=True)

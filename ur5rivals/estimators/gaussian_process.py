@@ -15,7 +15,7 @@ from functools import partial
 import numpy as np
 import torch
 from numpy.typing import ArrayLike
-from scipy.optimize import minimize
+from scipy.optimize import Bounds, minimize
 
 from ur5lib.timeseries.arrays import Array
 from ur5rivals.learned_residual import Predict, TrainingSamples, on_top
@@ -81,7 +81,7 @@ def most_probable(
         (slope,) = torch.autograd.grad(loss, at)
         return loss.item(), slope.numpy()
 
-    bounds = np.stack([centre - SEARCH_WIDTH, centre + SEARCH_WIDTH], axis=1)
+    bounds = Bounds(centre - SEARCH_WIDTH, centre + SEARCH_WIDTH)
     solution = minimize(cost, centre, jac=True, bounds=bounds, options={"maxiter": MAX_ITERATIONS})
     return torch.as_tensor(solution.x)
 

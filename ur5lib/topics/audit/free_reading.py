@@ -191,9 +191,8 @@ def fit_sensor_errors(reading: FreeReading, known_mass: float | None) -> SensorE
     solution = least_squares(misfit, np.zeros(is_fitted.sum()))
     std = np.zeros(10)
     # cov = (Jᵀ J)⁻¹, in units of the widths
-    std[is_fitted] = width[is_fitted] * np.sqrt(
-        np.diag(np.linalg.inv(solution.jac.T @ solution.jac))
-    )
+    jacobian = np.asarray(solution.jac)
+    std[is_fitted] = width[is_fitted] * np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian)))
     start[is_fitted] += width[is_fitted] * solution.x
     turn, scale, (mass,), moment = np.split(start, [3, 6, 7])
     turn_std, scale_std, (mass_std,), moment_std = np.split(std, [3, 6, 7])

@@ -343,8 +343,10 @@ def _profiles(joint: _JointLoop, grid: Array, squares: Array, noise: Array) -> l
             return joint.cost(gains, noise)
 
         between = other_grid[max(k - 1, 0)], other_grid[min(k + 1, GRID_NODES - 1)]
-        options = {"xatol": PROFILE_STEP}
-        return minimize_scalar(cost, bounds=between, method="bounded", options=options).fun
+        least_cost = minimize_scalar(
+            cost, bounds=between, method="bounded", options={"xatol": PROFILE_STEP}
+        )
+        return least_cost.fun
 
     return [np.array([least(axis, node) for node in range(GRID_NODES)]) for axis in (0, 1)]
 
