@@ -179,9 +179,7 @@ def resampled_means(values: Array, force: Array) -> Array | None:
 def force_errors(
     kind: str, estimate: str, figures: Mapping[str, Mapping[str, Array]]
 ) -> Iterator[ForceError]:
-    """Yield figures by period as rows, one for each of 6 or 3 components; kind: of the
-    reference.
-    """
+    """Yield figures by period as rows, one for each component; kind: of the reference."""
     contact = figures.get("contact", {})
     skills = contact.get("skill_low", contact.get("skill", np.zeros(0)))
     determined = dict(zip(WRENCH, (skills > 0).tolist(), strict=False))

@@ -27,9 +27,7 @@ def wrench_at_flange(wrench: Array, place: Array) -> Array:
 
 
 def std_at_flange(std: Array, place: Array) -> Array:
-    """Return the standard deviation (N, 6) of `wrench_at_flange` for independent errors std (N,
-    6).
-    """
+    """Return the deviation (N, 6) of `wrench_at_flange`; std: (N, 6), of independent errors."""
     force, moment = std[:, :3] ** 2, std[:, 3:] ** 2
     # (p × F)_x = p_y F_z - p_z F_y
     square = place**2
