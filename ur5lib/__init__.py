@@ -7,9 +7,9 @@
     'N'
 
 `read` gives `Recordings`, `fit` a `Model`, `load` the `FinishedStudy` of `ur5 run`, `read_arm` an
-`Arm`, `load_model` a saved model; these names are the door, and modules may change. SI units, in
-`attrs["units"]` of each frame; float64, samples first: (N, n). What a user can correct raises an
-`InputError`. `help(ur5lib.Model)` has the rest.
+`Arm`, `load_model` a saved model: these names stay, modules may change. SI units, float64, samples
+first: (N, n); each frame has its units in `attrs["units"]`. What a user can correct raises an
+`InputError`. `help(ur5lib.Model)` shows what a model answers.
 """
 
 from importlib import import_module

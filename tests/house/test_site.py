@@ -99,7 +99,7 @@ def test_what_a_picture_shows_is_read_below_it() -> None:
     for image in page.xpath("//article//p/img"):
         below = image.getparent().getnext().text_content()
         assert " ".join(below.split()) == " ".join(image.get("alt").split())
-    assert not parsed(PAGES / "docs" / "gallery.html").xpath("//em[@aria-hidden]")
+    assert not parsed(PAGES / "index.html").xpath("//em[@aria-hidden]")
 
 
 def test_the_notebook_is_a_page() -> None:
