@@ -128,7 +128,7 @@ def described(made: MadeUpArm, folder: Path) -> Robot:
 def taken(arm: Robot, folder: Path, log: str, name: str, cut: Mapping[str, float]) -> Log:
     """Return a part of a log as a recording, read as by the steps of the workflow."""
     entry = {"format": "table-csv", "folder": str(folder), "file": f"{log}.csv", "columns": COLUMNS}
-    of_file = ENTRY.validate_python(entry | cut)
+    of_file = ENTRY.validate_python({**entry, **cut})
     read = read_recording(of_file, [folder / f"{log}.csv"], arm, SETTINGS.frames.max_gap_s)
     aligned = align_recording(read.robot, read.force, read.imu, read.clocks)
     write_table(aligned.signals, str(folder / f"{name}.parquet"))

@@ -45,7 +45,7 @@ def main() -> None:
 def arm(seed: int, correlation: float, series: int) -> list[DatedSeries]:
     """Return the quantities of an arm that does not change."""
     independent = np.random.default_rng(seed).standard_normal((series, DATES))
-    day, error = APART * np.arange(DATES), np.full(DATES, STATED)
+    day, error = APART * np.arange(DATES, dtype=float), np.full(DATES, STATED)
     return [DatedSeries(day, 1 + SPREAD * row, error) for row in coloured(independent, correlation)]
 
 

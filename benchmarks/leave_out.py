@@ -451,6 +451,7 @@ def held_by_state(fold: Fold, own: Recording) -> pd.DataFrame:
     if currents.external_torque is None:
         return pd.DataFrame()
     record = current_record(own.opened(), fold.arm)
+    assert record is not None
     state = motion_states(record, Smoother(*fold.study.lowpass))
     error = currents.external_torque / torque_constants(fold.friction.fit_for(own.name))
     columns = {"of_band": np.abs(error) / currents.band, "state": state}
@@ -482,6 +483,8 @@ def friction_excess(currents: Currents, motion: Motion) -> Array:
     Friction of (1 + s) times its prediction appears as such an external torque.
     """
     excess = np.full(6, np.nan)
+    assert currents.external_torque is not None
+    assert currents.friction_torque is not None
     for joint in range(6):
         torque, friction = currents.external_torque[:, joint], currents.friction_torque[:, joint]
         rows = (np.abs(motion.motor_qd[:, joint]) > REST_SPEED) & np.isfinite(torque + friction)

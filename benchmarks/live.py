@@ -155,10 +155,11 @@ def held_push(run: Run, known: dict[str, Any]) -> dict[str, float]:
     """
     seconds = np.arange(len(run.q)) * run.period
     starts = {"": seconds[-1] / 3}
-    for first, last in stretches((np.abs(run.qd) < REST_SPEED).all(axis=1)).tolist():
+    still = np.asarray((np.abs(run.qd) < REST_SPEED).all(axis=1))
+    for first, last in stretches(still).tolist():
         if (last - first) * run.period > REST:
             starts[" at rest"] = first * run.period + AFTER_STOP
-    found = {}
+    found: dict[str, float] = {}
     for state, start in starts.items():
         if seconds[-1] > start + LASTS + 1:
             stays, left = held_from(start, run, known)
@@ -188,7 +189,7 @@ def held_from(start: float, run: Run, known: dict[str, Any]) -> list[float]:
 
 def drawn(run: Run, known: dict[str, Any]) -> tuple[list[str], list[float]]:
     """Return names and values: number of drawn pushes, of found ones, median delay [s]."""
-    wrench = next(drawn_pushes(np.arange(len(run.q)) * run.period, CurrentLowpass()))
+    wrench = next(drawn_pushes(np.arange(float(len(run.q))) * run.period, CurrentLowpass()))
     torque = (run.jacobian.mT @ wrench[..., None])[..., 0]
     found = answers(run.pushed(np.nan_to_num(torque)), known)
     size = np.linalg.norm(wrench[:, :3], axis=1)

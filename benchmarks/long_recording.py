@@ -5,7 +5,6 @@ periodic, so that it goes on smoothly from each repetition to the next. The reco
 are computed before, and not counted. Processor time hardly depends on what else runs.
 """
 
-import sys
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -103,4 +102,4 @@ def steps() -> pd.DataFrame:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -24,7 +24,7 @@ from ur5lib.smoothing.imu_fusion import LinearImu, linearise_imu, smooth_with_im
 from ur5lib.stand.controller_channels import frames
 from ur5lib.stand.plan import Imu, SimulatedRecording
 from ur5lib.stand.rig import STEP, perform
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.metrics import NORMAL95
 
 SEEDS, PERIOD = 20, 0.008  # s
@@ -108,7 +108,7 @@ def judged(own: Simulated) -> tuple[Array, Array, Array]:
     return covered(motion, own, moving), covered(motion, own, ~moving), gain(motion, own)
 
 
-def covered(motion: SmoothedMotion, own: Simulated, where: Array) -> Array:
+def covered(motion: SmoothedMotion, own: Simulated, where: Mask) -> Array:
     """Return the shares of q, q̇, q̈ (3,) within their bands, of joints and samples chosen (N, 6)."""
     inside = np.abs(motion.state - own.truth) <= NORMAL95 * motion.std
     chosen = np.where(np.tile(where, 3), inside, np.nan).reshape(len(where), 3, 6)
@@ -137,9 +137,9 @@ def rmse(errors: Array) -> Array:
     return np.sqrt(np.mean(errors**2, axis=0))
 
 
-def clock(count: int) -> tuple[Array, Array]:
+def clock(count: int) -> tuple[Array, Labels]:
     """Return times [s] and labels of a recording without gaps."""
-    return np.arange(count) * PERIOD, np.zeros(count, np.int64)
+    return np.arange(float(count)) * PERIOD, np.zeros(count, np.int64)
 
 
 def simulated(kind: str, seed: int, seconds: float) -> Simulated:

@@ -127,7 +127,7 @@ def compared(estimate: InertialEstimate, places: Sequence[int], fit: ArmFit) -> 
             return fit.size - fit.rows.joints + joint - 1
         return places.index(first + len(names) * (joint - 1) + names.index(name))
 
-    shaft = fit.rows.motors[0]
+    shaft, *_ = fit.rows.motors
     for quantity, published in PUBLISHED.items():
         for joint, value in enumerate(published, 1):
             group = np.zeros(len(places))

@@ -96,7 +96,7 @@ def touches(random: np.random.Generator, seconds: float) -> list[dict[str, Any]]
 
     Each acts at another place near the tip.
     """
-    kinds = [
+    kinds: list[dict[str, Any]] = [
         {"kind": "push", "force": vector(random, *FORCES)},
         {"kind": "hand", "displacement": vector(random, 0.03, 0.1)},
         {"kind": "push", "force": vector(random, *FORCES)},

@@ -54,7 +54,7 @@ class Recording:
     @property
     def time(self) -> Array:
         """Return the times of the samples (N,) [s]."""
-        return np.arange(len(self.q)) * PERIOD
+        return np.arange(float(len(self.q))) * PERIOD
 
     @property
     def imu_noise(self) -> Array:

@@ -84,6 +84,7 @@ def device_rows(fitted: list[Taken]) -> Iterator[Row]:
     true = robot.models[summary.model].rotor_inertias
     yield from rotor_rows(rotors(fitted), true)
     calibration = calibrate_without_each({own.record.name: own.imu for own in fitted})["all"]
+    assert summary.plan.imu is not None
     yield from imu_rows(calibration, summary.plan.imu)
 
 

@@ -118,8 +118,8 @@ def recorded(own: Situation, seed: int, folder: Path) -> Iterator[dict[str, Any]
                 simulate(arm.mounted(gravity), simulated, "rtde-csv", at, at / "truth")
             altered(own, at / FILE, np.random.default_rng([seed, k]))
             (at / PLAN).write_text(wanted, encoding="utf-8")
-        entry = {"name": name, "robot": own.arm, "role": role, "format": "rtde-csv", "file": FILE}
-        entry |= {"folder": str(at), "truth": "truth"}
+        entry: dict[str, Any] = {"name": name, "robot": own.arm, "role": role}
+        entry |= {"format": "rtde-csv", "file": FILE, "folder": str(at), "truth": "truth"}
         entry |= {} if own.mounting is None else {"mounting": own.mounting}
         if own.declared is not None:
             entry["contact_place"] = {"position_m": [0.0, 0.0, own.declared]}
@@ -181,6 +181,7 @@ def errors(
     size = np.linalg.norm(torque, axis=1)
     touched = size > max(TOUCHED * size.max(), MIN_TORQUE)
     external = Currents.read(at / "currents.parquet").external_torque
+    assert external is not None
     jacobian = Kinematics.read(at / "kinematics.parquet").jacobian
     plain = plain_least_squares(external, jacobian, MIN_SINGULAR_VALUE)[:, :3]
     error, band = (forces.wrench["Fmap"][:, :3] - true), NORMAL95 * forces.std["Fmap"][:, :3]

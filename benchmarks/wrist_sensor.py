@@ -21,12 +21,12 @@ from ur5lib.tables import read_csv
 from ur5lib.workspace.new import new_workspace
 
 SEEDS, SECONDS = 20, 60.0
-TOOL = {
+TOOL: dict[str, Any] = {
     "mass": 1.2,
     "center_of_mass": [0.01, -0.02, 0.05],
     "inertia": [0.002] * 2 + [0.001] + [0] * 3,
 }
-SENSOR = {
+SENSOR: dict[str, Any] = {
     "bias": [3.0, -3.0, 3.0, 0.1, -0.1, 0.1],
     "drift_per_min": [0.5, -0.5, 0.5, 0.02, -0.02, 0.02],
     "rotation_deg": [3.0, 0.0, 4.0],

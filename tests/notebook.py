@@ -27,11 +27,15 @@ def code_cells(notebook: dict[str, Any]) -> list[Cell]:
 def run(cell: Cell, known: dict[str, Any]) -> list[Cell]:
     """What a cell prints, and the value of its last line, as Jupyter keeps them."""
     tree = ast.parse("".join(cell["source"]))
-    last = tree.body.pop() if isinstance(tree.body[-1], ast.Expr) else None
+    last = tree.body[-1]
+    if isinstance(last, ast.Expr):
+        tree.body.pop()
     printed = io.StringIO()
     with contextlib.redirect_stdout(printed):
         exec(compile(tree, "cell", "exec"), known)
-        value = eval(compile(ast.Expression(last.value), "cell", "eval"), known) if last else None
+        value = None
+        if isinstance(last, ast.Expr):
+            value = eval(compile(ast.Expression(last.value), "cell", "eval"), known)
     outputs: list[Cell] = []
     if text := printed.getvalue():
         outputs.append({"output_type": "stream", "name": "stdout", "text": text.splitlines(True)})

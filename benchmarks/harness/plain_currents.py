@@ -49,10 +49,8 @@ def currents_table(study: Study, quick: bool) -> str:
 
 def sampled(own: Recording, arm: Robot) -> tuple[CurrentSamples, Array]:
     """Return a recording's samples, and the controller's torque constants [Nm/A]."""
-    signals, motion = (
-        kind.read(own.file(f"{name}.parquet"))
-        for kind, name in ((Signals, "signals"), (Motion, "motion"))
-    )
+    signals = Signals.read(own.file("signals.parquet"))
+    motion = Motion.read(own.file("motion.parquet"))
     torques = Torques.read(own.file("torques.parquet"))
     record = current_record(
         AlignedRecording(name=own.name, signals=signals, motion=motion, torques=torques), arm

@@ -66,7 +66,8 @@ class Run:
     def by_spline(self) -> tuple[Array, Array, Array]:
         """Return q, q̇ and q̈ (N, n) of a quintic spline through the positions."""
         spline = make_interp_spline(self.signals.time, self.signals.actual_q, k=5)
-        return tuple(spline(self.signals.time, order) for order in range(3))
+        q, qd, qdd = (spline(self.signals.time, order) for order in range(3))
+        return q, qd, qdd
 
     @cached_property
     def rigid(self) -> Array:

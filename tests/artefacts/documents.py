@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from copy import deepcopy
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import html5lib
 import jsonschema
@@ -20,6 +20,7 @@ import pypdfium2.raw as raw
 import pytest
 from lxml.html import HtmlElement, fromstring
 from pypdf import PdfReader
+from pypdf.generic import DictionaryObject
 
 from tests.typeset_page import plain
 from ur5lib.report.page.handed import WORDS
@@ -405,7 +406,7 @@ def check_pdf(folder: Path) -> None:
         unmentioned = [n for n in expected if n > of_first_screen and named.count(n) < 2]
         assert unmentioned == [], f"{kind}s that no text mentions"
     for own in reader.pages:
-        for font in own["/Resources"].get("/Font", {}).values():
+        for font in cast(DictionaryObject, own["/Resources"]).get("/Font", {}).values():
             embedded = font.get_object().get("/DescendantFonts", [font])[0].get_object()
             described = embedded["/FontDescriptor"].get_object()
             assert {"/FontFile", "/FontFile2", "/FontFile3"} & set(described)

@@ -163,15 +163,15 @@ def test_each_error_keeps_its_reason() -> None:
 
 
 def test_fourteen_recordings_with_one_note_fill_one_screen() -> None:
-    console = text_console(file=StringIO(), width=80)
+    console = text_console(file=(screen := StringIO()), width=80)
     note = Finding("robot", "irregular steps", "note", 1, "time steps vary by 2 ms")
     print_tables(console, {f"run_{k}": Quality(findings=[note]) for k in range(14)}, {})
-    assert len(console.file.getvalue().splitlines()) < 24
+    assert len(screen.getvalue().splitlines()) < 24
 
 
 def printed(form: Form) -> str:
     """What is printed of four recordings, in all of which much could not be checked."""
-    console = text_console(file=StringIO(), width=200)
+    console = text_console(file=(screen := StringIO()), width=200)
     told = {
         "clock not checked": "delays of up to 0.50 s could not be noticed",
         "arm not checked": "`robot: ur5` could not be told from ur5e",
@@ -179,7 +179,7 @@ def printed(form: Form) -> str:
     }
     notes = [Finding("robot", name, "note", 1, detail) for name, detail in told.items()]
     print_tables(console, {f"run_{k}": Quality(findings=notes) for k in range(4)}, {}, form=form)
-    return console.file.getvalue()
+    return screen.getvalue()
 
 
 def test_what_could_not_be_checked_is_one_line_with_the_riskiest_named() -> None:
@@ -202,9 +202,9 @@ def test_columns_that_are_not_used_are_one_line_with_the_riskiest_named() -> Non
     qualities = {name: Quality(account=[*zero, unknown]) for name in "ab"}
 
     def shown(named: list[str], form: Form) -> str:
-        console = text_console(file=StringIO(), width=200)
+        console = text_console(file=(screen := StringIO()), width=200)
         print_tables(console, qualities, {}, named, form=form)
-        return console.file.getvalue()
+        return screen.getvalue()
 
     folded = shown([], FOLDED)
     assert len(folded.splitlines()) < 5
@@ -227,16 +227,16 @@ def test_findings_are_json_for_a_program(study: Path, run_ur5: Command) -> None:
 
 def test_many_damaged_files_fill_one_screen() -> None:
     """Each for a reason of its own: all are counted, few are stated."""
-    console, count, bad = text_console(file=StringIO(), width=120), 2443, 24
+    console, count, bad = text_console(file=(screen := StringIO()), width=120), 2443, 24
     qualities = {
         f"run_{k}": unusable(InputError(f"run_{k}.csv is empty")) if k < bad else Quality()
         for k in range(count)
     }
     assert print_tables(console, qualities, {}) == bad
-    lines = console.file.getvalue().splitlines()
+    lines = screen.getvalue().splitlines()
     assert len(lines) < 12
     assert f"{bad} of {count} recordings: run_0, run_1, run_2 and {bad - MAX_NAMED} more" in (
-        console.file.getvalue()
+        screen.getvalue()
     )
 
 
@@ -359,9 +359,9 @@ def test_a_long_sentence_keeps_its_start() -> None:
         Finding("robot", "unused channels", "note", 5, f"{names}: left out"),
     ]
     places = [torn_line(Path(f"log_{k}.csv"), "2857") for k in range(9)]
-    console = text_console(file=StringIO(), width=400)
+    console = text_console(file=(screen := StringIO()), width=400)
     print_tables(console, {"one": Quality(findings=[*sentences, *places]), "two": Quality()}, {})
-    printed = console.file.getvalue()
+    printed = screen.getvalue()
     assert all(said(finding) in printed for finding in sentences)
     cut = "log_0.csv, line 2857; log_1.csv, line 2857; log_2.csv, line 2857; 6 others: last line is"
     assert cut in printed

@@ -85,9 +85,12 @@ def test_options_of_snakemake_follow_after_two_dashes(
     here: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command
 ) -> None:
     given = []
-    monkeypatch.setattr(
-        run, "_command", lambda study, options: given.append((study, options)) or ["true"]
-    )
+
+    def command(study: Path, options: list[str]) -> list[str]:
+        given.append((study, options))
+        return ["true"]
+
+    monkeypatch.setattr(run, "_command", command)
     run_ur5("run", "mine", "--", "--cores", "1")
     assert given == [(Path("arm.yaml"), ["--cores", "1"])]
 
@@ -155,7 +158,12 @@ def test_a_report_is_named_whether_or_not_there_is_a_browser(
     report.parent.mkdir(parents=True, exist_ok=True)
     report.touch()
     opened = []
-    monkeypatch.setattr(webbrowser, "open", lambda address: opened.append(address) or found)
+
+    def opens(address: str) -> bool:
+        opened.append(address)
+        return found
+
+    monkeypatch.setattr(webbrowser, "open", opens)
     told = run_ur5("report", "mine", "--open")
     assert opened == [report.as_uri()]
     assert told.out.endswith("report: results/mine/report.html\n")

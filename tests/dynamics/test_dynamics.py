@@ -215,7 +215,7 @@ def test_inertia_matrix_is_symmetric_and_positive_definite(arm: ArmTensors) -> N
 
 def test_change_of_inertia_less_twice_coriolis_is_skew_symmetric(arm: ArmTensors) -> None:
     q, qd, _ = states()
-    _, change = jvp(lambda q: inertia_matrix(arm, q), (q,), (qd,))
+    change = jvp(lambda q: inertia_matrix(arm, q), (q,), (qd,))[1]
     difference = change - 2 * coriolis_matrix(arm, q, qd)
     assert (difference + difference.mT).abs().max() < 1e-12 * change.abs().max()
 
@@ -253,7 +253,7 @@ def test_power_is_the_change_of_energy(arm: ArmTensors) -> None:
     def energy(q: Tensor, qd: Tensor) -> Tensor:
         return kinetic_energy(arm, q, qd) + potential_energy(arm, q)
 
-    _, change = jvp(energy, (q, qd), (qd, qdd))
+    change = jvp(energy, (q, qd), (qd, qdd))[1]
     power = (qd * inverse_dynamics(arm, q, qd, qdd)).sum(1)
     assert (change - power).abs().max() < 1e-12 * power.abs().max()
 

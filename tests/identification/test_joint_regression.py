@@ -1,6 +1,7 @@
 """The regression of one joint, and what of the recordings counts for it."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -33,6 +34,7 @@ from ur5lib.identification.samples import (
 )
 from ur5lib.records.motion import Motion
 from ur5lib.robots.friction import BASE_TERMS
+from ur5lib.timeseries.arrays import Array
 
 LOADED = (6.0, 4.0, 0.05)  # Coulomb, viscous and load friction
 
@@ -143,13 +145,17 @@ def test_paths_are_compared_at_a_tenth_of_a_second(period: float, every: int, sa
     assert record_paths([one, other]).tolist() == [0, int(not same)]
 
 
+def scaled(share: float, values: Array, _: object) -> Array:
+    return share * values
+
+
 def test_a_joint_moves_above_the_dead_zone_for_nine_tenths_of_a_lowpass() -> None:
     qd = np.tile([0.019, 0.021, -0.019, -0.021, 0, np.nan], (300, 1))
     record = replace(steady(), qd=qd, q=np.arange(300.0)[:, None] + 0 * qd)
     moves = smoothed_moving(record, lambda values, _: values)[1:]
     np.testing.assert_array_equal(moves, np.tile([0, 1, 0, 1, 0, 0], (299, 1)))
     for share, told in ((0.85, False), (0.95, True)):
-        moves = smoothed_moving(record, lambda values, _, s=share: s * values)
+        moves = smoothed_moving(record, partial(scaled, share))
         assert (moves[1:, 1] == told).all()
 
 

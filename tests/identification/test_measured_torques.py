@@ -60,9 +60,9 @@ def unseen_gravity(arm: Robot, parameters: Array) -> tuple[Array, Array]:
     """Gravity's torque in drawn postures, by fitted links and by the true ones."""
     found = arm.with_model("found", identified_model(arm, parameters, ""))
     q = np.random.default_rng(9).uniform(-1.5, 1.5, (200, 6))
-    return tuple(
-        LinkModel(arm, name).gravity_torque(q)
-        for name, arm in (("found", found), (arm.chosen_model, arm))
+    return (
+        LinkModel(found, "found").gravity_torque(q),
+        LinkModel(arm, arm.chosen_model).gravity_torque(q),
     )
 
 

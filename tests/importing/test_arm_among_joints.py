@@ -3,6 +3,7 @@
 import json
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -22,7 +23,7 @@ UR_NAMES = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wri
 UR = [f"{name}_joint" for name in UR_NAMES]
 SEVEN = ("e0", "e1", "s0", "s1", "w0", "w1", "w2")
 BAXTER = [f"{side}_{name}" for side in ("left", "right") for name in SEVEN]
-FORMS = {
+FORMS: dict[str, tuple[list[str], list[Any]]] = {
     "gripper first": (["finger_joint", *UR], [("", UR)]),
     "alphabetical": (sorted([*UR, "finger_joint"]), [("", UR)]),
     "prefix": ([f"left_ur5_{n}" for n in UR], [("left_ur5", [f"left_ur5_{n}" for n in UR])]),

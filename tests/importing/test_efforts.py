@@ -10,7 +10,7 @@ from ur5lib.importing.clocks import FileClocks
 from ur5lib.importing.contents import FileContents, TableHeader
 from ur5lib.importing.efforts import as_amperes, name_efforts
 from ur5lib.importing.identity import ArmIdentity
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Labels
 
 UNKNOWN_ARM = ArmIdentity("", None, tuple(range(6)))
 STEP = 1e-3  # A, of a controller's currents
@@ -27,7 +27,7 @@ def block(rows: Array, first: int = 1, named: bool = True) -> ColumnBlock:
 # Currents that a driver multiplied by constants of its own
 
 
-def counts(largest: int = 1500, rows: int = 4000) -> Array:
+def counts(largest: int = 1500, rows: int = 4000) -> Labels:
     """Whole numbers (N, 6) up to a largest one, which occurs."""
     drawn = np.random.default_rng(0).integers(-largest, largest + 1, (rows, 6))
     drawn[0] = largest

@@ -70,7 +70,8 @@ def test_the_files_are_for_the_arm_and_its_range(
     monkeypatch.chdir(tmp_path)
     root = made_up(4)
     limit = next(root.iter("limit"))
-    limit.set("lower", "-3"), limit.set("upper", "-0.1")
+    limit.set("lower", "-3")
+    limit.set("upper", "-0.1")
     describe_urdf(saved(root, tmp_path), None, "tool", "mine")
     monkeypatch.setattr(
         excite, "design", lambda task, seed, _, told: search.design(task, seed, QUICK, told)

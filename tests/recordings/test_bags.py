@@ -99,7 +99,8 @@ def test_names_of_another_topic_do_not_doubt_the_arm_s(tmp_path: Path, made: Mad
 
 
 ARM = tuple(f"a{joint}" for joint in range(1, 8))
-MIXED = {  # kinds of messages in turn; shapes of positions and efforts; positions of the first
+# kinds of messages in turn; shapes of positions and efforts; positions of the first
+MIXED: dict[str, Any] = {
     "seven without names": ([((), 7, 0, 0)], (60, 7), None),
     "a gripper without names": ([((), 7, 7, 7), ((), 1, 1, 1)], (30, 7), (30, 7)),
     "a faster gripper": ([(ARM, 7, 7, 0), (("g",), 1, 1, 1), (("g",), 1, 1, 1)], (20, 7), None),

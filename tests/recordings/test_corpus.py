@@ -6,7 +6,6 @@ from io import StringIO
 from pathlib import Path
 from random import Random
 from tempfile import TemporaryDirectory
-from typing import Any
 
 import pytest
 from hypothesis import given
@@ -19,7 +18,7 @@ from ur5lib.commands.check import print_tables, unusable
 from ur5lib.commands.console import text_console
 from ur5lib.errors import InputError
 from ur5lib.recordings.intake import Intake
-from ur5lib.records.quality import Device
+from ur5lib.records.quality import Device, Quality
 from ur5lib.robots.description import Robot
 
 pytestmark = pytest.mark.slow
@@ -41,7 +40,7 @@ class Answer:
     """
 
     error: str | None
-    quality: dict[str, Any]
+    quality: Quality
     wrong: int = 0
     lost: int = 0
     named: frozenset[str] = frozenset()
@@ -136,11 +135,11 @@ def objection(case: Case, arm: Robot, whole: Intake) -> str | None:
     return None if as_expected(case, given) else f"{case.expected} but {given}"
 
 
-def fault_of_print(case: Case, quality: dict[str, Any]) -> str | None:
+def fault_of_print(case: Case, quality: Quality) -> str | None:
     """What is wrong with the tables that `ur5 check` prints of a recording."""
-    console = text_console(file=StringIO(), width=WIDTH)
+    console = text_console(file=(screen := StringIO()), width=WIDTH)
     failed = print_tables(console, {case.base.name: quality}, {})
-    printed = console.file.getvalue()
+    printed = screen.getvalue()
     if not printed.replace("\n", "").isprintable():
         return f"prints control characters: {printed!r}"
     wanted = {finding.finding for finding in quality.findings}

@@ -4,7 +4,7 @@ import math
 from dataclasses import Field, fields
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -27,6 +27,7 @@ RECORDS: list[type[Table]] = [
     *(Signals, Kinematics, Motion, FusedMotion, Torques, Currents),
     *(Forces, FurtherForces, SensorWrenches, Accelerations, Truth),
 ]
+SomeTable = TypeVar("SomeTable", bound=Table)
 KEYS = ("C", "C+rotors", "identified")  # of families that may have any; one begins as another does
 
 
@@ -43,7 +44,7 @@ def of_six(shape: tuple[int, ...]) -> tuple[int, ...]:
     return tuple(6 if size < 0 else size for size in shape)
 
 
-def whole(record: type[Table], count: int = 4) -> Table:
+def whole(record: type[SomeTable], count: int = 4) -> SomeTable:
     """A record that has all there may be, each element another number."""
     counter = iter(range(10**9))
 

@@ -41,7 +41,7 @@ def energy_covariance(energies: Energies, q: Tensor, qd: Tensor, p: Tensor, pd: 
 
 def by_lagrange(energy: Energy, q: Tensor, qd: Tensor, qdd: Tensor) -> Tensor:
     """Return d/dt ∂/∂q̇ - ∂/∂q of an energy; the last axis of the result is that of the joints."""
-    _, rate = jvp(lambda *state: jacfwd(energy, 1)(*state), (q, qd), (qd, qdd))
+    rate = jvp(lambda *state: jacfwd(energy, 1)(*state), (q, qd), (qd, qdd))[1]
     return rate - jacfwd(energy, 0)(q, qd)
 
 

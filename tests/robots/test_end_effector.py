@@ -31,7 +31,7 @@ GRAVITY = np.array([0.1, -0.2, -9.8])
 
 def swings(count: int, period: float = PERIOD) -> tuple[Array, Motion]:
     """Time (N,), and q, q̇, q̈ of slow swings about a pose."""
-    time = period * np.arange(count)
+    time = period * np.arange(float(count))
     pace, phase = np.array([0.5, 0.7, 0.9, 1.1, 0.8, 0.6]), np.arange(6.0)
     angle = pace * time[:, None] + phase
     home = np.array([0.3, -1.2, 1.1, -0.9, 1.4, 0.2])

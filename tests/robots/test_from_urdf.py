@@ -164,7 +164,8 @@ def test_a_range_to_one_side_is_that_of_the_file(tmp_path: Path) -> None:
     """In its description, its exports, and what the stand refuses."""
     root = made_up(2)
     limit = next(root.iter("limit"))
-    limit.set("lower", "-3"), limit.set("upper", "-0.1")
+    limit.set("lower", "-3")
+    limit.set("upper", "-0.1")
     robot, _ = robot_from_urdf(saved(root, tmp_path))
     written = tmp_path / "arm.yaml"
     written.write_text(robot_yaml(robot))

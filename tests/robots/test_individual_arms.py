@@ -103,7 +103,8 @@ def common_normals(frames: Sequence[Array]) -> list[tuple[float, float, float, f
         (x, y), (z, w), (foot, other) = normals[k : k + 2], axes[k : k + 2], feet[k : k + 2]
         theta = np.arctan2(np.cross(x, y) @ z, x @ y)
         alpha = np.arctan2(np.cross(z, w) @ y, z @ w)
-        parameters.append((theta, (other - foot) @ z, (other - foot) @ y, alpha))
+        between = other - foot
+        parameters.append((float(theta), float(between @ z), float(between @ y), float(alpha)))
     return parameters
 
 

@@ -5,6 +5,7 @@ clocks of one host start and how they drift, all of its devices alike.
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -183,7 +184,7 @@ UNDETERMINED = {  # what was recorded, and why the motion does not determine the
         {"unexplained rotation", "implausible clock"},
     ),
     # fewer than 20 samples in one of eight blocks, or than four in a period of 4 Hz
-    **{f"{n} samples": (lambda n=n: device_rows(slice(n)), SHORT) for n in (0, 1, 2, 159)},
+    **{f"{n} samples": (partial(device_rows, slice(n)), SHORT) for n in (0, 1, 2, 159)},
     "short robot": (lambda: robot_rows(slice(159)), {"short record"}),
     "slow device": (lambda: device_rows(slice(None, None, 17)), {"slow record"}),
     "slow robot": (lambda: robot_rows(slice(None, None, 8)), {"slow record"}),

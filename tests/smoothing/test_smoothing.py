@@ -222,8 +222,8 @@ def test_smoother_is_weighted_least_squares(ur5: Robot) -> None:
 
 def smoothed(system: System, count: int) -> tuple[np.ndarray, np.ndarray]:
     """States and covariances of all samples."""
-    parts = [part.states for part in smooth(system, count)][::-1]
-    return tuple(np.concatenate(values) for values in zip(*parts, strict=True))
+    states, covariances = zip(*[part.states for part in smooth(system, count)][::-1], strict=True)
+    return np.concatenate(states), np.concatenate(covariances)
 
 
 def least_squares(system: LinearSystem) -> tuple[np.ndarray, np.ndarray]:

@@ -20,6 +20,7 @@ from ur5lib.recordings.intake import Intake
 from ur5lib.recordings.realtime_stream import read_stream
 from ur5lib.recordings.thesis_csv import read_thesis_csv
 from ur5lib.records.carried import configured_payload
+from ur5lib.records.quality import Finding
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.signals.own_clocks import own_clocks
@@ -98,7 +99,7 @@ def like_no8(record: Recorder) -> Recorded:
     )
 
 
-def findings(intake: Intake) -> dict[tuple[str, str], dict[str, Any]]:
+def findings(intake: Intake) -> dict[tuple[str, str], Finding]:
     return {(f.device, f.finding): f for f in intake.quality.findings}
 
 

@@ -72,7 +72,7 @@ def test_a_deleted_topic_changes_no_other_result(whole: Path, tmp_path: Path, to
     kept = [one for one in before[VERDICTS].splitlines() if one.partition(b",")[0] not in questions]
     assert after[VERDICTS].splitlines() == kept
     for name in ("report.html", "details.html"):
-        kept, all_of_them = sections(without / name), sections(whole / name)
-        assert all_of_them.keys() - kept.keys() <= titles
-        others = kept.keys() - OF_ALL
-        assert [title for title in others if kept[title] != all_of_them[title]] == []
+        left, all_of_them = sections(without / name), sections(whole / name)
+        assert all_of_them.keys() - left.keys() <= titles
+        others = left.keys() - OF_ALL
+        assert [title for title in others if left[title] != all_of_them[title]] == []

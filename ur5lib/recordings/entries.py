@@ -395,7 +395,7 @@ Entry = Annotated[
     ThesisFiles | StreamFiles | RtdeFiles | TableFiles | StoredFiles | ChannelFiles,
     Field(discriminator="format"),
 ]
-ENTRY: TypeAdapter[Files] = TypeAdapter(Entry)
+ENTRY: TypeAdapter[Entry] = TypeAdapter(Entry)
 
 
 def of_entry(fault: str) -> PydanticCustomError:

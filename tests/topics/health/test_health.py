@@ -264,8 +264,8 @@ def test_every_joint_and_quantity_is_drawn(results: Results) -> None:
     assert len(drawing.figure.axes) == 36
     assert {*drawing.data["quantity"]} == {*QUANTITIES, "temperature"}
     assert "[A]" in "".join(axis.get_ylabel() for axis in drawing.figure.axes)
-    of_torques = (own.replace("torque_constant", "gain") for own in results.tables.values())
-    sensed = health_figure(*of_torques, effort=TORQUE).figure
+    dates, changes = (own.replace("torque_constant", "gain") for own in results.tables.values())
+    sensed = health_figure(dates, changes, TORQUE).figure
     assert not any("A]" in axis.get_ylabel() for axis in sensed.axes)
 
 

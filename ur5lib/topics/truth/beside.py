@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import t
 
-from ur5lib.records.clocks import SettledClock
+from ur5lib.records.clocks import ClockRelation
 from ur5lib.records.forces import Forces
 from ur5lib.records.friction import Friction
 from ur5lib.records.models import Rotors
@@ -72,7 +72,7 @@ def errors(
     return rows(f"{quantity}_rmse", index, unit, 0.0, off, zero=zero, method=method)
 
 
-def clock_rows(clocks: Mapping[str, SettledClock], truth: TrueParameters) -> Iterator[Row]:
+def clock_rows(clocks: Mapping[str, ClockRelation], truth: TrueParameters) -> Iterator[Row]:
     """Yield offset [s] and drift [ppm] of each device.
 
     Sensors aligned by the host's stamps use the robot's clock: their drift has no truth.
