@@ -446,7 +446,7 @@ def test_the_example_of_every_public_name_runs(
 
 def shown_by_help(own: object) -> int:
     """Lines of `help`, as a terminal breaks them."""
-    text = pydoc.render_doc(own, renderer=pydoc.plaintext)
+    text = pydoc.plain(pydoc.render_doc(own))
     return sum(1 + max(0, len(line) - 1) // WIDTH for line in text.splitlines())
 
 
