@@ -304,7 +304,7 @@ def _frozen(log: RandomLog, random: np.random.Generator) -> None:
 
 
 def _denormal(log: RandomLog, random: np.random.Generator) -> None:
-    rows = np.full(log.channels["actual_q"].shape, -5.4e-310)
+    rows = np.full_like(log.channels["actual_q"], -5.4e-310)
     log.add("denormal", [_name(log, f"effort_{k}") for k in range(rows.shape[1])], rows)
 
 
@@ -548,7 +548,7 @@ def _write_lists(log: RandomLog, path: Path, random: np.random.Generator) -> Pat
 
 
 def _write_npz(log: RandomLog, path: Path, random: np.random.Generator) -> Path:
-    np.savez(path.with_suffix(".npz"), **_arrays(log))  # type: ignore[arg-type]
+    np.savez(path.with_suffix(".npz"), **_arrays(log))
     return path.with_suffix(".npz")
 
 

@@ -71,7 +71,7 @@ def test_a_frame_gives_to_the_last_bit_what_its_file_gives(
 
 def test_arrays_by_name_give_what_their_archive_gives(table: pd.DataFrame, tmp_path: Path) -> None:
     arrays = arrays_of(table)
-    np.savez(tmp_path / "recording.npz", **arrays)  # type: ignore[arg-type]
+    np.savez(tmp_path / "recording.npz", **arrays)
     stated: dict[str, Any] = {"columns": {"actual_q": "q"}, "unit": {"actual_current": "A"}}
     own = ur5lib.read(arrays, "ur5e", **stated)
     assert_same(own, ur5lib.read(tmp_path / "recording.npz", "ur5e", **stated))
@@ -186,7 +186,7 @@ CALLS: dict[str, Callable[[Any, ur5lib.Recordings, ur5lib.Model, Path], object]]
     "rate": lambda it, *_: ur5lib.read("a.csv", rate=it),
     "read_arm": lambda it, *_: ur5lib.read_arm(it),
     "fit": lambda it, *_: ur5lib.fit(it),
-    "accept": lambda it, runs, *_: ur5lib.fit(runs, accept=[it]),  # type: ignore[arg-type]
+    "accept": lambda it, runs, *_: ur5lib.fit(runs, accept=[it]),
     "reason": lambda it, runs, *_: ur5lib.fit(
         runs, accept={"order": "" if isinstance(it, str) else it}
     ),
@@ -197,7 +197,7 @@ CALLS: dict[str, Callable[[Any, ur5lib.Recordings, ur5lib.Model, Path], object]]
     "load": lambda it, _, fitted, __: fitted.friction(0.1, [it]),
     "table": lambda it, _, fitted, __: fitted.table(it),
     "plot": lambda it, _, fitted, __: fitted.plot(it),
-    "joint": lambda it, _, fitted, __: fitted.plot("friction", joint=[it]),  # type: ignore[arg-type]
+    "joint": lambda it, _, fitted, __: fitted.plot("friction", joint=[it]),
     "save": lambda it, _, fitted, __: fitted.save(it),
     "load_model": lambda it, *_: ur5lib.load_model(it),
     "load a study": lambda it, *_: ur5lib.load(it),
@@ -228,12 +228,12 @@ def test_a_wrong_call_is_told_in_a_sentence(
 
 def test_a_stop_sign_is_not_overruled_without_a_reason(free: ur5lib.Recordings) -> None:
     with pytest.raises(ur5lib.InputError, match="accept: order without a reason"):
-        ur5lib.fit(free, accept={"order": None})  # type: ignore[dict-item]
+        ur5lib.fit(free, accept={"order": None})
 
 
 def test_what_a_study_or_a_file_lacks_is_told(table: pd.DataFrame) -> None:
     for stated in ({"rate": 125}, {"role": "fit"}):
         with pytest.raises(ur5lib.InputError, match="is a study: write columns"):
-            ur5lib.read("mine.yaml", **stated)  # type: ignore[arg-type]
+            ur5lib.read("mine.yaml", **stated)
     with pytest.raises(ur5lib.InputError, match="`columns` names speed, but it has timestamp"):
         ur5lib.read(table, columns={"actual_qd": "speed"})

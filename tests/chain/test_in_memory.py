@@ -92,7 +92,7 @@ def test_recordings_are_chosen_by_name_and_by_role(folder: Path) -> None:
     with pytest.raises(ur5lib.InputError, match="did you mean `pushed`"):
         ur5lib.read(files, "ur5e", {"push": "contact"})
     with pytest.raises(ur5lib.InputError, match="did you mean `contact`"):
-        ur5lib.read(files, "ur5e", {"pushed": "contacts"})  # type: ignore[dict-item]
+        ur5lib.read(files, "ur5e", {"pushed": "contacts"})
 
 
 def test_a_push_is_told_with_its_band_and_odds(
@@ -348,7 +348,7 @@ def test_mistakes_are_told_in_a_sentence(
 ) -> None:
     (folder / "wrong.json").write_text("{}")
     with pytest.raises(ur5lib.InputError, match=message):
-        call(folder, model)  # type: ignore[operator]
+        call(folder, model)
 
 
 def test_a_recording_that_is_not_there_is_answered_with_its_neighbour(
@@ -412,7 +412,7 @@ def test_every_public_name_is_there_and_documented() -> None:
         own = getattr(ur5lib, name)
         assert 0 < len(own.__doc__.splitlines()) <= SCREEN, name
     with pytest.raises(AttributeError, match="fitt"):
-        _ = ur5lib.fitt  # type: ignore[attr-defined]
+        _ = ur5lib.fitt
 
 
 def test_the_example_of_every_public_name_runs(

@@ -177,7 +177,7 @@ def from_sdf(text: str, joints: int = 6) -> pinocchio.Model:
         assert link is not None
         assert joint.findtext("axis/xyz") == "0 0 1"
         assert joint.findtext("parent") == (f"link_{k - 1}" if k > 1 else "frame_0")
-        assert link.find("pose").get("relative_to") == f"frame_{k - 1}"  # type: ignore[union-attr]
+        assert link.find("pose").get("relative_to") == f"frame_{k - 1}"
         model.addJoint(k - 1, pinocchio.JointModelRZ(), below, f"joint_{k}")
         model.appendBodyToJoint(k, mass_of(link), placed(link.findtext("inertial/pose", "")))
         below = placed(frames[f"frame_{k}"])
@@ -354,4 +354,4 @@ def test_limits_are_those_of_the_joints() -> None:
 def test_what_is_not_there_is_reported(changed: dict[str, object], message: str) -> None:
     asked = {"robot": "ur5", "model": None, "to": "mjcf", "results": None, "as_in": ""}
     with pytest.raises(InputError, match=message):
-        exported(**asked | changed)  # type: ignore[arg-type]
+        exported(**asked | changed)

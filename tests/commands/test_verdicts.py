@@ -154,9 +154,9 @@ def comments(text: str) -> list[str]:
     """The comments before the root element of an XML file, which are read as XML."""
     builder = ElementTree.XMLPullParser(["comment", "start"])
     builder.feed(text)
-    read = [*builder.read_events()]
+    read: list[tuple[str, Any]] = [*builder.read_events()]
     root = next(place for place, (event, _) in enumerate(read) if event == "start")
-    return [str(element.text) for _, element in read[:root]]  # type: ignore[union-attr]
+    return [str(element.text) for _, element in read[:root]]
 
 
 def read_by_others(text: str, to: str) -> None:

@@ -47,7 +47,7 @@ COUNT = 130  # samples
 
 def alarm(start: float = 1.0, end: float = 2.0, **more: object) -> Alarm:
     force = np.array([3.0, 0.0, 4.0]), np.array([1.0, 5.0, 2.0])
-    return Alarm(start, end, start, *force, np.zeros(6), **more)  # type: ignore[arg-type]
+    return Alarm(start, end, start, *force, np.zeros(6), **more)
 
 
 def contact(start: float, end: float, **more: float | None) -> ContactError:

@@ -31,7 +31,7 @@ for module in ("rtde_receive", "rtde_control", "dashboard_client"):
 HERE = "127.0.0.1"
 PATIENCE = 30.0  # s, for a loaded machine
 STILL = Standstill(kind="standstill")
-SILENT = SimulatedRecording(trajectory=STILL, noise=False, payload={"mass": 1.5})  # type: ignore[arg-type]
+SILENT = SimulatedRecording(trajectory=STILL, noise=False, payload={"mass": 1.5})
 AWAY = np.add(POSTURE, [0.2, -0.1, 0.1, 0.2, 0.0, 0.3])
 
 pytestmark = [

@@ -19,7 +19,7 @@ from ur5lib.topics.live.live import UNKNOWN, Answer, Live
 HERE = "127.0.0.1"
 LATEST = 0.01  # s, after its arrival, that a sample may be answered
 MEMORY_GROWTH = 20_000  # kB
-STILL = SimulatedRecording(trajectory=Standstill(kind="standstill"))  # type: ignore[arg-type]
+STILL = SimulatedRecording(trajectory=Standstill(kind="standstill"))
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.real_time,

@@ -175,7 +175,7 @@ def test_nothing_moves_without_a_yes_or_a_plan(
             ({"move": Path("moves.txt"), "yes": True}, "line 2: .* singularity"),
             ({"move": Path("points.csv"), "wait": 3.0, "yes": True}, "--wait: points.csv"),
         ):
-            options = RecordOptions("points", "fit", **given)  # type: ignore[arg-type]
+            options = RecordOptions("points", "fit", **given)
             with pytest.raises(InputError, match=sentence):
                 record(study, options, screen)
             assert not Path("raw").exists()

@@ -152,7 +152,7 @@ def test_a_fault_of_the_recorder_is_said(tmp_path: Path) -> None:
     here, there = multiprocessing.Pipe()
     handler, plan, stop = signal.getsignal(signal.SIGINT), Faulty(), multiprocessing.Event()
     try:
-        capture(plan, tmp_path / "made_up.csv", 0.0, there, stop)  # type: ignore[arg-type]
+        capture(plan, tmp_path / "made_up.csv", 0.0, there, stop)
     finally:
         signal.signal(signal.SIGINT, handler)
     _, status = here.recv(), here.recv()

@@ -75,14 +75,15 @@ def lab(
 def until(condition: object) -> None:
     """Wait until a condition holds."""
     end = time.monotonic() + PROMPT
-    while not condition():  # type: ignore[operator]
+    while not condition():
         assert time.monotonic() < end
         time.sleep(0.05)
 
 
 def read_back(devices: LabSettings, folder: Path) -> RawRecording:
     """Read a recording by the entry that `ur5 record` gives it."""
-    entry = {"name": "run", "role": "contact", "robot": "ur5e", "folder": str(folder)}
+    entry: dict[str, object] = {"name": "run", "role": "contact", "robot": "ur5e"}
+    entry["folder"] = str(folder)
     entry |= file_entry(devices.robot, "robot.csv")
     entry |= {n: file_entry(d, f"{n}.csv") for n, d in devices.devices().items() if n != "robot"}
     return read_recording(RtdeRecording.model_validate(entry).model_dump())
@@ -205,7 +206,7 @@ def test_a_full_disk_is_said(tmp_path: Path) -> None:
     here, there = multiprocessing.Pipe()
     handler, plan, stop = signal.getsignal(signal.SIGINT), MadeUp(), multiprocessing.Event()
     try:
-        capture(plan, Path("/dev/full"), 0.0, there, stop)  # type: ignore[arg-type]
+        capture(plan, Path("/dev/full"), 0.0, there, stop)
     finally:
         signal.signal(signal.SIGINT, handler)
     identity, status = here.recv(), here.recv()

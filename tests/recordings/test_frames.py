@@ -193,7 +193,7 @@ def test_steps_that_fit_no_cycle_are_interpolated_in_time() -> None:
 )  # fmt: skip
 def test_what_cannot_be_repaired_is_reported(change: object, sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
-        repair(change(frames()))  # type: ignore[operator]
+        repair(change(frames()))
 
 
 @pytest.mark.parametrize("swaps", [0, 1, 2])

@@ -118,7 +118,7 @@ def test_samples_are_sorted_and_each_is_counted_once(tmp_path: Path) -> None:
     lines[80] = "0.80,,1,1,1,1,1"
     path.write_text("\n".join([*lines, lines[120]]) + "\n")
     times, findings = read(path)
-    np.testing.assert_allclose(times, np.delete(0.01 * np.arange(200.0), 80))  # type: ignore[arg-type]
+    np.testing.assert_allclose(times, np.delete(0.01 * np.arange(200.0), 80))
     assert {name: one.count for name, one in findings.items()} == {
         "missing cells": 1,
         "repeated frames": 1,
@@ -127,7 +127,7 @@ def test_samples_are_sorted_and_each_is_counted_once(tmp_path: Path) -> None:
     runs = np.concatenate([5 + 0.01 * np.arange(100.0), 0.01 * np.arange(60.0)])
     times, findings = read(write(path, runs))
     assert findings["clock reset"].count == 60
-    np.testing.assert_allclose(times, 5 + 0.01 * np.arange(100.0))  # type: ignore[arg-type]
+    np.testing.assert_allclose(times, 5 + 0.01 * np.arange(100.0))
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from matplotlib.patches import Rectangle
 from PIL import Image
 
 from tests.current_study import noisy, prior, smooth
@@ -53,7 +54,7 @@ def drawing(count: int = 50, panels: list = WRENCH_PANELS, **more: object) -> Dr
     time = np.linspace(0, 1, count)
     measured = np.outer(np.cos(40 * time), np.arange(1.0, 7.0))
     series = {"sensor": (measured, "measured"), "estimate": (0.9 * measured, "joint")}
-    return draw_traces(Traces(time, series, **more), panels)  # type: ignore[arg-type]
+    return draw_traces(Traces(time, series, **more), panels)
 
 
 def test_the_same_figure_is_the_same_file(tmp_path: Path) -> None:
@@ -269,7 +270,8 @@ def test_gaps_and_singular_stretches_are_shaded() -> None:
     series = {"a": (np.ones((7, 6)), "measured")}
     hidden = np.array([0, 1, 1, 1, 0, 0, 1]) == 1
     figure = draw_traces(Traces(time, series, hidden=hidden), WRENCH_PANELS).figure
-    spans = sorted((span.get_x(), span.get_width()) for span in figure.axes[0].patches)
+    patches = figure.axes[0].patches
+    spans = sorted((p.get_x(), p.get_width()) for p in patches if isinstance(p, Rectangle))
     assert spans == [(1, 1), (2, 3), (7, 0)]
     assert {"gap", "near a singularity"} <= {t.get_text() for t in figure.legends[0].get_texts()}
 
@@ -366,7 +368,7 @@ def test_a_ball_is_drawn_with_its_radius() -> None:
 
 @pytest.mark.parametrize(("axis", "seen"), [("x", [0.4, 0.4]), ("y", [1, 0.4]), ("z", [0.4, 1])])
 def test_a_cylinder_is_drawn_with_its_height_and_diameter(axis: str, seen: list[float]) -> None:
-    part = Cylinder(axis=axis, mass=1, height=1, radius=0.2, offset=(0, 0.1, 0))  # type: ignore[arg-type]
+    part = Cylinder(axis=axis, mass=1, height=1, radius=0.2, offset=(0, 0.1, 0))
     outline = cylinder_outline(part, np.array([0.0, 1.0, 2.0]), np.eye(3))
     assert np.ptp(outline, axis=0) == pytest.approx(seen)
     assert (outline.min(axis=0) + outline.max(axis=0)) / 2 == pytest.approx([1.1, 2.0])

@@ -108,7 +108,7 @@ def test_recordings_left_out_have_the_share_if_they_are_alike_and_more_if_not(ra
 
 def test_the_file_has_the_terms_of_controllers(tmp_path: Path) -> None:
     study = MadeStudy(tmp_path).judged("usable")
-    told = json.loads(FORMATS["thresholds"](study, "ur5", "", ""))  # type: ignore[arg-type]
+    told = json.loads(FORMATS["thresholds"](study, "ur5", "", ""))
     assert told["recordings"] == ["one", "two"]
     assert told["false_alarm_rates"] == LEVELS
     one, two = study.parts["one"], study.parts["two"]
