@@ -279,6 +279,15 @@ def test_efforts_that_never_change_are_not_measured(tmp_path: Path) -> None:
     assert row_of(one, "torque_0").reason == "no number of it changes, so it was not measured"
 
 
+def test_efforts_that_no_row_has_whole_are_left_out(tmp_path: Path) -> None:
+    """Before, `ur5 import` ended in a KeyError, as fuzzing found."""
+    gaps = np.arange(CURRENT.size).reshape(CURRENT.shape) % 5 > 0
+    torn = columns(**MOTION | {"current": np.where(gaps, np.nan, CURRENT)})
+    (one,) = imported({"time": TIME} | torn, tmp_path)
+    assert row_of(one, "current_0").reason == "no row has its numbers of all joints"
+    assert "actual_current" not in one.entry["columns"]
+
+
 @pytest.mark.parametrize("filled", [0.0, -5.4e-310])
 def test_efforts_that_were_never_filled_are_not_recorded(tmp_path: Path, filled: float) -> None:
     (one,) = imported({"time": TIME} | columns(q=Q, qd=QD, effort=0 * Q + filled), tmp_path)

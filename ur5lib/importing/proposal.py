@@ -54,6 +54,7 @@ MIN_TURN = 0.1  # rad
 MIN_TURNING_JOINTS = 4  # with fewer, constant efforts are no evidence
 MAX_GAP = 0.1  # s, that is filled before means are taken
 RECTIFIED_REASON = "never negative, though it falls to zero: without its sign, it tells no torque"
+GAPS_REASON = "no row has its numbers of all joints"
 FROZEN_REASON = "no number of it changes, so it was not measured"
 SILENT_REASON = "zero throughout, so not recorded"
 STRAY_REASON = f"stray bytes, nearer to zero than {SMALLEST_VALUE:g}: not recorded"
@@ -118,6 +119,8 @@ def propose(file: FileContents) -> Proposal:
     efforts = {f"effort{k}": in_stated_unit(b, file) for k, b in enumerate(_efforts(moving))}
     wrench = wrench_blocks(file, clock)
     means, loads = _means(moving, efforts, wrench)
+    for name in [name for name in efforts if means and name not in means.currents]:
+        file.account.exclude(efforts.pop(name), GAPS_REASON)
     if file.precedent:
         _scale_like(file.precedent.efforts, efforts, means)
     elif means:
