@@ -1,6 +1,6 @@
 """The steps of the force estimates, on made-up torques: loads, rates, alarms."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
@@ -87,7 +87,7 @@ def test_every_estimate_has_its_band_and_its_odds(ur5: Robot) -> None:
     assert forces.wrench.keys() - {own} == forces.std.keys()
     assert forces.std.keys() >= {"Fmap", "least_squares"}
     assert forces.log_odds.keys() == forces.wrench.keys() & {*GATED}
-    shapes = [
+    shapes: list[tuple[Mapping[str, Array | None], tuple[int, ...]]] = [
         (forces.wrench, (count, 6)),
         (forces.std, (count, 6)),
         (forces.log_odds, (count,)),

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from ur5lib.errors import InputError
-from ur5lib.study.turn import LOCK_FILE, TURN_VARIABLE, share_turn, take_turn
+from ur5lib.study.turn import LOCK_FILE, TURN_VARIABLE, running, share_turn, take_turn
 
 HOLD = "import sys, time; from pathlib import Path; from ur5lib.study.turn import take_turn; "
 HOLD += "held = take_turn(Path(sys.argv[1])); print('held', flush=True); time.sleep(60)"
@@ -25,7 +25,8 @@ def test_a_second_run_names_the_first_which_is_not_disturbed(tmp_path: Path) -> 
             take_turn(tmp_path)
     first.kill()
     first.wait()
-    assert take_turn(tmp_path)
+    with take_turn(tmp_path):
+        assert running(tmp_path).startswith(f"process {os.getpid()} of ")
 
 
 def test_who_waits_comes_next(tmp_path: Path) -> None:

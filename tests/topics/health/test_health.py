@@ -281,7 +281,7 @@ def test_each_joint_is_named(results: Results) -> None:
 def test_a_jump_is_shaded_darker_than_a_drift(results: Results) -> None:
     dates, changes = results.tables.values()
     darkness = [
-        patch.get_alpha()
+        float(patch.get_alpha())
         for kind in ("drift", "jump")
         for axis in health_figure(dates, changes[changes["kind"] == kind]).figure.axes
         for patch in axis.patches
