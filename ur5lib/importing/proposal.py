@@ -18,6 +18,7 @@ from ur5lib.importing.clocks import ROW_CLOCK
 from ur5lib.importing.contents import TABLE_FORMAT, FileContents
 from ur5lib.importing.efforts import (
     EFFORT_MEANINGS,
+    UNITS_BY_CHANNEL,
     as_of,
     in_stated_unit,
     is_frozen,
@@ -172,6 +173,14 @@ def _efforts(moving: ImportedMotion) -> list[ColumnBlock]:
             account.exclude(block, error)
         elif of_joints and is_of_motors(block.stem()):
             account.exclude(block, f"raw or of the motors, beside {of_joints[0].title}", "name")
+    efforts = [block for block in efforts if block.names not in account.excluded]
+    names = [block.stem().strip("_").rpartition("/")[2] for block in efforts]
+    if "actual_current" not in names:
+        return efforts
+    beside = "beside actual_current: computed from it, or of another kind"
+    for block, name in zip(efforts, names, strict=True):
+        if name not in UNITS_BY_CHANNEL:
+            account.exclude(block, beside, "name")
     return [block for block in efforts if block.names not in account.excluded]
 
 
