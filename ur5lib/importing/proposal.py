@@ -54,6 +54,8 @@ MIN_BLOCKS = 8
 MIN_TURN = 0.1  # rad
 MIN_TURNING_JOINTS = 4  # with fewer, constant efforts are no evidence
 MAX_GAP = 0.1  # s, that is filled before means are taken
+MAX_NAMELESS_EFFORTS = 8  # that gravity is asked about, of a table without names
+COMPARED_ROWS = 2000  # by which these are chosen
 RECTIFIED_REASON = "never negative, though it falls to zero: without its sign, it tells no torque"
 GAPS_REASON = "no row has its numbers of all joints"
 FROZEN_REASON = "no number of it changes, so it was not measured"
@@ -174,6 +176,8 @@ def _efforts(moving: ImportedMotion) -> list[ColumnBlock]:
         elif of_joints and is_of_motors(block.stem()):
             account.exclude(block, f"raw or of the motors, beside {of_joints[0].title}", "name")
     efforts = [block for block in efforts if block.names not in account.excluded]
+    if sum(block.is_nameless() for block in efforts) > MAX_NAMELESS_EFFORTS:
+        efforts = _following_the_motion(moving, efforts)
     names = [block.stem().strip("_").rpartition("/")[2] for block in efforts]
     if "actual_current" not in names:
         return efforts
@@ -182,6 +186,29 @@ def _efforts(moving: ImportedMotion) -> list[ColumnBlock]:
         if name not in UNITS_BY_CHANNEL:
             account.exclude(block, beside, "name")
     return [block for block in efforts if block.names not in account.excluded]
+
+
+def _following_the_motion(
+    moving: ImportedMotion, efforts: Sequence[ColumnBlock]
+) -> list[ColumnBlock]:
+    """Return the efforts of many that angles and velocities of the joints explain best, by one
+    linear regression, with a cost that grows with the number of columns alone.
+    """
+    q = moving.in_si()["actual_q"]
+    rows = np.linspace(0, len(q) - 1, min(len(q), COMPARED_ROWS)).astype(int)
+    qd = np.gradient(q, axis=0)[rows]
+    terms = [np.sin(q[rows]), np.cos(q[rows]), qd, np.sign(qd), np.ones((len(rows), 1))]
+    basis = np.linalg.qr(np.nan_to_num(np.hstack(terms)))[0]
+    values = np.nan_to_num(np.stack([block.rows[rows] for block in efforts], axis=1))
+    centred = (values - values.mean(axis=0)).reshape(len(rows), -1)
+    explained = ((basis.T @ centred) ** 2).sum(axis=0) / ((centred**2).sum(axis=0) + 1e-300)
+    shares = np.median(explained.reshape(len(efforts), -1), axis=1)
+    least = float(np.sort(shares)[-MAX_NAMELESS_EFFORTS])
+    better = f"the joints' motion explains less of it than of others, {least:.0%} and more"
+    for block, share in zip(efforts, shares, strict=True):
+        if share < least:
+            moving.file.account.exclude(block, better)
+    return [block for block in efforts if block.names not in moving.file.account.excluded]
 
 
 def _scale_like(
