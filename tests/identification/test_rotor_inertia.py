@@ -6,7 +6,10 @@ import numpy as np
 
 from tests.real_arms import RealStudy
 from ur5lib.identification.controllers_torques import rotor_samples
-from ur5lib.identification.rotor_inertia import RotorFit, fit_rotor_inertia
+from ur5lib.identification.rotor_inertia import RotorFit, fit_rotor_inertia, with_rotors
+from ur5lib.records.models import Rotors, Terms
+from ur5lib.robots.description import Robot
+from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.steps.identify_model import commanded
 from ur5lib.timeseries.arrays import Array
 
@@ -87,6 +90,20 @@ def test_a_joint_that_kept_still_tells_nothing() -> None:
     found = fit([(residual, qd, qdd)])
     np.testing.assert_array_equal(np.isnan(found.value.inertia), np.arange(6) == 2)
     np.testing.assert_array_equal(np.isnan(found.std_error.inertia), np.arange(6) == 2)
+
+
+def test_an_inertia_that_is_not_determined_is_that_of_the_description(ur5: Robot) -> None:
+    """Joints at rest had fits of 166 ± 291 and -7068 kg m²; the first was used."""
+    value, std = INERTIA.copy(), np.full(6, 0.01)
+    value[[1, 3, 4]], std[[1, 3, 4]] = [-7068.0, 166.0, np.nan], [3081.0, 291.0, np.nan]
+    zero = np.zeros(6)
+    fits = [Terms(inertia, zero, zero, zero) for inertia in (value, std)]
+    changed = with_rotors(ur5, Rotors(["moved"], *fits))
+    described = rigid_bodies(ur5, f"{ur5.chosen_model}+rotors").rotor_inertia
+    found = changed.models[f"{ur5.chosen_model}+rotors"].rotor_inertias
+    np.testing.assert_allclose(found, np.where([1, 0, 1, 0, 0, 1], INERTIA, described))
+    unknown = [Terms(inertia, zero, zero, zero) for inertia in (value, np.full(6, 1e3))]
+    assert with_rotors(ur5, Rotors(["rested"], *unknown)) is ur5
 
 
 # The real arms

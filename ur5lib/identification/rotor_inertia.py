@@ -18,6 +18,7 @@ from ur5lib.records.models import Rotors, Terms
 from ur5lib.robots.description import Robot
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import NORMAL95
 
 RECORDING_PARTS = 8  # a single recording is divided into this many
 
@@ -85,19 +86,19 @@ def fitted_rotors(samples: Mapping[str, RotorSamples | None]) -> Rotors:
 
 
 def with_rotors(robot: Robot, rotors: Rotors) -> Robot:
-    """Return the arm with the fitted rotor inertias in its chosen model, as "<model>+rotors"."""
-    if rotors.value is None:
+    """Return the arm with the determined rotor inertias in its chosen model, as "<model>+rotors".
+
+    An inertia is determined if it is above zero with 95 %. The other joints keep that of the
+    description: one that never accelerates may have a fit of any size.
+    """
+    if rotors.value is None or rotors.std_error is None:
+        return robot
+    fitted, std_error = rotors.value.inertia, rotors.std_error.inertia
+    determined = fitted > NORMAL95 * std_error  # of a joint without motion, both are NaN
+    if not determined.any():
         return robot
     name = f"{robot.chosen_model}+rotors"
     described = name if name in robot.models else robot.chosen_model
-    # A joint without motion (NaN) or with a negative fit keeps the described inertia.
-    fitted = [
-        value if value >= 0 else inertia
-        for value, inertia in zip(
-            rotors.value.inertia.tolist(),
-            rigid_bodies(robot, described).rotor_inertia.tolist(),
-            strict=True,
-        )
-    ]
-    model = robot.models[described].model_copy(update={"rotor_inertias": tuple(fitted)})
+    known = np.where(determined, fitted, rigid_bodies(robot, described).rotor_inertia)
+    model = robot.models[described].model_copy(update={"rotor_inertias": tuple(known.tolist())})
     return robot.with_model(name, model)
