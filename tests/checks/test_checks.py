@@ -6,7 +6,13 @@ import pytest
 
 from tests.conftest import said
 from tests.synthetic import PERIOD, poor_log
-from ur5lib.checks.channels import check_robot, fast_between_samples, unmoved, untold_motion
+from ur5lib.checks.channels import (
+    check_robot,
+    fast_between_samples,
+    no_motion,
+    unmoved,
+    untold_motion,
+)
 from ur5lib.checks.checked import Checked
 from ur5lib.checks.contacts import sensed_contacts
 from ur5lib.checks.devices import check_force_sensor, check_imu
@@ -59,6 +65,14 @@ def test_a_joint_that_never_moved_is_noted() -> None:
     assert (note.severity, note.count) == ("note", 2)
     assert note.detail.startswith("joints 3, 5 never moved")
     assert not any(unmoved(angles[:, [0, 1, 3, 5]]))
+
+
+def test_a_fit_without_any_motion_is_warned_of() -> None:
+    """Before, three postures at rest were a fit of good quality."""
+    angles = np.sin(np.linspace(0, 3, 100))[:, None] * [1e-4, 0, 2e-4]
+    (warning,) = no_motion(angles)
+    assert (warning.severity, warning.count) == ("warning", 3)
+    assert not any(no_motion(angles + [0, 0, 1] * angles * 1e4))
 
 
 @pytest.mark.parametrize("side", [1, -1])

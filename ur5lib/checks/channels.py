@@ -11,7 +11,7 @@ from ur5lib.channels import joint_count
 from ur5lib.records.phrases import number, numbered
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.tables import channel, unit
-from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import extrapolated_samples, unbroken
 
 MIN_MOVING_SPEED = 0.05  # rad/s; slower joints do not show their velocities nor their friction
@@ -91,13 +91,29 @@ def unfiltered(cutoffs_hz: Mapping[str, float], period: float) -> Iterator[Findi
 
 def unmoved(q: Array) -> Iterator[Finding]:
     """Yield a note on joints that never move; q: (N, n) [rad]."""
-    still = np.flatnonzero(np.nanmax(q, axis=0) - np.nanmin(q, axis=0) < FIRST_MOTION) + 1
+    still = np.flatnonzero(~_moved(q)) + 1
     if len(still):
         detail = (
             f"{numbered(still.tolist())} never moved, so that nothing says to which side friction "
             "holds a torque there; begin a recording with a small move of every joint"
         )
         yield Finding("robot", "unmoved", "note", len(still), detail)
+
+
+def no_motion(q: Array) -> Iterator[Finding]:
+    """Yield a warning on a recording of a fit in which no joint moves; q: (N, n) [rad]."""
+    if not _moved(q).any():
+        detail = (
+            f"no joint moves by {FIRST_MOTION:g} rad, so that a fit learns no friction from it; "
+            "record a motion, or give it the role `validate`"
+        )
+        yield Finding("robot", "no motion", "warning", q.shape[1], detail)
+
+
+def _moved(q: Array) -> Mask:
+    """Return which joints (n,) move in positions (N, n) [rad]."""
+    moved: Mask = np.nanmax(q, axis=0) - np.nanmin(q, axis=0) >= FIRST_MOTION
+    return moved
 
 
 def too_short(segment: Labels, period: float, cutoff: float) -> list[Finding]:

@@ -2,7 +2,13 @@
 
 from collections.abc import Iterator, Mapping
 
-from ur5lib.checks.channels import fast_between_samples, too_short, unfiltered, unmoved
+from ur5lib.checks.channels import (
+    fast_between_samples,
+    no_motion,
+    too_short,
+    unfiltered,
+    unmoved,
+)
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.contacts import unfelt_contacts
 from ur5lib.checks.delays import as_warning, delayed_currents, delayed_joint
@@ -74,8 +80,8 @@ def _of_samples(checked: Checked, cutoffs_hz: Mapping[str, float]) -> Iterator[F
     yield from unfiltered(cutoffs_hz, step)
     yield from too_short(segment, step, cutoff)
     yield from fast_between_samples(positions, segment, step, checked.arm.velocity_limits())
-    if checked.means.has_efforts() and not checked.fitted:
-        yield from unmoved(positions)
+    if checked.means.has_efforts():
+        yield from (no_motion if checked.fitted else unmoved)(positions)
 
 
 def contacts_felt(checked: Checked, sensed: bool) -> Iterator[Finding]:
