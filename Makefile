@@ -81,7 +81,7 @@ docs: .venv/dev ## build the site, .site/html: documents, notebook, reference, r
 	rm -rf .site && mkdir -p .site/pages
 	cp -RL *.md CITATION.cff LICENSE Snakefile config.yaml docs site ur5lib workflow .site/pages
 	python site/pages.py .site/pages
-	PROJECT_HOME="$$(python site/pages.py --home)" zensical build --strict >.site/log 2>&1 || { cat .site/log >&2; exit 1; }
+	PROJECT_HOME="$$(python site/pages.py --home)" zensical build --clean --strict >.site/log 2>&1 || { cat .site/log >&2; exit 1; }
 	@echo "site: .site/html/index.html"
 
 release: export SOURCE_DATE_EPOCH = $(shell git log -1 --format=%ct)
