@@ -122,13 +122,7 @@ def propose(file: FileContents) -> Proposal:
     efforts = {f"effort{k}": in_stated_unit(b, file) for k, b in enumerate(_efforts(moving))}
     wrench = wrench_blocks(file, clock)
     means, loads = _means(moving, efforts, wrench)
-    for name in [name for name in efforts if means and name not in means.currents]:
-        file.account.exclude(efforts.pop(name), GAPS_REASON)
-    if file.precedent:
-        _scale_like(file.precedent.efforts, efforts, means)
-    elif means:
-        _turn(efforts, means, file)
-        _put_behind_gears(efforts, means, file)
+    _correct(efforts, means, file)
     telling = {n: v for n, v in means.currents.items() if not is_share(efforts[n])} if means else {}
     likely = replace(means, currents=telling) if means else None
     arm, robot, order, like = identity = identified(moving, likely)
@@ -209,6 +203,19 @@ def _following_the_motion(
         if share < least:
             moving.file.account.exclude(block, better)
     return [block for block in efforts if block.names not in moving.file.account.excluded]
+
+
+def _correct(efforts: dict[str, ColumnBlock], means: BlockMeans | None, file: FileContents) -> None:
+    """Leave out efforts without means; scale the others as another file's, or turn those of the
+    opposite sign, and multiply those of the motors' side by the gears.
+    """
+    for name in [name for name in efforts if means and name not in means.currents]:
+        file.account.exclude(efforts.pop(name), GAPS_REASON)
+    if file.precedent:
+        _scale_like(file.precedent.efforts, efforts, means)
+    elif means:
+        _turn(efforts, means, file)
+        _put_behind_gears(efforts, means, file)
 
 
 def _scale_like(
