@@ -57,6 +57,7 @@ NUMBER = re.compile(r"([<>]?)\s*([−-]?\d[\d,]*(?:\.(\d+))?)")  # bound, value,
 NAMED = re.compile(r'#let (id|topic) = "([\w-]+)"')
 AWAY = re.compile("data:|https?:|mailto:")
 CARDS = ".//*[@data-question]"
+LOADED_MS = 180_000  # a busy machine takes 40 s for the demo's report, an idle one 3 s
 TOUCH = 2  # points by which letters of neighbours may reach into each other
 
 
@@ -98,7 +99,7 @@ def opened(chromium: Any, report: Path, width: int, scheme: str) -> Any:
     page.on("console", lambda message: told.append(message.text))
     page.on("pageerror", lambda error: told.append(str(error)))
     page.on("request", lambda request: told.append(request.url))
-    page.goto(report.as_uri())
+    page.goto(report.as_uri(), timeout=LOADED_MS)
     page.wait_for_function(OPENED)
     assert [one for one in told if not one.startswith(("data:", report.as_uri()))] == []
     return page
@@ -112,7 +113,7 @@ def check_access(chromium: Any, report: Path, width: int, scheme: str) -> None:
         viewport={"width": width, "height": HEIGHT}, color_scheme=scheme, bypass_csp=True
     )
     page = context.new_page()
-    page.goto(report.as_uri())
+    page.goto(report.as_uri(), timeout=LOADED_MS)
     page.wait_for_function(OPENED)
     violations = Axe().run(page).response["violations"]
     assert [(v["id"], v["nodes"][0]["html"][:200]) for v in violations] == []

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.artefacts.documents import browser
+from tests.artefacts.documents import LOADED_MS, browser
 from ur5lib.finished import StudyFiles
 from ur5lib.force.estimators import NEW
 from ur5lib.records.forces import Forces, SensorWrenches
@@ -59,7 +59,7 @@ def check_arm(results: Path, recording: str) -> None:
         page = chromium.new_page()
         drawn = (results / name for name in ("report.html", "details.html"))
         report = next(one for one in drawn if f'data-recording="{recording}"' in one.read_text())
-        page.goto(report.as_uri())
+        page.goto(report.as_uri(), timeout=LOADED_MS)
         closed = f"figure[data-recording='{recording}'] .look[aria-expanded=false]"
         if not page.query_selector(f"figure[data-recording='{recording}'][data-open]"):
             page.locator(closed).first.click()
