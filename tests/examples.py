@@ -168,6 +168,7 @@ def completed(part: Any) -> list[dict[str, Any]]:
     entries = [ENTRY | form for form in FORMATS[: 1 if "simulate" in part else None]]
     parts: list[dict[str, Any]] = [{"recordings": entries[:1]} | part]
     parts += [{"recordings": [entry | part]} for entry in entries]
+    parts += [{"recordings": [ENTRY | FORMATS[1] | {"role": "contact"} | part]}]
     parts += [{"recordings": [ENTRY | FORMATS[1] | {"force_sensor": SENSOR | part}]}]
     parts += [
         {"recordings": entries[:1], "devices": LAB | {name: LAB[name] | part}} for name in LAB
