@@ -138,7 +138,7 @@ def cross_validate(code: str, _: pytest.MonkeyPatch) -> None:
     known: dict[str, Any] = {}
     exec(code, known)
     assert [*known["table"].index] == [1, 2, 3, 4, 5, 6]
-    assert (known["table"]["fitted"] < 1).all()
+    assert (known["table"]["nrmse", "fitted"] < 1).all()
 
 
 def read_frames(code: str, _: pytest.MonkeyPatch) -> None:
