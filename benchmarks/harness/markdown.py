@@ -42,17 +42,17 @@ def write_page(text: str, page: Path) -> None:
 
     def link(fold: re.Match[str]) -> str:
         rows = io.StringIO()
-        csv.writer(rows, lineterminator="\n").writerows(cells_of(fold[2], but=1))
+        csv.writer(rows, lineterminator="\n").writerows(cells_of(fold[2]))
         write_text(rows.getvalue(), page.parent / "data" / f"{fold[1]}.csv")
         return f"[The numbers](data/{fold[1]}.csv)"
 
     write_text(FOLD.sub(link, text), page)
 
 
-def cells_of(table: str, but: int) -> list[list[str]]:
-    """Return the cells of a table in Markdown, without one of its lines."""
-    lines = [line.strip().removeprefix("|").removesuffix("|") for line in table.splitlines()]
-    del lines[but]
+def cells_of(table: str) -> list[list[str]]:
+    """Return the cells of a table in Markdown, without the rule below its head."""
+    head, _, *rows = table.splitlines()
+    lines = (line.strip().removeprefix("|").removesuffix("|") for line in (head, *rows))
     return [[cell.strip() for cell in line.split("|")] for line in lines]
 
 
@@ -83,7 +83,7 @@ def table_in(text: str, title: str, head: str = "") -> pd.DataFrame:
     """
     whole = section(text, title) or text
     for block in re.findall(r"(?:^\|.*\n?)+", whole, re.MULTILINE):
-        first, *rows = cells_of(block, but=1)
+        first, *rows = cells_of(block)
         if head in ("", first[0]):
             return pd.DataFrame(rows, columns=first)
     raise ValueError(f"no table of “{title}” begins with {head}")
