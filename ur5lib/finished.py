@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from difflib import get_close_matches
-from functools import cached_property
+from functools import cache, cached_property
 from os.path import isdir, isfile  # unlike pathlib, false for names that are too long
 from pathlib import Path
 from typing import Any, TypeVar
@@ -271,6 +271,7 @@ class FinishedStudy(Shown):
         )
 
 
+@cache
 def _units_of_topics() -> dict[str, dict[str, str]]:
     """Return the units of the topics' tables, by a pattern of the columns' names."""
     return {k: v for topic in modules_of_topics("units").values() for k, v in topic.UNITS.items()}
