@@ -34,6 +34,8 @@ LESS_GRAVITY = "neither"  # current nor torque: a torque less gravity, as some d
 ROUNDING_STEP = 1e-3  # A; URScript gives currents with three decimals
 LARGEST_MULTIPLE_RANGE = (100, 100_000)  # multiples of a rounded current's step that it reaches
 MAX_TORQUE_RATIO = 1.5  # of a torque in Nm to gravity's
+# Up to this one, nothing else is as near; 1 % of the torque for which some motors are rated is 1.5.
+MAX_PROVEN_RATIO = 1.25
 # The factors of joints that show the same unit differ by no more.
 MAX_FACTOR_RATIO = 1.15
 MIN_BEARING_JOINTS = 2  # this many show a unit together
@@ -52,6 +54,7 @@ OWN_FACTORS_REASON = (
     "as of a percentage of rated torques, of counts, or of motors before their gears: multiply it, "
     "or give the factors as `units`"
 )
+OR_SHARE_REASON = "a share of rated torques may be as near: the maker's manual has the unit"
 UNIT_WORDS = {"A": "A", "mA": "mA", "Nm": "Nm", LESS_GRAVITY: "Nm less gravity"}
 CHANNELS_BY_UNIT = {  # by unit, and whether it is a target
     ("A", False): MEASURED_CURRENT,
@@ -276,9 +279,9 @@ class GravityShown(NamedTuple):
             for joint, constant in self.constants.items()
         ]
 
-    def contradicts(self, unit: str) -> bool:
-        """Return whether the constants of a joint are not those of a unit."""
-        most = MAX_TORQUE_RATIO if unit == "Nm" else MAX_CONSTANT_RATIO
+    def contradicts(self, unit: str, most: float = 0.0) -> bool:
+        """Return whether the constants of a joint are not those of a unit, within a ratio."""
+        most = most or (MAX_TORQUE_RATIO if unit == "Nm" else MAX_CONSTANT_RATIO)
         return any(not 1 / most < ratio < most for ratio in self.ratios(unit))
 
     def confirms(self, unit: str) -> bool:
@@ -398,6 +401,9 @@ def _unit_by_gravity(block: ColumnBlock, shown: GravityShown, account: Account) 
         return named
     strange = best != LESS_GRAVITY and shown.contradicts(best)
     if named in (None, best) and not strange:
+        if best == "Nm" and shown.contradicts(best, MAX_PROVEN_RATIO):
+            account.hold("check", block, "numbers", f"in {best}: {sentence}; {OR_SHARE_REASON}")
+            return best
         sure = best == LESS_GRAVITY or len(shown.constants) >= MIN_BEARING_JOINTS
         account.hold("proven" if sure else "assumed", block, "numbers", f"in {best}: {sentence}")
         return best
