@@ -65,6 +65,14 @@ def test_many_short_gaps_are_told_from_a_hundredth_on(
         assert findings["lost samples"].count == 2 * gaps
 
 
+def test_stamps_of_whole_seconds_are_stale_and_lose_no_sample(tmp_path: Path) -> None:
+    """More than half of all steps are zero then."""
+    times, findings = read(write(tmp_path / "force.csv", np.floor(0.04 * np.arange(1000.0))))
+    assert list(findings) == ["stale stamps"]
+    assert times is not None
+    assert len(times) == 1000
+
+
 @pytest.mark.parametrize(("still", "reported"), [(10, False), (11, True)])
 def test_stale_stamps_are_told_from_a_hundredth_on(
     tmp_path: Path, still: int, reported: bool

@@ -199,18 +199,25 @@ def _in_order(table: pd.DataFrame, device: Device, findings: list[Finding]) -> p
 def _report_timing(time: Array, device: Device, findings: list[Finding]) -> None:
     """Report lost samples and repeated timestamps beyond a device's ordinary jitter."""
     steps = np.diff(time)
+    _report_lost(steps[steps > 0], device, findings)
+    still = int((steps == 0).sum())
+    if still > MAX_SHARE_LOST * len(time):
+        detail = "samples with the timestamp of the previous one"
+        add_finding(findings, device, "stale stamps", "warning", still, detail)
+
+
+def _report_lost(steps: Array, device: Device, findings: list[Finding]) -> None:
+    """Report lost samples by the steps [s] from one timestamp to another."""
+    if not len(steps):
+        return
     usual, median = np.quantile(steps, [0.25, 0.5])
     lost = int(np.rint(steps[steps > GAP_STEPS * usual] / median - 1).clip(min=0).sum())
-    if lost > MAX_SHARE_LOST * len(time) or steps.max() > LONG_GAP_STEPS * median:
+    if lost > MAX_SHARE_LOST * (len(steps) + 1) or steps.max() > LONG_GAP_STEPS * median:
         detail = (
             f"longest step {number(1000 * steps.max(), '.0f')} ms, "
             f"median step {number(1000 * median, '.1f')} ms"
         )
         add_finding(findings, device, "lost samples", "warning", max(lost, 1), detail)
-    still = int((steps == 0).sum())
-    if still > MAX_SHARE_LOST * len(time):
-        detail = "samples with the timestamp of the previous one"
-        add_finding(findings, device, "stale stamps", "warning", still, detail)
 
 
 def read_sensor(
