@@ -399,8 +399,7 @@ def test_lines_and_panels_can_be_hidden(page: Any) -> None:
     assert page.locator("#forces .panel:visible").count() == 4
 
 
-@pytest.mark.parametrize("view", VIEWS)
-@pytest.mark.parametrize("time", [12.0, 24.0, 50.0])
+@pytest.mark.parametrize(("time", "view"), zip([12.0, 24.0, 50.0], VIEWS, strict=True))
 def test_the_arm_is_drawn_where_it_is(page: Any, time: float, view: tuple[float, float]) -> None:
     """Seven joints, under a gravity that is not along an axis."""
     opened(page, "forces")

@@ -91,6 +91,7 @@ def test_a_study_names_what_does_not_fit_its_arm() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_forces_come_back_within_their_bands(tmp_path: Path) -> None:
     found = {row["quantity"]: row["value"] for row in figures(described(7, tmp_path), 0, 20.0)}
     error, zero = found["force in contact, error [N]"], found["of an estimate of zero [N]"]

@@ -201,9 +201,9 @@ def measured(
     ("names", "paths", "basis", "reason"),
     [
         (["seen", "new"], 2, "unseen", ""),
-        (["seen"], 2, "fit", "fitted"),
+        pytest.param(["seen"], 2, "fit", "fitted", marks=pytest.mark.thorough),
         (["seen"], 1, "fit", "one_path"),
-        (["seen", "new"], 1, "unseen", "one_path"),
+        pytest.param(["seen", "new"], 1, "unseen", "one_path", marks=pytest.mark.thorough),
         (["new"], 0, "unseen", ""),  # by the friction of other arms
     ],
 )
