@@ -502,10 +502,26 @@ def test_logs_without_names(ur10e_data: Path) -> None:
     assert [one.entry["columns"] for one in imported] == [columns] * 4
     assert [one.entry["role"] for one in imported] == ["fit", "fit", "fit", "validate"]
     assert {one.entry["robot"] for one in imported} == {"ur10e"}
-    with pytest.raises(
-        InputError, match=r"no block of 6 columns is the derivative of another; .*--columns"
-    ):
+    why = "the arm does not move, .* give a log that moves with it, or .* --columns time,actual_q,"
+    with pytest.raises(InputError, match=why):
         import_files([ur10e_data / "ur-20_01_17-p1.csv"])
+
+
+def test_a_log_without_names_is_refused_by_what_it_lacks(tmp_path: Path, made: Made) -> None:
+    """Motion, or velocities; a mode of each joint is no posture."""
+    time, channels = at_rest(made)
+    current = made[1]["actual_current"]
+    parts = [channels["actual_q"], np.full_like(current, 253.0), made[1]["actual_q"]]
+    for name, part in zip(("resting", "moded", "moving"), parts, strict=True):
+        table = np.column_stack([time, part, current])
+        np.savetxt(tmp_path / f"{name}.csv", table, delimiter=",", fmt="%.6f")
+    found = dict[str, str]()
+    for path in tmp_path.iterdir():
+        with pytest.raises(InputError) as refused:
+            import_files([path])
+        found[path.stem] = str(refused.value)
+    assert "if column 2 … column 7 are its joints' angles" in found["resting"]
+    assert all("is the derivative of another" in found[name] for name in ("moded", "moving"))
 
 
 WHOLE = ["actual_current", "target_current", "target_moment"]

@@ -273,19 +273,39 @@ def _nameless(file: FileContents) -> tuple[ColumnBlock, ColumnBlock]:
     """Return the two nameless blocks of which one is the derivative of the other."""
     pairs = sorted(_pairs(file), key=lambda pair: pair[2])
     if not pairs:
-        columns = [f"channel{k + 1}" for k in range(len(file.blocks) - 1)]
-        example = ",".join([*(["time"] if file.has_clock() else []), "actual_q", *columns])
-        raise InputError(
-            f"{file.path}: no positions are found: none is named like them (`actual_q_0`, "
-            f"`joint_position`), and no block of {file.joints} columns is the derivative of "
-            f"another; it holds {block_widths(file)}; name them, as with --columns {example}"
-        )
+        raise InputError(f"{file.path}: no positions are found: {_why_no_positions(file)}")
     (position, velocity, missed), *others = pairs
     if others and missed > CLEAR_MISFIT_RATIO * others[0][2]:
         rivals = f"{others[0][0].title} and {others[0][1].title} agree about as well"
         doubt = f"as positions, {velocity.title} as velocities; {rivals}: --columns names the right"
         file.account.hold("check", position, "numbers", doubt)
     return position, velocity
+
+
+def _why_no_positions(file: FileContents) -> str:
+    """Return why no block can be the positions, and the remedy."""
+    columns = [f"channel{k + 1}" for k in range(len(file.blocks) - 1)]
+    example = ",".join([*(["time"] if file.has_clock() else []), "actual_q", *columns])
+    remedy = f"name the columns, as with --columns {example}; it holds {block_widths(file)}"
+    if resting := next((block for block in file.blocks if _is_posture(file, block)), None):
+        return (
+            f"the arm does not move, if {resting.title} are its joints' angles, and nothing else "
+            f"shows which columns are positions; give a log that moves with it, or {remedy}"
+        )
+    return (
+        "none is named like them (`actual_q_0`, `joint_position`), and no block of "
+        f"{file.joints} columns is the derivative of another; {remedy}"
+    )
+
+
+def _is_posture(file: FileContents, block: ColumnBlock) -> bool:
+    """Return whether a block may be the angles of an arm that rests: each joint's own, constant."""
+    rows = block.rows[np.isfinite(block.rows).all(axis=1)]
+    if rows.shape[1] != file.joints or not len(rows):
+        return False
+    unit = DEGREES_PER_RADIAN if _in_degrees(file, block) else 1.0
+    turned, apart = np.ptp(rows, axis=0).max() / unit, np.ptp(rows[0]) / unit
+    return bool(turned < MAX_TURN_AT_REST < apart)
 
 
 def _pairs(file: FileContents) -> Iterator[tuple[ColumnBlock, ColumnBlock, float]]:
