@@ -8,7 +8,6 @@ import jinja2
 import pandas as pd
 
 from benchmarks.harness.markdown import markdown, section
-from ur5lib.force import contact_figures, sensed_contact
 from ur5rivals import tuning
 from ur5rivals.estimators.ours import OURS
 from ur5rivals.study import StudyArm
@@ -83,16 +82,11 @@ def with_kept(new: str, old: str, measured: bool, estimators: Sequence[str]) -> 
 
 
 def rule() -> dict[str, str]:
-    """Return the numbers of the rule and of the scores, as the page writes them."""
+    """Return the numbers of the rule, as the page writes them."""
     return {
         "latency": f"{1000 * tuning.MAX_LATENCY:.0f} ms",
         "reached": f"{tuning.STEP_SHARE:.0%}".replace("%", " %"),
         "push": f"{tuning.PUSH_FORCE:g} N",
-        "contact": f"{sensed_contact.CONTACT_FORCE:g} N",
-        "free": f"{sensed_contact.FREE_FORCE:g} N",
-        "apart": f"{sensed_contact.CONTACT_CLEARANCE:g} s",
-        "touch": f"{sensed_contact.TOUCH_FORCE:g} N",
-        "draws": f"{contact_figures.CONTACT_RESAMPLES}",
     }
 
 

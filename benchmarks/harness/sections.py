@@ -34,11 +34,13 @@ def simulated_section(path: Path) -> dict[str, Any] | None:
     }
 
 
-def detection_tables(folders: Sequence[Path]) -> str:
-    """Return, for each study, its contacts at a force sensor, and its alarms without a sensor."""
+def detection_tables(folders: Sequence[Path]) -> dict[str, str]:
+    """Return the tables of contacts at a force sensor, and of alarms without a sensor."""
     studies = [judged(folder) for folder in folders]
-    made = [table for own in studies for table in (found_table(classes(own)), alarm_table(own))]
-    return "\n\n".join(filter(None, made))
+    return {
+        "found": found_table(pd.concat([*map(classes, studies)])),
+        "alarms": alarm_table(pd.concat([*map(alarm_rates, studies)])),
+    }
 
 
 def found_table(rows: pd.DataFrame) -> str:
@@ -58,7 +60,7 @@ def found_table(rows: pd.DataFrame) -> str:
         cells += [cell(first["false_alarms_per_min"], ".1f"), cell(first["extra_alarms"], ".0f")]
         cells += [cell(100 * first["free_time_in_alarm"], ".0f"), cell(first["median_delay_s"])]
         lines.append(cells)
-    return markdown(heads, lines) if lines else ""
+    return markdown(heads, lines)
 
 
 def found(row: pd.Series) -> str:
@@ -67,17 +69,15 @@ def found(row: pd.Series) -> str:
     return f"{row['found']:.0f} of {row['contacts']:.0f}{merged}"
 
 
-def alarm_table(own: Results) -> str:
+def alarm_table(rows: pd.DataFrame) -> str:
     """Return the alarms a minute by recording and estimate."""
-    rows = alarm_rates(own)
     names = [name for name in ESTIMATES if name in {*rows["estimate"]}]
     lines = [
-        [str(recording), str(role), *(cell(rate.get(name), ".1f") for name in names)]
-        for (recording, role), part in rows.groupby(["recording", "role"], sort=False)
+        [str(recording), *(cell(rate.get(name), ".1f") for name in names)]
+        for recording, part in rows.groupby("recording", sort=False)
         for rate in [part.set_index("estimate")["alarms_per_min"]]
     ]
-    heads = ["recording", "role", *(f"{ESTIMATES[name]} [1/min]" for name in names)]
-    return markdown(heads, lines) if lines else ""
+    return markdown(["recording", *(f"{ESTIMATES[name]} [1/min]" for name in names)], lines)
 
 
 def cell(value: float | None, digits: str = ".2f") -> str:

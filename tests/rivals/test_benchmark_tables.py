@@ -136,8 +136,8 @@ def test_contacts_found_are_those_of_the_study(tmp_path: Path) -> None:
     table = pd.DataFrame(rows).reindex(columns=[*rows[0], *counted, "merged"])
     (tmp_path / "tables").mkdir()
     write_csv(table, tmp_path / "tables" / "detection.csv")
-    found, false = detection_tables([tmp_path]).split("\n\n")
-    assert len(found.splitlines()) == 2 + 2
-    assert "| pushed | F̂ᵘ | 5.0 | 2 of 4 |" in found
-    (alarms,) = false.splitlines()[2:]
-    assert alarms.startswith("| free | validate | 1.5 | 1.5 |")
+    tables = detection_tables([tmp_path])
+    assert len(tables["found"].splitlines()) == 2 + 2
+    assert "| pushed | F̂ᵘ | 5.0 | 2 of 4 |" in tables["found"]
+    (alarms,) = tables["alarms"].splitlines()[2:]
+    assert alarms == "| free | 1.5 | 1.5 |"

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from benchmarks.harness.markdown import read_page
 from benchmarks.leaderboard import QUICK
 from tests.conftest import PROJECT, Workflow
 from tests.house.test_benchmarks import run_benchmark
@@ -23,7 +24,7 @@ def test_an_estimator_from_outside_is_compared_beside_the_page(demo: Workflow) -
     (demo.folder / "moving_average.py").write_text(example)
     chosen = ("--estimator", "moving_average:MovingAverage")
     printed = run_benchmark("leaderboard", demo.folder, "demo", "--page", *chosen)
-    beside = (demo.folder / "results" / "benchmark.md").read_text()
+    beside = read_page(demo.folder / "results" / "benchmark.md")
     for name in ("momentum observer", "moving average"):
         assert f"| {name} | yes |" in printed
         assert f"| {name} | yes |" in beside
