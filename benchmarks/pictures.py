@@ -15,7 +15,7 @@ from dataclasses import fields, is_dataclass
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_args
 
 from benchmarks.harness import series_pictures as series
 from benchmarks.harness import table_pictures as tables
@@ -24,7 +24,7 @@ from benchmarks.harness.options import built, options_of
 from benchmarks.harness.rules import with_rules
 from ur5lib.errors import InputError
 from ur5lib.jobs import files
-from ur5lib.records.verdicts import reason_in_words
+from ur5lib.records.verdicts import State, reason_in_words
 from ur5lib.report.figures.house_style import Drawing, save
 from ur5lib.report.page.handed import handed_over
 from ur5lib.report.page.typeset import said
@@ -233,9 +233,10 @@ def card(own: dict[str, Any], results: Results) -> Card:
 
 
 def states(cards: list[Card]) -> str:
-    """Return a table of the cards that have a state."""
-    rows = [[own.title, own.state, own.why] for own in cards if own.state]
-    return markdown(["card", "state", "why"], rows)
+    """Return a table of the states that cards have, with their titles."""
+    titles = {one: [own.title for own in cards if own.state == one] for one in get_args(State)}
+    rows = [[state, ", ".join(having)] for state, having in titles.items() if having]
+    return markdown(["state", "cards"], rows)
 
 
 def with_verdicts(page: str, told: FirstScreen) -> str:

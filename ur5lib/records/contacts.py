@@ -28,8 +28,10 @@ class ContactError:
     sensor saturated in part of the contact. The row "norm" alone has: onset_error_s, the delay with
     which the estimate passes the sensor's levels; mae [N], mean over the axes; mae_shut, the part
     of it while no alarm is raised; mae_gain, the part that one gain of the whole recording would
-    remove; of an estimate that raises alarms, what became of the contact (fate), what most of the
-    error comes from (cause), and the band [N]: see `ur5lib.force.fates.Outcome`.
+    remove; of an estimate that raises alarms, fate (found by an alarm of its own, merged within
+    that of another contact, or missed), cause of most of mae (late_alarm, by mae_shut; constants,
+    by mae_gain; else friction, at rest stiction), and the band [N], see
+    `ur5lib.force.fates.Outcome`.
     """
 
     estimate: str
@@ -102,9 +104,11 @@ class Contact:
     """A row of contacts.csv: an alarm of an estimate.
 
     start_s, end_s, peak_s: of the largest force [s]; Fx to Fz: this force and its standard
-    deviations [N]; posture_deg: the joints there [°]; flange_speed: mean [m/s]; kind: see
-    `force.fates.kind_of`; load_mass: of a load [kg]; off_flange: whether the torques exclude that
-    the contact is at the flange.
+    deviations [N]; posture_deg: the joints there [°]; flange_speed: mean [m/s]; kind, the first
+    that is true: load, a grasped one; contact, where the sensor reads a touch (3 N); false, where
+    without a sensor the role denies contacts and no undeclared load is found; off_flange; false,
+    where a sensor reads nothing; else contact; load_mass: of a load [kg]; off_flange: whether the
+    torques exclude that the contact is at the flange.
     """
 
     estimate: str

@@ -14,15 +14,18 @@ class ForceError:
     """A row of force_mae.csv: the error of one component of an estimate of the contact wrench
     against the force sensor [N, Nm].
 
-    kind: of the sensor's wrench, see `SensorWrenches`; during: all samples, in contact, free, or
-    in contacts that no part of the estimate shows (missed); mae, max: mean absolute and largest
-    error, with those of an estimate of zero; slope: estimate over sensor; skill: 1 - mae / zero's;
-    coverage50 to coverage95: shares in its bands; interval_score95: of the 95 % band, and of zero;
+    kind: of the sensor's wrench, see `SensorWrenches`, compensated without bias and tool; during:
+    all samples, contact (above 5 N at the sensor), free (below 1 N, 0.5 s away from 3 N), missed
+    (contacts in which the estimate is zero throughout), none of them where the sensor is saturated;
+    mae, max: mean absolute and largest error, with those of an estimate of zero; slope: estimate
+    over sensor, empty for a mean force below 1 N or moment below 0.1 Nm; skill: 1 - mae / zero's;
+    coverage50 to coverage95: shares in its bands, in missed contacts of the time in a band that is
+    valid only if nothing touches the arm; interval_score95: of the 95 % band, and of zero;
     band_factor95: multiple of this band that contains 95 %; zero_in_band95: share of the time in
-    which it contains zero on all axes; mae_missed, mae_shut, mae_gain: parts of `mae`; mae_low,
-    mae_high: its 95 % interval; skill_low: lower end of the skill's; determined: whether the skill
-    in contact is above zero; use, reason: whether an error of a force in contact may be relied on,
-    and why not, or with which doubt.
+    which it contains zero on all axes; mae_missed, mae_shut, mae_gain: parts of `mae` by missed
+    contacts, late alarms and another gain; mae_low, mae_high: its 95 % interval; skill_low: lower
+    end of the skill's; determined: whether the skill in contact is above zero; use, reason: whether
+    an error of a force in contact may be relied on, and why not, or with which doubt.
     """
 
     kind: str

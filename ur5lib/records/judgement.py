@@ -77,7 +77,9 @@ class TorqueError:
 @dataclass(frozen=True, kw_only=True)
 class CurrentError:
     """A row of current_rmse.csv: the errors of a model's prediction at a joint, as `Scores`;
-    fitted: whether it is a recording of the fit; zero_rmse_lowpassed: of a constant.
+    fitted: whether it is a recording of the fit; rmse_lowpassed: of currents below
+    `lowpass.currents.cutoff_hz`; zero_rmse_lowpassed: of their mean; rmse_before_motion: until the
+    joint first moves, empty where the recording before says to which side friction keeps it.
     """
 
     model: str
