@@ -279,10 +279,15 @@ class GravityShown(NamedTuple):
             for joint, constant in self.constants.items()
         ]
 
-    def contradicts(self, unit: str, most: float = 0.0) -> bool:
-        """Return whether the constants of a joint are not those of a unit, within a ratio."""
-        most = most or (MAX_TORQUE_RATIO if unit == "Nm" else MAX_CONSTANT_RATIO)
+    def contradicts(self, unit: str) -> bool:
+        """Return whether the constants of a joint are not those of a unit."""
+        most = MAX_TORQUE_RATIO if unit == "Nm" else MAX_CONSTANT_RATIO
         return any(not 1 / most < ratio < most for ratio in self.ratios(unit))
+
+    def is_far_from_newton_metres(self) -> bool:
+        """Return whether the joints together, by their median, show less or more than one Nm."""
+        median = float(np.median(self.ratios("Nm")))
+        return not 1 / MAX_PROVEN_RATIO < median < MAX_PROVEN_RATIO
 
     def confirms(self, unit: str) -> bool:
         """Return whether several joints show the maker's constants that a unit would have."""
@@ -401,7 +406,7 @@ def _unit_by_gravity(block: ColumnBlock, shown: GravityShown, account: Account) 
         return named
     strange = best != LESS_GRAVITY and shown.contradicts(best)
     if named in (None, best) and not strange:
-        if best == "Nm" and shown.contradicts(best, MAX_PROVEN_RATIO):
+        if best == "Nm" and shown.constants and shown.is_far_from_newton_metres():
             account.hold("check", block, "numbers", f"in {best}: {sentence}; {OR_SHARE_REASON}")
             return best
         sure = best == LESS_GRAVITY or len(shown.constants) >= MIN_BEARING_JOINTS
