@@ -252,3 +252,16 @@ def test_none_of_three_hundred_forms_is_silently_wrong(
     print(table.to_string())
     assert [one for one in made if one.result in FAULTS] == []
     assert table.loc["all", RIGHT] > 50
+
+
+def test_a_unit_in_the_name_counts_where_a_share_would_be_as_near(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    log = drawn(20599, tmp_path)
+    head, *rows = log.path.read_text().splitlines()
+    named = re.sub(r"(actual_joint_torque_\d)", r"\1 [Nm]", head)
+    log.path.write_text("\n".join([named, *rows]))
+    (found,) = import_files([log.path], log.told)
+    (row,) = (row for row in found.account if "joint_torque" in row.subject)
+    assert (row.taken_for.split()[0], row.confidence) == ("actual_current_as_torque", "proven")

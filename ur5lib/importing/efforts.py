@@ -286,7 +286,7 @@ class GravityShown(NamedTuple):
 
     def is_far_from_newton_metres(self) -> bool:
         """Return whether the joints together, by their median, show less or more than one Nm."""
-        median = float(np.median(self.ratios("Nm")))
+        median = float(np.median(self.ratios("Nm") or [1.0]))
         return not 1 / MAX_PROVEN_RATIO < median < MAX_PROVEN_RATIO
 
     def confirms(self, unit: str) -> bool:
@@ -406,7 +406,7 @@ def _unit_by_gravity(block: ColumnBlock, shown: GravityShown, account: Account) 
         return named
     strange = best != LESS_GRAVITY and shown.contradicts(best)
     if named in (None, best) and not strange:
-        if best == "Nm" and shown.constants and shown.is_far_from_newton_metres():
+        if best == "Nm" and not spelled and shown.is_far_from_newton_metres():
             account.hold("check", block, "numbers", f"in {best}: {sentence}; {OR_SHARE_REASON}")
             return best
         sure = best == LESS_GRAVITY or len(shown.constants) >= MIN_BEARING_JOINTS
