@@ -20,7 +20,7 @@ from benchmarks.harness.options import built, study_options
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import RefusalError
 from ur5lib.finished import StudyFiles
-from ur5lib.identification.current_samples import Smoother, measured_samples
+from ur5lib.identification.current_samples import ZeroPhaseLowpass, measured_samples
 from ur5lib.identification.measured_torques import JOINT_TERMS, ArmFit
 from ur5lib.identification.torque_rows import MeasuredRun, torque_rows
 from ur5lib.records.friction import Friction
@@ -29,7 +29,7 @@ from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.robots.drives import shaft_matrix
 
-RESULTS, SMOOTH = Path("results"), Smoother(4, 2.0)
+RESULTS, SMOOTH = Path("results"), ZeroPhaseLowpass(4, 2.0)
 QUICK_RECORDINGS = 6
 # kg, with the base, from data sheets; for other arms, the description's weight or sum of the links
 WEIGHTS = {"ur3": 11.0, "ur5": 18.4, "ur10": 28.9, "ur3e": 11.2, "ur5e": 20.6, "ur10e": 33.5}

@@ -37,7 +37,7 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.force.smallest_pushes import FELT_SIZE, MIN_TRIALS, by_motion, detectable
 from ur5lib.force.thresholds import alarms
 from ur5lib.force.trial_contacts import Trials
-from ur5lib.identification.current_samples import Smoother, current_record
+from ur5lib.identification.current_samples import ZeroPhaseLowpass, current_record
 from ur5lib.identification.currents import torque_constants
 from ur5lib.identification.payload import PayloadEstimate
 from ur5lib.identification.samples import (
@@ -452,7 +452,7 @@ def held_by_state(fold: Fold, own: Recording) -> pd.DataFrame:
         return pd.DataFrame()
     record = current_record(own.opened(), fold.arm)
     assert record is not None
-    state = motion_states(record, Smoother(*fold.study.lowpass))
+    state = motion_states(record, ZeroPhaseLowpass(*fold.study.lowpass))
     error = currents.external_torque / torque_constants(fold.friction.fit_for(own.name))
     columns = {"of_band": np.abs(error) / currents.band, "state": state}
     every = max(1, round(INDEPENDENT_STEP / record.period))

@@ -20,7 +20,7 @@ from benchmarks.harness.markdown import markdown, read_page, replaced, write_pag
 from benchmarks.harness.options import options_of
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.identification.base_parameters import InertialEstimate
-from ur5lib.identification.current_samples import Smoother, measured_samples
+from ur5lib.identification.current_samples import ZeroPhaseLowpass, measured_samples
 from ur5lib.identification.measured_torques import ArmFit
 from ur5lib.identification.torque_rows import MeasuredRun, torque_rows
 from ur5lib.recordings.counting import at_the_joints
@@ -38,7 +38,7 @@ TITLE = "Friction beside published values"
 ARM = Path(__file__).parent / "harness" / "staubli-tx40.yaml"
 FILES = ("pos_read_data.csv", "curr_data.csv")
 RATE, MEAN_OF = 5000.0, 5  # Hz, 1; rate, and number of samples averaged
-SMOOTH = Smoother(4, 10.0)
+SMOOTH = ZeroPhaseLowpass(4, 10.0)
 QUICK_SECONDS = 4
 PUBLISHED = {  # as TX40_config.yaml repeats them, by joint
     "viscous": (8.05, 5.53, 1.97, 1.11, 1.86, 0.65),

@@ -25,7 +25,7 @@ from ur5lib.force.problem import fmap_problem
 from ur5lib.force.sensed_contact import TOUCH_FORCE
 from ur5lib.force.tare import tared
 from ur5lib.force.wrench_estimate import OPENING_PROBABILITY, WrenchEstimate
-from ur5lib.identification.current_samples import Smoother
+from ur5lib.identification.current_samples import ZeroPhaseLowpass
 from ur5lib.recordings.entries import RtdeFiles
 from ur5lib.records.contact_place import ContactPlace
 from ur5lib.robots.description import load_robot, robot_path
@@ -123,7 +123,7 @@ def twenty_lines(own: Taken) -> Array:
     """The force (N, 3) [N] by least squares from gravity and the maker's constants."""
     constant = np.array(own.robot.maker_torque_constants())
     torque = own.record.torque - constant * own.record.current
-    torque = Smoother(*CURRENTS)(torque - torque[:FIRST].mean(axis=0), own.record)
+    torque = ZeroPhaseLowpass(*CURRENTS)(torque - torque[:FIRST].mean(axis=0), own.record)
     linear = np.linalg.pinv(own.kinematics.jacobian[:, :3].mT)
     return np.asarray((linear @ torque[..., None])[..., 0], np.float64)
 

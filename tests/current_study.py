@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from scipy import signal
 
-from ur5lib.identification.current_samples import Smoother
+from ur5lib.identification.current_samples import ZeroPhaseLowpass
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
 from ur5lib.identification.samples import CurrentSamples, columns_of
@@ -25,7 +25,7 @@ OFFSET = np.array([0.1, 0.4, 0.0, 0.3, 0.2, 0.3])  # Nm
 NOISE = np.array([0.08, 0.1, 0.1, 0.03, 0.025, 0.025])  # A, of the slow residual
 
 
-smooth = Smoother(order=4, cutoff=2.0)
+smooth = ZeroPhaseLowpass(order=4, cutoff=2.0)
 
 
 def prior(width: float = 0.1, torque_max: float = 150.0) -> Prior:

@@ -1,7 +1,7 @@
 """Recordings of the real arms, taken through the workflow's steps up to the contact force.
 
 Studies are the workflow's own. Of one that another test has built, what its steps wrote is taken up
-to the fit; else arms are as they are described, and what takes seconds, the Smoother and fits of
+to the fit; else arms are as they are described, and what takes seconds, the smoother and fits of
 currents, is kept in a folder for all tests of a session.
 """
 
@@ -25,7 +25,7 @@ from ur5lib.force.sensor import SensorOffset
 from ur5lib.force.sensor_reading import OwnClock, moved_tool, sensor_reading
 from ur5lib.force.wrench_estimate import WrenchEstimate
 from ur5lib.identification.current_samples import (
-    Smoother,
+    ZeroPhaseLowpass,
     controllers_ratio,
     current_record,
     prior_of,
@@ -205,7 +205,7 @@ class RealStudy:
 
     @property
     def smooth(self) -> Smooth:
-        return Smoother(*self.currents_lowpass)
+        return ZeroPhaseLowpass(*self.currents_lowpass)
 
     @property
     def motion_lowpass(self) -> Butterworth:
@@ -260,7 +260,9 @@ class Fitted:
     def currents(self, one: RealRecording) -> Currents:
         """Prediction and external torques; no load is looked for."""
         fit, no_load = self.friction.fit_for(one.name), 0 * one.record.q
-        return predicted_currents(one.record, fit, no_load, one.torques, Smoother(*self.lowpass))
+        return predicted_currents(
+            one.record, fit, no_load, one.torques, ZeroPhaseLowpass(*self.lowpass)
+        )
 
     def problem(self, one: RealRecording) -> Problem:
         """Of Fmap."""

@@ -12,7 +12,7 @@ from benchmarks.harness.torque_models import MEMORIES, RIDGE
 from benchmarks.leave_out import Recording, Study, without_each
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.current_samples import (
-    Smoother,
+    ZeroPhaseLowpass,
     controllers_ratio,
     current_record,
     prior_of,
@@ -29,7 +29,7 @@ from ur5lib.timeseries.arrays import Array, Mask
 
 def currents_table(study: Study, quick: bool) -> str:
     """Return a table of the RMSE [A] of low-passed currents on left-out paths and dates."""
-    arm, smooth = load_robot(study.arm), Smoother(*study.lowpass)
+    arm, smooth = load_robot(study.arm), ZeroPhaseLowpass(*study.lowpass)
     errors = []
     for _, fitted, tested in without_each(study)[: 1 if quick else None]:
         known = [sampled(own, arm) for own in fitted]
@@ -60,7 +60,7 @@ def sampled(own: Recording, arm: Robot) -> tuple[CurrentSamples, Array]:
 
 
 def squares(
-    fitted: Sequence[CurrentSamples], record: CurrentSamples, ours: Array, smooth: Smoother
+    fitted: Sequence[CurrentSamples], record: CurrentSamples, ours: Array, smooth: ZeroPhaseLowpass
 ) -> Iterator[pd.DataFrame]:
     """Yield the squared errors [A²] on a recording, by fit, state and joint."""
     for joint, own in enumerate(ours.T):
@@ -75,7 +75,9 @@ def squares(
             yield pd.DataFrame(table | {"state": "all"}).dropna()
 
 
-def plain(fitted: Sequence[CurrentSamples], smooth: Smoother, joint: int, at_rest: bool) -> Array:
+def plain(
+    fitted: Sequence[CurrentSamples], smooth: ZeroPhaseLowpass, joint: int, at_rest: bool
+) -> Array:
     """Return the coefficients (P,) of plain least squares; at_rest: on samples at rest, too."""
     each = [rows(record, smooth, joint) for record in fitted]
     known = np.concatenate([columns[moving | at_rest] for columns, moving in each])
@@ -86,12 +88,12 @@ def plain(fitted: Sequence[CurrentSamples], smooth: Smoother, joint: int, at_res
     return np.linalg.solve(normal, scaled.T @ known[:, -1]) / scale
 
 
-def rows(record: CurrentSamples, smooth: Smoother, joint: int) -> tuple[Array, Mask]:
+def rows(record: CurrentSamples, smooth: ZeroPhaseLowpass, joint: int) -> tuple[Array, Mask]:
     """Return low-passed columns and current (n, P + 1) of a joint, and whether it moves (n,)."""
     return record.once(("plain", joint), lambda: _rows(record, smooth, joint))
 
 
-def _rows(record: CurrentSamples, smooth: Smoother, joint: int) -> tuple[Array, Mask]:
+def _rows(record: CurrentSamples, smooth: ZeroPhaseLowpass, joint: int) -> tuple[Array, Mask]:
     motion, every = record.joint(joint), stride(record)
     states = [motion.direction_over(distance) for distance in MEMORIES]
     root = np.sqrt(np.abs(motion.qd)) * np.sign(motion.qd)

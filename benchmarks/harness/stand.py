@@ -12,7 +12,7 @@ from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.controllers_torques import rotor_samples
 from ur5lib.identification.current_samples import (
-    Smoother,
+    ZeroPhaseLowpass,
     controllers_ratio,
     current_record,
     prior_of,
@@ -100,7 +100,7 @@ class Taken:
 
     @cached_property
     def motion(self) -> Motion:
-        """Return the motion by the Smoother."""
+        """Return the motion by the ZeroPhaseLowpass."""
         return motion_record(self.signals, self.smoothed)
 
     @cached_property
@@ -161,13 +161,13 @@ def fitted_map(recordings: list[Taken], others: list[Taken] | None = None) -> Fr
     ratios = [controllers_ratio(own.signals, own.motion) for own in known]
     prior = prior_of(known[0].robot, ratios)
     records = [own.record for own in recordings]
-    return fitted_friction(records, prior, Smoother(*CURRENTS))
+    return fitted_friction(records, prior, ZeroPhaseLowpass(*CURRENTS))
 
 
 def currents(friction: Friction, own: Taken) -> Currents:
     """External torques, by the fit without the recording's path."""
     fit, no_load = friction.fit_for(own.record.name), 0 * own.record.q
-    return predicted_currents(own.record, fit, no_load, own.torques, Smoother(*CURRENTS))
+    return predicted_currents(own.record, fit, no_load, own.torques, ZeroPhaseLowpass(*CURRENTS))
 
 
 def residuals_of(friction: Friction, free: list[Taken]) -> Residuals:

@@ -15,7 +15,7 @@ import yaml
 from scipy.interpolate import make_interp_spline
 
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.identification.current_samples import Smoother, current_record, prior_of
+from ur5lib.identification.current_samples import ZeroPhaseLowpass, current_record, prior_of
 from ur5lib.identification.currents import band, predict
 from ur5lib.identification.samples import CurrentSamples, tracks
 from ur5lib.recordings.entries import ENTRY
@@ -36,7 +36,7 @@ from ur5lib.timeseries.lowpass import Butterworth
 
 MAX_GAP = 0.1  # s, as in studies
 MOTION, CURRENTS = Butterworth(4, 10.0), Butterworth(4, 2.0)
-SMOOTH = Smoother(*CURRENTS)
+SMOOTH = ZeroPhaseLowpass(*CURRENTS)
 MEMORIES = (1e-5, 1e-4, 1e-3, 1e-2)  # rad; parts of dry friction reverse over these distances
 # Ten times SAME_POSTURE of a study, since all files are of one session.
 SESSION_POSTURE = 1e-3  # rad

@@ -9,7 +9,7 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import RefusalError
 from ur5lib.identification.base_parameters import identified_model
 from ur5lib.identification.consistency import smallest_eigenvalues
-from ur5lib.identification.current_samples import Smoother
+from ur5lib.identification.current_samples import ZeroPhaseLowpass
 from ur5lib.identification.measured_torques import fit_arm
 from ur5lib.identification.samples import CurrentSamples
 from ur5lib.identification.torque_rows import MeasuredRun
@@ -18,7 +18,7 @@ from ur5lib.robots.friction import friction_direction
 from ur5lib.steps.identify_model import with_fitted
 from ur5lib.timeseries.arrays import Array
 
-SMOOTH = Smoother(4, 2.0)
+SMOOTH = ZeroPhaseLowpass(4, 2.0)
 PERIOD = 0.02
 TRUE_WEIGHT = 40.0  # kg, a little more than all links of a UR10e, base and all
 

@@ -20,7 +20,7 @@ from ur5lib.commands.check import look_through
 from ur5lib.errors import InputError
 from ur5lib.identification.at_rest import AtRest
 from ur5lib.identification.current_regression import fit_currents
-from ur5lib.identification.current_samples import Smoother, prior_of
+from ur5lib.identification.current_samples import ZeroPhaseLowpass, prior_of
 from ur5lib.identification.currents import parameters
 from ur5lib.recordings.entries import ENTRY, Files
 from ur5lib.recordings.postures import read_postures
@@ -92,7 +92,7 @@ def fitted(
     postures, _ = checked_postures(entry_of(folder, q, current), arm, payload, None)
     torque = postures.held_torque(arm, arm.chosen_model)
     known = replace(prior(name), at_rest=AtRest.of([(torque, postures.current)]))
-    return fitted_friction([], known, Smoother(4, 2.0))
+    return fitted_friction([], known, ZeroPhaseLowpass(4, 2.0))
 
 
 # Torque constants
@@ -123,7 +123,7 @@ def test_friction_is_what_is_typical(tmp_path: Path) -> None:
     arm = described("ur16e")
     torque = gravity_torque(arm, arm.chosen_model, q)
     alone = replace(prior_of(arm, []), typical={}, at_rest=AtRest.of([(torque, current)]))
-    friction = fitted_friction([], alone, Smoother(4, 2.0))
+    friction = fitted_friction([], alone, ZeroPhaseLowpass(4, 2.0))
     assert not friction.fit.joints
     assert friction.refused is not None
     assert len(constants_of(friction)) == len(friction.parameters) == 6
@@ -185,7 +185,7 @@ def test_any_number_of_joints_may_rest(tmp_path: Path) -> None:
     assert quality.frames == ROWS
     held = postures.held_torque(arm, arm.chosen_model)
     known = replace(prior_of(arm, []), at_rest=AtRest.of([(held, postures.current)]))
-    rows = constants_of(fitted_friction([], known, Smoother(4, 2.0)))
+    rows = constants_of(fitted_friction([], known, ZeroPhaseLowpass(4, 2.0)))
     assert len(rows) == 7
     for row in rows:
         assert row.value == pytest.approx(1.0, abs=4 * row.std_error)

@@ -11,7 +11,7 @@ from tests.conftest import shared_folder
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import RefusalError
 from ur5lib.identification.base_parameters import identify, prior_width, stack
-from ur5lib.identification.current_samples import Smoother
+from ur5lib.identification.current_samples import ZeroPhaseLowpass
 from ur5lib.identification.measured_torques import FittedArm, fit_arm
 from ur5lib.identification.samples import CurrentSamples
 from ur5lib.identification.torque_rows import MeasuredRun
@@ -76,7 +76,7 @@ def fitted_arm(robot: Robot, period: float, data: tuple[Array, ...]) -> FittedAr
     samples = CurrentSamples("run", period, NO_LABELS[: len(q)], *moved)
     regressor = LinkModel(robot, "guess").regressor
     known = robot.model_copy(update={"weight": WEIGHT})
-    return fit_arm(known, [MeasuredRun(samples, motion.qdd, regressor)], Smoother(*CUTOFF))
+    return fit_arm(known, [MeasuredRun(samples, motion.qdd, regressor)], ZeroPhaseLowpass(*CUTOFF))
 
 
 def test_no_counterbalance_is_invented(recordings: Path) -> None:

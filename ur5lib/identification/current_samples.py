@@ -99,7 +99,7 @@ def shafts_of(arm: Robot, motion: Motion, before: Sequence[Motion] = ()) -> Shaf
 
 
 @dataclass(frozen=True)
-class Smoother:
+class ZeroPhaseLowpass:
     """A zero-phase low-pass of a recording's samples within its segments; cutoff: [Hz]."""
 
     order: int

@@ -27,7 +27,7 @@ from ur5lib.identification.consistency import (
     LinkBounds,
     nearest_bodies,
 )
-from ur5lib.identification.current_samples import Smoother
+from ur5lib.identification.current_samples import ZeroPhaseLowpass
 from ur5lib.identification.selection import is_less
 from ur5lib.identification.torque_rows import MeasuredRun, TorqueRows, torque_rows
 from ur5lib.records.phrases import numbered
@@ -64,7 +64,7 @@ class FittedArm(NamedTuple):
     balanced: list[int]
 
 
-def fit_arm(robot: Robot, runs: Sequence[MeasuredRun], smooth: Smoother) -> FittedArm:
+def fit_arm(robot: Robot, runs: Sequence[MeasuredRun], smooth: ZeroPhaseLowpass) -> FittedArm:
     """Fit links, rotors and counterbalances to torques; described counterbalances are kept.
 
     Raises RefusalError where there are too few rows, or no bodies explain the torques, as with a

@@ -10,7 +10,7 @@ import numpy as np
 
 from ur5lib.errors import RefusalError
 from ur5lib.identification.base_parameters import MAX_BLOCKS, PARAMETERS_PER_JOINT
-from ur5lib.identification.current_samples import Smoother
+from ur5lib.identification.current_samples import ZeroPhaseLowpass
 from ur5lib.identification.samples import (
     BLOCKS_PER_STRETCH,
     MIN_UNITS,
@@ -88,7 +88,7 @@ class TorqueRows:
 
 
 def torque_rows(
-    runs: Sequence[MeasuredRun], terms: Sequence[str], smooth: Smoother, shafts: Array
+    runs: Sequence[MeasuredRun], terms: Sequence[str], smooth: ZeroPhaseLowpass, shafts: Array
 ) -> TorqueRows:
     """Return the rows of recordings in units: the largest of paths, stretches and blocks with
     MIN_UNITS.
@@ -121,7 +121,7 @@ def torque_rows(
 
 
 def run_rows(
-    run: MeasuredRun, terms: Sequence[str], smooth: Smoother, shafts: Array
+    run: MeasuredRun, terms: Sequence[str], smooth: ZeroPhaseLowpass, shafts: Array
 ) -> tuple[Array, Array, Labels]:
     """Return regressors (N, n, P), torques (N, n) [Nm] and labels (N,) of blocks of a recording.
 

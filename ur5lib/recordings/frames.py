@@ -1,4 +1,4 @@
-"""Frame repair: frames on a uniform time grid, with gaps flagged and filled, or split."""
+"""Repair of missing samples: frames on a uniform time grid, gaps flagged and filled, or split."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

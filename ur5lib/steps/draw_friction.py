@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ur5lib.identification.current_samples import Smoother, current_record
+from ur5lib.identification.current_samples import ZeroPhaseLowpass, current_record
 from ur5lib.identification.currents import torque_constants
 from ur5lib.records.friction import Friction
 from ur5lib.records.predicted_recording import PredictedRecording
@@ -32,7 +32,7 @@ def draw_friction(
         for recording in recordings.values():
             record = current_record(recording, arm)
             if record is not None:
-                made = record, friction, recording.currents, Smoother(*lowpass)
+                made = record, friction, recording.currents, ZeroPhaseLowpass(*lowpass)
                 parts.append(MovingSamples.from_record(*made))
     samples = MovingSamples.joined(parts, len(constant))
     before = constant if known is None else known.value

@@ -11,7 +11,7 @@ from ur5lib.force.problem import fmap_problem, is_fitted
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.wrench_estimate import WrenchEstimate
 from ur5lib.identification.current_samples import (
-    Smoother,
+    ZeroPhaseLowpass,
     controllers_ratio,
     current_record,
     prior_of,
@@ -86,7 +86,7 @@ def static_forces(
         prior = prior_of(robot, [controllers_ratio(recording.signals, recording.motion)])
     except ValueError:  # neither the maker nor the controller gives the constants
         return None
-    smooth, inverse = Smoother(*lowpass), prior.inverse_constant.mean
+    smooth, inverse = ZeroPhaseLowpass(*lowpass), prior.inverse_constant.mean
     error = np.sqrt(np.diag(np.linalg.inv(prior.inverse_constant.precision))) / inverse
     motor = smooth(record.current, record) / inverse
     torque = smooth(record.torque, record) - motor

@@ -1,7 +1,7 @@
 """The load on the flange beyond the arm's model and given payload, from motor currents alone."""
 
 from ur5lib.dynamics.link_model import load_regressor
-from ur5lib.identification.current_samples import Smoother, current_record
+from ur5lib.identification.current_samples import ZeroPhaseLowpass, current_record
 from ur5lib.identification.payload import PayloadEstimate, estimate_payload
 from ur5lib.identification.samples import smoothed_moving
 from ur5lib.records.aligned_recording import AlignedRecording
@@ -14,7 +14,7 @@ def estimate_load(
     recording: AlignedRecording, friction: Friction, arm: Robot, lowpass: Butterworth
 ) -> PayloadEstimate:
     """Return the load on the flange; empty without currents, a fit, or any motion."""
-    model, smooth, motion = arm.fullest_model(), Smoother(*lowpass), recording.motion
+    model, smooth, motion = arm.fullest_model(), ZeroPhaseLowpass(*lowpass), recording.motion
     record = current_record(recording, arm, recording.earlier())
     if record is None or not friction.from_:
         return PayloadEstimate()

@@ -19,7 +19,7 @@ from ur5lib.identification.current_regression import (
     too_small,
 )
 from ur5lib.identification.current_samples import (
-    Smoother,
+    ZeroPhaseLowpass,
     controllers_ratio,
     current_record,
     prior_of,
@@ -75,7 +75,7 @@ def fit_friction(
     """
     if arm.links == "unknown":
         return Friction(refused=_unknown_links(arm))
-    model, smooth = arm.fullest_model(), Smoother(*lowpass)
+    model, smooth = arm.fullest_model(), ZeroPhaseLowpass(*lowpass)
     contradictions, quality = dict[str, Contradictions](), dict[str, Quality]()
     records, ratios = [], []
     for name, recording in recordings.items():

@@ -21,7 +21,7 @@ from ur5lib.identification.controllers_torques import (
     rotor_samples,
     torque_blocks,
 )
-from ur5lib.identification.current_samples import Smoother, measured_samples
+from ur5lib.identification.current_samples import ZeroPhaseLowpass, measured_samples
 from ur5lib.identification.identified import identification, known_bodies
 from ur5lib.identification.measured_torques import FittedArm, fit_arm
 from ur5lib.identification.rotor_inertia import fitted_rotors, with_rotors
@@ -63,7 +63,7 @@ def identify_model(
     low-pass of currents or measured torques.
     """
     if arm.links == "unknown":
-        return with_unknown_links(arm, signals, motion, gravities, Smoother(*currents))
+        return with_unknown_links(arm, signals, motion, gravities, ZeroPhaseLowpass(*currents))
 
     def run(name: str) -> CommandedRun:
         return commanded(arm.mounted(gravities[name]), signals[name], motion[name])
@@ -88,7 +88,7 @@ def with_unknown_links(
     signals: Mapping[str, Signals],
     motion: Mapping[str, Motion],
     gravities: Mapping[str, list[float] | None],
-    smooth: Smoother,
+    smooth: ZeroPhaseLowpass,
 ) -> IdentifiedModel:
     """Return the arm with links, rotors and counterbalances fitted to its joints' torques.
 

@@ -11,7 +11,7 @@ from ur5lib.checks.channels import slower_than_fit
 from ur5lib.dynamics.link_model import load_regressor
 from ur5lib.force.external_torque import external_torque
 from ur5lib.force.tare import tared
-from ur5lib.identification.current_samples import Smoother, current_record
+from ur5lib.identification.current_samples import ZeroPhaseLowpass, current_record
 from ur5lib.identification.currents import (
     band,
     friction_current,
@@ -63,7 +63,7 @@ def predict_currents(
     signals, motion, premises = recording.signals, recording.motion, recording.premises
     summary = Prediction(recording.name in friction.from_)
     record = current_record(recording, arm, recording.earlier())
-    fit, smooth = friction.fit_for(recording.name), Smoother(*lowpass)
+    fit, smooth = friction.fit_for(recording.name), ZeroPhaseLowpass(*lowpass)
     slower = slower_than_fit(
         signals.actual_q, signals.segment, signals.period, smooth.cutoff, friction.period
     )
@@ -98,7 +98,7 @@ def predicted_currents(
     fit: CurrentFit,
     load_torque: Array,
     torques: Torques,
-    smooth: Smoother,
+    smooth: ZeroPhaseLowpass,
     effort: Effort = CURRENT,
 ) -> Currents:
     """Return prediction, band, external torque and friction of a recording.
@@ -125,7 +125,7 @@ def predicted_currents(
 
 
 def with_load(
-    record: CurrentSamples, load_torque: Array, fit: CurrentFit, smooth: Smoother
+    record: CurrentSamples, load_torque: Array, fit: CurrentFit, smooth: ZeroPhaseLowpass
 ) -> tuple[CurrentSamples, Array]:
     """Return the record with a load's torque (N, n) [Nm] added, and that torque scaled to the
     motors.
@@ -168,7 +168,7 @@ def scores(
     record: CurrentSamples,
     currents: Currents,
     others: Iterable[tuple[str, Array]],
-    smooth: Smoother,
+    smooth: ZeroPhaseLowpass,
 ) -> dict[str, Scores]:
     """Return the score of each prediction; a band is stated for ours alone."""
     assert currents.predicted is not None

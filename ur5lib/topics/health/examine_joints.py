@@ -5,7 +5,7 @@ from datetime import UTC, date, datetime
 import numpy as np
 
 from ur5lib.channels import CURRENT, Effort
-from ur5lib.identification.current_samples import Smoother, current_record
+from ur5lib.identification.current_samples import ZeroPhaseLowpass, current_record
 from ur5lib.identification.samples import CurrentSamples, Smooth
 from ur5lib.records.friction import CurrentFit, Friction
 from ur5lib.records.predicted_recording import PredictedRecording
@@ -28,7 +28,9 @@ def examine_joints(
     record = current_record(recording, arm)
     if day is None or record is None:
         return Checkup()
-    return checkup(record, Smoother(*lowpass), friction.fit, day, recording.quality, arm.measured)
+    return checkup(
+        record, ZeroPhaseLowpass(*lowpass), friction.fit, day, recording.quality, arm.measured
+    )
 
 
 def checkup(
