@@ -15,7 +15,7 @@ first: (N, n); each frame has its units in `attrs["units"]`. What a user can cor
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.2.0"
+__version__ = "1.0.0"
 
 if TYPE_CHECKING:
     from ur5lib.chain.model import Model as Model
