@@ -1,14 +1,15 @@
-"""Halves of one run, of which one is fitted: the other is no unseen recording."""
+"""Recordings of one run: halves, of which a fitted one leaves none unseen, and copies."""
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from ur5lib.checks.files import findings, name_copies
+from ur5lib.checks.files import findings, name_copies, spare_copies
 from ur5lib.checks.parts_of_runs import PARTS, Ends, as_text
-from ur5lib.records.quality import Quality
+from ur5lib.records.quality import SAME_RUN, Quality
 from ur5lib.tables import named
 
 STEP = 0.01
@@ -24,14 +25,18 @@ def part(start: int, end: int, shift: float = 0.0, epoch: float | None = None) -
     return replace(quality, ends=as_text(Ends.of(robot, quality)))
 
 
-def noted(roles: dict[str, str], **parts: Quality) -> list[str]:
+def found_of(parts: dict[str, Quality]) -> pd.DataFrame:
     rows = [
         {"recording": name, "device": "robot", "finding": one.finding, "severity": one.severity}
         | {"count": one.count, "detail": one.detail}
         for name, own in parts.items()
         for one in findings(own)
     ]
-    found = name_copies(pd.DataFrame(rows), roles)
+    return pd.DataFrame(rows)
+
+
+def noted(roles: dict[str, str], **parts: Quality) -> list[str]:
+    found = name_copies(found_of(parts), roles)
     return found.loc[found["finding"] == PARTS, "recording"].tolist()
 
 
@@ -59,3 +64,15 @@ def test_other_runs_are_no_parts() -> None:
     later = part(300, 1000, shift=60.0, epoch=1e9)
     assert noted(roles, a=part(0, 300, epoch=1e9), b=later) == []
     assert noted(roles, a=part(0, 300, epoch=1e9), b=part(300, 1000, epoch=1e9)) == ["b"]
+
+
+@pytest.mark.parametrize("roles", [*product(["fit", "validate", "contact"], repeat=2)])
+def test_a_copy_is_left_out_or_a_stop_sign(roles: tuple[str, str]) -> None:
+    """As `spare_copies` has it, for the roles of both."""
+    held = dict(zip("ab", roles, strict=True))
+    copy, other = (replace(Quality(), fingerprint=list(range(k, k + 40))) for k in (0, 100))
+    quality = found_of({"a": copy, "b": copy, "c": other})
+    found = name_copies(quality, held | {"c": "fit"})
+    same = found[found["finding"] == SAME_RUN]
+    assert same["recording"].tolist() == ["a", "b"]
+    assert {*same["severity"]} == {"warning" if spare_copies(quality, held) else "stop"}

@@ -1,20 +1,26 @@
 """Whether a contact may be at the flange: by identity, and on made-up torques of a real arm."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from tests.made_up_torques import MODEL, PRIOR, free_run, torque_of
 from ur5lib.dynamics.flange import flange_kinematics, link_frames
+from ur5lib.force.alarms import Alarm
 from ur5lib.force.external_torque import joint_states
 from ur5lib.force.flange_contact import (
     MAX_CONTACT_SAMPLES,
     MIN_PROBABILITY_ELSEWHERE,
     PLACE_SPACING,
     flange_probability,
+    judged_by_torques,
     middle_half,
     place_jacobian,
     places,
 )
 from ur5lib.force.force_input import ForceInput
+from ur5lib.force.problem import Problem
 from ur5lib.robots.description import Robot
 from ur5lib.stand.plan import POSTURE
 from ur5lib.timeseries.arrays import Array
@@ -139,3 +145,19 @@ def test_load_friction_makes_a_contact_less_telling(levers: Levers) -> None:
         flange_probability(torque, levers, noise, SIZES, share) for share in (0.0, 0.5)
     )
     assert loaded < sharp
+
+
+@pytest.mark.parametrize("link", [3, 6])
+def test_contacts_alone_are_judged_where_torques_are_known(ur5: Robot, link: int) -> None:
+    """A push of the forearm is off the flange; a load, or a push that no torque shows, is not."""
+    run = free_run(ur5, 0, seconds=4.0, moving=False, scale=0.0)
+    frames = link_frames(ur5, run.q)
+    J = place_jacobian(*frames, link, places(*frames)[link][-1])
+    torque = torque_of(J, np.tile([60.0, -80.0, 90.0, 0.0, 0.0, 0.0], (len(run.time), 1)))
+    unknown = np.where(np.arange(6) == 2, np.nan, torque)
+    contact = Alarm(1.0, 3.0, 2.0, np.zeros(3), np.ones(3), run.q[0])
+    load = replace(contact, kind="load")
+    shown, hidden = (Problem(run.input(torque=own), MODEL) for own in (torque, unknown))
+    found = judged_by_torques(ur5, shown, run.time, PRIOR, [contact, load])
+    assert [one.off_flange for one in found] == [link != 6, False]
+    assert judged_by_torques(ur5, hidden, run.time, PRIOR, [contact]) == [contact]

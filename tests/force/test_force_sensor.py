@@ -20,7 +20,7 @@ from ur5lib.force.sensor import (
     opposite_axes,
     wrench_of_environment,
 )
-from ur5lib.force.sensor_drift import force_drift
+from ur5lib.force.sensor_drift import force_drift, slow_covariance
 from ur5lib.force.trial_contacts import trial_pushes
 
 PERIOD = 0.01
@@ -475,3 +475,13 @@ def test_too_little_time_without_contact_tells_no_drift() -> None:
     value, std = force_drift(forces, pull, PERIOD * np.arange(len(forces)), PERIOD)
     assert np.isnan(value).all()
     assert np.isnan(std).all()
+
+
+@pytest.mark.parametrize("unit", [1e-8, 1e8])
+def test_the_error_of_a_drift_changes_with_its_unit_alone(unit: float) -> None:
+    """Also of terms of which one repeats another, as of a tool that keeps its posture."""
+    random, time = np.random.default_rng(0), np.arange(0, 20, 0.05)
+    terms = np.column_stack([9.81 + 0 * time, 1 + 0 * time, time])
+    given = random.normal(size=len(time)), time, 1.0, np.zeros(3)
+    own, other = (slow_covariance(factor * terms, *given) for factor in (1.0, unit))
+    np.testing.assert_allclose(other * unit**2, own, rtol=1e-6, atol=1e-9 * own.max())

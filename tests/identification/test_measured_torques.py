@@ -1,5 +1,6 @@
 """Links, gears and counterbalances from measured torques: of made-up arms whose truth is known."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -10,11 +11,12 @@ from ur5lib.errors import RefusalError
 from ur5lib.identification.base_parameters import identified_model
 from ur5lib.identification.consistency import smallest_eigenvalues
 from ur5lib.identification.current_samples import ZeroPhaseLowpass
-from ur5lib.identification.measured_torques import fit_arm
+from ur5lib.identification.measured_torques import CENTER_MARGIN_SHARE, fit_arm, link_bounds
 from ur5lib.identification.samples import CurrentSamples
 from ur5lib.identification.torque_rows import MeasuredRun
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.friction import friction_direction
+from ur5lib.robots.inertia import link_tail
 from ur5lib.steps.identify_model import with_fitted
 from ur5lib.timeseries.arrays import Array
 
@@ -118,3 +120,15 @@ def test_recordings_without_torques_are_left_out(arm: Robot) -> None:
     for none in ([], [without]):
         with pytest.raises(RefusalError, match="no fit torques"):
             fit_arm(arm, none, SMOOTH)
+
+
+@pytest.mark.parametrize("name", ["ur3", "ur10e"])
+def test_a_link_s_box_reaches_as_far_beyond_its_ends_as_the_arm_is_long(name: str) -> None:
+    """By a share of the sum of all links' lengths, to all sides."""
+    arm = load_robot(robot_path(name))
+    bounds = link_bounds(arm)
+    tails = [link_tail(pose)[1] for pose in arm.link_poses()]
+    margin = CENTER_MARGIN_SHARE * sum(math.hypot(*tail) for tail in tails)
+    for tail, low, high in zip(tails, bounds.low, bounds.high, strict=True):
+        for end, least, most in zip(tail, low, high, strict=True):
+            assert (least, most) == pytest.approx((min(end, 0) - margin, max(end, 0) + margin))

@@ -24,6 +24,7 @@ from ur5lib.identification.steady_friction import (
     friction_curve,
     mean_load,
     steady_columns,
+    steady_friction,
     total_friction,
 )
 from ur5lib.records.friction import CoefficientEstimate, CurrentFit, JointFit
@@ -91,6 +92,18 @@ def test_the_first_total_is_the_limit_from_above(fitted: CurrentFit) -> None:
         near, at, below = friction_curve(model, np.array([1e-16, 0.0, -1e-16]), own)
         assert first == pytest.approx(near, rel=1e-6)
         assert (at, below) == (0.0, -near)
+
+
+def test_friction_turns_with_the_velocity() -> None:
+    """Its error does not; in positive direction, and at rest, both are those of the totals."""
+    model = joint_fit(np.full(6, 0.1), drawn_values(np.eye(4)), 0.07 * np.abs(VALUES))
+    totals = [*total_friction(CurrentFit((model,), 5), np.array([20.0]))]
+    forward, error = steady_friction(model, STATED_VELOCITIES, 20.0)
+    np.testing.assert_allclose(forward, [row.value for row in totals])
+    np.testing.assert_allclose(error, [row.std_error for row in totals])
+    back, error_back = steady_friction(model, -STATED_VELOCITIES[1:], 20.0)
+    np.testing.assert_allclose(back, -forward[1:])
+    np.testing.assert_allclose(error_back, error[1:])
 
 
 def test_the_terms_add_up_by_their_formulas() -> None:

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import PROJECT
+from tests.rubbing_arm import TERMS as FRICTION_TERMS
 from tests.rubbing_arm import friction, robot
 from tests.topics.live.made_arm import PERIOD, arm_file, hostile, push, samples
 from ur5lib.dynamics.link_model import LinkModel
@@ -25,8 +26,10 @@ from ur5lib.topics.live.live import (
     RESTING,
     REVERSING,
     SETTLING,
+    STATES,
     STILL,
     SUSPECTED,
+    TERMS,
     UNKNOWN,
     UNMOVED,
     Answer,
@@ -456,15 +459,88 @@ def test_what_a_fit_finds_of_rotors_adds_to_the_momentum() -> None:
     np.testing.assert_allclose(with_rotors - without, found * qd, rtol=0, atol=1e-12)
 
 
-def check_header(program: Path, arm: dict[str, Any], stream: list[Sample], folder: Path) -> None:
-    """The header answers as the reference does, and allocates nothing."""
+def check_header(
+    program: Path, arm: dict[str, Any], stream: list[Sample], folder: Path
+) -> tuple[set[int], set[str]]:
+    """The header answers as the reference does, and allocates nothing.
+
+    Returns the states and the contacts that occurred.
+    """
     found, said = in_cpp(program, arm, stream, folder)
-    expected = fed(Live(arm), stream)
-    numbers_of = np.array([[*one.wrench, *one.std] for one in expected])
-    np.testing.assert_allclose(found[:, :12], numbers_of, rtol=0, atol=1e-9)
+    reference = Live(arm)
+    rows, states, words = [], [], []
+    for sample in stream:
+        answer = reference.step(*sample)
+        rows.append([*answer.wrench, *answer.std, *reference.torque, reference.evidence])
+        states.append(reference.state)
+        words.append(answer.contact)
+    own = np.delete(found, [*range(13, 25, 2), 24], axis=1)
+    np.testing.assert_allclose(own, rows, rtol=1e-9, atol=1e-9)
+    np.testing.assert_array_equal(found[:, 13:24:2], states)
     names = (FREE, SUSPECTED, CONTACT, UNKNOWN)
-    assert [names[int(code)] for code in found[:, -2]] == [one.contact for one in expected]
+    assert [names[int(code)] for code in found[:, -2]] == words
     assert said.startswith("0 allocations")
+    return {*np.ravel(states).tolist()}, {*words}
+
+
+def of_its_own(value: Any, random: np.random.Generator) -> Any:
+    """Return a part of a file, each number by up to a tenth another."""
+    if isinstance(value, dict):
+        return {key: of_its_own(part, random) for key, part in value.items()}
+    if isinstance(value, list):
+        return [of_its_own(part, random) for part in value]
+    return value * random.uniform(0.9, 1.1) if isinstance(value, float) else value
+
+
+def uneven_arm(noise: float, **constants: float) -> dict[str, Any]:
+    """Return an arm with all terms of friction, and no two numbers alike."""
+    random = np.random.default_rng(1)
+    quick = {"settle": 0.4, "thaw": 0.1, "slow": 2.0, "stays": 0.2, "reversal": 0.2}
+    arm = arm_file(noise, **{"quiet": [0.5], "freeze": 1.0} | quick | constants)
+    arm["friction"]["terms"] |= {name: [0.3] * 6 for name in TERMS if name not in FRICTION_TERMS}
+    arm["friction"]["presliding"] = [
+        {"distance": 1e-4, "share": 0.6, "held": [-0.5] * 6},
+        {"distance": 0.02, "share": 0.3, "held": [0.3] * 6},
+    ]
+    arm["noise"] |= {
+        "hidden": {state: [0.5] * 6 for state in STATES},
+        "absorbed": {state: [2.0] * 6 for state in STATES},
+    }
+    arm["noise"]["std"] = {s: [noise * (1 + k / 8)] * 6 for k, s in enumerate(STATES)}
+    arm["contacts"] |= {"place": [0.02, -0.03, 0.12], "lever": 0.05}
+    arm["speed"] = [0.45] * 6  # of which samples are faster
+    return dict(of_its_own(arm, random))
+
+
+def through_all_states() -> list[Sample]:
+    """A motion, a rest in which it is pushed and touched, one joint's turn, and a gap in each."""
+    run = samples(7.0, False, push(3.2, 3.8, 25.0, -30.0, 20.0))
+    time, q = run.time, run.q.copy()
+    q[time >= 4.6, 1] += 4e-4
+    for start, joint in ((5.4, 0), (5.7, 3)):
+        q[:, joint] += np.clip(0.4 * (time - start), 0.0, 0.1)
+    qd = np.gradient(q, PERIOD, axis=0)
+    qd[(time > 4.5) & (time < 4.7)] = 0.0  # a touch is felt by positions alone
+    stamps = time + 10.0 * (time > 6.2)
+    return [*zip(stamps, q, qd, run.current, strict=True)]
+
+
+@pytest.mark.parametrize(
+    ("noise", "constants", "expected"),
+    [
+        (0.3, {}, {FREE, SUSPECTED, CONTACT, UNKNOWN}),
+        (40.0, {}, {FREE, UNKNOWN}),  # which hides all pushes at rest
+        (0.3, {"freeze": 1e3, "duration": 1e2}, {FREE, SUSPECTED}),  # by the force's size alone
+    ],
+)
+def test_the_header_is_the_reference_whatever_an_arm_s_numbers(
+    program: Path, tmp_path: Path, noise: float, constants: dict[str, float], expected: set[str]
+) -> None:
+    """Each joint, state and axis has a number of its own, and none is zero."""
+    arm = uneven_arm(noise, **constants)
+    states, words = check_header(program, arm, through_all_states(), tmp_path)
+    assert states == {*range(len(STATES))}
+    assert words >= expected
 
 
 @pytest.mark.thorough
