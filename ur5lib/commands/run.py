@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from ur5lib.commands.verdicts import CardState
 
 from ur5lib.commands.console import text_console
+from ur5lib.commands.interrupts import signals_interrupt
 from ur5lib.commands.listed import written
 from ur5lib.errors import InputError, printable
 from ur5lib.jobs.unreadable import unreadable
@@ -139,9 +140,12 @@ def _command(study: Path, options: Sequence[str]) -> list[str]:
 
 def _watch(command: Sequence[str], report: Report, verbose: bool) -> int:
     """Run a command, print its unusual lines, and return its exit status."""
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace"
-    ) as process:
+    with (
+        signals_interrupt(),
+        subprocess.Popen(
+            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace"
+        ) as process,
+    ):
         assert process.stdout is not None
         try:
             for line in process.stdout:
@@ -149,8 +153,10 @@ def _watch(command: Sequence[str], report: Report, verbose: bool) -> int:
                     report(int(steps[1]), int(steps[2]))
                 if verbose or not (steps or USUAL.match(line)):
                     print(printable(line), end="", file=sys.stderr, flush=True)
-        except KeyboardInterrupt:
-            process.communicate()  # Ctrl-C has reached it, too; it removes incomplete files
+        except KeyboardInterrupt as stop:
+            if stop.args:  # a signal to this process alone; Ctrl-C has reached both
+                process.terminate()
+            process.communicate()  # it removes incomplete files
             raise
     return process.returncode
 
