@@ -299,7 +299,7 @@ def list_() -> None:
 
 @app.command(rich_help_panel="Start")
 def status(study: StudyFile, as_json: AsJson = False) -> None:
-    """Print whether a study is built, the states of its cards, and what a run would compute.
+    """Print whether a study is built, the states of its cards, what a run would compute, and why.
 
     Example: ur5 status mine
     """

@@ -222,5 +222,5 @@ def test_a_state_is_json_for_a_program(
     snakemake_prints(monkeypatch, LINES, 0)
     state = json.loads(run_ur5("status", "mine", "--json").out)
     assert state["report"] is None
-    assert state["steps_to_run"] == 3
+    assert (state["steps_to_run"], state["why"]) == (3, [])
     assert "3 steps to run; next: ur5 run arm.yaml" in run_ur5("status", "mine").out
