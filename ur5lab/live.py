@@ -1,14 +1,11 @@
 """`ur5 live`: the contact force on a running arm, stated sample by sample from its currents."""
 
-import signal
-import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager, nullcontext
+from collections.abc import Callable
+from contextlib import closing, nullcontext
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -25,6 +22,7 @@ from ur5lab.recorder.rtde_arm import (
     READ_TIMEOUT,
     RtdeClient,
 )
+from ur5lib.commands.interrupts import signals_interrupt
 from ur5lib.errors import InputError
 from ur5lib.finished import StudyFiles
 from ur5lib.tables import write_aside
@@ -162,23 +160,6 @@ def followed(
     except OSError as error:
         return f"{journal.path}, which cannot be written ({error.strerror})", True
     return f"--seconds {stream.seconds:g}", False
-
-
-@contextmanager
-def signals_interrupt() -> Iterator[None]:
-    """Treat SIGTERM and SIGHUP like Ctrl-C, if the system has them."""
-
-    def interrupt(number: int, _: Any) -> None:
-        raise KeyboardInterrupt(signal.Signals(number).name)
-
-    named = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
-    here = named if threading.current_thread() is threading.main_thread() else []
-    before = {number: signal.signal(number, interrupt) for number in here}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 def _join(part: Path, aside: Path) -> None:

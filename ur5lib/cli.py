@@ -23,6 +23,7 @@ from ur5lib.commands.arguments import (
     as_text,
     print_lines,
 )
+from ur5lib.commands.interrupts import signals_interrupt
 from ur5lib.errors import InputError, printable, unknown
 from ur5lib.study.address import results_folder, study_file
 from ur5lib.workspace.beside import commands_beside
@@ -207,7 +208,6 @@ def fetch(
     from ur5lib.datasets.fetching import fetch as fetch_dataset
     from ur5lib.workspace.new import copy_study
 
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # removes temporary files
     if dataset is None:
         print_lines(
             [as_text({n: one.model_dump() for n, one in catalogue().items()})]
@@ -215,7 +215,8 @@ def fetch(
             else listing()
         )
         return
-    typer.echo(fetch_dataset(dataset, output, source))
+    with signals_interrupt():  # removes temporary files
+        typer.echo(fetch_dataset(dataset, output, source))
     study = catalogue()[dataset].study
     if study and output is None:
         typer.echo(f"next: ur5 run {copy_study(study)}")
@@ -298,7 +299,7 @@ def list_() -> None:
 
 @app.command(rich_help_panel="Start")
 def status(study: StudyFile, as_json: AsJson = False) -> None:
-    """Print whether a study is built, the states of its cards, and what a run would compute.
+    """Print whether a study is built, the states of its cards, what a run would compute, and why.
 
     Example: ur5 status mine
     """

@@ -1,6 +1,7 @@
 """`ur5 run`, `report` and `status`: what they build, what they print, and how a study is named."""
 
 import json
+import signal
 import sys
 import webbrowser
 from pathlib import Path
@@ -119,6 +120,40 @@ def test_a_run_that_is_stopped_waits_for_snakemake_and_says_what_is_kept(
     assert "the steps that are done are kept" in answer.err
 
 
+KILLED = """
+import os, pathlib, signal, sys, time
+signal.signal(signal.SIGTERM, lambda *_: sys.exit(pathlib.Path("ended").touch()))
+os.kill(os.getppid(), signal.{})
+time.sleep({})
+"""
+
+
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+def test_a_run_that_is_told_to_end_ends_snakemake_and_says_what_is_kept(
+    name: str, here: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command
+) -> None:
+    """Such a signal reaches the run alone."""
+    program = KILLED.format(name, 60)
+    monkeypatch.setattr(run, "_command", lambda *_: [sys.executable, "-c", program])
+    answer = run_ur5("run", "mine")
+    assert answer.status == 130
+    assert Path("ended").exists()
+    assert "the steps that are done are kept" in answer.err
+
+
+def test_a_run_under_nohup_outlives_its_terminal(
+    here: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command
+) -> None:
+    program = KILLED.format("SIGHUP", 0)
+    monkeypatch.setattr(run, "_command", lambda *_: [sys.executable, "-c", program])
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        answer = run_ur5("run", "mine")
+    finally:
+        signal.signal(signal.SIGHUP, before)
+    assert answer.status == 0
+
+
 def test_recordings_do_not_overwrite_a_study(here: Path, run_ur5: Command) -> None:
     Path("raw/arm").mkdir(parents=True)
     Path("raw/arm/free.csv").write_text("time,actual_q_0\n")
@@ -187,5 +222,5 @@ def test_a_state_is_json_for_a_program(
     snakemake_prints(monkeypatch, LINES, 0)
     state = json.loads(run_ur5("status", "mine", "--json").out)
     assert state["report"] is None
-    assert state["steps_to_run"] == 3
+    assert (state["steps_to_run"], state["why"]) == (3, [])
     assert "3 steps to run; next: ur5 run arm.yaml" in run_ur5("status", "mine").out

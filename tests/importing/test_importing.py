@@ -495,12 +495,15 @@ def test_thesis_recordings_in_other_files(tmp_path: Path, thesis: Made, kind: st
 
 
 def test_logs_without_names(ur10e_data: Path) -> None:
-    """Those at rest are read like one that moves."""
-    names = ["02_19_14harm50sec", "01_17-p1", "01_22-push_pose_1", "01_31-load"]
+    """Those at rest, or in which one joint moves, are read like one that moves; each has a role."""
+    names = ["02_19_14harm50sec", "01_17-p1", "01_22-push_pose_1", "01_22-joint_1", "01_31-load"]
     imported = import_files([ur10e_data / f"ur-20_{name}.csv" for name in names])
     columns = ["time", "actual_q", "actual_qd", "actual_current", "target_current", "target_moment"]
-    assert [one.entry["columns"] for one in imported] == [columns] * 4
-    assert [one.entry["role"] for one in imported] == ["fit", "fit", "fit", "validate"]
+    assert [one.entry["columns"] for one in imported] == [columns] * 5
+    roles = ["fit", "fit", "fit", "fit", "validate"]
+    assert [one.entry["role"] for one in imported] == roles
+    stated = [[r.taken_for for r in one.account if r.subject == "role"] for one in imported]
+    assert stated == [[role] for role in roles]
     assert {one.entry["robot"] for one in imported} == {"ur10e"}
     why = "the arm does not move, .* give a log that moves with it, or .* --columns time,actual_q,"
     with pytest.raises(InputError, match=why):

@@ -333,6 +333,22 @@ def test_a_deleted_file_is_planned_again(
     assert chain(built_workflow.plan()) == expected
 
 
+WHY = {
+    "the code has changed": ("ur5lib/force/residual_model.py", "\n# edited\n"),
+    "the study has changed": ("config.yaml", SETTING),
+    "files have changed": ("raw/pushed/csv_files/log_q_actual.csv", "9.0, 1, 1, 1, 1, 1, 1\n"),
+    "results are missing": ("results/small/recordings/pushed/torques.parquet", None),
+}
+
+
+@pytest.mark.parametrize("reason", WHY)
+def test_a_status_says_why_steps_would_run(
+    built_workflow: Workflow, change: Change, reason: str
+) -> None:
+    change(*WHY[reason])
+    assert f" steps to run, as {reason}; next: " in built_workflow.ur5("status", "small")
+
+
 def processes_of(session: int) -> list[int]:
     """The processes of a run that have not ended."""
     found = []

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from ur5lib.commands.verdicts import CardState
 
 from ur5lib.commands.console import text_console
+from ur5lib.commands.interrupts import signals_interrupt
 from ur5lib.commands.listed import written
 from ur5lib.errors import InputError, printable
 from ur5lib.jobs.unreadable import unreadable
@@ -25,6 +26,14 @@ from ur5lib.workspace.places import SNAKEFILE, WORKFLOW
 
 PROGRESS = re.compile(r"(\d+) of (\d+) steps \(\d+%\) done")
 STEPS_TO_RUN = re.compile(r"^total +(\d+)$", re.MULTILINE)
+CODE = r"'[0-9a-f]{16}'"  # a checksum among a step's params
+WHY = {  # reasons of Snakemake to run a step, but for those that follow from another step's
+    r"Missing output": "results are missing",
+    r"Incomplete output": "a step was stopped",
+    r"Updated input": "files have changed",
+    rf"Params have .*{CODE}": "the code has changed",
+    rf"(?:Set of input|Params) (?!.*{CODE})": "the study has changed",
+}
 # Lines that Snakemake prints in every run.
 USUAL = re.compile(
     r"$|\[|Using |Assuming |Building DAG|Provided |Rules claiming|Select jobs|Execute \d"
@@ -64,8 +73,8 @@ class State:
     """The state of a study's results.
 
     report: its file, None without one; unreadable: reasons by recording; steps_to_run: number of
-    steps in a new run, None while another run is active; verdicts: states of cards, None without
-    any.
+    steps in a new run, None while another run is active, and why; verdicts: states of cards, None
+    without any.
     """
 
     study: str
@@ -74,6 +83,7 @@ class State:
     written: str | None
     unreadable: dict[str, str]
     steps_to_run: int | None
+    why: list[str]
     verdicts: "list[CardState] | None"
 
     def lines(self) -> Iterator[str]:
@@ -91,7 +101,8 @@ class State:
         for name, reason in self.unreadable.items():
             yield f"{name} cannot be read: {printable(reason)}"
         if self.steps_to_run:
-            yield f"{self.steps_to_run} steps to run; next: ur5 run {self.study}"
+            why = f", as {' and '.join(self.why)}" if self.why else ""
+            yield f"{self.steps_to_run} steps to run{why}; next: ur5 run {self.study}"
         elif self.steps_to_run == 0:
             yield "nothing to be done"
 
@@ -102,19 +113,24 @@ def state(study: Path, results: Path) -> State:
 
     read_study(study)
     report, holder = results / "report.html", running(results)
+    steps, why = (None, []) if holder else _steps_to_run(study)
     return State(
         str(study),
         holder or None,
         str(report) if report.is_file() else None,
         written(report),
         unreadable(results) if results.is_dir() else {},
-        None if holder else _steps_to_run(study),
+        steps,
+        why,
         card_states(results),
     )
 
 
-def _steps_to_run(study: Path) -> int:
-    """Return the number of steps in a new run. Raises InputError if the study has mistakes."""
+def _steps_to_run(study: Path) -> tuple[int, list[str]]:
+    """Return the number of steps in a new run, and why they would run.
+
+    Raises InputError if the study has mistakes.
+    """
     dry = subprocess.run(
         _command(study, ["--dry-run", "--quiet", "host"]),
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
@@ -123,7 +139,9 @@ def _steps_to_run(study: Path) -> int:
         lines = [line for line in dry.stdout.splitlines() if not USUAL.match(line)]
         raise InputError("\n".join(lines))
     count = STEPS_TO_RUN.search(dry.stdout)
-    return int(count[1]) if count else 0
+    told = "\n".join(re.findall(r"^ +reason: (.*)", dry.stdout, re.MULTILINE))
+    why = [words for pattern, words in WHY.items() if re.search(pattern, told)]
+    return int(count[1]) if count else 0, why
 
 
 def _command(study: Path, options: Sequence[str]) -> list[str]:
@@ -139,9 +157,12 @@ def _command(study: Path, options: Sequence[str]) -> list[str]:
 
 def _watch(command: Sequence[str], report: Report, verbose: bool) -> int:
     """Run a command, print its unusual lines, and return its exit status."""
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace"
-    ) as process:
+    with (
+        signals_interrupt(),
+        subprocess.Popen(
+            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace"
+        ) as process,
+    ):
         assert process.stdout is not None
         try:
             for line in process.stdout:
@@ -149,8 +170,10 @@ def _watch(command: Sequence[str], report: Report, verbose: bool) -> int:
                     report(int(steps[1]), int(steps[2]))
                 if verbose or not (steps or USUAL.match(line)):
                     print(printable(line), end="", file=sys.stderr, flush=True)
-        except KeyboardInterrupt:
-            process.communicate()  # Ctrl-C has reached it, too; it removes incomplete files
+        except KeyboardInterrupt as stop:
+            if stop.args:  # a signal to this process alone; Ctrl-C has reached both
+                process.terminate()
+            process.communicate()  # it removes incomplete files
             raise
     return process.returncode
 

@@ -160,11 +160,12 @@ def _take_columns(part: _Part, alike: Sequence[ImportedRecording]) -> None:
     source = Path(other.entry["folder"], other.entry["file"])
     reason = "columns, units and robot are those of that file, which has the same form"
     as_there = AccountRow("columns", f"as in {source}", "position", "assumed", reason)
-    checks = [row for row in other.account if row.confidence == "check"]
-    role = {"role": present.entry["role"]} if present else {}
-    entry = other.entry | place_of_file(part.file) | role
+    shows_role = present or other
+    checks = [row for row in other.account if row.confidence == "check" and row.subject != "role"]
+    role = [row for row in shows_role.account if row.subject == "role"]
+    entry = other.entry | place_of_file(part.file) | {"role": shows_role.entry["role"]}
     stops = _to_be_corrected(contradictions(entry))
-    part.imported = [ImportedRecording(entry, [*stops, *checks, as_there])]
+    part.imported = [ImportedRecording(entry, [*stops, *checks, as_there, *role])]
 
 
 def _proposed(path: Path | PartedRun, file: FileContents) -> Proposal:
