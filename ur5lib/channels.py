@@ -32,8 +32,8 @@ class ChannelSpec(NamedTuple):
     """A channel in SI units.
 
     suffixes: of its columns, empty for a single column; bound: a magnitude that no Universal Robots
-    arm can exceed; of_joints: whether it has a column for each joint, six unless the recording or
-    its arm has another number, and not components of a pose or wrench.
+    arm can exceed; of_joints: whether it has a column for each joint (six, unless the recording or
+    its arm has another number), rather than for each component of a pose or wrench.
     """
 
     unit: str
@@ -132,7 +132,8 @@ MEASURED_CURRENT, TARGET_CURRENT = CURRENTS = ("actual_current", "target_current
 class Effort(NamedTuple):
     """The measured effort of an arm's joints: the motors' currents, or torques.
 
-    channel: of the measured efforts; constant: factor from effort to joint torque.
+    channel: name of the channel with the measured efforts; constant: name of the factor from effort
+    to joint torque.
     """
 
     quantity: str
@@ -163,7 +164,7 @@ SIGNED_CHANNELS = [name for name in JOINT_CHANNELS if CHANNELS[name].unit not in
 
 
 def suffixes(channel: str, joints: int = 6) -> tuple[str, ...]:
-    """Return the suffixes of a channel's columns, none for a single one."""
+    """Return the suffixes of a channel's columns, () for a channel of a single column."""
     if channel in JOINT_CHANNELS:
         return tuple(f"_{index}" for index in range(joints))
     return SUFFIXES.get(channel, ())

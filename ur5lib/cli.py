@@ -53,7 +53,9 @@ KEPT = {  # printed after Ctrl-C; files are renamed when complete, so that none 
 
 
 class Named(typer.core.TyperArgument):
-    """An argument that help shows only by its name, with dots if it may be repeated."""
+    """A positional argument of a command, which `--help` shows only by its name, with dots if it
+    may be repeated.
+    """
 
     def display_type_rich(self, ctx: Any) -> None:
         """Return no type."""
@@ -87,7 +89,9 @@ class Panels(typer.core.TyperGroup):
             formatter.dedent()
 
     def resolve_command(self, context: Any, words: list[str]) -> Any:
-        """Return a command and its words; a former option prints its present name and exits."""
+        """Return the command that a user named, and its arguments; an option under its former name
+        prints the present one and exits.
+        """
         name, command, rest = super().resolve_command(context, words)
         known = OTHERWISE.get(name or "", {})
         own = [*takewhile(lambda word: word != "--", rest)]
@@ -128,7 +132,9 @@ class Panels(typer.core.TyperGroup):
 
 
 def _right_call(command: Any, said: str) -> str:
-    """Return the message on a wrong call, with the example of its command, if it has one."""
+    """Return the hint after a wrong call: the example of the command, or where commands and
+    Snakemake's options are listed.
+    """
     if command is None:
         return "`ur5 -h` lists the commands"
     if command.name == "run" and said.startswith("No such option"):

@@ -34,11 +34,12 @@ class UnreadableError(InputError):
 
 @dataclass(frozen=True)
 class Remark:
-    """A remark of a step.
+    """A remark of a step about its result, or the reason why it has none.
 
     code: name in tables and for other steps; text: the sentence, made printable; kind: name by
-    which a study accepts a stop sign, "" if it cannot; motion: the one that it advises; constants:
-    fitted and documented constant of a joint [Nm/A, or Nm/Nm], if they contradict each other.
+    which a study accepts a stop sign, "" if it cannot; motion: the motion to record that it
+    advises, "" without one; constants: fitted and documented constant of a joint [Nm/A, or Nm/Nm],
+    if they contradict each other.
     """
 
     code: str
@@ -77,7 +78,9 @@ def reason(error: ValueError) -> Remark:
 
 
 def overrulable(sign: str, kind: str) -> str:
-    """Return a stop sign with how to overrule it; kind: name for `accept`, "" if it cannot be."""
+    """Return the sentence of a stop sign, with the key of the study that overrules it; kind: that
+    key under `accept`, "" if it cannot be overruled.
+    """
     return f"{sign}{OVERRULED_BY}`accept: {{{kind}: the reason}}` overrules this" if kind else sign
 
 
@@ -90,7 +93,9 @@ def unknown(kind: str, name: object, known: Iterable[str]) -> InputError:
 
 
 def expect_known(kind: str, name: object, known: Iterable[str]) -> str:
-    """Return a name. Raises InputError if it is not in `known`; kind: of the named thing."""
+    """Return `name` unchanged. Raises InputError if it is not in `known`; kind: of the
+    named thing.
+    """
     names = [*known]
     if isinstance(name, str) and name in names:
         return name
@@ -106,13 +111,17 @@ def expect_text(given: object, what: str) -> str:
 
 
 def perhaps(name: object, known: Iterable[str]) -> str:
-    """Return " (did you mean `x`?)" with the closest known name, "" if none is close."""
+    """Return " (did you mean `x`?)" with the name in `known` closest to `name`, "" if none is
+    close.
+    """
     near = get_close_matches(str(name), [*known], n=1, cutoff=0.5)
     return f" (did you mean `{near[0]}`?)" if near else ""
 
 
 def some(names: Sequence[str], most: int = 5) -> str:
-    """Return the first names of a list, for a sentence."""
+    """Return the first `most` names of a list for a sentence, followed by "..." if there
+    are more.
+    """
     return ", ".join(names[:most]) + (", ..." if len(names) > most else "")
 
 

@@ -71,7 +71,9 @@ def arm_of(entry: Mapping[str, Any]) -> str:
 
 
 def no_verdicts(folder: Path) -> str:
-    """Return the sentence about results of a version without verdicts."""
+    """Return the sentence of an error: the results are of an earlier version, which wrote no
+    verdicts.
+    """
     name = folder.name
     return f"{folder} has no verdicts, as results of an earlier version; `ur5 run {name}` again"
 
@@ -83,9 +85,9 @@ class FinishedStudy(Shown):
         ['pushed']
 
     A frame of a recording has its `time` [s] as index (N,), one column per channel, in SI units. A
-    frame and a table have their columns' units in `attrs["units"]`; `N, Nm` is of forces and
-    moments, and where rows differ, `unit` or `parameter` says it. Methods raise InputError for
-    missing files and unknown names.
+    frame and a table have their columns' units in `attrs["units"]`; `N, Nm` is the unit of a column
+    with forces and moments; where the unit differs from row to row, the column `unit` or
+    `parameter` has it. Methods raise InputError for missing files and unknown names.
     """
 
     def __init__(self, folder: str | Path) -> None:
@@ -111,8 +113,8 @@ class FinishedStudy(Shown):
     def verdicts(self) -> pd.DataFrame:
         """Return what may be used: rows of `ur5lib.records.verdicts.Verdict`.
 
-        The row of rank 1 of a question and arm decides; `arm` is empty where it is of all arms.
-        Raises InputError where the results are of a version without verdicts.
+        The row of rank 1 of a question and arm decides; `arm` is empty for a verdict on all arms.
+        Raises InputError where an earlier version wrote the results, without verdicts.
         """
         return self._judged("verdicts")
 
@@ -120,7 +122,7 @@ class FinishedStudy(Shown):
     def uses(self) -> pd.DataFrame:
         """Return what each recording may be used for: recording, purpose, use (yes, no) and reason.
 
-        Raises InputError where the results are of a version without verdicts.
+        Raises InputError where an earlier version wrote the results, without verdicts.
         """
         return self._judged("uses")
 
@@ -133,7 +135,8 @@ class FinishedStudy(Shown):
     def record(self, kind: type[Record], recording: str, name: str = "") -> Record:
         """Return a file of a recording as a record, e.g. `Motion` of motion.parquet.
 
-        name: of the file, if it is not the record's, e.g. `sensor` for `SensorWrenches`.
+        name: of the file without its ending, if it differs from that of the record, e.g. `sensor`
+        for `SensorWrenches`.
         """
         stem = name or kind.__name__.lower()
         if issubclass(kind, Table):
@@ -189,7 +192,7 @@ class FinishedStudy(Shown):
         return self.frame(recording, "sensor")
 
     def frame(self, recording: str, name: str) -> pd.DataFrame:
-        """Return the table `recordings/<recording>/<name>.parquet`."""
+        """Return the samples in `recordings/<recording>/<name>.parquet`."""
         return frame_of(self._of_recording(recording, name))
 
     def _of_recording(self, recording: str, name: str) -> Path:
@@ -232,20 +235,24 @@ class FinishedStudy(Shown):
         return f"Results of {self.folder}: {names}; `.model(arm)` is what was fitted"
 
     def _judged(self, name: str) -> pd.DataFrame:
-        """Return a table of the step that judges the study."""
+        """Return a table that the step `judge_study` wrote."""
         if name not in self.tables:
             raise InputError(no_verdicts(self.folder))
         return self.table(name)
 
     @cached_property
     def _effort_unit(self) -> str:
-        """The unit of the efforts that all arms of the study measure, else that of currents."""
+        """Return the unit of torques if all arms of the study measure torques, else that of
+        currents.
+        """
         arms = (self.folder / "parameters").glob("*/described.yaml")
         units = {load_robot(arm).measured.unit for arm in arms}
         return TORQUE.unit if units == {TORQUE.unit} else CURRENT.unit
 
     def _fitted(self, recording: str) -> Files:
-        """Return a fitted recording's files that a model needs, {} if it cannot be read."""
+        """Return the files of a recording of the fit that a model needs, {} if the recording cannot
+        be read.
+        """
         folder = self.folder / "recordings" / recording
         files = {name: folder / file for name, file in FILES_OF_FITTED.items()}
         return {name: own for name, own in files.items() if isfile(own) and not reason(str(own))}
@@ -261,7 +268,9 @@ class FinishedStudy(Shown):
         return path
 
     def _known(self, name: str, names: list[str], kind: str) -> str:
-        """Return a name that exists. Raises InputError with the closest one otherwise."""
+        """Return `name` unchanged. Raises InputError with the closest of `names` if it is not among
+        them; kind: of the named thing.
+        """
         if isinstance(name, str) and name in names:
             return name
         near = get_close_matches(str(name), names, n=1) or sorted(names) or ["none"]
@@ -288,7 +297,7 @@ class StudyFiles(FinishedStudy):
         return parse_study(plain, str(path))
 
     def recording(self, name: str) -> Recording:
-        """Return a recording's entry in the study."""
+        """Return the entry of a recording in the study."""
         entries = {entry.name: entry for entry in self.configuration().recordings}
         return entries[self._known(name, [*entries], "recording")]
 
@@ -301,15 +310,19 @@ class StudyFiles(FinishedStudy):
         return self.record(Quality, recording)
 
     def judgement(self, recording: str) -> Judgement:
-        """Return what is judged of a recording by itself."""
+        """Return the findings on one recording and its rows of the result tables
+        (`judgement.json`).
+        """
         return self.record(Judgement, recording)
 
     def beside_sensor(self, recording: str) -> SensorAccount:
-        """Return bias and tool of a recording's force sensor."""
+        """Return the bias and the tool that were subtracted from the reading of a recording's force
+        sensor.
+        """
         return self.record(SensorAccount, recording, "beside_sensor")
 
     def payload(self, recording: str) -> Payload | None:
-        """Return the payload of the arm."""
+        """Return the payload on the flange during a recording, None without one."""
         return self.record(Premises, recording).load.payload
 
     def start(self, recording: str) -> float | None:

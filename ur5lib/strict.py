@@ -41,7 +41,7 @@ Schema = dict[str, Any]  # a node of a JSON schema
 
 
 class Strict(BaseModel):
-    """A part of a hand-written file: unknown keys are errors, values stay as read."""
+    """A part of a hand-written file: unknown keys are errors, and an instance does not change."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -214,7 +214,9 @@ def expect_few_values(data: Any, source: str) -> None:
 def _measure(
     data: Any, level: int, measured: dict[int, tuple[int, int]], source: str
 ) -> tuple[int, int]:
-    """Return the numbers of values and of levels in data; measured: cached ones of parts, by id."""
+    """Return the number of values in data and the number of levels below; measured: the same pair
+    for parts already counted, by id.
+    """
     if level + measured.get(id(data), (1, 0))[1] > MAX_LEVELS:
         raise _too_deep(source)
     if id(data) not in measured:
@@ -249,7 +251,9 @@ def _too_deep(source: str) -> InputError:
 
 
 def explain(error: ErrorDetails, schema: Schema) -> str:
-    """Return one sentence for one error: key, value, allowed values, closest valid name."""
+    """Return one sentence for one of pydantic's errors: key, value, allowed values, closest valid
+    name.
+    """
     location, node = _descend(schema, error["loc"])
     parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in location)
     key, kind = "".join(parts).lstrip("."), error["type"]
@@ -289,7 +293,11 @@ def _explain_tag(error: ErrorDetails, key: str, tags: list[str]) -> str:
 
 
 def _descend(schema: Schema, location: Iterable[str | int]) -> tuple[list[str | int], Schema]:
-    """Return the keys of a location without the tags of kinds, and its schema node."""
+    """Return the keys that lead to an erroneous value, and the JSON schema node of that value.
+
+    location: of the value, as pydantic gives it: keys, indices of lists, and names of kinds, which
+    are left out of the returned keys.
+    """
     node, keys = schema, list[str | int]()
     for part in location:
         kinds = branches(node)
@@ -305,7 +313,9 @@ def _descend(schema: Schema, location: Iterable[str | int]) -> tuple[list[str | 
 
 
 def branches(node: Schema) -> dict[str, Schema]:
-    """Return the schema nodes of a part's kinds by tag, or of its types if two are allowed."""
+    """Return the alternatives of a schema node: by the tag that selects one, else by their JSON
+    types.
+    """
     mapping = node.get("discriminator", {}).get("mapping", {})
     options = node.get("oneOf", [])
     tagged = {t: option for option in options for t in mapping if mapping[t] == option.get("$ref")}
@@ -313,13 +323,15 @@ def branches(node: Schema) -> dict[str, Schema]:
 
 
 def _present(node: Schema) -> Schema:
-    """Return the schema node of a value that may be omitted."""
+    """Return the schema node of an optional value without its alternative null; others
+    unchanged.
+    """
     options = [option for option in node.get("anyOf", []) if option.get("type") != "null"]
     return options[0] if len(options) == 1 else node
 
 
 def _child(node: Schema, part: str | int) -> Schema:
-    """Return the schema node of a key, or of an entry of a list."""
+    """Return the schema node of a key of a mapping, or of an entry of a list by its index."""
     if isinstance(part, str):
         return node.get("properties", {}).get(part, node.get("additionalProperties") or {})
     entries = node.get("prefixItems", [])

@@ -45,7 +45,7 @@ Value = TypeVar("Value")
 
 
 class ByKey(Mapping[str, Value]):
-    """Values by key, each loaded when it is used."""
+    """A mapping that loads a value each time it is used."""
 
     def __init__(self, loads: Mapping[str, Callable[[], Value]]) -> None:
         self._loads = loads
@@ -68,7 +68,9 @@ class ByKey(Mapping[str, Value]):
 
 @contextlib.contextmanager
 def intact(path: Source) -> Iterator[None]:
-    """Raise InputError with the remedy where a file of results is damaged."""
+    """Raise InputError with the remedy if the code of a `with` block finds a damaged file of
+    results; path: of the file.
+    """
     try:
         yield
     # pyarrow raises OSError without an errno for a truncated Parquet file
@@ -93,7 +95,9 @@ def unit(column: str) -> str:
 
 
 def column_unit(column: str, unit: str) -> str:
-    """Return the unit of one column of a channel: from `N, Nm`, N for forces and Nm for moments."""
+    """Return the unit of one column of a channel; unit: of the channel, where `N, Nm` means N for
+    its forces and Nm for its moments.
+    """
     first, _, second = unit.partition(", ")
     return first if FIRST_HALF.search(column) or not second else second
 
@@ -195,7 +199,7 @@ def channel(table: pd.DataFrame, name: str, count: int | None = None) -> Array:
 
 
 def named(values: Array, name: str) -> dict[str, Array]:
-    """Return an array (N, M), or (N, ...) flattened row by row, as named columns."""
+    """Return the columns name_0, name_1, … of an array (N, M), or (N, ...) flattened row by row."""
     flat = values.reshape(len(values), -1)
     return dict(zip(columns(name, flat.shape[1]), flat.T, strict=True))
 
@@ -273,7 +277,7 @@ def read_csv(path: str | Path) -> pd.DataFrame:
 
 
 def as_written(table: pd.DataFrame) -> pd.DataFrame:
-    """Return a table of results as `read_csv` would read it."""
+    """Return a table of results as `read_csv` would read it after writing."""
     return _parsed(StringIO(csv_text(table)))
 
 
@@ -339,8 +343,8 @@ def read_record(kind: type[Record], path: str | Path) -> Record:
 
 
 def _with_sentence(data: dict[str, Any]) -> dict[str, Any]:
-    """Return a part of a summary; findings and remarks of version 0.2, which had values instead of
-    a sentence, get their code as the sentence.
+    """Return one JSON object of a summary; a finding or remark of version 0.2, which had values
+    instead of a sentence, gets its code as the sentence.
     """
     if not data.keys() >= {"code", "values"}:
         return data
@@ -382,7 +386,9 @@ def _null_is_nan(schema: Any) -> Any:
 
 
 def key(field: str) -> str:
-    """Return the key of a record's field in a summary: without the _ after Python's keywords."""
+    """Return the key of a record's field in a JSON summary: `from` for the field `from_`, which is
+    a keyword in Python.
+    """
     return field.removesuffix("_")
 
 

@@ -30,7 +30,7 @@ TABLE_FILE = RESULTS_FOLDER / "leaderboard.csv"
 
 
 class LearnedContender(NamedTuple):
-    """An estimator with its constants learnt from one arm's recordings."""
+    """An estimator of the benchmark together with what it learnt from one arm's recordings."""
 
     estimator: Contender
     learned: Learned
@@ -84,13 +84,17 @@ def learnt(arm: StudyArm, chosen: Sequence[Contender]) -> Iterator[LearnedConten
 
 
 def estimates(entries: dict[str, LearnedContender], run: Run) -> EstimatesByName:
-    """Return the estimates of a run by name, leaving out those with missing inputs."""
+    """Return the estimates of a run by the estimators' names, without those for which the run lacks
+    inputs.
+    """
     by_name = {name: entry.learned.method(run) for name, entry in entries.items()}
     return {name: estimate for name, estimate in by_name.items() if estimate is not None}
 
 
 def described(arm: StudyArm, entry: LearnedContender) -> dict[str, Any]:
-    """Return the columns that identify a row."""
+    """Return the columns that identify a row: study, arm, source, and the estimator's properties
+    and constants.
+    """
     constants = entry.learned.constants.items()
     return {
         "study": arm.study,

@@ -11,7 +11,9 @@ Method = Callable[[Run], Estimate | None]
 
 
 class Learned(NamedTuple):
-    """A method with its learnt constants, and its latency [s], None if it was not measured."""
+    """What an estimator has learnt: the method that estimates, its constants by name, and its
+    latency [s], None if it was not measured.
+    """
 
     method: Method
     constants: dict[str, Any]
@@ -20,11 +22,11 @@ class Learned(NamedTuple):
 
 @dataclass(frozen=True)
 class Contender:
-    """One row of the table.
+    """An estimator of the benchmark: the rows of the table with its name.
 
-    source: the publication; causal: whether it uses only present and past samples; learn: takes
-    only the contact-free runs of the role `fit`, predicted by fits without their own path; it may
-    raise InputError if they do not suffice.
+    source: the publication; causal: whether it uses only present and past samples; learn: function
+    that returns the estimator with constants learnt from the contact-free runs of the role `fit`,
+    predicted by fits without their own path; it may raise InputError if they do not suffice.
     """
 
     name: str
@@ -34,5 +36,7 @@ class Contender:
 
 
 def ready(name: str) -> Callable[[Sequence[Run]], Learned]:
-    """Return the `learn` of an estimate that the study already has, with nothing to learn."""
+    """Return the function `learn` of an estimate that the study already contains, which learns
+    nothing.
+    """
     return lambda _: Learned(lambda run: run.ready.get(name), {})

@@ -21,7 +21,7 @@ from ur5lib.timeseries.arrays import Array
 
 
 class Motion(NamedTuple):
-    """q, q̇, q̈ of n joints, (n, N) each [rad, rad/s, rad/s²]."""
+    """The motion of n joints at N samples: q, q̇, q̈, (n, N) each [rad, rad/s, rad/s²]."""
 
     q: Tensor
     qd: Tensor
@@ -38,8 +38,10 @@ class Motion(NamedTuple):
 
 
 class Energies(NamedTuple):
-    """speeds: S, a row for each link (n, n) [kg m²]; turns: w of k_T (n, n); size: s [J]; postures:
-    w of k_U (n,).
+    """The constants of the covariances of an arm's kinetic and potential energy.
+
+    speeds: S, a row for each link (n, n) [kg m²]; turns: w of k_T (n, n); size: s [J]; postures: w
+    of k_U (n,).
     """
 
     speeds: Tensor
@@ -49,8 +51,9 @@ class Energies(NamedTuple):
 
 
 class Polynomial(NamedTuple):
-    """P = Π_k p_k^d between N and M postures, (N, M); r = ∂ ln P/∂q (n, N, M), and the diagonal
-    ∂² ln P/∂q² (n, N, M).
+    """The product P = Π_k p_k^d between N and M postures, with its derivatives.
+
+    value: P (N, M); slope: r = ∂ ln P/∂q (n, N, M); bend: the diagonal ∂² ln P/∂q² (n, N, M).
     """
 
     value: Tensor

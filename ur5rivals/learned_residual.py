@@ -23,7 +23,7 @@ from ur5rivals.tuning import tuned, untuned
 
 
 class TrainingSamples(NamedTuple):
-    """Inputs (n, M) and torques (n, 6) [Nm]."""
+    """The samples that a regression learns from: inputs (n, M) and torques (n, 6) [Nm]."""
 
     inputs: Array
     torque: Array
@@ -40,12 +40,16 @@ Learnable = Callable[[Run], TrainingSamples]
 
 
 def residual(run: Run) -> TrainingSamples:
-    """Return (q, q̇, τ_model), (N, 18) [rad, rad/s, Nm], and the smoothed external torque."""
+    """Return as inputs (q, q̇, τ_model) (N, 18) [rad, rad/s, Nm], and as torque the smoothed
+    external torque.
+    """
     return TrainingSamples(np.concatenate([run.q, run.qd, run.model], axis=1), run.smoothed)
 
 
 def samples(runs: Sequence[Run], step: float, of: Learnable) -> TrainingSamples:
-    """Return the finite samples of runs every `step` seconds."""
+    """Return the finite samples of runs, `step` seconds apart; of: function that returns the
+    samples of a run.
+    """
     parts = []
     for run in runs:
         rows = slice(None, None, max(1, round(step / run.period)))
@@ -62,7 +66,9 @@ def spread_over(learnt: TrainingSamples, count: int) -> TrainingSamples:
 
 
 def in_parts(predict: Predict, count: int) -> Predict:
-    """Return a prediction that is computed in parts of about `count` samples."""
+    """Return a prediction that computes the same in parts of about `count` samples, to save
+    memory.
+    """
     return lambda new: np.concatenate(
         [predict(part) for part in np.array_split(new, 1 + len(new) // count)]
     )
@@ -75,7 +81,9 @@ def deviation(values: Array) -> Array:
 
 
 def standardised(train: Train, learnt: TrainingSamples, left_out: TrainingSamples) -> Predict:
-    """Train on (samples - mean) / standard deviation; return the prediction in original units."""
+    """Return the prediction in original units of a regression that is trained on (samples - mean) /
+    standard deviation.
+    """
     mean = TrainingSamples(*(values.mean(axis=0) for values in learnt))
     std = TrainingSamples(*map(deviation, learnt))
     to_learn, to_stop = (
@@ -124,8 +132,11 @@ def cross_fitted(
 
 
 def on_top(name: str, source: str, train: Train, step: float) -> list[Contender]:
-    """Return two estimators that subtract a regression from the torque: before least squares, and
-    in the momentum observer; name: of the regression; step: as in `samples`.
+    """Return two estimators that subtract a learnt regression from the torque: one before least
+    squares, one in the momentum observer.
+
+    name: of the regression; source: its publication; train: function that learns it; step: as in
+    `samples`.
     """
 
     @lru_cache(maxsize=1)  # both estimators learn it from the same runs
@@ -153,8 +164,10 @@ def motor(run: Run) -> Array:
 
 
 def beyond(predicted: TorqueEstimate, runs: Sequence[Run]) -> Learned:
-    """Return the estimator of measured less predicted motor torque, with a low-pass tuned as that
-    of causal least squares.
+    """Return the estimator of the motors' measured torque less the predicted one.
+
+    predicted: function that predicts the torque of a run; the low-pass is tuned as that of causal
+    least squares.
     """
 
     def unexplained(run: Run) -> Run:

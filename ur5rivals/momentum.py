@@ -33,7 +33,8 @@ def momentum_rate(weightless: LinkModel, q: Array, qd: Array, qdd: Array, torque
 
 
 def added_momentum(run: Run, rows: slice) -> Array:
-    """Return z (n, 6) [Nm s] of an unbroken stretch, zero at its first sample.
+    """Return z (n, 6) [Nm s] of successive samples, zero at the first; rows: of these samples in
+    the run.
 
     The rate is integrated by trapezoids up to each sample, without later ones.
     """
@@ -44,7 +45,7 @@ def added_momentum(run: Run, rows: slice) -> Array:
 
 
 class MomentumObserver(ABC):
-    """A causal observer of the external torque."""
+    """A causal observer of the external torque, by the momentum that this torque has added."""
 
     def torque(self, run: Run) -> Array:
         """Return the external torque (N, 6) [Nm], NaN where momentum or its rate is unknown."""
@@ -55,18 +56,20 @@ class MomentumObserver(ABC):
 
     @abstractmethod
     def follow(self, added: Array, period: float) -> Array:
-        """Return d (n, 6) [Nm] at each sample of an unbroken stretch, from ẑ = z and d = 0 on.
+        """Return d (n, 6) [Nm] at each of successive samples, which begin with ẑ = z and d = 0.
 
         added: z (n, 6) [Nm s]; period: T [s].
         """
 
 
 class LinearObserver(MomentumObserver):
-    """An observer with corrections proportional to e."""
+    """A momentum observer with corrections a e and b e, proportional to the error e of the
+    momentum.
+    """
 
     @abstractmethod
     def gains(self, period: float) -> tuple[float, float]:
-        """Return a, and b [1/s]; period: T [s]."""
+        """Return the gains a, and b [1/s], of the corrections; period: T [s]."""
 
     def follow(self, added: Array, period: float) -> Array:
         """Return d (n, 6) [Nm] by the transfer function; added: z (n, 6) [Nm s]; period: T [s]."""

@@ -58,7 +58,9 @@ class ProtocolError(InputError):
 
 
 def refuse(place: str, fault: str) -> NoReturn:
-    """Raise ProtocolError."""
+    """Raise ProtocolError for an estimator; place: where it is from; fault: what is wrong, in
+    words.
+    """
     raise ProtocolError(f"{place} {fault}")
 
 
@@ -115,12 +117,16 @@ def learn(estimator: Any, place: str, runs: Sequence[Run]) -> Learned:
 
 
 def without_answers(run: Run) -> Run:
-    """Return a copy of the inputs in a run that every rival may use."""
+    """Return a copy of a run with only the inputs that every rival may use: no sensor, no estimates
+    of the study, no repeats.
+    """
     return deepcopy(replace(run, sensor=None, ready={}, repeats=()))
 
 
 def check(estimate: Any, run: Run, place: str) -> None:
-    """Raise ProtocolError unless an estimate has all samples with complete inputs, or is None."""
+    """Raise ProtocolError unless an estimate is None, or has values at all samples with complete
+    inputs.
+    """
     if estimate is None:
         return
     if not isinstance(estimate, Estimate):

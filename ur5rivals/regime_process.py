@@ -35,7 +35,9 @@ KERNEL_PRIOR, NOISE_PRIOR = PRIOR_LOGARITHMS[:4], PRIOR_LOGARITHMS[4:] * 6 * len
 
 
 def motion(run: Run) -> TrainingSamples:
-    """Return the inputs of `residual` with the regime of each joint, (N, 24), and its torque."""
+    """Return as inputs those of `residual` with the regime of each joint (N, 24), and as torque
+    that of `residual`.
+    """
     moving = np.where(np.abs(run.qd) > FAST_SPEED, FAST, SLOW)
     conditions = [run.states == JointState.MOVING, run.states == JointState.REVERSING]
     inputs, torque = residual(run)
@@ -44,19 +46,25 @@ def motion(run: Run) -> TrainingSamples:
 
 
 class Points(NamedTuple):
-    """Motions (n, 18), in units of their deviations, and regimes (n, 6)."""
+    """The points at which the process is known: motions (n, 18), in units of their standard
+    deviations, and regimes (n, 6).
+    """
 
     motions: Tensor
     regimes: Tensor
 
     @classmethod
     def of(cls, inputs: Array, unit: Array) -> "Points":
-        """inputs: (n, 24), as `motion` returns them; unit: (18,)."""
+        """Return the points of inputs (n, 24), as `motion` returns them; unit: standard deviations
+        of the motions (18,).
+        """
         motions, regimes = np.split(inputs, [18], axis=1)
         return cls(torch.as_tensor(motions / unit), torch.as_tensor(regimes.astype(int)))
 
     def noise(self, logs: Tensor) -> Tensor:
-        """Return the variances (n, 6); logs: of the kernel's constants and the noises (28,)."""
+        """Return the noise's variances (n, 6) by joint; logs: logarithms of the kernel's constants
+        and of the noises (28,).
+        """
         by_joint = (2 * logs[len(KERNEL_PRIOR) :]).exp().reshape(6, len(REGIMES))
         return by_joint[torch.arange(6), self.regimes] + 1e-6
 

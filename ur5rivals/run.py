@@ -17,8 +17,10 @@ from ur5lib.timeseries.segments import unbroken
 
 
 class Estimate(NamedTuple):
-    """Wrench (N, 6) [N, Nm], the environment acting on the arm, base axes, at frame 6's origin,
-    NaN where there is none, and its standard deviation (N, 6), None if none is stated.
+    """An estimated contact wrench.
+
+    wrench: (N, 6) [N, Nm], the environment acting on the arm, base axes, at frame 6's origin, NaN
+    where there is none; std: its standard deviation (N, 6), None if none is stated.
     """
 
     wrench: Array
@@ -36,18 +38,19 @@ class FittedArm(NamedTuple):
 
 @dataclass(frozen=True, eq=False)  # equal only to itself, so that runs can be keys of caches
 class Run:
-    """Inputs of an estimate, (N, 6) where no other shape is given, NaN where unknown.
+    """One recording as input of all estimators; arrays are (N, 6) where no other shape is given,
+    NaN where unknown.
 
-    path: label of the trajectory; period: [s]; segment: (N,) labels of unbroken stretches; states:
-    of motion, by joint; q, qd, qdd: [rad, rad/s, rad/s²]; model: torque of the rigid-body model
-    [Nm]; friction: predicted, without contact [Nm]; jacobian: J_g (N, 6, 6), base frame; torque:
+    path: label of the trajectory; period: [s]; segment: (N,) labels of unbroken parts; states: of
+    motion, by joint; q, qd, qdd: [rad, rad/s, rad/s²]; model: torque of the rigid-body model [Nm];
+    friction: predicted, without contact [Nm]; jacobian: J_g (N, 6, 6), base frame; torque:
     external, k (i_predicted - i), unfiltered [Nm]; smoothed: the same through the study's
-    zero-phase low-pass; momentum: p = D q̇ [Nm s]; rate: dp/dt of an arm without contact,
-    tau_m - tau_f + Cᵀ q̇ - g [Nm]; breakaway: torque (6,) [Nm]; gears: unfiltered; position_error:
-    target less actual angles [rad], None if the target was not recorded; measured: the controller's
-    unsmoothed samples; arm: with its fit; repeats: other runs of its path without contact; ready:
-    estimates that the study already has; sensor: the force sensor's wrench less bias and tool
-    weight, as in `Estimate`.
+    zero-phase low-pass; momentum: p = D q̇ [Nm s]; rate: dp/dt of an arm without contact, tau_m -
+    tau_f + Cᵀ q̇ - g [Nm]; breakaway: torque (6,) [Nm]; gears: their transmitted torque and
+    friction, unfiltered; position_error: target less actual angles [rad], None if the target was
+    not recorded; measured: the controller's unsmoothed samples; arm: with its fit; repeats: other
+    runs of its path without contact; ready: estimates that the study already has; sensor: the force
+    sensor's wrench less bias and tool weight, as in `Estimate`.
     """
 
     name: str
@@ -106,7 +109,7 @@ class Run:
         return self.measured._replace(current=self.measured.current - torque / constant)
 
     def complete(self) -> Mask:
-        """Return the samples (N,) in which all inputs are finite."""
+        """Return the mask (N,) of samples at which all inputs are finite."""
         inputs = [self.q, self.qd, self.qdd, self.model, self.friction, self.torque, self.smoothed]
         inputs += [self.momentum, self.rate, *self.jacobian.transpose(1, 0, 2)]
         if self.position_error is not None:
@@ -114,10 +117,12 @@ class Run:
         return finite_rows(np.sum(inputs, axis=0))
 
     def known(self) -> list[slice]:
-        """Return the stretches without a gap in which momentum and its rate are finite."""
+        """Return slices of successive samples, without a gap, at which momentum and its rate are
+        finite.
+        """
         return self.stretches(self.momentum + self.rate)
 
     def stretches(self, values: Array) -> list[slice]:
-        """Return the stretches without a gap in which values (N, 6) are finite."""
+        """Return slices of successive samples, without a gap, at which values (N, 6) are finite."""
         finite = finite_rows(values)
         return [rows for rows in unbroken(self.segment, finite) if finite[rows.start]]

@@ -133,7 +133,7 @@ def free_rows(run: Run, estimates: EstimatesByName) -> Iterator[dict[str, Any]]:
 
 
 def known_to_all(estimates: EstimatesByName) -> Mask:
-    """Return the samples (N,) in which every estimate has a force."""
+    """Return the mask (N,) of samples at which every estimate states a force."""
     finite = [np.isfinite(estimate.wrench[:, :3]).all(axis=1) for estimate in estimates.values()]
     return np.asarray(np.all(finite, axis=0))
 

@@ -100,7 +100,7 @@ def read_arm(study: StudyFiles, entries: Sequence[Recording], name: str) -> Stud
 
 
 def repeats_of(run: Run, free: Sequence[Run]) -> tuple[Run, ...]:
-    """Return the other runs along a run's path; their own repeats exclude this run."""
+    """Return the other contact-free runs along a run's path; their own repeats exclude this run."""
     same = [other for other in free if other.path == run.path and other.name != run.name]
     return tuple(
         replace(run_of_path, repeats=tuple(other for other in same if other is not run_of_path))
@@ -157,7 +157,7 @@ def read_run(
 
 
 def opened(study: StudyFiles, name: str) -> PredictedRecording:
-    """Return a study's files of a recording."""
+    """Return a recording of a built study, with the files of its results as records."""
     loads = {kind.__name__.lower(): partial(study.record, kind, name) for kind in RECORDS}
     loads["prediction"] = partial(study.record, Prediction, name, "currents")
     return PredictedRecording(loads, name=name)

@@ -50,7 +50,10 @@ def least_false(
     method_of: Callable[[SomeCandidate], Method],
 ) -> Learned:
     """Return the method of the candidate with the least false force among those with a latency of
-    at most MAX_LATENCY [s]. Raises InputError if there is none.
+    at most MAX_LATENCY [s].
+
+    method_of: function that returns a candidate's method. Raises InputError if no candidate is fast
+    enough.
     """
     delays = [(latency(candidate.torque, runs), candidate) for candidate in candidates]
     prompt = [
@@ -67,7 +70,9 @@ def least_false(
 
 
 def untuned(torque: TorqueEstimate, runs: Sequence[Run], latency: float | None = None) -> Learned:
-    """Return a torque estimate without constants to tune, with its noise on the runs."""
+    """Return the least-squares force of a torque estimate that has no constants to tune, with its
+    noise on the runs; latency: of the estimate [s], None if not measured.
+    """
     return Learned(fitted(torque, runs), {}, latency)
 
 

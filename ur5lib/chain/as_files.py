@@ -21,7 +21,7 @@ SECONDS = {"M": "datetime64[ns]", "m": "timedelta64[ns]"}  # by an array's kind 
 
 
 def named(given: object) -> list[tuple[str, Any]]:
-    """Return recordings with their names; a file has an empty name.
+    """Return (name, data) of each given recording; the name of a file is "".
 
     given: a file, a data frame, an array, or arrays by name; or several of these, as a list or by
     name. Raises InputError for anything else.
@@ -39,7 +39,7 @@ def named(given: object) -> list[tuple[str, Any]]:
 
 
 def as_files(recordings: Iterable[tuple[str, Any]], folder: Path) -> Iterator[Path]:
-    """Yield the file of each recording; data are written into `folder`.
+    """Yield the file of each recording, (name, file or data); data are written into `folder`.
 
     A frame or an array becomes CSV with all its digits, arrays by name a NumPy archive, each in its
     own folder, so that several do not count as one run.
@@ -101,7 +101,9 @@ def _is_rows(data: object) -> bool:
 
 
 def _frame(data: Any) -> pd.DataFrame:
-    """Return a frame, with its index as a column if that is more than the row number."""
+    """Return data as a data frame, with its index as a column if that is more than the row
+    number.
+    """
     if not isinstance(data, pd.DataFrame):
         if _is_array(data) and np.ndim(data) != (np.asarray(data).dtype.names is None) + 1:
             raise _no_recording(data)
@@ -128,7 +130,7 @@ def _plain(cell: Any) -> Any:
 
 
 def _joined(name: object) -> object:
-    """Return the name of a column; several levels are joined by `_`."""
+    """Return a column's name as one text: the levels of a name with several are joined by `_`."""
     return "_".join(str(part) for part in name if part != "") if isinstance(name, tuple) else name
 
 

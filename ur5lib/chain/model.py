@@ -69,13 +69,13 @@ class Model(Shown):
     def __init__(
         self, settings: Settings, robot: str, arm: Files, fitted: Mapping[str, Files]
     ) -> None:
-        """Take what was fitted; `ur5lib.fit` and `load_model` make one."""
+        """Take the settings and what was fitted; `ur5lib.fit` and `load_model` call this."""
         self.robot = robot
         self._settings, self._arm, self._fitted = settings, arm, fitted
 
     @property
     def identified(self) -> Robot:
-        """Return the arm with the link models that were identified."""
+        """Return the description of the arm, with the link models that were identified."""
         robot: Robot = record_of(Robot, self._arm["arm"])
         return robot
 
@@ -182,7 +182,8 @@ class Model(Shown):
         velocity: one, or (M,) [rad/s]; at 0, as a joint begins to move in positive direction; load:
         size of the torque that a gear transmits [Nm], one, or (n,) by joint. `tau_friction_0` ...
         [Nm] with their standard deviations `tau_friction_std_0` ..., (M, n) each, by `velocity`.
-        Springs, rotors and coupled motors are not in it. Raises InputError for what are no numbers.
+        Springs, rotors and coupled motors are not in it. Raises InputError if velocity or load are
+        not numbers.
 
             >>> model.friction([0.1, 0.5], load=20.0).shape
             (2, 12)
@@ -217,7 +218,9 @@ class Model(Shown):
     def _run(
         self, recordings: Recordings, accept: Mapping[str, str] | None, *steps: str
     ) -> dict[str, Files]:
-        """Return the files of the recordings in motion after some steps; raises as `estimate`."""
+        """Return by name the files of the recordings in motion after some steps; raises as
+        `estimate`.
+        """
         recordings = as_recordings(recordings)._accepting(accept)
         self._expect_arm_of(recordings)
         study = recordings._study.model_copy(update={"settings": self._settings})
@@ -290,7 +293,9 @@ class Model(Shown):
         }
 
     def _expect_readable(self) -> None:
-        """Read each of its files, and make its tables; damaged ones raise."""
+        """Read each of the model's files, and make its tables, so that damaged ones raise
+        InputError.
+        """
         loads = get_args(parameter_types(step_named("predict_currents"))["unloaded"])[1]
         for own in self._fitted.values():
             for content in own.values():
@@ -389,7 +394,9 @@ def load_model(path: str | Path) -> Model:
 
 
 def expect_no_stop_sign(files: Mapping[str, Files]) -> None:
-    """Raise InputError that lists all stop signs, if recordings have any."""
+    """Raise InputError that lists the stop signs of all recordings, if there are any; files: by
+    recording.
+    """
     signs = [
         f"{name}: {sign.sentence()}"
         for name, own in files.items()

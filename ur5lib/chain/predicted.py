@@ -37,7 +37,9 @@ def beside_measured(own: Files, friction: Friction) -> pd.DataFrame:
 
 
 def errors(moving: Mapping[str, Files], friction: Friction) -> pd.DataFrame:
-    """Return the rows of `current_rmse` of recordings, each with its `nrmse`."""
+    """Return the rows of the table `current_rmse` for recordings, each with `nrmse`, its RMSE over
+    that of a constant current.
+    """
     rows = {
         name: current_errors(record_of(Prediction, own["summary"])) for name, own in moving.items()
     }
@@ -51,7 +53,8 @@ def errors(moving: Mapping[str, Files], friction: Friction) -> pd.DataFrame:
 
 
 def friction_at(friction: Friction, velocity: object, load: object) -> pd.DataFrame:
-    """Return the friction of each joint and its standard error by velocity, see `Model.friction`.
+    """Return the friction of each joint and its standard error by velocity; see `Model.friction`
+    for velocity, load and columns.
 
     Raises InputError if these are no numbers, or `load` has neither one nor n numbers.
     """
@@ -72,7 +75,9 @@ def friction_at(friction: Friction, velocity: object, load: object) -> pd.DataFr
 
 
 def numbers(name: str, given: Any, unit: str) -> Array:
-    """Return one number, or (M,). Raises InputError for anything else."""
+    """Return a given number, or list of numbers, as an array () or (M,). Raises InputError for
+    anything else; name, unit: of the numbers, for the message.
+    """
     try:
         found = np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError):
@@ -83,7 +88,9 @@ def numbers(name: str, given: Any, unit: str) -> Array:
 
 
 def expect_predicted(moving: Mapping[str, Files], friction: Friction) -> None:
-    """Raise InputError if nothing was predicted for a recording."""
+    """Raise InputError that names the recordings for which no effort was predicted, if there are
+    any.
+    """
     without = [
         name for name, own in moving.items() if not record_of(Prediction, own["summary"]).scores
     ]

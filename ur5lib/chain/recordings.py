@@ -61,12 +61,13 @@ class Arm(Shown):
 
 
 class Recordings(Shown):
-    """Recordings of one arm, as `ur5lib.read` returns them; a loop yields each alone.
+    """Recordings of one arm, as `ur5lib.read` returns them; a loop over them yields each as
+    `Recordings` of one.
 
     `runs["free1"]` is one of them, `runs["free1", "free2"]` are several, and `runs.fit`,
     `runs.validate` and `runs.contact` those of a role. A signal is a data frame (N, n) by `time`
-    [s], of several recordings by `recording` and `time`, with its units in `attrs["units"]`.
-    Raises InputError for unknown names, and for what was not recorded.
+    [s], of several recordings by `recording` and `time`, with its units in `attrs["units"]`. Raises
+    InputError for unknown names, and for what was not recorded.
 
         >>> runs["free1"].current.attrs["units"]["actual_current_0"]
         'A'
@@ -104,7 +105,7 @@ class Recordings(Shown):
         return len(self._files)
 
     def __iter__(self) -> Iterator[Recordings]:
-        """Yield each recording alone."""
+        """Yield each recording as `Recordings` of one."""
         return map(self.__getitem__, self.names)
 
     def __getitem__(self, names: str | Sequence[str]) -> Recordings:
@@ -119,17 +120,23 @@ class Recordings(Shown):
 
     @property
     def fit(self) -> Recordings:
-        """Return the recordings that are fitted to. Raises InputError if there are none."""
+        """Return the recordings of the role `fit`, to which models are fitted. Raises InputError if
+        there are none.
+        """
         return self._with_role("fit")
 
     @property
     def validate(self) -> Recordings:
-        """Return contact-free recordings that no fit uses. Raises InputError if there are none."""
+        """Return the recordings of the role `validate`, without contact and used by no fit. Raises
+        InputError if there are none.
+        """
         return self._with_role("validate")
 
     @property
     def contact(self) -> Recordings:
-        """Return those in which something may touch the arm. Raises InputError without any."""
+        """Return the recordings of the role `contact`, in which something may touch the arm. Raises
+        InputError if there are none.
+        """
         return self._with_role("contact")
 
     def _with_role(self, role: str) -> Recordings:
@@ -190,7 +197,9 @@ class Recordings(Shown):
         return table_by_owner(AccountRow, rows)
 
     def line(self, name: str) -> str:
-        """Return one line on how import interpreted a recording, and what should be checked."""
+        """Return one line on how import interpreted the columns of a recording, and what to
+        check.
+        """
         own = self.account.query("recording == @name")
         whole = own["subject"] == "columns"  # of a file that is read like another
         channels = own["taken_for"].map(lambda taken: has_unit(taken.partition(" ")[0]))
@@ -200,7 +209,8 @@ class Recordings(Shown):
         return printable(f"{name}: {self.roles[name]}, {', '.join(read)}{words}")
 
     def _accepting(self, reasons: Mapping[str, str] | None) -> Recordings:
-        """Return the recordings with reasons to overrule stop signs, by kind, as in a study.
+        """Return the recordings with further reasons to overrule stop signs; reasons: by kind, as
+        `accept` of a study, None for no further ones.
 
         Raises InputError for an unknown kind, and for a kind without a reason.
         """
@@ -225,13 +235,15 @@ class Recordings(Shown):
         return self._of(entries)
 
     def _of(self, entries: Sequence[Recording]) -> Recordings:
-        """Return those of some entries of their study."""
+        """Return the recordings that have one of some entries in their study."""
         study = self._study.model_copy(update={"recordings": entries})
         files = {one.name: self._files[one.name] for one in entries}
         return Recordings(study, self._arm, files, self._qualities)
 
     def _chain(self, study: Study) -> Chain:
-        """Return their chain of steps, with copies of the results so far."""
+        """Return a `Chain` that runs steps on these recordings, with copies of the results
+        so far.
+        """
         files = {name: dict(own) for name, own in self._files.items()}
         selection = Selection(study)
         return Chain(selection, self.robot, dict(self._arm), files, {})
@@ -291,7 +303,9 @@ class Recordings(Shown):
 
 
 def as_recordings(recordings: object) -> Recordings:
-    """Return recordings unchanged. Raises InputError for anything that was not read."""
+    """Return `recordings` unchanged. Raises InputError for anything but the result of
+    `ur5lib.read`.
+    """
     if not isinstance(recordings, Recordings):
         raise InputError(
             f"{recordings!r:.80} is no recording that was read; put it through ur5lib.read first"
@@ -300,7 +314,8 @@ def as_recordings(recordings: object) -> Recordings:
 
 
 def forces_of(content: Content) -> pd.DataFrame:
-    """Return the estimates of the contact wrench; NaN where an estimate states nothing.
+    """Return the estimated contact wrenches as a data frame by `time`; NaN where an estimate states
+    nothing.
 
     The file has zeros there, for example of gated least squares outside contacts.
     """

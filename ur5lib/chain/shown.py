@@ -51,12 +51,13 @@ def bar(count: int) -> Iterator[Callable[[str], None]]:
 
 
 def counted(count: int, what: str) -> str:
-    """Return "1 path" or "2 paths"."""
+    """Return a number of things in words: "1 path" or "2 paths"; what: the word in the singular."""
     return f"{count} {what}{'s' * (count != 1)}"
 
 
 def frames(parts: dict[str, pd.DataFrame]) -> pd.DataFrame:
-    """Return the frame of a recording by `time`; of several recordings, by `recording` and `time`.
+    """Return data frames by recording as one: of a single recording by `time`, of several by
+    `recording` and `time`.
 
     Its columns' units are in `frame.attrs["units"]`.
     """

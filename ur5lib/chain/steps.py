@@ -35,8 +35,9 @@ OTHER_NAMES = {"unloaded": "payload"}  # parameters with another name than their
 class Chain:
     """The results of the steps of one arm so far.
 
-    arm: its files; recordings: those that steps run for; several: those that a step of the arm
-    receives together, in the study's order.
+    selection: the recordings and their settings; robot: the arm's name; arm: the contents of its
+    files, by name; recordings: the same for each recording that steps run for; several: the same
+    for each recording that a step of the arm receives, in the study's order.
     """
 
     selection: Selection
@@ -46,12 +47,12 @@ class Chain:
     several: Mapping[str, Files]
 
     def run(self, step: str, recording: str = "") -> None:
-        """Run a step of a recording, or of the arm, and keep its results."""
+        """Run a step for a recording, or for the arm if recording is "", and keep its results."""
         own = self.recordings[recording] if recording else self.arm
         own |= contents(RESULTS.get(step, ""), self.result(step, recording))
 
     def result(self, step: str, recording: str = "") -> Any:
-        """Return the result of a step of a recording, or of the arm."""
+        """Return the result of a step for a recording, or for the arm if recording is ""."""
         params = given(step, self.selection, recording or self.robot)
         params |= self._paths(step, recording)
         own = self.recordings[recording] if recording else {}
@@ -75,14 +76,16 @@ class Chain:
         return call(step, inputs, params)
 
     def _motions_before(self, recording: str) -> dict[str, Content]:
-        """Return the motions before a recording, or before the arm's recordings to fit."""
+        """Return by name the smoothed motions of the recordings that precede a recording (`after`
+        in the study), or without a recording those that precede the arm's `fit` recordings.
+        """
         names = [recording] if recording else self.selection.of_arm(self.robot, "fit")
         before = self.selection.before(*names)
         files = {one: self.recordings.get(one, {}) for one in before}
         return {one: own["motion"] for one, own in files.items() if "motion" in own}
 
     def _paths(self, step: str, recording: str) -> dict[str, list[Path]]:
-        """Return the user's files that a step reads."""
+        """Return the user's files that a step reads, by the names of its parameters."""
         if step == "describe_arm":
             arm = self.selection.study.arms()[self.robot]
             own = of_study([robot_path(arm.arm)])

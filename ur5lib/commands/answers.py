@@ -55,7 +55,9 @@ def _payloads(study: Path) -> Iterator[tuple[str, pd.DataFrame, pd.DataFrame]]:
 
 
 def _whole(row: Any) -> dict[str, float]:
-    """Return the whole mass on the flange and its interval; row: of the undeclared part."""
+    """Return the whole mass on the flange and the ends of its interval [kg], and the configured
+    mass; row: on the undeclared mass.
+    """
     whole = {name: row.configured + getattr(row, name) for name in ("mass", "low", "high")}
     return whole | {"configured": row.configured}
 

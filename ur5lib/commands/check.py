@@ -50,7 +50,9 @@ SEVERITY_STYLES = {"stop": "bold red", "error": "bold red", "warning": "yellow",
 
 
 class Form(NamedTuple):
-    """The form of printed findings: with all unchecked and unused parts in full, or as JSON."""
+    """The form in which findings are printed: everything: list unchecked and unused parts in full;
+    as_json: print JSON.
+    """
 
     everything: bool = False
     as_json: bool = False
@@ -122,7 +124,9 @@ def print_findings_of(
 
 
 def refused_arms(study: Study) -> list[str]:
-    """Return for each arm with a description that prevents a fit by `ur5 run` the reason."""
+    """Return one reason for each arm to which `ur5 run` will fit nothing, because its description
+    does not say whether its torques are the motors' or the joints'.
+    """
     fitted = [recording for recording in study.recordings if recording.role == "fit"]
     accepted = {one.arm.known_as for one in fitted if "side" in one.accepted()}
     arms = {one.arm.known_as: one.arm for one in fitted if one.arm.known_as not in accepted}
@@ -132,7 +136,7 @@ def refused_arms(study: Study) -> list[str]:
 def _held_against(
     contract: Contract | None, recording: Recording, study: Study
 ) -> tuple[Quality, dict[str, OwnClock]]:
-    """Return the result of `look_through`, with violations of a contract as errors."""
+    """Return quality and clocks by `look_through`, with violations of the contract as errors."""
     quality, clocks = look_through(recording, study)
     return contract.held_against(recording, quality) if contract else quality, clocks
 
@@ -181,13 +185,15 @@ def severe(quality: Quality) -> list[str]:
 
 
 def is_there(recording: Recording) -> bool:
-    """Return whether a recording can be checked; a simulated one may not exist yet."""
+    """Return whether a recording's files exist; those of a simulated one may not exist yet."""
     files = [Path(recording.folder) / name for name in recording.file_names()]
     return getattr(recording, "simulate", None) is None or all(file.is_file() for file in files)
 
 
 def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str, OwnClock]]:
-    """Return a recording's quality and own clocks; for an unusable one, only the error."""
+    """Return a recording's quality, and its devices' clocks by name; of one that cannot be used, a
+    quality with that error and no clocks.
+    """
     arm = recording.arm.description().mounted(recording.known_gravity())
     if recording.at_rest:
         return look_through_postures(recording, arm), {}
@@ -253,7 +259,9 @@ def settled(
     qualities: Mapping[str, Quality],
     clocks_of_devices: Mapping[str, Mapping[str, OwnClock]],
 ) -> dict[str, dict[str, SettledClock]]:
-    """Return each recording's clocks from the devices' own ones."""
+    """Return each recording's clocks by device, from each device's own clock and the drifts of
+    hosts, by recording.
+    """
     read = [recording for recording in study.recordings if recording.name in clocks_of_devices]
     drifts = {}
     for robot in study.arms():
@@ -297,7 +305,7 @@ def _print_by_finding(
 
 
 def _not_checked(found: pd.DataFrame, names: list[str]) -> str:
-    """Return one sentence on unchecked parts, with the riskiest one in full."""
+    """Return one sentence on the parts that could not be checked, with the riskiest one in full."""
     rows = found.sort_values("finding", key=lambda f: f.map(UNCHECKED.index), kind="stable")
     kinds = [*dict.fromkeys(rows["finding"].str.replace(" not checked", ""))]
     riskiest = rows.iloc[0]
@@ -322,7 +330,9 @@ def _not_used(unused: pd.DataFrame, names: list[str]) -> str:
 
 
 def concerned(some: Sequence[str], names: Sequence[str]) -> str:
-    """Return in words the recordings that a finding concerns: their number, and a few names."""
+    """Return in words which of all `names` a finding concerns: the number of `some`, and a few of
+    them.
+    """
     if len(some) == 1:
         return some[0]
     if len(some) == len(names):

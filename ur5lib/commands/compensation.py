@@ -93,7 +93,7 @@ def offset_of(offset: OffsetAccount) -> dict[str, Any]:
 def spread(recordings: Sequence[dict[str, Any]]) -> dict[str, Any] | None:
     """Return the spread of mass, bias and centre of mass over the recordings with a mass.
 
-    recordings: as in `compensation`. None with fewer than two.
+    recordings: as in `compensation`. None with fewer than two such recordings.
     """
     weighed = [recording for recording in recordings if recording["mass"]]
     if len(weighed) < 2:
@@ -110,7 +110,9 @@ def spread(recordings: Sequence[dict[str, Any]]) -> dict[str, Any] | None:
 
 
 def _apart(intervals: Iterable[Interval | None]) -> dict[str, float] | None:
-    """Return lowest and highest value, and standard deviation; None with fewer than two values."""
+    """Return the lowest and the highest of some values and their standard deviation; None with
+    fewer than two values.
+    """
     values = [one["value"] for one in intervals if one]
     if len(values) < 2:
         return None
@@ -132,7 +134,7 @@ def _last_temperature(signals: Signals) -> float | None:
 
 
 def _is_doubt(one: Finding) -> bool:
-    """Return whether a finding is about the sensor's bias, or about the whole recording."""
+    """Return whether a finding is about the sensor's bias, or concerns the whole recording."""
     return one.finding in DOUBTS or one.severity == "stop"
 
 

@@ -43,7 +43,7 @@ class Recorded:
 
 
 class Stream(Strict):
-    """What is wanted of a device; its channels by their names in a study."""
+    """What a contract requires of a device; channels have their names in a study."""
 
     rate_hz: float = Field(gt=0, description="least mean rate of its samples")
     gap_s: float = Field(gt=0, description="longest time between two samples")
@@ -52,7 +52,7 @@ class Stream(Strict):
 
 
 class Contract(Strict):
-    """What is wanted of the recordings of a study."""
+    """What every recording of a study must have, as a lab states it in a file."""
 
     contract: str = Field(description="name of the contract")
     robots: list[str] = Field([], description="arms that they may be of; default: any")

@@ -235,13 +235,15 @@ def identified_parameters(
 
 
 def _sum_of(row: BaseParameter) -> dict[str, float]:
-    """Return the coefficients of the links' parameters in a base parameter, by their names."""
+    """Return the nonzero coefficients of the links' parameters in a base parameter, by the
+    parameters' names.
+    """
     names = parameter_names(len(row.weights))
     return {names[i]: float(row.weights[i]) for i in np.flatnonzero(row.weights)}
 
 
 def _shown(row: BaseParameter | Parameter, hidden: str) -> dict[str, str | float | bool]:
-    """Return the fields of a record except `hidden`."""
+    """Return the fields of a record except the field named `hidden`."""
     return {name: value for name, value in vars(row).items() if name != hidden}
 
 

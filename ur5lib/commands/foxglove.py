@@ -30,8 +30,8 @@ PRIMITIVES = ("cubes", "spheres", "cylinders", "lines", "triangles", "texts", "m
 
 
 class Stream(NamedTuple):
-    """A topic of an MCAP file: the name of its schema, the schema's JSON Schema, and for each
-    sample a message as JSON or None.
+    """A topic of an MCAP file with its messages: schema_name, schema: name and content of their
+    JSON Schema; messages: for each sample, JSON or None for no message.
     """
 
     topic: str

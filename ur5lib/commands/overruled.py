@@ -15,7 +15,7 @@ FORBIDDEN = "do not use"
 
 @dataclass(frozen=True)
 class Overruled:
-    """Overruled verdicts, in sentences, and the given reason.
+    """The verdicts against an export that the user overruled, as sentences, and the given reason.
 
     verdicts: empty if none is against the export.
     """
@@ -24,11 +24,15 @@ class Overruled:
     verdicts: tuple[str, ...] = ()
 
     def in_json(self) -> dict[str, Any]:
-        """Return the field for a JSON file, {} if nothing was overruled."""
+        """Return the reason and the verdicts as a field for a JSON file, {} if nothing was
+        overruled.
+        """
         return {"accepted": asdict(self)} if self.verdicts else {}
 
     def as_comment(self, in_xml: bool) -> str:
-        """Return the first line of an XML or a YAML file, "" if nothing was overruled."""
+        """Return the reason and the verdicts as a comment, the first line of an XML or a YAML file;
+        "" if nothing was overruled.
+        """
         if not self.verdicts:
             return ""
         note = f"The study says: {' '.join(self.verdicts)} Exported nevertheless: {self.reason}"

@@ -156,7 +156,9 @@ def _command(study: Path, options: Sequence[str]) -> list[str]:
 
 
 def _watch(command: Sequence[str], report: Report, verbose: bool) -> int:
-    """Run a command, print its unusual lines, and return its exit status."""
+    """Run a command, print its unusual lines (with verbose, all), report its progress, and return
+    its exit status.
+    """
     with (
         signals_interrupt(),
         subprocess.Popen(
@@ -180,7 +182,9 @@ def _watch(command: Sequence[str], report: Report, verbose: bool) -> int:
 
 @contextmanager
 def _progress() -> Iterator[Report]:
-    """Yield a `Report` that shows progress: a bar on a terminal, a line a minute in a file."""
+    """Yield a `Report`, a function that shows progress: a bar on a terminal, a line a minute in a
+    file.
+    """
     if not sys.stderr.isatty():
         yield _a_line_a_minute()
         return
@@ -190,7 +194,7 @@ def _progress() -> Iterator[Report]:
 
 
 def _untold(done: int, total: int) -> None:
-    """Print no progress."""
+    """Do nothing with the progress: the `Report` of a quiet run."""
 
 
 def _a_line_a_minute() -> Report:

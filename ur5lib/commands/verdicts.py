@@ -13,7 +13,11 @@ from ur5lib.records.verdicts import reason_in_words
 
 @dataclass(frozen=True)
 class CardState:
-    """The state of a card: its question and arm, "" for all arms; reason: code; why: in words."""
+    """The state of a card of the report: how well one question is answered.
+
+    question: as in verdicts.csv; arm: "" for all arms; reason: the code of why the state is not
+    better; why: the same in words.
+    """
 
     question: str
     arm: str

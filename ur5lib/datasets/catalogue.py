@@ -18,10 +18,10 @@ UNTRIED_NOTE = (
 class Dataset(Strict):
     """A published data set.
 
-    address: its page; archive: URL of a zip file with its files; record: URL of its record at
-    Zenodo; leave_out: unneeded files of the record; study: the study file that analyses it;
-    checksums: SHA-256 of the archive's files by name; unverified: how many other recordings lie
-    next to them in the archive without a listed SHA-256.
+    holds: its contents; good_for: its use; address: its page; archive: URL of a zip file with its
+    files; record: URL of its record at Zenodo; leave_out: unneeded files of the record; study: the
+    study file that analyses it; checksums: SHA-256 of the archive's files by name; unverified:
+    number of further recordings in the archive for which no SHA-256 is listed.
     """
 
     holds: str

@@ -153,7 +153,9 @@ class _Bounded:
 
 
 def others_beside(folder: Path, checksums: Mapping[str, str]) -> list[Path]:
-    """Return the files of a folder that have the ending of listed files, but are not listed."""
+    """Return the files of a folder that have the ending of a listed file, but are not listed;
+    checksums: SHA-256 by listed name.
+    """
     endings = {Path(file).suffix for file in checksums}
     files = (
         path for path in folder.glob("*") if path.is_file() and {*path.name} <= NAME_CHARACTERS
@@ -181,7 +183,8 @@ def _copy_all(source: Path, origin: str, checksums: Mapping[str, str], target: P
 
 
 def located(checksums: Mapping[str, str], source: Path) -> dict[str, Path]:
-    """Return the paths of files in a folder: by their names, or else by their SHA-256.
+    """Return the paths of the listed files in a folder, found by their names or else by their
+    SHA-256; checksums: SHA-256 by name.
 
     In a repository, they may have other paths and names.
     """
@@ -216,9 +219,9 @@ def fetch_record(
     """Copy the files of a record into a folder, from the network or from another folder.
 
     record: URL of its listing, which is always read; leave_out: names of files. Every file is
-    verified before it is put in place; files that exist already are kept. Returns the files in
-    place, and the licence. Raises InputError for a failure of the network, the listing, the source,
-    a checksum or the target.
+    verified before it is put in place; files that exist already are kept. Returns the record's
+    files, now in the folder, and its licence. Raises InputError for a failure of the network, the
+    listing, the source, a checksum or the target.
     """
     listing = read_listing(record)
     files = [file for file in listing.files if file.name not in leave_out]

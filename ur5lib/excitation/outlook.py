@@ -46,8 +46,10 @@ MIN_LEVER = 1e-6  # m; a smaller lever counts as zero
 
 
 class RecordedStates(NamedTuple):
-    """Independent states of a recording: link model with its payload and mounting, regressor Y
-    (N, n, 11 n), velocities (N, n) [rad/s].
+    """States of a recording, far enough apart to be independent.
+
+    model: link model with the recording's payload and mounting; Y: its regressor (N, n, 11 n); qd:
+    velocities (N, n) [rad/s].
     """
 
     model: LinkModel
@@ -71,8 +73,9 @@ class RecordedStates(NamedTuple):
 class Earlier:
     """What a study's recordings and other arms have shown of an arm.
 
-    fit, parameters: of the currents; noise: (n,) [Nm], of the target torques; fitted: number of
-    recordings that were fitted to, 0 if the fit is that of other arms.
+    fit: of torques to motor currents; parameters: its torque constants and friction; noise: (n,)
+    [Nm], of the controller's target torques, None if unknown; fitted: number of recordings that
+    were fitted to, 0 if the fit is that of other arms; recordings: states of the arm's recordings.
     """
 
     fit: CurrentFit
@@ -99,7 +102,9 @@ class Earlier:
         return Maps(np.array(rows), MeasurementNoise(torque, current))
 
     def observed(self) -> Array:
-        """Return the standard errors (n, 5) of KEPT_COEFFICIENTS, NaN for a missing term."""
+        """Return the standard errors (n, 5) of each joint's KEPT_COEFFICIENTS (torque constant,
+        offset, friction), NaN for a term that the fit lacks.
+        """
         errors = {(row.joint, row.name): row.std_error for row in self.parameters}
         joints = range(1, len(self.fit.joints) + 1)
         return np.array(
@@ -198,7 +203,8 @@ class Outlook:
         return Bands(after, *(NORMAL95 * float(np.sqrt(variance)) for variance in variances))
 
     def ranked(self, candidates: Iterable[tuple[str, Array]]) -> list[Bands]:
-        """Return the present bands, then those after each candidate, the smallest force first.
+        """Return the present bands, then those after each candidate recording, with the smallest
+        band of the force first.
 
         candidates: names, and the information (P, P) that they add.
         """
@@ -221,12 +227,15 @@ class Outlook:
             yield f"{seconds:g} s, {name}", problem.information(Y, qd, seconds / len(q))
 
     def _within(self) -> Array:
-        """Return the standard deviations (n,) [A] of currents between recordings."""
+        """Return the standard deviations (n,) [A] of predicted currents on a recording, from the
+        bands of the fit; nominal ones where it has none.
+        """
         errors = np.array([joint.band_moving for joint in self._known.fit.joints]) / NORMAL95
         return np.where(np.isfinite(errors), errors, self.problem.noise.current)
 
     def _mass(self, information: Array, residual_variance: Array) -> float:
-        """Return the variance [kg²] of a load's mass along WEIGHING_DURATION seconds of the states.
+        """Return the variance [kg²] of a load's mass that is estimated from WEIGHING_DURATION
+        seconds of the random states.
 
         residual_variance: variance (N, n) [A²] of currents, independent every CORRELATION_TIME.
         """

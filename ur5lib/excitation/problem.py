@@ -83,7 +83,9 @@ class MeasurementNoise:
 
 @dataclass(frozen=True)
 class Maps:
-    """The joints' maps from torque to current, (n, 5): a [A/Nm], b [A], c, v, l over k."""
+    """The joints' maps from torque to motor current, with their noise; coefficients: (n, 5), the
+    columns a [A/Nm], b [A], c, v, l of the module's equation.
+    """
 
     coefficients: Array
     noise: MeasurementNoise
@@ -130,7 +132,9 @@ class DesignProblem:
         return slice(len(LINK_PARAMETERS) * (self.joints - 1), len(LINK_PARAMETERS) * self.joints)
 
     def of_model(self, parameters: Array) -> "DesignProblem":
-        """Return the problem with other inertial parameters π (11 n,), as of another load."""
+        """Return the problem with the inertial parameters π (11 n,) of another link model, such as
+        one with another load.
+        """
         beta = self.base.groups @ parameters
         return replace(self, theta=np.concatenate([beta, self.theta[self.count :]]))
 
@@ -300,7 +304,9 @@ def nominal_maps(robot: Robot) -> Maps:
 
 
 def _friction_share(robot: Robot) -> float:
-    """Return the share of the joints' friction that currents or torque sensors contain."""
+    """Return the share of the joints' friction that the measured effort contains: all of it for
+    motor currents, less for torque sensors.
+    """
     return 1.0 if robot.measured == CURRENT else SENSED_FRICTION_SHARE
 
 

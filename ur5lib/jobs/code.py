@@ -1,6 +1,7 @@
 """The checksum of a step's code, since Snakemake does not follow the imports of a step.
 
-`python -m ur5lib.jobs.code ur5lib/force/gate.py` prints the steps that use a file.
+`python -m ur5lib.jobs.code ur5lib/force/gate.py` prints the steps that use a file; `snakemake -n
+--quiet host` adds what the results of these steps feed.
 """
 
 import re
@@ -23,10 +24,11 @@ LOOPS = {  # modules that a module imports by a loop over folders
 
 
 def checksum_of_step(step: str, files: Collection[Path] = ()) -> str:
-    """Return a checksum of a step's module, of all modules that it uses, and of files.
+    """Return a checksum of a step's module, of all modules that it uses, and of `files`.
 
-    files: further ones of the library. The checksum does not depend on the place of installation.
-    A user's extensions count as code of the steps with modules that load them.
+    files: further files of the library that the step reads. The checksum does not depend on the
+    place of installation. A user's extensions count as code of the steps that use the modules that
+    load them.
     """
     modules = modules_of_step(step)
     every = [*modules, *sorted({*files}), *source_files({*modules})]
@@ -40,7 +42,7 @@ def module_of(step: str) -> Path:
 
 
 def all_steps() -> list[str]:
-    """Return the steps, each a module with a function of its name."""
+    """Return the names of the steps: modules that contain a function with the module's name."""
     modules = *PACKAGE.glob("steps/*.py"), *PACKAGE.glob("topics/*/*.py")
     return sorted(own.stem for own in modules if f"\ndef {own.stem}(" in own.read_text())
 
@@ -79,17 +81,17 @@ def imported_modules(path: Path) -> set[Path]:
 
 
 def in_library(paths: Iterable[str | Path]) -> list[Path]:
-    """Return the files that belong to the library, which count as code of a step."""
+    """Return those of some files that belong to the library, which count as code of a step."""
     return [Path(path) for path in paths if Path(path).is_relative_to(PACKAGE)]
 
 
 def of_study(paths: Iterable[str | Path]) -> list[str]:
-    """Return the files that belong to the study, which are inputs of a step."""
+    """Return those of some files that belong to the study, which are inputs of a step."""
     return [str(path) for path in paths if not Path(path).is_relative_to(PACKAGE)]
 
 
 def steps_with(file: Path) -> list[str]:
-    """Return the steps that use a file of the library."""
+    """Return the names of the steps that use a module of the library."""
     return [step for step in all_steps() if file.resolve() in modules_of_step(step)]
 
 

@@ -53,7 +53,7 @@ def arguments(step: Callable[..., Any], input: Files, params: Mapping[str, Any])
 def assembled(
     step: Callable[..., Any], loads: Mapping[str, Callable[[], Any]], known: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return a step's arguments by name.
+    """Return a step's arguments by name, from functions that read them and from values at hand.
 
     loads: functions that read a parameter (called now) or a field of an `Opened` (called at its
     first use); known: parameters and fields in memory.
@@ -106,7 +106,7 @@ def leave(step: Callable[..., Any], reason: str, output: Files) -> None:
 
 
 def _parts(kind: Any, result: Any, output: Files) -> dict[str, tuple[Any, Any]]:
-    """Return the type and value of each output."""
+    """Return the type and the value that belong to each output, by the output's name."""
     if result is None:
         return {}
     if hasattr(result, "_asdict") and {*result._fields} & {*output}:

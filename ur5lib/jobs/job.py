@@ -27,7 +27,7 @@ Setting = str | float | bool | list["Setting"] | dict[str, "Setting"] | None  # 
 
 @dataclass
 class Job:
-    """A step, the files that it reads and writes, and its settings.
+    """One run of a step: the files that it reads and writes, and its settings.
 
     log: file of its output, and of the traceback of an unexpected error; benchmark: file with wall
     time [s], largest memory [MB], start-up time [s] (to load packages new to the process), and
@@ -95,7 +95,9 @@ class Job:
 
 
 def paths(files: Files) -> list[str]:
-    """Return files that are declared one by one or in lists."""
+    """Return the paths of a rule's files as one list; files: by name, each a path or a list of
+    paths.
+    """
     return [path for one in files.values() for path in ([one] if isinstance(one, str) else one)]
 
 

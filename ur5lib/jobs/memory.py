@@ -33,13 +33,15 @@ def call(step: str, inputs: Mapping[str, Contents], params: Mapping[str, Any]) -
 
 
 def contents(name: str, result: Any) -> dict[str, Content]:
-    """Return a step's result as files: one with a name, or one for each field of a NamedTuple."""
+    """Return a step's result as files by name: a single result under `name`, a NamedTuple under the
+    names of its fields.
+    """
     parts = result._asdict() if hasattr(result, "_asdict") else {name: result}
     return {part: _content(value) for part, value in parts.items()}
 
 
 def record_of(kind: Any, content: Content) -> Any:
-    """Return the record in a file, or in a text in its place."""
+    """Return the record in a file in memory; content: the file, or its text."""
     if not isinstance(content, str):
         return read_file(kind, content)
     if kind is Robot:

@@ -16,12 +16,16 @@ MAX_BYTES = 10_000  # a file with a reason is at most this large
 
 
 def marked(reason: str) -> str:
-    """Return the text that replaces the contents of a file."""
+    """Return the text that is written into an output in place of its content; reason: why the
+    recording cannot be read.
+    """
     return f"{MARK}{json.dumps(reason)}}}\n"
 
 
 def reason(path: str) -> str:
-    """Return the reason in a recording's file why it cannot be read, "" if it can be."""
+    """Return the reason that `marked` wrote into a recording's file, "" if the recording can be
+    read.
+    """
     file = Path(path)
     if not file.is_file() or file.stat().st_size > MAX_BYTES:
         return ""

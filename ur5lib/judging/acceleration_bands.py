@@ -13,11 +13,13 @@ from ur5lib.timeseries.metrics import NORMAL95
 def acceleration_bands(
     accelerations: ImuComparison, every: Mapping[str, ImuComparison]
 ) -> Iterator[AccelerationBand]:
-    """Yield RMS differences from the IMU by range of frequency, in motion and at rest, the share
-    within the band, and the RMS differences of filterpy's plain smoother.
+    """Yield a recording's RMS differences between encoders and IMU by range of frequency, in motion
+    and at rest, with the share of samples within the band, and the same of filterpy's plain
+    smoother.
 
-    The band comes from the other recordings and contains all errors: noise of encoders and IMU,
-    calibration, bending links. No rows without another recording.
+    accelerations: of the recording; every: of all recordings, by name. The band comes from the
+    other recordings and contains all errors: noise of encoders and IMU, calibration, bending links.
+    No rows without another recording.
     """
     known = (every[name] for name in accelerations.calibrated_on if name in every)
     ranges = [one.ranges for one in known if one is not accelerations]  # of the others

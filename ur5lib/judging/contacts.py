@@ -20,9 +20,11 @@ EVERY_DAY, WITHOUT_FIT, FARTHEST = "all", "without fit", "farthest"  # choices o
 
 
 def at_sensors(study: StudyTables) -> pd.DataFrame:
-    """Return the contacts of at least 5 N at the sensors, with their fate by the leading estimate.
+    """Return the contacts of at least 5 N at the sensors, each with its fate (found, missed or
+    merged) by the leading estimate, as rows of contact_errors.csv.
 
-    Recordings that no fit has used, or all if there are no such contacts; then `fitted` is true.
+    Only recordings that no fit has used count, or all if these have no such contacts; then the
+    column `fitted` is true.
     """
     rows = at_every_sensor(study)
     unseen = rows[~rows["recording"].isin(study.with_role("fit"))]
@@ -54,7 +56,7 @@ def judge_contacts(study: StudyTables) -> Iterator[Verdict]:
 
 
 def _found(rows: pd.DataFrame) -> dict[str, Any]:
-    """Return the number of found contacts."""
+    """Return the number of found contacts, as fields of a verdict."""
     count = int((rows["fate"] == FATES[0]).sum())
     return {"quantity": "contacts found", "count": count, "of": len(rows)} | _motion_of(rows)
 
@@ -77,7 +79,9 @@ def _motion_of(rows: pd.DataFrame) -> dict[str, Any]:
 
 
 def _of_fate(rows: pd.DataFrame, fate: str) -> dict[str, Any]:
-    """Return the number of contacts with a fate, missed or merged, and the largest of them."""
+    """Return the number of contacts with a fate, missed or merged, and the largest of them, as
+    fields of a verdict.
+    """
     own = rows[rows["fate"] == fate]
     words = {"missed": "contacts missed, the largest", "merged": "contacts in another's alarm"}
     about = {"quantity": words[fate], "count": len(own), "of": len(rows)}
@@ -101,14 +105,17 @@ def _peaks(rows: pd.DataFrame) -> Iterator[dict[str, Any]]:
 
 
 def detections(study: StudyTables) -> pd.DataFrame:
-    """Return the counts of contacts of 5 N by the leading estimate, a row for each recording."""
+    """Return the row of detection.csv of each recording by the leading estimate: on contacts of at
+    least 5 N, or on alarms alone without a sensor.
+    """
     rows = study.rows("detection", estimate=LEADING)
     rows = rows[rows["force_class_n"].isna() | (rows["force_class_n"] == CONTACT_FORCE)]
     return rows.drop_duplicates("recording")
 
 
 def noticed(study: StudyTables) -> Iterator[Noticed]:
-    """Yield by recording the contacts by fate, the alarms, and the widest band.
+    """Yield a row for each recording: its contacts by fate (found, missed, merged), its alarms, and
+    the widest band.
 
     Recordings for fit or validation without contacts and alarms are left out.
     """
@@ -134,7 +141,9 @@ def at_every_sensor(study: StudyTables) -> pd.DataFrame:
 
 
 def _contacts_on(rows: pd.DataFrame) -> dict[str, Any]:
-    """Return the numbers, times and peaks of one recording's contacts at the sensor, by fate."""
+    """Return the numbers, times and peaks of one recording's contacts at the sensor, by fate
+    (found, missed, merged).
+    """
     found, merged, missed = (rows[rows["fate"] == fate] for fate in FATES)
     errors = (found["peak_error"] / found["peak"]).astype(float).dropna()
     return {
@@ -181,7 +190,7 @@ def _end(values: "pd.Series[float]", which: str) -> float | None:
 
 
 def _minutes(study: StudyTables) -> "pd.Series[float]":
-    """Return the duration of each recording [min]."""
+    """Return the duration of each recording [min], by name."""
     return study.tables["recordings"].set_index("recording")["duration_s"].astype(float) / 60
 
 
@@ -201,7 +210,8 @@ def false_alarms(study: StudyTables) -> Iterator[FalseAlarms]:
 
 
 def of_days(rows: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
-    """Yield the rows of all days, of days without a fit recording, and of the farthest day.
+    """Yield (name, rows) of three parts of the rows: all days, days without a fit recording, and
+    the day farthest from one.
 
     rows: with `days` from the nearest fit recording and `minutes`; parts of 0 minutes are left out.
     """
@@ -232,7 +242,9 @@ def upper_limit(count: int) -> float:
 
 
 def days_away(study: StudyTables) -> dict[str, int]:
-    """Return the days from each dated recording to the nearest one of its arm's fit."""
+    """Return by recording, dated and of the role `validate` or `contact`, the number of days to the
+    nearest dated `fit` recording of its arm.
+    """
     arms, roles, dates = study.arms(), study.roles(), study.dates()
     found = dict[str, int]()
     for robot in study.robots():
@@ -242,7 +254,11 @@ def days_away(study: StudyTables) -> dict[str, int]:
 
 
 def days_between(dates: Mapping[str, date | None], roles: Mapping[str, str]) -> dict[str, int]:
-    """Return the days from each dated recording of an arm to the nearest one of its fit."""
+    """Return by recording, dated and of the role `validate` or `contact`, the number of days to the
+    nearest dated `fit` recording of the same arm.
+
+    dates, roles: of one arm's recordings, by name.
+    """
     dated = {name: day for name, day in dates.items() if day}
     fitted = [day for name, day in dated.items() if roles[name] == "fit"]
     return {

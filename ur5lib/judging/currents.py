@@ -134,7 +134,9 @@ def _as_torque(errors: list[JudgedError], robot: str) -> Iterator[Verdict]:
 
 
 def _farthest_in_time(study: StudyTables, robot: str) -> Iterator[Verdict]:
-    """Yield the dated recording that is farthest in time from all those of the fit."""
+    """Yield the largest number of days from a dated recording to the nearest day of the fit, with
+    that recording.
+    """
     away = days_away(study)
     if away and (days := max(away.values())):
         about: Any = {"question": QUESTION, "arm": robot, "rank": 7, "unit": "days"}

@@ -23,11 +23,11 @@ STATES_BY_SEVERITY: list[State] = ["do not use", "usable", "good", "not determin
 
 @dataclass(frozen=True)
 class Conditions:
-    """Conditions of a good error.
+    """What an error of an estimate must satisfy to be judged good.
 
-    unseen: whether it comes from recordings that no fit has used; better: least skill;
-    least: errors are judged only where the measured quantity has a larger mean [its unit];
-    simple_rival: whether the rival is a simple method, which a good one beats.
+    unseen: whether it comes from recordings that no fit has used; better: least skill; least:
+    errors are judged only where the measured quantity has a larger mean [its unit]; simple_rival:
+    whether the rival is a simple method, which a good estimate beats.
     """
 
     unseen: bool = True
@@ -61,7 +61,9 @@ def with_floors(table: pd.DataFrame, study: StudyTables, quantity: str) -> pd.Da
 def judged(
     question: str, robot: str, unit: str, table: pd.DataFrame, conditions: Conditions
 ) -> list[JudgedError]:
-    """Return the errors of `by_place`, with rivals, each with its state and reason."""
+    """Return a `JudgedError` with state and reason for each row of a table of `by_place`, which may
+    also have the columns of a rival.
+    """
     place = str(table.index.name)
     found = []
     for name, row in table.iterrows():

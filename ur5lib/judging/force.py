@@ -28,7 +28,9 @@ RIVAL = "least squares without a detector"
 
 
 def leading(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the rows of the leading estimate: the first in the report's order."""
+    """Return the rows of the leading estimate: of the estimates in these rows, the first in the
+    report's order.
+    """
     rank = rows["estimate"].map(RANK)
     return rows[rank == rank.min()]
 
@@ -52,7 +54,9 @@ def in_contact(study: StudyTables) -> pd.DataFrame:
 
 
 def sure(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the errors where the sensor's bias is certain, or all if it is certain nowhere."""
+    """Return the errors on recordings on which the sensor's bias is certain; all errors if it is
+    certain on none.
+    """
     known = rows[rows["use"] == "yes"]
     return known if len(known) else rows
 
@@ -203,8 +207,8 @@ def _bands(study: StudyTables, known: pd.DataFrame) -> Iterator[Verdict]:
 
 
 def _worth(part: pd.DataFrame) -> Iterator[tuple[str, float, str, "pd.Series[Any]", Reason]]:
-    """Yield the least share of readings in the band, the longest share of time in which it contains
-    zero, and its relative width: (quantity, value, unit, row, reason) each.
+    """Yield for bands in contact the least share of readings in the band, the longest share of time
+    in which it contains zero, and its relative width: (quantity, value, unit, row, reason) each.
     """
     own = sure(part)
     doubt: Reason = "sensor_bias" if (own["use"] == "no").any() else ""

@@ -17,14 +17,18 @@ NO_MOTION, ONE_PATH = "no motion", "one path"
 
 
 class MayBeUsed(NamedTuple):
-    """Whether a parameter may be used, and why not, or with which doubt; empty without any."""
+    """Whether a parameter may be used (yes, no), and the code of the reason against it, or of a
+    doubt; "" without any.
+    """
 
     use: Use
     reason: Reason
 
 
 def may_be_used(parameter: Parameter, fitted: Friction, arm: Robot) -> MayBeUsed:
-    """Return whether a torque constant, a gain, an offset or friction may be used."""
+    """Return whether a torque constant, a gain, an offset or friction of an arm may be used, and
+    why not.
+    """
     for reason in _obstacles(parameter, fitted, arm):
         return MayBeUsed("no", reason)
     return MayBeUsed("yes", next(_doubts(parameter, fitted), ""))

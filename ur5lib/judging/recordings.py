@@ -61,7 +61,11 @@ def judge_recordings(study: StudyTables) -> Iterator[Verdict]:
 
 
 def worst_finding(study: StudyTables) -> "pd.Series | None":
-    """Return the most serious finding; among equals, the one with the largest share of frames."""
+    """Return the most serious finding; among equally serious ones, the one with the largest share
+    of frames.
+
+    None without findings.
+    """
     quality = study.tables["quality"]
     keys = ["recording", "device", "finding", "severity"]
     rows = quality.groupby(keys, sort=False, as_index=False)["count"].sum()
@@ -125,7 +129,7 @@ def uses(study: StudyTables) -> Iterator[RecordingUse]:
 
 
 def _served(study: StudyTables) -> Iterator[tuple[str, set[str]]]:
-    """Yield each purpose with the recordings that serve it."""
+    """Yield (purpose, names of the recordings that serve it)."""
     errors, loads = study.rows("current_rmse", model="fitted"), {*study.loaded()}
     moving = {name for name in study.roles() if study.moving(name)}
     forces = study.rows("force_mae", during="contact", use="yes")
@@ -140,7 +144,7 @@ def _served(study: StudyTables) -> Iterator[tuple[str, set[str]]]:
 
 
 def _refused(study: StudyTables) -> Iterator[tuple[str, Reason, set[str]]]:
-    """Yield each refused purpose with the reason and the recordings."""
+    """Yield (purpose, reason, names of the recordings that the reason excludes from it)."""
     stops = study.rows("quality", severity="stop")
     stopped = {*stops.loc[stops["finding"] != UNREADABLE, "recording"]}
     yield "all", "stopped", stopped
@@ -155,7 +159,9 @@ def _refused(study: StudyTables) -> Iterator[tuple[str, Reason, set[str]]]:
 
 
 def _doubts(study: StudyTables) -> Iterator[tuple[str, Reason, set[str]]]:
-    """Yield each doubtful purpose with the doubt and the recordings, the graver doubts last."""
+    """Yield (purpose, doubt, names of the recordings to which it applies), the graver
+    doubts last.
+    """
     yield "fit", "felt", {*felt_while_fitted(study)}
     yield "fit", "touched", {*study.touched()}
     yield "links", "fitted", {*study.with_role("fit")}

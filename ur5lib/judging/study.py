@@ -71,7 +71,9 @@ class StudyTables:
         return {one["name"]: AT_REST if one.get("still") else one["role"] for one in entries}
 
     def with_role(self, role: str, among: Iterable[str] | None = None) -> list[str]:
-        """Return the names of the recordings with a role, from all or from `among`."""
+        """Return the names of the recordings with a role; among: names to select from, None for
+        all.
+        """
         roles = self.roles()
         names = roles if among is None else {*among}
         return [name for name in roles if roles[name] == role and name in names]
@@ -94,8 +96,8 @@ class StudyTables:
         }
 
     def stopped(self) -> bool:
-        """Return whether a recording or an arm contradicts the study; an unreadable recording does
-        not.
+        """Return whether a recording or an arm has a stop sign, which contradicts the study; an
+        unreadable recording does not count.
         """
         found = self.rows("quality", severity="stop")["finding"]
         return bool((found != UNREADABLE).any()) or len(self.rows("remarks", step="stop sign")) > 0
@@ -130,7 +132,7 @@ class StudyTables:
         return sorted({*self.arms().values()})
 
     def arms(self) -> dict[str, str]:
-        """Return the arm of each recording, by its name in results."""
+        """Return the name in results of each recording's arm."""
         return {entry["name"]: _arm(entry["robot"]) for entry in self.study["recordings"]}
 
     def dates(self) -> dict[str, date | None]:
@@ -140,7 +142,9 @@ class StudyTables:
         return {name: date.fromisoformat(str(own)) if own else None for name, own in given.items()}
 
     def rows(self, table: str, /, **values: Any) -> pd.DataFrame:
-        """Return the rows of a table with these values, in each column one or a list of them."""
+        """Return the rows of a table in which each named column has the given value, or one of a
+        list of values.
+        """
         missing = table in OPTIONAL and table not in self.tables
         rows = OPTIONAL[table] if missing else self.tables[table]
         for column, value in values.items():

@@ -8,7 +8,9 @@ ACCEPTED = "accepted stop sign"  # the finding that the study overrules a stop s
 
 
 def up_to_first_standing(signs: Iterable[Finding], accepted: Container[str]) -> Iterator[Finding]:
-    """Yield stop signs up to the first that is not accepted, which causes the following ones."""
+    """Yield stop signs up to the first that the study does not accept; later ones follow from that
+    one.
+    """
     for sign in signs:
         yield sign
         if sign.kind not in accepted:

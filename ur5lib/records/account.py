@@ -13,7 +13,7 @@ UNKNOWN_NAME = "no channel is named so; if it is one, write its name in the entr
 class AccountRow:
     """A row of account.csv.
 
-    subject: columns of the file, or what is said of it as a whole: robot, rate, role; taken_for:
+    subject: columns of the file, or, for a row on the whole file, robot, rate or role; taken_for:
     the channel and its unit, or what was decided; evidence: the user's option, the name, the
     numbers, or the position in the file; confidence: check (the user should look), proven (by
     numbers that beat an alternative), assumed, left out; reason: in words.

@@ -13,12 +13,12 @@ from ur5lib.records.signals import Signals
 
 
 class AlignedRecording(Opened):
-    """A recording before its currents are predicted.
+    """A recording on the robot's clock, with its motion, before its currents are predicted.
 
     role, date (ISO 8601, or empty): as the study states them; gravity: in the arm's base frame
     [m/s²], None for that of the description; untouched: span [s] in which nothing touches the
-    resting arm; chain: names of the earlier recordings, oldest first, before: their motions; force,
-    imu: the samples of these devices on their own clocks.
+    resting arm; chain: names of the earlier recordings, oldest first; before: the motions of these;
+    force, imu: the samples of these devices on their own clocks.
     """
 
     role: str
@@ -39,5 +39,7 @@ class AlignedRecording(Opened):
     premises: Premises
 
     def earlier(self) -> list[Motion]:
-        """Return the earlier motions that end where the next begins, oldest first."""
+        """Return the motions of the earlier recordings, oldest first, as far as each ends where the
+        next begins.
+        """
         return motions_before(self.motion, self.chain, self.before) if self.chain else []

@@ -18,7 +18,8 @@ PLACE, TURN = 0.005, 0.01  # m, rad
 
 @dataclass(frozen=True)
 class Carried:
-    """The payload on the flange, its source, and the one that the controller assumes.
+    """The payload on the flange during a recording, its source, and the payload that the controller
+    assumes.
 
     Currents contain the torque of `payload`, `target_moment` that of `configured`; None: no load.
     """
@@ -60,7 +61,7 @@ def configured_payload(signals: Signals) -> Payload | None:
 
 
 def medians(values: Array | None, count: int) -> Any:
-    """Return the medians (count,) of columns, or zeros if they were not recorded."""
+    """Return the medians (count,) of columns (N, count), or zeros if they were not recorded."""
     if values is None or not np.isfinite(values).any():
         return (0.0,) * count
     return tuple(np.nan_to_num(np.nanmedian(values, axis=0)).tolist())

@@ -19,8 +19,10 @@ MIN_TCP_DISTANCE = 0.005  # m; a tool centre point closer to the flange counts a
 
 @dataclass(frozen=True)
 class ContactPlace:
-    """The prior on the place of contacts: point [m] in frame 6, with radius `within` [m]; weight:
-    in samples of a contact; source: of the point.
+    """The place at which contacts are assumed, as a prior on their place.
+
+    point: [m], frame 6; within: radius [m] about it; weight: of the prior, in samples of a contact;
+    source: where the point is from.
     """
 
     point: tuple[float, float, float] = (0.0, 0.0, 0.0)

@@ -31,7 +31,7 @@ class ContactError:
     remove; of an estimate that raises alarms, fate (found by an alarm of its own, merged within
     that of another contact, or missed), cause of most of mae (late_alarm, by mae_shut; constants,
     by mae_gain; else friction, at rest stiction), and the band [N], see
-    `ur5lib.force.fates.Outcome`.
+    `ur5lib.force.fates.Outcome`. All rows are in `tables/contact_errors.csv` of a study's results.
     """
 
     estimate: str
@@ -131,8 +131,8 @@ class Contact:
 
 @dataclass(frozen=True, kw_only=True)
 class Contacts:
-    """contacts.json: the contacts by each estimate, as rows of contact_errors.csv, detection.csv,
-    fixed_threshold.csv, contacts.csv and contact_place.csv.
+    """contacts.json: the contacts of one recording by each estimate, as rows of contact_errors.csv,
+    detection.csv, fixed_threshold.csv, contacts.csv and contact_place.csv.
     """
 
     errors: list[ContactError] = field(default_factory=list)

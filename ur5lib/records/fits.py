@@ -34,8 +34,8 @@ class ParameterRow:
 
 @dataclass(frozen=True, kw_only=True)
 class ExcitationRow:
-    """A row of excitation.csv: what an arm's recordings determine, see `Excitation`; motion: that
-    the first advice names.
+    """A row of excitation.csv: what an arm's recordings determine, see `Excitation`; motion: the
+    kind of motion that the first advice names.
     """
 
     combinations: int

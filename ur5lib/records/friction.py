@@ -18,7 +18,7 @@ TOTAL = "total_"
 
 @dataclass(frozen=True)
 class CoefficientEstimate:
-    """The coefficients of one joint.
+    """The estimated coefficients of one joint's map from motion to current.
 
     coefficients: (P,), of the torque [A/Nm], an offset [A] and friction terms; shares: (4, P), of
     the information on them, see `shares_of_knowledge`; replicates: (B, P), of the bootstrap over
@@ -93,8 +93,10 @@ class JointFit:
 
 @dataclass(frozen=True)
 class CurrentFit:
-    """The maps of the joints; units: number of paths, or of stretches if paths are few; dates: the
-    given ones of the recordings, ISO 8601.
+    """The fit of an arm's joints: their maps from motion to current.
+
+    units: number of paths, or of unbroken parts of recordings if paths are few; dates: those that
+    the study gives for the recordings, ISO 8601.
     """
 
     joints: tuple[JointFit, ...]
@@ -132,7 +134,7 @@ NO_FIT = CurrentFit((), 0)
 
 @dataclass(frozen=True)
 class LeftOut:
-    """A fit without the paths of some recordings, used to judge these recordings."""
+    """A fit that leaves out the paths of some recordings, used to judge these recordings."""
 
     recordings: list[str]
     fit: CurrentFit

@@ -7,7 +7,11 @@ from ur5lib.timeseries.arrays import Array
 
 
 class Measured(NamedTuple):
-    """Controller data: time (N,) [s], q [rad], qd [rad/s], current [A] (N, n); qd may be None."""
+    """What the controller stated in one recording, without smoothing.
+
+    time: (N,) [s]; period: [s]; q [rad], qd [rad/s], current [A, or torque Nm]: (N, n); qd: None
+    where it was not recorded.
+    """
 
     time: Array
     period: float
@@ -17,7 +21,7 @@ class Measured(NamedTuple):
 
     @classmethod
     def of(cls, signals: Signals) -> "Measured | None":
-        """Return a recording, None without positions or efforts."""
+        """Return the controller's samples of a recording, None without positions or efforts."""
         if signals.actual_q is None or signals.effort is None:
             return None
         return cls(
@@ -25,7 +29,7 @@ class Measured(NamedTuple):
         )
 
     def at(self, rows: Any) -> Self:
-        """Return the samples `rows`."""
+        """Return the samples `rows`, a slice or indices."""
         step = rows.step if isinstance(rows, slice) else 1
         qd, period = self.qd, self.period * (step or 1)
         some_qd = None if qd is None else qd[rows]

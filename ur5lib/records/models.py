@@ -9,7 +9,8 @@ from ur5lib.timeseries.arrays import Array
 
 @dataclass(frozen=True)
 class Excitation:
-    """The parameters that the motion of recordings determines at a given noise of the torques.
+    """What the motion of recordings determines of an arm's parameters, at a given noise of the
+    torques.
 
     condition: condition numbers of the regressor's columns, by group of base parameters and for
     "all"; infinite if a column is zero; combinations: number of independent combinations of the
@@ -25,7 +26,9 @@ class Excitation:
 
 @dataclass(frozen=True)
 class Terms:
-    """The terms fitted to each joint, (6,): [kg m²], [Nm], [Nm], [Nm s/rad]."""
+    """The terms fitted to each joint's torque, (6,) each: inertia [kg m²], offset [Nm], coulomb
+    [Nm], viscous [Nm s/rad].
+    """
 
     inertia: Array
     offset: Array

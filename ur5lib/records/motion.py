@@ -40,7 +40,9 @@ class Motion(SegmentedTable):
 
 
 def posture_change(before: Motion, own: Motion) -> Array:
-    """Return the motion (n,) [rad] of joints between two recordings."""
+    """Return the change (n,) [rad] of the joints' angles from the end of one recording to the start
+    of another.
+    """
     return own.q[0] - before.q[-1]
 
 

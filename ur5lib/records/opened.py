@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 
 class Opened:
-    """Records by the names of their fields, each read when it is first used, and kept.
+    """The records of one recording or arm as fields, each read from its file when it is first used,
+    and kept.
 
     The fields of a step's `Opened` are those inputs and params of its rule with the same names.
     name: of the recording or the arm.

@@ -23,6 +23,8 @@ class Postures:
     contradictions: Contradictions
 
     def held_torque(self, arm: Robot, model: str) -> Array:
-        """Return the gravity torque (M, n) [Nm] of an arm with its payload in the postures."""
+        """Return the torque (M, n) [Nm] against gravity of an arm with its payload, in each
+        posture.
+        """
         loaded = arm.mounted(self.gravity).carrying(self.payload)
         return gravity_torque(loaded, model, self.q)

@@ -6,7 +6,7 @@ from ur5lib.records.prediction import Prediction
 
 
 class PredictedRecording(AlignedRecording):
-    """A recording before its forces are estimated."""
+    """A recording with its predicted currents, before its forces are estimated."""
 
     currents: Currents
     prediction: Prediction

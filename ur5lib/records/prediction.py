@@ -10,7 +10,7 @@ from ur5lib.timeseries.arrays import Array
 
 @dataclass(frozen=True)
 class Scores:
-    """Scores of one recording, (6,) each.
+    """The errors of one prediction of a recording's currents, (6,) each.
 
     rmse: of the raw current [A]; of the low-passed current: rmse_lowpassed [A], mae [A], r2,
     coverage, the share of samples inside the 95 % band, and band_factor95, the multiple of the band
@@ -78,8 +78,8 @@ class Prediction:
         return self.load is not None and self.load.taken
 
     def with_load(self, payload: Payload | None) -> Payload | None:
-        """Return one body of the given payload and the undeclared load, a point mass, that the
-        prediction includes.
+        """Return the given payload joined with the undeclared load that the prediction includes, a
+        point mass; the payload unchanged if it includes none.
         """
         if self.load is None or not self.load.taken:
             return payload

@@ -9,8 +9,8 @@ from ur5lib.records.quality import Contradictions
 
 @dataclass(frozen=True)
 class Premises:
-    """premises.json: the arm's payload, contradictions of the study, and the assumed place of
-    contacts.
+    """premises.json: what a recording's torques and forces rest on: the arm's payload,
+    contradictions of the study, and the assumed place of contacts.
     """
 
     load: Carried

@@ -40,7 +40,7 @@ SENSORS: dict[str, Device] = {"force_sensor": "force", "imu": "imu"}  # their ke
 
 @dataclass(frozen=True)
 class Finding:
-    """One kind of defect in one device's files.
+    """A finding: one kind of defect in one device's files.
 
     severity: stop (the recording contradicts the study), error (the device is unusable), warning
     (results may suffer), note (harmless); count: number of samples, rows or files; detail: the
@@ -154,7 +154,7 @@ class Contradictions:
 
 @dataclass(frozen=True)
 class Log:
-    """The findings about a file of a device."""
+    """The findings on a file of a device, collected while it is read."""
 
     path: Path
     device: Device
@@ -169,7 +169,9 @@ class Log:
         line: str = "",
         channels: Sequence[str] = (),
     ) -> None:
-        """Add a finding with the file's name in front, unless its count is 0; line: in the file."""
+        """Add a finding, with the file's name before its meaning, unless its count is 0; line:
+        place in the file.
+        """
         if count:
             place = f"{self.path.name}, line {line}" if line else self.path.name
             told = f"{place}: {meaning}", place
@@ -179,7 +181,9 @@ class Log:
             self.findings.append(found)
 
     def unless_unusable(self, read: Callable[[], T | None]) -> T | None:
-        """Return the result of reading a sensor; at an InputError, add a finding, return None."""
+        """Return the result of `read`, which reads a sensor; None, with a finding added, if it
+        raises InputError.
+        """
         try:
             return read()
         except InputError as error:

@@ -9,7 +9,9 @@ Spans = list[tuple[float, float]]  # s, from and to
 
 @dataclass(frozen=True)
 class LinkPose:
-    """Frame k in the turned joint k: rotation (3, 3) and position (3,) [m]."""
+    """The pose of frame k of an arm, in the frame that joint k turns: rotation (3, 3) and position
+    (3,) [m].
+    """
 
     rotation: Array
     position: Array

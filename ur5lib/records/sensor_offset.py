@@ -32,7 +32,8 @@ class Offset:
 
 @dataclass(frozen=True, kw_only=True)
 class OffsetAccount(Offset):
-    """What was subtracted from a force sensor's reading.
+    """What was subtracted from a force sensor's reading: bias, weight and inertial force of the
+    tool.
 
     pull_at: (3,) [m], frame 6, the point at which the inertial force acts: the tool's centre of
     mass, or the sensor if that is unknown; clock_std: [s], error of the sensor's clock, over which

@@ -24,7 +24,9 @@ SENSOR_COLUMNS = {  # force [N] and torque [Nm]; acceleration [m/s²] and rate [
 
 
 def recorded(name: str, optional: bool = True) -> Any:
-    """Declare a field of a channel of recordings, which by default may be absent."""
+    """Declare a field of `Signals` for a channel of recordings; optional: whether it may be
+    absent.
+    """
     unit, named = CHANNELS[name].unit, columns(name)
     if CHANNELS[name].of_joints:
         return channel(name, unit, JOINTS, optional=optional)
@@ -89,7 +91,11 @@ def slowly(
     signals: Signals,
     lowpass: tuple[int, float] = (ACCELERATION_ORDER, ACCELERATION_CUTOFF),
 ) -> Array:
-    """Return torques or currents (N, n), low-passed; lowpass: order and cut-off [Hz]."""
+    """Return torques or currents (N, n), low-passed without delay within the unbroken parts of a
+    recording.
+
+    signals: with the labels of these parts; lowpass: order and cut-off [Hz].
+    """
     return by_segment(zero_phase_lowpass, values, signals.segment, 1 / signals.period, *lowpass)
 
 

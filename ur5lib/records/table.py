@@ -46,7 +46,7 @@ class Channel:
 
     @property
     def several(self) -> bool:
-        """Return whether the channel exists once for each key."""
+        """Return whether a table may have the channel several times, once for each key."""
         return "{}" in self.name
 
     def columns(self, name: str, joints: int = 6) -> list[str]:
@@ -56,7 +56,7 @@ class Channel:
         return [f"{name}_{label}" for label in labels] or [name]
 
     def sized(self, joints: int) -> tuple[int, ...]:
-        """Return the shape of a sample."""
+        """Return the shape of a sample for an arm with so many joints."""
         return tuple(joints if size < 0 else size for size in self.shape)
 
     def joints_in(self, names: Collection[str]) -> int:
@@ -145,7 +145,8 @@ class Table:
         return made
 
     def anew(self, rows: Labels | None = None) -> Self:
-        """Return a table of the same file without loaded channels, so that this one can be freed.
+        """Return a table of the same file in which no channel is loaded yet, so that the memory of
+        this one can be freed.
 
         rows: to read, ascending, all by default. A table in memory is returned with these rows.
         """
@@ -155,7 +156,7 @@ class Table:
         return self if rows is None else self._at(rows)
 
     def _at(self, rows: Labels) -> Self:
-        """Return the table in memory with only these rows."""
+        """Return the rows `rows` of the table, in memory."""
         values = {name: getattr(self, name) for name in _channels(type(self))}
         taken: dict[str, Any] = {
             name: {key: own[rows] for key, own in value.items()}
@@ -200,7 +201,7 @@ class Table:
     if not TYPE_CHECKING:  # a type checker knows the fields by their declarations
 
         def __getattr__(self, name: str) -> Any:
-            """Load a field."""
+            """Load a channel from the file at the first use of its field."""
             if name not in self.__dict__.get("_loads", ()):
                 raise AttributeError(name)
             samples = self._loads[name]

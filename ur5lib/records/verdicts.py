@@ -95,7 +95,7 @@ assert {"", *REASONS} == {*get_args(Reason)}
 
 
 def reason_in(cell: object) -> Reason:
-    """Return the reason in a cell of a table, "" for an empty cell."""
+    """Return the code of a reason from a table's cell, "" for an empty cell."""
     return cast("Reason", cell) if isinstance(cell, str) else ""
 
 

@@ -37,8 +37,8 @@ Found = tuple[str, list[str]]
 
 
 def findings(results: Results) -> list[str]:
-    """Return the findings, the gravest first: faults, findings of topics, then contacts; last, the
-    number of others and the tables that contain them.
+    """Return the findings in sentences, the gravest first: faults, findings of topics, then
+    contacts; of many, the last sentence counts those left out and names their tables.
     """
     every = [
         (table, place, told) for table, own in _kinds(results) for place, told in enumerate(own)
@@ -53,7 +53,7 @@ def findings(results: Results) -> list[str]:
 
 
 def _kinds(results: Results) -> Iterator[Found]:
-    """Yield the findings of each kind, the gravest first."""
+    """Yield (table that contains them, sentences) of each kind of findings, the gravest first."""
     yield "quality", [*_stopped_recordings(results)]
     yield "remarks", [*_stopped_arms(results)]
     yield "quality", [*_accepted(results)]
@@ -102,7 +102,9 @@ def _accepted(results: Results) -> Iterator[str]:
 
 
 def _errors(results: Results) -> Iterator[str]:
-    """Report recordings with an error: a sensor or a tare is ignored, or a role is wrong."""
+    """Report each finding of the severity error, for example that a sensor is ignored or a role is
+    wrong.
+    """
     for row in results.rows("quality", severity="error").itertuples():
         yield f"On “{row.recording}”, {claim(row.detail)}."
 
@@ -198,7 +200,9 @@ def _taken_up(results: Results) -> Iterator[str]:
 
 
 def _readings(results: Results) -> Iterator[str]:
-    """Report largest force and share in contact by each sensor, if no friction was fitted."""
+    """Report the largest force and the share of time in contact by each sensor, if no friction was
+    fitted.
+    """
     if len(results.tables["friction"]):
         return
     for row in results.tables["sensed"].itertuples():

@@ -27,11 +27,11 @@ NO_PLACE = "[x, y, z]"  # in place of a centre of mass that the user must measur
 
 
 class Asked(NamedTuple):
-    """Advice in the form that the sentences of steps use.
+    """A row of advice.csv in the form in which functions of `ASKED` put it into a sentence.
 
-    detail: the finding, without the line that overrules it; recordings: in words, the first and the
-    number of others; several: whether there are others; value: the row's number; place: a load's
-    centre of mass.
+    recording: the first of those concerned, "" for none; recordings: in words, that one and the
+    number of others; several: whether there are others; joints: in words; detail: the finding,
+    without the line that overrules it; value: the row's number; place: a load's centre of mass.
     """
 
     results: Results
@@ -66,7 +66,7 @@ def next_steps(results: Results) -> list[Step]:
 
 
 def _of_study(results: Results, kind: str) -> Iterator[Step]:
-    """Yield a step for each row of advice.csv of a kind."""
+    """Yield a step for each row of advice.csv with a kind, such as correction or recording."""
     for row in results.rows("advice", kind=kind).to_dict("records"):
         known = {str(name): None if pd.isna(value) else value for name, value in row.items()}
         yield _step(results, known)
@@ -92,7 +92,7 @@ def _step(results: Results, row: dict[str, Any]) -> Step:
 
 
 def _joints(results: Results, robot: str | None, numbers: str) -> str:
-    """Return joints of an arm in words."""
+    """Return joints of an arm in words; numbers: with blanks between them, as in advice.csv."""
     named = [*map(int, numbers.split())]
     if {*named} == {*results.rows("friction", robot=robot)["joint"]}:
         return "all joints"

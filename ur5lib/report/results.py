@@ -22,7 +22,8 @@ PACKAGES += ["torch", "pytorch-kinematics", "mujoco", "matplotlib", "typst"]
 
 
 def with_zero(rows: pd.DataFrame, method: str, each: list[str]) -> pd.DataFrame:
-    """Return rows, and after each recording's rows its `zero` as values of a method "zero".
+    """Return rows with further ones after those of each recording: the values of its column `zero`,
+    as of a method "zero".
 
     method: column of the methods' names; each: columns that distinguish a method's rows.
     """
@@ -33,10 +34,11 @@ def with_zero(rows: pd.DataFrame, method: str, each: list[str]) -> pd.DataFrame:
 
 @dataclass(frozen=True)
 class Results(StudyTables):
-    """A study's results.
+    """A study's results, as the report's views read them.
 
-    figures: the folder of figures; drawn: recordings with figures; other_arms: arms of other
-    makers; first_number: number of the first recording, 1 for R1.
+    figures: the folder of figures; drawn: recordings with figures; commit, versions: of the
+    software; other_arms: arms of other makers; first_number: number of the first recording, 1 for
+    R1.
     """
 
     figures: Path = Path()
@@ -68,7 +70,7 @@ class Results(StudyTables):
         )
 
     def of_run(self, name: str) -> "Results":
-        """Return the results of one recording and of its arm.
+        """Return the results of one recording and of its arm alone.
 
         Raises InputError where the recording was left out.
         """
@@ -98,7 +100,7 @@ class Results(StudyTables):
     def shown(self, names: Sequence[str], most: int = MOST_SHOWN) -> list[str]:
         """Return the first `most` of the named recordings that have figures.
 
-        A study of many recordings shows one: each has a page of its own.
+        Of a study with many recordings, only one is returned, since each has its own page.
         """
         most = 1 if self.many else most
         return [name for name in dict.fromkeys(names) if name in self.drawn][:most]

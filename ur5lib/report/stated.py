@@ -19,7 +19,7 @@ LOAD_BESIDE_AXIS = "0.06 0 0.05"  # m; gravity on a load there, in frame 6, load
 
 @dataclass(frozen=True)
 class Step:
-    """What to do next.
+    """A step that the user may take next: a sentence, and what does it.
 
     command: the command, or the line of the study or of a description, that does it; empty if there
     is none.
@@ -71,7 +71,7 @@ def joints(numbers: Iterable[float]) -> str:
 def listed(names: Sequence[str], count: int = 0) -> str:
     """Return names in words: a; a and b; a, b and 3 others.
 
-    count: of all names, if `names` has only the first.
+    count: number of all names, if `names` has only the first.
     """
     count = max(count, len(names))
     shown = [*names[: MOST_NAMED if count > MOST_NAMED else count]]
@@ -104,7 +104,9 @@ def line(text: str) -> str:
 
 
 def overruled(text: str) -> tuple[str, str]:
-    """Return a stop sign, and the line of a study that overrules it, "" without one."""
+    """Return the sentence of a stop sign, and the line of a study that overrules it, "" without
+    one.
+    """
     sign, _, after = text.partition(OVERRULED_BY)
     return sign, line(after)
 

@@ -23,7 +23,10 @@ DIGITS = 3  # two numbers are the same if they agree in this many significant di
 
 @dataclass(frozen=True)
 class Before:
-    """What a number was in the last build, and its date (ISO), empty if unknown."""
+    """The number of a verdict in the last build, where it has changed since.
+
+    value, count, of: as in verdicts.csv; date: of that build (ISO), empty if unknown.
+    """
 
     value: float | None = None
     count: int | None = None
@@ -33,7 +36,7 @@ class Before:
 
 @dataclass(frozen=True, kw_only=True)
 class StatedVerdict(Verdict):
-    """A row of verdicts.csv; before: what its number was in the last build, if another."""
+    """A row of verdicts.csv; before: its number in the last build, None if that was the same."""
 
     before: Before | None = None
 
@@ -117,9 +120,11 @@ def verdict_rows(results: Results, last: Summary | None = None) -> list[dict[str
 def _before(
     row: dict[str, Any], was: dict[str, Any] | None, date: str, same: bool
 ) -> dict[str, Any] | None:
-    """Return the number of a row in the last build if it was different, else None.
+    """Return the number that a row of verdicts.csv had in the last build if it was different, else
+    None.
 
-    was: the row in the last build; same: whether no number of the study changed.
+    was: the row in the last build, None without one; date: of that build; same: whether no number
+    of the study changed.
     """
     if was is None:
         return None
@@ -148,7 +153,9 @@ def _by_key(rows: Iterable[dict[str, Any]]) -> dict[tuple[str, ...], dict[str, A
 
 
 def _key(row: dict[str, Any]) -> tuple[str, ...]:
-    """Return the key of a number, by which it is found in the last build."""
+    """Return what identifies a number among the rows of verdicts.csv, by which it is found in the
+    last build.
+    """
     return tuple(str(row[part] or "") for part in KEY)
 
 

@@ -39,7 +39,9 @@ def shown_first(results: Results, table: str) -> list[str]:
 
 
 def _asked(results: Results, slot: str) -> Iterator[ModuleType]:
-    """Yield the topics that have the function `slot`, if the study has their tables."""
+    """Yield the modules `found` of the topics that have a function named `slot`, if the study has
+    their tables.
+    """
     for topic in modules_of_topics("found").values():
         if hasattr(topic, slot) and {*topic.TABLES} <= results.tables.keys():
             yield topic

@@ -63,7 +63,7 @@ Gravity = Annotated[Vector3, AfterValidator(_on_earth)]
 
 
 class Described(Strict):
-    """A part of an arm's description: its numbers are finite."""
+    """A part of an arm's description, of which all numbers must be finite."""
 
     model_config = ConfigDict(allow_inf_nan=False)
 
@@ -239,8 +239,9 @@ class Gains(Described):
 
 
 class CoupledMotor(Described):
-    """A motor with a shaft that turns with another joint, too: `ratio` times as far as with its
-    own."""
+    """A motor with a shaft that turns not only with its own joint but also with another, `ratio`
+    times as far.
+    """
 
     motor: Annotated[int, Field(ge=1)]
     joint: Annotated[int, Field(ge=1)]
@@ -256,10 +257,10 @@ class CoupledMotor(Described):
 class Drives(Described):
     """The relation of a controller's counts to the joints of the description.
 
-    positions: the side of the gears on which they are logged; `gear_ratio` of the motors relates
-    the two; directions: -1 of a joint that is counted against its axis; home_deg: the joint's angle
-    where the controller's is zero [°]; coupling: of motors that turn with two joints, in the
-    controller's counts.
+    positions: whether positions are logged on the side of the joints or of the motors, which
+    `gear_ratio` relates; directions: -1 for a joint that is counted against its axis; home_deg: the
+    joint's angle where the controller's is zero [°]; coupling: motors that turn with two joints, in
+    the controller's counts.
     """
 
     positions: Literal["joint", "motor"] = "joint"
@@ -387,7 +388,8 @@ class Robot(Described):
         return [self.motor(joint).gear_ratio or 1.0 for joint in self.joint_numbers]
 
     def maker_torque_constants(self) -> list[float]:
-        """Return the manufacturer's Nm/A of each joint, after the gears; NaN where unknown.
+        """Return the manufacturer's torque constant of each joint [Nm/A], after the gears; NaN
+        where unknown.
 
         For an arm that measures torques, gains of 1 Nm/Nm.
         """
@@ -397,7 +399,9 @@ class Robot(Described):
         return [(m.torque_constant or math.nan) * (m.gear_ratio or math.nan) for m in motors]
 
     def is_counted(self) -> bool:
-        """Return whether the controller's counts differ from the joints' angles or torques."""
+        """Return whether the controller's values must be converted to the joints' angles or
+        torques.
+        """
         return self.drives != Drives() or self.effort == "motor_torque"
 
     def __repr__(self) -> str:
@@ -411,13 +415,15 @@ class Robot(Described):
         return CURRENT if self.effort == "current" else TORQUE
 
     def knows_rotors(self) -> bool:
-        """Return whether no rotors are fitted: the fullest model has them, or currents are
-        measured.
+        """Return whether the rotors' inertias need no fit: the fullest model has them, or the arm
+        measures currents.
         """
         return bool(self.models[self.fullest_model()].rotor_inertias) or self.measured == CURRENT
 
     def family_torque_constants(self) -> list[float]:
-        """Return Nm/A after the gears by the e-Series motors of these sizes, else by the maker."""
+        """Return the torque constants [Nm/A], after the gears, of the e-Series motors of these
+        sizes; where there is none, the manufacturer's.
+        """
         motors = map(self.motor, self.joint_numbers)
         return [
             m.family_torque_constant * (m.gear_ratio or math.nan)
@@ -506,7 +512,9 @@ class Robot(Described):
         return self.model_copy(update={"models": models})
 
     def with_force_sensor(self, position: Vector3 | None, turn_deg: Vector3 | None) -> Self:
-        """Return the arm with its force sensor mounted elsewhere; None: as described."""
+        """Return the arm with its force sensor at another position [m] and turn [°]; None: as
+        described.
+        """
         place = {"force_sensor": position, "force_sensor_turn_deg": turn_deg}
         changes = {name: value for name, value in place.items() if value is not None}
         return self.model_copy(update={"mounting": self.mounting.model_copy(update=changes)})
@@ -541,7 +549,9 @@ def _without_older_keys(described: dict[str, Any]) -> dict[str, Any]:
 
 
 def _is_by_joint(kind: Any) -> bool:
-    """Return whether a field is PerLink, a tuple of any length, or an optional one."""
+    """Return whether the type of a field is a tuple with a number for each joint (`PerLink`), or
+    such a tuple or None.
+    """
     return any(Ellipsis in get_args(alternative) for alternative in (kind, *get_args(kind)))
 
 

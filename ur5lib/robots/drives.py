@@ -15,7 +15,9 @@ TORQUES = ("actual_torque", "target_moment", "actual_current_as_torque")
 
 
 def of_the_joints(name: str, counts: Array, arm: Robot) -> Array:
-    """Return a channel (N, n) of the joints from the controller's counts (N, n)."""
+    """Return a channel (N, n) in the joints' scale and signs, converted from the controller's
+    counts (N, n).
+    """
     turns, home = turns_matrix(arm), np.radians(arm.drives.home_deg or 0.0)
     if name in (*POSITIONS, *RATES):
         return counts @ np.linalg.inv(turns).T + home * (name in POSITIONS)
@@ -23,7 +25,9 @@ def of_the_joints(name: str, counts: Array, arm: Robot) -> Array:
 
 
 def as_counted(name: str, values: Array, arm: Robot) -> Array:
-    """Return the controller's counts (N, n) from a channel (N, n) of the joints."""
+    """Return a channel (N, n) in the controller's counts, converted from the joints' scale and
+    signs (N, n).
+    """
     turns, home = turns_matrix(arm), np.radians(arm.drives.home_deg or 0.0)
     if name in (*POSITIONS, *RATES):
         return (values - home * (name in POSITIONS)) @ turns.T
@@ -33,13 +37,17 @@ def as_counted(name: str, values: Array, arm: Robot) -> Array:
 
 
 def turns_matrix(arm: Robot) -> Array:
-    """Return the matrix (n, n) of counted rates per joint rate: N C d, or d of counted joints."""
+    """Return the matrix (n, n) of counted rates per joint rate: N C d, or d where the controller
+    counts joint angles.
+    """
     turns = motor_matrix(arm) if arm.drives.positions == "motor" else np.eye(len(arm.joints))
     return turns * directions(arm)
 
 
 def torque_matrix(arm: Robot) -> Array:
-    """Return M (n, n) of τᵀ = τ_countedᵀ M: N C d, or d if joint torques are counted."""
+    """Return M (n, n) of τᵀ = τ_countedᵀ M: N C d, or d where the controller states joint
+    torques.
+    """
     turns = motor_matrix(arm) if arm.effort == "motor_torque" else np.eye(len(arm.joints))
     return turns * directions(arm)
 

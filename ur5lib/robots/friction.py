@@ -75,8 +75,9 @@ class JointMotion:
 class Term:
     """A term of friction.
 
-    columns: one (N,) for each coefficient, of a joint's motion; expected: prior standard deviation
-    of a coefficient, from the motor's largest torque [Nm]; parts: names of several coefficients.
+    columns: function of a joint's motion that returns a column (N,) for each coefficient; expected:
+    function that returns the prior standard deviation of a coefficient for a motor's largest torque
+    [Nm]; parts: names of the coefficients, () for a single one.
     """
 
     columns: Callable[[JointMotion], list[Array]]
@@ -226,8 +227,8 @@ def direction_between(
 def direction_after(earlier: Sequence[Track], distance: float = PRESLIDING_DISTANCE) -> float:
     """Return the direction of a joint's dry friction after earlier motions; 0 is unknown.
 
-    earlier: oldest first, each starting where the previous one ended; those before a gap do not
-    count.
+    earlier: oldest first, each starting where the previous one ended; motions before one with a gap
+    do not count.
     """
     # z = e^(-path / distance) z₀ + z from zero
     direction, kept = 0.0, 1.0

@@ -236,7 +236,9 @@ def _chain(tree: Any, base: str, tip: str, path: Path) -> list[Any]:
 def _hanging_links(
     tree: Any, link: str, place: Array, ends: set[str]
 ) -> Iterator[tuple[str, Array]]:
-    """Yield a link and all that is attached to it, with poses (4, 4), up to the joints `ends`."""
+    """Yield (link, pose (4, 4)) of a link and of all links attached to it, up to the joints
+    `ends`.
+    """
     waiting, met = [(link, place)], set[str]()
     while waiting:
         link, place = waiting.pop()
@@ -295,7 +297,8 @@ def _exact_rotation(rotation: Array) -> Array:
 def _as_one(
     tree: Any, body: dict[str, Array], frame: Array, physical: bool = False
 ) -> tuple[float, Array, Array]:
-    """Return mass, centre of mass (3,) and inertia tensor (3, 3) about it of links, in a frame.
+    """Return links as one body: mass, centre of mass (3,) in a frame, and inertia tensor (3, 3)
+    about it; placeholders if none has a mass.
 
     physical: inertias that no body has are replaced by the nearest possible ones. Links without
     mass are left out.
@@ -328,7 +331,9 @@ def _impossible_links(tree: Any, bodies: list[dict[str, Array]]) -> dict[str, st
 
 
 def _bodies(tree: Any, impossible: dict[str, str], physical: bool) -> Iterator[str]:
-    """Yield a sentence for each link that no body can be; physical: whether they are replaced."""
+    """Yield a sentence for each link with a mass and inertia that no body has; physical: whether
+    these are replaced.
+    """
     for link, reason in impossible.items():
         inertial = tree.link_map[link].inertial
         mass, about = _mass(inertial), _tensor(inertial.inertia)
@@ -392,7 +397,7 @@ def _expect_ranges(joints: list[Any], path: Path) -> None:
 
 
 def placeholders(tree: Any, joints: list[Any], bodies: list[dict[str, Array]]) -> str:
-    """Return why the links' masses are placeholders, in words; empty if they are not."""
+    """Return in words why the links' masses are mere placeholders; empty if they are not."""
     lacking, masses = [], []
     for joint, body in zip(joints, bodies, strict=True):
         inertials = [tree.link_map[link].inertial for link in body]
@@ -458,7 +463,9 @@ def _remarks(
     bodies: list[dict[str, Array]],
     start: Array,
 ) -> Iterator[str]:
-    """Yield sentences on the frames, and on joints that are fixed at zero."""
+    """Yield sentences on where the frames lie, and on joints off the chain, which are fixed at
+    zero.
+    """
     place = ", ".join(f"{value:.6g}" for value in start[:3, 3])
     turned = "" if np.allclose(start[:3, :3], np.eye(3)) else ", turned to the axis of joint 1"
     yield f"base frame at {place} m of {base}{turned}; forces act at the origin of {tip}"

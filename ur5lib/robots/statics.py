@@ -90,7 +90,8 @@ def gravity_regressor(robot: Robot, q: Array) -> Array:
 
 
 def gravity_columns(robot: Robot, q: Array) -> list[Array]:
-    """Return columns (N, c) of each joint that span its possible gravity torque; q: (N, n) [rad].
+    """Return for each joint the columns (N, c) of which its possible gravity torque is a linear
+    combination; q: (N, n) [rad].
 
     One column for described links; for unknown links, an orthonormal basis of the torques of any
     links.

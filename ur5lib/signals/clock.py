@@ -77,10 +77,11 @@ def pool(value: Array, std: Array) -> tuple[float, float, float]:
 def settle_clocks(
     clocks: Mapping[str, OwnClock], drifts: Mapping[str, HostDrift], duration: float
 ) -> dict[str, SettledClock]:
-    """Return the clocks of a recording's devices; drifts: of the hosts; duration: [s].
+    """Return the clocks of a recording's devices, by device.
 
-    A clock estimated by motion stays; one by start stamps takes the start and drift of its host if
-    there are any.
+    clocks: of each device, from its own start stamp or motion; drifts: of the hosts, by host;
+    duration: of the recording [s]. A clock estimated by motion stays; one by start stamps takes the
+    start and drift of its host if there are any.
     """
     settled = {}
     for device, clock in clocks.items():

@@ -119,7 +119,7 @@ class _Pair:
 def _compare(
     time: Array, rate: Array, segment: Labels, device_time: Array, gyroscope: Array
 ) -> _Pair:
-    """Low-pass both sides alike, and thin the robot's."""
+    """Return both angular velocities, low-passed alike, with the robot's thinned."""
     # the robot's ω, at some 4 samples per period of the band's upper end
     period = float(np.median(np.diff(time)))
     rate = _in_band(rate, segment, period)
@@ -133,7 +133,9 @@ def _compare(
 
 
 def _in_band(values: Array, segment: Labels, period: float) -> Array:
-    """Low-pass without delay; NaN near the ends of a stretch, where the filter extrapolates."""
+    """Low-pass without delay; NaN near the ends of an unbroken part, where the filter
+    extrapolates.
+    """
     return by_segment(inner_lowpass, values, segment, 1 / period, FILTER_ORDER, BAND_LIMIT)
 
 
@@ -194,7 +196,8 @@ def _search(pair: _Pair, stamps: ClockRelation) -> list[Array]:
 
 
 def _choose(pair: _Pair, starts: list[Array], stamps: ClockRelation) -> tuple[Array, Array, Array]:
-    """Return the best of the fits from all starts: clock, columns and residuals.
+    """Return the best of the fits from all starts: clock (offset, drift), columns (N', 3, 8) and
+    residuals (N', 3).
 
     A periodic motion fits equally well one period later, so the stamps count as a measurement, too.
     """
@@ -212,7 +215,9 @@ def _choose(pair: _Pair, starts: list[Array], stamps: ClockRelation) -> tuple[Ar
 
 
 def _fit(pair: _Pair, clock: Array) -> tuple[Array, Array, Array]:
-    """Fit by Gauss-Newton from a clock nearby: clock, columns and residuals there."""
+    """Return a fit by Gauss-Newton that starts from a clock nearby: clock (offset, drift), columns
+    (N', 3, 8) and residuals (N', 3).
+    """
     for _ in range(10):
         columns, misfit = _linearise(pair, clock)
         change = _solve(columns, misfit)

@@ -150,7 +150,9 @@ def _calibration(sums: "Sequence[_Sums]", held_out: float) -> ImuCalibration:
 
 
 def _place_error_ratio(sums: "Sequence[_Sums]") -> float:
-    """Return the ratio of errors of left-out forces, estimated over described place."""
+    """Return the RMS error of left-out specific forces with the estimated place, divided by that
+    with the described place; 1 for a single recording.
+    """
     if len(sums) < 2:
         return 1.0
     estimated, described = map(_left_out_squares, (sums, [part.as_described() for part in sums]))
@@ -158,7 +160,9 @@ def _place_error_ratio(sums: "Sequence[_Sums]") -> float:
 
 
 def _left_out_squares(sums: "Sequence[_Sums]") -> float:
-    """Return the sum of squared force residuals by calibrations from other recordings."""
+    """Return the sum of squared residuals of each recording's specific forces, by the calibration
+    from the others.
+    """
     scale = _scale(sums)
     reduced = [_without_own(part.weighted(scale).sum(axis=0)) for part in sums]
     others = np.sum(reduced, axis=0) - reduced

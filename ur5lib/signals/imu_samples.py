@@ -70,5 +70,7 @@ def derivative(signals: Signals, values: Array) -> Array:
 
 
 def lowpassed(signals: Signals, function: Any, design: Butterworth, values: Array) -> Array:
-    """Return values (N, M), low-passed within the segments."""
+    """Return values (N, M), low-passed within the segments by `function` with the order and cut-off
+    of `design`.
+    """
     return by_segment(function, values, signals.segment, 1 / signals.period, *design)

@@ -48,7 +48,9 @@ def fuse_imu(
     alignment: Alignment,
     calibration: ImuCalibration,
 ) -> tuple[FusedMotion, dict[str, MotionAccount]]:
-    """Return the joints' motion from encoders and IMU, and its account."""
+    """Return the joints' motion from encoders and IMU, and by the name of the estimate its noise
+    and the tests of its innovations.
+    """
     encoders = known_joints(motion, alignment.encoders)
     model = imu_model(robot, kinematics, calibration, motion.qd)
     samples = signals.time, signals.segment, *measured(signals)
@@ -76,7 +78,8 @@ def judged(
 ) -> tuple[Accelerations, ImuComparison]:
     """Return the accelerations, and their errors against the IMU.
 
-    placed: the IMU's samples by start stamps alone (N, 6); qd: (N, 6) [rad/s].
+    placed: the IMU's samples (N, 6), on the robot's clock by start stamps alone; qd: (N, 6)
+    [rad/s].
     """
     accelerations, bias = compared(own, lowpass, placed)
     ranged = {"ranges": own.modelled["encoders"], "plain_ranges": own.modelled["filterpy"]}
@@ -89,9 +92,9 @@ def judged(
 
 
 class BesideImu(NamedTuple):
-    """A recording with an IMU, and its acceleration by motions (N, 6), see `at_the_imu`.
+    """A recording with an IMU, and the acceleration at the IMU as its motions predict it.
 
-    robot: under the recording's gravity.
+    robot: under the recording's gravity; modelled: (N, 6) by motion, see `at_the_imu`.
     """
 
     robot: Robot
@@ -138,7 +141,11 @@ def as_calibrated(known: BesideImu, design: Butterworth) -> tuple[Array, dict[st
 def compared(
     known: BesideImu, design: Butterworth, by_stamps: Array
 ) -> tuple[Accelerations, Array]:
-    """Return the accelerations by both methods, and the accelerometer's bias (3,) [m/s²]."""
+    """Return the accelerations by IMU and by joints, low-passed, and the accelerometer's bias (3,)
+    [m/s²].
+
+    by_stamps: the IMU's samples (N, 6), on the robot's clock by start stamps alone.
+    """
     felt, ours, bias = as_calibrated(known, design)
     causal_felt, causal = by_euler_angles(known.robot, known.signals, known.kinematics, by_stamps)
     accelerations = Accelerations(
@@ -178,7 +185,8 @@ def _errors(estimates: Mapping[str, Array], felt: Array) -> dict[str, Accelerati
 
 
 def by_range(differences: Differences, qd: Array) -> dict[str, ByRange]:
-    """Return the differences by motion and range of frequency, in motion and at rest.
+    """Return the statistics of the differences between IMU and motions, by motion and range of
+    frequency, for the moving and for the resting arm.
 
     qd: (N, 6) [rad/s]. A state without any sample is left out.
     """

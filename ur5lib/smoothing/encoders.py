@@ -61,9 +61,10 @@ class SmoothedMotion:
 
 
 class KnownJoints(NamedTuple):
-    """The motion by the encoders alone, the start of the fusion with an IMU; noise: the encoders'.
+    """The joints' motion by the encoders alone, with which the fusion with an IMU begins.
 
-    state, std: (N, 3 n), as in SmoothedMotion; shared: (N, n) [rad²/s³], covariance of q̇ and q̈.
+    state, std: (N, 3 n), as in SmoothedMotion; shared: (N, n) [rad²/s³], covariance of q̇ and q̈;
+    noise: of the encoders.
     """
 
     state: Array
@@ -79,7 +80,7 @@ class SmoothedJoints(SmoothedMotion):
     shared: Array = field(kw_only=True)
 
     def known(self) -> KnownJoints:
-        """Return the part that `smooth_with_imu` uses."""
+        """Return the part of the motion that `smooth_with_imu` uses."""
         return KnownJoints(self.state, self.std, self.shared, self.encoders)
 
 

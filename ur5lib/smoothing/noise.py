@@ -61,11 +61,11 @@ def encoder_noise(time: Array, segment: Labels, q: Array, qd: Array) -> EncoderN
     """Estimate the noise by maximum likelihood of the innovations of each joint's Kalman filter.
 
     time: (N,) [s], evenly spaced within a segment; segment: (N,) labels; q, qd: (N, n) [rad,
-    rad/s], NaN where missing. Raises ValueError if a joint has no velocities.
-    First, constant parameters maximise the likelihood of the innovations (Schweppe) on the stretch
-    of TUNING_DURATION in which the joint moves most. Then filters with different jerks and
-    vibrations run over the whole recording. Jerk, vibration and noise at each sample are geometric
-    means over these, weighted by each filter's likelihood in the window around the sample.
+    rad/s], NaN where missing. Raises ValueError if a joint has no velocities. First, constant
+    parameters maximise the likelihood of the innovations (Schweppe) in the TUNING_DURATION seconds
+    in which the joint moves most. Then filters with different jerks and vibrations run over the
+    whole recording. Jerk, vibration and noise at each sample are geometric means over these,
+    weighted by each filter's likelihood in the window around the sample.
     """
     period = float(np.median(np.diff(time)))
     joints = [*zip(q.T, qd.T, strict=True)]
@@ -130,9 +130,10 @@ def _most_likely(parts: list["_JointRecord"], period: float) -> Iterator["_Ratio
 def _joint_noise(
     ratios: "_Ratios", part: "_JointRecord", record: "_JointRecord", step: float
 ) -> tuple[Array | float, ...]:
-    """Return the noise of one joint, in the order of EncoderNoise.
+    """Return the noise of one joint, in the order of the fields of EncoderNoise.
 
-    part: used to fit `ratios`; record: the whole recording; step: of its positions [rad].
+    part: the samples to which `ratios` were fitted; record: the whole recording; step: of its
+    positions [rad].
     """
     period = record.period
     # no noise is below what rounding to the encoder's grid makes
@@ -151,7 +152,9 @@ def _joint_noise(
 
 
 def _busiest(qd: Array, count: int) -> slice:
-    """Return the stretch of `count` samples in which a joint was measured to move most."""
+    """Return the `count` successive samples in which a joint was measured to move most, as
+    a slice.
+    """
     if len(qd) <= count:
         return slice(None)
     speed = np.where(np.isfinite(qd), np.abs(qd) + RECORDED_RESOLUTION, 0)
@@ -161,11 +164,12 @@ def _busiest(qd: Array, count: int) -> slice:
 
 
 class _Ratios(NamedTuple):
-    """Parameters of one filter, or as arrays those of a stack.
+    """Noise parameters of one joint's filter, or as arrays those of several filters.
 
     Time is in cycles, and noise relative to that of the positions. jerk, vibration: intensities of
-    the jerks that drive motion and vibration; precision: of velocities; lag: of velocities, in
-    cycles; damping and frequency (radians a cycle) of the vibration.
+    the jerks that drive motion and vibration; precision: noise of positions over that of
+    velocities; lag: of velocities, in cycles; damping and frequency (radians a cycle) of the
+    vibration.
     """
 
     jerk: float | Array

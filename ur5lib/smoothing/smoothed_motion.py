@@ -50,7 +50,8 @@ def motion_record(signals: Signals, motion: SmoothedJoints) -> Motion:
 
 
 def known_joints(motion: Motion, account: MotionAccount) -> KnownJoints:
-    """Return the motion by encoders that `smooth_encoders` found; account: by `motion_account`.
+    """Return the motion by encoders that `smooth_encoders` found; account: of this motion, from
+    `motion_account`.
 
     Raises ValueError if the motion lacks the noise of its encoders.
     """

@@ -13,7 +13,9 @@ GRASP_TIME = 0.2  # s; a load is lifted or put down in this time
 
 
 def _strength(contact: Timed, time: float) -> float:
-    """Return the strength of a contact over time: 0 at its start and end, 1 halfway."""
+    """Return the strength of a contact at a time, as a share of its largest: 0 at its start and
+    end, 1 halfway.
+    """
     return float(np.sin(np.pi * (time - contact.start_s) / contact.seconds) ** 2)
 
 
@@ -33,8 +35,9 @@ def _cross(one: Array, other: Array) -> Array:
 class Touch:
     """The state of one contact during the simulation.
 
-    gravity: (3,) [m/s²], base axes; anchor: far end of a spring, or place of a hand [m], set at the
-    first touch; velocity, weight: [m/s, N], of a load, at the previous step.
+    plan: the contact as planned; gravity: (3,) [m/s²], base axes; anchor: far end of a spring, or
+    place of a hand [m], set at the first touch; velocity, weight: velocity [m/s] and weight [N] of
+    a grasped load at the previous step.
     """
 
     plan: Contact
@@ -124,7 +127,7 @@ class Contacts:
         self._jacobian = np.zeros((3, model.nv))
 
     def add(self, model: mujoco.MjModel, contact: Contact) -> None:
-        """Add a contact."""
+        """Add a contact to those of the recording."""
         self._touches.append(Touch(contact, model.opt.gravity.copy()))
         on_tool = contact.link in (None, model.nv)
         self._bodies.append(model.body(TOOL_BODY if on_tool else f"link_{contact.link}").id)

@@ -98,7 +98,8 @@ def measure(
 def channels(
     rig: Rig, states: States, measured: Measurement, targets: Targets, estimate: "ForceEstimate"
 ) -> dict[str, Array]:
-    """Return channels under RTDE names, (..., n) or (..., 6), in base axes, for true states (...).
+    """Return the controller's channels by their RTDE names, (..., n) or (..., 6), in base axes, for
+    true states (...).
 
     The controller estimates a wrench from currents minus the torques of its model and its friction.
     `actual_TCP_force` is this wrench, of the arm on its environment. For an arm with a wrist
@@ -188,7 +189,7 @@ class ForceEstimate:
     """Low-pass filtered wrenches of external torques, at the flange's origin, base axes."""
 
     def __init__(self, cycle: float) -> None:
-        """cycle: [s]."""
+        """Begin with no estimate; cycle: time between estimates [s]."""
         self._filter = butter(1, FORCE_CUTOFF, fs=1 / cycle)
         self._first: Array | None = None
         self._memory = np.zeros((1, 6))

@@ -18,7 +18,9 @@ MOVING_SPEED = 1e-3  # rad/s; above it, the arm counts as moving
 
 @dataclass(frozen=True)
 class FaultyFrames:
-    """Masks (N,) of the frames with each fault; the first two and the last have none."""
+    """Masks (N,) of a recording's faulty frames, one for each kind of fault; the first two frames
+    and the last are never faulty.
+    """
 
     lost: Mask
     cut: Mask
@@ -27,7 +29,9 @@ class FaultyFrames:
 
 
 def draw_faulty_frames(faults: Faults, count: int, random: np.random.Generator) -> FaultyFrames:
-    """Draw the faulty among `count` frames, each with at most one fault."""
+    """Return which of `count` frames are faulty, drawn at random with the shares in `faults`; each
+    has at most one fault.
+    """
     numbers = random.random(count)
     numbers[[0, 1, -1]] = 1.0  # a reader accepts the first frame only if the second is complete
     shares = faults.lost_frames, faults.cut_frames, faults.stale_stamps, faults.stale_frames
@@ -82,5 +86,7 @@ def is_moving(frames: pd.DataFrame) -> Mask:
 
 
 def without_last_buffer(text: str) -> str:
-    """Return a file without its last, partly filled buffer."""
+    """Return the text of a file as a killed program leaves it: without its last, partly filled
+    buffer.
+    """
     return text[: max(len(text) // FILE_BUFFER_BYTES, 1) * FILE_BUFFER_BYTES]

@@ -34,7 +34,9 @@ COULOMB_WARMING, VISCOUS_WARMING = -0.003, -0.009  # 1/K
 
 
 def along_chain(values: Array, joints: int) -> Array:
-    """Return values of the UR5's joints, from base to wrist (6,), for an arm's joints (joints,)."""
+    """Return values for an arm's joints (joints,), interpolated along the chain from those of the
+    UR5's joints, base to wrist (6,).
+    """
     if joints == len(values):
         return values
     places = np.linspace(0, len(values) - 1, joints)
@@ -116,7 +118,9 @@ class BristleFriction:
     """
 
     def __init__(self, parameters: FrictionParameters, start: Array) -> None:
-        """start (n,): initial dry friction, as a share of the breakaway torque."""
+        """Begin with a deflection; start: (n,), initial dry friction, as a share of the breakaway
+        torque.
+        """
         self._parameters, self._rubs = parameters, bool(parameters.coulomb.any())
         self._stiffness = parameters.coulomb / parameters.presliding
         self._deflection = start * parameters.presliding

@@ -64,7 +64,9 @@ class Rig:
 
     robot: with all payloads; model: name of its true link model; plant, data: that model in MuJoCo
     and its state; nominal, nominal_data: the controller's model of the arm; declared: the payload
-    configured at the controller; friction: parameters of `friction_state`.
+    configured at the controller; friction: parameters of the joints' friction; friction_state: that
+    friction with its present deflection; drive: control of the joints; contacts: what touches the
+    arm.
     """
 
     robot: Robot
@@ -162,7 +164,10 @@ def build_rig(
 
 @dataclass(frozen=True)
 class Experiment:
-    """A simulated arm and its motion along a plan; targets: of the drives, at each state."""
+    """A simulated arm and what it did along a plan.
+
+    rig: the arm; motion: its states (N,); targets: of the drives, at each state.
+    """
 
     rig: Rig
     plan: SimulatedRecording
@@ -199,5 +204,5 @@ def step_times(count: int) -> Array:
 
 
 def as_rows(states: States) -> Array:
-    """Return states as numbers, one row each; both share memory."""
+    """Return states as an array with a row of numbers for each; both share memory."""
     return states.view(np.float64).reshape(len(states), -1)

@@ -73,10 +73,14 @@ def imu_readings(
 
 
 class ImuReader:
-    """Reads an IMU sample after sample: the truth with bias and noise."""
+    """Reads a simulated IMU, sample after sample: the true motion with the sensor's bias
+    and noise.
+    """
 
     def __init__(self, imu: Imu, rate: float, random: np.random.Generator | None) -> None:
-        """rate: of the samples [Hz]; random: generator of the noise, None for no noise."""
+        """Begin to read an IMU; rate: of the samples [Hz]; random: generator of the noise, None for
+        no noise.
+        """
         self._imu, self._random = imu, random
         self._acceleration = ColouredNoise(ACCELEROMETER_NOISE, ACCELEROMETER_BANDWIDTH, rate)
         self._rate = ColouredNoise(GYROSCOPE_NOISE, GYROSCOPE_BANDWIDTH, rate)
@@ -101,7 +105,9 @@ class ColouredNoise:
     """White noise behind a first-order low-pass, sample after sample."""
 
     def __init__(self, density: float, bandwidth: float, rate: float) -> None:
-        """density: of the white noise [1/√Hz]; bandwidth, rate: [Hz]."""
+        """Begin a noise; density: of the white noise [1/√Hz]; bandwidth: of the low-pass [Hz];
+        rate: of the samples [Hz].
+        """
         self._decay = np.exp(-2 * np.pi * bandwidth / rate)
         self._deviation = density * np.sqrt(bandwidth * np.pi / 2)  # after the low-pass
         self._memory: Array | None = None
@@ -141,7 +147,7 @@ class WristReader:
     """Reads the force sensor in the wrist of an e-Series arm."""
 
     def __init__(self, sensor: WristSensor, random: np.random.Generator | None) -> None:
-        """random: generator of the noise, None for no noise."""
+        """Begin to read a sensor; random: generator of the noise, None for no noise."""
         self._sensor, self._random = sensor, random
         self._turn = Rotation.from_rotvec(sensor.rotation_deg, degrees=True).as_matrix()
 
@@ -180,8 +186,8 @@ def in_base_axes(wrench: Array, rotation: Array) -> Array:
 def _samples(
     clock: Clock, rate: float, steps: int, random: np.random.Generator, noise: bool
 ) -> tuple[Array, Array, Array]:
-    """Return the timestamps of a device's samples, their true times (N,), and those of the steps
-    [s].
+    """Return the timestamps (N,) of a device's samples, their true times (N,), and the times
+    (steps,) of the simulation's steps, all in [s].
 
     t_robot = offset + (1 + drift) t_device; all timestamps but the first, which is zero, have
     jitter.

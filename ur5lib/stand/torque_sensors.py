@@ -21,7 +21,9 @@ UNRECORDED_CHANNELS = ("actual_current", "target_current", "target_moment", "act
 
 @dataclass(frozen=True)
 class TorqueSensors:
-    """Sensors that read gain τ + bias, each (n,); bias, noise: [Nm]."""
+    """Torque sensors in the joints, which read gain τ + bias with noise; gain, bias [Nm], noise:
+    standard deviation [Nm], (n,) each.
+    """
 
     gain: Array
     bias: Array
@@ -37,8 +39,8 @@ class TorqueSensors:
     def channels(
         self, values: dict[str, Array], states: States, random: np.random.Generator | None
     ) -> dict[str, Array]:
-        """Return the controller's channels with `actual_torque` [Nm] in place of those from
-        currents.
+        """Return the controller's channels with `actual_torque` [Nm] in place of those that follow
+        from motor currents.
 
         random: generator of the noise, None for no noise.
         """

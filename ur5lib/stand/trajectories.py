@@ -117,7 +117,9 @@ def leg(time: Array, origin: Array, goal: Array, speed: float, acceleration: flo
 
 
 def _legs(plan: Movej, points: Array, end: float) -> Iterator[tuple[float, Array, Array]]:
-    """Yield start [s], origin and goal (n,) [rad] of each move, until the end."""
+    """Yield (start [s], origin (n,) [rad], goal (n,) [rad]) of each move that starts before `end`
+    [s].
+    """
     start = 0.0
     for origin, goal in pairwise(cycle(points)):
         if start >= end:
@@ -133,7 +135,9 @@ def _legs(plan: Movej, points: Array, end: float) -> Iterator[tuple[float, Array
 
 
 def _fourier_targets(plan: Fourier, robot: Robot, time: Array) -> Targets:
-    """Return a series that starts at rest, scaled to the limits joint by joint."""
+    """Return the targets of a random Fourier series that starts at rest, scaled joint by joint to
+    the limits.
+    """
     fine = np.linspace(0, plan.period_s, 2001)
     # drawn subject to q = posture, qd = qdd = 0 at the start
     start = rest_conditions(plan.period_s, plan.harmonics)

@@ -40,7 +40,9 @@ class Truth(Table):
 
 @dataclass(frozen=True)
 class TruePlan:
-    """Payloads and IMU of a simulated arm, and the seed of its noise."""
+    """The part of a simulation's plan in truth.json: payloads and IMU of the arm, and the seed of
+    its noise.
+    """
 
     seed: int
     payload: Payload | None
@@ -50,7 +52,9 @@ class TruePlan:
 
 @dataclass(frozen=True)
 class TrueDrive:
-    """The simulated torque constants (n,) [Nm/A]; offset: of sensed torques (n,) [Nm]."""
+    """The drives in truth.json: torque constants (n,) [Nm/A], and the offset (n,) [Nm] of sensed
+    torques.
+    """
 
     torque_constant: Array
     offset: Array | None = None

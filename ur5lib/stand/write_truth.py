@@ -92,7 +92,9 @@ def _torque_sensor_parameters(rig: Rig) -> dict[str, object]:
 
 
 def _noise_sizes() -> dict[str, float | Array]:
-    """Return the standard deviation or amplitude of each noise, named by quantity and unit."""
+    """Return the standard deviation or amplitude of each simulated noise, by names of quantity and
+    unit.
+    """
     return {
         "current_ripple_a": drives.CURRENT_RIPPLE,
         "current_a": drives.CURRENT_NOISE,

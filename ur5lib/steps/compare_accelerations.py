@@ -38,9 +38,9 @@ def compare_accelerations(
 ) -> ComparedMotion:
     """Return the motion from encoders and IMU, and the end effector's acceleration by all methods.
 
-    The methods are joints, Euler angles and IMU; empty without a valid IMU. calibration: by all
-    `fit` recordings; calibration_without_each: by the other contact-free recordings; lowpass: of
-    the accelerations.
+    The methods are joints, Euler angles and IMU; all is empty without an IMU with a valid clock.
+    calibration: by all `fit` recordings; calibration_without_each: by the other contact-free
+    recordings; lowpass: of the accelerations.
     """
     signals, motion, alignment = recording.signals, recording.motion, recording.alignment
     robot, kinematics = arm.mounted(recording.gravity), recording.kinematics

@@ -26,7 +26,9 @@ from ur5lib.timeseries.arrays import Six
 
 
 class RecordingTorques(NamedTuple):
-    """The torques of a recording, and their premises."""
+    """The torques of a recording by link model, and what they rest on: payload, contradictions, and
+    place of contacts.
+    """
 
     torques: Torques
     premises: Premises
@@ -70,7 +72,7 @@ def place_of_contacts(
     table: pd.DataFrame,
     arm: Robot,
 ) -> ContactPlace:
-    """Return where contacts are assumed.
+    """Return the place on the arm at which contacts are assumed.
 
     stated, tcp: as the study declares them; table: of the signals, with the columns of the checks.
     """

@@ -22,7 +22,9 @@ def draw_models(arm: Robot) -> dict[str, Drawing]:
 
 
 def alike(robot: Robot) -> list[list[str]]:
-    """Return groups of models with the same links: rotors do not count."""
+    """Return the names of an arm's link models, in groups that have the same links; rotors do not
+    count.
+    """
     groups: dict[str, list[str]] = {}
     for name, links in robot.models.items():
         rigid = links.model_copy(update={"rotor_inertias": None, "description": ""})

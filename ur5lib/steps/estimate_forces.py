@@ -35,7 +35,7 @@ def estimate_forces(
     lowpass: Butterworth,
     contact_force_n: float | None,
 ) -> Forces:
-    """Return every estimate of the contact wrench that the recording has.
+    """Return the contact wrench by every estimator that the recording has the inputs for.
 
     contact_force_n: of a typical contact [N], None: by the arm's payload.
     """
@@ -64,7 +64,9 @@ def most_probable(
     prior: ContactPrior,
     place: ContactPlace,
 ) -> WrenchEstimate | None:
-    """Return F̂ᵐᵃᵖ; None where `fmap_problem` is None."""
+    """Return the most probable contact wrench, F̂ᵐᵃᵖ; None where `fmap_problem` finds nothing to
+    estimate from.
+    """
     problem = fmap_problem(motion, currents, residuals)
     if problem is None:
         return None

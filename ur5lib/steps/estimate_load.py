@@ -13,7 +13,7 @@ from ur5lib.timeseries.lowpass import Butterworth
 def estimate_load(
     recording: AlignedRecording, friction: Friction, arm: Robot, lowpass: Butterworth
 ) -> PayloadEstimate:
-    """Return the load on the flange; empty without currents, a fit, or any motion."""
+    """Return the undeclared load on the flange; empty without currents, a fit, or any motion."""
     model, smooth, motion = arm.fullest_model(), ZeroPhaseLowpass(*lowpass), recording.motion
     record = current_record(recording, arm, recording.earlier())
     if record is None or not friction.from_:

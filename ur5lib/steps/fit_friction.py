@@ -115,7 +115,8 @@ def _unknown_links(arm: Robot) -> Remark:
 
 
 def with_causes(fit: CurrentFit, doubts: Mapping[int, Finding], arm: Robot) -> CurrentFit:
-    """Return a fit that names the cause of joints that contradict documented constants, if found.
+    """Return the fit with the cause, where one was found, in the remark on each joint that
+    contradicts its documented constant.
 
     doubts: of the recordings' checks about the arm's links, by joint from 1.
     """
@@ -211,7 +212,7 @@ def _expected_friction(prior: Prior, model: str, accepted: Mapping[str, str]) ->
 
 
 def known_constants(prior: Prior) -> KnownConstants:
-    """Return the torque constants given before the fit."""
+    """Return the torque constants that the prior of the fit states, with their standard errors."""
     inverse = prior.inverse_constant.mean
     return KnownConstants(1 / inverse, prior.std() / inverse**2)
 
@@ -223,7 +224,8 @@ def explained_by_others(
 ) -> Array | None:
     """Return the share (n,) of the currents' variance that fits to other paths explain.
 
-    left_out: fits, each with the names of its left-out recordings. None if there is one path.
+    left_out: fits, each with the names of its left-out recordings. None if all recordings follow
+    one path.
     """
     unseen = {name: fit for names, fit in left_out for name in names}
     if not unseen:
@@ -301,7 +303,9 @@ def accepted_doubts(fit: CurrentFit, prior: Prior, accepted: Mapping[str, str]) 
 
 
 def require_known_side(arm: Robot) -> None:
-    """Raise ContradictionError if `unknown_side` returns a reason."""
+    """Raise ContradictionError if the arm's torques may be the motors' or the joints', so that
+    nothing can be fitted (`unknown_side`).
+    """
     if text := unknown_side(arm):
         raise ContradictionError("unknown side", text, "side")
 

@@ -130,7 +130,9 @@ def usual_residuals(fit: CurrentFit, cutoff: float) -> Residuals:
 def _remarks(
     paths: int, recordings: Sequence[tuple[Currents, Motion]], cutoff: float
 ) -> Iterator[Remark]:
-    """Yield remarks where few paths or little rest leave errors undetermined."""
+    """Yield a remark if all recordings follow one path, and if the arm rests too little to
+    determine errors at rest.
+    """
     if paths == 1:
         text = (
             "all fit recordings follow one path, which does not show how the torque varies between "
@@ -150,7 +152,9 @@ def _remarks(
 
 
 def _residual_model(runs: Sequence[ForceInput], friction: Friction, cutoff: float) -> ResidualModel:
-    """Return the residual model of the runs; other arms' errors replace missing paths."""
+    """Return the residual model of some runs; where these have too few paths, other arms' errors
+    contribute.
+    """
     stretches = [
         TorqueStretch(one.torque[rows], one.states[rows], one.period)
         for one in runs

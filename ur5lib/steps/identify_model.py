@@ -92,7 +92,7 @@ def with_unknown_links(
 ) -> IdentifiedModel:
     """Return the arm with links, rotors and counterbalances fitted to its joints' torques.
 
-    If these determine none, its links remain unknown.
+    If the torques determine no links, these remain unknown.
     """
     runs = [
         run
@@ -114,7 +114,8 @@ def with_unknown_links(
 def measured_runs(
     robot: Robot, name: str, signals: Signals, motion: Motion
 ) -> Iterator[MeasuredRun]:
-    """Yield a recording with measured torques, minus that of the payload set in the controller.
+    """Yield the recording as a run with measured torques, less the torque of the payload set in the
+    controller; nothing without torques or currents.
 
     robot: under the recording's gravity; currents become torques by its torque constants.
     """
@@ -129,7 +130,9 @@ def measured_runs(
 
 
 def with_fitted(arm: Robot, fitted: FittedArm) -> Robot:
-    """Return the arm with fitted links in place of placeholders, and with the balanced joints."""
+    """Return the arm with fitted links in place of placeholders, and with the joints on which a
+    spring or a counterbalance was found.
+    """
     model = identified_model(arm, fitted.parameters, MEASURED_DESCRIPTION)
     return arm.model_copy(
         update={

@@ -123,7 +123,9 @@ def place_row(
 def errors_with_fates(
     errors: Iterable[ContactError], alarms: Mapping[str, Sequence[Alarm]]
 ) -> Iterator[ContactError]:
-    """Yield the errors of contacts by estimate, with fates for estimates that raise alarms."""
+    """Yield the errors of contacts by estimate, each with its fate (found, missed or merged) if the
+    estimate raises alarms.
+    """
     for name, rows in groupby(errors, key=attrgetter("estimate")):
         own = [*rows]
         yield from with_fates(own, alarms[name]) if name in alarms else own
@@ -132,7 +134,8 @@ def errors_with_fates(
 def load_finder(
     recording: EstimatedRecording, robot: Robot, friction: Friction, residuals: Residuals
 ) -> Named:
-    """Return a function that decides whether an alarm is a grasped load, and estimates its mass.
+    """Return a function of an alarm's span and the alarm, which returns the alarm: as a grasped
+    load with its mass if it is one, else unchanged.
 
     robot: under the recording's gravity.
     """

@@ -1,4 +1,4 @@
-"""Judge a recording by itself: findings, and its rows of the study's tables."""
+"""Judge a recording without its sensor and its contacts: findings, and its rows of the tables."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -32,10 +32,10 @@ from ur5lib.timeseries.metrics import mean_absolute_error
 def judge_recording(
     recording: PredictedRecording, friction: Friction, residuals: Residuals, cutoff_hz: float
 ) -> Judgement:
-    """Return a recording's findings, and its rows of tables.
+    """Return the findings on one recording and its rows of the result tables.
 
-    recording: with the motion of the recording that it follows, if any; cutoff_hz: of the currents'
-    low-pass [Hz].
+    recording: with the motions of the recordings that it follows, if any; cutoff_hz: of the
+    currents' low-pass [Hz].
     """
     quality, signals, motion = recording.quality, recording.signals, recording.motion
     clocks, prediction = recording.alignment.clocks, recording.prediction
@@ -72,7 +72,9 @@ def _account(quality: Quality, changes: Mapping[str, Array]) -> Iterator[Account
 
 
 def _unusual(share: float) -> Finding:
-    """Return the warning for a recording that shows a share of the usual friction."""
+    """Return the warning for a recording without the usual friction; share: the part of that
+    friction which its currents show.
+    """
     detail = (
         f"the currents show {share:.0%} of the friction that such a motion usually has, as where a "
         "hand leads the arm; since nothing was fitted, its contact force cannot be told from that, "
@@ -109,7 +111,7 @@ def torque_errors(signals: Signals, torques: Torques) -> Iterator[TorqueError]:
 
 
 def load_row(load: JudgedLoad) -> LoadRow:
-    """Return an undeclared load as a row."""
+    """Return an undeclared load as a row of payload.csv."""
     low, high = load.interval
     places = {
         f"{name}_{axis}": float(value)

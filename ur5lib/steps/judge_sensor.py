@@ -217,7 +217,8 @@ def with_bias(sensed: Sensed | None, account: OffsetAccount) -> Sensed | None:
 
 
 def used(row: ForceError, role: str, is_doubted: bool) -> ForceError:
-    """Return an error of a force in contact with `use` and `reason` set; others unchanged.
+    """Return a row of errors with `use` and `reason` set if it is about a force in contact; others
+    unchanged.
 
     is_doubted: whether the sensor's bias is uncertain.
     """

@@ -61,8 +61,8 @@ def judge_study(
 ) -> Judged:
     """Return the verdicts on a study.
 
-    study: its configuration as YAML; described: its arms; of_topics: verdicts of topics, by the
-    folders of the arms.
+    study: its configuration as YAML; described: its arms; of_topics: files with verdicts of topics,
+    in the folders of the arms.
     """
     known = read_tables(study, tables, [*described.values()])
     found = judged(known)
@@ -91,7 +91,9 @@ def judged(study: StudyTables) -> Judged:
 
 
 def with_study(rows: Iterable[Verdict]) -> Iterator[Verdict]:
-    """Yield verdicts on arms and, of several arms, the verdict on the study: the most severe."""
+    """Yield the verdicts on arms unchanged; for a question with verdicts on several arms, also the
+    most severe of these as the verdict on the study.
+    """
     known = [*rows]
     yield from known
     for question in dict.fromkeys(row.question for row in known):

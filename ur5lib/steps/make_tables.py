@@ -144,7 +144,9 @@ def rows_of_recordings(
     contacts: Mapping[str, Contacts],
     imu: Mapping[str, ImuComparison],
 ) -> dict[str, Rows]:
-    """Return the rows of recordings by table: by themselves, and compared with their sensors."""
+    """Return the rows of recordings, by table and then by recording: from their judgements, and
+    from the comparisons with their sensors.
+    """
     return {
         **{
             field.name: {name: getattr(one, field.name) for name, one in judged.items()}
@@ -181,9 +183,11 @@ def found_of_recordings(
 
 
 def beside_sensor_findings(own: list[Finding], compared: Compared, role: str) -> list[Finding]:
-    """Return the findings of a recording, with those by its force sensor.
+    """Return the findings on a recording, from its files and from the comparison with its force
+    sensor.
 
-    own: by its files; an error of the sensor replaces their warning of contact in raw readings.
+    own: those from its files; an error that the sensor reads contacts replaces their warning of
+    contact in raw readings.
     """
     if (touch := touched(compared.sensed, role)) is not None:
         raw = ("force", CONTACT)
@@ -235,13 +239,15 @@ def rotor_rows(rotors: Rotors) -> Iterator[RotorRow]:
 
 
 def _by_joint(terms: Terms) -> Iterator[dict[str, float]]:
-    """Yield the terms of each joint."""
+    """Yield the terms of each joint by name, joint after joint."""
     for values in zip(*vars(terms).values(), strict=True):
         yield dict(zip(vars(terms), map(float, values), strict=True))
 
 
 def excited(identification: Identification) -> Iterator[ExcitationRow]:
-    """Yield how the recordings excite an arm's parameters, with advice."""
+    """Yield what the recordings determine of an arm's parameters, and advice on what to record;
+    nothing without an identified model.
+    """
     if (found := identification.excitation) is not None:
         yield ExcitationRow(
             combinations=found.combinations,
@@ -288,7 +294,8 @@ def _remark(step: str, remark: Remark, joint: int | None = None) -> RemarkRow:
 def joined(parts: Iterable[Path]) -> dict[str, pd.DataFrame]:
     """Return tables that steps wrote for each recording or arm, joined by name; cells as text.
 
-    Files of a recording lie in a folder of `recordings`.
+    parts: a file of a recording lies in recordings/<recording>/, one of an arm in another folder
+    with the arm's name.
     """
     by_name: dict[tuple[str, str], dict[str, pd.DataFrame]] = {}
     for part in parts:

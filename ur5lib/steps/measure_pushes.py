@@ -48,8 +48,8 @@ def measure_pushes(
 ) -> DetectedPushes:
     """Return the pushes that are detected; empty where no push can be tried.
 
-    An arm fitted to a single path has none by direction and force. recordings: without contact;
-    contact_force_n: [N], of a typical contact, None: by the arm's payload.
+    For an arm fitted to a single path, pushes by direction and by force are left out. recordings:
+    without contact; contact_force_n: [N], of a typical contact, None: by the arm's payload.
     """
     trials, places = dict[str, Trials](), list[Place]()
     least = MIN_TRIALS // max(1, len(recordings))
@@ -79,7 +79,9 @@ def measure_pushes(
 def untouched(
     problem: Problem, kinematics: Kinematics, place: ContactPlace, raised: list[Span]
 ) -> Untouched:
-    """Return a contact-free recording for trials at the place of contacts; raised: its alarms."""
+    """Return a contact-free recording in the form that trials need, with pushes at the place of
+    contacts; raised: its alarms.
+    """
     one = problem.input
     jacobian, speed = where_pushed(problem, kinematics, place)
     hiding = TorqueVariances.of(one.states, problem.model, one.load_std()).hiding()
@@ -89,8 +91,10 @@ def untouched(
 def trials_on(
     problem: Problem, run: Untouched, prior: ContactPrior, threshold: float, least: int
 ) -> Trials:
-    """Return trial pushes on a contact-free recording; least: number of pushes to reach, if any
-    fits.
+    """Return trial pushes on a contact-free recording.
+
+    threshold: of the alarms; least: number of pushes to try at least, if the recording has time for
+    any.
     """
     used = run.jacobian[problem.rows]
 

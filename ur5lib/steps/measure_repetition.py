@@ -68,7 +68,9 @@ def current_error(currents: Currents, fit: CurrentFit) -> Array | None:
 def force_error(
     recording: PredictedRecording, residuals: Residuals, prior: ContactPrior
 ) -> Array | None:
-    """Return the force (N, 3) [N] that the error of the currents looks like; None without F̂ᵐᵃᵖ."""
+    """Return the force (N, 3) [N] that a contact would need to cause the error of the currents;
+    None without F̂ᵐᵃᵖ.
+    """
     problem = fmap_problem(recording.motion, recording.currents, residuals)
     if problem is None:
         return None

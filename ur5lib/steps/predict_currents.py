@@ -130,7 +130,7 @@ def with_load(
     """Return the record with a load's torque (N, n) [Nm] added, and that torque scaled to the
     motors.
 
-    The recording itself shows the factor of each motor.
+    The factor of each motor is estimated from the recording.
     """
     if load_torque.any():
         loaded = replace(record, torque=record.torque + load_torque)
@@ -144,7 +144,9 @@ def with_load(
 def baselines(
     record: CurrentSamples, robot: Robot, least_squares: Array, signals: Signals
 ) -> Iterator[tuple[str, Array]]:
-    """Yield baseline currents (N, n) [A]: least squares, published constants, the controller's."""
+    """Yield (name, current (N, n) [A]) of baselines: least squares, published constants, the
+    controller's target.
+    """
     if len(least_squares):
         yield "least_squares", baseline_current(record, least_squares)
     constants, friction = robot.current_to_torque, robot.friction
@@ -170,7 +172,7 @@ def scores(
     others: Iterable[tuple[str, Array]],
     smooth: ZeroPhaseLowpass,
 ) -> dict[str, Scores]:
-    """Return the score of each prediction; a band is stated for ours alone."""
+    """Return the score of each prediction by name; only ours, `fitted`, has a band to score."""
     assert currents.predicted is not None
     assert currents.band is not None
     half = currents.band

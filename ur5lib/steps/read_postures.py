@@ -45,10 +45,12 @@ def read_postures(
     tcp: Six | None = None,
     accepted: dict[str, str] | None = None,
 ) -> ReadPostures:
-    """Return postures at rest of a recording without time; arguments as of `read_recording`.
+    """Return the postures of a recording without time, in which the arm rests, and its rows of the
+    tables.
 
-    gravity [m/s²], payload, tcp: as the study declares them; accepted: its reasons to overrule stop
-    signs, by kind. Raises UnreadableError where the files cannot be used.
+    recording, raw, arm: as of `read_recording`; gravity [m/s²], payload, tcp: as the study declares
+    them; accepted: its reasons to overrule stop signs, by kind. Raises UnreadableError where the
+    files cannot be used.
     """
     try:
         postures, quality = checked_postures(
@@ -73,7 +75,7 @@ def checked_postures(
     tcp: Six | None,
     accepted: Mapping[str, str] | None = None,
 ) -> tuple[Postures, Quality]:
-    """Read and check a recording of postures.
+    """Return the postures of a recording and its quality, read from its files and checked.
 
     arm: under the recording's gravity; declared, tcp: of the study, None where it declares none;
     accepted: its reasons to overrule stop signs, by kind. Raises InputError when it cannot be used.

@@ -25,10 +25,10 @@ def set_threshold(
     false_alarms_per_min: float,
     further: Mapping[str, FurtherForces] | None = None,
 ) -> dict[str, float]:
-    """Return the threshold by estimate.
+    """Return by estimate the threshold above which it raises an alarm.
 
     forces, signals, further: of the arm's `fit` recordings; without `further`, the controller's
-    estimate is used.
+    estimate takes its place.
     """
     odds: Evidence = [(dict(one.log_odds), one.period) for one in forces.values()]
     rate = false_alarms_per_min
@@ -56,7 +56,11 @@ def thresholds(
     of: Callable[[list[Array], list[float], float], float],
     rate: float,
 ) -> dict[str, float]:
-    """Return the threshold of each estimate that any recording has; rate: alarms a minute."""
+    """Return the threshold of each estimate that any recording has.
+
+    evidence: for each recording, log-odds or forces (N,) by estimate, and its period [s]; of:
+    function that returns the threshold from these of all recordings; rate: allowed alarms a minute.
+    """
     result = {}
     for name in sorted(names):
         known = [(one[name], period) for one, period in evidence if name in one]

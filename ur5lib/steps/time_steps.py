@@ -24,7 +24,9 @@ def time_steps(benchmarks: list[Path]) -> pd.DataFrame:
 
 
 def job(benchmark: Path) -> tuple[str, float, float, float, float, float]:
-    """Return a job's step, SUMMED_COLUMNS, largest memory [MB] and end [s since 1970]."""
+    """Return of a job its step, the values of SUMMED_COLUMNS [s], its largest memory [MB], and its
+    end [s since 1970].
+    """
     with open(benchmark) as file:
         names, values = (line.split("\t") for line in file.read().splitlines())
         end = os.fstat(file.fileno()).st_mtime

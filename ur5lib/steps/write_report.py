@@ -49,7 +49,7 @@ def write_report(
 
 
 def archived(files: list[Path]) -> bytes:
-    """Return files as one archive, which has the same bytes as long as the files have."""
+    """Return files as one zip archive, which has the same bytes as long as the files have."""
     content = BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
         for file in files:

@@ -22,7 +22,10 @@ def _kind(claim: str) -> str | None:
 
 
 class Accept(Strict):
-    """Why the study overrules stop signs, by their kind; the report repeats the reasons."""
+    """The reasons for which the study overrules stop signs, by the kind of the sign.
+
+    The report repeats them.
+    """
 
     constants: Reason | None = _kind("torque constants may differ from those of the motors")
     delay: Reason | None = _kind("currents or torques may come before or after the motion")
@@ -42,12 +45,14 @@ class Accept(Strict):
     @field_validator("*", mode="before")
     @classmethod
     def _is_stated(cls, reason: Any) -> Any:
-        """Raise ValueError if a kind has no reason."""
+        """Return the reason of a kind, None without one. Raises ValueError if it has no words."""
         return _stated("") if reason is None else reason
 
 
 def joined(general: Accept | None, own: Accept | None) -> Accept | None:
-    """Return the reasons of a study and of its recording; the recording's take precedence."""
+    """Return the reasons of a study (general) together with those of one of its recordings (own),
+    which take precedence.
+    """
     if general is None or own is None:
         return general or own
     return general.model_copy(update=own.model_dump(exclude_none=True))

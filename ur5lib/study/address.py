@@ -56,13 +56,13 @@ def results_folder(address: str) -> Path:
 
 
 def is_study(address: str) -> bool:
-    """Return whether an address is a study's, not a recording's."""
+    """Return whether an address is that of a study, and not of a recording."""
     path = Path(address)
     return not isfile(path) or path.suffix in YAML_SUFFIXES or path.name in REPORTS
 
 
 def _without_report(address: str) -> Path:
-    """Return an address, or of a report file its folder."""
+    """Return an address as a path; of a report file, the path of its folder."""
     path = Path(address)
     return path.parent if path.name in REPORTS else path
 

@@ -64,7 +64,7 @@ DescribedArm = Annotated[str, AfterValidator(_described)]
 
 
 class Tilt(Strict):
-    """How the base is tilted."""
+    """The angles by which the base of a mounted arm is tilted."""
 
     tilt_deg: float = Field(
         ge=-180,
@@ -123,7 +123,7 @@ class Tool(Payload):
 
 
 class ArmSettings(Strict):
-    """One individual arm: a described arm and its differences."""
+    """One individual arm: the described arm that it is, and what differs from that description."""
 
     arm: DescribedArm = Field(description="the arm as described in ur5lib/robots/ or robots/")
     name: Name | None = Field(
@@ -152,7 +152,9 @@ class ArmSettings(Strict):
         return self.name or self.arm
 
     def itself(self) -> "ArmSettings":
-        """Return the arm without mounting and tool, which may differ between its recordings."""
+        """Return the arm's settings without mounting and tool, which may differ between its
+        recordings.
+        """
         return self.model_copy(update={"mounting": None, "tool": None})
 
     def description(self) -> Robot:

@@ -10,7 +10,7 @@ Port = Annotated[int, Field(gt=0, lt=65536)]
 
 
 class ArmSettings(Strict):
-    """The arm, through its controller."""
+    """The connection to the arm's controller."""
 
     address: str = Field(description="name or IP address of the controller")
     interface: Literal["rtde", "realtime"] = Field(

@@ -14,13 +14,15 @@ Given = Callable[[Selection, str], Any]  # arguments: selection, name of a recor
 def given(step: str, selection: Selection, name: str) -> dict[str, Any]:
     """Return the settings of a step as plain data, by the names of its parameters.
 
-    name: of the recording, or of the arm, that it runs for.
+    name: of the recording, or of the arm, that the step runs for.
     """
     return {key: of(selection, name) for key, of in STEPS[step].items()}
 
 
 def design(lowpass: Any) -> list[float]:
-    """Return order and cut-off [Hz] of a Butterworth filter in the settings."""
+    """Return order and cut-off [Hz] of a Butterworth filter; lowpass: a part of `lowpass` in the
+    settings.
+    """
     return [lowpass.order, lowpass.cutoff_hz]
 
 

@@ -34,7 +34,7 @@ def read_studies_as_data(read_before: Iterable[Path] = ()) -> None:
 
 
 def _data(path: str | Path) -> "PlainData":
-    """Return a study as plain data. Raises WorkflowError."""
+    """Return a study as plain data. Raises WorkflowError where `read_plain` refuses its file."""
     try:
         # loads extensions, which may have errors
         from ur5lib.study.reading import read_plain

@@ -60,7 +60,7 @@ def _in_order(span: tuple[float, float]) -> tuple[float, float]:
 
 
 class ContactPlaceSetting(Strict):
-    """Where contacts are."""
+    """The place on the arm where contacts are expected."""
 
     position_m: Vector3 = Field(description="place in frame 6 [m]")
     within_m: float = Field(
@@ -153,7 +153,10 @@ class Part(Strict):
         return load.joined(tool.payload() if tool else None) if load else tool and tool.payload()
 
     def stated_contact_place(self) -> tuple[Vector3, float] | None:
-        """Return the place of contacts (3,) [m], frame 6, and their usual distance from it [m]."""
+        """Return the place of contacts (3,) [m], frame 6, and their usual distance from it [m].
+
+        None where the study states no place.
+        """
         place = self.contact_place
         return None if place is None else (place.position_m, place.within_m)
 
@@ -168,7 +171,9 @@ class Part(Strict):
 
 
 def _or_simulated(schema: dict[str, Any]) -> None:
-    """Require either the keys of real files, or `simulate`."""
+    """Change a recording's JSON schema so that it requires either the keys of real files, or
+    `simulate`.
+    """
     files = [key for key in ("folder", "file") if key in schema["required"]]
     schema["required"] = [key for key in schema["required"] if key not in files]
     schema["oneOf"] = [{"required": files}, {"required": ["simulate"]}]
@@ -208,7 +213,10 @@ class Simulable(Files, Part):
 
 
 class RecordedEntry(Simulable):
-    """A recording that may be one of an emulated lab."""
+    """A recording in a format of `ur5 record`, which may come from an emulated laboratory.
+
+    A recording of an emulated laboratory has a file with its truth.
+    """
 
     truth: PathText | None = Field(
         None,
@@ -253,7 +261,7 @@ Recording = Annotated[
 
 
 class Frames(Strict):
-    """Repair of frames on the controller's time grid."""
+    """Repair of the controller's frames: which gaps of the time grid are filled."""
 
     max_gap_s: float = Field(
         0.1,
@@ -264,14 +272,17 @@ class Frames(Strict):
 
 
 class MotionLowpass(Strict):
-    """For the controller's torque and the measured motion, in the identification."""
+    """Low-pass filter of the controller's torque and the measured motion.
+
+    It is used to identify the link model.
+    """
 
     order: int = Field(4, ge=1, le=12, description=ORDER_TEXT)
     cutoff_hz: float = Field(10.0, gt=0, lt=1000, description=CUTOFF_TEXT)
 
 
 class CurrentLowpass(MotionLowpass):
-    """For currents, the motion that explains them, and external torques."""
+    """Low-pass filter of currents, the motion that explains them, and external torques."""
 
     cutoff_hz: float = Field(
         2.0, gt=0, lt=1000, description="above this frequency, measured currents are mostly noise"
@@ -279,13 +290,13 @@ class CurrentLowpass(MotionLowpass):
 
 
 class AccelerationLowpass(MotionLowpass):
-    """For the comparison of accelerations by joints and IMU."""
+    """Low-pass filter of the end effector's accelerations, used to compare joints and IMU."""
 
     cutoff_hz: float = Field(2.0, gt=0, lt=1000, description=CUTOFF_TEXT)
 
 
 class PublishedLowpass(Strict):
-    """For the external torque in the thesis's estimates of a contact force."""
+    """Low-pass filter of the external torque, used in the thesis's estimates of a contact force."""
 
     order: int = Field(5, ge=1, le=12, description=ORDER_TEXT)
     cutoff_hz: float = Field(
@@ -294,7 +305,10 @@ class PublishedLowpass(Strict):
 
 
 class Lowpass(Strict):
-    """Butterworth low-pass filters by filtered signal; without delay."""
+    """Butterworth low-pass filters by filtered signal, without delay.
+
+    `ur5lib.study.given.STEPS` hands each to the steps that filter with it.
+    """
 
     motion: MotionLowpass = MotionLowpass()
     currents: CurrentLowpass = CurrentLowpass()
@@ -302,12 +316,12 @@ class Lowpass(Strict):
     published_forces: PublishedLowpass = PublishedLowpass()
 
     def cutoffs_hz(self) -> dict[str, float]:
-        """Return the cut-off of each filter [Hz]."""
+        """Return the cut-off of each filter [Hz], by the filtered signal."""
         return {name: design["cutoff_hz"] for name, design in self.model_dump().items()}
 
 
 class Contact(Strict):
-    """Prior knowledge about contacts."""
+    """What is known in advance about contacts."""
 
     force_n: float | None = Field(
         None,
@@ -319,7 +333,7 @@ class Contact(Strict):
 
 
 class AlarmSettings(Strict):
-    """Alarms that report a contact."""
+    """Settings of the alarms that report a contact."""
 
     false_per_min: float = Field(
         1.0, ge=0, le=60, description="highest rate allowed on the `fit` recordings"
@@ -327,7 +341,7 @@ class AlarmSettings(Strict):
 
 
 class ForceSensorSettings(Strict):
-    """The force sensor that estimates are compared with."""
+    """Settings of the force sensor with which estimates are compared."""
 
     bias_window_s: float = Field(
         1.0,
@@ -338,7 +352,7 @@ class ForceSensorSettings(Strict):
 
 
 class Singularities(Strict):
-    """Poses in which torques do not determine a force."""
+    """The limit of poses near a singularity, in which torques do not determine a force."""
 
     min_singular_value: float = Field(
         0.01, gt=0, le=1, description="smallest singular value of a usable Jacobian"

@@ -100,7 +100,7 @@ def parse_study(raw: PlainData, source: str) -> Study:
 
 
 def _each_once(problems: Iterable[str]) -> Iterator[str]:
-    """Yield each mistake once: at its first entry, with the other entries that have it."""
+    """Yield each mistake once, with the names of the other entries that have the same."""
     alike: dict[str, dict[str, str]] = {}
     for problem in problems:
         place, general = ENTRY_PLACE.search(problem), ENTRY_PLACE.sub("…", problem, count=1)
@@ -139,7 +139,9 @@ def of_each_file(entry: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
 
 
 def _with_each_file(raw: PlainData) -> tuple[PlainData, list[int]]:
-    """Return the configuration with an entry for each file, and each entry's index in the file."""
+    """Return the configuration with an entry for each file that a pattern matches, and for each
+    entry the index of the one in the file that it comes from.
+    """
     recordings = raw.get("recordings")
     if not isinstance(recordings, list):
         return raw, []
@@ -154,7 +156,9 @@ def _with_each_file(raw: PlainData) -> tuple[PlainData, list[int]]:
 
 
 def _as_stated(error: ErrorDetails, stated: list[int]) -> ErrorDetails:
-    """Return an error with the index that its entry has in the file."""
+    """Return an error of a recording's entry with the entry's index as in the file, before patterns
+    were expanded; stated: that index for each entry.
+    """
     key, *rest = error["loc"]
     if key == "recordings" and rest and isinstance(rest[0], int):
         error["loc"] = (key, stated[rest[0]], *rest[1:])
@@ -178,7 +182,7 @@ def _entries(raw: PlainData) -> list[tuple[int, PlainData]]:
 
 
 def _listed(raw: PlainData, key: str) -> list[Any]:
-    """Return a list of the configuration; empty if the value is no list."""
+    """Return the value of a key of the configuration; [] if it is no list."""
     value = raw.get(key)
     return value if isinstance(value, list) else []
 
@@ -262,7 +266,9 @@ def _wrong_reference(file: Any) -> Iterator[str]:
 
 
 def _with_files(raw: PlainData) -> PlainData:
-    """Return the configuration with the files that the test stand will write."""
+    """Return the configuration with the files that the test stand will write in the entries of
+    simulated recordings.
+    """
     entries = [*_listed(raw, "recordings")]
     for k, entry in _entries(raw):
         if isinstance(plan := entry.get("simulate"), dict):
@@ -275,7 +281,9 @@ def _with_files(raw: PlainData) -> PlainData:
 
 
 def _with_arms(study: Study) -> Study:
-    """Return the study with arm and reasons to overrule stop signs filled in in each recording."""
+    """Return the study with its own arm and reasons to overrule stop signs in each recording that
+    has none.
+    """
     recordings = [
         recording.model_copy(
             update={
@@ -322,7 +330,7 @@ def _wrong_arms(study: Study) -> Iterator[str]:
 
 
 def _misfits(study: Study) -> Iterator[str]:
-    """Yield errors for plans of simulated recordings that do not fit their arms."""
+    """Yield errors for simulated recordings with a plan that does not fit their arm."""
     described = cache(load_robot)
     for recording in study.recordings:
         if (plan := getattr(recording, "simulate", None)) is None:

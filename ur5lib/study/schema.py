@@ -44,7 +44,7 @@ def _channel_rows() -> Iterator[str]:
 
 
 def _parts(schema: Schema) -> Iterator[tuple[str, str, Schema]]:
-    """Yield the study and each of its parts once: path of keys, kind, schema."""
+    """Yield (path of keys, kind, schema) of the study and of each of its parts, each once."""
     waiting, seen = [("", "", schema)], set()
     for path, kind, part in waiting:  # the loop appends to this list
         yield path, kind, part
@@ -57,7 +57,9 @@ def _parts(schema: Schema) -> Iterator[tuple[str, str, Schema]]:
 
 
 def _named(node: Schema) -> Iterator[tuple[str, str, str]]:
-    """Yield the parts that a key may have: suffix ([] for a list), kind, and name of the schema."""
+    """Yield (suffix, kind, name of the schema) of the parts that a key may have; suffix: [] for a
+    list.
+    """
     if "$ref" in node:
         yield "", "", node["$ref"].rsplit("/", 1)[-1]
     kinds: dict[str, list[str]] = {}
@@ -86,7 +88,7 @@ def _row(key: str, node: Schema, part: Schema) -> str:
 
 
 def _default(key: str, node: Schema, part: Schema) -> str:
-    """Return a key's default, or the word required, with the alternatives that it has."""
+    """Return a key's default, or the word required with the keys that may replace it."""
     if key in part.get("required", []):
         return "required"
     choices = [option["required"] for option in part.get("oneOf", [])]

@@ -26,7 +26,7 @@ OF_THE_STUDY += [
 
 @dataclass(frozen=True, eq=False)
 class Selection:
-    """The recordings of a study, selected by use."""
+    """The recordings of a study, and functions that select them and their settings for steps."""
 
     study: Study
 
@@ -51,7 +51,9 @@ class Selection:
         return [name for name, one in self.recordings.items() if getattr(one, "simulate", None)]
 
     def truths(self, results: str) -> dict[str, str]:
-        """Return the paths, without suffixes, of the truth of recordings that have one."""
+        """Return by recording the path, without suffixes, of the true values of a simulated or
+        emulated recording; results: folder of the study's results.
+        """
         given = {
             name: f"{one.folder}/{one.truth}"
             for name, one in self.recordings.items()
@@ -70,7 +72,7 @@ class Selection:
         return [n for n, one in named if one.role in roles and one.arm.known_as == robot]
 
     def drawn(self, robot: str) -> list[str]:
-        """Return the contact-free recordings of an arm that trial contacts use.
+        """Return the contact-free recordings of an arm on which pushes are tried.
 
         If there are many, some are drawn by a hash of their names: an additional recording seldom
         changes the choice.
@@ -86,12 +88,14 @@ class Selection:
         return {name: one.after for name, one in self.recordings.items()}
 
     def before(self, *names: str) -> list[str]:
-        """Return the recordings that precede some, directly or not, each chain oldest first."""
+        """Return the recordings after which the named ones follow, directly or not, each chain
+        oldest first.
+        """
         return [*dict.fromkeys(one for name in names for one in before(name, self._after))]
 
     @property
     def is_large(self) -> bool:
-        """Whether there are too many recordings to examine all."""
+        """Return whether the study has too many recordings to examine all."""
         return len(self.recordings) > MAX_EXAMINED_WHOLE
 
     @cached_property
@@ -111,7 +115,7 @@ class Selection:
 
     @cached_property
     def examined(self) -> frozenset[str]:
-        """The recordings that are examined completely; no force depends on it.
+        """The recordings that are examined completely; no estimated force depends on the choice.
 
         All of a small study; of a large one, some that are drawn, and those that are shown or
         fitted to.
@@ -123,7 +127,7 @@ class Selection:
         return frozenset([*drawn, *self.illustrated, *fitted])
 
     def of_step(self, step: str) -> list[str]:
-        """Return the recordings that a step, which runs for one recording at a time, runs for."""
+        """Return the recordings for which a step runs, one run for each."""
         some: dict[str, list[str]] = {
             "read_postures": self.at_rest,
             "draw_figures": self.illustrated,
@@ -137,7 +141,9 @@ class Selection:
         return bool(stated) or any("force_sensor" in path for path in self.raw_files(name))
 
     def raw_files(self, name: str) -> list[str]:
-        """Return the files that a recording names, or else all files that readers may use."""
+        """Return the files that a recording's entry names; if it names none, all files of its
+        folder that readers may use.
+        """
         folder = Path(self.entries[name].folder)
         stated = [folder / file for file in self.entries[name].file_names()]
         if name in self.simulated:
@@ -148,7 +154,7 @@ class Selection:
         return [path for path in paths if not SNAKEMAKE_PLACEHOLDER.search(path)]
 
     def entry_to_read(self, name: str) -> dict[str, Any]:
-        """Return the part of a recording's entry that its reader uses."""
+        """Return the part of a recording's entry that the reader of its format uses."""
         exclude = dict.fromkeys(OF_THE_STUDY, True) | {"force_sensor": {"mounting"}}
         entry: dict[str, Any] = self.entries[name].model_dump(mode="json", exclude=exclude)
         return entry
@@ -183,7 +189,9 @@ class Selection:
         return reasons
 
     def accepted_of_arm(self, robot: str) -> dict[str, str]:
-        """Return the reasons of all recordings that an arm is fitted to, by kind."""
+        """Return the reasons to overrule stop signs, by kind, of all recordings that an arm is
+        fitted to.
+        """
         names = self.of_arm(robot, "fit") + self.of_arm(robot, "fit", at_rest=True)
         return {kind: why for name in names for kind, why in self.accepted(name).items()}
 

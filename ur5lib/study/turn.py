@@ -58,7 +58,7 @@ def _locked(results: Path, wait: bool) -> TextIO:
 
 
 def _in_place(lock: TextIO, results: Path) -> bool:
-    """Return whether a lock's file is still the one at its path."""
+    """Return whether an open lock file is still the file at its path."""
     with contextlib.suppress(FileNotFoundError):
         return os.path.samestat(os.fstat(lock.fileno()), os.stat(results / LOCK_FILE))
     return False
@@ -78,7 +78,7 @@ def share_turn(results: Path) -> TextIO:
     """Return the lock of the run that submitted this process to a cluster, shared with that run.
 
     If that run is killed, its jobs that have begun still keep other runs out. Raises InputError if
-    another run has taken its turn.
+    the run has ended, or another run has begun.
     """
     with contextlib.suppress(BlockingIOError, FileNotFoundError):
         lock = open_lock(results, "r+")
@@ -91,7 +91,7 @@ def share_turn(results: Path) -> TextIO:
 
 
 def open_lock(results: Path, mode: str = "a+") -> TextIO:
-    """Return the file to be locked."""
+    """Return the open lock file of a study's results, not yet locked."""
     return cast("TextIO", open(results / LOCK_FILE, mode, encoding="utf-8"))
 
 

@@ -11,7 +11,9 @@ from pydantic_core.core_schema import no_info_plain_validator_function as by
 
 @dataclass(frozen=True)
 class FromLists:
-    """Reads an array from JSON, where its rows are lists and null is NaN."""
+    """An annotation of a field by which pydantic reads an array from JSON: rows are lists, null is
+    NaN.
+    """
 
     dtype: type
 

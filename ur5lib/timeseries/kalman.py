@@ -116,7 +116,9 @@ def smooth(system: System, count: int) -> Iterator[Smoothed]:
 
 
 def _chunks(count: int, numbers: int) -> list[slice]:
-    """Return slices of whole lanes, and of the rest; numbers: in F of one sample."""
+    """Return slices of successive samples that together cover `count`: whole lanes, then the rest;
+    numbers: count of numbers in F of one sample.
+    """
     lanes_samples = count - count % LANE_SAMPLES
     full = chunks(lanes_samples, max(1, CHUNK_NUMBERS // numbers // LANE_SAMPLES) * LANE_SAMPLES)
     return full if lanes_samples == count else [*full, slice(lanes_samples, count)]

@@ -28,14 +28,16 @@ def starts(segment: Labels) -> Mask:
 
 
 def unbroken(*labels: Labels | Mask) -> list[slice]:
-    """Return the longest stretches of samples in which none of the labels (N,) changes."""
+    """Return slices of successive samples in which none of the labels (N,) changes, each as long as
+    possible.
+    """
     changes = np.any([np.diff(label) != 0 for label in labels], axis=0)
     bounds = [0, *(1 + np.flatnonzero(changes)), len(labels[0])]
     return [slice(start, end) for start, end in pairwise(bounds) if end > start]
 
 
 def extrapolated_samples(cutoff: float, period: float) -> int:
-    """Return the number of samples at each end of a stretch that a zero-phase low-pass
+    """Return the number of samples at each end of an unbroken part that a zero-phase low-pass
     extrapolates.
 
     It is half a period of the cut-off [Hz]. period: of the samples [s].
@@ -44,10 +46,10 @@ def extrapolated_samples(cutoff: float, period: float) -> int:
 
 
 def without_ends(values: Array, segment: Labels, period: float, cutoff: float) -> Array:
-    """Return low-passed values (N, M), NaN at the ends of each stretch, where the low-pass
+    """Return low-passed values (N, M), NaN at the ends of each unbroken part, where the low-pass
     extrapolates.
 
-    period: [s]; cutoff: of the low-pass [Hz].
+    segment: (N,) labels of unbroken parts; period: [s]; cutoff: of the low-pass [Hz].
     """
     result, samples = values.copy(), extrapolated_samples(cutoff, period)
     for stretch in unbroken(segment):
@@ -58,24 +60,28 @@ def without_ends(values: Array, segment: Labels, period: float, cutoff: float) -
 
 
 def runs(flags: Mask) -> Labels:
-    """Return the starts and ends (n, 2) of runs of True in flags (N,); ends are exclusive."""
+    """Return (first, last) rows (n, 2) of each run of True in flags (N,); last is exclusive."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]])))
     return edges.reshape(-1, 2)
 
 
 def spans(signal: Array, on: float, off: float) -> list[Span]:
-    """Return the stretches of a signal (N,) above `off` that reach `on`."""
+    """Return (first, last) rows of each part of a signal (N,) that stays above `off` and reaches
+    `on`; last is exclusive.
+    """
     stretches = runs(signal > off).tolist()
     return [(first, last) for first, last in stretches if signal[first:last].max() >= on]
 
 
 def overlap(first: Span, second: Span) -> int:
-    """Return the number of samples that two stretches share."""
+    """Return the number of samples that two spans, (first, last) with last exclusive, share."""
     return max(0, min(first[1], second[1]) - max(first[0], second[0]))
 
 
 def inside_spans(parts: Iterable[Span], count: int) -> Mask:
-    """Return the mask (count,) of samples inside any of the parts."""
+    """Return the mask (count,) of samples inside any of the parts, (first, last) with last
+    exclusive.
+    """
     inside = np.zeros(count, bool)
     for part in parts:
         inside[slice(*part)] = True
@@ -85,9 +91,9 @@ def inside_spans(parts: Iterable[Span], count: int) -> Mask:
 def by_segment(
     function: Callable[..., Array], values: Array, segment: Labels, *settings: float
 ) -> Array:
-    """Apply a function of uniform samples, and of settings, to each unbroken stretch on its own.
+    """Apply a function of uniform samples, and of settings, to each unbroken part separately.
 
-    values: (N, M); segment: (N,) labels. A row with NaN stays NaN and ends its stretch.
+    values: (N, M); segment: (N,) labels. A row with NaN stays NaN and ends its part.
     """
     result = np.full_like(values, np.nan)
     finite = np.asarray(np.isfinite(values).all(axis=1))
@@ -103,7 +109,9 @@ def chunks(count: int, size: int = CHUNK_SAMPLES) -> list[slice]:
 
 
 def in_chunks(function: Callable[..., NDArray[T]], *arrays: Array) -> NDArray[T]:
-    """Return function(*arrays), computed in chunks of independent samples (N, ...)."""
+    """Return function(*arrays), computed chunk by chunk to save memory; samples (N, ...) do not
+    affect one another.
+    """
     first, *others = chunks(len(arrays[0])) or [slice(0)]
     part = function(*(array[first] for array in arrays))
     if not others:

@@ -33,10 +33,11 @@ def nearest(places: Array, other_places: Array) -> tuple[Mask, NDArray[np.intp]]
 
 @dataclass(frozen=True)
 class PathStates:
-    """States (`scaled_states`) on the path of a run: at samples in motion, or all if it rests.
+    """States (`scaled_states`) that a run passes in motion, or all its states if it rests.
 
-    moves: whether the run moves; every: stride of the states that are searched in another run. The
-    other run is not thinned, because thinned samples of fast runs are further apart than 1.
+    places: these states; moves: whether the run moves; every: stride of the states that are
+    searched in another run. The other run is not thinned, because thinned samples of fast runs are
+    further apart than 1.
     """
 
     places: Array

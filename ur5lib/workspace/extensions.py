@@ -48,7 +48,9 @@ KINDS = {
 
 
 class Addition(NamedTuple):
-    """One entry of an extension; source: the file or module that states it, for messages."""
+    """One entry that an extension adds: its name and value; source: the file or module that states
+    it, for messages.
+    """
 
     source: str
     name: str
@@ -74,7 +76,8 @@ def additions(kind: str) -> Iterator[Addition]:
 
 @cache
 def extensions(kind: str) -> dict[str, ModuleType]:
-    """Return the modules of a kind by the file or the entry point that they come from.
+    """Return the modules with extensions of a kind of KINDS, by the file or the entry point that
+    they come from.
 
     Raises InputError where one cannot be loaded.
     """
@@ -102,7 +105,7 @@ def source_files(modules: Container[Path]) -> list[Path]:
 
 
 def _loaders(kind: str) -> dict[str, Callable[[], Any]]:
-    """Return a function that loads each extension of a kind, by its file or its entry point."""
+    """Return the functions that load the extensions of a kind, by their file or entry point."""
     if os.environ.get(USE_VARIABLE) == LEFT_OUT:
         return {}
     file = FOLDER / f"{kind}.py"

@@ -13,7 +13,8 @@ SCHEMA = "workflow/study.schema.json"  # named in the first line of a study
 
 
 def new_workspace(folder: Path) -> str:
-    """Make a workspace: Snakefile, studies, README.md, raw/, profiles/. Return the next step.
+    """Make a workspace: Snakefile, studies, README.md, raw/, profiles/. Return a sentence on what
+    to do next.
 
     Files that are there already stay as they are. Raises InputError where the folder has a
     Snakefile, or cannot be written.
@@ -50,5 +51,7 @@ def _contents() -> dict[str, str]:
 
 
 def _relative(path: Path) -> str:
-    """Return the path of a file of the workflow within the workflow, and within a workspace."""
+    """Return the path of a file relative to the package's workflow, which is also its path in a
+    workspace.
+    """
     return str(path.relative_to(WORKFLOW))

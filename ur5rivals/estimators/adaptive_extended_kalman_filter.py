@@ -31,7 +31,12 @@ DRIFTS = (0.001, 0.01)  # the same of the logarithms
 
 @dataclass(frozen=True)
 class AdaptiveExtendedKalman:
-    """Random walks: wandering: of d; drift: of α and κ [1/√s]; noise: of motor torque (6,) [Nm]."""
+    """An extended Kalman filter of each joint, which estimates external torque, friction and torque
+    constant together.
+
+    wandering, drift: random walks of d, and of α and κ [1/√s]; noise: of the motors' torque (6,)
+    [Nm].
+    """
 
     wandering: float
     drift: float
@@ -48,7 +53,9 @@ class AdaptiveExtendedKalman:
         return result
 
     def follow(self, motor: Array, model: Array, friction: Array, period: float) -> Array:
-        """Return the states (n, 6, 3) of an unbroken stretch; inputs: (n, 6) [Nm]."""
+        """Return the states (d, α, κ) (n, 6, 3) of successive samples; motor, model, friction:
+        torques (n, 6) [Nm].
+        """
         walk = np.zeros((6, 3, 3))
         walk[:, 0, 0] = (self.wandering * self.noise) ** 2 * period
         walk[:, 1, 1] = walk[:, 2, 2] = self.drift**2 * period
@@ -74,7 +81,9 @@ def motor_torque(state: Array, model: Array, friction: Array) -> tuple[Array, Ar
 
 
 def learn(runs: Sequence[Run]) -> Learned:
-    """Tune the random walks of the torque, and of friction and torque constant."""
+    """Return the filter with its random walks tuned on the runs: of the torque, and of friction and
+    torque constant.
+    """
     noise = sample_noise(runs)
     tried = product(WANDERINGS, DRIFTS)
     return tuned([AdaptiveExtendedKalman(*constants, noise) for constants in tried], runs)

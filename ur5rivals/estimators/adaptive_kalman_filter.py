@@ -32,8 +32,11 @@ MOMENTUM_NOISE = 0.1  # noise of the momentum / change of momentum in a step by 
 
 @dataclass(frozen=True)
 class AdaptiveKalman:
-    """outside: deviations that switch; wandering: of the filter; noise: (6,) [Nm], of the torque
-    from sample to sample.
+    """A moving average of variable length before a disturbance Kalman filter, which estimates the
+    external torque.
+
+    outside: number of standard deviations at which the average becomes short; wandering: random
+    walk of the filter's disturbance; noise: (6,) [Nm], of the torque from sample to sample.
     """
 
     outside: float
@@ -72,7 +75,7 @@ def sample_noise(runs: Sequence[Run]) -> Array:
 
 
 def learn(runs: Sequence[Run]) -> Learned:
-    """Tune the threshold of the switch, and the filter's random walk."""
+    """Return the filter with the threshold of the switch and the random walk tuned on the runs."""
     noise = sample_noise(runs)
     return tuned(
         [

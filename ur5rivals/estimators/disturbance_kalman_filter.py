@@ -31,7 +31,10 @@ SOURCE = "Hu and Xiong 2018"
 
 @dataclass(frozen=True)
 class DisturbanceKalman(LinearObserver):
-    """wandering: random walk of d in a second; measured: noise of z."""
+    """A Kalman filter of the added momentum z, with the external torque d as a random walk.
+
+    wandering: random walk of d in a second; measured: noise of z; both relative to the noise w.
+    """
 
     wandering: float
     measured: float
@@ -42,7 +45,9 @@ class DisturbanceKalman(LinearObserver):
         return np.array([[1.0, period], [0.0, 1.0]]), process, (self.measured * period) ** 2
 
     def gains(self, period: float) -> tuple[float, float]:
-        """Return the stationary Kalman gain: P Hᵀ (H P Hᵀ + R)⁻¹, by Riccati's equation."""
+        """Return the stationary Kalman gains of momentum and torque, P Hᵀ (H P Hᵀ + R)⁻¹, by
+        Riccati's equation.
+        """
         transition, process, variance = self.system(period)
         predicted = solve_discrete_are(
             transition.T, np.array([[1.0], [0.0]]), process, np.array([[variance]])
@@ -75,14 +80,14 @@ class DisturbanceKalman(LinearObserver):
 
 
 def learn_causal(runs: Sequence[Run]) -> Learned:
-    """Tune the two ratios."""
+    """Return the filter with the two ratios of noises tuned on the runs."""
     return tuned(
         [DisturbanceKalman(*ratios) for ratios in product(WANDERINGS, MEASUREMENT_NOISES)], runs
     )
 
 
 def learn_offline(runs: Sequence[Run]) -> Learned:
-    """Take the ratios of the causal filter."""
+    """Return the smoother with the ratios of the causal filter."""
     constants = learn_causal(runs).constants
     return untuned(DisturbanceKalman(**constants).smoothed, runs)._replace(constants=constants)
 

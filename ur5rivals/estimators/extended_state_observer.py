@@ -24,18 +24,20 @@ BANDWIDTHS = (20.0, 30.0, 35.0, 40.0, 45.0, 50.0, 60.0, 80.0, 120.0)  # rad/s
 
 @dataclass(frozen=True)
 class ExtendedState(LinearObserver):
-    """bandwidth: ω [rad/s]."""
+    """An observer of the added momentum with the external torque as an additional state; bandwidth:
+    ω [rad/s].
+    """
 
     bandwidth: float
 
     def gains(self, period: float) -> tuple[float, float]:
-        """Place both poles at exp(-ω T)."""
+        """Return a and b that place both poles at exp(-ω T)."""
         pole = float(np.exp(-self.bandwidth * period))
         return 1 - pole**2, (1 - pole) ** 2 / period
 
 
 def learn(runs: Sequence[Run]) -> Learned:
-    """Tune the bandwidth."""
+    """Return the observer with the bandwidth tuned on the runs."""
     return tuned([ExtendedState(bandwidth) for bandwidth in BANDWIDTHS], runs)
 
 

@@ -34,7 +34,9 @@ LEVER, RUBBING, LOSS = 0.03, 0.2, 0.1
 
 
 def running_median(torque: Array, samples: int) -> Array:
-    """Return the median (N, 6) of so many samples around each, without unknown ones."""
+    """Return the median (N, 6) of `samples` values of a torque around each, unknown ones
+    left out.
+    """
     frame = pd.DataFrame(torque)
     return frame.rolling(samples, center=True, min_periods=1).median().to_numpy(np.float64)
 
@@ -64,7 +66,7 @@ def estimate(run: Run, noise: ResidualModel) -> Estimate:
 
 
 def learn(runs: Sequence[Run]) -> Learned:
-    """The noise is learnt."""
+    """Return the estimator with the noise of the torque that the runs show."""
     noise = learned_noise(lambda run: run.smoothed, runs, breakaway_of(runs))
     return Learned(lambda run: estimate(run, noise), {})
 

@@ -47,14 +47,18 @@ def factor(points: torch.Tensor, logs: torch.Tensor) -> torch.Tensor:
 def negative_log_likelihood(
     points: torch.Tensor, values: torch.Tensor, logs: torch.Tensor
 ) -> torch.Tensor:
-    """Return Σ ½ yᵀ (K + σ² I)⁻¹ y + ½ log |K + σ² I| over the joints, up to a constant."""
+    """Return the negative log-likelihood Σ ½ yᵀ (K + σ² I)⁻¹ y + ½ log |K + σ² I| over the joints,
+    up to a constant.
+    """
     root = factor(points, logs)
     whitened = torch.linalg.solve_triangular(root, values, upper=False)
     return (whitened**2).sum() / 2 + values.shape[1] * root.diagonal().log().sum()
 
 
 def train(learnt: TrainingSamples, _: TrainingSamples) -> Predict:
-    """Fit the process; the left-out path is not needed."""
+    """Return a function that predicts the residual by a fitted process; the left-out path is not
+    needed.
+    """
     points, values = map(torch.as_tensor, learnt)
     logs = most_probable(partial(negative_log_likelihood, points, values), PRIOR_LOGARITHMS)
     weights = torch.cholesky_solve(values, factor(points, logs))

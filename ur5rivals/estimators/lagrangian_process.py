@@ -44,7 +44,11 @@ PRIOR_WIDTH = 2.0  # of the logarithms
 
 
 class Process(NamedTuple):
-    """energies: of the arm; dry, viscous: friction (n,) [Nm, Nm s/rad]; noise: (n,) [Nm]."""
+    """A Gaussian process of the motors' torque, from processes of an arm's energies, friction and
+    noise.
+
+    energies: of the arm; dry, viscous: friction (n,) [Nm, Nm s/rad]; noise: (n,) [Nm].
+    """
 
     energies: Energies
     dry: Tensor
@@ -94,7 +98,9 @@ def most_likely(learnt: TrainingSamples) -> Process:
 
 
 def train(learnt: TrainingSamples, _: TrainingSamples) -> Predict:
-    """Fit the process; the left-out path is not needed."""
+    """Return a function that predicts the motors' torque by a fitted process; the left-out path is
+    not needed.
+    """
     process = most_likely(spread_over(learnt, SEARCH_SAMPLES))
     kept = spread_over(learnt, MAX_SAMPLES)
     motions, torque = Motion.of(kept.inputs), torch.as_tensor(kept.torque.T.reshape(-1, 1))
@@ -107,12 +113,16 @@ def train(learnt: TrainingSamples, _: TrainingSamples) -> Predict:
 
 
 def motion(run: Run) -> TrainingSamples:
-    """Return (q, q̇, q̈), (N, 18) [rad, rad/s, rad/s²], and k i [Nm]."""
+    """Return as inputs (q, q̇, q̈) (N, 18) [rad, rad/s, rad/s²], and as torque that of the motors,
+    k i [Nm].
+    """
     return TrainingSamples(np.concatenate([run.q, run.qd, run.qdd], axis=1), motor(run))
 
 
 def learn(runs: Sequence[Run]) -> Learned:
-    """Learn leaving each path out in turn, then tune the low-pass. Raises as `cross_fitted`."""
+    """Return the estimator with a process fitted without each path in turn, and a tuned low-pass.
+    Raises as `cross_fitted`.
+    """
     return beyond(cross_fitted(train, runs, SAMPLE_STEP, motion), runs)
 
 

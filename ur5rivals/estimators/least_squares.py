@@ -43,12 +43,16 @@ class LowPassed:
 
 
 def learn_offline(runs: Sequence[Run]) -> Learned:
-    """Learn only the noise, since the low-pass is the study's."""
+    """Return the least-squares force with the noise that the runs show; the low-pass is the
+    study's.
+    """
     return untuned(lambda run: run.smoothed, runs)
 
 
 def learn_causal(runs: Sequence[Run]) -> Learned:
-    """Tune the time constant."""
+    """Return the least-squares force from the torque behind a first-order low-pass, with the time
+    constant tuned on the runs.
+    """
     return tuned([LowPassed(time_constant) for time_constant in TIME_CONSTANTS], runs)
 
 

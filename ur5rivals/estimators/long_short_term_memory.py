@@ -59,10 +59,14 @@ class Tensors(NamedTuple):
 
 
 class Memory(nn.Module):
-    """Predicts 6 torques from the last state of a memory that has read a sequence of states."""
+    """A network that predicts 6 torques from the last state of a memory that has read a sequence of
+    states.
+    """
 
     def __init__(self, states: int) -> None:
-        """states: numbers in each state."""
+        """Make a network with random initial weights, always the same; states: numbers in each
+        state of the sequence.
+        """
         super().__init__()
         torch.manual_seed(0)
         self.states = states
@@ -76,7 +80,9 @@ class Memory(nn.Module):
 
 
 def train(learnt: TrainingSamples, left_out: TrainingSamples) -> Predict:
-    """Minimise the squared error; keep the weights that predict the left-out path best."""
+    """Return the prediction by a network with the weights that predict the left-out path best, of
+    those passed while the squared error is minimised.
+    """
     seen, unseen = (
         Tensors(*(torch.as_tensor(values, dtype=torch.float32) for values in batch))
         for batch in (learnt, left_out)
@@ -107,8 +113,8 @@ def train(learnt: TrainingSamples, left_out: TrainingSamples) -> Predict:
 
 
 def motion(run: Run, *, with_error: bool) -> TrainingSamples:
-    """Return sequences of past states in the order of time, (N, SEQUENCE_LENGTH * 12 or 18), and
-    k i [Nm].
+    """Return as inputs sequences of past states in the order of time, (N, SEQUENCE_LENGTH * 12, or
+    18 with the position error), and as torque that of the motors, k i [Nm].
 
     Before the start of a stretch, its first state is repeated.
     """
@@ -123,7 +129,9 @@ def motion(run: Run, *, with_error: bool) -> TrainingSamples:
 
 
 def learn(runs: Sequence[Run], *, with_error: bool) -> Learned:
-    """Train leaving each path out in turn, then tune the low-pass. Raises as `cross_fitted`."""
+    """Return the estimator with a network trained without each path in turn, and a tuned low-pass.
+    Raises as `cross_fitted`, and InputError if with_error and a run has no position error.
+    """
     if with_error and any(run.position_error is None for run in runs):
         raise InputError("target_q was not recorded, which the position error needs")
     of, network = partial(motion, with_error=with_error), partial(standardised, train)

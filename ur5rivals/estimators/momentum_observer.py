@@ -32,12 +32,12 @@ SOURCE = "De Luca and Mattone 2003; De Luca et al. 2006"
 
 @dataclass(frozen=True)
 class FirstOrder(LinearObserver):
-    """gain: K [1/s]."""
+    """The first-order momentum observer, which estimates the external torque; gain: K [1/s]."""
 
     gain: float
 
     def gains(self, period: float) -> tuple[float, float]:
-        """ẑ = z; r_k = r_k-1 + K T (τ_ext - r_k), solved for r_k."""
+        """Return a and b of ẑ = z and r_k = r_k-1 + K T (τ_ext - r_k), solved for r_k."""
         return 1.0, self.gain / (1 + self.gain * period)
 
 
@@ -48,8 +48,8 @@ def observe(
 
     momentum: p = D(q) qd, (N, 6) [Nm s], rotors included; rate: (N, 6) [Nm]; segment: (N,); period:
     [s]; bandwidth: K / (2 pi) [Hz]. The residual r(t) = K (p - integral of (rate + r)) is computed
-    forwards and backwards over each unbroken stretch, so that it has no delay. NaN rows divide a
-    stretch.
+    forwards and backwards over each unbroken part of the recording, so that it has no delay. NaN
+    rows divide it.
     """
     result = np.full_like(momentum, np.nan)
     # r_k+1 = r_k + K T (dp/dt - rate - r_k+1), an exponential average of dp/dt - rate
@@ -72,12 +72,12 @@ def observe(
 
 
 def learn_causal(runs: Sequence[Run]) -> Learned:
-    """Tune the gain."""
+    """Return the observer with the gain tuned on the runs."""
     return tuned([FirstOrder(gain) for gain in OBSERVER_GAINS], runs)
 
 
 def learn_offline(runs: Sequence[Run]) -> Learned:
-    """Take the gain of the causal observer."""
+    """Return the observer that runs forwards and backwards, with the gain of the causal one."""
     gain = learn_causal(runs).constants["gain"]
     bandwidth = gain / (2 * np.pi)
 
@@ -88,7 +88,9 @@ def learn_offline(runs: Sequence[Run]) -> Learned:
 
 
 def learn_gated(runs: Sequence[Run]) -> Learned:
-    """Take the bandwidth of the study's low-pass, and learn the noise."""
+    """Return F̂ᵐᵃᵖ from the observer that runs forwards and backwards, with the bandwidth of the
+    study's low-pass and the noise that the runs show.
+    """
 
     def observed(run: Run) -> Array:
         torque_of_observer = observe(run.momentum, run.rate, run.segment, run.period, CUTOFF_HZ)

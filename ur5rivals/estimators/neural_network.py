@@ -40,7 +40,9 @@ def network() -> nn.Sequential:
 
 
 def train(learnt: TrainingSamples, left_out: TrainingSamples) -> Predict:
-    """Minimise the squared error; keep the weights that predict the left-out path best."""
+    """Return the prediction by a network with the weights that predict the left-out path best, of
+    those passed while the squared error is minimised.
+    """
     learnt_pair, left_pair = (tuple(map(torch.as_tensor, values)) for values in (learnt, left_out))
     layers = network()
     optimiser = torch.optim.AdamW(layers.parameters(), lr=LEARNING_RATE, weight_decay=WEIGHT_DECAY)

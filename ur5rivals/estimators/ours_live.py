@@ -25,7 +25,9 @@ FALSE_PER_MIN = 1.0  # false alarms allowed a minute; no force depends on it
 
 @dataclass(frozen=True)
 class LiveMap:
-    """known: the result of `learned` on runs without contact."""
+    """The live estimator of `ur5 export --format live`; known: the result of `learned` on runs
+    without contact.
+    """
 
     known: dict[str, Any]
 
@@ -46,8 +48,8 @@ class LiveMap:
 
 
 def inputs(run: Run) -> tuple[dict[str, Any], Measured] | None:
-    """Return `numbers` of a run's arm by the fit without its path, and the controller's samples;
-    None without samples.
+    """Return `numbers` of a run's arm, by the fit without the run's path, and the controller's
+    samples of the run; None without such samples.
     """
     if run.measured is None or run.arm is None:
         return None
@@ -56,7 +58,9 @@ def inputs(run: Run) -> tuple[dict[str, Any], Measured] | None:
 
 
 def learn(runs: Sequence[Run]) -> Learned:
-    """Learn the noise. Raises InputError without a controller's samples."""
+    """Return the estimator with the noise and the threshold that the runs show. Raises InputError
+    if no run has the controller's samples.
+    """
     given = {run: own for run in runs if (own := inputs(run)) is not None}
     known, paths = [*given.values()], len({run.path for run in given})
     if not known:

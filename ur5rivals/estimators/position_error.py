@@ -32,7 +32,10 @@ from ur5rivals.tuning import MAX_LATENCY, untuned
 
 @dataclass(frozen=True)
 class PositionError:
-    """gain: K (6,) [Nm/rad]; constant: c (6,) [Nm]."""
+    """The external torque from the position error of the joints' loops.
+
+    gain: K (6,) [Nm/rad]; constant: c (6,) [Nm].
+    """
 
     gain: Array
     constant: Array
@@ -45,7 +48,9 @@ class PositionError:
 
 
 def fitted_loops(runs: Sequence[Run]) -> PositionError:
-    """Return the gains by which the position error explains the friction, joint by joint."""
+    """Return the loops' gains and constants with which the position error explains the friction
+    best, joint by joint.
+    """
     error = np.concatenate([run.position_error for run in runs if run.position_error is not None])
     feedback = np.concatenate([run.friction - run.torque for run in runs])
     finite = finite_rows(error + feedback)
@@ -54,7 +59,9 @@ def fitted_loops(runs: Sequence[Run]) -> PositionError:
 
 
 def learn(runs: Sequence[Run]) -> Learned:
-    """Learn the loops' gains. Raises InputError if the target angles were not recorded."""
+    """Return the estimator with the loops' gains fitted to the runs. Raises InputError if the
+    target angles were not recorded.
+    """
     if any(run.position_error is None for run in runs):
         raise InputError("a recording to fit on has no target_q; record it")
     learned = untuned(fitted_loops(runs).torque, runs)

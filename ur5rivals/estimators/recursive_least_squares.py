@@ -35,7 +35,11 @@ MEMORY_SPANS = (0.01, 0.02, 0.03, 0.04)  # s; a sample of this age has the weigh
 
 @dataclass(frozen=True)
 class ForgettingLeastSquares:
-    """gain: of the filter [1/s]; memory: -T / log λ [s]; noise: of the torque without contact."""
+    """Least squares of the force with exponential forgetting, from the torque of a first-order
+    observer.
+
+    gain: of that filter [1/s]; memory: -T / log λ [s]; noise: of the torque without contact.
+    """
 
     gain: float
     memory: float
@@ -74,7 +78,7 @@ def forgotten(values: Array, forgetting: float) -> Array:
 
 
 def learn(runs: Sequence[Run]) -> Learned:
-    """Tune the filter and the memory."""
+    """Return the estimator with the filter's gain and the memory tuned on the runs."""
     noises = {gain: learned_noise(FirstOrder(gain).torque, runs) for gain in FILTER_GAINS}
     tried = [
         ForgettingLeastSquares(gain, memory, noises[gain])

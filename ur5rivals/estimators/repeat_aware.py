@@ -73,7 +73,9 @@ def noise_of_repeats(noise: ResidualModel, runs: Sequence[Run]) -> ResidualModel
 
 
 def learn(runs: Sequence[Run]) -> Learned:
-    """Learn the noise of runs without repeats; with repeats, each trajectory has its own."""
+    """Return the estimator, with the noise that the runs show for states in which repeats do not
+    count; in motion, each trajectory has its own noise.
+    """
     noise = learned_noise(lambda run: run.smoothed, runs, breakaway_of(runs))
 
     def estimate(run: Run) -> Estimate | None:

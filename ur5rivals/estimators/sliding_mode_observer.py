@@ -29,7 +29,10 @@ BANDWIDTHS = (10.0, 20.0, 30.0, 40.0, 50.0)  # rad/s, √S₂
 
 @dataclass(frozen=True)
 class SlidingMode(MomentumObserver):
-    """switching: S₁ [1/s] in units of `scale`; bandwidth: √S₂ [rad/s]; scale: (6,) [Nm]."""
+    """A momentum observer with sliding-mode feedback, which estimates the external torque.
+
+    switching: S₁ [1/s] in units of `scale`; bandwidth: √S₂ [rad/s]; scale: (6,) [Nm].
+    """
 
     switching: float
     bandwidth: float
@@ -57,7 +60,7 @@ def usual_torque(runs: Sequence[Run]) -> Array:
 
 
 def learn(runs: Sequence[Run]) -> Learned:
-    """Tune the switching gain and the bandwidth."""
+    """Return the observer with the switching gain and the bandwidth tuned on the runs."""
     scale = usual_torque(runs)
     return tuned(
         [SlidingMode(*constants, scale) for constants in product(SWITCHING_RATES, BANDWIDTHS)], runs

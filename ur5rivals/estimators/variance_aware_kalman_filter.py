@@ -37,8 +37,11 @@ PRIOR_WEIGHT, ROUNDS = 3.0, 3  # of a sample's prior variance; of its adaptation
 
 @dataclass(frozen=True)
 class VarianceAware:
-    """wandering: random walk of d; usual: σ² (6,) [Nm²]; residual: function of a run that returns μ
-    and σ² (N, 12) [Nm, Nm²].
+    """A Kalman filter of each joint's external torque that weights a measured torque by its
+    predicted variance.
+
+    wandering: random walk of d; usual: the median of σ² (6,) [Nm²]; residual: function of a run
+    that returns μ and σ² (N, 12) [Nm, Nm²].
     """
 
     wandering: float
@@ -53,7 +56,9 @@ class VarianceAware:
         return result
 
     def follow(self, measured: Array, variance: Array, period: float) -> Array:
-        """Return d (n, 6) [Nm] of an unbroken stretch; measured, variance: (n, 6) [Nm, Nm²]."""
+        """Return d (n, 6) [Nm] of successive samples; measured, variance: torque less its predicted
+        mean, and its predicted variance (n, 6) [Nm, Nm²].
+        """
         walk = self.wandering**2 * self.usual * period
         torque, spread, found = np.zeros(6), np.zeros(6), np.empty_like(measured)
         for k, (value, noise) in enumerate(zip(measured, variance, strict=True)):
@@ -68,12 +73,14 @@ class VarianceAware:
 
 
 def moments(values: Array) -> tuple[Array, Array]:
-    """Return mean and variance (N, 6) each from columns (N, 12)."""
+    """Return mean and variance, (N, 6) each, from the columns (N, 12) of a prediction."""
     return values[:, :6], values[:, 6:]
 
 
 def learn(runs: Sequence[Run]) -> Learned:
-    """Learn leaving each path out in turn, then tune the filter. Raises as `cross_fitted`."""
+    """Return the filter with a process fitted without each path in turn, and a tuned random walk.
+    Raises as `cross_fitted`.
+    """
     learnt = cross_fitted(train, runs, SAMPLE_STEP, motion)
     kept = lru_cache(maxsize=32)(learnt)  # all candidates are tried on the same runs
     usual = np.nanmedian(np.concatenate([moments(kept(run))[1] for run in runs]), axis=0)

@@ -9,7 +9,7 @@ from ur5rivals.run import Estimate, Run
 
 
 def learn(_: Sequence[Run]) -> Learned:
-    """There is nothing to learn."""
+    """Return the estimate of no force; nothing is learnt."""
     return Learned(lambda run: Estimate(np.zeros_like(run.q)), {}, 0.0)
 
 

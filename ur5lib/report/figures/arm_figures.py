@@ -36,9 +36,10 @@ PLACE_COLUMNS, PARAMETER_COLUMNS = ["x [m]", "y [m]", "z [m]"], ["a [m]", "d [m]
 
 
 class MassModel(NamedTuple):
-    """A link model in base axes: masses (6,) [kg] and centres of mass (6, 3) [m] of the links;
-    outlines: by link, the outline of each body seen along x, (K, 2) [m] in y and z; bodies:
-    "cylinders" or "ellipses".
+    """A link model in base axes, with the outlines of its bodies to draw.
+
+    masses: of the links (6,) [kg]; centers: centres of mass (6, 3) [m]; outlines: by link, the
+    outline of each body seen along x, (K, 2) [m] in y and z; bodies: "cylinders" or "ellipses".
     """
 
     masses: Array

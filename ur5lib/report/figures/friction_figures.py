@@ -222,7 +222,9 @@ def friction_figure(
 
 
 def _branches(qd: Array) -> Iterator[Array]:
-    """Yield evenly spaced velocities over the range of qd (N,) [rad/s], for each direction."""
+    """Yield evenly spaced velocities over the negative and over the positive part of the range of
+    qd (N,) [rad/s].
+    """
     for own in (qd[qd < 0], qd[qd > 0]):
         if len(own):
             yield np.linspace(own.min(), own.max(), CURVE_POINTS)

@@ -31,7 +31,11 @@ JOINT_COLOURS = (
 
 @dataclass(frozen=True)
 class Style:
-    """How a line is drawn: one colour, or one for each joint; dashes, () for solid; width."""
+    """How a line is drawn.
+
+    colours: one, or one for each joint; dashes: lengths of dashes and gaps, () for a solid line;
+    width: in points.
+    """
 
     colours: tuple[str, ...]
     dashes: tuple[float, ...] = ()
@@ -119,7 +123,7 @@ class NotebookFigure(Figure):
 
 
 class Drawing(NamedTuple):
-    """A figure and its numbers; no rows for an empty figure.
+    """A figure and its numbers; an empty figure has numbers without rows.
 
     styles: of a figure over time: the style of each line, in the order of the data's columns.
     """

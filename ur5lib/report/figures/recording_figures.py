@@ -48,8 +48,9 @@ RECEIVED_COLOUR, LOST_COLOUR, SPEED_COLOUR = JOINT_COLOURS[0], JOINT_COLOURS[1],
 
 
 def torque_figure(signals: Signals, torques: Torques, robot: Robot) -> Drawing:
-    """Return Figures 5.11 and 5.12: the torques of the chosen model, of the same with rotors, and
-    of the fullest one against the controller's torque, low-passed as in the table of errors.
+    """Return Figures 5.11 and 5.12: the torques of the arm's chosen link model, of this model with
+    rotors, and of the most complete one (`fullest_model`) against the controller's torque,
+    low-passed as in the table of errors.
     """
     if signals.target_moment is None:
         return nothing_to_draw()
@@ -155,8 +156,8 @@ def draw_lines(
     unfiltered: Array | None = None,
     errors: bool = True,
 ) -> Drawing:
-    """Draw the lines with values over a table's time, and the errors of the others against the
-    first.
+    """Draw lines over a table's time, without those that have no values, and the errors of the
+    others against the first.
 
     Without values of the first line, no errors are drawn. further: lines of which only the errors
     are drawn; band, hidden: see Traces; unfiltered: the first line as recorded (N, n), drawn pale

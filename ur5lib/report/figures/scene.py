@@ -81,5 +81,7 @@ def _size(wrench: Array) -> Array:
 
 
 def _spans(found: Sequence[Span], time: Array) -> Spans:
-    """Return first and last time [s] of each stretch."""
+    """Return the first and the last time [s] of each part of a recording, (first, last) samples
+    with last exclusive.
+    """
     return [(float(time[first]), float(time[end - 1])) for first, end in found]

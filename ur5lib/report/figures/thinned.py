@@ -43,7 +43,9 @@ def _read(numbers: Path) -> pd.DataFrame:
 
 
 def _joints(every: pd.DataFrame, names: list[str]) -> Iterator[pd.DataFrame]:
-    """Yield the samples of each joint; names: new names of its columns."""
+    """Yield a table of samples for each joint; names: the words in the names of a figure's columns
+    that become the names of the table's columns.
+    """
     joint = 1
     while of_joint := [own for own in every if re.search(rf"joint {joint}\b", own)]:
         columns = {name: column for name in names for column in of_joint if name in column}

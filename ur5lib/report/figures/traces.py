@@ -213,7 +213,9 @@ def column_name(line: str, panel: str, unit: str) -> str:
 
 
 def _shaded(traces: Traces) -> list[tuple[Array, Array, Any, str]]:
-    """Return the times at which shaded stretches begin and end, with their style and name."""
+    """Return (times at which spans begin, times at which they end, style, name) of each kind of
+    shaded spans.
+    """
     time = traces.time
     gaps = np.flatnonzero(np.isnan(time[1:-1])) + 1
     shaded = [(time[gaps - 1], time[gaps + 1], GAP_STYLE, "gap")]
@@ -241,7 +243,9 @@ def decimate(time: Array, values: Array, points: int = MAX_DRAWN_POINTS) -> tupl
 
 
 def _envelope(time: Array, values: Array, size: int) -> tuple[Array, Array]:
-    """Decimate one stretch; the last bucket is filled with its last row."""
+    """Return the time and the values of one unbroken part, decimated as in `decimate`; the last
+    bucket is filled with its last row.
+    """
     if np.isnan(time[0]):
         return time, values
     missing = -len(time) % size

@@ -68,22 +68,26 @@ def packed_lines(path: str | Path) -> str:
 
 
 def _shut(edges: pd.DataFrame) -> Array:
-    """Return 1 where no contact is found, else 0 (N,): there, all bands are centred on zero."""
+    """Return 1 at samples at which no contact is found, where all bands are centred on zero, and 0
+    at others (N,).
+    """
     lower, upper = np.split(edges.to_numpy(float), 2, axis=1)
     shut: Array = (np.nan_to_num(lower + upper) == 0).all(axis=1) & np.isfinite(lower).any(axis=1)
     return shut.astype(float)
 
 
 def _line(label: str, name: str, panels: int) -> dict[str, Any]:
-    """Return colours and dashes of a line; lines in the joints' colours also differ by dashes."""
+    """Return label, colours and dashes of a line for the page's scripts; lines in the joints'
+    colours also differ by dashes.
+    """
     style = LINE_STYLES[name]
     dashes = JOINT_DASHES if len(style.colours) > 1 else style.dashes
     return {"label": label, "colours": style.colours[:panels], "dashes": dashes}
 
 
 def packed_scene(file: Path) -> str:
-    """Return a `Scene` packed: its fields, arrays over time as a column (`_column`) for each
-    component.
+    """Return the `Scene` in a file, packed for the page's scripts: its fields, arrays over time as
+    a column (`_column`) for each component.
     """
     scene = read_record(Scene, file)
     measured = {name: getattr(scene, name) for name in ("torque", "force", "std", "sensed")}

@@ -39,7 +39,8 @@ def run_crate(
 
     folder: with configuration.yaml, Snakefile and the results; used: files of devices and of the
     workspace's extensions, which are not copied but identified by checksum; citation: of the
-    software, as in CITATION.cff; checksums: known ones, so that these files are not read again.
+    software, as in CITATION.cff; checksums: SHA-256 of some used files by path, so that these are
+    not read again.
     """
     crate = ROCrate(version="1.1")
     crate.metadata.extra_terms["sha256"] = SHA256_TERM

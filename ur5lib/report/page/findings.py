@@ -15,7 +15,7 @@ PARTICULAR_WORD = re.compile(
 
 
 def group_findings(quality: pd.DataFrame, most: int | None = None) -> pd.DataFrame:
-    """Group findings of one kind in one row: counts summed, each meaning stated once.
+    """Return findings with those of one kind in one row: counts summed, each meaning stated once.
 
     quality: the detail of a finding begins with its place; most: number of named places of a
     meaning, None for all.
@@ -29,12 +29,12 @@ def group_findings(quality: pd.DataFrame, most: int | None = None) -> pd.DataFra
 
 
 def by_finding(quality: pd.DataFrame, most: int | None = MAX_NAMED_PLACES) -> pd.DataFrame:
-    """Group findings of all recordings, one row a finding, most serious first.
+    """Return the findings of all recordings with one row for each finding, the most serious first.
 
     Stop signs and errors keep one detail for each meaning (numbers and paths ignored) and for each
     run that several recordings contain. Other findings keep the detail of the recording with the
-    largest count; alike: whether all recordings have the same detail. recordings: a list; most: as
-    in `group_findings`.
+    largest count. The column `recordings` lists the recordings; `alike`: whether all of them have
+    the same detail; most: as in `group_findings`.
     """
     grouped = group_findings(quality, most).sort_values("count", ascending=False, kind="stable")
     general = grouped["detail"].str.replace(PARTICULAR_WORD, "…", regex=True)
@@ -55,7 +55,9 @@ def by_severity(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def _stated_once(findings: pd.DataFrame, most: int | None) -> str:
-    """Join the details of findings: each meaning once, with its places, `most` of them named."""
+    """Return the details of findings as one text: each meaning once, with its places, `most` of
+    them named.
+    """
     places: dict[str, dict[str, None]] = {}
     for place, detail in zip(findings["place"], findings["detail"], strict=True):
         named = places.setdefault(detail.removeprefix(f"{place}: "), {})
@@ -67,7 +69,7 @@ def _stated_once(findings: pd.DataFrame, most: int | None) -> str:
 
 
 def _listed(places: list[str], most: int | None) -> str:
-    """Join places; of more than `most`, the first ones and the number of others."""
+    """Return places as one text; of more than `most`, the first ones and the number of others."""
     named = places[:most]
     others = [f"{len(places) - len(named)} others"] if named[: len(places)] != places else []
     return "; ".join([*named, *others])

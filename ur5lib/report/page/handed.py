@@ -36,11 +36,13 @@ MOST_NAMED = 4  # recordings in a notice
 
 
 class AbsentTableError(KeyError):
-    """A table of a topic that the study does not have."""
+    """A table that is not among the study's tables, as one of a topic that the study does
+    not have.
+    """
 
 
 class Tables(dict[str, pd.DataFrame]):
-    """Tables by name."""
+    """Tables by name; one that is absent raises AbsentTableError."""
 
     def __missing__(self, name: str) -> pd.DataFrame:
         raise AbsentTableError(name)
@@ -60,7 +62,9 @@ def handed_over(results: Results, stated: Mapping[str, Any]) -> Iterator[Path]:
 
 @contextmanager
 def sources(data: Mapping[str, object], figures: Path = Path()) -> Iterator[Path]:
-    """Provide a folder with the sources of the page; data: contents of the JSON files, by name."""
+    """Provide a temporary folder with Typst's sources of the page and the data that they read;
+    data: contents of the JSON files, by name; figures: folder of the figures.
+    """
     with TemporaryDirectory() as folder:
         root = Path(folder)
         shutil.copy(SOURCES / "report.typ", root)  # the main file must not be a link
@@ -102,7 +106,7 @@ def _as_json(content: object) -> str:
 
 
 def rows_read() -> list[str]:
-    """Return the names of tables and views that the page's sources read."""
+    """Return the names of the tables and views that the page's sources ask for by `rows-of`."""
     return sorted({name for path in WORDS for name in ROWS.findall(path.read_text("utf-8"))})
 
 
@@ -127,7 +131,7 @@ def views() -> dict[str, ModuleType]:
 
 
 def study_data(results: Results) -> dict[str, Any]:
-    """Return the page's data on the whole study."""
+    """Return the data on the whole study that every page reads, under the key `study`."""
     study = results.study
     effort = results.effort._asdict()
     figures = dict(drawn_figures(results.figures))
@@ -190,7 +194,7 @@ def _scenes(figures: Path) -> set[str]:
 
 
 def drawn_figures(folder: Path) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield the figures with numbers, by path without suffix, and a description of their content.
+    """Yield (path without suffix, description of the content) of each figure that has numbers.
 
     lines, errors: labels; banded: the label with a band; pale, hidden, gaps: whether there are
     unfiltered lines, spans near a singularity, gaps of time; columns: all labels and columns of the
@@ -207,7 +211,9 @@ def drawn_figures(folder: Path) -> Iterator[tuple[str, dict[str, Any]]]:
 
 
 def shown(header: Sequence[str]) -> dict[str, Any]:
-    """Return the description of a figure's content from the header of its numbers."""
+    """Return the description of a figure's content, see `drawn_figures`, from the header of its
+    numbers.
+    """
     labels = [*dict.fromkeys(own[1] for own in map(LINE_COLUMN.fullmatch, header) if own)]
     errors = [label.removeprefix(ERROR) for label in labels if label.startswith(ERROR)]
     lines = [one for one in labels if one not in (*BAND_EDGES, UNFILTERED) and ERROR not in one]

@@ -45,7 +45,9 @@ def html_page(root: Path, page: str = "report") -> str:
 
 
 def report_and_details(root: Path) -> tuple[str, str]:
-    """Return the report and its supplement; the report leads to the sections of the latter."""
+    """Return the report and its supplement as HTML; the report has links to the sections of the
+    supplement.
+    """
     details = html_page(root, "details")
     known = json.dumps(SECTION.findall(details))
     (root / "data" / "supplement.json").write_text(known, encoding="utf-8")
@@ -59,13 +61,17 @@ def check_sources() -> None:
 
 
 def _with_lines(root: Path, path: str) -> str:
-    """Return the packed lines of a figure over time in a script element of data."""
+    """Return a script element that contains the packed lines of a figure over time, "" for other
+    figures.
+    """
     packed = closer.packed_lines(root / "figures" / f"{path}.svg")
     return f'<script type="text/plain">{packed}</script>' if packed else ""
 
 
 def _with_scene(root: Path, text: str, name: str) -> str:
-    """Return the packed scene of a recording's arm if a figure of the page shows it."""
+    """Return a script element that contains the packed scene of a recording's arm, "" if no figure
+    of the page shows it.
+    """
     if f'data-recording="{name}"' not in text:
         return ""
     packed = closer.packed_scene(root / "figures" / name / "scene.json")
@@ -113,12 +119,16 @@ def _hashes(text: str) -> list[str]:
 
 
 def pdf_document(root: Path) -> bytes:
-    """Return the report as PDF/UA-1."""
+    """Return the report as PDF/UA-1, from `report.typ`, whose `first-screen` begins the
+    first page.
+    """
     return _compiled(root, "report", "pdf", pdf_standards=["ua-1"])
 
 
 def said(root: Path, selector: str, page: str = "report") -> list[Any]:
-    """Return the values of a page under a label: <card>, <table>. Typst can query only the PDF."""
+    """Return the values that a page attaches to a label, such as <card> or <table>; selector: that
+    label. Typst can query only the PDF.
+    """
     options = _options(root, page, "pdf")
     return list(json.loads(typst.query(root / "report.typ", selector, field="value", **options)))
 
@@ -130,8 +140,8 @@ def _options(root: Path, page: str, target: str) -> dict[str, Any]:
 
 
 def _compiled(root: Path, page: str, target: str, **further: Any) -> bytes:
-    """Return a page in a format. Warnings are errors: Typst drops layout that HTML lacks, with its
-    content. Raises InputError.
+    """Return a page in a format, target: html or pdf. Raises InputError for an error in the
+    sources, and for a warning: Typst drops layout that HTML lacks, with its content.
     """
     options = _options(root, page, target) | {"format": target, "timestamp": 0} | further
     try:

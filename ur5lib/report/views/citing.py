@@ -6,7 +6,7 @@ from ur5lib.report.results import Results
 
 
 class Reference(NamedTuple):
-    """A paper that the methods rest on, by the key under which they cite it."""
+    """A paper that the report's paragraphs on the methods cite by `key`."""
 
     key: str
     author: tuple[str, ...]
@@ -55,5 +55,5 @@ CITED = (
 
 
 def cited(_: Results) -> list[dict[str, Any]]:
-    """Return the references of the methods."""
+    """Return the references that the paragraphs on the methods cite."""
     return [reference._asdict() for reference in CITED]

@@ -47,7 +47,9 @@ def judged(results: Results) -> pd.DataFrame:
 
 
 def found_anywhere(results: Results) -> pd.DataFrame:
-    """Return the contacts that the leading estimate finds on recordings with figures."""
+    """Return the contacts that the leading estimate finds on recordings with figures, with a sensor
+    or without.
+    """
     return results.rows("contacts", estimate=LEADING, recording=compared(results))
 
 
@@ -59,7 +61,9 @@ def force_errors(results: Results) -> pd.DataFrame:
 
 
 def classes(results: Results) -> pd.DataFrame:
-    """Return the numbers of found contacts by class of force, on recordings with a force sensor."""
+    """Return the numbers of contacts and of found ones by class of force, on recordings with a
+    force sensor.
+    """
     return results.rows("detection").dropna(subset="force_class_n")
 
 

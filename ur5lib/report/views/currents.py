@@ -26,7 +26,9 @@ def constants(results: Results) -> pd.DataFrame:
 
 
 def by_joint(results: Results) -> pd.DataFrame:
-    """Return constants and friction, with whether the constant of a joint may be used (`use`)."""
+    """Return the rows of `constants` with `constant_use` and `constant_reason`: whether the torque
+    constant of the same joint may be used, and why not.
+    """
     rows, key = constants(results), ["robot", "joint"]
     own = rows[rows["parameter"].isin(CONSTANTS)].set_index(key)[["use", "reason"]]
     return rows.join(own.add_prefix("constant_"), on=key)
@@ -70,7 +72,9 @@ def residual_by_position(results: Results) -> pd.DataFrame:
 def _of_arms(
     results: Results, figure: str, thinned: Callable[[Path], pd.DataFrame]
 ) -> pd.DataFrame:
-    """Return the numbers of a figure of each arm."""
+    """Return the numbers of each arm's figure, thinned, with the arm's name; thinned: function that
+    reads a file of numbers.
+    """
     paths = {robot: results.figures / robot / f"{figure}.csv" for robot in results.robots()}
     parts = [thinned(path).assign(robot=robot) for robot, path in paths.items()]
     return pd.concat([part for part in parts if len(part)] or [pd.DataFrame()])

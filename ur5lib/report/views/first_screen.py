@@ -18,7 +18,7 @@ def worst_force(results: Results) -> list[str]:
 
 
 def _figures(results: Results) -> Iterator[tuple[str, str]]:
-    """Yield figures and their recordings, the most informative first.
+    """Yield (kind of figure, recording), the most informative first.
 
     Forces with a sensor in contact; currents in motion, if possible without a load; torques in
     motion; forces without a sensor; currents of the fit.

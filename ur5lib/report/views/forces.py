@@ -12,7 +12,9 @@ REPORT_RANK = {
 
 
 def compared(results: Results) -> list[str]:
-    """Return recordings of topics, with a force sensor, then others with contact."""
+    """Return the recordings that the figures of forces show, in this order: those that topics ask
+    for, those with a force sensor, other searched ones of the role `contact`.
+    """
     touched = results.with_role("contact", searched(results)["recording"])
     beside = [*results.listed("force_mae"), *results.listed("sensed")]
     return results.shown([*shown_first(results, "force_mae"), *beside, *touched])
@@ -25,7 +27,7 @@ def with_moments(results: Results) -> list[str]:
 
 
 def searched(results: Results) -> pd.DataFrame:
-    """Return the detections by this study's estimates, without published ones."""
+    """Return the rows of detection.csv by this study's estimates, without published ones."""
     return results.rows("detection", estimate=GATED)
 
 

@@ -7,7 +7,9 @@ from ur5lib.report.topics import shown_first
 
 
 def compared(results: Results) -> list[str]:
-    """Return recordings with a table of torques: those of topics, and validate ones."""
+    """Return the recordings that the figures of torques show: those that topics ask for, then those
+    of the role `validate`; without any, one other with torque errors.
+    """
     judged = [*results.tables["torque_mae"].dropna(subset="mae")["recording"].unique()]
     others = results.with_role("validate", judged)
     first = shown_first(results, "torque_mae")

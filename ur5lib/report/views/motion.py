@@ -9,7 +9,9 @@ COMPONENTS = ("x", "y", "z", "rx", "ry", "rz")
 
 
 def drawn(results: Results) -> list[str]:
-    """Return the recordings with a drawn acceleration: those of topics, or the first."""
+    """Return the recordings that the figures of accelerations show: those that topics ask for, or
+    else the first with errors.
+    """
     first = results.shown(shown_first(results, "acceleration_mae"))
     return first or results.shown(results.listed("acceleration_mae"), 1)
 

@@ -13,7 +13,7 @@ LOST_FRAMES = "lost frames"
 
 
 def late(results: Results) -> list[str]:
-    """Return the recording that lost most frames, among those with figures."""
+    """Return in a list the recording that lost most frames, among those with figures."""
     lost = results.rows("quality", device="robot", finding=LOST_FRAMES)
     return results.shown([*lost.sort_values("count", ascending=False)["recording"]], 1)
 
@@ -54,14 +54,16 @@ def _kinds(quality: pd.DataFrame) -> pd.DataFrame:
 
 
 def gravest(results: Results) -> pd.DataFrame:
-    """Return `legend`, the recordings with the gravest findings and most lost frames first."""
+    """Return the rows of `legend`, first the recordings with the gravest findings and most lost
+    frames.
+    """
     keys = [*SEVERITIES[:-1], "lost_share"]
     return legend(results).sort_values(keys, ascending=False, kind="stable")
 
 
 def by_cause(results: Results) -> pd.DataFrame:
-    """Return the findings of all recordings by their cause, most serious first, each with the names
-    of its recordings.
+    """Return the findings with one row for each, most serious first, with the names of the
+    recordings concerned.
     """
     rows = by_finding(results.tables["quality"])
     return rows.assign(count=rows["recordings"].map(len))

@@ -97,7 +97,9 @@ def audit(
 def _explained(
     robot: Robot, signals: Signals, moved: ToolMotion, tool: Payload | None
 ) -> tuple[FreeReading, SensorErrors]:
-    """Fit the raw reading and the sensor's errors, iterating the tool's centre of mass."""
+    """Return the fit of the raw reading and the sensor's errors, with the centre of mass of the
+    tool found by iteration.
+    """
     assert signals.ft_raw_wrench is not None
     raw = in_frame_6(signals.ft_raw_wrench, robot)
     center = np.array(tool.center_of_mass) if tool else np.zeros(3)
@@ -114,8 +116,9 @@ def _explained(
 def _left_by_controller(
     signals: Signals, rotation: Array, moved: ToolMotion, weight: Array
 ) -> FreeReading | None:
-    """Fit the controller's force, axes of frame 6, at small accelerations of the tool; None if
-    these last less than MIN_FREE_DURATION.
+    """Return the fit of the controller's force, axes of frame 6, at small accelerations of the
+    tool: what the controller has not subtracted from the reading; None if these last less than
+    MIN_FREE_DURATION.
     """
     assert signals.actual_TCP_force is not None
     slow = np.linalg.norm(moved.pull - weight, axis=1) < MAX_INERTIAL_ACCELERATION
@@ -158,7 +161,9 @@ def _sensor_rows(
 
 
 def _shift_rows(reading: FreeReading, time: Array) -> Iterator[AuditRow]:
-    """Yield the mean shift of the reading from before to after a contact; needs two contacts."""
+    """Yield by how much the mean reading shifts from before to after a contact; nothing with fewer
+    than two contacts.
+    """
     shifts = shifts_after_contacts(reading, time)
     if len(shifts) > 1:
         error = shifts.std(axis=0, ddof=1) / np.sqrt(len(shifts))
@@ -203,8 +208,9 @@ def row(
 ) -> AuditRow:
     """Return a value with its 95 % interval and the verdict on it.
 
-    limit: smallest error that matters. wrong: |value - expected| > max(half interval, limit);
-    unknown: not wrong, but half interval > limit; right otherwise; "" without expected or limit.
+    std: of the value; expected: the right value, None if unknown; limit: smallest error that
+    matters. wrong: |value - expected| > max(half interval, limit); unknown: not wrong, but half
+    interval > limit; right otherwise; "" without expected or limit.
     """
     half, verdict = NORMAL95 * std, ""
     if expected is not None and limit is not None:

@@ -86,7 +86,7 @@ class SensorErrors:
 def fit_free_reading(
     reading: Array, pull: Array, spin: Array, time: Array, period: float, tool: Payload | None
 ) -> FreeReading:
-    """Fit the reading between contacts, which fill less than half of the time.
+    """Return the fit of the reading without contact; contacts must fill less than half of the time.
 
     reading: (N, 6) [N, Nm], NaN rows allowed; pull: p (N, 3) [m/s²], at the tool's centre of mass,
     and spin: α (N, 3) [rad/s²], axes of frame 6; time: (N,) [s]; period: [s]; tool: as declared.
@@ -154,7 +154,9 @@ def _expectation(tool: Payload | None) -> tuple[Array, Array]:
 
 
 def _terms(pull: Array, spin: Array, minutes: Array) -> Array:
-    """Return the regressor (N, 6, 39): response (18), bias, drift per minute (6), inertia (9)."""
+    """Return the regressor (N, 6, 39) of the reading, by columns: response (18), bias (6), drift
+    per minute (6), inertia (9).
+    """
     terms = np.zeros((len(pull), 6, 39))
     for component in range(6):
         terms[:, component, 3 * component : 3 * component + 3] = np.nan_to_num(pull)
@@ -233,7 +235,9 @@ def shifts_after_contacts(reading: FreeReading, time: Array) -> Array:
 
 
 def _mean_in(values: Array, time: Array, span: Array) -> Array:
-    """Return the mean (6,) of values (N, 6) in a span [s], NaN where a part of it is unknown."""
+    """Return the mean (6,) of values (N, 6) from the first to the second time of span (2,) [s], NaN
+    where a part of it is unknown.
+    """
     rows = (time >= span[0]) & (time <= span[1])
     if span[0] < time[0] or span[1] > time[-1]:
         return np.full(6, np.nan)

@@ -52,7 +52,7 @@ def _sensor(audit: AuditRows) -> Iterator[str]:
 
 
 def _turn(turn: pd.DataFrame) -> str:
-    """Return the verdict on the axes' turn against frame 6."""
+    """Return the verdict on the turn of the sensor's axes against frame 6, in a sentence."""
     verdicts, vector = {*turn["verdict"]}, _vector(turn["value"])
     if "unknown" in verdicts:
         return "the turn of its axes against frame 6 is undetermined by these orientations"
@@ -66,7 +66,7 @@ def _turn(turn: pd.DataFrame) -> str:
 
 
 def _judged(name: str, row: pd.Series) -> str:
-    """Return the verdict on one quantity along one axis."""
+    """Return the verdict on one quantity along one axis, in a sentence."""
     word, limit = JUDGED[name]
     judged = {
         "right": f"right within {limit}",
@@ -117,6 +117,6 @@ def _vector(values: pd.Series) -> str:
 
 
 def _with_error(row: pd.Series) -> str:
-    """Return a value with its standard error and its unit."""
+    """Return a value with its standard error and its unit, as text."""
     unit = "" if row.unit == "1" else f" {row.unit}"
     return f"{with_error(row.value, row.std_error)}{unit}"

@@ -8,8 +8,10 @@ from ur5lib.topics.compare.comparison import CHANGE_COLUMNS, compare, rows
 
 
 def compare_studies(own: list[Path], others: list[Path]) -> pd.DataFrame:
-    """Return what changed compared with other studies; own, others: tables of this study and of
-    these."""
+    """Return the comparisons of a study with other studies, as rows of changes.csv.
+
+    own: tables of this study; others: tables of the other studies.
+    """
     ours, theirs = ({path.parents[1]: None for path in paths} for paths in (own, others))
     found = [
         row

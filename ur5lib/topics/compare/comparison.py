@@ -49,7 +49,8 @@ class Comparison:
 
 
 def compare(before: Path, after: Path) -> list[Comparison]:
-    """Compare all numbers that the results of two studies, results/<study>, have in common.
+    """Return the comparisons of all numbers that two studies have in common; before, after: their
+    folders results/<study>.
 
     Raises InputError where a folder has no results.
     """
@@ -60,7 +61,7 @@ def compare(before: Path, after: Path) -> list[Comparison]:
 def compare_estimates(
     topic: str, rows: pd.DataFrame, names: Sequence[str], unit: Sequence[str]
 ) -> Iterator[Comparison]:
-    """Compare estimates by their 95 % intervals, as independent normal variables.
+    """Yield comparisons of estimates by their 95 % intervals, as independent normal variables.
 
     rows: one pair of estimates each, with columns `value` and `half` (half of the interval's width)
     that have the suffixes `_a` (before) and `_b` (after); names, unit: of each row. An estimate has
@@ -82,7 +83,7 @@ def _with_error(value: float, half: float, unit: str) -> str:
 
 
 def data(studies: StudyPair) -> Iterator[Comparison]:
-    """Compare the findings about the recordings' files, notes excepted."""
+    """Yield comparisons of the findings about the recordings' files, without notes."""
     counts: list[dict[str, int]] = []
     for study in studies:
         rows = _read(study, "quality", ["recording", "device", "finding", "severity"], ["count"])
@@ -94,7 +95,7 @@ def data(studies: StudyPair) -> Iterator[Comparison]:
 
 
 def model(studies: StudyPair) -> Iterator[Comparison]:
-    """Compare base parameters that the data determine, and rotor inertias."""
+    """Yield comparisons of base parameters that the data determine, and of rotor inertias."""
     rows = _determined(_both(studies, "parameters", "robot", "parameter", more=["std_error"]))
     names = [f"{r.robot}, {r.parameter}" for r in rows.itertuples()]
     rotors = _both(studies, "rotor_inertia", "robot", "joint", more=["std_error"])
@@ -105,7 +106,7 @@ def model(studies: StudyPair) -> Iterator[Comparison]:
 
 
 def friction(studies: StudyPair) -> Iterator[Comparison]:
-    """Compare torque constants, offsets and friction that the data determine."""
+    """Yield comparisons of torque constants, offsets and friction that the data determine."""
     rows = _determined(
         _both(studies, "friction", "robot", "joint", "parameter", more=["low", "high"])
     )
@@ -118,13 +119,13 @@ def friction(studies: StudyPair) -> Iterator[Comparison]:
 
 
 def payload(studies: StudyPair) -> Iterator[Comparison]:
-    """Compare the undeclared masses on the flange."""
+    """Yield comparisons of the undeclared masses on the flange."""
     rows = _by_std_error(_both(studies, "payload", "recording", value="mass", more=["std_error"]))
     return compare_estimates("payload", rows, [*rows["recording"]], ["kg"] * len(rows))
 
 
 def currents(studies: StudyPair) -> Iterator[Comparison]:
-    """Compare the errors of predicted currents, low-passed, which have no interval."""
+    """Yield comparisons of the errors of predicted currents, low-passed, which have no interval."""
     rows = _both(studies, "current_rmse", "model", "recording", "joint", value="rmse_lowpassed")
     for row in rows[rows["model"] == "fitted"].itertuples():
         low, high = sorted((row.value_a, row.value_b))
@@ -135,7 +136,9 @@ def currents(studies: StudyPair) -> Iterator[Comparison]:
 
 
 def force(studies: StudyPair) -> Iterator[Comparison]:
-    """Compare the errors of the leading estimate in contact by their intervals over contacts."""
+    """Yield comparisons of the leading estimate's errors in contact, by their intervals over
+    contacts.
+    """
     keys = "recording", "kind", "estimate", "during", "component"
     rows = _both(studies, "force_mae", *keys, value="mae", more=["mae_low", "mae_high"])
     compared = (rows["kind"] == "compensated") & (rows["estimate"] == LEADING)
@@ -160,7 +163,8 @@ TOPICS: dict[str, Callable[[StudyPair], Iterator[Comparison]]] = {
 def _both(
     studies: StudyPair, table: str, *keys: str, value: str = "value", more: Sequence[str] = ()
 ) -> pd.DataFrame:
-    """Return the common rows of a table, its columns with the suffixes _a (before) and _b.
+    """Return the rows that a table has in both studies, with the columns of the one before as
+    <name>_a and of the one after as <name>_b; keys: columns that identify a row.
 
     value: the column of what is compared, which becomes `value_a` and `value_b`; more: other
     columns of numbers. Raises as `_read`.
@@ -192,12 +196,16 @@ def _determined(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def _by_std_error(rows: pd.DataFrame) -> pd.DataFrame:
-    """Add half the width of the 95 % intervals, from `std_error`."""
+    """Return rows with the column `half`, half the width of the 95 % intervals, from
+    `std_error`.
+    """
     return rows.assign(**{f"half_{side}": NORMAL95 * rows[f"std_error_{side}"] for side in "ab"})
 
 
 def _by_interval(rows: pd.DataFrame, low: str, high: str) -> pd.DataFrame:
-    """Add half the width of the 95 % intervals, from their ends."""
+    """Return rows with the column `half`, half the width of the 95 % intervals, from the columns of
+    their ends.
+    """
     width = {side: rows[f"{high}_{side}"] - rows[f"{low}_{side}"] for side in "ab"}
     return rows.assign(half_a=width["a"] / 2, half_b=width["b"] / 2)
 

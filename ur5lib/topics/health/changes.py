@@ -55,8 +55,9 @@ class DatedSeries:
     """A quantity on n dates, all arrays (n,).
 
     day: the dates, ascending, in days; value, std_error: in any unit; std_error is the error within
-    a date, the variation from date to date is estimated; covariate: None if unknown;
-    group: labels; dates of different groups may differ systematically; None for one group.
+    a date, the variation from date to date is estimated; covariate: another quantity that may
+    explain changes, such as the temperature, None if unknown; group: labels; dates of different
+    groups may differ systematically; None for one group.
     """
 
     day: Array
@@ -211,8 +212,8 @@ def _chance(
 ) -> float:
     """Return the chance that noise (B, n) alone gives log odds of a further change ≥ `observed`.
 
-    The larger of two: with noise according to the weights, and with equal noise on all dates. The
-    simulation stops once the chance exceeds the level.
+    The returned chance is the larger of two: with noise according to the weights, and with equal
+    noise on all dates. The simulation stops once the chance exceeds the level.
     """
     alike = noise * problem.base[:, 0]
     above = np.ones(2)
@@ -271,7 +272,9 @@ def _log_likelihood(columns: Array, rows: Array, correlation: float) -> Array:
 
 
 def _any_change(log_odds: Array) -> Array:
-    """Return log odds (B,) of any change; see `_likeliest_change`."""
+    """Return log odds (B,) of a change of any kind against none; see `_likeliest_change` for the
+    prior.
+    """
     jumps = _log_sum(log_odds[:, 1:].T) - np.log(log_odds.shape[1] - 1)
     return np.asarray(np.logaddexp(log_odds[:, 0], jumps))
 
@@ -335,7 +338,9 @@ def _change(
     place: int,
     chance: float,
 ) -> Change:
-    """Return the change `place` of the chosen ones; all their sizes are fitted together."""
+    """Return the change with index `chosen[place]`; the sizes of all chosen changes are fitted
+    together.
+    """
     columns = problem.columns(chosen)
     value, std_error, freedom = _generalised_least_squares(columns, problem.value)
     column = problem.base.shape[1] + place

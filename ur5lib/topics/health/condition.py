@@ -46,7 +46,9 @@ def joint_conditions(record: CurrentSamples, smooth: Smooth, fit: CurrentFit) ->
 
 
 def _motion_estimates(moving: JointSamples, joint: JointFit) -> Estimates:
-    """Return offset, friction and torque constant of samples in motion, with standard errors."""
+    """Return value and standard error of offset, friction and torque constant, from samples in
+    motion.
+    """
     torque, fitted_columns = moving.columns[:, 0], moving.columns[:, [*FITTED_COLUMNS.values()]]
     current = moving.current - _held_current_of_fit(moving, joint)
     inverse = joint.estimate.coefficients[0]
@@ -75,7 +77,9 @@ def _held_current_of_fit(samples: JointSamples, joint: JointFit) -> Array:
 def _fitted_coefficients(
     columns: Array, target: Array, samples: JointSamples
 ) -> tuple[Array, Array]:
-    """Return coefficients (P,) and their standard errors; NaN where they are not determined."""
+    """Return the coefficients (P,) of columns (n, P) fitted to a target (n,), and their standard
+    errors (P,); NaN where they are not determined.
+    """
     size = columns.shape[1]
     if len(target) < MIN_SAMPLES or np.linalg.matrix_rank(columns) < size:
         return np.full(size, np.nan), np.full(size, np.nan)

@@ -84,7 +84,7 @@ def _panel(axis: Axes, rows: pd.DataFrame) -> None:
 
 
 def _place(day: str) -> float:
-    """Return the place of a date on an axis."""
+    """Return the position of a date on the axis of time."""
     return float(date2num(date.fromisoformat(day)))
 
 

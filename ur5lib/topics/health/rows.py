@@ -28,8 +28,9 @@ class Checkup:
 class Condition:
     """A row of health.csv: a quantity of a joint on a date (ISO 8601), with its standard error.
 
-    temperature_c: of the motor [°C]; group: dates on which the arm moved along the same paths. None
-    in `lost_frames`, a share of all frames.
+    temperature_c: of the motor [°C]; group: number of the group of dates on which the arm moved
+    along the same paths. A row of the quantity `lost_frames`, a share of all frames, has only a
+    date and a value.
     """
 
     date: str
@@ -63,7 +64,9 @@ class JointChange:
 
 @dataclass(frozen=True)
 class Health:
-    """Each quantity by date, and its changes; empty with too few dates."""
+    """The rows of health.csv (each quantity by date) and of health_changes.csv of an arm; empty
+    with too few dates.
+    """
 
     dates: list[Condition] = field(default_factory=list)
     changes: list[JointChange] = field(default_factory=list)

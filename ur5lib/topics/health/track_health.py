@@ -57,7 +57,8 @@ def health_of(checkups: Sequence[Checkup], paths: Iterable[PathStates]) -> Healt
 def _by_date(checkups: Sequence[Checkup], paths: Labels) -> Iterator[Condition]:
     """Yield value and standard error of each quantity on each date, ascending.
 
-    group: dates on which the arm moved along the same paths; friction and noise depend on them.
+    paths: label of the path of each checkup. Dates with the same paths form a `group`, as friction
+    and noise depend on the path.
     """
     days = defaultdict(list)
     for place in sorted(range(len(checkups)), key=lambda place: checkups[place].date):
@@ -84,7 +85,8 @@ def _on_date(checkups: Sequence[Checkup], day: str, group: int) -> Iterator[Cond
 def together(value: Array, std_error: Array) -> tuple[float, float]:
     """Return the weighted mean of a date's recordings (n,) and its standard error.
 
-    The standard error is the larger of two: from the stated errors, and from the scatter.
+    value, std_error: of the recordings (n,). The standard error is the larger of two: from the
+    stated errors, and from the scatter.
     """
     weight = 1 / np.maximum(std_error, 1e-9 * np.abs(value) + 1e-300) ** 2
     mean = float(weight @ value / weight.sum())
@@ -108,7 +110,9 @@ def _changes(rows: Sequence[Condition]) -> Iterator[JointChange]:
 
 
 def _series(rows: Sequence[Condition]) -> DatedSeries:
-    """Return a quantity on all dates; temperature is its covariate if every date has one."""
+    """Return a quantity on all dates, from its rows of health.csv; the temperature is its covariate
+    if every date has one.
+    """
     day = np.array([date.fromisoformat(row.date).toordinal() for row in rows], dtype=float)
     value, error = (
         np.array([getattr(row, name) for row in rows]) for name in ("value", "std_error")

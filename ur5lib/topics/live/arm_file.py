@@ -70,7 +70,7 @@ def carried(study: StudyFiles, recording: str) -> Payload | None:
 
 
 def _pushes(study: StudyFiles, robot: str) -> Iterator[dict[str, Any]]:
-    """Yield the smallest pushes that the estimator finds, by motion and axis."""
+    """Yield the smallest pushes that the live estimator finds, by motion and axis."""
     if "live_pushes" in study.tables:  # results of earlier versions lack it
         rows = study.table("live_pushes").query("robot == @robot")
         yield from (
@@ -79,7 +79,9 @@ def _pushes(study: StudyFiles, robot: str) -> Iterator[dict[str, Any]]:
 
 
 def _judged(study: StudyFiles, entries: list[Recording]) -> Iterator[dict[str, Any]]:
-    """Yield the estimator's results on recordings from which nothing was learnt."""
+    """Yield for each recording from which the estimator learnt nothing its role, alarms, minutes,
+    known share of time, and RMSE in contact.
+    """
     for entry in entries:
         folder = study.folder / "recordings" / entry.name
         path = folder / "live_forces.parquet"

@@ -20,7 +20,9 @@ Format = Callable[["StudyFiles | None", str, str, str], str]
 
 
 def arm_file(study: "StudyFiles | None", robot: str, as_in: str, accept: str) -> str:
-    """Return an arm's file, with the user's reason if verdicts are overruled."""
+    """Return an arm's file for the live estimator, with the user's reason if verdicts are
+    overruled.
+    """
     from ur5lib.commands.overruled import overruled  # slow to import
     from ur5lib.errors import InputError
     from ur5lib.tables import json_text
@@ -41,7 +43,7 @@ def arm_file(study: "StudyFiles | None", robot: str, as_in: str, accept: str) ->
 
 
 def _text(name: str, *_: object) -> str:
-    """Return the text of a file of the estimator."""
+    """Return the text of a file of the live estimator, by its name."""
     return Path(__file__).with_name(name).read_text(encoding="utf-8")
 
 

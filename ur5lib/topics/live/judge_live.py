@@ -35,8 +35,8 @@ def judge_live(
     roles: dict[str, str],
     dates: dict[str, str],
 ) -> JudgedLive:
-    """Return the number of found contacts, and the false alarms on recordings without contact and
-    without an undeclared load.
+    """Return the verdicts on an arm's live estimator: the number of found contacts, and the false
+    alarms on recordings without contact and without an undeclared load.
 
     detection: live_detection.csv by recording; roles, dates (ISO 8601, empty where unknown): of the
     recordings.
@@ -67,15 +67,17 @@ def _day(stated: str) -> date | None:
 
 
 def _time(counts: "pd.Series[Any]", duration: float) -> dict[str, Any]:
-    """Return the duration of a recording [min], the minutes with a decision on contact, and the
-    number of alarms.
+    """Return a recording's duration [min], the minutes in which the estimator decides on contact,
+    and the number of alarms, by name.
     """
     known, alarms = 1 - counts["unknown"], counts["alarms_per_min"]
     return {"duration": duration, "minutes": known * duration, "alarms": alarms * duration}
 
 
 def _false_alarms(rows: pd.DataFrame) -> Iterator[LiveFalseAlarms]:
-    """Yield the false alarms by role and days."""
+    """Yield the false alarms by role (fit, validate) and days (all, without a fit recording,
+    farthest from one).
+    """
     for role in ("validate", "fit"):
         for when, part in of_days(rows[rows["role"] == role]):
             unknown = 1 - part["minutes"].sum() / part["duration"].sum()
@@ -89,12 +91,14 @@ def _false_alarms(rows: pd.DataFrame) -> Iterator[LiveFalseAlarms]:
 
 
 def _of_contacts(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the row of contacts from 5 N on at a sensor; empty without such contacts."""
+    """Return the row of live_detection.csv for contacts of at least 5 N at a sensor; empty without
+    such contacts.
+    """
     return rows[(rows["force_class_n"] == CONTACT_FORCE) & (rows["contacts"] > 0)]
 
 
 def _found(detection: Iterable[pd.DataFrame]) -> Iterator[dict[str, Any]]:
-    """Yield the number of found contacts from 5 N on at a sensor."""
+    """Yield the number of found contacts of at least 5 N at a sensor, as fields of a verdict."""
     rows = [*map(_of_contacts, detection)]
     count, of = (sum(int(own[name].sum()) for own in rows) for name in ("found", "contacts"))
     if of:
@@ -104,7 +108,9 @@ def _found(detection: Iterable[pd.DataFrame]) -> Iterator[dict[str, Any]]:
 def _beside_contacts(
     detection: Mapping[str, pd.DataFrame], minutes: Mapping[str, float]
 ) -> Iterator[dict[str, Any]]:
-    """Yield the number of false alarms on recordings with contacts at a sensor."""
+    """Yield the number of false alarms on recordings with contacts at a sensor, as fields of a
+    verdict.
+    """
     rates_of = {
         name: own["false_alarms_per_min"].iloc[0]
         for name, rows in detection.items()

@@ -39,11 +39,12 @@ NEXT, LAST = np.array([1, 2, 0]), np.array([2, 0, 1])  # a × b = a[NEXT] b[LAST
 
 
 class Answer(NamedTuple):
-    """What is stated after a sample.
+    """The estimator's answer to a sample: the wrench, its standard deviation, and whether there is
+    a contact.
 
     wrench: [F, n] (6,) [N, Nm], the environment acting on the arm, base axes, at the origin of the
-    last frame; std: its standard deviation (6,); contact: "contact", "suspected", "free" or
-    "unknown"; while one is suspected, both are the last that were sure.
+    last frame; std: (6,); contact: "contact", "suspected", "free" or "unknown"; while a contact is
+    only suspected, wrench and std are those of the last sample without suspicion.
     """
 
     wrench: Array
@@ -52,8 +53,11 @@ class Answer(NamedTuple):
 
 
 class Sweep(NamedTuple):
-    """p = M q̇ (..., n) [Nm s], Cᵀ q̇ - g (..., n) [Nm], Jacobian (..., 6, n) of the place where
-    contacts are assumed, and that place (..., 3) [m] from the last frame's origin, base axes.
+    """What one sweep along the arm yields for positions and velocities (...).
+
+    momentum: p = M q̇ (..., n) [Nm s]; rate: Cᵀ q̇ - g (..., n) [Nm]; jacobian: (..., 6, n), of the
+    place where contacts are assumed; place: (..., 3) [m], that place seen from the last frame's
+    origin, base axes.
     """
 
     momentum: Array
@@ -107,7 +111,9 @@ class Live:
         return cls(read_arm(Path(path).read_text(encoding="utf-8")))
 
     def restart(self) -> None:
-        """Forget the run: where the arm was, its contact, friction and background."""
+        """Forget all that was learnt since the start: where the arm was, its contact, friction and
+        background.
+        """
         n = len(self.mass)
         self.time, self.passed, self.run = np.nan, 0.0, 0.0  # [s]
         self.q, self.qd, self.lag, self.momentum, self.rate, self.observed = np.zeros((6, n))
@@ -120,7 +126,9 @@ class Live:
         self.answer = Answer(np.zeros(6), self.sizes.max(axis=0), UNKNOWN)
 
     def start(self, time: float) -> None:
-        """Begin a run: its first sample counts as fast, of little evidence, and suspected."""
+        """Begin a run at a time [s], as if all joints had just been fast, the evidence low, and a
+        contact suspected.
+        """
         self.time = self.started = self.below_at = self.suspected_at = time
         self.fast_at, self.slow_at = np.full((2, len(self.mass)), [[time], [-np.inf]])
 
@@ -163,7 +171,7 @@ class Live:
         return bool(passed >= self.set["least_step"] and (np.abs(q - self.q) <= most).all())
 
     def possible(self, time: Any, q: Array, current: Array, qd: Array) -> Any:
-        """Return whether samples (...) may be of this arm."""
+        """Return whether samples (...) are in the range of what this arm can show."""
         usual = (np.abs(time) < 1e12) & (np.abs(q) < self.set["turns"]).all(axis=-1)
         usual &= (np.abs(current) <= self.set["margin"] * self.strongest).all(axis=-1)
         return usual & (np.abs(qd) <= self.set["margin"] * self.fastest).all(axis=-1)
@@ -174,7 +182,7 @@ class Live:
         return moves & ((q == last_q).all(axis=-1) | (current == last).all(axis=-1))
 
     def _take(self, time: float, q: Array, qd: Array | None, current: Array) -> None:
-        """Take a usable sample."""
+        """Update the state by a usable sample, and give the answer to it."""
         first = bool(np.isnan(self.time))
         if first:
             self.start(time)
@@ -281,7 +289,7 @@ class Live:
         return np.where(waits, UNMOVED, state)
 
     def _judge(self, jacobian: Array, place: Array) -> None:
-        """State the wrench, its deviation, and whether there is a contact."""
+        """Set the answer: the wrench, its deviation, and whether there is a contact."""
         slow = self.drift + self.scale * self.friction
         self.torque = self.observed - np.where(self.state >= STILL, self.rest, slow)
         sensed = self.torque, self.state, self.qd
@@ -321,7 +329,8 @@ class Live:
         return np.linalg.norm(wrench[..., :3], axis=-1) > self.set["large"] * self.set["typical"]
 
     def shifts(self, shift: Array, pull: Array) -> tuple[Any, Any]:
-        """Return whether a joint moved, and one that its motor does not pull that way.
+        """Return whether any joint moved, and whether one moved without a pull of its motor in that
+        direction.
 
         shift: (..., n) [rad] of a resting arm, within a fraction of a second; pull: external torque
         (..., n) [Nm] before. A joint that its motor pulls to breakaway creeps, or hunts.
@@ -348,7 +357,7 @@ class Live:
         self, torque: Array, state: Any, qd: Array, jacobian: Array, place: Array
     ) -> Weighed:
         """Return the wrench and its deviation (..., 6), the evidence (...) of a contact, and
-        whether the joints are blind to a large force along some axis.
+        whether the joints would not notice even a large force along some axis.
         """
         own, unseen = (state, self.joint), np.maximum(np.abs(qd) / self.fastest, 1.0)
         variance = (self.noise[own] * unseen) ** 2
@@ -393,7 +402,9 @@ class Live:
         return -misfit / 2, mean, np.diagonal(covariance, axis1=-2, axis2=-1)
 
     def _learn(self) -> None:
-        """Follow the run's friction and background where nothing suggests a contact."""
+        """Adapt the run's friction and background to a sample, unless a contact is suspected or was
+        until shortly before.
+        """
         if self.answer.contact == CONTACT or self.evidence > self.set["freeze"]:
             self.suspected_at = self.time
         if self.time - self.suspected_at < self.set["thaw"]:

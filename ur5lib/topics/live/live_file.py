@@ -86,7 +86,9 @@ BANDWIDTH = CONSTANTS["gain"] / (2 * np.pi)  # Hz
 
 @dataclass(frozen=True)
 class LiveFit:
-    """live.json: the result of `learned`, empty without a fit; refused: why no force is stated."""
+    """live.json: what the live estimator learnt of an arm, the result of `learned`, empty without a
+    fit; refused: why no force is stated.
+    """
 
     known: dict[str, Any] = field(default_factory=dict)
     refused: Remark | None = None

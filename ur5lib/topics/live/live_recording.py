@@ -35,12 +35,15 @@ class Followed(NamedTuple):
     state: Any
 
     def alarms(self) -> list[tuple[int, int]]:
-        """Return the stretches in contact."""
+        """Return (first, last) rows of each contact; last is exclusive."""
         return [(first, last) for first, last in runs(self.contact).tolist()]
 
 
 class Sensed(NamedTuple):
-    """Quantities that depend only on measured samples, (M, ...); observed, friction: [Nm]."""
+    """Quantities of M samples that depend only on what was measured, not on what was learnt.
+
+    (M, ...) each; observed, friction: [Nm].
+    """
 
     time: Array
     passed: Array
@@ -61,8 +64,9 @@ class Sensed(NamedTuple):
 
 
 def follow(arm: Mapping[str, Any], run: Measured) -> Followed:
-    """Return the answers to a recording. An unusable sample repeats the last answer; after more
-    than `max_gap` s of them, it gets that of a fresh start.
+    """Return the estimator's answers to a recording; arm: its file. An unusable sample repeats the
+    last answer; after more than `max_gap` s of such samples, the answer is that of an estimator
+    that has just started.
     """
     estimator = LiveRecording(arm)
     rows, restarts = estimator.used(run)
@@ -81,7 +85,7 @@ def follow(arm: Mapping[str, Any], run: Measured) -> Followed:
 
 
 def _nothing(estimator: Live) -> Followed:
-    """Return the answer of a fresh start."""
+    """Return the answer of an estimator that has just started, as one row."""
     wrench, std, _ = estimator.answer
     nothing, joints = np.zeros(1, bool), np.zeros((1, len(estimator.mass)))
     return Followed(
@@ -180,7 +184,9 @@ class LiveRecording(Live):
         return found
 
     def _judged(self, part: Sensed, learns: bool) -> Followed:
-        """Return the answers up to the first suspected sample, or all if nothing is learnt."""
+        """Return the answers to samples up to the first that is in contact or suspected; to all
+        samples if nothing is learnt.
+        """
         rested = self._rested(part, learns)
         before = np.array(rested[:-1])[:, None]
         state = self.states(part.slow_for, part.slow_ago, before, part.reach)
@@ -227,7 +233,9 @@ class LiveRecording(Live):
     def _felt(
         self, part: Sensed, state: Any, pull: Array
     ) -> tuple[Mask, list[tuple[float, float]]]:
-        """Return whether encoders feel a contact (M,), since when, and when joints moved last."""
+        """Return whether encoders feel a contact at each sample (M,), and at each sample the times
+        [s] since when they do and when joints moved last.
+        """
         moved, pushed = self.shifts(part.shift, pull)
         rests = (state == STILL).all(axis=1)
         felt, since = [], []
@@ -239,7 +247,9 @@ class LiveRecording(Live):
         return np.array(felt), since
 
     def _rested(self, part: Sensed, learns: bool) -> list[float]:
-        """Return the time [s] at rest before each sample, and after the last (M + 1)."""
+        """Return the time (M + 1,) [s] that the arm has rested before each sample, and after the
+        last.
+        """
         rested = [self.rested]
         for still, passed in zip(part.at_rest, part.passed, strict=True):
             rested[-1] *= bool(still)
@@ -275,7 +285,9 @@ class LiveRecording(Live):
             before = torque
 
     def _contacts(self, part: Sensed, evidence: Array) -> tuple[Mask, Mask]:
-        """Return whether samples (M,) are in contact, and whether they are doubtful."""
+        """Return whether each sample (M,) is in a contact, and whether the evidence of a contact
+        does not count at it, so that the answer may be unknown.
+        """
         doubtful = part.time - self.started < self.set["settle"]
         doubtful |= self.is_fast(part.qd)
         low = np.where(evidence < self.threshold, part.time, -np.inf)

@@ -45,7 +45,9 @@ def outlooks(results: Results) -> Iterator[Outlook]:
 
 
 def _rests(results: Results, robot: str) -> bool:
-    """Return whether all contact recordings of an arm declare a span at rest before contacts."""
+    """Return whether every contact recording of an arm declares a span in which nothing touches the
+    resting arm.
+    """
     arms, entries = results.arms(), results.study["recordings"]
     own = [one for one in entries if arms[one["name"]] == robot and one["role"] == "contact"]
     return bool(own) and all(one.get("untouched") for one in own)

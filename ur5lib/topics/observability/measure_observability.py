@@ -42,14 +42,18 @@ def measure_observability(
 
 
 class Judged(NamedTuple):
-    """Speeds |q̇| (n, 6) [rad/s] of joints, and |error| / half-width of the 95 % band (n, 6)."""
+    """The errors of predicted currents on a recording, by the speed of the joints.
+
+    speed: |q̇| (n, 6) [rad/s]; of_band: |error| / half-width of the 95 % band (n, 6).
+    """
 
     speed: Array
     of_band: Array
 
 
 def judged(motion: Motion, currents: Currents, fit: CurrentFit) -> Judged:
-    """Return |τ_ext / k| / half-width of the current's band, on a contact-free recording.
+    """Return the speeds and errors of predicted currents on a contact-free recording, the errors as
+    |τ_ext / k| / half-width of the band.
 
     fit: without the recording's path, with torque constants k; τ_ext / k is the current's error.
     """

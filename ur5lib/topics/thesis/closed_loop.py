@@ -63,7 +63,9 @@ def gain_summary(
 
 
 def best(joints: list[JointGains]) -> Gains:
-    """Return the gains of least cost, for a simulation; the data determine only their ranges."""
+    """Return the gains of least cost of each joint, for a simulation; the data determine only their
+    ranges.
+    """
     position = np.array([joint.position.best for joint in joints])
     return position, np.array([joint.velocity.best for joint in joints])
 

@@ -86,7 +86,7 @@ def tracking_cost(
 
 
 def estimate_gains(tracking: Tracking) -> list[JointGains]:
-    """Estimate the gains of each joint by nonlinear least squares (2.84), with 95 % ranges.
+    """Return the gains of each joint by nonlinear least squares (2.84), with 95 % ranges.
 
     Natural frequencies are searched from one radian over the longest stretch up to Nyquist's,
     critically damped (2.74). Least squares start from the deepest local minima of a grid in the
@@ -113,7 +113,7 @@ class _LoopStep(NamedTuple):
 
 
 def _step(position_gain: Array | float, velocity_gain: Array | float, period: float) -> _LoopStep:
-    """Discretise q̈ = u - K0 q - K1 q̇ over one period with linear u (Van Loan 1978)."""
+    """Return q̈ = u - K0 q - K1 q̇ discretised over one period with linear u (Van Loan 1978)."""
     # d/dt [q, q̇, u, Δu] = G [q, q̇, u, Δu], with u' = Δu / T
     generator = np.zeros((*np.shape(position_gain), 4, 4))
     generator[..., :2, 1:3] = np.eye(2)
@@ -150,7 +150,10 @@ def _run(step: _LoopStep, drive: Array, start: Array) -> Array:
 
 @dataclass(frozen=True)
 class _JointLoop:
-    """One joint's recording. stretches: (5, K): target q, q̇, q̈, measured q, q̇; period: [s]."""
+    """The control loop of one joint in a recording.
+
+    stretches: unbroken parts, (5, K) each: target q, q̇, q̈, measured q, q̇; period: [s].
+    """
 
     stretches: list[Array]
     period: float
@@ -226,7 +229,7 @@ class _JointLoop:
 
 
 def _joints(tracking: Tracking) -> list[_JointLoop]:
-    """Split the recording by joint and into its complete stretches.
+    """Return the recording by joint, each in parts without gaps.
 
     A long one keeps only the parts in which a joint's target accelerates most.
     """
@@ -249,7 +252,8 @@ def _joints(tracking: Tracking) -> list[_JointLoop]:
 
 
 def _accelerated_most(stretches: list[slice], acceleration: Array, enough: int) -> list[slice]:
-    """Return all stretches, or the parts with the largest accelerations if they are too long.
+    """Return all unbroken parts of a recording, or those pieces of them with the largest
+    accelerations if they are too long.
 
     acceleration: (N,), of the target; enough: largest number of samples, in all and of a part.
     """
@@ -273,7 +277,7 @@ def _cost(errors: Array, noise: Array) -> float:
 
 
 def _estimate(joint: _JointLoop) -> JointGains:
-    """Estimate both gains of one joint and their 95 % ranges."""
+    """Return both gains of one joint with their 95 % ranges."""
     grid = joint.grid()
     # the errors of a joint that follows its target exactly
     stiff = np.concatenate([stretch[3:] - stretch[:2] for stretch in joint.stretches], axis=1)

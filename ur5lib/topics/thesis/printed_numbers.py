@@ -60,7 +60,9 @@ def _beside(
     row: str,
     by_erratum: Mapping[int, Array],
 ) -> Iterator[dict[str, object]]:
-    """Yield the numbers of one published row; a single one is compared with the largest of six."""
+    """Yield a row for each number of one published row, compared with ours; a single number is
+    compared with the largest of six.
+    """
     printed = dict(table.values)[row]
     rebuilt = _found(table.rebuilt, tables, table.recording, row)
     right = _found(table.right, tables, table.recording, row)

@@ -44,7 +44,9 @@ def _no_force(results: Results, recording: str) -> pd.DataFrame:
 def _beside_zero(
     results: Results, table: str, recording: str, zero: "pd.Series[float]"
 ) -> pd.DataFrame:
-    """Return the printed and rebuilt numbers of a table with the error of zero, by number."""
+    """Return the printed and rebuilt numbers of a table, with the error of an estimate of zero in
+    `zero_rebuilt`; zero: that error, by joint or component.
+    """
     rows = results.rows("printed", table=table, recording=recording)
     return rows.assign(zero_rebuilt=rows["number"].astype(str).map(zero.rename(index=str)))
 
@@ -90,7 +92,9 @@ def rebuilt(results: Results, recording: str) -> pd.DataFrame:
 
 
 def _by_sign(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return two rows for each row, one for k and one for b."""
+    """Return rows twice, with `parameter` and `sign`: once with `value` and `std_error` of the
+    constant k, once with those of the offset b.
+    """
     parts = [
         rows.assign(
             sign=sign, parameter=name, value=rows[name], std_error=rows[f"{name}_std_error"]
@@ -260,7 +264,7 @@ def above_threshold(results: Results) -> pd.DataFrame:
 
 
 def _together(parts: Iterable[pd.DataFrame]) -> pd.DataFrame:
-    """Return the rows of all views, empty without views."""
+    """Return the rows of several views as one table, an empty one if there are no views."""
     return pd.concat([pd.DataFrame(), *parts])
 
 

@@ -49,7 +49,8 @@ class CurrentTorque(NamedTuple):
 
 
 def current_torque(robot: Robot, signals: Signals, torques: Torques) -> CurrentTorque | None:
-    """Return measured currents and modelled torques as the thesis plots them.
+    """Return a recording's measured currents and modelled torques, as Figures 6.1 and 6.2 of the
+    thesis plot them.
 
     None for an arm without published friction, and where currents or targets were not recorded.
     """

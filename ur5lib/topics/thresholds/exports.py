@@ -17,7 +17,7 @@ Format = Callable[["StudyFiles | None", str, str, str], str]
 
 
 def as_json(study: "StudyFiles | None", robot: str, as_in: str, accept: str) -> str:
-    """Return the thresholds of an arm, with the reason if verdicts are overruled."""
+    """Return the thresholds of an arm as JSON, with the reason if verdicts are overruled."""
     from ur5lib.commands.overruled import overruled  # slow to import
     from ur5lib.tables import json_text
     from ur5lib.topics.thresholds.torque_thresholds import thresholds_of
@@ -28,7 +28,9 @@ def as_json(study: "StudyFiles | None", robot: str, as_in: str, accept: str) -> 
 
 
 def as_script(study: "StudyFiles | None", robot: str, as_in: str, accept: str) -> str:
-    """Return a function of URScript. Raises InputError for an arm that is no UR."""
+    """Return the thresholds of an arm as a function of URScript. Raises InputError for an arm that
+    is no UR.
+    """
     from ur5lib.commands.overruled import overruled
     from ur5lib.errors import InputError
     from ur5lib.topics.thresholds.torque_thresholds import thresholds_of

@@ -26,8 +26,9 @@ UNITS = "Nm, rad/s, rad/s^2; joints from 1; rates: share of samples, of each joi
 
 
 class Free(NamedTuple):
-    """Samples without contact of a recording, each (N, n): |τ_ext| [Nm], NaN where unknown, |q̇|
-    [rad/s], |q̈| [rad/s²].
+    """The samples of a recording without contact, (N, n) each.
+
+    torque: |τ_ext| [Nm], NaN where unknown; speed: |q̇| [rad/s]; acceleration: |q̈| [rad/s²].
     """
 
     torque: Array
@@ -40,10 +41,10 @@ class Thresholds:
     """Thresholds of an arm of n joints [Nm].
 
     edges: (3, n) [rad/s], lower edges of the speed classes rest, slow, fast; by_speed: of each
-    level, (3, n); accelerating: (n,) [rad/s²], the edge between nominal motion and acceleration;
-    nominal, acceleration: of each level, (n,), below and above this edge; counts: (3, n), samples;
-    left_out: of each level, the share beyond thresholds from the other recordings, over all and on
-    the worst recording, NaN with a single recording.
+    level, (3, n); accelerating: (n,) [rad/s²], from which on motion counts as acceleration, below
+    it as nominal; nominal, acceleration: of each level, (n,), below and above this edge; counts:
+    (3, n), samples; left_out: of each level, the share beyond thresholds from the other recordings,
+    over all and on the worst recording, NaN with a single recording.
     """
 
     robot: str

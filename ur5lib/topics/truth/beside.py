@@ -32,7 +32,7 @@ def rows(
 ) -> list[Row]:
     """Return a row for each joint, axis, component or device of `index`.
 
-    Other arguments: one value for all rows, or a value for each.
+    unit, truth, estimate, and each of `more`: one value for all rows, or a value for each.
     """
     columns = {"quantity": quantity, "index": [*index], "unit": unit, "truth": truth}
     return pd.DataFrame(columns | {"estimate": estimate} | more).to_dict("records")
@@ -73,7 +73,8 @@ def errors(
 
 
 def clock_rows(clocks: Mapping[str, ClockRelation], truth: TrueParameters) -> Iterator[Row]:
-    """Yield offset [s] and drift [ppm] of each device.
+    """Yield estimated offset [s] and drift [ppm] of each device's clock, compared with the true
+    ones.
 
     Sensors aligned by the host's stamps use the robot's clock: their drift has no truth.
     """
@@ -88,7 +89,9 @@ def clock_rows(clocks: Mapping[str, ClockRelation], truth: TrueParameters) -> It
 
 
 def wrench_rows(forces: Forces, truth: Truth) -> Iterator[Row]:
-    """Yield RMSE, MAE and coverage of the 95 % band of each estimate."""
+    """Yield RMSE, MAE and coverage of the 95 % band of each estimated wrench, compared with the
+    true one.
+    """
     true, of_wrench = truth.wrench, (WRENCH, WRENCH_UNITS)
     zero = mean_absolute_error(np.zeros_like(true), true)
     for method, estimate in forces.wrench.items():
@@ -101,7 +104,7 @@ def wrench_rows(forces: Forces, truth: Truth) -> Iterator[Row]:
 
 
 def rotor_rows(rotors: Rotors, truth: Sequence[float]) -> Iterator[Row]:
-    """Yield rotor inertias; truth: (n,) [kg m²].
+    """Yield estimated rotor inertias, compared with the true ones; truth: (n,) [kg m²].
 
     Standard errors: jackknife over recordings, or over JACKKNIFE_PARTS of a single one.
     """
@@ -112,7 +115,8 @@ def rotor_rows(rotors: Rotors, truth: Sequence[float]) -> Iterator[Row]:
 
 
 def imu_rows(calibration: ImuCalibration, imu: Imu) -> Iterator[Row]:
-    """Yield mounting, tilt of the base, gyroscope bias and place of the IMU.
+    """Yield estimated mounting, tilt of the base, gyroscope bias and place of the IMU, compared
+    with the true ones.
 
     imu: as simulated, at the described place.
     """
@@ -128,7 +132,8 @@ def imu_rows(calibration: ImuCalibration, imu: Imu) -> Iterator[Row]:
 
 
 def friction_rows(friction: Friction, drive: TrueDrive, true: Mapping[str, Array]) -> Iterator[Row]:
-    """Yield torque constants and friction; true: simulated parameters by name.
+    """Yield estimated torque constants and friction, compared with the true ones; true: simulated
+    parameters by name.
 
     within95 uses the reported intervals (Student's t for few recordings). Fitted terms that the
     test stand's friction does not have are left out.

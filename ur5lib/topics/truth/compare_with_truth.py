@@ -75,7 +75,9 @@ def compare_with_truth(
 def arm_rows(
     arm: ArmFits, calibration: Mapping[str, ImuCalibration], truths: Truths
 ) -> Iterator[Row]:
-    """Yield rows about parameters fitted to several recordings with a common truth."""
+    """Yield the rows that compare the parameters fitted to several recordings with their common
+    truth.
+    """
     robot = arm.described
 
     def true_rotors(truth: TrueParameters) -> Sequence[float]:
@@ -106,7 +108,9 @@ def recording_rows(
     samples: Truth,
     lowpass: Butterworth,
 ) -> Iterator[Row]:
-    """Yield rows about one recording; lowpass: of the accelerations."""
+    """Yield the rows that compare the estimates from one recording with its truth; lowpass: of the
+    accelerations.
+    """
     motion, fused, robot = recording.motion, recording.fused, arm.described
     true = samples.at(motion.time)
     exact = point_acceleration(robot, true.q, true.qd, true.qdd, np.array(robot.mounting.imu))

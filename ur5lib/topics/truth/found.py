@@ -12,9 +12,10 @@ LEVEL = 0.95  # stated intervals contain the truth with this probability
 
 
 class Count(NamedTuple):
-    """The number of stated intervals that contain the truth, and the number expected of `values`.
+    """How many of the intervals that a study states contain the truth, and how many should.
 
-    chance: one-sided p-value for independent values; too: wide or narrow, if the chance is small.
+    values: number of intervals; chance: one-sided p-value for independent values; too: wide or
+    narrow, if the chance is small.
     """
 
     values: int
