@@ -45,8 +45,10 @@ Gravity = tuple[float, ...]  # [m/s²], base frame
 
 
 class Cause(NamedTuple):
-    """An explanation of the efforts that is better than the declared one, and by how much, as its
-    check counts it. means, arm: as they would be under it.
+    """A change of what is declared that explains the efforts better, with its finding.
+
+    gain: by how much better, in the measure of the check that found it; means, arm: block means and
+    arm after the change.
     """
 
     finding: Finding
@@ -62,22 +64,26 @@ def likeliest(causes: Iterable[Cause]) -> Iterator[Finding]:
 
 
 def of_measured(means: BlockMeans) -> BlockMeans:
-    """Return the means with the measured effort as the only one."""
+    """Return the means with the measured effort as the only one, without its target."""
     return means.with_efforts(means.effort)
 
 
 def gains_of_arms(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> dict[str, float]:
-    """Return how much likelier others arms are, of as many joints."""
+    """Return, by name, by how much the log-likelihood of the efforts is larger with the gravity of
+    each of `others` than with that of `arm`; all have the same number of joints.
+    """
     order = in_order(arm)
     (declared,) = readings(means, [arm], [order])
     return {one.arm: one.score - declared.score for one in readings(means, others, [order])}
 
 
 def foreign_mountings(means: BlockMeans, arm: Robot, brakes: bool, drives: bool) -> Iterator[Cause]:
-    """Find the mountings under which gravity explains the currents far better, if there are any.
+    """Yield one cause that names the mountings under which gravity explains the currents far better
+    than under the declared one, if there are any.
 
-    Gravity from the other side looks like currents of the opposite sign; friction distinguishes the
-    two. arm: with what it carries; brakes, drives: whether friction does so on a joint.
+    Gravity from the opposite side looks like currents of the opposite sign; friction distinguishes
+    the two. arm: with what it carries; brakes: whether friction brakes the motion of a joint, as it
+    should; drives: whether it would drive that of a joint, which shows a wrong sign.
     """
     gains = gains_of_mountings(means, arm)
     least = max(MIN_LEAD_OF_ARM, MIN_SHARE_OF_LARGEST_GAIN * max(gains.values(), default=0.0))
@@ -91,7 +97,9 @@ def foreign_mountings(means: BlockMeans, arm: Robot, brakes: bool, drives: bool)
 
 
 def _other_mounting(likely: Sequence[Gravity], by_sign: bool, measured: Effort) -> Finding:
-    """Return the stop sign of mountings that fit; by_sign: the opposite sign would, too."""
+    """Return the stop sign that names the mountings that fit; by_sign: whether currents of the
+    opposite sign would explain gravity as well.
+    """
     causes = " or ".join(map(mounting_as_cause, likely))
     if not by_sign:
         detail = (
@@ -118,7 +126,10 @@ def robots_as_cause(names: Iterable[str]) -> list[str]:
 
 
 def gains_of_mountings(means: BlockMeans, arm: Robot) -> dict[Gravity, float]:
-    """Return how much likelier other mountings are that the torque constants confirm."""
+    """Return by how much the log-likelihood is larger under each other mounting than under the
+    declared one, the largest first. Mountings under which a torque constant is far from the maker's
+    are left out.
+    """
     shown = {gravity: torque_constants(means, arm.mounted(gravity)) for gravity in MOUNTINGS}
     confirmed = [one for one, its in shown.items() if its.ratio and not its.foreign()]
     declared, *likelihoods = (
@@ -131,9 +142,10 @@ def gains_of_mountings(means: BlockMeans, arm: Robot) -> dict[Gravity, float]:
 
 @dataclass(frozen=True)
 class Constants:
-    """Torque constants by gravity, as multiples of the maker's, by joint from 0.
+    """Torque constants that the balance with gravity shows, in multiples of the maker's, by joint
+    from 0.
 
-    low, high: with all that their errors allow; known: the maker's [Nm/A].
+    low, high: their bounds by all errors; known: the maker's constants [Nm/A] of all joints.
     """
 
     ratio: Mapping[int, float]
@@ -142,21 +154,23 @@ class Constants:
     known: Sequence[float]
 
     def foreign(self) -> dict[int, float]:
-        """Return the ratios of the joints with foreign constants."""
+        """Return the ratios of the joints where both bounds are beyond MAX_CONSTANT_RATIO or its
+        inverse.
+        """
         low, high = 1 / MAX_CONSTANT_RATIO, MAX_CONSTANT_RATIO
         joints = (j for j in self.ratio if self.high[j] < low or self.low[j] > high)
         return {joint: self.ratio[joint] for joint in joints}
 
     def away(self, joint: int) -> float:
-        """Return how far a constant is from the maker's, as a logarithm."""
+        """Return the size of the logarithm of a joint's ratio to the maker's constant."""
         return abs(math.log(self.ratio[joint]))
 
 
 def torque_constants(means: BlockMeans, arm: Robot, name: str = "") -> Constants:
-    """Return the torque constants by gravity of the joints that bear something.
+    """Return the torque constants of the joints that bear gravity, by the currents that balance it.
 
-    At rest, friction may carry a part of gravity; name: of the channel with the efforts, by default
-    the measured one.
+    The bounds of a joint at rest are wider: friction may carry a part of gravity. name: the channel
+    of the efforts, empty for the measured one.
     """
     efforts = means.currents[name] if name else means.effort
     gravity, moves = means.gravity(arm), moving_joints(means)
@@ -179,7 +193,8 @@ def foreign_constants(
 ) -> Iterator[Finding]:
     """Find torque constants that are not those of the arm's motors.
 
-    Small ones may be a load, which the fit finds in recordings that are not fitted.
+    fitted: whether the recording has the role `fit`; in others, constants below the maker's are no
+    finding: they may be a load, which a run estimates.
     """
     by_gravity = torque_constants(means, arm)
     off = {joint: ratio for joint, ratio in by_gravity.foreign().items() if fitted or ratio > 1}
@@ -208,7 +223,9 @@ def foreign_constant(
 
 
 def fitting_arms(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> list[str]:
-    """Return the other arms that the currents do not exclude: by gravity and torque constants."""
+    """Return the names of the other arms that the currents exclude neither by likelihood nor by
+    torque constants.
+    """
     gains = gains_of_arms(of_measured(means), arm, others)
     likely = [one for one in others if gains[one.name] > -MIN_LEAD_OF_ARM]
     alike = (one.name for one in likely if not torque_constants(means, one).foreign())

@@ -29,13 +29,14 @@ ALL = slice(None)
 
 @dataclass(frozen=True)
 class BlockMeans:
-    """Means over M blocks of a recording.
+    """Means of a recording's channels over M blocks.
 
     q, qd, qdd: (M, 6) [rad, rad/s, rad/s²]; torque: `target_moment` (M, 6) [Nm], None if it was not
-    recorded; currents: `target_current` and `actual_current` (M, 6) [A], as far as recorded, or
-    `actual_torque` [Nm]; offset: whether each may have an offset, so that only their changes are
-    evidence; independent: errors per block that count as independent; time: (M,) of their starts
-    [s], and segment: (M,) labels, None where they are no blocks of a recording.
+    recorded; currents: efforts (M, 6) by channel, as far as recorded: `target_current` and
+    `actual_current` [A], or `actual_torque` [Nm]; offset: whether each effort may have a constant
+    offset, so that only its changes are evidence; independent: number of independent errors per
+    block; time: when the blocks start (M,) [s], and segment: their labels (M,); both None for
+    postures and for a part of the blocks.
     """
 
     q: Array
@@ -49,7 +50,7 @@ class BlockMeans:
     segment: Labels | None = None
 
     def part(self, rows: Labels | slice = ALL, columns: Sequence[int] | slice = ALL) -> Self:
-        """Return the means of some blocks, and of the joints in an order of their columns.
+        """Return the means of some blocks (rows), with the joints in another order (columns).
 
         They have no `torque`, `time` and `segment`.
         """
@@ -80,22 +81,27 @@ class BlockMeans:
         return gravity_torque(arm, arm.chosen_model, self.q)
 
     def beside_inertia(self, torque: Array) -> Array:
-        """Return the part of torques (M, 6) that accelerations do not explain."""
+        """Return what a least-squares fit of the accelerations leaves of torques (M, 6)."""
         return torque - self.qdd @ np.linalg.lstsq(self.qdd, torque, rcond=None)[0]
 
     def log_likelihood(self, variance: Array) -> Array:
-        """Return the log-likelihoods of errors of these mean squares, as far as independent."""
+        """Return the log-likelihoods of errors with these mean squares, of which only `independent`
+        per block count.
+        """
         return -len(self.q) * self.independent / 2 * np.log(variance)
 
     def friction(self, joint: int) -> Array:
-        """Return dry and viscous friction (M, 2) of joint 0 to 5, each up to a factor."""
+        """Return columns (M, 2) of dry and viscous friction of a joint, from 0, for coefficients to
+        be fitted.
+        """
         qd = self.qd[:, joint]
         return np.column_stack([np.tanh(qd / FULL_FRICTION_SPEED), qd])
 
     def rubbing(self, joint: int) -> Mask:
-        """Return the blocks (M,) in which joint 0 to 5 moves, all where these are few.
+        """Return in which blocks (M,) a joint, from 0, moves; all blocks if it moves in few.
 
-        At rest, its friction may have any part of its size, which one long pause adds to a slope.
+        At rest, its friction may have any part of its size, so that one long pause would change a
+        fitted slope.
         """
         moves = np.abs(self.qd[:, joint]) > FULL_FRICTION_SPEED
         return moves if moves.sum() >= MIN_RUBBING else np.ones_like(moves)
@@ -107,7 +113,9 @@ class BlockMeans:
         return bool(abs(one @ other) > least > 0)
 
     def without_gravity(self, joint: int, accelerations: Array) -> Array:
-        """Return the columns (M, n) of friction, inertia and, if there is one, an offset."""
+        """Return the regression columns (M, n) of a joint's effort other than gravity: friction,
+        the accelerations and, if `offset`, a constant.
+        """
         offset = np.ones((len(self.q), int(self.offset)))
         return np.column_stack([self.friction(joint), accelerations, offset])
 
@@ -115,7 +123,8 @@ class BlockMeans:
 def block_means(
     robot: pd.DataFrame, period: float, currents: Sequence[str] = EFFORT_CHANNELS
 ) -> BlockMeans:
-    """Return the means over blocks without a split, mostly of received frames.
+    """Return the means over blocks within one segment, of which at most MAX_SHARE_FILLED is
+    interpolated.
 
     robot: repaired, on a uniform grid with this period [s]; currents: channels of efforts.
     """
@@ -142,9 +151,9 @@ def size(values: Array) -> float:
 
 
 def combination(columns: Array, values: Array, weights: Sequence[float]) -> tuple[float, float]:
-    """Return a weighted sum of least-squares coefficients, and its standard error.
+    """Return a weighted sum of the first least-squares coefficients, and its standard error.
 
-    columns: (M, n) over blocks; values: (M,); weights: of the first coefficients.
+    columns: (M, n) over blocks; values: (M,); weights: one for each of the first coefficients.
     """
     inverse = np.linalg.pinv(columns)
     solution, weight = inverse @ values, np.asarray(weights)
@@ -154,9 +163,10 @@ def combination(columns: Array, values: Array, weights: Sequence[float]) -> tupl
 
 
 def fitted_load(columns: Array, torque: Array) -> tuple[float, float]:
-    """Return the mass [kg] of a load by least squares, and the size of what it does not explain.
+    """Return the mass [kg] of a load by least squares, and the norm of the torque that it leaves.
 
-    columns: (n, 4), as `statics.load_torque` has them; torque: (n,), both to one scale.
+    columns: (n, 4), as `statics.load_torque` returns them; torque: (n,); both divided by the same
+    scale.
     """
     prior = FIRST_MOMENT_PRIOR * len(columns) * np.diag([0.0, 1.0, 1.0, 1.0])
     load = np.linalg.solve(columns.T @ columns + prior, columns.T @ torque)
@@ -164,7 +174,9 @@ def fitted_load(columns: Array, torque: Array) -> tuple[float, float]:
 
 
 def _blocks(robot: pd.DataFrame, channels: list[Array], length: int) -> Labels:
-    """Return the rows (M, n) of the blocks."""
+    """Return the row numbers (M, length) of the blocks that are finite, within one segment and
+    mostly received; length: in rows, at least 3.
+    """
     length = max(3, length)
     rows = np.arange(len(robot) // length * length).reshape(-1, length)
     segment, filled = (robot[name].to_numpy()[rows] for name in ("segment", "interpolated"))

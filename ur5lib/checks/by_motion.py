@@ -66,7 +66,9 @@ MIN_BLOCKS = (
 
 
 class Limits(NamedTuple):
-    """Leads from which on an explanation is likelier: by the declared links, and by any."""
+    """The leads from which on an explanation counts as likelier: with the declared links, and with
+    any links.
+    """
 
     by_links: float
     by_any_links: float
@@ -78,29 +80,34 @@ OF_ALIKE = Limits(MIN_LEAD_OF_ALIKE, np.inf)
 
 
 class MotionChecks:
-    """Checks of an arm's efforts by its motion, with what it carries."""
+    """Checks of an arm's efforts by its whole motion: which arm, order of joints, signs and load
+    explain them best. The arm is one with what it carries.
+    """
 
     def __init__(self, means: BlockMeans, arm: Robot, rubs: bool) -> None:
-        """Take the means of blocks; rubs: whether friction brakes what the efforts drive."""
+        """Take the means over blocks; rubs: whether friction brakes what the efforts drive."""
         self.means, self.arm, self.rubs = means, arm, rubs
         self.motion = WholeMotion(means, arm)
         self.moving = np.flatnonzero(moving_joints(means)).tolist()
 
     @cached_property
     def declared(self) -> Explained:
-        """Return how well the efforts are explained as they are."""
+        """Return how well the declared links, and any links, explain the efforts as recorded."""
         return self.motion.explained()
 
     @cached_property
     def exchanged_efforts(self) -> dict[Pair, Explained]:
-        """Return how well efforts are explained with those of two moving joints exchanged."""
+        """Return, by pair of moving joints, how well the efforts are explained with those of the
+        two exchanged.
+        """
         torque, pairs = self.motion.torque, combinations(self.moving, 2)
         return {pair: self.motion.explained(torque[:, self._order(pair)]) for pair in pairs}
 
     @cached_property
     def exchanged_joints(self) -> dict[Pair, Explained]:
-        """Return how well efforts are explained with all channels of two moving joints
-        exchanged."""
+        """Return, by pair of moving joints, how well the efforts are explained with all channels of
+        the two exchanged.
+        """
         return {
             pair: WholeMotion(self.means.part(columns=self._order(pair)), self.arm).explained()
             for pair in combinations(self.moving, 2)
@@ -108,14 +115,17 @@ class MotionChecks:
 
     @cached_property
     def turned(self) -> dict[int, Explained]:
-        """Return how well efforts are explained with the opposite sign on a moving joint."""
+        """Return, by moving joint, how well the efforts are explained with the opposite sign on
+        that joint.
+        """
         torque = self.motion.torque
         return {j: self.motion.explained(torque * self._signs([j])) for j in self.moving}
 
     @cached_property
     def friction(self) -> dict[int, float]:
-        """Return the friction of joints that move, from 0, at their usual speed, in standard
-        errors: the larger of the values fitted with the declared links and with any links.
+        """Return the friction of moving joints, from 0, at their usual speed, in standard errors:
+        the larger of the values fitted with the declared links and with any links. It is negative
+        where friction would drive the motion.
         """
         if not self.rubs:
             return {}
@@ -131,19 +141,23 @@ class MotionChecks:
         return [j for j, own in self.friction.items() if own < -MIN_ERRORS_OF_FRICTION]
 
     def gain(self, other: Explained) -> float:
-        """Return by how much another explanation of all joints leads that as declared."""
+        """Return by how much `other` misses less than the declared explanation, as the mean over
+        all joints of logarithms of mean squares.
+        """
         return lead(other.by_known, self.declared.by_known, self.motion.joints).size
 
     def gain_of_arm(self, arm: Robot) -> float:
-        """Return by how much all efforts are better explained by another arm or mounting."""
+        """Return the `gain` of another arm, or of this one with another mounting."""
         return self.gain(WholeMotion(self.means, arm).explained())
 
     def gain_of_opposite(self) -> float:
-        """Return by how much all efforts are better explained with the opposite sign."""
+        """Return the `gain` of the opposite sign on all efforts."""
         return self.gain(self.motion.explained(-self.motion.torque))
 
     def exchanges_of_joints(self) -> Iterator[Cause]:
-        """Yield pairs of joints that explain the efforts better with all channels exchanged."""
+        """Yield a cause for each pair of joints that explain the efforts better with all channels
+        exchanged.
+        """
         if len(self.means.q) < MIN_BLOCKS:
             return
         for pair, other in self.exchanged_joints.items():
@@ -159,7 +173,9 @@ class MotionChecks:
                 yield Cause(finding, self.gain(other), means, self.arm)
 
     def exchanges_of_efforts(self) -> Iterator[Cause]:
-        """Yield pairs of joints where each one's motion explains the other's efforts better."""
+        """Yield a cause for each pair of joints where the motion of each explains the other's
+        efforts better.
+        """
         for pair, other in self.exchanged_efforts.items():
             if have_exchanged_efforts(other, self.declared, pair):
                 efforts = self.means.effort[:, self._order(pair)]
@@ -168,9 +184,12 @@ class MotionChecks:
                 yield Cause(finding, self.gain(other), means, self.arm)
 
     def turned_by_links(self) -> Iterator[Cause]:
-        """Yield the joints where the declared links explain the turned efforts better. Where the
-        links are unknown, yield the one joint with which, turned, any links explain the efforts of
-        all joints best. Joints where friction brakes without a turn are left out.
+        """Yield one cause with the joints where the declared links explain efforts of the opposite
+        sign better.
+
+        If the links are unknown, it has the one joint with which any links then explain the efforts
+        of all joints best. Joints where friction brakes the motion have the right sign and are left
+        out.
         """
         braked = self.braked()
         others = {j: own for j, own in self.turned.items() if j not in braked}
@@ -184,14 +203,17 @@ class MotionChecks:
             yield Cause(self._as_turned(joints, by_links=True), self.gain(other), means, self.arm)
 
     def turned_by_friction(self) -> Iterator[Finding]:
-        """Find efforts in which friction drives the motion instead of braking it."""
+        """Find joints where friction, by the sign of the efforts, drives the motion instead of
+        braking it.
+        """
         if joints := self.driven_by_friction():
             yield self._as_turned(joints, by_links=False)
 
     def weak_currents(self) -> Iterator[Finding]:
-        """Find a current of a UR's motor that is too small for its load: gears add no torque.
+        """Find the current of a UR's motor that is too small for the gravity that it balances.
 
-        Where any links explain the joint far better, the description is in doubt instead.
+        It is no finding where any links explain the joint far better: then, its description is in
+        doubt.
         """
         if not self.arm.has_ur_motors() or not self.arm.tells_gravity():
             return
@@ -211,8 +233,8 @@ class MotionChecks:
                 yield foreign_constant(joint, shown.ratio[joint], shown.known[joint], self.arm)
 
     def scaled_current(self) -> Iterator[Finding]:
-        """Find a current of a UR's motor that is too small compared with those of other joints that
-        bear something: a warning, since any links would explain it, too.
+        """Warn of a current of a UR's motor that is too small compared with those of other joints
+        that bear gravity. It is no stop sign, since any links would explain it, too.
         """
         if not self.arm.has_ur_motors() or not self.arm.tells_gravity():
             return
@@ -232,7 +254,7 @@ class MotionChecks:
                 yield Finding("robot", code, "warning", 1, detail, code=code, joints=joints)
 
     def undeclared_load(self) -> Iterator[Finding]:
-        """Find a load that a UR's currents alone show, where no targets do: a warning."""
+        """Warn of a load that the currents of a UR show, if no target currents were recorded."""
         if not self.arm.has_ur_motors() or TARGET_CURRENT in self.means.currents:
             return
         mass, error, ahead = self.motion.load()
@@ -246,8 +268,9 @@ class MotionChecks:
             yield Finding("robot", "undeclared load", "warning", 1, detail, code="undeclared load")
 
     def other_arms(self, others: Sequence[Robot]) -> Iterator[Cause]:
-        """Yield the arm that explains the efforts best, also if each carried any load, and name
-        those that do so almost as well; others: under the load that this one carries.
+        """Yield one cause with the other arm that explains the efforts best, also if both carried
+        any load, and the arms that explain them almost as well. others: with the load that this arm
+        carries.
         """
         ahead = {arm.name: own for arm in others if (own := self._lead_of_arm(arm)) is not None}
         tells = len(self.moving) >= MIN_MOVING_JOINTS and len(self.means.q) >= MIN_BLOCKS
@@ -264,7 +287,9 @@ class MotionChecks:
             yield Cause(finding, ahead[first], self.means, best)
 
     def _lead_of_arm(self, arm: Robot) -> float | None:
-        """Return by how much another arm explains the efforts better, None where it does not."""
+        """Return by how much another arm explains the efforts better; None if it does not do so
+        both with the declared load and with any load.
+        """
         other = WholeMotion(self.motion.means, arm)
         its = other.in_units_of(self.arm, other.explained().by_known)
         bare = lead(its, self.declared.by_known, self.moving)
@@ -276,7 +301,7 @@ class MotionChecks:
 
     @cached_property
     def with_any_load(self) -> Misfit:
-        """Return what the declared links miss with any load."""
+        """Return the misfit of the declared links with any load on the flange."""
         return self.motion.with_any_load()
 
     def tells_order(self, pair: Pair) -> bool:
@@ -290,8 +315,8 @@ class MotionChecks:
         return own is not None and have_exchanged_efforts(self.declared, own, pair)
 
     def tells_sign(self, joint: int) -> bool:
-        """Return whether the opposite sign of a joint's effort would be noticed, also where all are
-        turned, which unknown links do not show.
+        """Return whether the opposite sign of a joint's effort would be noticed, even if all
+        efforts had it, which unknown links would not show.
         """
         braked = self.braked()
         if joint in braked:
@@ -301,7 +326,9 @@ class MotionChecks:
         return known and own is not None and is_turned(self.declared, own, joint)
 
     def _as_turned(self, joints: list[int], by_links: bool) -> Finding:
-        """Return the stop sign of turned efforts; by_links: by these, or by friction."""
+        """Return the stop sign of efforts with the opposite sign on some joints, from 0; by_links:
+        whether the links show it, otherwise friction does.
+        """
         if self.arm.measured == CURRENT:
             why = (
                 "with its sign turned, the motion explains the currents far better"
@@ -333,13 +360,16 @@ class MotionChecks:
         return self.gain(self.turned[joint])
 
     def _order(self, pair: Pair) -> list[int]:
-        """Return the columns of all joints, of which those of two are exchanged."""
+        """Return the columns of all joints, with those of a pair exchanged."""
         return [*exchanged_order(in_order(self.arm), *pair)]
 
 
 def is_likelier(other: Explained, first: Explained, joints: Sequence[int], least: Limits) -> bool:
-    """Return whether one explanation is likelier than a first, by some joints from 0: the declared
-    links say so and any links are not against, or, where nobody knows links, any say so.
+    """Return whether `other` explains the efforts of some joints, from 0, better than `first`: by
+    the declared links, if any links do not contradict it; where the links are unknown, by any
+    links.
+
+    least: the smallest leads that count.
     """
     if other.by_links is None or first.by_links is None:
         return _leads(lead(other.by_any_links, first.by_any_links, joints), least.by_any_links)
@@ -349,22 +379,26 @@ def is_likelier(other: Explained, first: Explained, joints: Sequence[int], least
 
 
 def have_exchanged_efforts(other: Explained, first: Explained, pair: Pair) -> bool:
-    """Return whether two joints with their efforts exchanged are likelier."""
+    """Return whether `other`, with the efforts of a pair of joints exchanged, is likelier than
+    `first`.
+    """
     limits = OF_ALIKE if are_alike(first.motion, pair) else OF_EFFORTS
     return is_likelier(other, first, pair, limits)
 
 
 def are_alike(motion: WholeMotion, pair: Pair) -> bool:
-    """Return whether only the described links could distinguish two joints, and nobody vouches for
-    them.
+    """Return whether two joints move alike, so that only the described links distinguish them, and
+    the arm is no UR, of which the links are certain.
     """
     return motion.means.move_alike(pair) and not motion.arm.has_ur_motors()
 
 
 def are_exchanged(other: Explained, first: Explained, pair: Pair) -> bool:
-    """Return whether two joints with all channels exchanged are likelier: clearly so by the
-    declared links, or by these and any links alike. All joints' torques must be likelier, too, as
-    they depend on the postures of both.
+    """Return whether `other`, with all channels of a pair of joints exchanged, is likelier than
+    `first`.
+
+    It is so clearly by the declared links, or both by these and by any links. The torques of all
+    joints must be likelier, too, as they depend on the postures of both.
     """
     if not _leads(lead(other.by_known, first.by_known, first.motion.joints), 0.0):
         return False
@@ -379,9 +413,10 @@ def are_exchanged(other: Explained, first: Explained, pair: Pair) -> bool:
 
 
 def is_turned(other: Explained, first: Explained, joint: int) -> bool:
-    """Return whether the opposite sign of a joint, from 0, is likelier: by declared links for its
-    own effort, by any links for the efforts of all joints, which depend on each other. It must be
-    clearly so for a joint that moves as another does.
+    """Return whether `other`, with the opposite sign on a joint from 0, is likelier than `first`.
+
+    Declared links are judged by the joint's own effort, any links by the efforts of all joints,
+    which depend on each other. The limit is higher for a joint that moves as another one does.
     """
     joints = first.motion.joints
     alike = any(are_alike(first.motion, (joint, one)) for one in joints if one != joint)

@@ -117,7 +117,8 @@ def _moved(q: Array) -> Mask:
 
 
 def too_short(segment: Labels, period: float, cutoff: float) -> list[Finding]:
-    """Return a warning where no stretch is long enough for low-passed currents, and thus forces.
+    """Return a warning if no part without a gap is long enough to low-pass currents and estimate
+    forces.
 
     segment: (N,) labels; period: [s]; cutoff: of the low-pass of the currents [Hz].
     """
@@ -138,7 +139,8 @@ def fast_between_samples(
 ) -> list[Finding]:
     """Return a warning of the joints of a slow log that move faster than its samples resolve.
 
-    q: (N, n) [rad]; segment: (N,) labels; velocity_max: faster steps are no motion [rad/s].
+    q: (N, n) [rad]; segment: (N,) labels; velocity_max: of the joints [rad/s]; faster steps are
+    jumps and no motion.
     """
     fast = _untold_joints(q, segment, period, velocity_max, MAX_MISSED_SHARE)
     if not fast or any(untold_motion(q, segment, period, velocity_max)):
@@ -154,8 +156,10 @@ def fast_between_samples(
 def untold_motion(
     q: Array, segment: Labels, period: float, velocity_max: Sequence[float]
 ) -> Iterator[Finding]:
-    """Find joints with accelerations that the samples of a slow log do not resolve; arguments as
-    above."""
+    """Find joints of a slow log with accelerations that its samples do not resolve: a stop sign.
+
+    Arguments as of `fast_between_samples`.
+    """
     if joints := _untold_joints(q, segment, period, velocity_max, MAX_UNTOLD_SHARE):
         detail = (
             f"samples {number(period, 'g')} s apart do not tell the motion of {numbered(joints)} "
@@ -168,7 +172,7 @@ def untold_motion(
 def _untold_joints(
     q: Array, segment: Labels, period: float, velocity_max: Sequence[float], share: float
 ) -> list[int]:
-    """Return the joints, from 1, where the samples miss more than a share of the curvature.
+    """Return the joints, from 1, where the samples miss more than `share` of the curvature.
 
     A spline through every second sample misses the one between by little where it follows the
     motion, and by as much as a straight line where it does not.
@@ -190,10 +194,12 @@ def _untold_joints(
 def slow_samples(
     q: Array, segment: Labels, period: float, cutoff: float, of_fit: float | None = None
 ) -> list[Finding]:
-    """Return a note on a moving joint's currents that are too few for a low-pass to average.
+    """Return a note on currents of a moving joint with too few samples for the low-pass to average
+    noise.
 
-    It is a warning where those of the recordings to fit are not: their bands lack that noise. q:
-    (N, n) [rad]; segment: (N,) labels; cutoff: [Hz]; of_fit: longest period of the fit [s].
+    If recordings were fitted, it is a warning where their samples come faster, since their bands
+    lack that noise, and nothing elsewhere. q: (N, n) [rad]; segment: (N,) labels; cutoff: [Hz];
+    of_fit: longest period of the fitted recordings [s], None if there are none.
     """
     steps = np.diff(q, axis=0)[np.diff(segment) == 0]
     moves = bool((np.mean(steps**2, axis=0) > (MIN_MOVING_SPEED * period) ** 2).any())
@@ -223,7 +229,9 @@ def slower_than_fit(
 
 
 def _missed_and_bent(q: Array) -> tuple[Array, Array]:
-    """Return how far a spline through q_0, q_2 ... (N, n) and straight lines miss q_1, q_3 ..."""
+    """Return the errors at q_1, q_3 ... of a spline and of straight lines through q_0, q_2 ... (N,
+    n).
+    """
     whole = q[: len(q) - 1 + len(q) % 2]
     place = np.arange(len(whole))
     spline = make_interp_spline(place[::2], whole[::2], k=5)
@@ -264,7 +272,9 @@ def misread_velocities(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
 
 
 def _slopes(robot: pd.DataFrame, below: str, above: str, period: float) -> dict[int, float]:
-    """Return, for moving joints, the least-squares ratio of one channel's slope to another."""
+    """Return, by moving joint from 0, the least-squares ratio of the derivative of `below` to
+    `above`.
+    """
     whole = (robot["segment"].diff() == 0).to_numpy() & ~robot["interpolated"].to_numpy()
     whole &= ~robot["interpolated"].shift(fill_value=True).to_numpy(bool)
     if not whole.any():
@@ -295,7 +305,7 @@ def _twins(robot: pd.DataFrame) -> Iterator[Finding]:
 
 
 def _ratios(robot: pd.DataFrame) -> Iterator[Finding]:
-    """Find channels with an overall level that shows a wrong unit."""
+    """Find pairs of channels with a ratio of root mean squares that shows a wrong unit."""
     for one, other, least, most in LEVEL_RATIOS:
         if are_recorded(robot, one, other):
             level, its = _level(robot, one), _level(robot, other)
@@ -309,7 +319,9 @@ def _ratios(robot: pd.DataFrame) -> Iterator[Finding]:
 
 
 def _swapped(robot: pd.DataFrame, one: str, other: str) -> Iterator[Finding]:
-    """Find pairs of joints that follow each other's targets instead of their own."""
+    """Find pairs of joints of which each one's channel `one` follows the target `other` of the
+    other joint.
+    """
     if not are_recorded(robot, one, other):
         return
     values, targets = channel(robot, one), channel(robot, other)
@@ -327,7 +339,9 @@ def _swapped(robot: pd.DataFrame, one: str, other: str) -> Iterator[Finding]:
 
 
 def _miscounted(robot: pd.DataFrame, positions: Sequence[tuple[float, float]]) -> list[Finding]:
-    """Return a warning of joints that cannot be where they are by how their controller counts."""
+    """Return a warning of joints outside their range, by a wrong description of their controller's
+    counts.
+    """
     wider = [(low - MAX_EXCESS, high + MAX_EXCESS) for low, high in positions]
     if (found := _excess(robot, "actual_q", wider)) is None:
         return []
@@ -351,7 +365,9 @@ def _limits(
 def _excess(
     robot: pd.DataFrame, name: str, bounds: Sequence[tuple[float, float]]
 ) -> tuple[int, str] | None:
-    """Return in how many rows joints exceed bounds, and how far each does; None where none do."""
+    """Return in how many rows a channel exceeds the joints' bounds, and in words how far each joint
+    does; None if no joint does or the channel was not recorded.
+    """
     if not are_recorded(robot, name):
         return None
     values, (low, high) = channel(robot, name), np.transpose(bounds)
@@ -376,5 +392,5 @@ def are_recorded(robot: pd.DataFrame, *channels: str) -> bool:
 
 
 def _level(robot: pd.DataFrame, name: str) -> float:
-    """Return the root mean square over all joints."""
+    """Return the root mean square of a channel over all rows and joints."""
     return float(np.sqrt(np.nanmean(channel(robot, name) ** 2)))

@@ -74,9 +74,10 @@ class Checked:
 
     @cached_property
     def answers(self) -> Answers | None:
-        """Return how well motions explain currents; None where these do not show it.
+        """Return the log-likelihoods of the currents by the joints' motions.
 
-        A torque sensor beyond the gear shows no friction, by which motions explain a current.
+        None if blocks or moving joints are too few, and of measured torques: one from beyond the
+        gear shows no friction, by which motions explain a current.
         """
         if not self.shows_currents() or self.arm.measured == TORQUE:
             return None
@@ -86,28 +87,34 @@ class Checked:
 
     @cached_property
     def delays(self) -> Delays | None:
-        """Return how likely delays of currents, or of motors' torques, are; None as `answers`."""
+        """Return the log-likelihoods of delays of currents, or of motors' torques; None where
+        neither shows friction.
+        """
         if self.answers is not None:
             return self.answers.delays
         return self._delays_by_motion() if self.arm.effort == "motor_torque" else None
 
     @cached_property
     def sensed_delays(self) -> Delays | None:
-        """Return the same of torques that sensors beyond the gears measure, without friction."""
+        """Return the log-likelihoods of delays of torques that sensors beyond the gears measure;
+        None of other efforts.
+        """
         if self.delays is not None or self.arm.measured != TORQUE:
             return None
         return self._delays_by_motion()
 
     def _delays_by_motion(self) -> Delays | None:
-        """Return how likely delays are where motors move the arm, None elsewhere."""
+        """Return the log-likelihoods of the efforts' delays; None if blocks of efforts are too few,
+        or no joint moves under its motor.
+        """
         if not self.shows_currents() or not self.driven or not moving_joints(self.means).any():
             return None
         return delays_by_motion(self.robot, self.loaded, self.step, self.cutoff)
 
     @cached_property
     def motion(self) -> MotionChecks | None:
-        """Return the checks of the efforts by the whole motion; None for an arm at rest, and where
-        a motor has no torque constant.
+        """Return the checks of the efforts by the whole motion; None if blocks of efforts are too
+        few, no joint moves, or a motor has no torque constant.
         """
         constants = self.arm.maker_torque_constants()
         if not self.shows_currents() or not np.isfinite(constants).all():
@@ -118,7 +125,9 @@ class Checked:
 
     @cached_property
     def doubted_links(self) -> list[Finding]:
-        """Return doubts about the described links, unless contacts may be part of the efforts."""
+        """Return notes on described links that the efforts contradict; none unless the recording
+        has the role `fit`, since contacts may be a part of the efforts of others.
+        """
         return [*doubted_links(self.motion)] if self.fitted and self.motion is not None else []
 
     @cached_property
@@ -129,22 +138,27 @@ class Checked:
 
     @cached_property
     def contact(self) -> FeltContact | None:
-        """Return a warning of the strongest contact that the currents show."""
+        """Return the strongest contact that the currents show; None if there is none, or the arm's
+        gravity is not described.
+        """
         known = self.shows_currents() and self.arm.tells_gravity()
         return felt_contact(self.means, self.loaded) if known else None
 
     def shows_currents(self) -> bool:
-        """Return whether it has enough blocks of currents, or of torques in their place."""
+        """Return whether the recording has enough blocks of currents, or of measured torques."""
         return len(self.means.q) >= MIN_BLOCKS and self.means.has_efforts()
 
     def tells_signs_by_friction(self) -> bool:
-        """Return whether friction brakes what efforts drive; sensors beyond gears feel none."""
+        """Return whether friction shows the signs of the efforts: motors move the arm, and the
+        efforts are measured on their side of the gears.
+        """
         return self.driven and self.arm.effort in ("current", "motor_torque")
 
     def tells_by_gravity(self) -> bool:
         """Return whether gravity in the currents identifies arm, joints and motors.
 
-        A push against an arm at rest looks like gravity.
+        A push against an arm at rest looks like gravity, so that such a recording counts only with
+        the role `fit` and without a contact.
         """
         if not self.means.has_efforts() or not self.arm.tells_gravity():
             return False
@@ -152,8 +166,8 @@ class Checked:
 
 
 def arms_alike(arm: Robot, payload: Payload | None) -> list[Robot]:
-    """Return all described arms of an arm's number of joints, mounted alike, with a payload; those
-    without described gravity are left out.
+    """Return all described arms with as many joints as an arm, mounted alike and carrying a
+    payload; those without described gravity are left out.
     """
     arms = filter(Robot.tells_gravity, described_arms().values())
     alike = [other for other in arms if len(other.joints) == len(arm.joints)]
@@ -161,8 +175,8 @@ def arms_alike(arm: Robot, payload: Payload | None) -> list[Robot]:
 
 
 def described_arms() -> dict[str, Robot]:
-    """Return all described arms by name, but for those of the user's that are wrong: their own
-    studies say so.
+    """Return all described arms by name, without the user's own with an error: studies that use
+    these report it.
     """
     arms = {}
     for name in robot_names():

@@ -52,8 +52,8 @@ def sensed_contacts(table: pd.DataFrame, mass: float) -> list[Finding]:
 
 
 class FeltContact(NamedTuple):
-    """A contact that motors feel: when, from the start [s], and its torque [Nm] on a joint, from 1,
-    on which it is strongest.
+    """A contact that motors feel: the joint, from 1, on which it is strongest, its torque [Nm]
+    there, and when it occurs [s] after the start.
     """
 
     joint: int
@@ -61,7 +61,9 @@ class FeltContact(NamedTuple):
     at: float
 
     def finding(self, is_doubted: bool) -> Finding:
-        """Return the warning of it; is_doubted: the links of the joint may be the cause."""
+        """Return the warning of this contact; is_doubted: whether the links of its joint are in
+        doubt, too, which may be the cause.
+        """
         differs = (
             f"{number(self.at, '.1f')} s after the start, the torque of joint {self.joint} differs "
             f"by {number(self.torque, '.2g')} Nm from what gravity, friction and inertia explain"
@@ -78,7 +80,7 @@ class FeltContact(NamedTuple):
 
 
 def felt_contact(means: BlockMeans, arm: Robot) -> FeltContact | None:
-    """Return the strongest contact; None where there is none.
+    """Return the strongest contact that the currents show; None if there is none.
 
     means: of a recording, with currents; arm: with what it carries.
     """
@@ -94,7 +96,7 @@ def felt_contact(means: BlockMeans, arm: Robot) -> FeltContact | None:
 
 
 def unfelt_contacts(arm: Robot) -> Finding:
-    """Return a note of the contacts that would not be felt."""
+    """Return a note on how large a contact's torques must be to be noticed."""
     torques = as_written([CONTACT_TORQUE_SHARE * torque for torque in arm.torque_limits()], ".2g")
     detail = (
         f"contacts that change the motors' torques by less than {torques} Nm could not be noticed; "
@@ -104,9 +106,11 @@ def unfelt_contacts(arm: Robot) -> Finding:
 
 
 def deviations(means: BlockMeans, arm: Robot) -> Array:
-    """Return the sizes [A] of what is unexplained in each window of each joint's current (W, n).
+    """Return the sizes (W, n) [A] of the part of each joint's current that is unexplained, by
+    window.
 
-    NaN where the joint neither moves nor the arm rests throughout, or blocks are too few.
+    While the joint moves, it is what gravity, friction and inertia leave; while the arm rests, the
+    change of the current. NaN in other windows, and where blocks are too few.
     """
     assert means.time is not None
     assert means.segment is not None
@@ -134,7 +138,7 @@ def deviations(means: BlockMeans, arm: Robot) -> Array:
 def _unexplained_current(means: BlockMeans, gravity: Array, joint: int, moving: Mask) -> Array:
     """Return what gravity, friction and inertia leave of a joint's current (M,) [A].
 
-    A robust regression on the blocks in which it moves.
+    They are fitted by a robust regression to the blocks in which the joint moves (`moving`).
     """
     friction, speed = means.friction(joint), means.qd[:, joint]
     terms = [gravity, friction, np.abs(gravity) * friction[:, 0], np.abs(speed) * speed, means.qdd]

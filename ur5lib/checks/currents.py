@@ -53,17 +53,19 @@ MIN_SHARE_EXPLAINED_BY_LOAD = 0.2
 
 
 class Answers(NamedTuple):
-    """How well motions explain currents: log-likelihoods.
+    """Log-likelihoods of the measured currents by the joints' motions.
 
-    delays: of all currents; of_joints: (6, 6), row j: of the current of joint j, column k: by the
-    motion of joint k.
+    delays: of all currents, by their delay; of_joints: (6, 6), row j: of the current of joint j,
+    column k: by the motion of joint k.
     """
 
     delays: Delays
     of_joints: Array
 
     def ahead(self) -> Array:
-        """Return how much likelier each current (6, 6) is that of a joint than of any other."""
+        """Return by how much the log-likelihood of each current (row) by each joint's motion
+        (column) exceeds that by the best of the other joints, (6, 6).
+        """
         return np.array(
             [[own[k] - np.delete(own, k).max() for k in range(len(own))] for own in self.of_joints]
         )
@@ -72,7 +74,7 @@ class Answers(NamedTuple):
 def answers(
     robot: pd.DataFrame, means: BlockMeans, arm: Robot, step: float, cutoff: float
 ) -> Answers:
-    """Return how well motions explain the measured currents.
+    """Return the log-likelihoods of the measured currents by the joints' motions.
 
     robot: a repaired table; means: over its blocks; arm: with what it carries; step: [s]; cutoff:
     of the currents' low-pass [Hz].
@@ -87,7 +89,9 @@ def answers(
 
 
 def is_driven(robot: pd.DataFrame) -> bool:
-    """Return whether a joint is to move; friction does not brake a joint that a contact moves."""
+    """Return whether a target velocity is to move a joint; True if targets were not recorded.
+    Friction does not brake a joint that a contact moves.
+    """
     if "target_qd_0" not in robot:
         return True
     return bool((np.nanmean(channel(robot, "target_qd") ** 2, axis=0) > MIN_MOVING_SPEED**2).any())
@@ -117,13 +121,15 @@ def exchanged_efforts(pair: tuple[int, int], measured: Effort) -> Finding:
 
 
 def rubbing_joints(arm: Robot) -> Mask:
-    """Return which joints (n,) have friction that motors feel: of a torque, those behind a gear."""
+    """Return which joints (n,) have friction that the efforts show: all by currents, by torques
+    those with a gear of at least MIN_GEAR_RATIO.
+    """
     return (np.array(arm.gear_ratios()) >= MIN_GEAR_RATIO) | (arm.measured == CURRENT)
 
 
 def follows_its_model(means: BlockMeans, arm: Robot) -> bool:
-    """Return whether the measured currents follow gravity, friction and inertia more closely than
-    their targets do, by most joints that move, or none moves.
+    """Return whether, on most moving joints, gravity, friction and inertia explain the measured
+    currents better than their targets; True if no joint moves.
 
     A controller computes its targets from such a model, whatever has smoothed a measurement.
     """
@@ -139,7 +145,8 @@ def follows_its_model(means: BlockMeans, arm: Robot) -> bool:
 
 
 def _unexplained_squares(means: BlockMeans, arm: Robot) -> Array:
-    """Return the mean squares (6, 6) that the motion of each joint leaves of each current.
+    """Return the mean squares (6, 6) of each current that the motion of each joint does not
+    explain.
 
     Row j: the current of joint j; column k: the motion and the target of joint k.
     """
@@ -153,13 +160,17 @@ def _unexplained_squares(means: BlockMeans, arm: Robot) -> Array:
 
 
 def _columns(means: BlockMeans, expected: Array, joint: int, inertia: bool) -> Array:
-    """Return what a current contains (M, n), each with a coefficient that is not negative."""
+    """Return the regression columns (M, n) of a current for coefficients that are not negative;
+    those that may have either sign occur with both.
+    """
     free = np.column_stack([means.qdd[:, joint]] * inertia + [np.ones(len(expected))])
     return np.column_stack([means.friction(joint), expected, free, -free])
 
 
 class Held(NamedTuple):
-    """Current per torque of gravity [A/Nm], its standard error, and the share left unexplained."""
+    """The part of a current that balances gravity: current per torque of gravity [A/Nm], its
+    standard error, and the share of the current's square that is left unexplained.
+    """
 
     slope: float
     error: float
@@ -167,7 +178,7 @@ class Held(NamedTuple):
 
 
 def foreign_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
-    """Find currents that are not in A: they are too large or too small to balance gravity.
+    """Find efforts in another unit than A: they are too large or too small to balance gravity.
 
     arm: with what it carries.
     """
@@ -203,7 +214,9 @@ def possible_constants(arm: Robot, joint: int) -> tuple[float, float]:
 
 
 def _unit_in_words(code: str, name: str, joint: int, constant: str, motors: str) -> str:
-    """Return in what unit a channel is; code: of CONSTANTS_OF_UNITS; constant: [Nm/A]."""
+    """Return the sentence on the unit of a channel; code: the stop sign's, a key of
+    CONSTANTS_OF_UNITS; constant: what gravity shows [Nm/A]; motors: what motors have, in words.
+    """
     holds = f"gravity's torque on joint {joint + 1} is {constant} Nm per A of"
     if code == "torque as current":
         return (
@@ -228,10 +241,11 @@ def _unit_in_words(code: str, name: str, joint: int, constant: str, motors: str)
 def undeclared_load(
     means: BlockMeans, arm: Robot, carrying: Robot, odd: Container[int] = ()
 ) -> Iterator[Finding]:
-    """Find a load that neither the study nor the controller knows, by which currents differ.
+    """Find a load that neither study nor controller declares, by currents that differ from their
+    targets.
 
-    arm: with the payload that the controller knows; carrying: with the declared one;
-    odd: joints from 0 with targets that do not count.
+    arm: with the payload that the controller was given; carrying: with the declared one; odd:
+    joints, from 0, with wrong targets, which are left out.
     """
     if {"actual_current", "target_current"} - means.currents.keys():
         return
@@ -251,7 +265,9 @@ def undeclared_load(
 
 def held_gravity(means: BlockMeans, gravity: Array, current: Array, joint: int) -> Held:
     """Return how much of a joint's current balances gravity, fitted together with friction and
-    inertia, by motion if there is any.
+    inertia to the blocks in which the joint moves, or to all if these are few.
+
+    gravity: torque (M, n) [Nm]; current: (M, n) [A]; joint: from 0.
     """
     rows = means.rubbing(joint)
     effort = current[rows, joint]
@@ -266,11 +282,13 @@ def held_gravity(means: BlockMeans, gravity: Array, current: Array, joint: int) 
 def _unexpected_torque(
     means: BlockMeans, arm: Robot, declared: Array, odd: Container[int]
 ) -> tuple[Array, Array]:
-    """Return torque per load (n, 4), and the torque (n,) that measured currents have beyond
-    target_current, both without friction and in units of its spread, of all joints that bear.
+    """Return torque per load (n, 4), and the torque (n,) by which measured currents exceed their
+    targets.
 
-    Only of joints in motion: at rest, stiction bears an unknown part of what a posture demands,
-    which looks like a load. declared: its part (M, 6) [Nm] that the study declares.
+    The rows are of all joints that bear gravity, while they move, without friction and divided by
+    the spread of the joint's torque. At rest, stiction bears an unknown part of what a posture
+    demands, which looks like a load. declared: torque (M, 6) [Nm] of the load that the study
+    declares, which is subtracted; odd: joints that are left out.
     """
     gravity, loads = means.gravity(arm), load_torque(arm, means.q)
     measured, target = means.currents["actual_current"], means.currents["target_current"]

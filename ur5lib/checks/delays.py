@@ -33,11 +33,12 @@ MIN_SHARE_RECEIVED = 0.4  # share of a block's frames; in some recordings, half 
 
 
 class Delays(NamedTuple):
-    """How much later than the motion currents come, `seconds` (L,), none in the middle.
+    """Log-likelihoods of delays between a motion and its currents, or torques.
 
-    scores: log-likelihoods (F, n, L) of these delays of each joint, zero of joints that rest, by
-    which friction there is: two usual ones, then those that reverse over a long distance; shortest:
-    that matters [s].
+    seconds: (L,) the delays, zero in the middle, positive where currents come later; scores: (F, n,
+    L) log-likelihoods by friction, joint and delay, zero of joints at rest; of the frictions, the
+    first two are usual ones, the others reverse over a long distance; shortest: delay that matters
+    [s].
     """
 
     seconds: Array
@@ -46,16 +47,20 @@ class Delays(NamedTuple):
 
     @property
     def likelihoods(self) -> Array:
-        """The log-likelihoods (L,) of delays of all joints with usual friction."""
+        """Return the log-likelihoods (L,) of delays by all joints, with the likelier of the usual
+        frictions.
+        """
         return np.asarray(self.scores[:2].sum(axis=1).max(axis=0))
 
     @property
     def of_slow_reversal(self) -> Array:
-        """The same with friction that reverses over a long distance."""
+        """Return the log-likelihoods (L,) of delays by all joints, with friction that reverses over
+        a long distance.
+        """
         return np.asarray(self.scores[2:].sum(axis=1).max(axis=0))
 
     def given(self, likelihoods: Array) -> "Delays":
-        """Return the delays with log-likelihoods (n, L) of other evidence."""
+        """Return the delays with log-likelihoods (n, L) of further evidence added."""
         return self._replace(scores=self.scores + likelihoods)
 
     def of_joint(self, joint: int) -> "Delays":
@@ -63,8 +68,9 @@ class Delays(NamedTuple):
         return self._replace(scores=self.scores[:, joint : joint + 1])
 
     def late_joint(self, rubs: bool) -> tuple[int, float] | None:
-        """Return the joint, from 0, that is surely late while the others are surely not so, and its
-        delay [s]; rubs: whether friction brakes what the efforts drive.
+        """Return the only joint, from 0, with a delay, and that delay [s]; None if there is no such
+        joint, or the others may have that delay, too. rubs: whether friction brakes what the
+        efforts drive.
         """
         found = [self.of_joint(joint).shown(rubs) for joint in range(self.scores.shape[1])]
         shown = [(joint, delay) for joint, delay in enumerate(found) if delay is not None]
@@ -76,21 +82,27 @@ class Delays(NamedTuple):
         return (joint, delay) if ahead > MIN_LEAD_OF_DELAY else None
 
     def behind(self) -> Array:
-        """Return how much likelier no delay is than each."""
+        """Return by how much the log-likelihood of no delay exceeds that of each delay (L,)."""
         return np.asarray(self.likelihoods[len(self.seconds) // 2] - self.likelihoods)
 
     def late(self) -> Mask:
-        """Return which delays matter; none at 1 Hz, where steps are longer than all of these."""
+        """Return which delays (L,) are long enough to matter; none at 1 Hz, where zero alone is
+        tried.
+        """
         return np.asarray(np.abs(self.seconds) >= self.shortest)
 
     def longest_unnoticed(self) -> float:
-        """Return the longest delay [s] that is almost as likely as none."""
+        """Return the longest delay [s] that is almost as likely as none, and so would not be
+        noticed.
+        """
         if not self.late().any():
             return MAX_DELAY
         return float(np.abs(self.seconds[self.behind() <= MIN_LEAD_OF_DELAY]).max())
 
     def shown(self, driven: bool) -> float | None:
-        """Return the delay [s] that is far likelier than none; driven: whether motors move it."""
+        """Return the delay [s] that is far likelier than none, None if no delay is; driven: whether
+        motors move the arm, so that friction shows it.
+        """
         late, behind = self.late(), self.behind()
         least = MIN_LEAD_BEFORE_SHORTER if driven else MIN_LEAD_WITHOUT_FRICTION
         if not late.any() or behind[late].min() >= -MIN_LEAD_OF_DELAY:
@@ -99,7 +111,9 @@ class Delays(NamedTuple):
         return float(self.seconds[late][np.argmin(behind[late])]) if shown else None
 
     def is_doubtful(self) -> bool:
-        """Return whether slowly reversing friction explains as much as a delay."""
+        """Return whether friction that reverses over a long distance explains the currents as well
+        as a delay.
+        """
         slowly = self.of_slow_reversal[~self.late()].max()
         return bool(slowly > self.likelihoods.max() - MIN_LEAD_BEFORE_SHORTER)
 
@@ -139,7 +153,7 @@ def delayed_joint(delays: Delays, rubs: bool, name: str) -> Iterator[Finding]:
 
 
 def as_warning(delay: Finding) -> Finding:
-    """Return a delay as a warning."""
+    """Return the stop sign of a delay as the warning of a possible one."""
     return replace(delay, finding="possible delay", severity="warning", kind="")
 
 
@@ -189,6 +203,6 @@ def _frictions(q: Array, qd: Array) -> Iterator[Array]:
 
 
 def _means(values: Array, count: int) -> Array:
-    """Return the means of each `count` rows (N // count, n)."""
+    """Return the means (N // count, n) over `count` rows each."""
     whole = len(values) // count * count
     return np.asarray(values[:whole].reshape(-1, count, values.shape[1]).mean(axis=1))

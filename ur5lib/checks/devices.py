@@ -36,7 +36,9 @@ def checked_intake(intake: Intake, arm: Robot, names: Iterable[str] = ()) -> Int
 
 
 def check_sensor(device: Device, table: pd.DataFrame, arm: Robot) -> list[Finding]:
-    """Return what contradicts that a sensor's file is of this sensor. table: its channels."""
+    """Return what shows that a sensor's file is of another sensor, or saturated; table: its
+    channels.
+    """
     if device == "force":
         return check_force_sensor(table)
     return check_imu(table, arm.mounting.imu_full_scale)

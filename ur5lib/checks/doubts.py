@@ -20,8 +20,8 @@ OTHER_LINKS = "doubtful links"  # its code where nothing else heals the descript
 
 
 def doubted_links(checks: MotionChecks) -> Iterator[Finding]:
-    """Yield notes of what would heal the description of joints that move: rotors, a load on the
-    flange, springs, else other links; each names its joints.
+    """Yield a note for each correction of the description that would help joints of which any links
+    explain the efforts far better: rotors, a load on the flange, springs, else other links.
     """
     first = checks.declared
     if first.by_links is None:
@@ -38,8 +38,8 @@ def doubted_links(checks: MotionChecks) -> Iterator[Finding]:
 
 
 def doubts_by_joint(findings: Iterable[Finding]) -> dict[int, Finding]:
-    """Return the likeliest doubt about links among findings by joint, from 1: what heals the
-    description before other links, then the one that is found most often.
+    """Return, by joint from 1, the likeliest of the notes on its links: rotors, a load or springs
+    before other links, then the one that was found most often.
     """
     found: dict[int, list[Finding]] = {}
     for one in findings:
@@ -53,7 +53,9 @@ def _weight(doubts: list[Finding], doubt: Finding) -> tuple[bool, int]:
 
 
 def _is_worse(misfit: Misfit, by_any_links: Misfit, joint: int) -> bool:
-    """Return whether any links explain the efforts of a joint better than some explanation."""
+    """Return whether any links explain the efforts of a joint far better than what has this
+    `misfit`.
+    """
     ahead = lead(by_any_links, misfit, [joint])
     return ahead.size > MAX_LEAD_OF_ANY_LINKS and ahead.errors > MIN_ERRORS
 
@@ -92,14 +94,17 @@ def doubt_in_words(code: str, arm: str, joints: Sequence[int]) -> str:
 
 
 def _remedies(motion: WholeMotion, joints: list[int]) -> Iterator[tuple[str, Misfit, list[int]]]:
-    """Yield what each remedy leaves unexplained, and the joints that it may heal: no rotor has a
-    negative inertia, a load has a mass near the flange, and a UR no spring; joints: from 0.
+    """Yield, for each correction of the description, its code, its misfit and the joints, from 0,
+    that it may heal: no rotor has a negative inertia, a load has a mass near the flange, and a UR
+    no spring.
     """
     scale, last = motion.scale(motion.torque), 10 * (len(motion.joints) - 1)
     left = motion.torque - scale * motion.links
 
     def fitted(columns: Array) -> tuple[Misfit, Array, Array]:
-        """Return what columns leave, and their coefficients with their errors (jackknife)."""
+        """Return the misfit of columns fitted with friction, their coefficients, and MIN_ERRORS
+        standard errors of these (jackknife).
+        """
         regression = Regression(np.concatenate([columns, motion.friction], axis=2))
         found = regression.coefficients(left)[:, : columns.shape[2]]
         spread = np.sqrt(STRETCHES - 1) * found.std(axis=0)

@@ -25,7 +25,8 @@ EXCHANGED_QUANTITIES = {  # which quantities are exchanged, by the pair that fit
 
 
 def names_equal_to_targets(robot: pd.DataFrame, step: float) -> Iterator[str]:
-    """Yield what equals its targets to the last bit: positions of moving joints, and currents.
+    """Yield the measured channels that equal their targets to the last bit: positions of moving
+    joints, and currents.
 
     At rest, coarse positions of a real arm may do so. step: between frames [s].
     """
@@ -39,7 +40,9 @@ def names_equal_to_targets(robot: pd.DataFrame, step: float) -> Iterator[str]:
 
 
 def exchanged_motion(robot: pd.DataFrame) -> tuple[str, ...]:
-    """Return which of q and qd are exchanged: another pair is closer than that of the targets."""
+    """Return which of q and qd have measured and target channel exchanged: a pair of position and
+    velocity that is not that of the targets fits together far better.
+    """
     if not are_recorded(robot, "actual_q", "actual_qd", "target_q", "target_qd"):
         return ()
     measured, target = (np.abs(_received(robot, f"{kind}_qd")) for kind in ("actual", "target"))
@@ -55,7 +58,7 @@ def exchanged_motion(robot: pd.DataFrame) -> tuple[str, ...]:
 
 
 def exchanged_current(robot: pd.DataFrame) -> Iterator[str]:
-    """Yield "current" where the measured currents are smoother than their targets."""
+    """Yield "current" if the measured currents are smoother than their targets, as if exchanged."""
     if are_recorded(robot, "actual_current", "target_current"):
         samples = _measured(robot, "actual_current", "target_current")
         measured, target = map(roughness, samples)
@@ -74,9 +77,9 @@ def roughness(values: Array) -> Array:
 
 
 def _median_deviation(robot: pd.DataFrame, moves: Mask, position: str, velocity: str) -> Array:
-    """Return the median difference (6,) [rad/s] between a position's slope and a velocity.
+    """Return the median difference (n,) [rad/s] between a position's slope and a velocity.
 
-    moves: (N, 6), the frames that count; NaN for joints without any.
+    moves: (N, n), the frames that count; zero for joints without any.
     """
     step = np.diff(robot["time"].to_numpy()[~robot["interpolated"].to_numpy()])[:, None]
     rate = _received(robot, velocity)
@@ -87,7 +90,7 @@ def _median_deviation(robot: pd.DataFrame, moves: Mask, position: str, velocity:
 
 
 def _measured(robot: pd.DataFrame, *names: str) -> list[Array]:
-    """Return channels of the frames in which all of them were received, none filled in."""
+    """Return channels in the frames in which all of them were received, without filled ones."""
     flags = [flag for name in names if (flag := f"filled_{name}") in robot]
     frames = robot[~robot[["interpolated", *flags]].any(axis=1)]
     return [channel(frames, name) for name in names]

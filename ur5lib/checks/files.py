@@ -69,10 +69,11 @@ def findings(
     contradictions: Contradictions | None = None,
     clocks: Mapping[str, SettledClock] | None = None,
 ) -> list[Finding]:
-    """Return the findings about a recording's files, and clocks without a measured drift.
+    """Return the findings about a recording's files and about clocks without a measured drift.
 
-    Each device's file has its checksum; its count is 1 where it is used, else 0. The robot's rows
-    have their fingerprint. `name_copies` keeps those of several recordings.
+    Among them are a note for each device's file, with its checksum and the count 1 if it is used,
+    else 0, and one with the fingerprint of the robot's rows: `name_copies` keeps those that several
+    recordings have.
     """
     contradictions = contradictions or Contradictions()
     found = [*contradictions.stop_signs, *quality.findings, *contradictions.findings]
@@ -110,13 +111,13 @@ def quality_row(finding: Finding) -> QualityRow:
 
 
 def unreadable(reason: str) -> QualityRow:
-    """Return the stop sign of a recording that cannot be read."""
+    """Return the row of quality.csv with the stop sign of a recording that cannot be read."""
     about: dict[str, Any] = {"device": "robot", "finding": UNREADABLE, "severity": "stop"}
     return QualityRow(**about, count=1, detail=reason)
 
 
 def spare_copies(quality: pd.DataFrame, roles: Mapping[str, str]) -> list[str]:
-    """Return the recordings that repeat the run of another one; its results count for both.
+    """Return the recordings that are left out because they are of the same run as another one.
 
     quality: with all robots' rows; roles: of all recordings, by name.
     """
@@ -125,10 +126,11 @@ def spare_copies(quality: pd.DataFrame, roles: Mapping[str, str]) -> list[str]:
 
 
 def name_copies(quality: pd.DataFrame, roles: Mapping[str, str] | None = None) -> pd.DataFrame:
-    """Return the findings of all recordings, of files and runs alone those that several have.
+    """Return the findings of all recordings; those on files and runs only if several recordings
+    have them.
 
-    quality: with all device files and robots' rows; a finding of each copy names the other
-    recordings; roles: of these, by which a copy is left out or a stop sign.
+    quality: with the notes on all device files and robots' rows; the finding of each copy names the
+    other recordings; roles: by recording, which decide whether a copy is left out or a stop sign.
     """
     files, runs, ends = (quality[quality["finding"] == kind] for kind in (SAME, SAME_RUN, ENDS))
     alike = files.groupby(["device", "detail"], sort=False)
@@ -141,13 +143,15 @@ def name_copies(quality: pd.DataFrame, roles: Mapping[str, str] | None = None) -
 
 
 def _same_runs(runs: pd.DataFrame) -> Iterator[tuple[str, str]]:
-    """Yield the pairs of recordings of one run, by the findings of their robots' rows."""
+    """Yield the pairs of recordings of one run; runs: the findings with the fingerprints of their
+    rows.
+    """
     by_name = zip(runs["recording"], runs["detail"].fillna("").astype(str), strict=True)
     yield from same_runs({name: [*map(int, rows.split())] for name, rows in by_name})
 
 
 def _repeated(runs: pd.DataFrame, roles: Mapping[str, str]) -> dict[Any, dict[str, Any]]:
-    """Return the findings of the runs that several recordings contain, by their places."""
+    """Return, by index of `runs`, the findings on runs that several recordings contain."""
     holders: dict[str, set[str]] = {name: {name} for name in runs["recording"]}
     spare, standing = list[str](), set[str]()
     for pair in _same_runs(runs):
@@ -167,7 +171,7 @@ def _repeated(runs: pd.DataFrame, roles: Mapping[str, str]) -> dict[Any, dict[st
 
 
 def _neighbours(ends: pd.DataFrame, roles: Mapping[str, str]) -> dict[Any, dict[str, Any]]:
-    """Return the findings of recordings that are a part of a fitted run, by their places."""
+    """Return, by index of `ends`, the findings of recordings that are a part of a fitted run."""
     details = ends["detail"].fillna("").astype(str)
     fitted = dict(parts_seen(dict(zip(ends["recording"], details, strict=True)), roles))
     return {
@@ -185,7 +189,10 @@ def _part(name: str, fitted: Mapping[str, str]) -> str:
 
 
 def _run(names: Sequence[str], spare: Sequence[str], standing: bool) -> dict[str, Any]:
-    """Return what is found of recordings of one run; `standing`: none of them is left out."""
+    """Return count, severity and detail of the finding that recordings are of one run.
+
+    spare: those of them that are left out; standing: whether that is none, which is a stop sign.
+    """
     same = f"{', '.join(names)} are one run: their rows are equal"
     detail = (
         f"{same}, so that it would count twice; keep one of them in the study"

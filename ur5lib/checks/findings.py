@@ -28,7 +28,7 @@ def contradictions(
     cutoffs_hz: Mapping[str, float],
     accepted: Mapping[str, str],
 ) -> Contradictions:
-    """Return the stop signs of a recording, and further doubts, after the given ones.
+    """Return the stop signs of a recording, and its doubts: those given, then further ones.
 
     sensed: whether it has a force sensor; cutoffs_hz: of all low-pass filters; accepted: why the
     study overrules stop signs, by kind.
@@ -46,8 +46,8 @@ def contradictions(
 
 
 def possible_delays(checked: Checked) -> list[Finding]:
-    """Return the warnings of a delay of all efforts, or of a joint's, that friction may explain as
-    well, or that sensors show which feel none.
+    """Return the warnings of a delay of all efforts, or of one joint's, that is not certain:
+    friction may explain it as well, or it was found in torques of sensors that feel no friction.
     """
     name, delays = checked.arm.measured.channel, checked.delays or checked.sensed_delays
     if delays is None or len(checked.means.q) < MIN_BLOCKS:
@@ -60,7 +60,9 @@ def possible_delays(checked: Checked) -> list[Finding]:
 
 
 def load_without_targets(checked: Checked) -> list[Finding]:
-    """Return the warning of a load that currents show; elsewhere than in fits, a run states it."""
+    """Return the warning of a load that the currents of a `fit` recording show without targets. Of
+    other recordings, a run estimates the load.
+    """
     if not checked.fitted or checked.motion is None or not checked.driven:
         return []
     return [*checked.motion.undeclared_load()]
@@ -74,7 +76,7 @@ def scaled_current(checked: Checked) -> list[Finding]:
 
 
 def _of_samples(checked: Checked, cutoffs_hz: Mapping[str, float]) -> Iterator[Finding]:
-    """Yield what the recording's length and rate leave untold."""
+    """Yield what a recording of this length and rate, or with joints at rest, cannot show."""
     segment, step, cutoff = checked.robot["segment"].to_numpy(), checked.step, checked.cutoff
     positions = channel(checked.robot, "actual_q")
     yield from unfiltered(cutoffs_hz, step)
@@ -85,9 +87,11 @@ def _of_samples(checked: Checked, cutoffs_hz: Mapping[str, float]) -> Iterator[F
 
 
 def contacts_felt(checked: Checked, sensed: bool) -> Iterator[Finding]:
-    """Yield the contact that currents show while a recording is to be fitted, or which they do not.
+    """Yield the warning of a contact that the currents of a `fit` recording show, else the note of
+    how large one must be to be noticed.
 
-    sensed: whether a force sensor shows weaker ones.
+    sensed: whether there is a force sensor, which notices weaker ones, so that the note is left
+    out.
     """
     if not checked.fitted or not checked.means.has_efforts():
         return

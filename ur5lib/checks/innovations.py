@@ -31,7 +31,8 @@ RIDGE = 1e-6  # relative to the motions' unit size, it regularises motions that 
 
 
 def innovation_likelihoods(robot: pd.DataFrame, step: float, shifts: Labels) -> Array:
-    """Return the log-likelihoods (S, 6, 6) of currents, by how many frames they are late.
+    """Return the log-likelihoods (S, 6, 6) of currents by the joints' motions, for each of the
+    shifts (S,) by which the currents are late [frames].
 
     Row j: the current of joint j; column k: what the motion of joint k explains of it beyond that
     of the other joints. Zero where the currents show nothing. robot: a repaired table with
@@ -86,7 +87,9 @@ def _innovations(changes: Array) -> Array:
 
 
 def _near(motion: Array, rows: Labels) -> Array:
-    """Return motions (N, 6, 2) near some frames (n, m), joint after joint, each of unit size."""
+    """Return the motions (N, 6, 2) in the frames around each of n rows as columns (n, m), joint
+    after joint, each of mean zero and unit size.
+    """
     frames = np.arange(-RESPONSE_FRAMES, RESPONSE_FRAMES + 1)
     windows = motion[rows[:, None] + frames]  # (n, frames, 6, 2)
     near = windows.swapaxes(1, 2).reshape(len(rows), -1)
@@ -97,11 +100,11 @@ def _near(motion: Array, rows: Labels) -> Array:
 def _gains(near: Array, innovations: Array, joints: int) -> Array:
     """Return ln(1 + F) (k, c) of what each of k joints explains of c currents beyond the others.
 
-    near: motions (n, m), joint after joint; innovations: (n, c) of the currents. F: by how much the
-    sum of squares that all joints leave grows without this one, of itself; a Wald test by the
-    inverse of the Gram matrix. Where motion and noise grow together, as of an arm that rests for
-    a while, chance explains more: F is less by the mean of the product of their squares over the
-    product of the means.
+    near: motions (n, m), joint after joint; innovations: (n, c) of the currents. F: share by which
+    the sum of squares that all joints leave grows without this joint; a Wald test by the inverse of
+    the Gram matrix. Where motion and noise grow together, as of an arm that rests for a while,
+    chance explains more: F is divided by the mean of the product of their squares over the product
+    of the means.
     """
     inverse = np.linalg.inv(near.T @ near + RIDGE * np.eye(near.shape[1]))
     products = near.T @ innovations

@@ -12,9 +12,9 @@ MAX_RATIO = 1.9  # ratio of a named rate to the stamps'; above, every second sam
 
 
 def other_named_rate(names: Iterable[str], period: float) -> Iterator[Finding]:
-    """Warn of stamps at another rate than each name says; names: of files and folders; period: [s].
+    """Warn of stamps at another rate than a name says; names: of files and folders; period: [s].
 
-    A name that fits one way says that the others are of something else.
+    If one number fits, those in other names mean something else, and there is no warning.
     """
     found = [(match[0], _rate(*match.groups())) for name in names for match in NAMED.finditer(name)]
     ratios = {text: rate * period for text, rate in found if rate > 0}

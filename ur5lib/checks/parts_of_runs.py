@@ -26,8 +26,8 @@ SLOPE_STEPS = 4  # a velocity follows from positions of frames so many steps apa
 
 
 class Ends(NamedTuple):
-    """First and last time [s], posture [rad] and velocity [rad/s] of a recording, and its period
-    [s]; stamped: whether the times are since 1970.
+    """Begin and end of a recording: times [s], postures [rad] and velocities [rad/s], first and
+    last; period: [s]; stamped: whether the times are since 1970.
     """
 
     period: float
@@ -38,7 +38,7 @@ class Ends(NamedTuple):
 
     @classmethod
     def of(cls, robot: pd.DataFrame, quality: Quality) -> "Ends":
-        """Return those of a repaired table."""
+        """Return the ends of a repaired table."""
         q, time = channel(robot, "actual_q"), robot["time"].to_numpy(float)
         steps = min(SLOPE_STEPS, len(q) - 1)
         slopes = [q[steps] - q[0], q[-1] - q[-1 - steps]]
@@ -66,15 +66,15 @@ class Ends(NamedTuple):
 
 
 def as_text(ends: Ends) -> str:
-    """Return ends as the detail of a finding."""
+    """Return ends as JSON, for the detail of a finding."""
     return json.dumps(ends)
 
 
 def parts_seen(details: Mapping[str, str], roles: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    """Yield the recordings that continue or precede the run of a fitted one, and so are not unseen,
-    each with that one.
+    """Yield pairs of a recording and a fitted one, where the first continues or precedes the run of
+    the second, so that its motion was not unseen.
 
-    details: `as_text` of recordings; roles: by recording.
+    details: `as_text` by recording; roles: by recording.
     """
     ends = {name: Ends(*json.loads(text)) for name, text in details.items() if text}
     for one, later in permutations(ends, 2):

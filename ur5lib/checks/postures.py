@@ -38,7 +38,9 @@ MAX_VARIANCE_UNEXPLAINED = 0.3
 
 
 def posture_means(postures: pd.DataFrame) -> BlockMeans:
-    """Return postures as blocks without motion; friction at rest may have a mean."""
+    """Return postures as blocks without motion; their efforts may have an offset, by friction at
+    rest.
+    """
     q = channel(postures, "actual_q")
     moment = channel(postures, "target_moment") if "target_moment_0" in postures else None
     currents = {
@@ -55,7 +57,7 @@ def posture_stop_signs(
     declared: Payload | None,
     accepted: Container[str] = (),
 ) -> list[Finding]:
-    """Return the stop sign of a recording of postures, if there is one, behind accepted ones.
+    """Return the stop signs of a recording of postures up to the first that is not accepted.
 
     arm: under the recording's gravity; configured: the payload that the controller was given;
     declared: the one that the study gives; accepted: kinds of stop signs.
@@ -91,7 +93,9 @@ def _contradictions(
 
 
 def _exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
-    """Find the two joints that bear others and, exchanged, explain the currents best, by far."""
+    """Find the two joints, among those that bear others, with which exchanged gravity explains the
+    currents far better.
+    """
     in_place, measured = in_order(arm), of_measured(means)
     pairs = [*combinations(in_place[:BEARING_JOINTS], 2)]
     orders = [in_place, *(exchanged_order(in_place, *pair) for pair in pairs)]
@@ -107,8 +111,9 @@ def _exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
 
 
 def _foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iterator[Finding]:
-    """Find the arm with gravity that explains the currents far better than all others', each under
-    its load."""
+    """Find another arm with gravity that explains the currents far better; others: with their
+    loads.
+    """
     if best := _likelier_arm(means, arm, others):
         detail = (
             f"the {means.measured.quantity}s are not those of {arm.name}: the gravity of `robot: "
@@ -118,8 +123,8 @@ def _foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iter
 
 
 def _likelier_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> str | None:
-    """Return the arm that is likelier by far, and by its standard errors (jackknife over parts of
-    the postures), if one is.
+    """Return the name of the arm that is likelier by far, also in standard errors (jackknife over
+    parts of the postures); None if there is none.
     """
     measured = of_measured(means)
     gains = gains_of_arms(measured, arm, others)
@@ -178,8 +183,8 @@ def large_constants(means: BlockMeans, arm: Robot) -> list[Finding]:
 
 
 def _arms_alike(means: BlockMeans, arm: Robot, payload: Payload | None) -> list[str]:
-    """Return the other described arms that explain the currents almost as well by their gravity,
-    without the one that does so far better.
+    """Return the names of the other described arms with gravity that explains the currents almost
+    as well, without the arm that does so far better.
     """
     loaded, others = arm.carrying(payload), arms_alike(arm, payload)
     gains = gains_of_arms(of_measured(means), loaded, others)
@@ -189,7 +194,7 @@ def _arms_alike(means: BlockMeans, arm: Robot, payload: Payload | None) -> list[
 
 
 def _correlation(means: BlockMeans, arm: Robot) -> Array:
-    """Return the correlation (n,) of each current with gravity, NaN where chance would do."""
+    """Return the correlation (n,) of each current with gravity, NaN where it may be by chance."""
     pairs = zip(means.gravity(arm).T, means.effort.T, strict=True)
     correlation = np.array([_pair_correlation(*pair) for pair in pairs])
     error = np.sqrt((1 - correlation**2) / max(1, len(means.q) - 2))
@@ -219,11 +224,12 @@ def _unexplained(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
 
 
 def _unlike_constants(means: BlockMeans, arm: Robot) -> Iterator[tuple[bool, str]]:
-    """Yield joints with a torque constant by gravity far from the documented one, and whether it is
-    smaller. No lost torque explains a smaller one: a unit, the arm or its load is wrong.
+    """Yield, for each joint with a torque constant by gravity far from the documented one, whether
+    it is smaller, and the joint with both constants in words.
 
-    A joint is not judged where friction may carry as much as gravity pulls: how its postures were
-    reached changes the constant more than the documented ones differ. arm: with what it carries.
+    Lost torque cannot explain a smaller one: a unit, the arm or its load is wrong. A joint is not
+    judged where friction may carry as much as gravity pulls: how its postures were reached changes
+    the constant more than the documented ones differ. arm: with what it carries.
     """
     if len(means.q) < MIN_BLOCKS:
         return
@@ -241,12 +247,14 @@ def _unlike_constants(means: BlockMeans, arm: Robot) -> Iterator[tuple[bool, str
 
 
 def other_constant(joint: int, fitted: float, known: float, unit: str) -> str:
-    """Return a constant of a joint, from 1, that contradicts the documented one, in words."""
+    """Return in words a joint, from 1, with its constant and the documented one that it
+    contradicts.
+    """
     return f"joint {joint} with {number(fitted, '.3g')} instead of {number(known, '.3g')} {unit}"
 
 
 def contradicting_constants(each: Sequence[str], measured: Effort) -> str:
-    """Return the stop sign of constants in words; each: as of `other_constant`."""
+    """Return the sentence of the stop sign of constants; each: as returned by `other_constant`."""
     return (
         f"{measured.constant}s contradict the known values ({', '.join(each)}); correct `robot`, "
         "`payload`, or columns and units"

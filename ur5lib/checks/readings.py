@@ -38,7 +38,7 @@ MIN_TORQUE_FOR_CONSTANT = 0.5  # Nm; gravity below this root mean square shows n
 
 
 def in_order(arm: Robot) -> Order:
-    """Return the columns of an arm's joints in their order."""
+    """Return the columns of an arm's joints in their own order, 0 to n - 1."""
     return tuple(range(len(arm.joints)))
 
 
@@ -55,7 +55,9 @@ def exchanged_order(order: Order, j: int, k: int) -> Order:
 
 
 class Reading(NamedTuple):
-    """An arm, an order of the joints and a unit of each effort, and their log-likelihood."""
+    """A reading of efforts by an arm, an order of its joints and a unit of each effort; score: its
+    log-likelihood.
+    """
 
     arm: str
     order: Order
@@ -66,9 +68,11 @@ class Reading(NamedTuple):
 def readings(
     means: BlockMeans, arms: Sequence[Robot], orders: Sequence[Order], units: Units = SLOPE_BOUNDS
 ) -> list[Reading]:
-    """Return the readings of some arms and orders, the likeliest first, with each effort's unit.
+    """Return the readings by each arm and order, the likeliest first, with the likeliest unit of
+    each effort.
 
-    means: with the efforts in `currents`, columns as in the file; units: possible ones.
+    means: with the efforts in `currents`, columns as in the file; units: bounds of effort per Nm of
+    the possible ones.
     """
     columns, speed = np.array(orders), np.abs(means.qd).max(axis=0)
     lowest, highest = means.q.min(axis=0), means.q.max(axis=0)
@@ -96,8 +100,8 @@ def readings(
 
 
 def unit_scores(means: BlockMeans, effort: str, arm: Robot) -> dict[str, float]:
-    """Return the log-likelihood of each unit of an effort, that it contains no gravity, and that
-    each joint has a factor of its own.
+    """Return the log-likelihood of each unit of an effort, of "neither", a torque without gravity,
+    and of OWN_FACTORS, one factor per joint.
 
     means: with the joints in order.
     """
@@ -137,10 +141,11 @@ def _scores(
     constants: Sequence[float],
     units: Units,
 ) -> dict[str, Array]:
-    """Return the log-likelihood of each order (K,) by unit.
+    """Return, by unit, the log-likelihoods (K,) of orders of the joints.
 
-    motion: bases of it; torque: (K, M, n) of gravity; constants: Nm/A that the joints should have,
-    NaN where unknown.
+    motion: bases of friction and inertia; effort: (M, n) without these; torque: (K, M, n) of
+    gravity; columns: (K, n), the orders; constants: Nm/A that the joints should have, NaN where
+    unknown.
     """
     total = {unit: np.zeros(len(columns)) for unit in units}
     for column, basis in enumerate(motion):
@@ -158,7 +163,9 @@ def _scores(
 
 
 def _surprise(slope: Array, constant: float, torque: Array) -> Array:
-    """Return how unlikely slopes (K,) are for a torque constant [Nm/A], where gravity is large."""
+    """Return what slopes (K,) lose of their log-likelihood as far as they are from a torque
+    constant [Nm/A]; zero where gravity is small.
+    """
     if math.isnan(constant):
         return np.zeros(len(slope))
     loaded = np.linalg.norm(torque, axis=1) > MIN_TORQUE_FOR_CONSTANT * math.sqrt(torque.shape[1])

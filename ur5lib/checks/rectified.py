@@ -21,7 +21,9 @@ MIN_UNSIGNED_JOINTS = 2  # one alone may be its offset
 
 
 def rectified_efforts(means: BlockMeans, arm: Robot, name: str) -> Iterator[Finding]:
-    """Find efforts without sign. arm: with what it carries; name: of their channel."""
+    """Find efforts recorded as sizes, without sign. arm: with what it carries; name: of their
+    channel.
+    """
     if joints := unsigned_joints(means, means.effort, arm):
         detail = (
             f"{name} holds sizes without a sign: motion and friction of "
@@ -35,8 +37,8 @@ def unsigned_joints(means: BlockMeans, effort: Array, arm: Robot) -> list[int]:
     """Return the joints, from 0, with efforts (M, n) that are likelier with the sign of the
     velocity.
 
-    None where any effort changes its sign. Friction changes it with the velocity; gravity does not,
-    so that the effort of one sign that carries an arm is less likely so.
+    Empty if any effort changes its sign, or for a single joint. Friction changes its sign with the
+    velocity; gravity does not, so that an effort of one sign that carries an arm is less likely so.
     """
     joints = [j for j, qd in enumerate(means.qd.T) if _turns_both_ways(qd)]
     moving = {j: effort[np.abs(means.qd[:, j]) > MIN_MOVING_SPEED, j] for j in joints}
@@ -54,7 +56,9 @@ def _turns_both_ways(qd: Array) -> bool:
 
 
 def _lead_of_sizes(means: BlockMeans, effort: Array, gravity: Array, joint: int) -> float:
-    """Return how much likelier an effort (M,) is with the sign of its joint's velocity."""
+    """Return by how much the log-likelihood of an effort (M,) grows with the sign of its joint's
+    velocity.
+    """
     moves = np.abs(means.qd[:, joint]) > MIN_MOVING_SPEED
     offset = np.ones(len(effort))
     columns = np.column_stack([means.friction(joint), gravity, means.qdd[:, joint], offset])

@@ -23,7 +23,7 @@ SMALLEST_CHANGE = 1e-9  # Nm; a logged torque changes by more
 
 
 def foreign_size(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
-    """Find torques that are no arm's of the described weight."""
+    """Find torques far too large or too small for an arm of the described links or weight."""
     ratio, known = size_ratio(means, arm), arm.tells_gravity()
     most = MAX_SIZE_RATIO_OF_LINKS if known else MAX_SIZE_RATIO
     if ratio is not None and not 1 / most < ratio < most:

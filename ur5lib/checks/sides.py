@@ -4,7 +4,8 @@ from ur5lib.robots.description import Robot
 
 
 def unknown_side(arm: Robot) -> str:
-    """Return why nothing can be fitted to torques that may be the motors'; empty where it can.
+    """Return why nothing can be fitted to torques that may be those of motors or of joints; empty
+    if the description decides it.
 
     The links are then found from the same torques, and the description has neither the side nor a
     weight that would contradict it.

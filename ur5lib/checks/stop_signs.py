@@ -45,9 +45,10 @@ CHECKED_COLUMNS = {"time", "segment", "interpolated"}.union(  # columns, as far 
 
 
 def stop_signs(checked: Checked, accepted: Container[str] = ()) -> list[Finding]:
-    """Return the stop signs of a recording, of which the columns CHECKED_COLUMNS are enough.
+    """Return the stop signs of a recording; of those of arm and efforts, up to the first that the
+    study does not accept.
 
-    accepted: kinds of stop signs that the study accepts, behind which others are looked for.
+    checked: the columns CHECKED_COLUMNS are enough; accepted: kinds of stop signs.
     """
     copied = [*names_equal_to_targets(checked.robot, checked.step)]
     simulated = [_simulated(copied)] if copied else []
@@ -130,8 +131,8 @@ def _of_efforts(checked: Checked) -> Iterator[Finding]:
 
 
 def _changes(checked: Checked) -> Iterator[Cause]:
-    """Yield exchanges, signs and arms that explain the motion better; a controller's torque has
-    shown arm and joints.
+    """Yield exchanges, signs and arms that explain the motion better. If the controller's torque
+    was recorded, it has shown arm and order, so that only efforts may be exchanged or turned.
     """
     motion, arm = checked.motion, checked.loaded
     if motion is None:
@@ -145,8 +146,8 @@ def _changes(checked: Checked) -> Iterator[Cause]:
 
 
 def _explains(cause: Cause, units: list[Finding], motion: MotionChecks | None) -> bool:
-    """Return whether a cause explains foreign units, too, better than the opposite sign does; none
-    explains milliamperes.
+    """Return whether a cause explains foreign units, too, and better than the opposite sign does;
+    true without any, false for milliamperes. units: the findings of foreign units.
     """
     codes = {one.code for one in units}
     if codes.intersection(MILLIAMPERE_CODES):
@@ -157,7 +158,9 @@ def _explains(cause: Cause, units: list[Finding], motion: MotionChecks | None) -
 
 
 def _mountings(checked: Checked) -> Iterator[Cause]:
-    """Yield another mounting; a push at rest is like one, but for constants that no motor has."""
+    """Yield another mounting that explains the efforts better. A push at rest looks like one, and
+    counts only if the torque constants are of no motor, either.
+    """
     means, loaded, motion = checked.means, checked.loaded, checked.motion
     if not means.has_efforts() or not loaded.tells_gravity():
         return

@@ -26,7 +26,9 @@ def moved_between(before: str, change: Array) -> Finding | None:
 
 
 def stated_succession(before: str, change: Array) -> AccountRow:
-    """Return the row of the account of a recording that the study says to follow another."""
+    """Return the row of a recording's account on how near it begins to where the one that the study
+    names before it ended.
+    """
     most = float(np.abs(change).max())
     within = f"begins within {most:.1e} rad of where {before} ended, on all joints"
     return AccountRow(

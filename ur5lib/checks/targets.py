@@ -35,9 +35,11 @@ def scaled_currents(means: BlockMeans, odd: Container[int]) -> Iterator[Finding]
 
 
 def odd_targets(means: BlockMeans, arm: Robot) -> dict[int, Finding]:
-    """Return warnings of targets that are to blame, by joint from 0; arm: with its load.
+    """Return warnings of wrong targets, by joint from 0, where current and target differ by a
+    factor.
 
-    The current then shows the motor's torque constant, and nearer than its target does.
+    Gravity shows the motor's torque constant in the current, nearer than in its target. arm: with
+    its load.
     """
     unlike = dict(unlike_targets(means))
     if not unlike:
@@ -53,7 +55,9 @@ def odd_targets(means: BlockMeans, arm: Robot) -> dict[int, Finding]:
 
 
 def _odd_target(joint: int, ratio: float, measured: Constants, targeted: Constants) -> Finding:
-    """Return the warning of a joint, from 0, by constants as multiples of the maker's."""
+    """Return the warning of the target of a joint, from 0; ratio: of target to current; measured,
+    targeted: torque constants by each.
+    """
     known = measured.known[joint]
     by_gravity, by_target = (one.ratio[joint] * known for one in (measured, targeted))
     detail = (

@@ -32,7 +32,7 @@ def tool_off_flange(robot: pd.DataFrame, arm: Robot) -> Iterator[Finding]:
 
 def tool_and_angles(robot: pd.DataFrame) -> tuple[Array, Array]:
     """Return the tool's positions (N, 3) [m] and the angles (N, n) [rad] in about a thousand
-    received frames of a repaired table.
+    received frames of a repaired table, evenly chosen.
     """
     names = columns("actual_TCP_pose") + columns("actual_q", joint_count(robot))
     frames = robot.loc[~robot["interpolated"], names]
@@ -55,7 +55,9 @@ def shown_tool_center(robot: pd.DataFrame, arm: Robot) -> list[float] | None:
 
 
 def on_flange(tool: Array, q: Array, arm: Robot) -> Array:
-    """Return places (N, 3) [m] in the last frame; arguments as below."""
+    """Return the places (N, 3) [m] of the tool in the last joint's frame; arguments as of
+    `tool_distance`.
+    """
     rotation, origin = link_frames(arm, q)
     return np.einsum("nij,ni->nj", rotation[:, -1], tool - origin[:, -1])
 

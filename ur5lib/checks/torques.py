@@ -44,7 +44,9 @@ def foreign_torque(
 
 
 def _other_torque(arm: Robot, share: float, fitting: Sequence[str]) -> Finding:
-    """Return the stop sign; share: of the torque's size; fitting: causes that would explain it."""
+    """Return the stop sign; share: of the torque's size that the arm leaves unexplained; fitting:
+    causes that would explain it.
+    """
     cause = f", where {' or '.join(fitting)} would fit" if fitting else ""
     detail = (
         f"target_moment differs from the torque of {arm.name} by {number(share, '.0%')} of its "
@@ -57,7 +59,7 @@ def _other_torque(arm: Robot, share: float, fitting: Sequence[str]) -> Finding:
 def is_foreign(
     means: BlockMeans, torque: Array, arm: Robot, payloads: Sequence[Payload | None]
 ) -> bool:
-    """Return whether a torque (M, 6) [Nm] cannot be that of an arm with any of some payloads."""
+    """Return whether a torque (M, 6) [Nm] cannot be that of an arm with any of the payloads."""
     return size(_least_residual(means, torque, arm, payloads)) > MAX_SHARE_UNMODELLED * size(torque)
 
 
@@ -78,7 +80,9 @@ def given_load(checked: Checked) -> Iterator[Finding]:
 
 
 def _as_load(means: BlockMeans, residual: Array, arm: Robot) -> tuple[float, float]:
-    """Return the mass [kg] of the load that explains torques (M, 6) best, and what is left."""
+    """Return the mass [kg] of the load that explains torques (M, 6) [Nm] best, and the norm of what
+    it leaves.
+    """
     load = load_torque(arm, means.q)
     columns = [means.beside_inertia(load[:, :, k]).ravel() for k in range(4)]
     return fitted_load(np.stack(columns, axis=1), residual.ravel())
@@ -96,14 +100,16 @@ def _residual(means: BlockMeans, torque: Array, arm: Robot) -> Array:
 
 
 def _fits(means: BlockMeans, torque: Array, arm: Robot) -> bool:
-    """Return whether an arm leaves so little of a torque (M, 6) [Nm] that it is its own."""
+    """Return whether a torque (M, 6) [Nm] may be an arm's: little of it is left unexplained."""
     return size(_residual(means, torque, arm)) < MAX_SHARE_LEFT_BY_CAUSE * size(torque)
 
 
 def _likelier_arms(
     means: BlockMeans, torque: Array, arm: Robot, payloads: Sequence[Payload | None]
 ) -> Iterator[str]:
-    """Yield the described arm that explains the torque best, if it is likelier by far."""
+    """Yield, as a study's line, the described arm that explains the torque best, if it is likelier
+    by far.
+    """
     others = [other for other in arms_alike(arm, None) if other.name != arm.name]
     likelihoods = [
         max(_likelihood(means, torque, candidate.carrying(payload)) for payload in payloads)
@@ -121,13 +127,14 @@ def _likelihood(means: BlockMeans, torque: Array, arm: Robot) -> float:
 
 
 def _fitting_arms(means: BlockMeans, torque: Array, arm: Robot) -> list[str]:
-    """Return the described arms that have this torque."""
+    """Return, as a study's lines, the described arms that have this torque."""
     fitting = (one for one in arms_alike(arm, None) if _fits(means, torque, one))
     return robots_as_cause(one.name for one in fitting)
 
 
 def _other_causes(means: BlockMeans, torque: Array, residual: Array, arm: Robot) -> Iterator[str]:
-    """Yield the payload, mounting, unit of positions and currents with which a torque is the arm's.
+    """Yield in words each payload, mounting, unit of positions or exchanged column of currents with
+    which the torque would be the arm's.
 
     residual: (M, 6) [Nm], what the arm leaves of the torque.
     """

@@ -24,7 +24,9 @@ MAX_NAMED = 3  # at most this many other arms are named
 
 
 def unchecked(checked: Checked) -> list[Finding]:
-    """Return what would not be noticed in a recording without a stop sign."""
+    """Return a note on each kind of mistake that the checks could not notice in a recording without
+    a stop sign.
+    """
     if len(checked.means.q) < MIN_BLOCKS:
         seconds = number(len(checked.robot) * checked.step, ".1f")
         detail = f"arm, columns, units and clocks could not be checked: {seconds} s are too short"
@@ -37,8 +39,9 @@ def _note(finding: str, detail: str) -> Finding:
 
 
 def _arm(checked: Checked) -> Iterator[Finding]:
-    """Yield which other arms fit as well, where no torque of the controller distinguishes them
-    all."""
+    """Yield the note on other arms that the recording fits as well, if no torque of the controller
+    excludes them.
+    """
     if checked.means.torque is not None or not checked.arm.tells_gravity():
         return
     own = checked.arm.name, checked.arm.link_poses()  # under whatever name
@@ -61,7 +64,7 @@ def _arm(checked: Checked) -> Iterator[Finding]:
 
 
 def _order(checked: Checked) -> Iterator[Finding]:
-    """Yield the pairs of joints of which all columns may be exchanged."""
+    """Yield the note on the pairs of joints of which exchanged columns could not be noticed."""
     shown = {
         *_pairs_shown_by_pose(checked),
         *_pairs_shown_by_torque(checked),
@@ -77,7 +80,7 @@ def _order(checked: Checked) -> Iterator[Finding]:
 
 
 def _named(pairs: Iterable[Pair]) -> str:
-    """Return pairs of joints, which count from 0, as written."""
+    """Return pairs of joints, from 0, as text with numbers from 1."""
     return ", ".join(f"{j + 1}-{k + 1}" for j, k in pairs)
 
 
@@ -111,7 +114,9 @@ def _pairs_shown_by_motion(checked: Checked) -> Iterator[Pair]:
 
 
 def _currents(checked: Checked) -> Iterator[Finding]:
-    """Yield what is open about the columns of currents, their units, signs and clock."""
+    """Yield the notes on what could not be checked of the currents: units, signs, columns and
+    clock.
+    """
     means, sensed = checked.means, checked.arm.measured == TORQUE
     if not means.has_efforts():
         yield _no_currents(checked)
@@ -151,7 +156,9 @@ def _no_currents(checked: Checked) -> Finding:
 
 
 def _by_motion(checked: Checked, bearing: Container[int]) -> Iterator[Finding]:
-    """Yield what the motion leaves open about efforts; bearing: joints, from 0, with constants."""
+    """Yield the notes on what the motion could not show of the efforts; bearing: joints, from 0, of
+    which gravity shows the constant, and thus the sign.
+    """
     joints, motion = range(len(checked.arm.joints)), checked.motion
     open_signs = [
         j + 1
@@ -185,7 +192,9 @@ def _by_motion(checked: Checked, bearing: Container[int]) -> Iterator[Finding]:
 
 
 def _pairs_alike(checked: Checked) -> Iterator[Pair]:
-    """Yield the pairs of joints that may have exchanged currents, or measured torques."""
+    """Yield the pairs of joints of which exchanged currents, or measured torques, could not be
+    noticed.
+    """
     motion, lead = checked.motion, None
     if checked.answers is not None:
         lead = checked.answers.ahead().diagonal()

@@ -32,8 +32,8 @@ TORQUE_NOISE = 0.02  # Nm; nothing is explained better
 
 
 class Misfit(NamedTuple):
-    """Logarithms of the mean squares that an explanation misses: of each joint (n,), and of each
-    stretch and joint (STRETCHES, n).
+    """What an explanation of torques misses: logarithms of mean squares by joint (n,), and by
+    stretch of time and joint (STRETCHES, n).
     """
 
     whole: Array
@@ -41,8 +41,9 @@ class Misfit(NamedTuple):
 
 
 class Lead(NamedTuple):
-    """By how much an explanation misses less than another: a difference of logarithms of mean
-    squares over some joints, and its mean over stretches in standard errors.
+    """By how much an explanation misses less than another. size: difference of the logarithms of
+    mean squares, as the mean over some joints; errors: its mean over stretches of time in standard
+    errors.
     """
 
     size: float
@@ -50,7 +51,9 @@ class Lead(NamedTuple):
 
 
 def lead(other: Misfit, first: Misfit, joints: Sequence[int]) -> Lead:
-    """Return by how much one explanation leads the first; joints: from 0, of which the mean is."""
+    """Return by how much `other` misses less than `first`, as the mean over joints; positive:
+    `other` is better. joints: indices from 0.
+    """
     chosen = [*joints]
     gains = (first.stretches - other.stretches)[:, chosen].mean(axis=1)
     error = gains.std(ddof=1) / np.sqrt(len(gains)) + 1e-9
@@ -58,10 +61,14 @@ def lead(other: Misfit, first: Misfit, joints: Sequence[int]) -> Lead:
 
 
 class Regression:
-    """Columns (M, n, C) fitted to torques (M, n) of all joints at once, without each stretch."""
+    """Least-squares fits of columns (M, n, C) to torques (M, n) of all joints at once, each without
+    one of STRETCHES parts of the time.
+    """
 
     def __init__(self, columns: Array, ridges: Sequence[float] = RIDGES[:1]) -> None:
-        """Sum the products of columns by stretch and joint; ridges: of which the best is taken."""
+        """Sum the products of columns by stretch and joint; ridges: of which the one that misses
+        least is taken.
+        """
         size = np.sqrt((columns**2).mean(axis=(0, 1)))
         self.ridges, self.size = ridges, np.where(size > 1e-9, size, np.inf)
         self.columns = columns / self.size
@@ -72,18 +79,20 @@ class Regression:
         self.whole = self.products.sum(axis=0)
 
     def misfit(self, torque: Array) -> Misfit:
-        """Return what is missed of a torque (M, n) [Nm]."""
+        """Return what the fits miss of a torque (M, n) [Nm] in the stretches left out of them."""
         left = self._left(torque, self._best(torque))
         squares = [(left[own] ** 2).mean(axis=0) for own in self.parts]
         whole = (left**2).mean(axis=0)
         return Misfit(*(np.log(np.array(own) + TORQUE_NOISE**2) for own in (whole, squares)))
 
     def coefficients(self, torque: Array) -> Array:
-        """Return the coefficients (STRETCHES, C) of the fits without each stretch."""
+        """Return the coefficients (STRETCHES, C) of the fits, each without one stretch."""
         return self._best(torque) / self.size
 
     def _best(self, torque: Array) -> Array:
-        """Return the coefficients of unit columns that miss least, all joints alike."""
+        """Return the coefficients (STRETCHES, C) of unit columns by the ridge that misses least,
+        all joints counting alike.
+        """
 
         def missed(fit: Array) -> float:
             square = (self._left(torque, fit) ** 2).mean(axis=0)
@@ -98,7 +107,8 @@ class Regression:
         return np.concatenate([torque[own] - self.columns[own] @ fit for own, fit in parts])
 
     def _coefficients(self, torque: Array, sides: Array, ridge: float) -> Array:
-        """Return the coefficients (STRETCHES, C) of unit columns; joints weigh by their noise.
+        """Return the coefficients (STRETCHES, C) of unit columns by one ridge, joints weighted by
+        their noise.
 
         sides: products of columns and torque (STRETCHES, n, C).
         """
@@ -118,7 +128,7 @@ class Regression:
 
 
 class WholeMotion:
-    """A motion of an arm, with what it carries, and the efforts that should drive it."""
+    """A motion of an arm with what it carries, and the efforts that should drive it."""
 
     def __init__(self, means: BlockMeans, arm: Robot) -> None:
         """Take the means of at most MAX_BLOCKS blocks."""
@@ -154,29 +164,35 @@ class WholeMotion:
 
     @cached_property
     def rubbing(self) -> Regression:
-        """Return the fit of friction and offsets alone."""
+        """Return the regression on friction and offsets alone."""
         return Regression(self.friction)
 
     @cached_property
     def any_links(self) -> Regression:
-        """Return the fit of any links, with friction."""
+        """Return the regression on the inertial parameters of all links and on friction."""
         return Regression(np.concatenate([self.regressor, self.friction], axis=2), RIDGES)
 
     def explained(self, torque: Array | None = None) -> "Explained":
-        """Return how well other torques (M, n) [Nm], or the measured ones, are explained."""
+        """Return how well the declared links, and any links, explain torques (M, n) [Nm], by
+        default the measured efforts.
+        """
         return Explained(self, self.torque if torque is None else torque)
 
     def scale(self, torque: Array) -> Array:
-        """Return by how much a torque (M, n) is larger than that of the described links, (n,):
-        measured torques are not; currents may be, as far as motors' constants allow.
+        """Return the factors (n,) by which a torque (M, n) is larger than that of the described
+        links.
+
+        They are 1 for measured torques; of currents, they are limited to what the motors' constants
+        allow.
         """
         if self.arm.measured == TORQUE:
             return np.ones(len(self.joints))
         return np.clip(self.slopes(torque), 1 / MAX_CONSTANT_RATIO, MAX_CONSTANT_RATIO)
 
     def slopes(self, torque: Array) -> Array:
-        """Return torque per torque of the described links (n,), fitted together with friction and
-        an offset."""
+        """Return the coefficients (n,) of a torque (M, n) on that of the described links, fitted
+        together with friction and an offset.
+        """
         slopes = np.ones(len(self.joints))
         for joint in self.joints:
             columns = np.column_stack([self.links[:, joint], self.friction[:, joint]])
@@ -202,7 +218,7 @@ class WholeMotion:
         return np.max(errors, axis=0)
 
     def with_any_load(self) -> Misfit:
-        """Return what the declared links miss with any body on the flange."""
+        """Return the misfit of the declared links with any body on the flange."""
         last, scale = 10 * (len(self.joints) - 1), self.scale(self.torque)
         body = scale[:, None] * self.regressor[:, :, last : last + 10]
         loaded = Regression(np.concatenate([body, self.friction], axis=2))
@@ -210,7 +226,7 @@ class WholeMotion:
 
     def load(self) -> tuple[float, float, Lead]:
         """Return the mass [kg] on the flange that efforts show in addition to the declared links,
-        by the maker's constants, its standard error (jackknife), and by how much it leads none.
+        by the maker's constants, its standard error (jackknife), and the lead over no load.
         """
         last, left = 10 * (len(self.joints) - 1), self.torque - self.links
         body = self.regressor[:, :, last : last + 4]  # mass and first moments
@@ -221,21 +237,23 @@ class WholeMotion:
         return float(masses.mean()), float(error), ahead
 
     def in_units_of(self, arm: Robot, misfit: Misfit) -> Misfit:
-        """Return what is missed of currents as torques of another arm."""
+        """Return a misfit as it would be if another arm's torque constants made torques of the
+        currents.
+        """
         ratio = np.divide(arm.maker_torque_constants(), self.arm.maker_torque_constants())
         return Misfit(*(part + 2 * np.log(ratio) for part in misfit))
 
 
 class Explained:
-    """Torques (M, n) [Nm] of a motion, and what its explanations miss of them."""
+    """Torques (M, n) [Nm] of a motion, and what the declared links and any links miss of them."""
 
     def __init__(self, motion: WholeMotion, torque: Array) -> None:
-        """Take what is to be explained."""
+        """Take a motion and the torques (M, n) [Nm] to be explained."""
         self.motion, self.torque = motion, torque
 
     @cached_property
     def by_links(self) -> Misfit | None:
-        """Return what the declared links miss; None where nobody knows them."""
+        """Return the misfit of the declared links; None if they are unknown."""
         if not self.motion.arm.tells_gravity():
             return None
         links = self.motion.scale(self.torque) * self.motion.links
@@ -243,10 +261,10 @@ class Explained:
 
     @cached_property
     def by_any_links(self) -> Misfit:
-        """Return what any links miss."""
+        """Return the misfit of any links."""
         return self.motion.any_links.misfit(self.torque)
 
     @property
     def by_known(self) -> Misfit:
-        """Return what the declared links miss, or any where nobody knows them."""
+        """Return the misfit of the declared links, of any links if those are unknown."""
         return self.by_links or self.by_any_links

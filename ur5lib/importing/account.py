@@ -14,10 +14,10 @@ WEIGHT: tuple[Confidence, ...] = get_args(Confidence)  # of a block's statements
 
 @dataclass(frozen=True)
 class Account:
-    """Statements about blocks of columns, and about the file as a whole.
+    """What import states about a file: rows on blocks of columns, and on the file as a whole.
 
-    of_columns: by the columns' names; of_file: in order; excluded: names of blocks that the entry
-    therefore lacks; order: of the file's columns.
+    order: the file's columns in order; of_columns: rows by the names of a block's columns; of_file:
+    in order; excluded: column names of the blocks that the entry lacks.
     """
 
     order: list[str] = field(default_factory=list)
@@ -43,11 +43,11 @@ class Account:
             told.append(row)
 
     def hold(self, confidence: Confidence, block: ColumnBlock, by: Evidence, reason: str) -> None:
-        """State what a block contains, or how sure it is."""
+        """State what a block contains, and how sure that is."""
         self.state(confidence, block.names, block.title, by, reason)
 
     def prove(self, block: ColumnBlock, reason: str) -> None:
-        """State what numbers prove of a block, in place of what was to be checked."""
+        """State what the numbers prove of a block; the rows that ask to check it are removed."""
         told = self.of_columns.get(block.names, [])
         told[:] = [row for row in told if row.confidence != "check"]
         self.hold("proven", block, "numbers", reason)
@@ -69,7 +69,9 @@ class Account:
 
 
 def _joined(told: Sequence[AccountRow], meaning: str) -> AccountRow:
-    """Return the one row of a block's statements; without a meaning, of why it is left out."""
+    """Return the one row of all statements on a block; without a `meaning`, it gives why the block
+    is left out.
+    """
     kept = [row for row in told if meaning or row.confidence == "left out"] or [*told]
     ordered = sorted(kept, key=lambda row: WEIGHT.index(row.confidence))
     return AccountRow(
@@ -82,7 +84,9 @@ def _joined(told: Sequence[AccountRow], meaning: str) -> AccountRow:
 
 
 def _merged(rows: Iterable[AccountRow]) -> Iterator[AccountRow]:
-    """Yield the rows, of columns that are left out for the same reason as one."""
+    """Yield the rows; those with the same meaning and subject, or left out for the same reason, as
+    one.
+    """
     alike = dict[tuple[str, str], list[AccountRow]]()
     for row in rows:
         key = row.reason if row.taken_for == NOTHING else row.subject

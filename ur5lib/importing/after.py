@@ -29,7 +29,8 @@ MAX_CHANCE = 1e-3  # that so many files are as near to the end before
 
 @dataclass(frozen=True)
 class Ends:
-    """First and last posture (n,) [rad] of a recording, and their absolute times [s], NaN without.
+    """First and last posture (n,) [rad] of a recording, and when they were [s], NaN without
+    absolute time stamps.
 
     path: of its file without ending.
     """
@@ -43,11 +44,12 @@ class Ends:
 
 @dataclass(frozen=True)
 class Link:
-    """A recording that begins in the posture in which the one before ended.
+    """How a recording begins in the posture in which the one before it, `before`, ended.
 
-    difference: the largest of a joint [rad]; gap: time between them [s], NaN without absolute
-    stamps; near: how many of the other starts and ends are as near; nearest: the least difference
-    of one [rad]; returned: whether one of the two ends as near to where it began.
+    difference: the largest of a joint between the two postures [rad]; gap: time between them [s],
+    NaN without absolute stamps; others: number of other starts and ends; near: how many of these
+    are as near; nearest: their least difference [rad]; returned: whether the recording's own end,
+    or the start of the one before, is as near to its start.
     """
 
     before: str
@@ -65,11 +67,13 @@ class Link:
 
     @property
     def chance(self) -> float:
-        """Return the probability that an end without relation is as near; 1 where home is."""
+        """Return the probability that an end without relation is as near; 1 if one of the two
+        returned to its start.
+        """
         return 1.0 if self.returned else (1 + self.near) / (1 + self.others)
 
     def row(self) -> AccountRow:
-        """Return what is stated of it."""
+        """Return the row of the account that states this link."""
         where = f"{self.before} ended in the posture in which this begins, within "
         where += f"{self.difference:.1e} rad on all joints"
         later = "" if np.isnan(self.gap) else f", {self.gap:.3g} s before"
@@ -82,7 +86,9 @@ class Link:
 
 
 def ends_of(proposal: Proposal) -> Ends | None:
-    """Return the ends of a proposed recording; None of postures without time."""
+    """Return the ends of a proposed recording; None of postures without time, or without finite
+    rows.
+    """
     moving, file = proposal.moving, proposal.contents
     q = moving.in_si()["actual_q"][:, [*proposal.order]]
     known = np.flatnonzero(np.isfinite(q).all(axis=1) & np.isfinite(moving.time))
@@ -97,7 +103,9 @@ def ends_of(proposal: Proposal) -> Ends | None:
 
 
 def links(ends: Mapping[str, Ends]) -> dict[str, Link]:
-    """Return by recording that which it follows; ends: of the recordings of one arm."""
+    """Return, by the recording's name, the proven link to the one before it; ends: of the
+    recordings of one arm, by name.
+    """
     pairs = {later: before for before, later in _in_order(ends)}
     found = {later: _link(before, later, ends) for later, before in pairs.items()}
     found = {name: link for name, link in found.items() if link.difference <= SAME_POSTURE}
@@ -112,7 +120,9 @@ def links(ends: Mapping[str, Ends]) -> dict[str, Link]:
 
 
 def _link(before: str, later: str, ends: Mapping[str, Ends]) -> Link:
-    """Return how a recording begins where another ended."""
+    """Return how near recording `later` begins to where `before` ended, compared with all other
+    starts and ends.
+    """
     earlier, own = ends[before], ends[later]
     home = np.stack([earlier.first, own.last])
     others = [one.first for name, one in ends.items() if name != later]
@@ -128,7 +138,7 @@ def _link(before: str, later: str, ends: Mapping[str, Ends]) -> Link:
 
 
 def _in_order(ends: Mapping[str, Ends]) -> Iterator[tuple[str, str]]:
-    """Yield the pairs of recordings of which one comes directly after the other: by absolute
+    """Yield the pairs (before, later) of recordings that follow each other directly: by absolute
     stamps, or by a number in their paths.
     """
     stamped = {name: one for name, one in ends.items() if np.isfinite(one.began)}
@@ -140,8 +150,9 @@ def _in_order(ends: Mapping[str, Ends]) -> Iterator[tuple[str, str]]:
 
 
 def _numbered(paths: Mapping[str, str]) -> list[tuple[str, str]]:
-    """Return the pairs of recordings with paths in which one number counts on, the last that
-    does."""
+    """Return the pairs (before, later) of recordings with paths that differ by one in one number;
+    of several such numbers, the last one counts.
+    """
     counted = {place: name for name, path in paths.items() for place in _places(path)}
     earlier = dict[str, str]()
     for place in sorted(counted, key=lambda place: place.from_end):
@@ -152,7 +163,9 @@ def _numbered(paths: Mapping[str, str]) -> list[tuple[str, str]]:
 
 
 class _Place(NamedTuple):
-    """A number in a path, and what is around it; from_end: how many numbers follow."""
+    """A number in a path, with the text before it (head) and after it (tail); from_end: how many
+    numbers follow.
+    """
 
     from_end: int
     head: str

@@ -21,7 +21,7 @@ EFFORTS = (*EFFORT_MEANINGS, TORQUE_LESS_GRAVITY)
 
 
 def form_of(proposal: Proposal) -> FormOfFile:
-    """Return how a file was read."""
+    """Return how a file was read, for other files of the same form to be read alike."""
     file, chosen = proposal.contents, proposal.channels.items()
     guessed = any(r.subject == ORDER and r.evidence == "position" for r in file.account.of_file)
     efforts = {b[0].names: (name, b[0].all_factors()) for name, b in chosen if name in EFFORTS}
@@ -34,10 +34,10 @@ def form_of(proposal: Proposal) -> FormOfFile:
 
 
 def precedents(forms: Mapping[int, FormOfFile]) -> Iterator[tuple[int, FormOfFile]]:
-    """Yield the numbers of files to be read anew, like the one that most of their form and arm
-    support.
+    """Yield the numbers of files to be read anew, each with the form of the file that most files of
+    the same columns and arm support.
 
-    A file that shows no arm is taken for the only one of its form. Columns without names show no
+    A file that shows no arm is taken for the only arm of its form. Columns without names show no
     form.
     """
     of_form = defaultdict[frozenset[Names], list[int]](list)
@@ -58,8 +58,8 @@ def precedents(forms: Mapping[int, FormOfFile]) -> Iterator[tuple[int, FormOfFil
 
 
 def unlike(entry: Mapping[str, Any], others: Iterable[Mapping[str, Any]]) -> AccountRow | None:
-    """Return what is to be checked of an entry if its efforts are read otherwise than those of a
-    recording of the same arm and form in its study.
+    """Return the row to be checked if an entry has efforts in other units than another recording of
+    its arm and columns in the study; None if it has not.
     """
     (form, units) = _efforts_of(entry)
     for other in others:
@@ -71,7 +71,9 @@ def unlike(entry: Mapping[str, Any], others: Iterable[Mapping[str, Any]]) -> Acc
 
 
 def _efforts_of(entry: Mapping[str, Any]) -> tuple[Any, str]:
-    """Return arm and columns of an entry without what its efforts are, and these with units."""
+    """Return what an entry has except its efforts' names (robot, format, columns, paths), and its
+    efforts with their units in words.
+    """
     paths, units = entry.get("channels", {}), entry.get("units", {})
     names = [re.sub(r"_\d$", "", str(column)) for column in entry.get("columns", paths)]
     columns = ["effort" if name in EFFORTS else name for name in names]

@@ -38,10 +38,10 @@ AXES = ("x", "y", "z")
 class ColumnBlock:
     """Columns of a file that belong together.
 
-    names: as in a study, one for all columns or one for each; rows: (N, k); clock: name of their
-    time stamps; factors: by which the file's numbers were multiplied, none if they are as read;
-    joints: of the file's arm; stated: its meaning, where the user, the numbers or the whole of
-    which it is a part give it, and not its own name.
+    names: as in a study, one for all columns or one for each; rows: (N, k); clock: name of the
+    block's time stamps; factors: by which the file's numbers were multiplied, empty if they are as
+    read; joints: number of joints of the file's arm; stated: the block's meaning if the user, the
+    numbers or the whole of which it is a part give it, "" if its own name does.
     """
 
     names: tuple[str, ...]
@@ -57,7 +57,7 @@ class ColumnBlock:
         return replace(self, rows=self.rows * factors, factors=tuple(before * factors))
 
     def all_factors(self) -> tuple[float, ...]:
-        """Return the factor of each column."""
+        """Return the factor of each column by which the file's numbers were multiplied."""
         return self.factors or (1.0,) * self.rows.shape[1]
 
     def unit(self) -> str | list[float] | None:
@@ -67,7 +67,9 @@ class ColumnBlock:
         return unit_names.get(whole[0], whole) if len({*whole}) == 1 else whole
 
     def only(self, kept: Iterable[int]) -> "ColumnBlock":
-        """Return the block of some columns; those of an array have its name and a number."""
+        """Return the block with some of its columns, by their numbers from 0; columns of an array
+        are named `<name>_<k>`.
+        """
         kept = [*kept]
         every = (
             self.names
@@ -78,13 +80,14 @@ class ColumnBlock:
 
     @property
     def title(self) -> str:
-        """Return the name, or the first and the last one."""
+        """Return the block's name, or the first and the last of its names."""
         return self.names[0] if len(self.names) == 1 else f"{self.names[0]} … {self.names[-1]}"
 
     @property
     def evidence(self) -> Evidence:
-        """Return what identifies a block if its numbers prove nothing: the user, its name, its
-        place."""
+        """Return what identifies a block whose numbers prove nothing: "option" of the user, its
+        "name", or its "position" in the file.
+        """
         return "option" if self.stated else "position" if self.is_nameless() else "name"
 
     def is_nameless(self) -> bool:
@@ -96,12 +99,16 @@ class ColumnBlock:
         return place_of(self.names[0])[0] if len(self.names) > 1 else self.names[0]
 
     def meaning(self) -> str | None:
-        """Return the meaning of the name: RTDE channel, kind of joint or spatial quantity."""
+        """Return the meaning by statement or name: an RTDE channel, a kind of joint quantity or a
+        spatial quantity; None for none.
+        """
         return self.stated or quantity(self.stem(), self.rows.shape[1], self.joints)
 
 
 def _by_stem(names: Iterable[str]) -> dict[str, dict[int, str]]:
-    """Return the names of each quantity's columns by their places, of joints and axes apart."""
+    """Return, by quantity, the names of its columns by their place, from 0 or 1; joints' and axes'
+    columns apart.
+    """
     stems = defaultdict[str, dict[int, str]](dict)
     for name in names:
         stem, place = place_of(name)
@@ -112,10 +119,10 @@ def _by_stem(names: Iterable[str]) -> dict[str, dict[int, str]]:
 
 
 def grouped(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
-    """Yield the names of single columns that belong together: of joints, of a pose, x, y, z.
+    """Yield the names of single columns that belong together: of joints, of a pose, or x, y, z.
 
-    In the order of the joints' names, or else of their numbers; of motors with other names
-    (`elbow_flex.pos`), in that of the file.
+    They are in the order of the joints' names, or else of their numbers; motors with other names
+    (`elbow_flex.pos`) are in the file's order.
     """
     if lettered := lettered_joints(names):
         yield lettered
@@ -134,8 +141,8 @@ def grouped(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
 
 
 def _by_motor(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
-    """Yield the columns of a quantity that are named by motor and quantity, as elbow_flex.pos: of
-    each arm among them, without those of a gripper or a rail.
+    """Yield, for each arm and quantity, the columns that are named by motor and quantity, as
+    elbow_flex.pos, without those of a gripper or a rail.
     """
     tails = defaultdict[tuple[str, str], dict[str, str]](dict)
     for name in names:
@@ -151,7 +158,7 @@ def _by_motor(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
 
 
 def with_names(columns: Sequence[str], joints: Sequence[str]) -> list[str]:
-    """Return columns with the names of joints for their numbers, where these name an arm's joints.
+    """Return columns with their numbers replaced by names of joints, if `joints` are an arm's.
 
     joints: in the order in which the columns of each quantity are numbered.
     """
@@ -169,9 +176,8 @@ def with_names(columns: Sequence[str], joints: Sequence[str]) -> list[str]:
 
 
 def with_bare_positions(blocks: Sequence[ColumnBlock]) -> list[ColumnBlock]:
-    """Return blocks that are named by joints alone with the meaning of their units, and with the
-    only one of angles, or without a unit, as the positions, where no other is named so: it has
-    nothing else to be.
+    """Return blocks, of which those named by joints alone have the meaning of their unit; if one of
+    angles, or without unit, is left and none is named as positions, it is taken for the positions.
     """
     blocks = [_with_meaning_of_unit(block) for block in blocks]
     bare = [
@@ -195,7 +201,8 @@ def _with_meaning_of_unit(block: ColumnBlock) -> ColumnBlock:
 
 
 def joints_of(path: Path, blocks: Sequence[ColumnBlock]) -> int:
-    """Return the number of joints with positions in a file's blocks: six, or others by their names.
+    """Return the number of joints by the positions among a file's blocks: 6 if a block has so many,
+    else the most of 4, 5, 7, 8 and 9 that one has.
 
     Raises InputError where they are more than an arm's.
     """

@@ -16,7 +16,9 @@ JOINT_MARK = "\0"  # where a column's name has the joint's
 
 
 def joint_columns(names: Iterable[str], joints: Sequence[str]) -> dict[str, tuple[str, ...]]:
-    """Return the columns of named joints, in their order, by quantity: the name without joint."""
+    """Return the columns of the named joints, in the order of `joints`, by quantity: the column's
+    name without the joint's.
+    """
     found = defaultdict[str, dict[str, str]](dict)
     longest_first = sorted(joints, key=len, reverse=True)
     for name in names:
@@ -33,7 +35,8 @@ def joint_columns(names: Iterable[str], joints: Sequence[str]) -> dict[str, tupl
 def of_joints(
     arrays: Mapping[str, np.ndarray], joints: Sequence[str], path: Path, account: Account
 ) -> dict[str, np.ndarray]:
-    """Return arrays without the columns of other joints than the named ones, which are stated.
+    """Return arrays without the columns of joints that the user did not name; the account states
+    these.
 
     Raises InputError where the file has no column of each joint.
     """
@@ -59,9 +62,9 @@ def of_joints(
 def of_prefix(
     arrays: Mapping[str, np.ndarray], prefix: str, path: Path, account: Account
 ) -> dict[str, np.ndarray]:
-    """Return the arrays with a prefix before their joints, and clocks; the others are stated.
+    """Return the arrays with a prefix in their names, and clocks; the account states the others.
 
-    Raises InputError where none has it.
+    Raises InputError where no name has it.
     """
     own = [name for name in arrays if _has(prefix.rstrip("/._ "), name)]
     if not own:
@@ -74,7 +77,9 @@ def of_prefix(
 
 
 def joint_arrays(arrays: Iterable[str], joints: Sequence[str]) -> set[str]:
-    """Return names of arrays of a bag by joint, and of those that are no joints' arrays."""
+    """Return the names of a bag's arrays to be read: those of the named joints, their stamps, and
+    all that are of no joints.
+    """
     wanted = set[str]()
     for name in arrays:
         place, _, field = name.rpartition("/")
@@ -104,5 +109,5 @@ def _has(part: str, name: str) -> bool:
 
 
 def _whole(part: str) -> re.Pattern[str]:
-    """Return the pattern of a part of a name between its separators."""
+    """Return the pattern that finds a part of a name as a whole word."""
     return re.compile(rf"(?<![A-Za-z0-9]){re.escape(part)}(?![A-Za-z0-9])")

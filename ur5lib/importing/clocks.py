@@ -27,10 +27,9 @@ MIN_POSTURE_DISTANCE = 0.05  # rad, between two postures
 
 
 class FileClocks(NamedTuple):
-    """Increasing time stamps (N,) [s] by name, and the units of those that are not in seconds.
-
-    doubts: why an array that is placed like a clock is none; notes: on stamps of bunches of rows,
-    which are put at equal steps.
+    """The clocks of a file. stamps: increasing time stamps (N,) [s] by name; units: of those that
+    were not in seconds; doubts: why an array in a clock's place is none; notes: what was done to
+    stamps, as where bunches of rows are put at equal steps.
     """
 
     stamps: dict[str, Array]
@@ -40,10 +39,10 @@ class FileClocks(NamedTuple):
 
 
 def clocks_of(arrays: Mapping[str, np.ndarray], stated: str | None) -> FileClocks:
-    """Return the clocks among arrays: those with the name of one, or else the first array; where
-    no column has a name, the first or the last one.
+    """Return the clocks among arrays: those named like one, else the first array; where no column
+    has a name, the first or the last one.
 
-    stated: the unit that the user gives.
+    stated: the unit that the user gives, None if it is to be found.
     """
     named, ends = [name for name in arrays if CLOCK_NAME.search(name)], _by_place(arrays)
     ends += [*arrays][-1:] if "".join(ends).startswith(NAMELESS_PREFIX) else []
@@ -72,8 +71,8 @@ def clocks_of(arrays: Mapping[str, np.ndarray], stated: str | None) -> FileClock
 
 
 def _by_place(arrays: Mapping[str, np.ndarray]) -> list[str]:
-    """Return the first array's name, none where it is one of several joints' or axes'; stamps are
-    the first column of a file of one quantity.
+    """Return, in a list, the name of the first array, empty if it is one of several columns of
+    joints or axes: stamps are the first column of a file of one quantity.
     """
     for first in [*arrays][:1]:
         stem, place = place_of(first)
@@ -93,14 +92,18 @@ def _side_by_side(arrays: Iterable[np.ndarray], rows: int) -> Array:
 def equally_spaced(
     arrays: Mapping[str, np.ndarray], rate: float | None, doubts: Mapping[str, str]
 ) -> FileClocks:
-    """Return the rows' numbers as a clock at a rate [Hz], of as many rows as most arrays have."""
+    """Return a clock with equal steps, row number over rate [s], for the most frequent array
+    length.
+
+    rate: [Hz], None for ASSUMED_RATE; doubts: handed through to the result.
+    """
     lengths = [max(values.shape) for values in arrays.values() if values.ndim in (1, 2)]
     rows = max(lengths, key=lengths.count, default=0)
     return FileClocks({ROW_CLOCK: np.arange(rows) / (rate or ASSUMED_RATE)}, {}, doubts)
 
 
 def is_clock(stamps: Array) -> bool:
-    """Return whether values (N,) increase like a clock, repeated stamps among them."""
+    """Return whether values (N,) increase like a clock; some may be equal, few may go back."""
     steps = np.diff(stamps[np.isfinite(stamps)]) if stamps.ndim == 1 else np.array([])
     return (
         len(steps) >= 2
@@ -110,15 +113,18 @@ def is_clock(stamps: Array) -> bool:
 
 
 def typical_step(stamps: Array) -> float:
-    """Return the mean step from row to row of stamps (N,), pauses and restarts apart."""
+    """Return the mean step from row to row of stamps (N,), without steps back and with long pauses
+    cut.
+    """
     steps = np.diff(stamps[np.isfinite(stamps)])
     steps = steps[steps >= 0]
     return float(np.minimum(steps, np.quantile(steps[steps > 0], 0.99)).mean())
 
 
 def alternatives(clocks: FileClocks, current: str) -> Iterator[tuple[str, str, Array]]:
-    """Yield name, unit and stamps (N,) [s] of clocks in the same place of the file as one, in
-    possible units."""
+    """Yield (name, unit, stamps (N,) [s]) of `current` and the clocks next to it in the file, once
+    in each possible unit.
+    """
     for name, stamps in clocks.stamps.items():
         beside = len(stamps) == len(clocks.stamps[current]) and "/" not in name + current
         if not (beside or name == current):
@@ -135,7 +141,9 @@ def alternatives(clocks: FileClocks, current: str) -> Iterator[tuple[str, str, A
 
 
 def _unit(name: str, stamps: Array, stated: str | None) -> str | None:
-    """Return the unit of stamps (N,): stated, by name, or by usual steps; None if no clock."""
+    """Return the unit of stamps (N,): as stated, by name, or by usual steps; None if they are no
+    clock.
+    """
     if (named := stated or named_unit(name)) in USUAL_STEPS:
         return named
     step = typical_step(stamps)
@@ -146,7 +154,9 @@ def _unit(name: str, stamps: Array, stated: str | None) -> str | None:
 
 
 def irregularity(stamps: Array) -> float:
-    """Return how far the steps of a clock (N,) lie from the usual one, as a share of it."""
+    """Return the mean distance of a clock's steps from their median, as a share of it; stamps:
+    (N,).
+    """
     steps = np.diff(stamps)
     steps = steps[steps > 0]
     usual = float(np.median(steps))

@@ -63,11 +63,11 @@ NIST_COLUMNS = [  # NIST's UR5 degradation measurements have files without a hea
 
 @dataclass(frozen=True)
 class UserStatement:
-    """What the user says of files, which nothing overrules.
+    """What the user states about files, which nothing overrules.
 
-    robot: the arm; columns: of a table in order, or `channel=name` of arrays; rate: of rows without
-    a clock [Hz]; units: by channel; joint_names: of the arm, in its order; prefix: of the arm's
-    joints or columns, `left_`.
+    robot: name of the arm; columns: channels of a table's columns in order, or `channel=name` of
+    arrays; rate: of rows without a clock [Hz]; units: by channel; joint_names: of the arm, in its
+    order; prefix: of the names of the arm's joints or columns, as `left_`.
     """
 
     robot: str = ""
@@ -78,12 +78,14 @@ class UserStatement:
     prefix: str = ""
 
     def names(self) -> dict[str, str]:
-        """Return the channels of arrays by their names in the file."""
+        """Return, by the name of an array in the file, the channel that the user states for it."""
         pairs = (column.partition("=") for column in self.columns if "=" in column)
         return {name: channel for channel, _, name in pairs}
 
     def joints(self) -> int | None:
-        """Return how many joints the named arm has, None where none is named or described."""
+        """Return how many joints the stated arm has, None if none is stated or it is not
+        described.
+        """
         is_described = self.robot and self.robot in robot_names()
         return len(described(self.robot).joints) if is_described else None
 
@@ -95,8 +97,8 @@ NO_STATEMENT = UserStatement()
 class TableHeader:
     """The columns of a delimited table, in the file's order.
 
-    repeated: those with the name of an earlier column; layout: of a table without a header, the
-    source of the columns that it is assumed to have; entry: the columns as the user gives them.
+    repeated: columns with the name of an earlier one; layout: of a table without a header, where
+    the columns that it is assumed to have come from; entry: the columns as the user states them.
     """
 
     columns: list[str] = field(default_factory=list)
@@ -107,10 +109,11 @@ class TableHeader:
 
 @dataclass(frozen=True)
 class FileContents:
-    """A file's blocks, and its clocks.
+    """A file's blocks of columns and its clocks.
 
-    silent: blocks without a number other than zero; findings: of the reader; joints: of the arm;
-    account: what is stated about the blocks; precedent: how another file is, if it is read like it.
+    blocks: with numbers; silent: with zeros alone; findings: of the reader; stated: by the user;
+    joints: number of the arm's joints; account: what is stated about the blocks; precedent: form of
+    another file, like which this one is read.
     """
 
     path: Path
@@ -134,7 +137,9 @@ class FileContents:
         return next(block for block in self.blocks if block.names == names)
 
     def meant(self, meaning: str, clock: str) -> ColumnBlock | None:
-        """Return the block with a meaning and the time stamps of a clock, None without one."""
+        """Return the block with a meaning on a clock with the same stamps; None if there is
+        none.
+        """
         stamps = self.clocks.stamps
         for block in self.blocks:
             same = np.array_equal(stamps[block.clock], stamps[clock], equal_nan=True)
@@ -143,7 +148,9 @@ class FileContents:
         return None
 
     def on_clock(self, clock: str, other: str, stamps: Array, unit: str) -> "FileContents":
-        """Return the file with the blocks of a clock on another one, with stamps (N,) [s]."""
+        """Return the file with the blocks of `clock` moved to the clock `other` with stamps (N,)
+        [s].
+        """
         blocks = [replace(b, clock=other) if b.clock == clock else b for b in self.blocks]
         units = {name: u for name, u in self.clocks.units.items() if name != other}
         units |= {} if unit == "s" else {other: unit}
@@ -152,8 +159,8 @@ class FileContents:
 
 
 def arm_labels(file: FileContents) -> list[str]:
-    """Return what the names of each of several arms' positions have alone, as `left`; nothing of
-    one arm.
+    """Return, for a file of several arms, the part of the positions' names that only one arm has,
+    as `left`; empty for one arm.
 
     They come from the parts of a bag's topic, else from words that distinguish arms.
     """
@@ -180,8 +187,8 @@ def contents(
 ) -> FileContents:
     """Return the contents of a file, or of the files of one run.
 
-    timed: whether a column may be the clock by its place. Raises InputError for an unreadable file,
-    and where rows of several do not belong together.
+    timed: whether a column may be the clock by its place alone. Raises InputError for an unreadable
+    file, and where rows of several files do not belong together.
     """
     findings: list[Finding] = []
     path, account = file.folder / file.name if isinstance(file, PartedRun) else file, Account()
@@ -225,7 +232,9 @@ def contents(
 
 
 def _follows_a_hand(block: ColumnBlock, blocks: Sequence[ColumnBlock]) -> bool:
-    """Return whether target accelerations are zero of a target that moves: none was planned."""
+    """Return whether a block has target accelerations of zero while the target moves, as of an arm
+    that a hand leads.
+    """
     zero = block.meaning() == "target_qdd" and not block.rows.any()
     return zero and any(b.meaning() == "target_qd" and not is_silent(b.rows) for b in blocks)
 
@@ -238,8 +247,8 @@ def _read(
     findings: list[Finding],
     account: Account,
 ) -> tuple[TableHeader, dict[str, np.ndarray]]:
-    """Return the header of a table, and the columns of a table or of the files of a run, or the
-    arrays of a file, of the joints and the prefix that are stated.
+    """Return a table's header and its columns, or an empty header and a file's arrays, without
+    those of other joints or another prefix than the user states.
     """
     header = TableHeader()
     if isinstance(file, PartedRun):
@@ -261,7 +270,8 @@ def _read(
 
 
 def _together(run: PartedRun, findings: list[Finding], account: Account) -> dict[str, np.ndarray]:
-    """Return the columns of a run's files: stamps of their own, and quantities by their files.
+    """Return the columns of a run's files by name, at the stamps of the first file if each has its
+    own.
 
     Raises InputError where the files differ in rows and not each has stamps that show how.
     """
@@ -288,7 +298,7 @@ def _together(run: PartedRun, findings: list[Finding], account: Account) -> dict
 
 
 def _state_unread(findings: Iterable[Finding], account: Account) -> None:
-    """State what of a file its reader left out."""
+    """State in the account which columns the reader left out, and why."""
     for finding in findings:
         for name in finding.channels if finding.finding == UNREAD else ():
             why = finding.detail.rpartition(": ")[2]
@@ -298,7 +308,9 @@ def _state_unread(findings: Iterable[Finding], account: Account) -> None:
 def _clocks(
     arrays: Mapping[str, np.ndarray], stated: UserStatement, timed: bool, account: Account
 ) -> FileClocks:
-    """Return the clocks among arrays, or else the rows' numbers; state why others are none."""
+    """Return the clocks among arrays, or else the rows' numbers as one; state why others are
+    none.
+    """
     joints = lettered_joints(arrays)  # among them T
     arrays = {n: values for n, values in arrays.items() if n not in joints}
     by_place = timed and not stated.rate
@@ -316,9 +328,10 @@ def _clocks(
 def _without_gripper(
     blocks: Sequence[ColumnBlock], joints: int, account: Account
 ) -> list[ColumnBlock]:
-    """Return blocks without the column of a gripper, where positions have one more than the joints:
-    the only one that rests in a quantity, or of small numbers above zero; the first if that is of
-    such numbers, but not the last; or else the last.
+    """Return blocks without the column of a gripper, if positions have one more than the joints.
+
+    It is the only column that rests, or the only one with values from 0 to 1; else the first if
+    that has such values and the last has not; else the last.
     """
     wide = [block for block in blocks if block.rows.shape[1] == joints + 1]
     positions = [b for b in wide if b.is_nameless() or names_positions(b.stem())]
@@ -343,7 +356,9 @@ def _without_gripper(
 
 
 def _width_of_nameless(columns: int, joints: int | None) -> int:
-    """Return of how many columns, joints or a gripper, a group is in a table without names."""
+    """Return how many columns form a group in a table without names: those of the joints, or one
+    more for a gripper.
+    """
     counts = (joints, joints + 1) if joints else (JOINTS_OF_UR, 7, 8)
     fitting = (count for count in counts if columns % count == 0)
     return next(fitting, joints or JOINTS_OF_UR)
@@ -352,8 +367,8 @@ def _width_of_nameless(columns: int, joints: int | None) -> int:
 def _header(text: TextTable, stated: UserStatement) -> TableHeader:
     """Return the columns of a table; without a header, they are named `column 1` and so on.
 
-    Those that are numbered like a list of the joints' names, as ROS writes it, have these names.
-    Raises InputError where the columns that the user gives are others in number.
+    Columns that are numbered get the joints' names if the table lists these, as ROS does. Raises
+    InputError if the user states another number of columns.
     """
     path, cells, row = text.log.path, text.cells, text.below
     if cells[0].startswith("{"):
@@ -388,7 +403,7 @@ def _stated_header(path: Path, stated: UserStatement, count: int) -> TableHeader
 
 
 def _numbered(cells: Sequence[str], stated: UserStatement) -> list[str]:
-    """Return columns with numbers for the names that the described arm's joints have."""
+    """Return columns with the names of the stated arm's joints replaced by their numbers."""
     names = described(stated.robot).joints if stated.joints() else ()
     if len({*names}) < len(names):  # sizes of joints, of which several are equal
         return [*cells]
@@ -399,7 +414,7 @@ def _numbered(cells: Sequence[str], stated: UserStatement) -> list[str]:
 
 
 def _table(text: TextTable, header: TableHeader, account: Account) -> dict[str, np.ndarray]:
-    """Return a table's columns by name, each once, of equal names the first."""
+    """Return a table's numeric columns by name; of equal names the first, the others stated."""
     table, _ = text.rows(header.columns)
     kept = dict[str, np.ndarray]()
     for name in header.columns:
@@ -421,7 +436,7 @@ def _table(text: TextTable, header: TableHeader, account: Account) -> dict[str, 
 def _chosen_blocks(
     arrays: Mapping[str, np.ndarray], chosen: Mapping[str, tuple[str, ...]], clocks: FileClocks
 ) -> Iterator[ColumnBlock]:
-    """Yield the columns of the joints that the user names, by their quantities."""
+    """Yield a block for each quantity of the joints that the user names."""
     for stem, names in chosen.items():
         if block := _joined(names, arrays, clocks):
             yield replace(block, stated=quantity(stem, len(names), len(names)) or "")
@@ -446,7 +461,10 @@ def is_unnamed(name: str) -> bool:
 def _blocks(
     arrays: dict[str, np.ndarray], clocks: FileClocks, width: int | None, account: Account
 ) -> Iterator[ColumnBlock]:
-    """Yield the arrays of several columns, and groups of single ones; width: of nameless ones."""
+    """Yield a block for each array of several columns, and for each group of single columns.
+
+    width: of a group where columns have no names, None where they have.
+    """
     single, in_matrices = [], all(_is_matrix(values) for values in arrays.values())
     for name, values in arrays.items():
         clock = _clock_of(name, max(values.shape, default=0), clocks.stamps)
@@ -470,7 +488,7 @@ def _blocks(
 
 
 def _is_matrix(values: np.ndarray) -> bool:
-    """Return whether an array has more columns than any quantity: a table without names."""
+    """Return whether an array is a table without names: it has more columns than any quantity."""
     return values.ndim == 2 and min(values.shape) > MOST_JOINTS
 
 
@@ -488,7 +506,9 @@ def _possible(values: np.ndarray) -> Array:
 
 
 def _clock_of(name: str, length: int, clocks: dict[str, Array]) -> str | None:
-    """Return an array's clock: as long, nearest in the file's tree, of equal ones the first."""
+    """Return the name of an array's clock: of equal length, nearest in the file's tree; None if
+    there is none. Of clocks with the same stamps, it is the first.
+    """
     same = [clock for clock, stamps in clocks.items() if len(stamps) == length]
     if not same:
         return None
@@ -503,6 +523,6 @@ def _shared_parts(path: str, other: str) -> int:
 
 
 def block_widths(file: FileContents) -> str:
-    """Return the blocks of a file with their widths, for a sentence."""
+    """Return in words the blocks of a file with their numbers of columns."""
     widths = [f"{block.title} ({block.rows.shape[1]})" for block in file.blocks]
     return some(widths, 6) or "nothing beside its clock"

@@ -71,8 +71,9 @@ EFFORT_MEANINGS = ("effort", *UNITS_BY_CHANNEL)
 
 
 def as_amperes(block: ColumnBlock) -> ColumnBlock:
-    """Return a block in amperes if its columns may be rounded currents times constants of a driver:
-    whole multiples of steps, no power of ten, which are torque constants that motors may have.
+    """Return a block in amperes if it may be rounded currents times a driver's constants: each
+    column has whole multiples of a step that is no power of ten and, over ROUNDING_STEP, a possible
+    torque constant. Else return the block itself.
     """
     steps = np.array([_step(np.abs(column)) for column in block.rows.T])
     if len(steps) != JOINTS_OF_UR:
@@ -88,10 +89,11 @@ def as_amperes(block: ColumnBlock) -> ColumnBlock:
 def _without_constants(
     name: str, block: ColumnBlock, means: BlockMeans, arm: Robot, order: Order, account: Account
 ) -> tuple[ColumnBlock, BlockMeans]:
-    """Return an effort and its means without a driver's constants, where gravity agrees.
+    """Return an effort and its means divided by a driver's constants, if gravity confirms these;
+    else as they were.
 
-    Multiples prove a step alone, as of a converter: as amperes, gravity must show the arm's torque
-    constants without the factors, and others with them. order: of the joints' columns.
+    A converter gives multiples of steps, too: gravity must show the arm's torque constants after
+    the division, and others before it. order: of the joints' columns.
     """
     divided = as_amperes(block)
     if divided is block:
@@ -113,8 +115,8 @@ def _without_constants(
 
 
 def in_stated_unit(block: ColumnBlock, file: FileContents) -> ColumnBlock:
-    """Return a current in amperes where the user gives the amperes of one unit of the file, and a
-    torque in Nm where its name has another unit.
+    """Return an effort in SI units: a current in amperes by the user's factor, a torque in Nm by
+    the unit in its name; else as it is.
     """
     if metres := newton_metres(block.names[0]):
         return block.scaled(metres)
@@ -127,7 +129,7 @@ def in_stated_unit(block: ColumnBlock, file: FileContents) -> ColumnBlock:
 
 
 def is_torque_of_joints(block: ColumnBlock) -> bool:
-    """Return whether an effort is named as a torque of the joints, not of motors nor as raw."""
+    """Return whether an effort is named as a torque, and neither of motors nor raw."""
     return block.meaning() in (MOTOR_TORQUE, "actual_torque") and not is_of_motors(block.stem())
 
 
@@ -142,7 +144,7 @@ def is_share(block: ColumnBlock) -> bool:
 
 
 def is_frozen(block: ColumnBlock) -> bool:
-    """Return whether no number of an effort changes."""
+    """Return whether an effort never changes."""
     return not np.diff(block.rows, axis=0).any()
 
 
@@ -169,8 +171,8 @@ def _step(sizes: Array) -> float:
 
 
 def lead_of_opposite(means: BlockMeans, name: str, arms: Sequence[Robot]) -> float:
-    """Return by how much of log-likelihood gravity explains an effort better with the opposite
-    sign, 0 unless as read friction would drive the joints.
+    """Return by how much the log-likelihood of an effort by gravity is larger with the opposite
+    sign; 0 if it is not clearly so, or friction does not contradict the sign as read.
 
     Joints that sense their torque have no friction; turned, these must balance the arm's gravity.
     Where no joint's effort changes its sign, they may be sizes, for which neither sign is right.
@@ -201,7 +203,8 @@ def name_efforts(
     """Return the efforts by channel, in SI units, without those that neither name nor unit
     identifies.
 
-    blocks: by their names in `means`, which have the joints in order, None without a motion.
+    blocks: by the names that they have in `means`; means: with the joints in order, None without a
+    motion.
     """
     arm, channels = identity.robot, _like_precedent(blocks, file)
     read = {channel.names for channel in channels.values()}
@@ -236,7 +239,7 @@ def name_efforts(
 def _like_precedent(
     blocks: Mapping[str, ColumnBlock], file: FileContents
 ) -> dict[str, ColumnBlock]:
-    """Return the efforts that are scaled like those of another file, by channel."""
+    """Return, by channel, the efforts that the file's precedent has, too."""
     channels = dict[str, ColumnBlock]()
     for block in blocks.values() if file.precedent else ():
         if file.precedent and block.names in file.precedent.efforts:
@@ -253,8 +256,8 @@ class GravityShown(NamedTuple):
     """What gravity shows of an effort.
 
     scores: log-likelihood of each unit; constants: Nm per unit of the file, by joint from 0; known:
-    the maker's [Nm/A], none of joints that sense their torque; own: log-likelihood of a factor a
-    joint.
+    the maker's constants [Nm/A], empty for joints that sense their torque; own: log-likelihood with
+    one factor per joint.
     """
 
     scores: Mapping[str, float]
@@ -263,8 +266,8 @@ class GravityShown(NamedTuple):
     own: float = -np.inf
 
     def is_of_own_factors(self) -> bool:
-        """Return whether joints contradict the likeliest unit, and a factor a joint explains them
-        far better.
+        """Return whether joints contradict the likeliest unit, and one factor per joint explains
+        them far better.
         """
         best = self.likeliest()[0]
         foreign = best == LESS_GRAVITY or (bool(best) and self.contradicts(best))
@@ -272,7 +275,7 @@ class GravityShown(NamedTuple):
         return len(self.constants) >= MIN_BEARING_JOINTS and foreign and ahead > CLEAR_LEAD
 
     def ratios(self, unit: str) -> list[float]:
-        """Return the constants, as multiples of those that a unit of the file would have."""
+        """Return the joints' constants as multiples of those that they would have in a unit."""
         of_unit = {"A": 1.0, "mA": 1e-3}
         return [
             constant / (of_unit[unit] * self.known[joint] if unit in of_unit else 1.0)
@@ -280,12 +283,14 @@ class GravityShown(NamedTuple):
         ]
 
     def contradicts(self, unit: str) -> bool:
-        """Return whether the constants of a joint are not those of a unit."""
+        """Return whether the constant of any joint is far from that of a unit."""
         most = MAX_TORQUE_RATIO if unit == "Nm" else MAX_CONSTANT_RATIO
         return any(not 1 / most < ratio < most for ratio in self.ratios(unit))
 
     def is_far_from_newton_metres(self) -> bool:
-        """Return whether the joints together, by their median, show less or more than one Nm."""
+        """Return whether the median of the joints' constants is far from 1 Nm per unit of the
+        file.
+        """
         median = float(np.median(self.ratios("Nm") or [1.0]))
         return not 1 / MAX_PROVEN_RATIO < median < MAX_PROVEN_RATIO
 
@@ -307,12 +312,16 @@ class GravityShown(NamedTuple):
         return float(np.median(self.ratios("A")))
 
     def likeliest(self) -> tuple[str, float]:
-        """Return the likeliest unit, and how much greater its log-likelihood is than the next."""
+        """Return the likeliest unit, "" without any, and by how much its log-likelihood exceeds the
+        next one's.
+        """
         best, rival, *_ = [*sorted(self.scores, key=lambda unit: -self.scores[unit]), "", ""]
         return best, self.scores[best] - self.scores[rival] if self.scores else 0.0
 
     def in_words(self) -> str:
-        """Return the likeliest unit and its rival, and the constants with the maker's."""
+        """Return a sentence with the likeliest unit, its lead over the next one, and the
+        constants.
+        """
         best, rival, *_ = sorted(self.scores, key=lambda unit: -self.scores[unit])
         before = f"log-likelihood before {UNIT_WORDS[rival]}"
         tells = f"gravity tells {UNIT_WORDS[best]}, by {self.likeliest()[1]:.3g} of {before}"
@@ -320,7 +329,7 @@ class GravityShown(NamedTuple):
         return f"{tells}: {words.constants_in_words()}" if self.constants else tells
 
     def constants_in_words(self) -> str:
-        """Return the constants with the maker's."""
+        """Return the joints' constants in words, with the maker's if known."""
         joints = ", ".join(str(joint + 1) for joint in self.constants)
         constants = ", ".join(f"{constant:.3g}" for constant in self.constants.values())
         known = ", ".join(f"{self.known[joint]:.3g}" for joint in self.constants if self.known)
@@ -330,7 +339,7 @@ class GravityShown(NamedTuple):
 
 
 def _shown_by_gravity(means: BlockMeans | None, arm: Robot | None, name: str) -> GravityShown:
-    """Return what gravity shows of an effort by its name in the means, nothing without an arm."""
+    """Return what gravity shows of an effort by its name in `means`; empty without means or arm."""
     if means is None or arm is None:
         return GravityShown({}, {}, ())
     fit = torque_constants(means, arm, name)
@@ -345,18 +354,22 @@ def _shown_by_gravity(means: BlockMeans | None, arm: Robot | None, name: str) ->
 
 
 def as_of(like: Robot) -> str:
-    """Return what a meaning depends on that only the likeliest arm gives."""
+    """Return in words that a meaning holds if the arm, which is unknown, is like the
+    likeliest one.
+    """
     return f"if the arm, which nothing tells, is like {like.name}"
 
 
 def _named_unit(block: ColumnBlock) -> str | None:
-    """Return the unit of an effort that its name gives, None for none."""
+    """Return the unit that an effort's name or meaning states, None for none."""
     spelled = named_unit(block.names[0])
     return spelled if spelled in UNIT_WORDS else UNITS_BY_CHANNEL.get(block.meaning() or "")
 
 
 def _unit(block: ColumnBlock, shown: GravityShown, file: FileContents) -> str | None:
-    """Return the unit, A, mA, Nm or LESS_GRAVITY: as stated, named, or shown; None if unknown."""
+    """Return the unit of an effort, A, mA, Nm or LESS_GRAVITY, as stated, named, or shown by
+    gravity; None if it is unknown. The account states why.
+    """
     account, named = file.account, _named_unit(block)
     given = file.stated.units.get(block.meaning() or "")
     if given in UNIT_WORDS:
@@ -386,7 +399,9 @@ def _unit(block: ColumnBlock, shown: GravityShown, file: FileContents) -> str | 
 
 
 def _unit_by_gravity(block: ColumnBlock, shown: GravityShown, account: Account) -> str | None:
-    """Return the unit that gravity shows clearly, and a name may contradict; None if unknown."""
+    """Return the unit of an effort for which gravity clearly shows one; the name may contradict it;
+    None if it is unknown. The account states why.
+    """
     named, spelled = _named_unit(block), named_unit(block.names[0]) in UNIT_WORDS
     best, sentence = shown.likeliest()[0], shown.in_words()
     if named and named != best and shown.confirms(named):
@@ -429,10 +444,10 @@ def _targets(
     arm: Robot | None,
     file: FileContents,
 ) -> list[ColumnBlock]:
-    """Return the efforts that were computed: by their names, or nameless and without noise.
+    """Return the efforts that were computed, by their names, or nameless and without noise.
 
-    Of two of which one is smooth, the other where it follows the model of the arm more closely:
-    then whoever wrote the log has smoothed what was measured.
+    Of two nameless ones, the one that follows the arm's model more closely is computed, even if the
+    other is smoother: whoever wrote the log has then smoothed what was measured.
     """
     named = [one for one in efforts.values() if is_target(one)]
     nameless = {name: effort for name, effort in efforts.items() if effort.is_nameless()}

@@ -29,7 +29,7 @@ PROVABLE_COLUMNS = {c for name in PROVABLE_CHANNELS for c in columns_of(name)}
 
 
 def entry_of(proposal: Proposal) -> StudyEntry:
-    """Return the entry of a file's recording."""
+    """Return the entry in a study for a file's recording."""
     path, format = proposal.contents.path, proposal.contents.format
     place = place_of_file(path)
     if format == PARTED_FORMAT:
@@ -40,7 +40,9 @@ def entry_of(proposal: Proposal) -> StudyEntry:
 
 
 def episodes(proposal: Proposal) -> list[StudyEntry]:
-    """Return the span of each episode of a file as `from_s` and `to_s` with its name, if any."""
+    """Return, for each episode in a file, the keys `name`, `from_s` and `to_s` of its entry; empty
+    without episodes.
+    """
     file = proposal.contents
     every = [b for b in file.blocks + file.silent if last_part(b.stem()) == EPISODE_INDEX]
     if not every or proposal.moving.still:
@@ -60,17 +62,21 @@ def episodes(proposal: Proposal) -> list[StudyEntry]:
 
 
 def identifier(name: str) -> str:
-    """Return the name of a recording from a file's name up to its first dot."""
+    """Return a recording's name by a file's name up to its first dot, without characters that names
+    may not have.
+    """
     return re.sub(r"[^A-Za-z0-9_-]+", "_", name.split(".")[0]).strip("_")[:200] or "recording"
 
 
 def place_of_file(path: Path) -> StudyEntry:
-    """Return the keys of an entry that name a file."""
+    """Return the keys `name`, `folder` and `file` of an entry."""
     return {"name": identifier(path.name), "folder": str(path.parent), "file": path.name}
 
 
 def _of_table(proposal: Proposal) -> StudyEntry:
-    """Return `columns`, `units` and `time`, or the format alone if all columns have RTDE names."""
+    """Return the keys `columns`, `units` and `time` of a table's entry, or its format alone if all
+    columns have RTDE names.
+    """
     header, joints = proposal.contents.header, len(proposal.order)
     named = {} if is_clockless(proposal) else {proposal.clock: "time"}
     sensor = proposal.force_channels
@@ -102,7 +108,9 @@ def _of_table(proposal: Proposal) -> StudyEntry:
 
 
 def _shortened(columns: Sequence[str]) -> list[str]:
-    """Return columns with one name for those of a channel that are adjacent and in order."""
+    """Return columns with the channel's name for all its columns where these are adjacent and in
+    order.
+    """
     short: list[str] = []
     rest = [*columns]
     while rest:
@@ -115,7 +123,9 @@ def _shortened(columns: Sequence[str]) -> list[str]:
 
 
 def _of_arrays(proposal: Proposal) -> StudyEntry:
-    """Return `channels`, `joints`, `units`, `time` and the force sensor."""
+    """Return the keys `channels`, `joints`, `units`, `time` and `force_sensor` of an entry of
+    arrays.
+    """
     channels: StudyEntry = {} if is_clockless(proposal) else {"time": proposal.clock}
     channels |= {name: _named(blocks) for name, blocks in proposal.channels.items()}
     joints = [proposal.order.index(column) + 1 for column in range(len(proposal.order))]
@@ -130,7 +140,7 @@ def _of_arrays(proposal: Proposal) -> StudyEntry:
 
 
 def _named(blocks: Sequence[ColumnBlock]) -> str | list[str]:
-    """Return the names of blocks' columns, or the only one."""
+    """Return the names of the blocks' columns; one alone not as a list."""
     names = [name for block in blocks for name in block.names]
     return names[0] if len(names) == 1 else names
 
@@ -142,7 +152,9 @@ def _units(proposal: Proposal) -> StudyEntry:
 
 
 def _time(proposal: Proposal) -> StudyEntry:
-    """Return the time base, or what takes the place of a clock."""
+    """Return the key `time` of an entry if stamps are since 1970, or `still` or `rate` without a
+    clock.
+    """
     if proposal.moving.still:
         return {"still": True}
     if is_clockless(proposal):

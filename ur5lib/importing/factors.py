@@ -23,11 +23,10 @@ MAX_LAG_RATIO = 1.15  # of the longest to the shortest lag of a joint
 
 
 def following_error(block: ColumnBlock, moving: ImportedMotion) -> str:
-    """Return why an effort is a following error, "" where nothing shows it.
+    """Return in words why an effort is a following error, "" if nothing shows it.
 
-    It is one factor times target less position, or times the velocities, behind which a controller
-    lags by one time on all joints. No torque of motors is one, since its gravity depends on the
-    posture.
+    It is one factor times target less position, or times the velocities, if a controller lags by
+    one time on all joints. No torque of motors is one, since its gravity depends on the posture.
     """
     if named_unit(block.names[0]) or not np.isfinite(np.diff(moving.time)).any():
         return ""
@@ -45,7 +44,9 @@ def following_error(block: ColumnBlock, moving: ImportedMotion) -> str:
 
 
 def _common_factor(effort: Array, quantity: Array) -> float:
-    """Return the one factor by which a quantity (N, n) explains efforts (N, n), 0 if none does."""
+    """Return the factor, one for all joints, by which a quantity (N, n) explains efforts (N, n), 0
+    if none does.
+    """
     whole = np.isfinite(effort).all(axis=1) & np.isfinite(quantity).all(axis=1)
     effort, quantity = effort[whole], quantity[whole]
     moves = np.any(effort, axis=0) & np.any(quantity, axis=0)
@@ -63,8 +64,11 @@ def _common_factor(effort: Array, quantity: Array) -> float:
 def behind_gears(
     name: str, block: ColumnBlock, means: BlockMeans, arms: Sequence[Robot], account: Account
 ) -> Array | None:
-    """Return the gear ratios (n,) of the columns of a torque of the motors' side, None where it is
-    none: with them, gravity shows an arm's own torque on several joints, and without them none's.
+    """Return the gear ratios (n,) to multiply an effort's columns by, None if it is not a torque of
+    the motors' side.
+
+    It is one if gravity shows an arm's own torque on several joints with the ratios, and no arm's
+    without them.
     """
     geared = [arm for arm in arms if min(arm.gear_ratios()) > MAX_MISFIT]
     named = block.meaning() in TORQUES and is_of_motors(block.stem())
@@ -90,8 +94,8 @@ def behind_gears(
 def _shares(
     means: BlockMeans, name: str, arm: Robot, order: Order, geared: bool = True
 ) -> dict[int, float]:
-    """Return the share of gravity's torque that an effort, times the gear ratios, has on each joint
-    that bears, none where they are too few or where it is not about one.
+    """Return, by joint that bears gravity, the ratio of an effort (times the gear ratios if
+    `geared`) to gravity's torque; empty if they are too few, or one is far from 1.
     """
     ordered = means.part(columns=order)
     effort = ordered.currents[name] * (np.array(arm.gear_ratios()) if geared else 1.0)

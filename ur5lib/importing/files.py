@@ -39,9 +39,9 @@ YAML_WIDTH = 100  # characters a line of YAML
 
 @dataclass(frozen=True)
 class ImportedRecording:
-    """A recording's entry in a study, with its account, what each column was taken for.
+    """A recording's entry in a study, and its account: what each column was taken for.
 
-    ends: its first and last posture, None where that is unknown.
+    ends: its first and last posture, None if unknown.
     """
 
     entry: StudyEntry
@@ -49,17 +49,17 @@ class ImportedRecording:
     ends: Ends | None = None
 
     def as_plain(self) -> StudyEntry:
-        """Return the entry with its account, as YAML has it."""
+        """Return the entry with its account, to be written as YAML."""
         return self.entry | {"account": [_Row(asdict(row)) for row in self.account]}
 
     @property
     def arm(self) -> str:
-        """Return the arm that it is of."""
+        """Return the name of the recording's arm."""
         return str(self.entry["robot"])
 
 
 class ImportedFiles(list[ImportedRecording]):
-    """The files that were imported; refused: the reasons why the others were not."""
+    """The imported recordings; refused: for each other file, why it was not imported."""
 
     refused: tuple[str, ...] = ()
 
@@ -69,7 +69,7 @@ def import_files(
 ) -> ImportedFiles:
     """Return the entries of recordings, each read back and checked; stated: by the user.
 
-    Raises InputError, with all reasons, where no file can be read and has positions.
+    Raises InputError, with all reasons, where no file is readable and has positions.
     """
     parts = [part for path in paths for part in _parts(path, stated)]
     forms = {k: part.form for k, part in enumerate(parts) if part.form}
@@ -91,9 +91,10 @@ def import_files(
 
 @dataclass
 class _Part:
-    """A file, or one of several arms in it, and what became of it.
+    """A file, or one of several arms in it, and the result of its import.
 
-    label: of that arm; layout: of its columns; form: how it was read; refused: why it was not.
+    label: of that arm; layout: label, format and columns; form: how it was read; refused: why it
+    was not imported.
     """
 
     file: Path | PartedRun
@@ -109,7 +110,9 @@ class _Part:
         precedent: FormOfFile | None = None,
         known: FileContents | None = None,
     ) -> None:
-        """Read the entries, like a precedent if there is one; known: contents of the file."""
+        """Import the file, like a precedent if one is given; known: the file's contents if already
+        read.
+        """
         stated = replace(stated, prefix=self.label) if self.label else stated
         try:
             file = replace(known or contents(self.file, stated), precedent=precedent)
@@ -120,7 +123,7 @@ class _Part:
 
 
 def _parts(path: Path | PartedRun, stated: UserStatement) -> list[_Part]:
-    """Return a file, or each of the arms in it, with their entries."""
+    """Return the imported file as one part, or a part for each of the arms in it."""
     try:
         file = contents(path, stated)
     except InputError as error:
@@ -134,8 +137,8 @@ def _parts(path: Path | PartedRun, stated: UserStatement) -> list[_Part]:
 
 
 def _name_arms(parts: Sequence[_Part]) -> None:
-    """Name the entries of several arms of one file after these; one that is refused has a row in
-    the accounts of the others.
+    """Append the arms' labels to the names of entries from one file; if one of its arms is refused,
+    a row in the others' accounts says why.
     """
     for part in (part for part in parts if part.label):
         beside = [one for other in parts if other.file == part.file for one in other.imported]
@@ -147,8 +150,8 @@ def _name_arms(parts: Sequence[_Part]) -> None:
 
 
 def _take_columns(part: _Part, alike: Sequence[ImportedRecording]) -> None:
-    """Read a file that is refused, or has no names, like the one of its form of which most columns
-    are recognised.
+    """Read a file that is refused, or without column names, like the file of the same form with the
+    fewest skipped columns, if that skips fewer.
     """
     other, present = min(alike, key=_skipped, default=None), next(iter(part.imported), None)
     if (
@@ -169,10 +172,10 @@ def _take_columns(part: _Part, alike: Sequence[ImportedRecording]) -> None:
 
 
 def _proposed(path: Path | PartedRun, file: FileContents) -> Proposal:
-    """Return the proposal for a file; where a column that is its clock by its place alone leaves no
-    positions, that without a clock.
+    """Return the proposal for a file. If no positions are found since a column was taken for the
+    clock by its place, the file is read without a clock.
 
-    Raises InputError where neither has positions.
+    Raises InputError where neither way shows positions.
     """
     try:
         return propose(file)
@@ -189,8 +192,8 @@ def _proposed(path: Path | PartedRun, file: FileContents) -> Proposal:
 
 
 def _checked(proposal: Proposal) -> tuple[list[ImportedRecording], FormOfFile]:
-    """Return the entry of a file, or of each episode, with the stop signs of the first one read;
-    and how it was read.
+    """Return the recordings of a file, one or one per episode, with the stop signs of the first in
+    their account; and how the file was read.
     """
     entry, account = entry_of(proposal), proposal.contents.account.rows(meanings(proposal))
     first, *others = [entry | part for part in episodes(proposal)] or [entry]
@@ -210,13 +213,13 @@ def _checked(proposal: Proposal) -> tuple[list[ImportedRecording], FormOfFile]:
 
 
 def _to_be_corrected(complaints: Iterable[str]) -> list[AccountRow]:
-    """Return a row of an account for each stop sign of a recording that is read through it."""
+    """Return a row of an account for each stop sign."""
     stop = AccountRow("recording", "to be corrected", "numbers", "check")
     return [replace(stop, reason=one) for one in complaints]
 
 
 def contradictions(recording: StudyEntry) -> list[str]:
-    """Return the stop signs and errors of a recording that is read through an entry."""
+    """Return the stop signs, or the error, that a recording gives when read through its entry."""
     plain = {"study": "import", "title": "Import", "recordings": [recording]}
     try:
         study = parse_study(plain, "the entry")
@@ -273,7 +276,7 @@ _Dumper.add_representer(
 
 
 def account_table(imported: Sequence[ImportedRecording]) -> Table:
-    """Return one table of what each column was taken for; files with equal rows share these."""
+    """Return a table of what each column was taken for; files with equal rows appear once."""
     table = Table("file", "columns", "taken for", "by", "how sure", "why")
     for column in table.columns:
         column.overflow = "fold"
@@ -308,9 +311,9 @@ def write_study(imported: Sequence[ImportedRecording], path: Path) -> None:
 
 
 def add_to_study(imported: Sequence[ImportedRecording], path: Path) -> None:
-    """Append the entries of recordings to a study that ends with its recordings.
+    """Append the entries of recordings to a study file that ends with its list of recordings.
 
-    Raises InputError where the study would not have its own recordings and these, or one twice.
+    Raises InputError if it does not end so, or has a recording of the same name.
     """
     before = path.read_text(encoding="utf-8").rstrip() + "\n"
     plain = yaml.safe_load(before)

@@ -14,9 +14,12 @@ SAME_FACTOR = 2e-3  # relative difference of a driver's constants by two files
 
 @dataclass(frozen=True)
 class FormOfFile:
-    """How a file was read: its columns; its arm; the order of its joints, None where nothing shows
-    it; channel and factors of its efforts by their names; the factors that make whole milliamperes
-    of efforts; and how many rows it has. shown: whether a file that is read like it supports it.
+    """How a file was read, so that others of the same form are read alike.
+
+    columns: the names of its blocks; arm: name; order: columns of its joints, None where nothing
+    shows it; efforts: channel and factors by block names; amperes: factors that make whole
+    milliamperes of efforts, by block names; rows: number of rows; shown: whether a file that is
+    read like it supports it.
     """
 
     name: str
@@ -29,7 +32,7 @@ class FormOfFile:
     shown: bool = False
 
     def is_like(self, other: "FormOfFile") -> bool:
-        """Return whether joints and efforts are read as in another file."""
+        """Return whether order of joints and efforts are the same as in another file."""
         return self.order == other.order and self._has_efforts_like(other)
 
     def _has_efforts_like(self, other: "FormOfFile") -> bool:
@@ -39,8 +42,8 @@ class FormOfFile:
         )
 
     def supports(self, other: "FormOfFile") -> bool:
-        """Return whether a file is read like another, or has whole milliamperes by its factors; the
-        order of its joints counts where anything showed it.
+        """Return whether this file agrees with how another was read: its order is the same or
+        unknown, and its efforts have the same channels and factors, or whole milliamperes by these.
         """
         whole = all(
             _same(np.abs(self.amperes.get(names, ())), np.abs(factors))

@@ -44,7 +44,9 @@ MAKERS_TOLERANCE = 0.1  # share by which a joint's constant may differ from the 
 
 
 class PosedReading(NamedTuple):
-    """A reading, and the root mean square distance [m] of its flange from the recorded pose."""
+    """An arm and an order of its joints, with the root mean square distance [m] of their flange
+    from the recorded pose.
+    """
 
     arm: str
     order: Order
@@ -52,9 +54,8 @@ class PosedReading(NamedTuple):
 
 
 class ArmIdentity(NamedTuple):
-    """A file's arm, None where it has no description, and the column of each of its joints.
-
-    like: of an arm that nothing identifies, the likeliest of which the efforts have the constants.
+    """A file's arm and the column of each of its joints. robot: None if the arm has no description;
+    like: of an arm that nothing identifies, the likeliest one, if the efforts have its constants.
     """
 
     arm: str
@@ -100,22 +101,27 @@ def identified(moving: ImportedMotion, means: BlockMeans | None) -> ArmIdentity:
 
 
 def arms_of(file: FileContents) -> list[str]:
-    """Return the described arms with as many joints as a file, if their gravity may identify
-    them."""
+    """Return the names of described arms with as many joints as a file, and with gravity that may
+    identify columns.
+    """
     arms = described_arms()
     return [n for n, arm in arms.items() if len(arm.joints) == file.joints and tells_columns(arm)]
 
 
 def tells_columns(arm: Robot) -> bool:
-    """Return whether gravity on an arm's joints identifies a file's columns, which are of these."""
+    """Return whether an arm's gravity is described and the file's columns are of its joints, not of
+    a controller's counts.
+    """
     return arm.tells_gravity() and not arm.is_counted()
 
 
 class PosedReadings(NamedTuple):
-    """The readings about as good as the best, the best first; none where the pose is no flange's.
+    """The readings with a distance from the recorded pose like that of the best, the best first;
+    empty if it is not the pose of a flange.
 
-    bare: whether the pose is that of the flange, else of a tool with a constant offset from it;
-    beaten: the best of the others, None without others; proof: of the joints' order, if it is one.
+    bare: whether the pose is the flange's, else that of a tool with a constant offset from it;
+    beaten: the best of the other readings, None without others; proof: sentence that proves the
+    joints' order, "" without one.
     """
 
     good: list[PosedReading]
@@ -124,14 +130,14 @@ class PosedReadings(NamedTuple):
     proof: str = ""
 
     def orders(self) -> list[Order]:
-        """Return the orders of the joints, the best first."""
+        """Return the different orders of the joints, the best first."""
         return [*dict.fromkeys(reading.order for reading in self.good)]
 
 
 def fitting(
     q: Array, position: Array, arms: Sequence[Robot], orders: Sequence[Order]
 ) -> PosedReadings:
-    """Return the readings with the flange, or a tool on it, at recorded positions.
+    """Return the readings that put the flange, or a tool on it, at the recorded positions.
 
     q: (N, n) [rad], columns as in the file; position: (N, 3) [m], in the base frame.
     """
@@ -152,7 +158,9 @@ def fitting(
 
 
 def _flange_distance(arm: Robot, q: Array, position: Array, tool: bool) -> float:
-    """Return how far the flange is from positions [m]; tool: but for a constant offset on it."""
+    """Return the root mean square distance [m] of the flange from positions; tool: without a
+    constant offset on the flange.
+    """
     offset = on_flange(position, q, arm)
     if tool:
         offset = offset - offset.mean(axis=0)
@@ -160,7 +168,9 @@ def _flange_distance(arm: Robot, q: Array, position: Array, tool: bool) -> float
 
 
 def _by_pose(moving: ImportedMotion, stated: str, orders: Sequence[Order]) -> PosedReadings:
-    """Return the readings with a flange that agrees with a recorded pose, none without a pose."""
+    """Return the readings that put the flange at the recorded pose; empty without a pose or
+    motion.
+    """
     file = moving.file
     pose = file.meant("actual_TCP_pose", moving.position.clock) or _bare_position(moving)
     if pose is None or pose.rows.shape[1] < 3:
@@ -195,8 +205,9 @@ def _by_pose(moving: ImportedMotion, stated: str, orders: Sequence[Order]) -> Po
 
 
 def _bare_position(moving: ImportedMotion) -> ColumnBlock | None:
-    """Return the block of columns x, y and z alone, as of a pose with other names for the
-    rotation."""
+    """Return the block of columns named x, y and z, on the positions' clock; None if there is
+    none.
+    """
     for block in moving.file.blocks:
         if block.clock == moving.position.clock and tuple(map(without_unit, block.names)) == AXES:
             return block
@@ -211,7 +222,9 @@ def _in_metres(pose: ColumnBlock) -> tuple[str, Array]:
 
 
 def _order(moving: ImportedMotion, likely: Sequence[Reading], placed: PosedReadings) -> Order:
-    """Return the columns of the joints: by names, which numbers may doubt; else by numbers."""
+    """Return the columns of the joints: by names, or else by pose and gravity. The account states
+    why, and where numbers contradict names.
+    """
     file, title, posed = moving.file, moving.position.title, placed.orders()
     as_read = tuple(range(moving.file.joints))
     scores = {reading.order: reading.score for reading in reversed(likely)}
@@ -250,7 +263,9 @@ def _order(moving: ImportedMotion, likely: Sequence[Reading], placed: PosedReadi
 
 
 def names_order(moving: ImportedMotion) -> bool:
-    """Return whether names determine the joints' order: a driver's, RTDE's, or the user."""
+    """Return whether names determine the joints' order: those of a driver or of RTDE, or the
+    user's.
+    """
     file, block = moving.file, moving.position
     first_name = block.names[0]
     if file.format == "rosbag":
@@ -269,8 +284,11 @@ def _arm(
     likely: Sequence[Reading],
     placed: PosedReadings,
 ) -> tuple[str, bool]:
-    """Return the arm that nothing names, and whether it is certain: by the pose, or by gravity, if
-    the constants are the maker's and it is likelier by far than the next; "" for none like it.
+    """Return the likeliest arm, "" if none is like it, and whether it is certain, for a file that
+    names none.
+
+    It is certain by the pose, or by gravity if the constants are the maker's and it is likelier by
+    far than the next.
     """
     possible = [*dict.fromkeys(reading.arm for reading in placed.good)]
     rivals = [reading for reading in (placed.beaten,) if reading and reading.arm not in possible]
@@ -298,8 +316,9 @@ def _arm(
 
 
 def _constants(means: BlockMeans, reading: Reading) -> tuple[str, bool]:
-    """Return, in words, the torque constants that gravity shows; and whether they are the
-    maker's."""
+    """Return in words the torque constants that gravity shows of a reading, and whether all are
+    near the maker's.
+    """
     arm, ordered = described(reading.arm), means.part(columns=reading.order)
     units = zip(means.currents, reading.units, strict=True)
     effort, unit = next((pair for pair in units if pair[1] != "neither"), ("", ""))
@@ -331,7 +350,7 @@ def _arm_in_names(moving: ImportedMotion, arms: Sequence[str]) -> str | None:
 
 
 def in_words(order: Order) -> str:
-    """Return the joints in the order of the file's columns."""
+    """Return the names of the joints in the order of the file's columns."""
     numbered = [f"joint {k + 1}" for k in range(len(order))]
     words = JOINT_WORDS if len(order) == len(JOINT_WORDS) else numbered
     return ", ".join(words[order.index(column)] for column in range(len(order)))

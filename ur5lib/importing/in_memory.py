@@ -135,7 +135,7 @@ def _statement(
 
 
 def _columns(given: Any) -> tuple[str, ...]:
-    """Return channels in order, or as `channel=name`."""
+    """Return the stated columns as channels in order, or as `channel=name` of a mapping."""
     if isinstance(given, Mapping):
         pairs = ((expect_text(k, "channel"), expect_text(v, "column")) for k, v in given.items())
         return tuple(f"{channel}={name}" for channel, name in pairs)
@@ -154,8 +154,8 @@ def _is_number(given: object) -> TypeGuard[float]:
 
 
 def _in_python(message: str, folder: str) -> str:
-    """Return a message of `ur5 import` as a caller has it: without the folder of what was given in
-    memory, and with arguments for options.
+    """Return a message of `ur5 import` for callers in Python: without the temporary folder, and
+    with arguments in place of options.
     """
     message = re.sub(rf"{re.escape(folder)}/\d+/", "", message)
     message = re.sub(r"with --(\w+) ", r"with \1=", message)
@@ -165,7 +165,7 @@ def _in_python(message: str, folder: str) -> str:
 def _study_of(
     imported: ImportedFiles, role: Role | Mapping[str, Role] | None, folder: str
 ) -> Study:
-    """Return a study of what was imported; folder: of what was given in memory.
+    """Return a study of the imported recordings; folder: the temporary one of data given in memory.
 
     Raises InputError for the role of a recording that is not there.
     """
@@ -183,7 +183,9 @@ def _study_of(
 
 
 def _of_arm(study: Study, name: str) -> Study:
-    """Return a study with the recordings of an arm alone, or of its only one."""
+    """Return a study with the recordings of one arm, by name, or "" if all are of one arm. Raises
+    InputError otherwise.
+    """
     arms = [*study.arms()]
     if not name and len(arms) > 1:
         raise InputError(f"these recordings are of {some(arms)}; name one of them as arm")
@@ -207,7 +209,9 @@ def _recordings(study: Study) -> Recordings:
 
 
 class Checks(Mapping[str, Quality]):
-    """What `ur5 check` finds in each recording of a study, looked through when it is asked."""
+    """What `ur5 check` finds in each recording of a study, by name; a recording is checked when
+    first asked for.
+    """
 
     def __init__(self, study: Study) -> None:
         """Take the study; nothing is read yet."""

@@ -60,9 +60,9 @@ MAX_JOINT_ANGLE = 4 * np.pi  # rad; no joint turns further
 class Agreement(NamedTuple):
     """How well a block is the derivative of another.
 
-    share: of the moving columns that agree; ratio: of velocity to slope, the median; moving: number
-    of moving columns; missed: share of the slopes' squares that the velocities miss; ratios: of
-    each column that agrees.
+    share: of the moving columns that agree; ratio: median of velocity to slope; moving: number of
+    moving columns; missed: share of the slopes' squares that the velocities miss; ratios: of
+    velocity to slope, of each column that agrees.
     """
 
     share: float
@@ -79,10 +79,10 @@ class Agreement(NamedTuple):
 
 @dataclass(frozen=True)
 class ImportedMotion:
-    """Positions of a file's joints, and their velocities and targets as far as recorded.
+    """Positions of a file's joints, and their velocities and targets if recorded.
 
     blocks: by channel; units: by channel, those that are not SI; rate: [Hz] of a file without a
-    clock; still: whether its rows are postures.
+    clock, else None; still: whether its rows are postures.
     """
 
     file: FileContents
@@ -102,7 +102,9 @@ class ImportedMotion:
         return self.file.clocks.stamps[self.position.clock]
 
     def beside(self, meanings: Collection[str]) -> list[ColumnBlock]:
-        """Return other blocks of the joints on the positions' clock, by meaning or nameless."""
+        """Return further blocks with a column for each joint, on the positions' clock, that are
+        nameless or have one of the meanings.
+        """
         motion_blocks = [*map(id, self.blocks.values())]
         return [
             block
@@ -125,7 +127,8 @@ class ImportedMotion:
 def agreement(position: Array, velocity: Array, time: Array) -> Agreement:
     """Return how well velocities (N, k) are the derivatives of positions (N, k) at times (N,).
 
-    Across the span over which most columns agree: a longer one where positions are rounded.
+    Slopes are taken over the span of SLOPE_SPANS with which most columns agree: a longer one if
+    positions are rounded.
     """
     found = (_agreement(*slopes_and_rates(position, velocity, time, span)) for span in SLOPE_SPANS)
     return max(found, key=lambda fit: fit.share)
@@ -148,11 +151,12 @@ def slopes_and_rates(
     span: float = SLOPE_SPANS[0],
     with_leaps: bool = False,
 ) -> tuple[Array, Array]:
-    """Return smoothed slopes of positions (N, k) and velocities at the same times (M, k).
+    """Return smoothed slopes of positions (N, k), and the velocities at the same times, both (M,
+    k).
 
-    Rows of a polled log that repeat a stamp count once, rows without positions (of other topics in
-    one table) not at all; velocities in rows of their own are interpolated. span: of a slope [s];
-    with_leaps: also across the start of another run, so that all blocks have as many.
+    Rows that repeat a stamp count once; rows without positions (of other topics in one table) are
+    left out; velocities in rows of their own are interpolated. span: of a slope [s]; with_leaps:
+    also across the start of another run, so that all blocks have as many.
     """
     there = (np.diff(time, prepend=-np.inf) > 0) & np.isfinite(position).all(axis=1)
     apart = np.isfinite(velocity).all(axis=1)
@@ -175,9 +179,10 @@ def slopes_and_rates(
 
 
 def _leaps(rise: Array, travel: Array) -> Mask:
-    """Return which steps (N, k) of positions leap to the start of another run in the same file.
+    """Return which steps (N,) of positions, of size `rise` (N, k), leap to the start of another run
+    in the same file.
 
-    They are isolated: the joint moves far less just before and after. travel: of each column (k,).
+    A leap is isolated: the joint moves far less just before and after. travel: of each column (k,).
     """
     size = np.abs(rise)
     around = np.zeros_like(size)
@@ -188,7 +193,9 @@ def _leaps(rise: Array, travel: Array) -> Mask:
 
 
 def _ratios(slopes: Array, rates: Array) -> tuple[list[float], list[float]]:
-    """Return the ratios of columns (N, k) that move, and those that are finite."""
+    """Return the ratios of velocity to slope of the moving columns, and the finite ones among
+    these.
+    """
     ratios = map(_ratio, slopes.T, rates.T)
     moving = [ratio for ratio in ratios if ratio is not None]
     return moving, [ratio for ratio in moving if np.isfinite(ratio)]
@@ -212,7 +219,8 @@ def rests(moving: ImportedMotion) -> bool:
 
 
 def find_motion(file: FileContents) -> ImportedMotion:
-    """Return positions, velocities and targets, by their names, or else by the derivative.
+    """Return the positions of a file with velocities and targets, by their names, else by which
+    block is the derivative of which.
 
     Raises InputError where no block can be the positions.
     """
@@ -244,7 +252,9 @@ def _without_copies(file: FileContents) -> FileContents:
 
 
 def _by_name(file: FileContents) -> tuple[ColumnBlock, ColumnBlock | None] | None:
-    """Return the positions and the velocities that names identify."""
+    """Return the block named as positions, and that of the velocities, None if unnamed; None
+    without positions.
+    """
     position = next((block for block in file.blocks if block.meaning() == "actual_q"), None)
     if position is None:
         return None
@@ -255,7 +265,9 @@ def _by_name(file: FileContents) -> tuple[ColumnBlock, ColumnBlock | None] | Non
 
 
 def _with_polled_target(file: FileContents, position: ColumnBlock) -> FileContents:
-    """Return the file with `tq` as the target of q, if it stays near it, and no torque."""
+    """Return the file with the block `tq` as the target of q if it stays near q, else it remains a
+    torque.
+    """
     blocks = [*file.blocks]
     for place, block in enumerate(blocks):
         named = last_part(block.stem()).lower() == TARGET_OR_TORQUE
@@ -270,7 +282,9 @@ def _with_polled_target(file: FileContents, position: ColumnBlock) -> FileConten
 
 
 def _nameless(file: FileContents) -> tuple[ColumnBlock, ColumnBlock]:
-    """Return the two nameless blocks of which one is the derivative of the other."""
+    """Return positions and velocities: the two nameless blocks of which one is best the derivative
+    of the other. Raises InputError if there are none.
+    """
     pairs = sorted(_pairs(file), key=lambda pair: pair[2])
     if not pairs:
         raise InputError(f"{file.path}: no positions are found: {_why_no_positions(file)}")
@@ -309,7 +323,9 @@ def _is_posture(file: FileContents, block: ColumnBlock) -> bool:
 
 
 def _pairs(file: FileContents) -> Iterator[tuple[ColumnBlock, ColumnBlock, float]]:
-    """Yield blocks of the joints, their derivatives, and the share that the slopes miss."""
+    """Yield (positions, velocities, share of slopes missed) for blocks of which one is the
+    derivative of the other.
+    """
     wide = (block for block in file.blocks if block.rows.shape[1] == file.joints)
     whole = [block for block in wide if not names_command(block.stem())]
     for position, velocity in _likely_pairs(whole, file.clocks.stamps):
@@ -322,7 +338,9 @@ def _pairs(file: FileContents) -> Iterator[tuple[ColumnBlock, ColumnBlock, float
 def _likely_pairs(
     blocks: Sequence[ColumnBlock], stamps: Mapping[str, Array]
 ) -> Iterator[tuple[ColumnBlock, ColumnBlock]]:
-    """Yield the blocks of one clock that correlate, column by column, with slopes of another."""
+    """Yield pairs (positions, velocities) of blocks on one clock of which the second correlates,
+    column by column, with the slopes of the first.
+    """
     by_clock = groupby(sorted(blocks, key=lambda block: block.clock), lambda block: block.clock)
     for clock, same in ((clock, [*group]) for clock, group in by_clock):
         pairs = [
@@ -344,13 +362,13 @@ def _likely_pairs(
 
 
 def _usual_part(rates: Array) -> Array:
-    """Return rates (n, M, k), each column cut at what most of it stays below."""
+    """Return rates (n, M, k) limited, in each column, to the size below which most of it stays."""
     usual = np.quantile(np.abs(rates), USUAL_SHARE_OF_SLOPES, axis=1, keepdims=True)
     return np.clip(rates, -usual, usual)
 
 
 def _standardised(rows: Array) -> Array:
-    """Return rows (n, M) less their mean, of size 1."""
+    """Return rows (n, M) less their mean, each of norm 1."""
     centred = rows - rows.mean(axis=1, keepdims=True)
     return centred / (np.linalg.norm(centred, axis=1, keepdims=True) + 1e-300)
 
@@ -358,7 +376,9 @@ def _standardised(rows: Array) -> Array:
 def _timed(
     file: FileContents, position: ColumnBlock, velocity: ColumnBlock | None
 ) -> tuple[FileContents, float | None, bool]:
-    """Return the file on its best clock, the rate of its rows, and whether they are postures."""
+    """Return the file on its best clock; the rate [Hz] of its rows, None with a clock; and whether
+    rows are postures.
+    """
     if file.has_clock():
         return _on_best_clock(file, position, velocity), None, False
     if file.stated.rate:
@@ -382,7 +402,9 @@ def _timed(
 
 
 def _rate(fit: Agreement, rows: Array) -> float | None:
-    """Return the rate [Hz] of rows, agreeing at stamps (N,) [s], None where most do not agree."""
+    """Return the rate [Hz] of rows by how positions and velocities agree at stamps (N,) [s]; None
+    if most columns do not agree.
+    """
     if fit.share <= 0.5 or fit.ratio <= 0:
         return None
     return float(f"{fit.ratio / (rows[1] - rows[0]):.4g}")
@@ -391,7 +413,9 @@ def _rate(fit: Agreement, rows: Array) -> float | None:
 def _on_best_clock(
     file: FileContents, position: ColumnBlock, velocity: ColumnBlock | None
 ) -> FileContents:
-    """Return the file on the clock of which velocities are derivatives, else the most regular."""
+    """Return the file on the clock with which velocities are derivatives best; without moving
+    joints, on the most regular one.
+    """
     current, units = position.clock, file.clocks.units
     tried = [
         (_misfit(position, velocity, stamps), name, unit, stamps)
@@ -413,7 +437,9 @@ def _on_best_clock(
 
 
 def _misfit(position: ColumnBlock, velocity: ColumnBlock | None, stamps: Array) -> float:
-    """Return how badly a clock fits: what velocities miss of the slopes, or its jitter."""
+    """Return how badly a clock fits: what velocities miss of the slopes and their ratio's distance
+    from a unit's; without velocities, its irregularity.
+    """
     if velocity is None:
         return irregularity(stamps)
     fit = agreement(position.rows, velocity.rows, stamps)
@@ -423,7 +449,9 @@ def _misfit(position: ColumnBlock, velocity: ColumnBlock | None, stamps: Array) 
 
 
 def _nearest(ratio: float) -> float:
-    """Return the ratio of velocity to slope that units allow, nearest to one found."""
+    """Return the ratio of velocity to slope, 1 or a change between degrees and radians, that is
+    nearest to one found.
+    """
     return min(
         (1.0, DEGREES_PER_RADIAN, 1 / DEGREES_PER_RADIAN),
         key=lambda allowed: abs(np.log(abs(ratio) / allowed)),
@@ -431,7 +459,9 @@ def _nearest(ratio: float) -> float:
 
 
 def _in_degrees(file: FileContents, position: ColumnBlock) -> bool:
-    """Return whether joints would turn farther than any, were positions in radians."""
+    """Return whether positions must be in degrees: in radians, joints would turn farther than any
+    does.
+    """
     reached = np.nanquantile(np.abs(position.rows), 0.99, axis=0)  # not by a damaged row
     if file.stated.robot:  # its controller may count turns of the motors
         reached = reached / np.abs(np.diagonal(turns_matrix(described(file.stated.robot))))
@@ -441,7 +471,7 @@ def _in_degrees(file: FileContents, position: ColumnBlock) -> bool:
 def _units(
     file: FileContents, position: ColumnBlock, velocity: ColumnBlock | None
 ) -> dict[str, str]:
-    """Return the units of positions and velocities that are not SI, as stated, named, or shown."""
+    """Return the units of positions and velocities that are not SI; the account states why."""
     degrees = _are_degrees(file, position)
     units = {"actual_q": "deg"} if degrees else {}
     if velocity is None:
@@ -479,7 +509,9 @@ def _are_degrees(file: FileContents, position: ColumnBlock) -> bool:
 def _velocity_in_degrees(
     file: FileContents, position: ColumnBlock, velocity: ColumnBlock, degrees: bool
 ) -> bool:
-    """Return whether velocities are in degrees, as positions; no derivatives are left out."""
+    """Return whether velocities are in degrees; those that are no derivatives are left out of the
+    entry.
+    """
     account, stamps = file.account, file.clocks.stamps[position.clock]
     fit = agreement(position.rows, velocity.rows, stamps)
     if not fit.moving:
@@ -511,8 +543,9 @@ def _velocity_in_degrees(
 def _beside_next_column(
     fit: Agreement, position: ColumnBlock, velocity: ColumnBlock, time: Array
 ) -> tuple[Confidence, str]:
-    """Return how sure velocities are derivatives, and what they miss compared with the next
-    columns."""
+    """Return how sure velocities are derivatives, and in words what they miss, compared with
+    velocities moved by one column.
+    """
     shifted = agreement(position.rows, np.roll(velocity.rows, 1, axis=1), time).missed
     rival = f"misses {shifted:.0%}" if np.isfinite(shifted) else "follows no column"
     misses = f"misses {100 * fit.missed:.2g} % of its squares; one column further, it {rival}"
@@ -524,7 +557,9 @@ def _is_near(ratio: float) -> bool:
 
 
 def _with_targets(measured: ImportedMotion, targets: dict[str, ColumnBlock]) -> ImportedMotion:
-    """Return a motion with its targets in radians or degrees, without those of another size."""
+    """Return a motion with its targets, in radians or degrees; targets that the motion does not
+    follow in size are left out.
+    """
     blocks, units = dict(measured.blocks), dict(measured.units)
     position, account, motion = measured.position, measured.file.account, measured.in_si()
     for name, block in targets.items():
@@ -544,8 +579,8 @@ def _with_targets(measured: ImportedMotion, targets: dict[str, ColumnBlock]) -> 
 
 
 def _size(motion: Array, target: Array) -> float | None:
-    """Return the ratio of a target to what follows it (N, n), NaN where most joints that move do
-    not; None where nothing moves.
+    """Return the ratio of a target to the motion (N, n) that follows it, NaN if most moving joints
+    do not follow; None if nothing moves.
     """
     moving, good = _ratios(motion - np.nanmean(motion, axis=0), target)
     if not moving:

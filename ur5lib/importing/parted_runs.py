@@ -36,8 +36,8 @@ class PartedRun:
 
 
 def runs_of(paths: Iterable[Path]) -> list[Path | PartedRun]:
-    """Return files in order, those of one run that have a quantity each as one; a folder without a
-    bag is replaced by its text files.
+    """Return files in order; those of one run with a quantity each are joined as a PartedRun. A
+    folder without a bag is replaced by its text files.
     """
     runs = dict[tuple[Path, str], list[Path]]()
     for path in (file for given in paths for file in _text_files(given)):
@@ -50,7 +50,9 @@ def runs_of(paths: Iterable[Path]) -> list[Path | PartedRun]:
 
 
 def _text_files(path: Path) -> list[Path]:
-    """Return the text files of a folder, or else the path itself."""
+    """Return the text files of a folder; the path itself if it is none, or has a bag or no text
+    files.
+    """
     inside = [*path.iterdir()] if path.is_dir() else []
     bags = any(format_of(file) == "rosbag" or file.name == "metadata.yaml" for file in inside)
     return ([] if bags else sorted(filter(_is_text, inside))) or [path]
@@ -72,7 +74,9 @@ def _quantity_words(parts: Collection[str]) -> Iterator[str]:
 
 
 def _rest_of_name(path: Path) -> str:
-    """Return the parts of a file's name that name no quantity, as of the run."""
+    """Return the parts of a file's name that name no quantity, which the files of a run have in
+    common.
+    """
     parts = _parts(path)
     return "_".join(
         part for part in parts if not {*_quantity_words([part])} == words(part) != set()
@@ -80,7 +84,9 @@ def _rest_of_name(path: Path) -> str:
 
 
 def _is_parted(files: list[Path]) -> bool:
-    """Return whether files contain a quantity each, no two the same, one of them positions."""
+    """Return whether each file contains one quantity, no two the same, and one of them
+    positions.
+    """
     told = [(*_quantity_words(_parts(path)),) for path in files]
     positions = any(map(_names_positions, files))
     each_once = len({*told}) == len(files) > 1 and all(told)
@@ -94,8 +100,8 @@ def _names_positions(path: Path) -> bool:
 
 
 def _is_narrow(path: Path) -> bool:
-    """Return whether a table has the columns of one quantity and of a clock at most, or those of a
-    state's two quantities.
+    """Return whether a table has at most the columns of one quantity and a clock, or of the two
+    quantities of a state.
     """
     try:
         count = len(TextTable(Log(path, "robot", [])).cells)

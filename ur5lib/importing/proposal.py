@@ -76,11 +76,12 @@ CONTROLLER_COLUMNS = {c: name for name in CONTROLLER_CHANNELS for c in columns(n
 
 @dataclass(frozen=True)
 class Proposal:
-    """A file's channels.
+    """The channels that are proposed for a file's blocks, with arm and role.
 
-    order: columns of the joints; channels: blocks of each; units: by channel, those that are not
-    SI; sensor: blocks of the force sensor; opposite: whether it reads the force of the arm on its
-    surroundings; pushed: whether there is a contact.
+    moving: positions, velocities and targets; order: column of each joint; channels: blocks by
+    channel; units: by channel, those that are not SI; sensor: blocks of the force sensor; opposite:
+    whether the sensor reads the force of the arm on its surroundings; pushed: whether there is a
+    contact.
     """
 
     moving: ImportedMotion
@@ -104,7 +105,9 @@ class Proposal:
 
     @property
     def read_as_named(self) -> list[ColumnBlock]:
-        """Return a table's blocks that have the names of CONTROLLER_CHANNELS; zero is a value."""
+        """Return a table's blocks that have the names of CONTROLLER_CHANNELS, also those with zeros
+        alone.
+        """
         file = self.contents
         blocks = file.blocks + file.silent if file.format == TABLE_FORMAT else []
         return [block for block in blocks if {*block.names} <= {*CONTROLLER_COLUMNS}]
@@ -156,7 +159,9 @@ def propose(file: FileContents) -> Proposal:
 
 
 def _efforts(moving: ImportedMotion) -> list[ColumnBlock]:
-    """Return the efforts that were recorded, without those that were computed from them."""
+    """Return the measured efforts; the account states why others are left out: constant, without
+    sign, or computed.
+    """
     efforts = sorted(moving.beside(EFFORT_MEANINGS), key=lambda block: is_of_motors(block.stem()))
     account = moving.file.account
     of_joints = [block for block in efforts if is_torque_of_joints(block)]
@@ -185,8 +190,9 @@ def _efforts(moving: ImportedMotion) -> list[ColumnBlock]:
 def _following_the_motion(
     moving: ImportedMotion, efforts: Sequence[ColumnBlock]
 ) -> list[ColumnBlock]:
-    """Return the efforts of many that angles and velocities of the joints explain best, by one
-    linear regression, with a cost that grows with the number of columns alone.
+    """Return the MAX_NAMELESS_EFFORTS blocks that angles and velocities of the joints explain best.
+
+    It is one linear regression, with a cost that grows with the number of columns alone.
     """
     q = moving.in_si()["actual_q"]
     rows = np.linspace(0, len(q) - 1, min(len(q), COMPARED_ROWS)).astype(int)
@@ -206,8 +212,9 @@ def _following_the_motion(
 
 
 def _correct(efforts: dict[str, ColumnBlock], means: BlockMeans | None, file: FileContents) -> None:
-    """Leave out efforts without means; scale the others as another file's, or turn those of the
-    opposite sign, and multiply those of the motors' side by the gears.
+    """Correct efforts and means in place: without means, they are left out; else they are scaled
+    like the precedent's or, without one, turned if of the opposite sign and multiplied by the gears
+    if of the motors' side.
     """
     for name in [name for name in efforts if means and name not in means.currents]:
         file.account.exclude(efforts.pop(name), GAPS_REASON)
@@ -223,7 +230,7 @@ def _scale_like(
     efforts: dict[str, ColumnBlock],
     means: BlockMeans | None,
 ) -> None:
-    """Multiply efforts as another file's."""
+    """Multiply efforts, in place, by the factors of another file's efforts."""
     for name, block in efforts.items():
         _, factors = scaled.get(block.names, ("", block.all_factors()))
         _scale(name, np.array(factors) / np.array(block.all_factors()), efforts, means)
@@ -232,15 +239,16 @@ def _scale_like(
 def _scale(
     name: str, factors: Array | float, efforts: dict[str, ColumnBlock], means: BlockMeans | None
 ) -> None:
-    """Multiply an effort, in the block and in its means."""
+    """Multiply an effort, in place, in its block and in the means."""
     efforts[name] = efforts[name].scaled(factors)
     if means:
         means.currents[name] *= factors
 
 
 def _possible_arms(file: FileContents) -> list[Robot]:
-    """Return the arms with gravity that may identify a file's efforts: the stated one, or all that
-    fit."""
+    """Return the arms with gravity that identifies columns: the stated one, or all with as many
+    joints.
+    """
     stated = file.stated.robot
     arms = [described(name) for name in ([stated] if stated else arms_of(file))]
     return [*filter(tells_columns, arms)]
@@ -249,7 +257,7 @@ def _possible_arms(file: FileContents) -> list[Robot]:
 def _put_behind_gears(
     efforts: dict[str, ColumnBlock], means: BlockMeans, file: FileContents
 ) -> None:
-    """Multiply torques of the motors' side by the gears."""
+    """Multiply torques of the motors' side, in place, by the gear ratios."""
     arms = _possible_arms(file)
     for name, block in efforts.items():
         gears = behind_gears(name, block, means, arms, file.account)
@@ -258,7 +266,7 @@ def _put_behind_gears(
 
 
 def _turn(efforts: dict[str, ColumnBlock], means: BlockMeans, file: FileContents) -> None:
-    """Turn the efforts of the opposite sign."""
+    """Turn, in place, the efforts that gravity explains better with the opposite sign."""
     arms = _possible_arms(file)
     for name, block in efforts.items():
         if arms and (lead := lead_of_opposite(means, name, arms)):
@@ -271,9 +279,9 @@ def _turn(efforts: dict[str, ColumnBlock], means: BlockMeans, file: FileContents
 def _means(
     moving: ImportedMotion, efforts: Mapping[str, ColumnBlock], wrench: Sequence[ColumnBlock]
 ) -> tuple[BlockMeans | None, Array]:
-    """Return the means over blocks of time, columns as in the file, and those of the wrench.
+    """Return the means over blocks of time, columns as in the file, and the wrench (M, 6) at these.
 
-    None where the rows are postures, or too few.
+    The means are None, and the wrench is empty, if the rows are postures or too few.
     """
     values = {name: block.rows for name, block in efforts.items()} | moving.in_si()
     if wrench:  # a force without moments as if it acted at the flange
@@ -312,7 +320,9 @@ def _led(target: Sequence[ColumnBlock], file: FileContents) -> bool:
 
 
 def _pushed(wrench: Sequence[ColumnBlock], file: FileContents) -> bool:
-    """Return whether a wrench shows a contact."""
+    """Return whether a wrench changes so much that there is a contact; the account states the
+    role.
+    """
     most = change(wrench) if wrench else 0.0
     changes = f"the force changes by {most:.3g} N; without contact by {CONTACT_FORCE:.0f} at most"
     if most > CONTACT_FORCE:
@@ -324,7 +334,9 @@ def _pushed(wrench: Sequence[ColumnBlock], file: FileContents) -> bool:
 
 
 def _account_for_the_rest(proposal: Proposal) -> None:
-    """State what the names of the other blocks say, or why these are left out."""
+    """State in the account, for the blocks without statement, their meaning by name or why they are
+    left out.
+    """
     file, account = proposal.contents, proposal.contents.account
     if file.header.layout:
         account.tell("assumed", "columns", f"those of {file.header.layout}", "position", "as many")
@@ -363,7 +375,9 @@ def is_clockless(proposal: Proposal) -> bool:
 
 
 def meanings(proposal: Proposal) -> dict[tuple[str, ...], str]:
-    """Return channel and unit of the blocks that an entry has, by the names of their columns."""
+    """Return channel and unit in words of the blocks that an entry has, by the names of their
+    columns.
+    """
     told = {
         block.names: f"{channel} [{unit}]" if (unit := proposal.units.get(channel)) else channel
         for channel, blocks in (proposal.channels | proposal.force_channels).items()

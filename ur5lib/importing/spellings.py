@@ -102,7 +102,9 @@ def words(name: str) -> set[str]:
 
 
 def named_unit(name: str) -> str | None:
-    """Return the unit that a name states, as a study writes it; `rad` and `deg` of any order."""
+    """Return the unit that a name states, as a study writes it, None for none; `rad` and `deg` also
+    for their derivatives.
+    """
     return UNIT_SPELLINGS.get(unit_text(name))
 
 
@@ -113,13 +115,13 @@ def unit_text(name: str) -> str:
 
 
 def newton_metres(name: str) -> float | None:
-    """Return the Nm of one unit that a name states, None where it states another one, or none."""
+    """Return how many Nm one unit of a name is, None for Nm itself, another quantity or none."""
     return OTHER_TORQUES.get("".join(re.findall("[a-z]", unit_text(name).lower())))
 
 
 def names_joints(stem: str) -> bool:
-    """Return whether a name is that of joints alone, as `joint`, `J`, `panda_joint`, or a letter's:
-    no quantity is named.
+    """Return whether a name is that of joints without a quantity, as `joint`, `J`, `panda_joint`,
+    or a joint's letter.
     """
     split = re.findall(r"[a-z]+", last_part(stem).lower())
     return not split or split[-1] in JOINT_WORDS or stem in LETTERED_JOINTS[1]
@@ -133,7 +135,7 @@ def lettered_joints(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def names_share(name: str) -> bool:
-    """Return whether a name states a share of a rating or of a range, or counts: in no unit."""
+    """Return whether a name states a share of a rating or range, or counts, which are no unit."""
     unit = BRACKETED_UNIT.search(name)
     return bool(words(name) & SHARE_WORDS) or bool(unit and unit[1].strip() in SHARE_SIGNS)
 
@@ -149,7 +151,9 @@ def without_unit(name: str) -> str:
 
 
 def place_of(name: str) -> tuple[str, int]:
-    """Return a column's name without unit, joint, number or axis, and its place; -1 for none."""
+    """Return a column's name without unit and joint, number or axis; and the place that these give,
+    -1 for none.
+    """
     name = without_unit(name)
     if of_joint := of_named_joint(name):
         return of_joint
@@ -167,19 +171,23 @@ def place_of(name: str) -> tuple[str, int]:
 
 
 def names_command(stem: str) -> bool:
-    """Return whether a quantity was commanded: by a word of its name, or as `q_d`, `O_dP_EE_c`."""
+    """Return whether a name is that of a commanded quantity: by a word, or as `q_d`,
+    `O_dP_EE_c`.
+    """
     return bool(words(stem) & COMMAND_WORDS) or bool(re.search(r"[a-z]_[dc]$", stem, re.IGNORECASE))
 
 
 def is_computed(path: str) -> bool:
-    """Return whether a path has a word of commands, or of what is computed, as by an observer."""
+    """Return whether a path has a word of commands, or of computed quantities, as an observer's."""
     return bool(words(path) & (DERIVED_WORDS | COMMAND_WORDS))
 
 
 def quantity(stem: str, width: int, joints: int) -> str | None:
-    """Return the meaning of a name: channel of RTDE, kind of joint or of spatial quantity.
+    """Return the meaning of a name: an RTDE channel, or a kind of joint or spatial quantity; None
+    for none.
 
-    stem: without joints' numbers and units; width: its columns; joints: of the file's arm.
+    stem: the name without joints' numbers and units; width: number of its columns; joints: number
+    of the file's arm.
     """
     last = last_part(stem)
     if (whole := WHOLE_NAMES.get(last.lower())) and width in (3, 6, 7, joints):
@@ -204,7 +212,7 @@ def quantity(stem: str, width: int, joints: int) -> str | None:
 
 
 def names_positions(stem: str) -> bool:
-    """Return whether a quantity is named as positions of joints, measured or commanded."""
+    """Return whether a name is that of joint positions, measured or commanded."""
     last = last_part(stem)
     its = words(last)
     other = its & (TOOL_WORDS | TEMPERATURE_WORDS | GRIPPER_WORDS)
@@ -214,12 +222,12 @@ def names_positions(stem: str) -> bool:
 
 
 def kind_of_quantity(word: str) -> str | None:
-    """Return the kind of quantity that a word names: q, qd, …, load of servos; None for another."""
+    """Return the kind of joint quantity that a word names, as q, qd or load; None for none."""
     return _first_meaning({word.lower()}, JOINT_QUANTITY_WORDS | {"load": LOAD_WORDS})
 
 
 def is_of_motors(stem: str) -> bool:
-    """Return whether a quantity is named as of the motors' side, or as raw."""
+    """Return whether a name has a word of the motors' side, or "raw"."""
     return bool(words(stem) & {"motor", "motors", "raw"})
 
 
@@ -249,8 +257,8 @@ def unused(stem: str, columns: Sequence[str], joints: int) -> str:
 
 
 def last_part(path: str) -> str:
-    """Return the last part of a path in a file that names a quantity: of `position/left_joint` the
-    first.
+    """Return the part of a path that names the quantity: the last one, or the one before if that
+    names joints alone, as in `position/left_joint`.
     """
     parts = path.rstrip("/").split("/")
     *above, last = [part for part in parts if part.lower() not in CONTAINER_WORDS] or parts[-1:]
@@ -260,7 +268,7 @@ def last_part(path: str) -> str:
 
 
 def _first_meaning(its: set[str], meanings: Mapping[str, set[str]]) -> str | None:
-    """Return the first meaning that has one of the words."""
+    """Return the first meaning with a word in common with `its`; None for none."""
     return next((meaning for meaning, spellings in meanings.items() if its & spellings), None)
 
 

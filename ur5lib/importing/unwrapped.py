@@ -14,7 +14,7 @@ ANGLES = ("actual_q", "target_q")
 
 
 def with_continuous_angles(file: FileContents) -> FileContents:
-    """Return a file with angles that wrap nowhere, with a sentence on those that did."""
+    """Return a file with angles that wrapped made continuous; the account states which."""
     named = {block.meaning() for block in file.blocks}
     angles = ANGLES if "actual_q" in named else (*ANGLES, None)  # where no name identifies them
     blocks = [

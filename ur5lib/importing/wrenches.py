@@ -33,17 +33,19 @@ MIN_BORNE_SHARE = 0.75
 
 
 class WrenchFrame(NamedTuple):
-    """Axes of a wrench (base or flange), and whether it is that of the arm on its surroundings."""
+    """The frame of a wrench. axes: "base" or "flange"; by_arm: whether it is that of the arm on its
+    surroundings.
+    """
 
     axes: str
     by_arm: bool
 
     def is_opposite(self, arm: Robot) -> bool:
-        """Return whether the sign is opposite to that of the channel with these axes."""
+        """Return whether a wrench has the sign opposite to that of the channel with these axes."""
         return self.by_arm == (self.axes == "flange" or arm.wrist_sensor)
 
     def turned(self) -> "WrenchFrame":
-        """Return the frame of a wrench of the opposite sign."""
+        """Return the frame of the wrench with the opposite sign."""
         return self._replace(by_arm=not self.by_arm)
 
 
@@ -65,13 +67,13 @@ def _parted(wrench: ColumnBlock) -> list[ColumnBlock]:
 
 
 def wrench_blocks(file: FileContents, clock: str) -> list[ColumnBlock]:
-    """Return the blocks of force and torque, that of a force alone, or none."""
+    """Return the blocks of force and torque on a clock, of force alone, or none without a force."""
     force, torque = (file.meant(meaning, clock) for meaning in ("force", "torque"))
     return [block for block in (force, torque) if block is not None] if force else []
 
 
 def change(wrench: Sequence[ColumnBlock]) -> float:
-    """Return by how much a force changes [N]."""
+    """Return the largest distance [N] of a force from its median."""
     force = wrench[0].rows
     return float(np.nanmax(np.linalg.norm(force - np.nanmedian(force, axis=0), axis=1)))
 
@@ -86,7 +88,7 @@ def frame_of(
 ) -> WrenchFrame | None:
     """Return the frame and the sign of a wrench, None where neither names nor efforts show it.
 
-    means: with the joints in order, and the effort that may prove it alone, None without one;
+    means: with the joints in order and one effort that may prove the frame, None without one;
     values: force and torque (M, 6) [N, Nm] at the blocks; doubt: why the arm may be another one.
     """
     frame, lead = likeliest_frame(means, values, arm) if means and arm else (None, 0.0)
@@ -117,7 +119,9 @@ def frame_of(
 
 
 def _leave_out(wrench: Sequence[ColumnBlock], reason: str, file: FileContents) -> None:
-    """Leave a wrench out, with the line of the entry that would add it as a sensor."""
+    """Leave a wrench out; the reason in the account has the line of an entry that would add it as a
+    sensor.
+    """
     named = dict(zip(("ft_f", "ft_t"), (block.names for block in wrench), strict=False))
     channels = ", ".join(f"{name}: [{', '.join(names)}]" for name, names in named.items())
     line = f"`force_sensor: {{channels: {{time: {wrench[0].clock}, {channels}}}}}`"
@@ -136,7 +140,7 @@ def _by_work(
     arm: Robot,
     file: FileContents,
 ) -> WrenchFrame:
-    """Return a frame with the sign that its work shows, where the efforts do not bear the force.
+    """Return a frame with its sign corrected by the work of the force on the arm.
 
     A hand that leads an arm puts work in. Friction takes up the hand, or drives help it, and then
     efforts may have the sign of the force on the arm. Where they bear it as they bear gravity, a
@@ -167,8 +171,8 @@ def likeliest_frame(
 ) -> tuple[WrenchFrame | None, float]:
     """Return the frame of a wrench (M, 6), None if not proven, and its lead in log-likelihood.
 
-    Efforts increase with the wrench of the arm on its surroundings. Rivals are the other frames,
-    and exchanged columns.
+    Efforts increase with the wrench of the arm on its surroundings. The frame is compared with the
+    other frames and with exchanged columns.
     """
     gains = {
         (frame, columns): _gain(means, torque, arm)
@@ -181,7 +185,7 @@ def likeliest_frame(
 
 
 def _torques(q: Array, wrench: Array, arm: Robot) -> dict[WrenchFrame, Array]:
-    """Return the joint torques (M, 6) [Nm] of a wrench (M, 6) by its frame."""
+    """Return, by possible frame, the joint torques (M, n) [Nm] of a wrench (M, 6)."""
     jacobian, rotation = geometric_jacobian(arm, q), link_frames(arm, q)[0][:, -1]
     turned = np.einsum("nij,nkj->nki", rotation, wrench.reshape(-1, 2, 3)).reshape(-1, 6)
     return {
@@ -192,7 +196,9 @@ def _torques(q: Array, wrench: Array, arm: Robot) -> dict[WrenchFrame, Array]:
 
 
 def _gain(means: BlockMeans, torque: Array, arm: Robot) -> float:
-    """Return the log-likelihood that torques (M, 6) [Nm] add to a model of the efforts."""
+    """Return by how much the log-likelihood of the efforts grows when joint torques (M, n) [Nm] are
+    added to their model.
+    """
     (effort,), gravity, total = means.currents.values(), means.gravity(arm), 0.0
     for joint, measured in enumerate(effort.T):
         terms = [gravity[:, joint], *means.friction(joint).T, *means.qdd.T, np.ones(len(measured))]
@@ -209,9 +215,11 @@ def _gain(means: BlockMeans, torque: Array, arm: Robot) -> float:
 def _work_on_arm(
     frame: WrenchFrame, means: BlockMeans, values: Array, arm: Robot
 ) -> tuple[float, float]:
-    """Return the work of a force on the arm [J], W = ∫ F·v dt, and that in standard errors of its
-    own, by spans with independent errors: once as read and once without the force of most of the
-    time, as of a sensor that was never zeroed, the one that shows less.
+    """Return the work of a force on the arm [J], W = ∫ F·v dt, and the same in its standard errors.
+
+    The errors are those of spans taken as independent. Of the force as read and the force less its
+    median, as of a sensor that was never zeroed, the work with fewer errors is returned; 0 errors
+    if their signs differ.
     """
     force = -values[:, :3] if frame.by_arm else values[:, :3]
     if frame.axes == "flange":
@@ -230,7 +238,9 @@ def _work_on_arm(
 def _borne_share(
     frame: WrenchFrame, means: BlockMeans, values: Array, arm: Robot
 ) -> tuple[float, float]:
-    """Return the share of a force that the efforts bear, as they bear gravity, and its error."""
+    """Return the share of a force that the efforts bear, relative to gravity's, and its standard
+    error.
+    """
     torque, gravity = _torques(means.q, values, arm)[frame], means.gravity(arm)
     force, force_error = _pooled_gain(torque, gravity, means, arm)
     weight, weight_error = _pooled_gain(gravity, torque, means, arm)
@@ -240,8 +250,11 @@ def _borne_share(
 def _pooled_gain(
     torque: Array, beside: Array, means: BlockMeans, arm: Robot
 ) -> tuple[float, float]:
-    """Return the gain of a torque (M, n) in the efforts by the maker's constants, one for all
-    joints, and its error; `beside`: another torque (M, n) that explains them.
+    """Return the coefficient of a torque (M, n) in the efforts [Nm], one for all joints, and its
+    standard error.
+
+    The efforts become torques by the maker's constants; `beside`: another torque (M, n) that is
+    fitted, too.
     """
     (effort,), products, squares = means.currents.values(), 0.0, SMALLEST_SIZE
     for joint, constant in enumerate(arm.maker_torque_constants()):

@@ -37,8 +37,9 @@ def user_statement(
 ) -> UserStatement:
     """Return what a user states of recordings.
 
-    columns: channels, joints: names, both with commas between; units: each as `actual_current=mA`.
-    Raises InputError for an arm that is not described, and a unit without its channel.
+    columns: channels, with commas between; joints: names, with commas between; units: each as
+    `actual_current=mA`. Raises InputError for an arm that is not described, and a unit without its
+    channel.
     """
     if robot is not None:
         described(robot)
@@ -49,9 +50,9 @@ def user_statement(
 
 
 def imported_files(files: Sequence[Path], stated: UserStatement) -> ImportedFiles:
-    """Return the entries of recordings; the file that is being read is printed on stderr.
+    """Return the entries of recordings; the name of each file is printed on stderr when it is read.
 
-    Raises InputError for a study among them, and a unit of a channel that they lack.
+    Raises InputError for a study among them, and a stated unit of a channel that they lack.
     """
     imported = import_files(announced(runs_of(expect_no_study(files))), stated)
     _expect_channels(imported, stated)
@@ -59,7 +60,7 @@ def imported_files(files: Sequence[Path], stated: UserStatement) -> ImportedFile
 
 
 def expect_no_study(files: Sequence[Path]) -> Sequence[Path]:
-    """Return files. Raises InputError for a study among them."""
+    """Return the files as given. Raises InputError for a study among them."""
     if study := next((file for file in files if is_study(str(file)) and file.is_file()), None):
         raise InputError(f"{study} is a study, no recording; build it: ur5 run {study}")
     return files
@@ -76,7 +77,7 @@ def _expect_channels(imported: ImportedFiles, stated: UserStatement) -> None:
 
 
 def _channels(entry: StudyEntry) -> set[str]:
-    """Return the channels that an entry names, with those of its force sensor."""
+    """Return the channels that an entry names, its force sensor's among them."""
     if "columns" not in entry and "channels" not in entry:
         return {"time", *RECORDED_CHANNELS}  # the format has them
     sensor = entry.get("force_sensor", {}).get("channels", {})
@@ -89,7 +90,8 @@ def _channels(entry: StudyEntry) -> set[str]:
 def write_imported(
     imported: ImportedFiles, study: Path, last_line: str, append: bool = False
 ) -> None:
-    """Write a study of recordings, or append them to one; print their account and a last line.
+    """Write a study of recordings, or append them to one (`append`); print their account and a last
+    line.
 
     Raises InputError, after that, where some files were refused.
     """
@@ -111,9 +113,10 @@ def print_imported(imported: ImportedFiles, next_command: str) -> None:
 
 
 def study_of(named: Sequence[str], robot: str | None, output: Path | None) -> Path:
-    """Return the file of the study that is named, or of a new one of recordings that are named.
+    """Return the named study's file, or write a new study of named recordings and return its file.
 
-    Raises InputError where a recording cannot be imported, and where the new file exists.
+    output: the new file, None for one named by the recordings' folder. Raises InputError where a
+    recording cannot be imported, and where the new file exists.
     """
     if len(named) == 1 and is_study(named[0]):
         return study_file(named[0])
