@@ -174,7 +174,7 @@ def test_a_status_counts_the_steps_of_a_run(
     snakemake_prints(monkeypatch, LINES, 0)
     answer = run_ur5("status", "results/mine")
     assert answer.out.splitlines() == [
-        "no report yet; next: ur5 run arm.yaml",
+        "no report yet",
         "3 steps to run; next: ur5 run arm.yaml",
     ]
 

@@ -208,6 +208,15 @@ def test_only_joints_that_gravity_loads_are_blamed_for_a_wrong_constant() -> Non
     assert "joints 1, 3" in sentences(results)[0]  # where nothing is known of the arm
 
 
+def test_a_command_is_named_once() -> None:
+    remarks = [
+        FEW | {"code": code, "joint": joint} for joint, code in ((5, "no motion"), (1, "one path"))
+    ]
+    first, *others = next_steps(study(remarks=remarks))
+    assert first.sentence.startswith("Record a motion of joint 5")
+    assert first.command not in [one.command for one in others]
+
+
 def test_unknown_links_are_the_first_to_record() -> None:
     unknown = judged_anew(study(), placeholders=frozenset({"ur5"}))
     assert sentences(unknown)[0].startswith("Record actual_torque of ur5 on several paths")

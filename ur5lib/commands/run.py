@@ -95,7 +95,7 @@ class State:
         if self.report:
             yield f"report: {self.report}, written {self.written}"
         else:
-            yield f"no report yet; next: ur5 run {self.study}"
+            yield "no report yet"
         if self.report or self.verdicts:
             yield from lines(self.verdicts, self.study)
         for name, reason in self.unreadable.items():

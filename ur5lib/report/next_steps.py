@@ -54,7 +54,10 @@ class Asked(NamedTuple):
 
 
 def next_steps(results: Results) -> list[Step]:
-    """Return the most urgent steps: errors of the set-up first, then files, then recordings."""
+    """Return the most urgent steps: errors of the set-up first, then files, then recordings.
+
+    A command is named once, with the most urgent sentence; a line of the study may serve several.
+    """
     of_topics = {"correction": topics.advice(results), "recording": topics.to_record(results)}
     steps = chain(
         *(
@@ -62,7 +65,10 @@ def next_steps(results: Results) -> list[Step]:
             for kind in ("correction", "recording", "later")
         )
     )
-    return [*islice(steps, MAX_STEPS)]
+    once = dict[str | Step, Step]()
+    for step in steps:
+        once.setdefault(step.command if step.command.startswith("ur5 ") else step, step)
+    return [*islice(once.values(), MAX_STEPS)]
 
 
 def _of_study(results: Results, kind: str) -> Iterator[Step]:
