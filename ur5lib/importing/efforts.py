@@ -384,7 +384,10 @@ def _unit(block: ColumnBlock, shown: GravityShown, file: FileContents) -> str | 
     if named is None:
         account.exclude(block, UNKNOWN_UNIT)
     else:
-        account.hold("assumed", block, "name", f"in {named}")
+        of_own = shown.is_of_own_factors() and named_unit(block.names[0]) != named
+        factors = f", but a factor a joint explains it better: {shown.constants_in_words()}"
+        doubt = f"{factors}; {OWN_FACTORS_REASON}" if of_own else ""
+        account.hold("check" if doubt else "assumed", block, "name", f"in {named}{doubt}")
     return named
 
 
