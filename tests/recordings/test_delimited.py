@@ -146,6 +146,12 @@ def test_a_turned_table_may_have_dates(tmp_path: Path) -> None:
     assert both_lines(path)[0] == ["t", *map(str, range(6))]
 
 
+def test_a_row_that_begins_with_a_date_has_no_names(tmp_path: Path) -> None:
+    path = tmp_path / "some.txt"
+    path.write_text("2026-01-01 08:00:00.004;-0,5;1,5\n" * 9)
+    assert not TextTable(Log(path, "robot", [])).has_names()
+
+
 def test_a_nameless_index_stays_where_last_cells_are_empty(tmp_path: Path) -> None:
     path = tmp_path / "some.txt"
     path.write_text(" a b c\n0 1.0 2.0 \n1 1.5 2.5 3.5\n")

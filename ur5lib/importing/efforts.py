@@ -39,6 +39,8 @@ MAX_PROVEN_RATIO = 1.25
 # The factors of joints that show the same unit differ by no more.
 MAX_FACTOR_RATIO = 1.15
 MIN_BEARING_JOINTS = 2  # this many show a unit together
+MIN_DRIVE = 2.5  # standard errors, from which on friction clearly drives the joints
+CLEAR_LEAD_ALONE = 10 * CLEAR_LEAD  # of gravity without friction; a random walk leads by 40
 MIN_FOLDED_JOINTS = 3  # efforts of this many would change their sign
 FOLDED_SHARE = 0.02  # of the largest effort, to which one that changes its sign falls
 UNKNOWN_UNIT = "nothing tells its unit; record more postures, or --columns and --unit name it"
@@ -187,11 +189,14 @@ def lead_of_opposite(means: BlockMeans, name: str, arms: Sequence[Robot]) -> flo
         brakes.append(force / max(error, SMALLEST_SIZE))
     ways = [replace(means, currents={name: sign * effort}) for sign in (1, -1)]
     fits = [torque_constants(ways[1], arm, name) for arm in arms if arm.measured == TORQUE]
-    if sum(brakes) >= 0 and not any(fit.ratio and not fit.foreign() for fit in fits):
+    balances = any(fit.ratio and not fit.foreign() for fit in fits)
+    if sum(brakes) >= 0 and not balances:
         return 0.0
     orders = usual_orders(effort.shape[1])
     as_read, turned = (readings(way, arms, orders)[0].score for way in ways)
-    return turned - as_read if turned - as_read > CLEAR_LEAD else 0.0
+    clear = balances or sum(brakes) < -MIN_DRIVE * np.sqrt(len(brakes))
+    least = CLEAR_LEAD if clear else CLEAR_LEAD_ALONE
+    return turned - as_read if turned - as_read > least else 0.0
 
 
 def name_efforts(
@@ -394,7 +399,10 @@ def _unit(block: ColumnBlock, shown: GravityShown, file: FileContents) -> str | 
     if named is None:
         account.exclude(block, UNKNOWN_UNIT)
     else:
-        account.hold("assumed", block, "name", f"in {named}")
+        of_own = shown.is_of_own_factors() and named_unit(block.names[0]) != named
+        factors = f", but a factor a joint explains it better: {shown.constants_in_words()}"
+        doubt = f"{factors}; {OWN_FACTORS_REASON}" if of_own else ""
+        account.hold("check" if doubt else "assumed", block, "name", f"in {named}{doubt}")
     return named
 
 

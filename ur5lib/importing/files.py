@@ -201,7 +201,7 @@ def _checked(proposal: Proposal) -> tuple[list[ImportedRecording], FormOfFile]:
         complaints, by_role = contradictions(first), entry["role"] == "fit"
         if complaints and by_role and not contradictions(first | {"role": "validate"}):
             first, *others = [one | {"role": "validate"} for one in (first, *others)]
-            role = AccountRow("role", "validate", "numbers", "assumed", complaints[0])
+            role = AccountRow("role", "validate", "numbers", "check", complaints[0])
             account = [*(row for row in account if row.subject != "role"), role]
         else:
             doubted = any(r.subject == ORDER and r.confidence == "check" for r in account)

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -241,8 +241,11 @@ def _order(moving: ImportedMotion, likely: Sequence[Reading], placed: PosedReadi
         return posed[0]
     elif named and by_gravity and not posed:
         tell("check", ORDER, as_named, "name", f"or {in_words(best)}: {so}")
+    elif named == "number" and scores and ahead <= CLEAR_LEAD:
+        unproven = f"gravity shows no order: {ahead:.3g} of log-likelihood before the others"
+        tell("check", ORDER, as_named, "name", unproven)
     elif named:
-        least = f"no number contradicts: {ahead:.3g} of log-likelihood before other orders"
+        least = f"no number clearly contradicts: {ahead:.3g} of log-likelihood before other orders"
         tell("assumed", ORDER, as_named, "name", least if scores else "nothing contradicts it")
     elif file.precedent and file.precedent.order:
         like = f"as in {file.precedent.name}, of the same form: one driver, one order"
@@ -262,20 +265,22 @@ def _order(moving: ImportedMotion, likely: Sequence[Reading], placed: PosedReadi
     return as_read
 
 
-def names_order(moving: ImportedMotion) -> bool:
-    """Return whether names determine the joints' order: those of a driver or of RTDE, or the
-    user's.
+def names_order(moving: ImportedMotion) -> Literal["name", "number", ""]:
+    """Return what determines the joints' order: names of a driver's joints, or by the user; or
+    RTDE's numbers, which any recorder may write; "" for neither.
     """
     file, block = moving.file, moving.position
     first_name = block.names[0]
     if file.format == "rosbag":
         unnamed = [f for f in file.findings if f.finding == UNNAMED_JOINTS_FINDING]
         topics = (topic for finding in unnamed for topic in finding.channels)
-        return not any(first_name.startswith(f"{topic}/") for topic in topics)
-    if file.header.entry or block.names[0] in file.stated.names():
-        return True
+        return "" if any(first_name.startswith(f"{topic}/") for topic in topics) else "name"
+    if file.header.entry or first_name in file.stated.names():
+        return "name"
+    if len(block.names) > 1 and any(joint.search(first_name) for joint in JOINT_NAMES):
+        return "name"
     rtde = re.search(r"(actual|act)_?q", first_name, re.IGNORECASE)
-    return len(block.names) > 1 and bool(rtde or any(j.search(first_name) for j in JOINT_NAMES))
+    return "number" if len(block.names) > 1 and rtde else ""
 
 
 def _arm(

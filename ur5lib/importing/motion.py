@@ -423,7 +423,8 @@ def _on_best_clock(
         if velocity or unit == units.get(name, "s")
     ]
     if min(trial[0] for trial in tried) >= WORST_MISFIT:  # nothing moves that could show it
-        tried = [(irregularity(trial[3]), *trial[1:]) for trial in tried]
+        regular = [trial[1:] for trial in tried if trial[2] == units.get(trial[1], "s")]
+        tried = [(irregularity(trial[2]), *trial) for trial in regular]  # of any unit the same
         velocity = None
     misfit, name, unit, stamps = min(tried, key=lambda trial: trial[0])
     as_read = [trial[0] for trial in tried if trial[1:3] == (current, units.get(current, "s"))]

@@ -81,8 +81,9 @@ class TextTable:
         self.cells, self.below = ([*map(_text, own.split(self._delimiter))] for own in lines)
 
     def has_names(self) -> bool:
-        """Return whether the first line has names: not all of its cells are numbers."""
-        return not all(_is_cell(cell.replace(",", ".").encode()) for cell in self.cells)
+        """Return whether the first line has names: not all of its cells are numbers or dates."""
+        cells = [cell.replace(",", ".").encode() for cell in self.cells]
+        return not all(_is_cell(cell) or _is_stamp(cell) for cell in cells)
 
     def rows(self, names: list[str] | None) -> tuple[pd.DataFrame, Labels]:
         """Return the complete rows, once; other lines are skipped and reported.
@@ -438,13 +439,14 @@ def text_columns(
 ) -> tuple[list[str], list[str]]:
     """Return the names of the columns of dates, and of those of other text that nothing needs.
 
-    rows: cells of the first rows. None are returned where no column contains numbers.
+    rows: cells of the first rows, of which the first may have units. None are returned where no
+    column contains numbers.
     """
     columns = dict(zip(names, zip(*rows, strict=True), strict=False))
     worded = [name for name, cells in columns.items() if _is_text(cells)]
     if len(worded) == len(columns):
         return [], []
-    dates = [name for name in worded if all(map(_is_stamp, columns[name]))]
+    dates = [name for name in worded if all(map(_is_stamp, columns[name][1:] or columns[name]))]
     units = {name: [CHANNELS[found].unit for found in channels_of(name)] for name in worded}
     modes = [name for name in worded if name != "timestamp" and {*units[name]} <= {"1"}]
     return dates, [name for name in modes if name not in dates]
