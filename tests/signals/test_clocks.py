@@ -453,6 +453,13 @@ def test_start_stamps_take_start_and_drift_of_their_host() -> None:
     assert settled(OF_STAMPS, {"laptop": other}).offset == OF_STAMPS.offset
 
 
+@pytest.mark.parametrize("drift_std", [0.0, 1e-5])
+def test_a_shared_clock_and_stamped_samples_keep_the_robot_s_rate(drift_std: float) -> None:
+    time = np.array([0.0, 1.0, 60.0])
+    clock = clock_from_stamps(0.3, 0.01, drift_std)
+    np.testing.assert_allclose(clock.device_time(time), time - 0.3, rtol=0, atol=1e-12)
+
+
 def test_a_clock_that_motion_told_stays() -> None:
     clock = settled(by_motion(-0.0031), {"pc": HOST})
     assert (clock.method, clock.drift, clock.drift_std) == ("angular rate", -0.0031, 1e-4)
