@@ -58,7 +58,7 @@ class Named(typer.core.TyperArgument):
     """
 
     def display_type_rich(self, ctx: Any) -> None:
-        """Return no type."""
+        """Return None, so that help shows no type next to the name."""
 
     def get_usage_pieces(self, _: Any) -> list[str]:
         """Return the name, in brackets if it is optional."""

@@ -48,7 +48,7 @@ def sensed_rows(run: Run, estimates: EstimatesByName, ours: str) -> Iterator[dic
 
 
 def axis_figures(figures: Mapping[str, Array], axis: int) -> dict[str, float]:
-    """Return the shown figures of an axis."""
+    """Return by name those figures of an axis that the tables show."""
     return {key: float(figures[key][axis]) for key in SHOWN_FIGURES if key in figures}
 
 

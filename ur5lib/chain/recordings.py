@@ -35,7 +35,7 @@ class Arm(Shown):
     """
 
     def __init__(self, name: str, description: Robot) -> None:
-        """Take the description of a name; `ur5lib.read_arm` reads it."""
+        """Take an arm's name and description; `ur5lib.read_arm` calls this."""
         self.name, self.description = name, description
 
     def _title(self) -> str:

@@ -42,7 +42,7 @@ def payload_numbers(study: Path) -> list[dict[str, Any]]:
 
 
 def _payloads(study: Path) -> Iterator[tuple[str, pd.DataFrame, pd.DataFrame]]:
-    """Yield each recording with its rows of the tables of payloads, and of masses on a sensor."""
+    """Yield (recording, its rows of payload.csv, its rows of the masses on a wrist sensor)."""
     results = finished_study(study)
     loads = results.table("payload")
     empty = pd.DataFrame(columns=["recording", "value", "low", "high"])

@@ -136,7 +136,7 @@ def called_by_ros(name: re.Match[str]) -> str:
 
 
 def described(robot: str) -> Robot:
-    """Return an arm by its description. Raises InputError where it has none."""
+    """Return the description of an arm by its name. Raises InputError where the arm has none."""
     if robot not in robot_names():
         raise InputError(no_description(robot))
     return load_robot(robot_path(robot))

@@ -188,7 +188,9 @@ def regressor(arm: ArmTensors, q: Tensor, qd: Tensor, qdd: Tensor) -> Tensor:
 
 
 def _columns(geometry: Geometry, parameters: Any, q: Any, qd: Any, qdd: Any) -> Any:
-    """Return Y (n, 11 n, N): a column has the torques of one parameter of 1, the others 0."""
+    """Return Y (n, 11 n, N): each column contains the torques that arise if its parameter is 1 and
+    all others are 0.
+    """
     chain, joints = recursion.joints(geometry, q), geometry.joints
     rates = components(geometry, qd, qdd)
     columns: list[list[Number]] = []

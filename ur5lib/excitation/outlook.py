@@ -185,7 +185,9 @@ class Outlook:
         self._jacobian = flange_kinematics(arm, q)[2][:, :3]
 
     def bands(self, information: Array, after: str = "now") -> Bands:
-        """Return the bands for an information (P, P) on the parameters."""
+        """Return the bands for an information (P, P) on the parameters; after: name of the
+        recording that contributes to it, "now" without any.
+        """
         residual_variance = self._within() ** 2 + (friction_std(SEASON) * self._friction) ** 2
         rows = self._rows * self.problem.noise.current[:, None]
         doubt = rows @ np.linalg.inv(information) @ rows.mT  # (N, n, n) [A²]

@@ -265,7 +265,7 @@ class DesignProblem:
         return z, a + per_load * z * np.sign(load)
 
     def _joint_columns(self) -> list[slice]:
-        """Return the place of each joint's map in θ."""
+        """Return for each joint the place in θ of its map from torque to current."""
         return [slice(self.count + 5 * k, self.count + 5 * k + 5) for k in range(self.joints)]
 
 

@@ -170,7 +170,9 @@ def serve(connection: Connection) -> None:
 
 
 def end_with(connection: Connection) -> None:
-    """End this process and its job with the other side: another run may write its files next."""
+    """End this process and its job as soon as the process at the other end of the connection has
+    ended: another run may write the job's files next.
+    """
     closed = select.poll()
     closed.register(connection, 0)  # only the end of the connection
     closed.poll()

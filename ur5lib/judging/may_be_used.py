@@ -113,7 +113,7 @@ def torque_constants(fitted: Friction, arm: Robot) -> Iterator[TorqueConstant]:
 
 
 def _values(row: Parameter, fitted: Friction, arm: Robot) -> dict[str, Any]:
-    """Return the cells of a parameter, and whether it may be used."""
+    """Return the cells of a parameter's row in friction.csv, with `use` and `reason`."""
     (low, high), joint, known = row.interval, row.joint - 1, fitted.known_constants
     names = ["joint", "value", "std_error", "determined"]
     names += ["prior_share", "arm_share", "day_share", "run_share"]

@@ -36,8 +36,10 @@ class Scores:
 
 @dataclass(frozen=True)
 class LoadEstimate:
-    """A load: mass, std_error [kg]; interval: 95 % [kg]; certain: significant in all parts of the
-    recording.
+    """A load on the flange, estimated from currents.
+
+    mass, std_error: [kg]; interval: of the mass, 95 % [kg]; certain: whether it is significant in
+    all parts of the recording.
     """
 
     mass: float

@@ -128,7 +128,7 @@ class Table:
 
     @property
     def period(self) -> float:
-        """Return the cycle [s]."""
+        """Return the period of the samples [s]."""
         return period(self.time)
 
     @classmethod

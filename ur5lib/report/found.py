@@ -88,7 +88,9 @@ def _stopped_arms(results: Results) -> Iterator[str]:
 
 
 def _without_forces(stop: str, line: str) -> str:
-    """Return a stop sign with its consequence, and the line of a study that overrules it."""
+    """Return the sentence of a stop sign with its consequence, that no force is stated, and the
+    line of a study that overrules it.
+    """
     return f"{stop} No forces are stated." + (f" If the study is right: `{line}`." if line else "")
 
 

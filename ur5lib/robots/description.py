@@ -81,7 +81,9 @@ class DenavitHartenberg(Described):
 
 
 class Pose(Described):
-    """A frame in another: position [m]; roll, pitch, yaw [rad] of R = R_z(yaw) R_y R_x(roll)."""
+    """The pose of a frame in another: position [m]; roll, pitch, yaw [rad] of R = R_z(yaw) R_y
+    R_x(roll).
+    """
 
     position: Vector3
     rpy: Vector3
@@ -216,7 +218,11 @@ class Mounting(Described):
 
 
 class CurrentToTorque(Described):
-    """Equation 6.6, tau = torque_constant i + offset [Nm/A, Nm]; and Equation 6.3."""
+    """A published map from motor current to joint torque, tau = torque_constant i + offset [Nm/A,
+    Nm] (Equation 6.6).
+
+    preliminary_torque_constant: that of Equation 6.3, without friction.
+    """
 
     torque_constant: PerJoint
     offset: PerJoint
@@ -224,7 +230,9 @@ class CurrentToTorque(Described):
 
 
 class DeadZoneFriction(Described):
-    """Equations 6.2 and 6.4: Coulomb [Nm], viscous [Nm s/rad], dead zone [rad/s]."""
+    """A published friction with a dead zone (Equations 6.2 and 6.4): Coulomb [Nm], viscous [Nm
+    s/rad], dead zone [rad/s].
+    """
 
     coulomb: PerJoint
     viscous: PerJoint
@@ -232,7 +240,9 @@ class DeadZoneFriction(Described):
 
 
 class Gains(Described):
-    """Diagonals of K0 [1/s²] and K1 [1/s] in Equation 2.73."""
+    """The published gains of the joints' control loops: the diagonals of K0 [1/s²] and K1 [1/s] in
+    Equation 2.73.
+    """
 
     position: PerJoint
     velocity: PerJoint

@@ -181,7 +181,9 @@ def _known_link(tree: Any, link: str, path: Path) -> str:
 
 
 def _path(tree: Any, base: str, tip: str) -> list[Any] | None:
-    """Return the joints from one link to another, None where the latter does not hang on it."""
+    """Return the joints from one link to another, None where the second is not attached to the
+    first.
+    """
     joints, link = list[Any](), tip
     while link != base:
         if link not in tree.parent_map or len(joints) > len(tree.joint_map):

@@ -41,7 +41,7 @@ class SmoothedMotion:
 
     @property
     def joints(self) -> int:
-        """Return n."""
+        """Return the number of joints, n."""
         return self.motor_qd.shape[1]
 
     @property

@@ -34,9 +34,10 @@ OUTPUTS_FROM_STATES = block_diag(np.kron(LINK_FROM_STATES, np.eye(6)), np.eye(BI
 
 @dataclass(frozen=True)
 class LinearImu:
-    """Specific force [m/s²] and angular rate [rad/s], sensor axes: offset + H [q, q̇, q̈, b_a, b_g].
+    """An IMU's readings as a linear function of the motion, offset + H [q, q̇, q̈, b_a, b_g].
 
-    offset: (N, 6); H: (N, 6, 24).
+    Specific force [m/s²] and angular rate [rad/s], sensor axes; b_a, b_g: biases. offset: (N, 6);
+    H: (N, 6, 24).
     """
 
     offset: Array

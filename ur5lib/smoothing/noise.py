@@ -315,7 +315,8 @@ def motion_step(
 
 
 def measures(lag: float | Array) -> Array:
-    """Return H (..., 2, 6) of lags (...,).
+    """Return the matrix H (..., 2, 6) from a joint's state to its measured position and velocity;
+    lag: (...,) [s].
 
     Encoders see the link, θ + δ; velocities the motor, θ̇ − lag θ̈.
     """

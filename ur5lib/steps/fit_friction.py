@@ -187,7 +187,9 @@ def fitted_friction(
 
 
 def _expected_friction(prior: Prior, model: str, accepted: Mapping[str, str]) -> Friction:
-    """Return the friction without motion; if none is typical, torque constants alone."""
+    """Return the friction of an arm without `fit` recordings in motion: the typical one, or without
+    it, torque constants alone.
+    """
     if not prior.typical and prior.at_rest is None:
         text = f"no recording with the role “fit” has {prior.measured.channel}"
         raise RefusalError("no fit recording", text)

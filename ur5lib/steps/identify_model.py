@@ -146,7 +146,9 @@ def with_fitted(arm: Robot, fitted: FittedArm) -> Robot:
 
 
 def commanded(robot: Robot, signals: Signals, motion: Motion) -> CommandedRun:
-    """Return a recording with the dynamics of the arm's rigid links; robot: under its gravity."""
+    """Return a recording as a run with the controller's torques, and with functions for those of
+    the arm's rigid links; robot: under the recording's gravity.
+    """
     bare = LinkModel(robot, robot.chosen_model)
     loaded = LinkModel(robot.carrying(configured_payload(signals)), robot.chosen_model)
     known = bare.inverse_dynamics, loaded.inverse_dynamics, bare.regressor

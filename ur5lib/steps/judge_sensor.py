@@ -205,7 +205,9 @@ def beside_sensor(
 
 
 def with_bias(sensed: Sensed | None, account: OffsetAccount) -> Sensed | None:
-    """Return a sensor's contacts with its bias and drift added."""
+    """Return a row of sensed.csv with the sensor's bias and drift added, None without a row;
+    account: with that bias and drift.
+    """
     if sensed is None:
         return None
     known: dict[str, Any] = {

@@ -259,7 +259,9 @@ def excited(identification: Identification) -> Iterator[ExcitationRow]:
 
 
 def cross_validated(friction: Friction) -> Iterator[CrossValidation]:
-    """Yield the RMSE of a fit to one recording, tested on another."""
+    """Yield, for each pair of recordings, the RMSE of the fit to one that is tested on the
+    other.
+    """
     names, tested = friction.from_, friction.cross_validation
     for fitted_on, errors in zip(names, tested, strict=True):
         for tested_on, each in zip(names, errors, strict=True):

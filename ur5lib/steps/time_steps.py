@@ -36,5 +36,5 @@ def job(benchmark: Path) -> tuple[str, float, float, float, float, float]:
 
 
 def written(end: float) -> str:
-    """Return a time [s] as UTC, ISO 8601."""
+    """Return a time [s since 1970] as UTC, ISO 8601."""
     return datetime.fromtimestamp(end, UTC).isoformat(timespec="seconds").removesuffix("+00:00")

@@ -24,7 +24,7 @@ class ArmSettings(Strict):
 
 
 class NetFTSettings(Strict):
-    """An ATI Net F/T force sensor."""
+    """The connection to an ATI Net F/T force sensor."""
 
     address: str = Field(description="name or IP address of its box")
     bias: bool = Field(False, description="zero the sensor when the recording starts")
@@ -33,7 +33,7 @@ class NetFTSettings(Strict):
 
 
 class XsensSettings(Strict):
-    """An Xsens MTi inertial measurement unit."""
+    """The connection to an Xsens MTi inertial measurement unit."""
 
     port: str = Field(description="its serial port, e.g. /dev/ttyUSB0")
     rate_hz: float = Field(100.0, gt=0, le=2000, description="rate that it is set to")

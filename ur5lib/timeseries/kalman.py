@@ -58,10 +58,10 @@ def rts_pass(cross: Array, prior: Gaussians, posterior: Gaussians, end: Gaussian
 
 @dataclass(frozen=True)
 class LinearSystem:
-    """x_k = F_k x_{k-1} + w, z_k = H_k x_k + v at N samples, for B independent systems.
+    """B independent linear systems at N samples, x_k = F_k x_{k-1} + w, z_k = H_k x_k + v.
 
-    F, Q: (N, B, X, X), from the previous sample to each; H: (N, B, M, X); z: (N, B, M), NaN where
-    nothing was measured; R: (N, B, M), variances.
+    F, Q: (N, B, X, X), transition from the previous sample to each, and covariance of w; H: (N, B,
+    M, X); z: (N, B, M), NaN where nothing was measured; R: (N, B, M), variances of v.
     """
 
     F: Array

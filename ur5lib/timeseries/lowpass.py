@@ -17,7 +17,9 @@ IDENTITY_SECTION = np.array([[1.0, 0.0, 0.0, 1.0, 0.0, 0.0]])  # a second-order 
 
 
 class Butterworth(NamedTuple):
-    """Order and cut-off [Hz], to be passed as `zero_phase_lowpass(values, rate, *design)`."""
+    """The order and the cut-off [Hz] of a Butterworth filter, to be passed as
+    `zero_phase_lowpass(values, rate, *design)`.
+    """
 
     order: int
     cutoff: float

@@ -41,7 +41,7 @@ def skill(estimate: Array, reference: Array) -> Array:
 
 
 def slope(estimate: Array, reference: Array) -> Array:
-    """Return each column's slope Σ x y / Σ x² over its reference x, y = estimate.
+    """Return the slope Σ x y / Σ x² of each column of the estimate y over its reference x.
 
     An estimate of 0.8 times every force has a slope of 0.8.
     """

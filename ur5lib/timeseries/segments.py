@@ -18,7 +18,7 @@ CHUNK_SAMPLES = 1 << 14
 
 
 def period(time: Array) -> float:
-    """Return the cycle [s] of uniform times (N,) [s]."""
+    """Return the period [s] of uniform times (N,) [s]."""
     return round(float(np.median(np.diff(time))), 9)
 
 

@@ -48,7 +48,7 @@ RECEIVED_COLOUR, LOST_COLOUR, SPEED_COLOUR = JOINT_COLOURS[0], JOINT_COLOURS[1],
 
 
 def torque_figure(signals: Signals, torques: Torques, robot: Robot) -> Drawing:
-    """Return Figures 5.11 and 5.12: the torques of the arm's chosen link model, of this model with
+    """Draw Figures 5.11 and 5.12: the torques of the arm's chosen link model, of this model with
     rotors, and of the most complete one (`fullest_model`) against the controller's torque,
     low-passed as in the table of errors.
     """
@@ -71,7 +71,7 @@ def torque_figure(signals: Signals, torques: Torques, robot: Robot) -> Drawing:
 def effort_figure(
     signals: Signals, currents: Currents, effort: Effort, lowpass: tuple[int, float]
 ) -> Drawing:
-    """Return the measured effort, and the one predicted for motion without contact with its band,
+    """Draw the measured effort, and the one predicted for motion without contact with its band,
     low-passed as in the table of errors.
     """
     name, panels = effort.channel, CURRENT_PANELS if effort == CURRENT else TORQUE_PANELS
@@ -95,7 +95,7 @@ def effort_figure(
 
 
 def acceleration_figure(accelerations: Accelerations) -> Drawing:
-    """Return Figures 5.14 and 5.15: accelerations by the calibrated IMU and by the joints."""
+    """Draw Figures 5.14 and 5.15: accelerations by the calibrated IMU and by the joints."""
     lines: OptionalLines = {
         "IMU": (accelerations.felt, "measured"),
         "from the joints": (accelerations.acceleration.get("encoders"), "first"),
@@ -109,10 +109,11 @@ def estimate_figure(
     hidden: Mask,
     moments: bool = False,
 ) -> Drawing:
-    """Return the new estimates, the band of the first, and the sensor; hidden: see Traces.
+    """Draw the new estimates of a contact wrench, the band of the first, and the sensor; hidden:
+    see Traces.
 
-    Draws forces and their magnitude, or moments; with a sensor, plain least squares in place of the
-    gated estimate, for comparison with the others.
+    moments: draw moments in place of forces and their magnitude. With a sensor, plain least squares
+    in place of the gated estimate, for comparison with the others.
     """
     part, panels = (_moments, MOMENT_PANELS) if moments else (_forces, FORCE_PANELS)
     wrenches = dict(forces.wrench)
@@ -198,7 +199,7 @@ def with_breaks(values: Array | Mask, segment: Labels) -> Array:
 
 
 def packet_figure(signals: Signals) -> Drawing:
-    """Return Figure 4.4: steps between received frames, the arm's speed, the first late frames.
+    """Draw Figure 4.4: steps between received frames, the arm's speed, the first late frames.
 
     Empty for a recording without lost frames.
     """

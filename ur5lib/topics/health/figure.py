@@ -35,9 +35,9 @@ DRIFT_STYLE: Any = SHADE_STYLE | {"alpha": 0.06}  # a drift, which lasts all the
 
 
 def health_figure(dates: pd.DataFrame, changes: pd.DataFrame, effort: Effort = CURRENT) -> Drawing:
-    """Draw a row of panels per quantity, a column per joint.
+    """Draw the health of an arm by date: a row of panels per quantity, a column per joint.
 
-    dates, changes: health.csv, health_changes.csv; effort: that is measured.
+    dates, changes: health.csv, health_changes.csv; effort: the measured one.
     """
     labels = PANEL_LABELS | {"noise": f"noise [{effort.unit}]"}
     rows = _with_temperatures(dates)

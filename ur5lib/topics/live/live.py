@@ -427,7 +427,9 @@ def cross(a: Array, b: Array) -> Array:
 
 
 def read_arm(text: str) -> dict[str, Any]:
-    """Return the file of an arm. Raises ValueError where a number lacks, or cannot be right."""
+    """Return the content of an arm's file; text: of the file. Raises ValueError where a number is
+    missing, or cannot be right.
+    """
     bare = re.sub(r'"(?:[^"\\]|\\.)*"', "", text, flags=re.DOTALL)
     if max(accumulate((c in "[{") - (c in "]}") for c in bare), default=0) > DEEPEST:
         refuse("brackets in brackets")

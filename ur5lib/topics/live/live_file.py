@@ -105,7 +105,7 @@ def numbers(
     """Return kinematics, links, rotors, gears and constants of an arm with a payload, and the
     assumptions on contacts.
 
-    robot: as mounted; recording: use the fit without its path, "": the fit to all; place: of
+    robot: as mounted; recording: the fit without its path is used, for "" the fit to all; place: of
     contacts; contact_force_n: of a typical contact [N], None: from the arm's payload. Raises
     InputError if a friction term couples joints.
     """

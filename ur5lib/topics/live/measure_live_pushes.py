@@ -30,10 +30,11 @@ def measure_live_pushes(
     gravities: dict[str, list[float] | None],
     contact_force_n: float | None,
 ) -> list[LivePush]:
-    """Return the smallest pushes by motion and axis; empty if no push can be tried.
+    """Return the smallest pushes that the live estimator finds, by motion and axis; empty if no
+    push can be tried.
 
-    recordings, gravities: without contact, each with the fit without its path; contact_force_n: of
-    a typical contact [N], None: from the arm's payload.
+    recordings, gravities: of contact-free recordings; for each, the fit without its path is used;
+    contact_force_n: of a typical contact [N], None: from the arm's payload.
     """
     trials, least = dict[str, Trials](), MIN_TRIALS // max(1, len(recordings))
     for name, recording in recordings.items():
@@ -61,7 +62,8 @@ def live_trials(
     """Return trial pushes on the first minutes of a contact-free recording.
 
     A push changes only the currents, by felt torque / torque constant; encoders do not move.
-    jacobian, speed: as `where_pushed` returns them; least: number of pushes if any fits.
+    jacobian, speed: as `where_pushed` returns them; least: number of pushes to try at least, if the
+    recording has time for any.
     """
     rows, estimator = few_rows(run.period), Live(file)
     some = run.at(rows)

@@ -11,8 +11,8 @@ MAX_NAMED_PARAMETERS = 3  # the next recording is designed for this many paramet
 
 
 def outlook(results: Results) -> pd.DataFrame:
-    """Return for each arm the half-width of the force's 95 % band [N] after the best recording and
-    `now`, what this recording is, and whether it is worthwhile.
+    """Return for each arm the half-width of the force's 95 % band [N] now (`now`) and after the
+    best recording to come, the kind of that recording, and whether it is worthwhile.
     """
     return pd.DataFrame([{**best, "now": now["force"]} for _, now, best in outlooks(results)])
 

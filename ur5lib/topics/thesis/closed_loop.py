@@ -18,8 +18,8 @@ Gains = tuple[Array, Array]
 
 
 def closed_loops(signals: Signals, robot: Robot) -> tuple[ClosedLoop, GainSummary]:
-    """Return the joints in closed loop with published and with estimated gains, and the latter;
-    both empty if targets were not recorded.
+    """Return the simulated motion of the joints in closed loop, with published and with estimated
+    gains, and a summary of the estimated gains; both empty if targets were not recorded.
 
     robot: under the recording's gravity.
     """

@@ -9,7 +9,9 @@ from ur5lib.topics.thesis.torque_lines import current_torque
 
 
 def draw_current_torque(signals: Signals, torques: Torques, arm: Robot) -> dict[str, Drawing]:
-    """Return both figures of a recording."""
+    """Return by name Figures 6.1 and 6.2 for a recording: currents over torques, with the printed
+    line.
+    """
     samples = current_torque(arm, signals, torques)
     rigid, with_friction = printed_friction(samples, arm.current_to_torque)
     return {

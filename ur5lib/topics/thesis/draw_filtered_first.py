@@ -13,7 +13,9 @@ from ur5lib.topics.thesis.reference import read_reference
 def draw_filtered_first(
     recording: AlignedRecording, arm: Robot, reference: Path
 ) -> dict[str, Drawing]:
-    """Return the figure of accelerations, computed so that they reproduce the printed errors."""
+    """Return by name the figure of accelerations that are computed so that they reproduce the
+    printed errors.
+    """
     way = read_reference(reference).explained_accelerations()[recording.name]
     modelled, felt = explained_accelerations(recording, arm.mounted(recording.gravity), way)
     return {"accelerations_filtered_first": euler_figure(recording.signals, felt, modelled)}

@@ -16,7 +16,9 @@ from ur5lib.topics.thesis.reference import OLDER_MODEL, Published, read_referenc
 def draw_older_model(
     recording: str, signals: Signals, closed_loop: ClosedLoop, arm: Robot, reference: Path
 ) -> dict[str, Drawing]:
-    """Return positions, velocities and torques of a recording in the older model's closed loop."""
+    """Return by name the figures of positions, velocities and torques of a recording in the older
+    model's closed loop.
+    """
     published = Published(read_reference(reference).printed, recording)
     printed = published.values("torque_mae")[OLDER_MODEL]
     modelled = torques(signals, closed_loop, arm) if OLDER_MODEL in closed_loop.q else {}
@@ -28,8 +30,8 @@ def draw_older_model(
 
 
 def torques(signals: Signals, closed_loop: ClosedLoop, robot: Robot) -> dict[str, Array]:
-    """Return the chosen model's torque (N, 6) [Nm] in the older model's loop, with and without
-    gravity, which the thesis found missing in the older model.
+    """Return the chosen model's torque (N, 6) [Nm] at the motion of the older model's loop, with
+    gravity and without, which the thesis found missing in the older model.
     """
     q, qd, qdd = (getattr(closed_loop, name)[OLDER_MODEL] for name in ("q", "qd", "qdd"))
     model = LinkModel(robot.carrying(configured_payload(signals)), robot.chosen_model)

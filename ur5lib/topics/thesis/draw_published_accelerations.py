@@ -6,6 +6,8 @@ from ur5lib.topics.thesis.figure import euler_figure
 
 
 def draw_published_accelerations(accelerations: Accelerations) -> dict[str, Drawing]:
-    """Return the acceleration through Euler angles and the IMU's, with a causal filter."""
+    """Return by name the figure of the acceleration through Euler angles and the IMU's, both with a
+    causal filter.
+    """
     felt, modelled = accelerations.causal_felt, accelerations.causal.get("euler")
     return {"accelerations_published": euler_figure(accelerations, felt, modelled)}

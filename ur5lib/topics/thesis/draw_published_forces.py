@@ -8,7 +8,7 @@ WITHOUT_FRICTION, WITH_FRICTION = ("F", "Fu"), ("F*",)
 
 
 def draw_published_forces(published: FurtherForces, sensor: SensorWrenches) -> dict[str, Drawing]:
-    """Return the published estimates of a recording and the sensor's forces."""
+    """Return by name the figures of a recording's published estimates and the sensor's forces."""
     known = published, sensor
     return {
         "forces_printed": published_force_figure(*known, "printed", WITHOUT_FRICTION),

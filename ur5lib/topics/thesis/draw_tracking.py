@@ -8,7 +8,9 @@ from ur5lib.topics.thesis.records import ClosedLoop
 
 
 def draw_tracking(signals: Signals, closed_loop: ClosedLoop, arm: Robot) -> dict[str, Drawing]:
-    """Return measured positions and velocities and those of the closed loop."""
+    """Return by name the figures of a recording's positions and velocities, measured and in closed
+    loop.
+    """
     known = signals, closed_loop, chosen_gains(arm)
     return {
         "positions": tracking_figure(*known, "q"),

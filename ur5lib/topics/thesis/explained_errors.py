@@ -20,9 +20,10 @@ from ur5lib.topics.thesis.reference import AccelerationError, LoopError
 
 
 def loop_error(robot: Robot, signals: Signals, way: LoopError) -> Array:
-    """Return the error of each joint (6,).
+    """Return the error of each joint in closed loop (6,), computed as an erratum explains it.
 
-    robot: under the recording's gravity. Raises ValueError where a target was not recorded.
+    robot: under the recording's gravity; way: how the erratum says that it was computed. Raises
+    ValueError where a target was not recorded.
     """
     tracking = tracking_of(signals)
     if tracking is None or signals.target_moment is None:
@@ -46,9 +47,10 @@ def loop_error(robot: Robot, signals: Signals, way: LoopError) -> Array:
 def explained_accelerations(
     recording: AlignedRecording, robot: Robot, way: AccelerationError
 ) -> tuple[Array, Array]:
-    """Return the accelerations through Euler angles and of the IMU, (N, 6) [m/s², rad/s²] each.
+    """Return the accelerations through Euler angles and of the IMU, (N, 6) [m/s², rad/s²] each,
+    computed as an erratum explains.
 
-    robot: under the recording's gravity.
+    robot: under the recording's gravity; way: how the erratum says that they were computed.
     """
     signals, kinematics = recording.signals, recording.kinematics
     start = recording.quality.starts["imu"]

@@ -6,5 +6,7 @@ from ur5lib.topics.thesis.rows import PrintedFriction, printed_friction
 
 
 def list_printed_friction(friction: Friction, arm: Robot) -> list[PrintedFriction]:
-    """Return the fitted parameters that the arm's description has printed values of."""
+    """Return the printed values of the fitted parameters, of those for which the arm's description
+    has one.
+    """
     return [*printed_friction(friction, arm)]

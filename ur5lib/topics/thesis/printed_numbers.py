@@ -81,7 +81,8 @@ def _beside(
 def judged(
     printed: float, rebuilt: float, by_erratum: Mapping[int, float], tolerance: float
 ) -> dict[str, object]:
-    """Return a number's status with the numbers behind it.
+    """Return whether a published number is rebuilt, explained by an erratum, or unexplained
+    (`status`), with the numbers behind it.
 
     by_erratum: the number computed with each erratum's error; the one nearest to the printed number
     is returned, and explains it if equal. tolerance: largest difference that counts as equal.

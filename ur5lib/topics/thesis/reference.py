@@ -14,11 +14,11 @@ from ur5lib.strict import Strict, explain, read_yaml
 class LoopError(Strict):
     """How an error of the closed loop with published gains must have been computed.
 
-    quantity: q [rad], qd [rad/s] or torque [Nm]; figure: over time; gains: name of their model;
-    velocity_gains: other gains [1/s] by joint, 1 to 6; model: of the torque; masses [kg],
-    centers_of_mass [m]: other ones by link, 1 to 6; from_s: start [s] of the evaluated time;
-    places: positions between two samples, 0 to 1, at which the linearly interpolated signals are
-    compared.
+    quantity: q [rad], qd [rad/s] or torque [Nm]; figure: the mean or the largest error over time;
+    gains: name of their model; velocity_gains: other gains [1/s] by joint, 1 to 6; model: of the
+    torque; masses [kg], centers_of_mass [m]: other ones by link, 1 to 6; from_s: start [s] of the
+    evaluated time; places: positions between two samples, 0 to 1, at which the linearly
+    interpolated signals are compared.
     """
 
     quantity: Literal["q", "qd", "torque"]
@@ -113,7 +113,9 @@ class Published(NamedTuple):
     recording: str
 
     def values(self, table: PrintedTableName) -> dict[str, tuple[float, ...]]:
-        """Return a table's printed values of this recording; empty for any other recording."""
+        """Return a table's printed values by row, if the table is of this `recording`; otherwise
+        {}.
+        """
         printed = self.printed.get(table)
         return printed.values if printed and printed.recording == self.recording else {}
 

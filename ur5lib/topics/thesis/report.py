@@ -217,7 +217,7 @@ def offset_correlations(results: Results) -> pd.DataFrame:
 
 
 def _doubted(results: Results) -> Iterator[tuple[str, int]]:
-    """Yield the recordings with printed constants, and their joints with a doubted offset."""
+    """Yield (recording with printed constants, its joint with a doubted offset)."""
     for name in shown_first(results, "current_torque"):
         fitted = results.rows("friction", robot=results.arms()[name], parameter="offset")
         if not {*_printed_offsets(results, name).index}.isdisjoint(fitted["joint"]):
