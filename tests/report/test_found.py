@@ -24,6 +24,7 @@ from ur5lib.report.found import MOST_FINDINGS, findings, left_out
 from ur5lib.report.next_steps import ASKED, next_steps
 from ur5lib.report.results import Results
 from ur5lib.report.stated import Step, claim, joints, line, listed, overruled, remedy, with_error
+from ur5lib.tables import as_written
 
 SENSED = {"recording": "pushed", "largest_force_n": 106.0, "at_s": 3.0}
 SENSED |= {"share_in_contact": 0.4, "contacts": 5}
@@ -57,7 +58,7 @@ def sentences(results: Results) -> list[str]:
 
 def advised(results: Results, **row: Any) -> Results:
     """A study that a row of advice.csv alone advises."""
-    table = pd.DataFrame([vars(Advice(**row))]).replace("", None)
+    table = as_written(pd.DataFrame([vars(Advice(**row))]))
     return replace(results, tables={**results.tables, "advice": table})
 
 
@@ -102,7 +103,7 @@ def test_each_step_is_one_short_sentence_with_what_does_it(code: str, effort: An
         row |= {"detail": "Moving joint 1"}
     if code == "advised":
         del known["detail"]
-    for values in (row, row | known):
+    for values in (row, row | known, row | known | {"joints": "2"}):
         (step,) = next_steps(advised(made, code=code, kind="correction", **values))
         assert step.sentence[0].isupper()
         assert step.sentence.endswith(".")
