@@ -14,8 +14,8 @@ from ur5lib.topics.health.changes import MIN_DATES
 WORDS = Path(__file__).parents[2] / "ur5lib/report/page/kit/words.typ"
 ERRORS = "currents, links, motion"  # questions with an error of each joint or component
 RIVALLED = "currents, motion, force"  # questions with a simple rival
-NOTHING: list[Reason] = ["uncalibrated", "touched", "no_motion", "no_unseen", "no_reference"]
-NOTHING += ["no_sensor", "no_contact", "unknown_links"]
+NOTHING: list[Reason] = ["uncalibrated", "touched", "loaded", "no_motion", "no_unseen"]
+NOTHING += ["no_reference", "no_sensor", "no_contact", "unknown_links"]
 
 
 class Rule(NamedTuple):

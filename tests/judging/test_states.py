@@ -15,7 +15,9 @@ from tests.made_study import (
     UNKNOWN,
     constant,
     finding,
+    judged_anew,
     predicted,
+    rates,
     state,
     study,
     torques,
@@ -254,8 +256,16 @@ def test_why_currents_are_not_judged() -> None:
     friction = [constant(1, 10.0)]
     resting = study({"seen": None}, current_rmse=predicted(0.2), friction=friction)
     assert state(resting, "currents")[1] == "no_motion"
-    loaded = study(current_rmse=predicted(0.2), payload=[load], friction=friction)
-    assert state(loaded, "currents")[1] == "no_unseen"
+    searched = [rates("seen", 2.0)]
+    loaded = study(
+        current_rmse=predicted(0.2), payload=[load], friction=friction, detection=searched
+    )
+    assert state(loaded, "currents")[1] == "loaded"
+    assert verdicts_of(loaded, "alarms")[0].reason == "loaded"
+    fit_alone = {**loaded.study, "recordings": loaded.study["recordings"][:1]}
+    assert (
+        state(judged_anew(study(friction=friction), study=fit_alone), "currents")[1] == "no_unseen"
+    )
     assert state(study(), "currents")[1] == "uncalibrated"
 
 

@@ -15,7 +15,13 @@ from tests.made_up_torques import MODEL, free_run
 from tests.steps.made_recording import known_of
 from tests.tried_pushes import COUNT, detected_above, is_resting
 from ur5lib.force.residual_model import Residuals
-from ur5lib.force.smallest_pushes import MIN_TRIALS_OF_A_LIMIT, detectable, needed, smallest_pushes
+from ur5lib.force.smallest_pushes import (
+    MIN_TRIALS_OF_A_LIMIT,
+    detectable,
+    needed,
+    pushes_of_arm,
+    smallest_pushes,
+)
 from ur5lib.force.trial_contacts import PUSH_DURATION, Trials
 from ur5lib.records import verdicts
 from ur5lib.records.currents import Currents
@@ -151,6 +157,13 @@ def test_one_path_states_no_push() -> None:
 
 def test_its_reasons_are_those_of_verdicts() -> None:
     assert {*get_args(Reason)} <= {*get_args(verdicts.Reason)}
+
+
+def test_pushes_without_a_fit_say_so() -> None:
+    trials, unfitted = {"seen": detected_above(np.full(COUNT, 40.0))}, SimpleNamespace(fitted=False)
+    recordings: dict[str, Any] = {"seen": SimpleNamespace(prediction=unfitted)}
+    for paths, reason in ((0, "uncalibrated"), (2, "")):
+        assert {row.reason for row in pushes_of_arm(trials, recordings, paths)} == {reason}
 
 
 def test_pushes_on_fit_recordings_alone_say_so() -> None:

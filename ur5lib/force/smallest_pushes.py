@@ -83,14 +83,15 @@ def pushes_of_arm(
 ) -> list[SmallestPush]:
     """Return the smallest pushes by trials on an arm's recordings, none without any trial.
 
-    paths: number of fitted paths.
+    paths: number of fitted paths; without any, friction is that of other arms.
     """
     tried = [name for name, own in trials.items() if len(own.force)]
     if not tried:
         return []
     basis: Basis = "fit" if all(recordings[name].prediction.fitted for name in tried) else "unseen"
     together = Trials.joined([trials[name] for name in tried])
-    return [*smallest_pushes(together, basis, has_one_path=paths == 1)]
+    rows = smallest_pushes(together, basis, has_one_path=paths == 1)
+    return [row if paths else replace(row, reason=row.reason or "uncalibrated") for row in rows]
 
 
 def by_motion(trials: Trials) -> Iterator[tuple[str, Trials]]:

@@ -275,7 +275,8 @@ def judge_alarms(study: StudyTables) -> Iterator[Verdict]:
     rows = [row for row in false_alarms(study) if row.role == "validate"]
     numbers = [number for row in rows if row.days != FARTHEST for number in rates(row)]
     if not numbers and len(study.rows("detection", estimate=GATED)):
-        numbers.append({"quantity": "false alarms", "reason": "no_unseen"})
+        why = study.why_unseen_is_missing()
+        numbers.append({"quantity": "false alarms", "reason": why})
     beside = [row for row in noticed(study) if row.contacts]
     if any(row.alarms for row in beside):
         count = sum(row.false_alarms for row in beside)

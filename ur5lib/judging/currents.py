@@ -81,12 +81,9 @@ def judge_currents(study: StudyTables, robot: str) -> Iterator[Verdict]:
 def _why_not(study: StudyTables) -> Reason:
     if study.tables["friction"].empty:
         return "uncalibrated"
-    validate = study.with_role("validate")
-    if validate and {*validate} <= {*study.touched()}:
-        return "touched"
     if len(moving(study, unseen(study))):
         return "too_small"
-    return "no_motion" if study.quiet("validate") else "no_unseen"
+    return "no_motion" if study.quiet("validate") else study.why_unseen_is_missing()
 
 
 def _bands(errors: list[JudgedError], robot: str) -> Iterator[Verdict]:

@@ -14,7 +14,7 @@ from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.records.pushes import SmallestPush
 from ur5lib.records.quality import UNREADABLE
 from ur5lib.records.repetition import Repeated
-from ur5lib.records.verdicts import Verdict
+from ur5lib.records.verdicts import Reason, Verdict
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import bearing_joints
 from ur5lib.strict import FAST_LOADER
@@ -121,6 +121,13 @@ class StudyTables:
         """
         disturbed = {*self.loaded(), *self.touched()}
         return [name for name in self.with_role(role) if name not in disturbed]
+
+    def why_unseen_is_missing(self) -> Reason:
+        """Return why no validate recording is quiet."""
+        validate, touched = {*self.with_role("validate")}, {*self.touched()}
+        if validate and validate <= touched:
+            return "touched"
+        return "loaded" if validate and validate <= touched | {*self.loaded()} else "no_unseen"
 
     def doubted(self) -> list[str]:
         """Return the recordings on which the force sensor's bias is uncertain."""

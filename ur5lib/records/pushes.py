@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 Basis = Literal["unseen", "fit"]
-Reason = Literal["", "one_path", "fitted", "undetermined"]  # codes of verdicts
+Reason = Literal["", "one_path", "fitted", "undetermined", "uncalibrated"]  # codes of verdicts
 
 
 SPEEDS = {
@@ -25,7 +25,7 @@ class SmallestPush:
     blind: number of trials in poses in which two standard deviations of the joints' torques exceed
     the largest contact that the gate expects, three typical ones; they count nowhere else; basis:
     unseen if a recording that no fit has seen was tried, else fit; reason: one_path, undetermined,
-    or fitted (the value is from fit recordings only).
+    fitted (the value is from fit recordings only), or uncalibrated (without a fit).
     """
 
     motion: str

@@ -133,6 +133,7 @@ def test_the_order_of_axes_is_that_of_their_names() -> None:
         (SLOW, "A force of zero with its band holds only if nothing touches the arm."),
         ([push(np.nan, "x", "slow", reason="one_path")] * 2, "no push is stated to be found"),
         ([push(20.0, "x", "slow", reason="fitted")] * 2, "only fit recordings were tried"),
+        ([push(20.0, "x", "slow", reason="uncalibrated")] * 2, "without a fit"),
     ],
 )
 def test_the_section_says_what_the_trials_rest_on(rows: list[dict[str, Any]], told: str) -> None:
