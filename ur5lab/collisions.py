@@ -49,10 +49,11 @@ class Surroundings(Strict):
 
 @dataclass(frozen=True)
 class Clearances:
-    """M pairs of parts that are near each other along a path.
+    """M pairs of parts of an arm or its surroundings that are near each other along a path.
 
-    sample: (M,); distance: (M,) [m], negative for overlap; gradient: (M, n) [m/rad], of the
-    distance, zero above the distance `gradient_below` of `near`; pairs: (M,), names of the parts.
+    sample: at which they are (M,); distance: (M,) [m], negative for overlap; gradient: (M, n)
+    [m/rad], of the distance by the joints' angles, zero above the distance `gradient_below` of
+    `near`; pairs: (M,), names of the parts.
     """
 
     sample: NDArray[np.intp]
@@ -76,7 +77,9 @@ def collisions(robot: Robot, q: Array, table: float | None) -> list[tuple[int, s
 
 
 class Capsules:
-    """An arm as capsules, in its surroundings."""
+    """A model of an arm as capsules, and of its surroundings, in which parts that are near each
+    other are found.
+    """
 
     def __init__(self, robot: Robot, surroundings: Surroundings, reach: float) -> None:
         """Build the model; reach: distance [m] below which two parts count as near."""
@@ -107,12 +110,14 @@ class Capsules:
         )
 
     def _names(self, geoms: NDArray[np.intp]) -> list[tuple[str, str]]:
-        """Return the names of pairs of parts (M, 2), in alphabetical order."""
+        """Return the names of pairs of parts (M, 2), each pair in alphabetical order."""
         names = np.array([self._model.geom(k).name for k in range(self._model.ngeom)])
         return [(first, second) for first, second in np.sort(names[geoms], axis=1).tolist()]
 
     def _gradients(self, needs_gradient: Mask) -> Array:
-        """Return the gradients (M, n) [m/rad] of the contacts' distances, zero if not needed."""
+        """Return the gradients (M, n) [m/rad] of the contacts' distances by the joints' angles,
+        zero if not needed.
+        """
         gradients = np.zeros((len(needs_gradient), self._model.nv))
         if needs_gradient.any():
             mujoco.mj_comPos(self._model, self._data)  # needed by Jacobians
@@ -121,12 +126,14 @@ class Capsules:
         return gradients
 
     def _gradient(self, contact: mujoco.MjContact) -> Array:
-        """Return ∂distance/∂q (n,) = e · (J_2 - J_1), with e from the first part to the second."""
+        """Return the gradient ∂distance/∂q (n,) of a contact, e · (J_2 - J_1), with e from the
+        first part to the second.
+        """
         first, second = (self._jacobian(geom, contact.pos) for geom in contact.geom)
         return np.asarray(contact.frame[:3] @ (second - first))
 
     def _jacobian(self, geom: int, point: Array) -> Array:
-        """Return J_v (3, n) of a point [m] fixed to a part."""
+        """Return the Jacobian J_v (3, n) of the velocity of a point [m] fixed to a part."""
         jacobian = np.zeros((3, self._model.nv))
         mujoco.mj_jac(self._model, self._data, jacobian, None, point, self._model.geom_bodyid[geom])
         return jacobian
@@ -152,7 +159,8 @@ def _vertical(robot: Robot) -> Array:
 def _overlapping_pairs(
     robot: Robot, radii: Array, table: float | None
 ) -> Iterator[tuple[str, str]]:
-    """Yield the pairs of bodies that overlap by construction.
+    """Yield the pairs of bodies that always overlap by their construction, so that no collision is
+    reported.
 
     For a UR, these are each link and the next one, in the wrist up to three apart, and link 1 and
     the table. For another arm, these are links with ends near each other in all random postures,

@@ -54,7 +54,7 @@ MAX_PRINTED_ERRORS = 6  # parameters with printed standard errors
 
 @dataclass(frozen=True)
 class ExciteOptions:
-    """The options of `ur5 excite`; without a table, nothing below the base is avoided."""
+    """The options of `ur5 excite`; without a table, the arm may move below its base."""
 
     robot: str
     seconds: float
@@ -98,7 +98,9 @@ def _design(task: Task, seed: int, effort: Effort) -> Design:
 
 
 def _mounting(load: Payload, last: int) -> str:
-    """Return how to mount a load before its motion is recorded; last: number of its frame."""
+    """Return the sentence on how to mount a load before its motion is recorded; last: number of the
+    frame at its flange.
+    """
     x, y, z = load.center_of_mass
     return (
         f"Mount {load.mass:g} kg with its centre of mass at ({x:g}, {y:g}, {z:g}) m in frame "
@@ -107,7 +109,8 @@ def _mounting(load: Payload, last: int) -> str:
 
 
 def earlier(options: ExciteOptions) -> tuple[Robot, Earlier | None]:
-    """Return the arm as described or fitted, and its earlier recordings from a study, if any.
+    """Return the arm, as fitted by a study or else as described, and the study's recordings of it,
+    None without a study.
 
     Raises InputError for an unknown arm, and if a file of the study is missing.
     """
@@ -127,7 +130,9 @@ def earlier(options: ExciteOptions) -> tuple[Robot, Earlier | None]:
 
 
 def task_of(options: ExciteOptions, arm: Robot, earlier_study: Earlier | None) -> Task:
-    """Return the task of the design: limits, problem, question, information so far, duration."""
+    """Return the task of the design, from the options, the arm and what earlier recordings show of
+    it.
+    """
     cell = WorkCell.around(
         arm.carrying(options.payload), surroundings(options.table, options.boxes)
     )
@@ -143,7 +148,8 @@ def task_of(options: ExciteOptions, arm: Robot, earlier_study: Earlier | None) -
 
 
 def outlook_of(arm: Robot, earlier_study: Earlier | None, designed: Design) -> list[Bands]:
-    """Return the present bands, and those after the designed motion and others of the same length.
+    """Return the present 95 % bands, and those after the designed motion and after others of the
+    same length.
 
     Empty without a fit to earlier recordings, from which the bands come, and for an arm that does
     not feel all forces.
@@ -157,7 +163,7 @@ def outlook_of(arm: Robot, earlier_study: Earlier | None, designed: Design) -> l
 
 
 def known_load(mass: float, *center: float) -> Payload:
-    """Return a load on the flange [kg], with its centre of mass in frame 6 [m].
+    """Return a load on the flange; mass: [kg]; center: its centre of mass in frame 6 [m].
 
     Raises InputError for impossible values.
     """
@@ -171,7 +177,10 @@ def known_load(mass: float, *center: float) -> Payload:
 
 
 def surroundings(table: float | None, boxes: Path | None) -> Surroundings:
-    """Return a table [m] and the boxes of a YAML file. Raises InputError where they are wrong."""
+    """Return a table, by its height [m], and the boxes of a YAML file as obstacles; None for none.
+
+    Raises InputError where they are wrong.
+    """
     if table is not None and not math.isfinite(table):
         raise InputError(f"--table {table}: give its height in the base frame [m]")
     try:
@@ -189,7 +198,9 @@ def surroundings(table: float | None, boxes: Path | None) -> Surroundings:
 
 
 def _worth_lines(problem: DesignProblem, worth: Worth) -> Iterator[str]:
-    """Yield the information of a trajectory, and the least determined parameters' errors."""
+    """Yield lines of text on the information by a trajectory and on the errors of the least
+    determined parameters.
+    """
     whole = f", of the whole problem {worth.condition:.0f}" if np.isfinite(worth.condition) else ""
     yield (
         f"log det of the information: {worth.log_det:.1f}, {worth.gain:.1f} more than before; "
@@ -205,7 +216,9 @@ def _worth_lines(problem: DesignProblem, worth: Worth) -> Iterator[str]:
 
 
 def _band_lines(outlook: Sequence[Bands], effort: channels.Effort) -> Iterator[str]:
-    """Yield the bands before and after recordings, of a force, an effort and a load."""
+    """Yield lines of text on the bands of a force, an effort and a load, before and after
+    recordings.
+    """
     if outlook:
         kinds = f"a force in contact, a {effort.quantity} and a load"
         yield f"half of the 95 % bands of {kinds}, on average:"
@@ -215,7 +228,7 @@ def _band_lines(outlook: Sequence[Bands], effort: channels.Effort) -> Iterator[s
 
 
 def _recorded(arm: Robot, study: StudyFiles, name: str) -> RecordedStates:
-    """Return the states of a recording."""
+    """Return the states of a study's recording along its motion."""
     gravity = study.recording(name).known_gravity()
     motion = study.record(Motion, name)
     robot = arm.carrying(study.payload(name)).mounted(gravity)

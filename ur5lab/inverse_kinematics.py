@@ -74,7 +74,9 @@ def _wrist_rotation(q5: Array, q6: Array) -> Array:
 
 
 def _refined_angles(robot: Robot, q: Array, rotation: Array, position: Array) -> Array:
-    """Return the angles (M, 6) for the arm's calibrated frames, NaN if they miss the pose."""
+    """Return angles (M, 6) [rad] corrected for the arm's calibrated frames, NaN if they miss the
+    pose.
+    """
     result = np.full_like(q, np.nan)
     rows = np.flatnonzero(np.isfinite(q).all(axis=1))
     q, rotation, position = q[rows], rotation[rows], position[rows]
@@ -90,7 +92,7 @@ def _refined_angles(robot: Robot, q: Array, rotation: Array, position: Array) ->
 
 
 def _pose_error(robot: Robot, q: Array, rotation: Array, position: Array) -> Array:
-    """Return the differences of poses from those at q, (M, 6) [m, rad], base frame."""
+    """Return by how much poses differ from those at the angles q, (M, 6) [m, rad], base frame."""
     rotations, origins = link_frames(robot, q)
     turn = Rotation.from_matrix(rotation @ rotations[:, 6].mT).as_rotvec()
     return np.hstack([position - origins[:, 6], turn])

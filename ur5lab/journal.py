@@ -55,7 +55,7 @@ class Journal:
 
 
 def part_of(path: Path) -> Path:
-    """Return the path of a file's journal: the first `<name>.<number>.part.csv` that does not
+    """Return a new path for a file's journal: the first `<name>.<number>.part.csv` that does not
     exist.
     """
     names = (path.with_name(f"{path.stem}.{k}.part.csv") for k in range(1, 10_000))
@@ -63,7 +63,7 @@ def part_of(path: Path) -> Path:
 
 
 def left_behind(path: Path) -> list[str]:
-    """Return a line for each journal of a file that interrupted runs have left."""
+    """Return a line of text for each journal of a file that an interrupted run left there."""
     parts = sorted(path.parent.glob(f"{path.stem}.*.part.csv"))
     return [
         f"{part} was left by another run, with {rows_in(part)} samples; it can be read as a CSV"

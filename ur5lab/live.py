@@ -43,7 +43,7 @@ Show = Callable[[float, Answer], None]
 
 @dataclass(frozen=True)
 class Stream:
-    """The stream of an arm's samples.
+    """Where an arm's samples come from, and for how long.
 
     address, port: of its controller's RTDE; seconds: duration, None until the arm sends nothing for
     a second or Ctrl-C.
@@ -56,7 +56,9 @@ class Stream:
 
 @dataclass(frozen=True)
 class Ended:
-    """A stream that ended: written file, number of samples, reason, whether the arm was lost."""
+    """How a stream ended: path of the written file, number of samples, why it ended, and whether
+    the arm was lost.
+    """
 
     path: Path
     samples: int
@@ -69,7 +71,7 @@ class Ended:
         return self.lost or self.samples == 0
 
     def in_words(self) -> str:
-        """Return the end of the stream as a line."""
+        """Return a line of text on how the stream ended."""
         if self.samples == 0:
             return f"no sample came; ended by {self.why}"
         return f"{self.path}: {self.samples} samples; ended by {self.why}"
@@ -98,7 +100,8 @@ def live(
 
 
 def record(estimator: Live, stream: Stream, path: Path, show: Show) -> Ended:
-    """Write each answer at once to a CSV next to `path`, and at the end all as Parquet.
+    """Write each answer of the estimator at once to a CSV next to `path`, and at the end all as
+    Parquet; return how the stream ended.
 
     The file has the columns of `live_forces.parquet`, and `late`, the time from a sample's arrival
     to its answer. The arm gets only the request for its samples. If the Parquet cannot be written,
@@ -123,7 +126,7 @@ def record(estimator: Live, stream: Stream, path: Path, show: Show) -> Ended:
 
 
 def connected(stream: Stream) -> RtdeClient:
-    """Return the connection to a controller that sends INPUTS."""
+    """Return the connection to the stream's controller, which sends INPUTS."""
     client = RtdeClient(stream.address, stream.port)
     try:
         rate = RATE_BY_MAJOR_VERSION.get(client.software[0], DEFAULT_RATE)
@@ -139,8 +142,8 @@ def connected(stream: Stream) -> RtdeClient:
 def followed(
     client: RtdeClient, estimator: Live, stream: Stream, journal: Journal, show: Show
 ) -> tuple[str, bool]:
-    """Write the answers to an arm's samples until its stream ends; return the reason, and whether
-    the arm was lost.
+    """Write the estimator's answers to an arm's samples until its stream ends; return why it ended,
+    and whether the arm was lost.
     """
     silence, begin = Silence(stream.address), time.monotonic()
     shown = begin
@@ -163,7 +166,7 @@ def followed(
 
 
 def _join(part: Path, aside: Path) -> None:
-    """Write the rows of a journal as Parquet, part by part."""
+    """Write the rows of the journal `part` into the Parquet file `aside`, batch by batch."""
     schema = pa.schema(
         [
             pa.field(
@@ -182,7 +185,9 @@ def _join(part: Path, aside: Path) -> None:
 
 
 def _answered(estimator: Live, arrived: float, values: tuple[float, ...]) -> str:
-    """Return the row of the answer to a package of INPUTS."""
+    """Return the CSV row with the estimator's answer to a package of INPUTS; arrived: when it did
+    [s, monotonic].
+    """
     stamp, q, qd, current = values[0], values[1:7], values[7:13], values[13:19]
     wrench, std, contact = estimator.step(stamp, q, qd, current)
     known = contact == CONTACT, contact != UNKNOWN
@@ -192,7 +197,7 @@ def _answered(estimator: Live, arrived: float, values: tuple[float, ...]) -> str
 
 
 def in_words(seconds: float, answer: Answer) -> str:
-    """Return an answer as a line."""
+    """Return an answer as a line of text; seconds: since the start."""
     force = "  ".join(
         f"{axis} {value:+6.1f} ± {NORMAL95 * std:4.1f}"
         for axis, value, std in zip("xyz", answer.wrench, answer.std, strict=False)
@@ -206,4 +211,4 @@ def shown_on(view: Display) -> Show:
 
 
 def _nothing(seconds: float, answer: Answer) -> None:
-    """Show nothing, where there is no terminal."""
+    """Do nothing, in place of showing an answer, where there is no terminal."""

@@ -169,7 +169,9 @@ def _angles(q: Any) -> str:
 
 
 def _watch(session: Session, mover: Mover | None, seconds: float | None, console: Console) -> None:
-    """Show the devices until the time is over, the motion or all streams have ended, or Ctrl-C."""
+    """Show the devices' state until `seconds` are over, the motion or all streams have ended, or
+    Ctrl-C.
+    """
     begin, printed = time.monotonic(), set[str]()
     with _moving(mover), _shown(console) as show:
         try:
@@ -204,7 +206,9 @@ def _moving(mover: Mover | None) -> Iterator[None]:
 
 @contextmanager
 def _shown(console: Console) -> Iterator[Any]:
-    """Yield a function that shows the devices' state: in place on a terminal, else not at all."""
+    """Yield a function that shows the devices' state in place on a terminal, and does nothing
+    without one.
+    """
     if not console.is_terminal:
         yield lambda _: None
         return

@@ -23,7 +23,7 @@ DEVICES_EXAMPLE = "devices: {robot: {address: 192.168.1.10}}"
 
 @dataclass(frozen=True)
 class StudyFile:
-    """The file of a study, to which a recording may be added, and its content."""
+    """A study's file and its content; recordings may be added to it."""
 
     path: Path
     plain: PlainData
@@ -91,7 +91,7 @@ class StudyFile:
 
 
 def checked_name(name: str) -> str:
-    """Return the name of a recording. Raises InputError where it is not allowed."""
+    """Return the name of a recording unchanged. Raises InputError where it is not allowed."""
     try:
         return str(TypeAdapter[str](Name).validate_python(name))
     except ValidationError as error:
@@ -101,7 +101,9 @@ def checked_name(name: str) -> str:
 
 
 def entry_of(lab: LabSettings, statuses: dict[str, Status]) -> dict[str, Any]:
-    """Return the keys of an entry with the files of all devices that sent samples."""
+    """Return the keys of a recording's entry that name the files of all devices that sent
+    samples.
+    """
     keys = file_entry(lab.robot, "robot.csv")
     for name, device in lab.devices().items():
         if name != "robot" and name in statuses and statuses[name].samples:

@@ -88,7 +88,7 @@ FIRST_VERSIONS = {  # first minor version of the controller's software 3 and 5 t
 
 
 class RobotMode(IntEnum):
-    """Values of `robot_mode`."""
+    """Values of the RTDE output `robot_mode`."""
 
     NO_CONTROLLER = -1
     DISCONNECTED = 0
@@ -102,7 +102,7 @@ class RobotMode(IntEnum):
 
 
 class SafetyMode(IntEnum):
-    """Values of `safety_mode`."""
+    """Values of the RTDE output `safety_mode`."""
 
     NORMAL = 1
     REDUCED = 2
@@ -116,7 +116,7 @@ class SafetyMode(IntEnum):
 
 
 class RuntimeState(IntEnum):
-    """Values of `runtime_state` that programs of one arm take."""
+    """Values of the RTDE output `runtime_state` that programs of one arm take."""
 
     STOPPED = 1
     PLAYING = 2
@@ -124,13 +124,13 @@ class RuntimeState(IntEnum):
 
 
 def exists(output: str, major: int, minor: int) -> bool:
-    """Return whether controller software `major.minor` has an output."""
+    """Return whether controller software with version `major.minor` has an RTDE output."""
     since = FIRST_VERSIONS.get(output, {major: 0})
     return output in OUTPUT_TYPES and major in since and minor >= since[major]
 
 
 def size(kind: str) -> int:
-    """Return the number of values in a variable of this type."""
+    """Return the number of values in an RTDE variable of this type."""
     return int(STRUCT_FORMATS[kind][:-1] or 1)
 
 
@@ -141,7 +141,7 @@ def columns(name: str) -> list[str]:
 
 
 def all_columns(names: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the columns of outputs, in this order."""
+    """Return the columns of all outputs, in their order."""
     return tuple(chain.from_iterable(map(columns, names)))
 
 

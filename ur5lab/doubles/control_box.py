@@ -45,12 +45,13 @@ NORMAL_BIT, PROTECTIVE_BIT = 1, 4  # of `safety_status_bits`
 
 
 class UnsupportedCommandError(Exception):
-    """A program uses a command that is not emulated."""
+    """Raised where a program uses a command that is not emulated."""
 
 
 @dataclass
 class Watchdog:
-    """Stops the program when a client does not write a register often enough.
+    """A limit on the time between a client's writes to a register, beyond which the program is
+    stopped.
 
     name: of the input register; longest: allowed time between two writes [s]; last: time of the
     last write [s].
@@ -77,7 +78,9 @@ class ControlBox:
         uptime: float,
         random: np.random.Generator,
     ) -> None:
-        """random: generator of the noise."""
+        """Start an arm's controller; cycle: [s]; uptime: at the start [s]; random: generator of the
+        noise.
+        """
         self.arm, self.software, self.cycle = arm, software, cycle
         self.registers = {
             name: 0.0 for name in [*INPUT_TYPES, *OUTPUT_TYPES] if "_register_" in name
@@ -108,7 +111,7 @@ class ControlBox:
 
     @property
     def state(self) -> RuntimeState:
-        """Return whether a program runs."""
+        """Return whether a program is playing, paused or stopped."""
         if self._program is None:
             return RuntimeState.STOPPED
         return RuntimeState.PAUSED if self.paused else RuntimeState.PLAYING
@@ -186,10 +189,14 @@ class ControlBox:
 
 
 class Instruments:
-    """The measured and computed outputs in each cycle: those of `stand.controller`, and others."""
+    """The measured and computed outputs of an arm in each cycle: those of `stand.controller`, and
+    others.
+    """
 
     def __init__(self, arm: LiveArm, cycle: float, random: np.random.Generator) -> None:
-        """cycle: [s]; random: generator of the noise, unused where the plan has none."""
+        """Take the arm; cycle: [s]; random: generator of the noise, unused where the plan has
+        none.
+        """
         self._arm, self._random = arm, random if arm.plan.noise else None
         self._estimate = ForceEstimate(cycle)
         self._wrist = WristReader(arm.plan.wrist_sensor or WristSensor(), self._random)
@@ -225,7 +232,7 @@ class Instruments:
         return outputs | {"tcp_force_scalar": size}
 
     def zero_force(self) -> None:
-        """Set the wrist sensor's zero to the present reading less the declared payload's weight."""
+        """Set the wrist sensor's zero so that it reads the weight of the declared payload now."""
         force = self._wrist.noiseless(self._arm.states["force_sensor"][-1], self._arm.time)
         self._zero = force - declared_weight(self._arm.rig, self._rotation())
 

@@ -31,7 +31,7 @@ PROGRESS_MODULUS = 128  # counts and operations are counted modulo this
 
 
 async def run_programs(box: ControlBox, reader: StreamReader) -> None:
-    """Start every complete program of a client until it hangs up."""
+    """Read a client's programs and start each when it is complete, until the client hangs up."""
     while line := await _line(reader):
         text = line
         if re.match(r"(def|sec)\s", line):
@@ -45,15 +45,15 @@ async def run_programs(box: ControlBox, reader: StreamReader) -> None:
 
 
 async def _line(reader: StreamReader) -> str:
-    """Return the next line, empty at the end; the last line may lack its end."""
+    """Return the next line, empty at the end of the stream; the last line may lack its newline."""
     return (await reader.readline()).decode("utf-8", "replace")
 
 
 class ControlScript:
-    """The state of ur_rtde's control script on one controller."""
+    """ur_rtde's control script as it runs on one controller, executed natively."""
 
     def __init__(self, text: str, box: ControlBox) -> None:
-        """text: the program as uploaded, with the client's insertions."""
+        """Take a program; text: as uploaded, with the client's insertions."""
         self._box = box
         offset, path = OFFSET_PATTERN.search(text), PATH_PATTERN.search(text)
         self._offset = int(offset[1]) if offset else 0
@@ -147,8 +147,9 @@ class ControlScript:
                 raise UnsupportedCommandError(f"command {command} of ur_rtde is not emulated")
 
     def _started(self, moves: Program) -> Program:
-        """Yield until moves have ended; if asynchronous, only start them in parallel with the
-        script."""
+        """Yield once per cycle until moves have ended; if the command is asynchronous, only start
+        them and return.
+        """
         if not self._integer(ASYNCHRONOUS_REGISTER):
             self._moves = None
             yield from moves
@@ -167,7 +168,7 @@ class ControlScript:
         return int(self._box.registers[f"input_int_register_{k + self._offset}"])
 
     def _doubles(self, count: int) -> Array:
-        """Return the first input doubles (count,)."""
+        """Return the first `count` input registers of type double (count,)."""
         names = (f"input_double_register_{k + self._offset}" for k in range(count))
         return np.array([self._box.registers[name] for name in names])
 

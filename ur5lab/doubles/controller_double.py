@@ -43,7 +43,9 @@ STANDSTILL_PLAN = SimulatedRecording(trajectory=Standstill(kind="standstill"))
 
 @dataclass(frozen=True)
 class Ports:
-    """The ports of a controller; ur_rtde's interfaces know only these defaults."""
+    """The ports of a controller's interfaces; the defaults are the only ones that ur_rtde's
+    interfaces know.
+    """
 
     rtde: int = 30004
     realtime: int = 30003
@@ -107,13 +109,15 @@ class ControllerDouble:
         plan: SimulatedRecording = STANDSTILL_PLAN,
         **options: Any,
     ) -> None:
-        """robot: or its name; options: of ControllerSetup, by default of the arm's generation."""
+        """Take the settings; robot: an arm or its name; options: of ControllerSetup, by default of
+        the arm's generation.
+        """
         arm = load_robot(robot_path(robot)) if isinstance(robot, str) else robot
         generation = E_SERIES if arm.wrist_sensor else CB3
         self.setup = ControllerSetup(arm, plan, **generation._asdict() | options)
 
     def __enter__(self) -> Self:
-        """Start; returns when all ports are open and the clock runs."""
+        """Start the controller; return when all ports are open and the clock runs."""
         self._folder = tempfile.TemporaryDirectory()
         states = Path(self._folder.name, "states")
         context = multiprocessing.get_context("spawn")
@@ -128,14 +132,16 @@ class ControllerDouble:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Stop at once."""
+        """Stop the controller at once."""
         self._process.kill()
         self._process.join()
         self._line.close()
         self._folder.cleanup()
 
     def ask(self, order: str, *arguments: Any) -> Any:
-        """Give the controller an order of `_ControllerProcess.orders`, and return its answer."""
+        """Give the controller an order by its name in `_ControllerProcess.orders`, and return its
+        answer.
+        """
         self._line.send((order, *arguments))
         return self._answer()
 
@@ -160,7 +166,7 @@ def _run(setup: ControllerSetup, states: Path, line: Connection) -> None:
 
 
 class _ControllerProcess:
-    """The controller within its process."""
+    """The controller as it runs in the process of its own."""
 
     def __init__(self, setup: ControllerSetup, truth: BinaryIO, line: Connection) -> None:
         self._setup, self._line = setup, line
@@ -183,7 +189,7 @@ class _ControllerProcess:
         }
 
     async def run(self) -> None:
-        """Run until the process at the other end of the line is gone."""
+        """Run until the process that started it is gone."""
         loop = asyncio.get_running_loop()
         gone = loop.create_future()
         try:
@@ -254,7 +260,7 @@ class _ControllerProcess:
         self._frozen = frozen
 
     def _die(self) -> None:
-        """Close all connections and ports."""
+        """Close all connections and ports, as when the power fails."""
         self._box.stop()
         for server in self._servers:
             server.close()

@@ -60,7 +60,7 @@ def answer(line: str, box: ControlBox) -> str:
 
 
 def _control(command: str, box: ControlBox) -> str:
-    """Play, pause or stop the program."""
+    """Play, pause or stop the program, and return the answer."""
     if command == "stop":
         box.stop()
         return "Stopped"
@@ -77,7 +77,7 @@ def _control(command: str, box: ControlBox) -> str:
 
 
 def _states(box: ControlBox) -> dict[str, str]:
-    """Return the answers of the commands that change nothing."""
+    """Return, by command, the answers to commands that only ask for a state."""
     loaded = f"Loaded program: {box.loaded}" if box.loaded else "No program loaded"
     return {
         "robotmode": f"Robotmode: {box.robot_mode.name}",

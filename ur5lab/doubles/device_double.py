@@ -20,7 +20,8 @@ Reading = Callable[[float], Array]  # of the host's monotonic time [s]
 
 @dataclass(frozen=True)
 class DeviceClock:
-    """A device's clock: t_host = start + (1 + drift) (t_device − offset).
+    """A device's clock, which differs from the host's: t_host = start + (1 + drift) (t_device −
+    offset).
 
     offset_s: the clock's time when the device is switched on [s]; drift_ppm: positive for a slow
     clock; start: host time when the device is switched on [s, time.monotonic].
@@ -49,11 +50,12 @@ class DeviceClock:
 
 
 class DeviceDouble(ABC):
-    """A double that samples by its own clock and answers requests, while the context lasts.
+    """A double of a device that samples by its own clock and answers requests, while its context
+    lasts.
 
     reading: returns the true reading at a time [s, the host's monotonic], at or shortly before the
-    present; called in the device's thread. delivery: with the lost and late samples so far. line:
-    file descriptor from which requests are read.
+    present; called in the device's thread. delivery: the packets in transmission, and which samples
+    were lost or late so far. line: file descriptor from which requests are read.
     """
 
     is_stream: bool
@@ -80,15 +82,15 @@ class DeviceDouble(ABC):
         self.disconnect()
 
     def is_powered(self) -> bool:
-        """Return whether the device works; without power it neither sends nor answers."""
+        """Return whether the device has power; without it, the device neither sends nor answers."""
         return self.faults.powered(time.monotonic() - self._born)
 
     def shown(self, sample: int) -> float:
-        """Return the time of a sample, counted from 0, by the device's clock [s]."""
+        """Return the device's time [s] at a sample, numbered from 0."""
         return self.clock.offset_s + sample / self.rate_hz
 
     def instant(self, sample: int) -> float:
-        """Return the host's time of a sample [s]."""
+        """Return the host's time [s] at a sample, numbered from 0."""
         return self.clock.host(self.shown(sample))
 
     @abstractmethod
@@ -97,11 +99,11 @@ class DeviceDouble(ABC):
 
     @abstractmethod
     def packet(self, sample: int) -> bytes | None:
-        """Return the packet of a sample; None while no client asks for samples."""
+        """Return the bytes to send for a sample; None while no client asks for samples."""
 
     @abstractmethod
     def send(self, part: bytes) -> None:
-        """Send bytes that arrive together."""
+        """Send bytes that arrive together at the client."""
 
     @abstractmethod
     def restart(self) -> None:

@@ -43,7 +43,7 @@ class LiveArm:
     def __init__(
         self, robot: Robot, plan: SimulatedRecording, truth: BinaryIO, random: np.random.Generator
     ) -> None:
-        """truth: file to which all states are written."""
+        """Put the arm at rest at the plan's start; truth: file to which all states are written."""
         self.plan, self.rig = plan, build_rig(robot, plan, random)
         self._bare, self._truth = robot, truth
         self.position_limits = [high for _, high in robot.position_limits()]
@@ -69,7 +69,7 @@ class LiveArm:
         self._truth.flush()
 
     def touch(self, contact: Contact) -> None:
-        """Add a contact; its start counts like `time`."""
+        """Add a contact; its start is counted from the arm's start, like `time`."""
         self.rig.contacts.add(self.rig.plant, contact)
 
     def declare(
@@ -91,7 +91,7 @@ class LiveArm:
         self.motion.freedrive(lambda: (data.qpos.copy(), data.qvel.copy()))
 
     def exceeded(self) -> str:
-        """Return in words the limit that the arm exceeds, "" if none."""
+        """Return in words the limit that the arm exceeds, "" if it exceeds none."""
         target = self.motion
         for joint in range(6):
             outwards = target.q[joint] * target.qd[joint] > 0
@@ -109,14 +109,14 @@ class LiveArm:
 
 
 class TargetGenerator:
-    """The motion of the joints' targets under one command at a time.
+    """The target angles of the joints under one command at a time.
 
     q, qd, qdd: the present targets (6,) [rad, rad/s, rad/s²]; moving: whether a command has not
     ended. Commands raise ValueError where a speed, an acceleration or a time is not positive.
     """
 
     def __init__(self, q: Array) -> None:
-        """q: where the joints rest at first (6,) [rad]."""
+        """Start at rest; q: the angles there (6,) [rad]."""
         self.q, self.qd, self.qdd = q, STANDSTILL, STANDSTILL
         self._rows: Iterator[Target] = iter(())
         self.moving = False
@@ -124,7 +124,7 @@ class TargetGenerator:
         self._kind = ""
 
     def step(self) -> Target:
-        """Return the targets of the next step."""
+        """Advance by one step, and return its targets."""
         row = next(self._rows, None)
         if row is None:
             self.moving, self._kind = False, ""
@@ -191,7 +191,9 @@ class TargetGenerator:
         yield from zip(*move, strict=True)
 
     def _servoj_targets(self) -> Iterator[Target]:
-        """Yield targets that approach the goal like a critically damped spring, 2/rate late."""
+        """Yield targets that approach the goal like a critically damped spring, with a delay of
+        2/rate.
+        """
         while True:
             qdd = self._rate * (self._rate * (self._goal - self.q) - 2 * self.qd)
             qd = self.qd + STEP * qdd

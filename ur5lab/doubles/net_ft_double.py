@@ -35,7 +35,8 @@ SETTINGS_PAGE = """<?xml version="1.0"?>
 
 
 class NetFTDouble(DeviceDouble):
-    """A box on 127.0.0.1, at free ports: `port` for RDT and `http_port` for its page.
+    """The double of a Net F/T box on 127.0.0.1, at free ports: `port` for RDT and `http_port` for
+    its page.
 
     reading: force and torque (6,), in the box's units; saturation: largest force [box's unit],
     beyond which the status is SATURATION_STATUS.
@@ -91,7 +92,7 @@ class NetFTDouble(DeviceDouble):
             self._zero = None
 
     def packet(self, sample: int) -> bytes | None:
-        """Return the record of a sample if somebody has asked for a stream."""
+        """Return the record of a sample; None if no client has asked for a stream."""
         if self._client is None:
             return None
         true = self.reading(self.instant(sample))
@@ -136,6 +137,6 @@ class NetFTDouble(DeviceDouble):
                 self.wfile.write(box._page if self.path == "/netftapi2.xml" else b"")
 
             def log_message(self, *_: object) -> None:
-                """Log nothing."""
+                """Do nothing, so that requests are not printed."""
 
         return Handler

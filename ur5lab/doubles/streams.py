@@ -28,13 +28,15 @@ TEXT_SOURCE = b"URControl"
 
 
 def recipe(names: list[str], kinds: list[str]) -> np.dtype[np.void]:
-    """Return the layout of a data package with variables of these types: big-endian, no padding."""
+    """Return the layout of an RTDE data package: variables of these names and types, big-endian,
+    without padding.
+    """
     pairs = zip(names, kinds, strict=True)
     return np.dtype([(name, ">" + STRUCT_FORMATS[kind][-1], (size(kind),)) for name, kind in pairs])
 
 
 class RtdeServer:
-    """All RTDE clients of one controller."""
+    """The RTDE interface of one controller, with all its clients."""
 
     def __init__(self, box: ControlBox, faults: TransmissionFaults) -> None:
         self.box, self._faults = box, faults
@@ -53,12 +55,12 @@ class RtdeServer:
             self.clients.discard(client)
 
     def publish(self, cycle: int) -> None:
-        """Send the outputs of a cycle, by its number, to the clients that are due."""
+        """Send the outputs of a cycle to the clients for which it is time; cycle: its number."""
         for client in self.clients:
             client.publish(cycle)
 
     def claimed(self, name: str, by: "RtdeConnection") -> bool:
-        """Return whether another client writes an input."""
+        """Return whether a client other than `by` writes an input."""
         return any(name in client.inputs for client in self.clients - {by})
 
     def _send_text(self, text: str) -> None:
@@ -67,7 +69,7 @@ class RtdeServer:
 
 
 class RtdeConnection:
-    """One client's connection."""
+    """The connection of one RTDE client."""
 
     def __init__(self, server: RtdeServer, stream: FaultyStream) -> None:
         self.box, self._server, self._stream = server.box, server, stream
@@ -82,7 +84,7 @@ class RtdeConnection:
         return {name for recipe in self._recipes for name in recipe.names or ()}
 
     def handle(self, kind: int, content: bytes) -> None:
-        """Answer a package."""
+        """Execute a client's package and answer it; kind: its type."""
         match kind:
             case rtde.DATA_PACKAGE:
                 self._write_inputs(content)
@@ -108,7 +110,9 @@ class RtdeConnection:
         self._stream.write(_package(kind, answer))
 
     def publish(self, cycle: int) -> None:
-        """Send the outputs of a cycle, if this client is due; zero for those not emulated."""
+        """Send the outputs of a cycle, if it is time for this client; those not emulated are
+        zero.
+        """
         if self._outputs is None or not self._started or cycle % self._every:
             return
         row, outputs = np.zeros((), self._outputs), self.box.outputs
@@ -149,7 +153,9 @@ class RtdeConnection:
         return bytes([len(self._recipes) * accepted]) + ",".join(kinds).encode()
 
     def _write_inputs(self, content: bytes) -> None:
-        """Write the inputs of a data package: the number of its recipe, then the values."""
+        """Write the values of a client's data package, which begins with its recipe's number, into
+        the inputs.
+        """
         if not content or not 0 < content[0] <= len(self._recipes):
             return
         recipe = self._recipes[content[0] - 1]
@@ -164,15 +170,17 @@ class RtdeConnection:
 
 
 class RealtimeServer:
-    """All clients of the realtime port, which get each cycle's message and may send programs."""
+    """The realtime port with all its clients, which get each cycle's message and may send
+    programs.
+    """
 
     def __init__(self, box: ControlBox, size: int, faults: TransmissionFaults) -> None:
-        """size: of the messages [bytes], which decides on their layout."""
+        """Take the controller; size: of the messages [bytes], which decides on their layout."""
         self._box, self._size, self._faults = box, size, faults
         self._streams: set[FaultyStream] = set()
 
     async def serve(self, reader: StreamReader, writer: StreamWriter) -> None:
-        """Send to a client, and run its programs, until it hangs up."""
+        """Send messages to a client, and run its programs, until it hangs up."""
         stream = FaultyStream(writer, self._faults)
         self._streams.add(stream)
         try:
@@ -181,14 +189,14 @@ class RealtimeServer:
             self._streams.discard(stream)
 
     def publish(self) -> None:
-        """Send the state of this cycle."""
+        """Send the message of this cycle to all clients."""
         if self._streams:
             message = self.message()
             for stream in self._streams:
                 stream.send(message)
 
     def message(self) -> bytes:
-        """Return the state of this cycle."""
+        """Return the message of this cycle."""
         outputs = self._box.outputs
         [message] = encoded(self._size, np.atleast_1d(outputs["timestamp"]), outputs)
         return message

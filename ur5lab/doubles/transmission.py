@@ -12,11 +12,12 @@ MAX_BACKLOG_BYTES = 1 << 16  # unread bytes, above which a client gets no more p
 
 @dataclass(frozen=True)
 class TransmissionFaults:
-    """Shares of faulty packets (the first never is, each has at most one fault), and power cuts.
+    """Faults of transmission that a double shall have: shares of packets, and a power cut.
 
-    lost: never sent; late: sent late_s [s] later, by datagrams after their successors, by a stream
-    before them; repeated: sent twice; split: sent in two parts, in streams only. dies_at, back_at:
-    times at which the device loses and regains its power [s after it was switched on].
+    The first packet has no fault, each at most one. lost: never sent; late: sent late_s [s] later,
+    by datagrams after their successors, by a stream before them; repeated: sent twice; split: sent
+    in two parts, in streams only. dies_at, back_at: times at which the device loses and regains its
+    power [s after it was switched on].
     """
 
     lost: float = 0.0
@@ -29,13 +30,13 @@ class TransmissionFaults:
     seed: int = 1
 
     def powered(self, age: float) -> bool:
-        """Return whether the device has power, at an age [s]."""
+        """Return whether the device has power; age: time since it was switched on [s]."""
         dead = self.dies_at is not None and age >= self.dies_at
         return not dead or (self.back_at is not None and age >= self.back_at)
 
 
 class Delivery:
-    """The packets in transmission.
+    """The packets of a double in transmission.
 
     is_stream: bytes in order, as on a serial line; otherwise datagrams. lost: numbers of the
     samples that were never sent; late: numbers of the samples that arrived after a later one.
@@ -52,7 +53,7 @@ class Delivery:
         self._latest = 0.0
 
     def put(self, sample: int, packet: bytes, when: float) -> None:
-        """Send a sample's packet at a time [s, monotonic]."""
+        """Put a sample's packet into transmission, to be sent at `when` [s, monotonic]."""
         fault = self._draw() if self._parts else ""
         if fault == "lost":
             self.lost.append(sample)
@@ -65,7 +66,9 @@ class Delivery:
             self._enqueue(sample, packet[half:], when + SECOND_PART_DELAY)
 
     def take(self, now: float) -> list[bytes]:
-        """Return the packets, or parts of them, that arrive until then [s, monotonic]."""
+        """Remove and return the packets, or parts of them, that arrive until `now` [s,
+        monotonic].
+        """
         arrived = []
         while self._queue and self._queue[0][0] <= now:
             _, _, sample, part = heapq.heappop(self._queue)
@@ -81,7 +84,7 @@ class Delivery:
         self._furthest = -1
 
     def _draw(self) -> str:
-        """Return the fault that hits a packet, or none."""
+        """Return the name of a randomly drawn fault for a packet, "" for none."""
         names = ["lost", "late", "repeated", *(["split"] if self._is_stream else [])]
         shares = [getattr(self._faults, name) for name in names]
         [name] = self._random.choices([*names, ""], [*shares, 1 - sum(shares)])
@@ -96,7 +99,7 @@ class Delivery:
 
 
 class FaultyStream:
-    """The packets of a controller to one client."""
+    """The packets of a controller to one client, with faults of transmission."""
 
     def __init__(self, writer: StreamWriter, faults: TransmissionFaults) -> None:
         self._writer, self._delivery = writer, Delivery(faults, is_stream=True)
@@ -112,5 +115,5 @@ class FaultyStream:
             self._writer.write(b"".join(self._delivery.take(now)))
 
     def write(self, packet: bytes) -> None:
-        """Send a packet that no fault hits, after those in transmission."""
+        """Send a packet without a fault, after those that are still in transmission."""
         self._writer.write(b"".join([*self._delivery.take(float("inf")), packet]))

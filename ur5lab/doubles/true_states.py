@@ -15,7 +15,8 @@ STATE_TYPE = state_type(6)
 
 
 class TrueStates:
-    """The true states of an arm since it was switched on, in a file that its process writes.
+    """The true states of an arm since it was switched on, read from the file that its process
+    writes.
 
     Times are the host's time.monotonic; clock: the controller's.
     """
@@ -34,9 +35,11 @@ class TrueStates:
         return np.frombuffer(os.pread(self._file.fileno(), count * size, first * size), STATE_TYPE)
 
     def part(self, name: str, when: Array | float) -> Array:
-        """Return a quantity of STATE_TYPE at times (...) [s, host]: (..., components).
+        """Return a quantity of STATE_TYPE at times (...) [s, host], with the shape (...,
+        components).
 
-        Interpolated between steps; before the first and after the last step, these steps' values.
+        It is interpolated between steps; before the first and after the last step, it is these
+        steps' value.
         """
         last = self._count() - 1
         passed = (np.asarray(when, np.float64) - self._clock.start) / self._clock.scale
@@ -52,19 +55,21 @@ class TrueStates:
 
 
 def force_reading(truth: TrueStates, sensor: ForceSensor, seed: int | None = 0) -> Reading:
-    """Return a force sensor's reading: force and torque on the arm (6,) [N, Nm].
+    """Return a function of time that gives a force sensor's reading: force and torque on the arm
+    (6,) [N, Nm].
 
-    At the sensor, axes of frame 6. seed: of the noise, None for no noise.
+    They are at the sensor, in axes of frame 6. seed: of the noise, None for no noise.
     """
     random = None if seed is None else np.random.default_rng(seed)
     return lambda when: read_force(sensor, truth.part("force_sensor", when), random)
 
 
 def imu_reading(truth: TrueStates, imu: Imu, rate: float, seed: int | None = 0) -> Reading:
-    """Return an IMU's reading (9,), in its axes, to be called for each sample.
+    """Return a function of time that gives an IMU's reading (9,), in its axes; it is called once
+    for each sample.
 
-    Specific force [m/s²], angular rate [rad/s] and magnetic field [normalised]. rate: of the
-    samples [Hz]; seed: of the noise, None for no noise.
+    They are specific force [m/s²], angular rate [rad/s] and magnetic field [normalised]. rate: of
+    the samples [Hz]; seed: of the noise, None for no noise.
     """
     reader = ImuReader(imu, rate, None if seed is None else np.random.default_rng(seed))
 

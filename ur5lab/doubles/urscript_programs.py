@@ -31,7 +31,7 @@ MIN_WAY = 1e-9  # rad
 
 
 def program(lines: Sequence[str], box: ControlBox) -> Program:
-    """Yield once per cycle while the commands of a program are executed.
+    """Execute a program's commands; yield once per cycle while they last.
 
     Raises UnsupportedCommandError at the first line that is not emulated.
     """
@@ -52,7 +52,7 @@ def wait_until_done(box: ControlBox) -> Program:
 
 
 def end_freedrive(box: ControlBox) -> Program:
-    """Stay where the arm was guided; yield once per cycle until it rests."""
+    """End freedrive where the arm was guided; yield once per cycle until it rests."""
     box.arm.motion.stopj(PROGRAM_END_DECELERATION)
     yield from wait_until_done(box)
 

@@ -35,7 +35,8 @@ INVALID_MESSAGE, INVALID_PARAMETER = b"\x04", b"\x21"
 
 
 class XsensDouble(DeviceDouble):
-    """A tracker at the terminal `path`; it streams as soon as it is switched on.
+    """The double of a motion tracker at the terminal `path`; it streams as soon as it is switched
+    on.
 
     reading: specific force [m/s²], angular rate [rad/s] and magnetic field (9,), axes of the
     tracker; rate_hz: its only sampling rate; is_legacy: whether it is of the first generation and
@@ -63,7 +64,7 @@ class XsensDouble(DeviceDouble):
         self._is_measuring = True
 
     def answer(self) -> None:
-        """Obey the requests that are complete."""
+        """Execute the requests that have arrived completely."""
         data = os.read(self.line, 4096)
         self._asked += data if self.is_powered() else b""
         while len(self._asked) >= 5:  # bytes of a message without data
@@ -78,7 +79,7 @@ class XsensDouble(DeviceDouble):
                 self._obey(request[2], request[4:-1])
 
     def packet(self, sample: int) -> bytes | None:
-        """Return the message of a sample while the device measures."""
+        """Return the message with a sample; None while the device does not measure."""
         if not self._is_measuring:
             return None
         true = self.reading(self.instant(sample))
@@ -132,7 +133,9 @@ class XsensDouble(DeviceDouble):
             self.send(xbus.encode(xbus.ERROR_MESSAGE, INVALID_MESSAGE))
 
     def _set_legacy(self, request: int, data: bytes) -> None:
-        """Accept the only mode and rate that the device offers."""
+        """Answer a request of the first generation: only the device's own mode and rate are
+        accepted.
+        """
         offered = LEGACY_SETTINGS | {
             xsens.SET_PERIOD: round(xsens.PERIOD_CLOCK / self.rate_hz).to_bytes(2, "big")
         }

@@ -26,7 +26,7 @@ LINE_SEARCH_FAILURE = 2  # status of SciPy's L-BFGS-B
 
 @dataclass(frozen=True)
 class Effort:
-    """The effort of the search.
+    """How long the search for a trajectory goes on.
 
     starts: number of random starts; first: iterations from each; rounds: for each further round
     from the best start, the weight of the penalty and the number of iterations.
@@ -45,7 +45,7 @@ USUAL_EFFORT = Effort()
 
 
 def feasible_path(cell: WorkCell, path: Path, rate: float = CHECK_RATE) -> tuple[Path, Margins]:
-    """Return a path, shrunk about its posture until it keeps all limits, and its margins.
+    """Return a path shrunk towards its posture until it keeps all limits, and its margins to them.
 
     rate: [Hz], at which states are checked. Raises InputError if even the posture itself breaks a
     limit.
@@ -70,7 +70,9 @@ def feasible_path(cell: WorkCell, path: Path, rate: float = CHECK_RATE) -> tuple
 
 
 def _largest_share(cell: WorkCell, path: Path) -> float:
-    """Return the largest share of a path that keeps all limits, by bisection; 0 for none."""
+    """Return the largest factor by which a path may be scaled to keep all limits, by bisection; 0
+    if none does.
+    """
     if not cell.margins(path.sampled(COARSE_CHECK_RATE)[1]).broken():
         return 1.0
     low, high = 0.0, 1.0
@@ -136,7 +138,7 @@ def _broken_at_rest(cell: WorkCell, q: Array) -> dict[str, Mask]:
 
 @dataclass(frozen=True)
 class Design:
-    """A trajectory for a task, within all limits, and its margins."""
+    """A designed trajectory for a task, which keeps all limits, and its margins to them."""
 
     task: Task
     path: Path
@@ -144,7 +146,7 @@ class Design:
 
     @cached_property
     def worth(self) -> Worth:
-        """Return the information that a recording of the trajectory would add."""
+        """Return how much a recording of the trajectory would add to what is known."""
         return Worth.along(self.task, self.path)
 
 

@@ -72,7 +72,7 @@ def _draw_spectrum(panel: Axes, path: Path) -> None:
 
 
 def _draw_margins(panel: Axes, margins: Margins) -> None:
-    """Draw the largest share of each limit, a bar for each joint."""
+    """Draw the largest share of each limit that the trajectory uses, a bar for each joint."""
     percents = 100 * np.array([*margins.used.values()])
     count, width = percents.shape[1], 1 / (percents.shape[1] + 2)
     for joint, (shares, color) in enumerate(zip(percents.T, JOINT_COLOURS, strict=False)):
@@ -84,7 +84,9 @@ def _draw_margins(panel: Axes, margins: Margins) -> None:
 
 
 def _draw_errors(panel: Axes, worth: Worth, links: int) -> None:
-    """Draw standard error after / before of each parameter; links: number of base parameters."""
+    """Draw the ratio of standard errors after and before the recording, for each parameter; links:
+    number of base parameters.
+    """
     place = np.arange(len(worth.before))
     panel.semilogy(place, worth.after / worth.before, "o", color=JOINT_COLOURS[0], markersize=2.5)
     panel.axvspan(-0.5, links - 0.5, color="black", alpha=0.06, linewidth=0)

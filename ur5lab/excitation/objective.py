@@ -36,10 +36,11 @@ MIN_KEPT_ERROR_SHARE = 0.9
 
 
 def d_optimality(estimated: Mask) -> Criterion:
-    """Return the criterion log det of the information on some parameters, with the others unknown.
+    """Return the criterion log det of the information on the estimated parameters, with the others
+    unknown, too.
 
     D_s-optimality: log det M - log det M_oo, the log det of the Schur complement, with o the other
-    parameters. estimated: (P,), mask of the parameters.
+    parameters. estimated: which parameters (P,).
     """
     other_parameters = np.ix_(~estimated, ~estimated)
 
@@ -55,7 +56,7 @@ def d_optimality(estimated: Mask) -> Criterion:
 
 
 def i_optimality(rows: Array) -> Criterion:
-    """Return the criterion -P/2 log v, with v the mean variance of predictions rows · θ.
+    """Return the criterion -P/2 log v, with v the mean variance of the predictions rows · θ.
 
     rows: (N, P).
     """
@@ -71,7 +72,8 @@ def i_optimality(rows: Array) -> Criterion:
 
 
 def conditioning(scale: Array) -> Criterion:
-    """Return the criterion -log of the information's condition number, in units of a scale (P,).
+    """Return the criterion -log of the condition number of the information on parameters in units
+    of a scale (P,).
 
     Parameters with scale zero are left out. The criterion is zero if the condition number is too
     large for double precision.
@@ -95,7 +97,8 @@ def conditioning(scale: Array) -> Criterion:
 
 
 def _model_criterion(problem: DesignProblem, _: WorkCell) -> Criterion:
-    """Return D-optimality plus two condition numbers, to which D-optimality is not very sensitive.
+    """Return the criterion of D-optimality plus two condition numbers, to which D-optimality is not
+    very sensitive.
 
     One is of the base parameters in SI units, as in the literature, the other of all parameters in
     units of their prior standard deviations.
@@ -116,22 +119,23 @@ def _model_criterion(problem: DesignProblem, _: WorkCell) -> Criterion:
 
 
 def _undetermined_criterion(problem: DesignProblem, _: WorkCell) -> Criterion:
-    """Return I-optimality of standard errors relative to the prior's.
+    """Return the criterion of I-optimality for all parameters, in units of their prior standard
+    errors.
 
-    The criterion is the mean square of the ratios, which the largest ones dominate.
+    The mean square of these ratios counts, in which the largest ones dominate.
     """
     return i_optimality(problem.to_physical() / problem.standard_errors(problem.prior)[:, None])
 
 
 def _d_optimality_of(problem: DesignProblem, place: slice) -> Criterion:
-    """Return D-optimality of the parameters θ[place]."""
+    """Return the criterion of D-optimality for the parameters θ[place]."""
     estimated = np.zeros(len(problem.theta), dtype=bool)
     estimated[place] = True
     return d_optimality(estimated)
 
 
 def _force_bands(problem: DesignProblem, cell: WorkCell) -> Criterion:
-    """Return I-optimality of the currents that are predicted at random states.
+    """Return the criterion of I-optimality for the currents that are predicted at random states.
 
     External forces are estimated from the difference between measured and predicted currents.
     """
@@ -151,10 +155,10 @@ QUESTIONS: dict[str, Callable[[DesignProblem, WorkCell], Criterion]] = {
 
 @dataclass(frozen=True)
 class Task:
-    """The task of a design: a motion in a cell that determines the parameters of a problem.
+    """What is to be designed: a motion in a cell that determines the parameters of a problem.
 
-    criterion: maximised; earlier: the information (P, P) of earlier recordings and the prior;
-    seconds: duration of the motion.
+    criterion: of the information, to be maximised; earlier: the information (P, P) of earlier
+    recordings and the prior; seconds: duration of the motion.
     """
 
     cell: WorkCell
@@ -165,11 +169,15 @@ class Task:
 
     @property
     def harmonics(self) -> int:
-        """Return the number of harmonics, the highest at most MAX_SERIES_FREQUENCY."""
+        """Return the number of harmonics of the Fourier series, with frequencies up to
+        MAX_SERIES_FREQUENCY.
+        """
         return int(np.clip(self.seconds * MAX_SERIES_FREQUENCY, MIN_HARMONICS, MAX_HARMONICS))
 
     def regressor(self, path: Path) -> tuple[Array, Array]:
-        """Return Y (N, n, 11 n) and q̇ (N, n) of a path, every STATE_STEP."""
+        """Return the regressor Y (N, n, 11 n) and q̇ (N, n) along a path, every STATE_STEP
+        seconds.
+        """
         q, qd, qdd, _ = path.sampled(1 / STATE_STEP)[1]
         return self.cell.model.regressor(q, qd, qdd), qd
 
@@ -179,7 +187,8 @@ class Task:
 
 
 class Objective:
-    """The criterion of a path minus a penalty for the limits that it breaks, with its gradient.
+    """The function of a path to be minimised: a penalty for broken limits minus the criterion, with
+    its gradient.
 
     The variables x of a path are its posture (n,) and the coefficients (K, n) of series that begin
     and end at rest (`resting_series`).
@@ -193,17 +202,19 @@ class Objective:
         self._terms = [term @ self._basis for term in terms]  # (N, K) each
 
     def path(self, x: Array) -> Path:
-        """Return the path of x."""
+        """Return the path with the variables x."""
         posture, weights = self._parts(x)
         return Path(posture, self._basis @ weights, self._task.seconds)
 
     def variables(self, path: Path) -> Array:
-        """Return x of a path that rests at both ends."""
+        """Return the variables x of a path that rests at both ends."""
         weights = np.linalg.lstsq(self._basis, path.coefficients, rcond=None)[0]
         return np.concatenate([path.posture, weights.ravel()])
 
     def states(self, x: Array) -> States:
-        """Return the states that the optimisation checks, one every STATE_STEP seconds."""
+        """Return the states along the path of x at which limits are checked, one every STATE_STEP
+        seconds.
+        """
         posture, weights = self._parts(x)
         q, qd, qdd, jerk = (term @ weights for term in self._terms)
         return States(q + posture, qd, qdd, jerk)
@@ -228,7 +239,7 @@ class Objective:
         return weight * penalty - value, -gradient
 
     def _informed(self, Y: Array, qd: Array) -> tuple[float, Array, Array]:
-        """Return the criterion and its derivatives by Y and q̇."""
+        """Return the criterion of the information by Y and q̇, and its derivatives by these."""
         task, problem = self._task, self._task.problem
         J = problem.rows(problem.theta, Y, qd)
         value, of_information = task.criterion(task.earlier + information_of(J, STATE_STEP))
@@ -237,7 +248,9 @@ class Objective:
         )
 
     def _penalties(self, states: States, torque: Array) -> tuple[float, list[Array], Array]:
-        """Return the sum of squared excesses over the limits, its slopes by states and torque."""
+        """Return the sum of squared excesses over the limits, and its derivatives by states and
+        torque.
+        """
         cell, total, slopes = self._task.cell, 0.0, []
         parts = [*cell.limited(states), torque]
         for part, limit in zip(parts, cell.limits.of_joints(), strict=True):
@@ -250,7 +263,7 @@ class Objective:
         return total, slopes[:4], slopes[4]
 
     def _nearness(self, q: Array) -> tuple[float, Array]:
-        """Return the penalty for parts that are too close, and its slope by q (N, n)."""
+        """Return the penalty for parts that are too close, and its derivative by q (N, n)."""
         min_distance = self._task.cell.limits.clearance / USED_LIMIT_SHARE
         clearances = self._task.cell.capsules.near(q, gradient_below=min_distance)
         missing = np.maximum(min_distance - clearances.distance, 0) / DISTANCE_REACH
@@ -261,7 +274,9 @@ class Objective:
         return float(missing @ missing), slope
 
     def _singularity(self, q: Array) -> tuple[float, Array]:
-        """Return the penalty of singular values that are too small, and its slope by q."""
+        """Return the penalty for singular values that are too small, and its derivative by q (N,
+        n).
+        """
         min_value = self._task.cell.limits.singular_value / USED_LIMIT_SHARE
         slope, missing = np.zeros_like(q), np.zeros(len(q))
         low = self._task.cell.singular_value(q) < min_value
@@ -274,7 +289,7 @@ class Objective:
 
 @dataclass(frozen=True)
 class Worth:
-    """The information that a recording would add to the prior and to earlier recordings.
+    """What a recording would add to the prior and to earlier recordings.
 
     log_det: log det of the information M (P, P) after the recording; gain: increase by the
     recording; regressor_condition: condition number of the base parameters' regressor in SI units
@@ -293,9 +308,9 @@ class Worth:
     after: Array
 
     def least_determined(self) -> Labels:
-        """Return the indices (P,) that sort the parameters, the least determined first.
+        """Return the order of the parameters as indices (P,), the least determined first.
 
-        Sorted by before / prior, the ratio of standard errors, then by after / prior.
+        They are sorted by before / prior, the ratio of standard errors, then by after / prior.
         """
         return np.lexsort([-self.after / self.prior, -np.round(self.before / self.prior, 9)])
 
@@ -305,12 +320,14 @@ class Worth:
 
     @classmethod
     def along(cls, task: Task, path: Path) -> Self:
-        """Return the worth of a path for a task."""
+        """Return the worth of recording a path, for a task."""
         return cls.of_states(task, *task.regressor(path))
 
     @classmethod
     def of_states(cls, task: Task, Y: Array, qd: Array) -> Self:
-        """Return the worth of the states of a recording, every STATE_STEP; see `Task.regressor`."""
+        """Return the worth of recording states every STATE_STEP seconds; Y, qd: as of
+        `Task.regressor`.
+        """
         problem = task.problem
         W = Y[..., problem.base.columns].reshape(-1, problem.count)
         J = problem.rows(problem.theta, Y, qd).reshape(-1, len(problem.theta))

@@ -38,7 +38,8 @@ class States(NamedTuple):
 
 @dataclass(frozen=True)
 class Path:
-    """q(t) = posture + Σ_k a_k sin(2πkt/T) + b_k cos(2πkt/T), with T the duration.
+    """A path as a Fourier series: q(t) = posture + Σ_k a_k sin(2πkt/T) + b_k cos(2πkt/T), with T
+    the duration.
 
     posture: (n,) [rad], at which it begins and ends; coefficients: (2 H, n) [rad], of the sines,
     then of the cosines; seconds: T.
@@ -88,7 +89,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class Margins:
-    """A trajectory's use of the limits, which it keeps if `broken` returns nothing.
+    """How much of its limits a trajectory uses; it keeps them all if `broken` returns nothing.
 
     used: by name of a limit, the largest share of it that each joint uses, (n,); clearance:
     smallest distance between parts [m], at most DISTANCE_REACH; nearest: the names of these parts,
@@ -102,7 +103,7 @@ class Margins:
     singular_value: float
 
     def broken(self) -> list[str]:
-        """Return a phrase for each exceeded limit."""
+        """Return, for each limit that is exceeded, a phrase that says by how much."""
         over = [
             f"{name} of joint {joint + 1} is {share:.0%} of its limit"
             for name, shares in self.used.items()
@@ -179,11 +180,15 @@ class WorkCell:
         )
 
     def limited(self, states: States) -> States:
-        """Return states with positions relative to the middle, since limits apply to both signs."""
+        """Return states with positions counted from the middle of the joints' ranges, so that
+        limits apply to both signs.
+        """
         return states._replace(q=states.q - self.middle)
 
     def singular_value(self, q: Array) -> Array:
-        """Return the smallest singular value (N,) of J_g along a path q (N, n) [rad]."""
+        """Return the smallest singular value (N,) of the Jacobian J_g along a path q (N, n)
+        [rad].
+        """
         return singular_value(self.model.arm, q, self.twists)
 
     def differentiable_singular_value(self, q: Array) -> tuple[Array, PullBack]:
@@ -191,7 +196,7 @@ class WorkCell:
         return differentiable_singular_value(self.model.arm, q, self.twists)
 
     def margins(self, states: States) -> Margins:
-        """Return the margins of a trajectory to the limits."""
+        """Return how much of the limits a trajectory uses."""
         torque = self.model.inverse_dynamics(states.q, states.qd, states.qdd)
         parts = [*self.limited(states), torque]
         limited = zip(JOINT_LIMITS, parts, self.limits.of_joints(), strict=True)
@@ -208,7 +213,8 @@ class WorkCell:
 
 
 def resting_series(period: float, harmonics: int) -> Array:
-    """Return a basis (2 H, 2 H - 3) of the coefficients of all series that begin and end at rest.
+    """Return a basis (2 H, 2 H - 3) of the coefficients of all Fourier series that begin and end at
+    rest.
 
     Higher harmonics are smaller, in proportion to 1/k, so that all columns have similar velocities.
     """

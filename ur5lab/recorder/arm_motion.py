@@ -25,7 +25,9 @@ CATCH_UP_TIME = 3 * SERVOJ_LOOKAHEAD  # s; the arm reaches the last point of a s
 
 
 class MotionError(Exception):
-    """The arm does not execute a motion: a protective stop, an ended program, a lost connection."""
+    """Raised where the arm does not execute a motion: a protective stop, an ended program, a lost
+    connection.
+    """
 
 
 class ArmMotion:
@@ -169,10 +171,12 @@ class ArmMotion:
 
 
 class Mover(threading.Thread):
-    """Executes a motion, or lets a person guide the arm; failure: reason of an early end."""
+    """A thread that executes a motion, or lets a person guide the arm; failure: why it ended early,
+    if it did.
+    """
 
     def __init__(self, address: str, motion: CommandedMotion | None) -> None:
-        """motion: None to lead by hand until `stop`."""
+        """Take a motion; None to lead the arm by hand until `stop`."""
         super().__init__(daemon=True)
         self._address, self._motion = address, motion
         self._arm = ArmMotion(address)

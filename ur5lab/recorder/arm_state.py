@@ -65,7 +65,7 @@ def _mode_name(mode: int, modes: type[IntEnum]) -> str:
 
 
 def identify(address: str) -> dict[str, str]:
-    """Return `model`, `serial_number` and `firmware` of the arm at an address.
+    """Return the `model`, `serial_number` and `firmware` of the arm at an address, by these names.
 
     Raises InputError when ur_rtde is not installed or the dashboard does not answer.
     """

@@ -118,7 +118,9 @@ def _record(
     status: Status,
     parent: int,
 ) -> None:
-    """Write samples until `stop`, or until the recorder's process has ended."""
+    """Write a device's samples to its file until `stop`, or until the recorder's process has ended;
+    `status` is updated and reported.
+    """
     file = SampleFile(path, device.columns)
     received: queue.SimpleQueue[Any] = queue.SimpleQueue()
     over = threading.Event()
@@ -152,7 +154,9 @@ def _record(
 
 
 def _read(device: Any, received: queue.SimpleQueue[Any], over: threading.Event) -> None:
-    """Pass on a device's samples until `over`; also an exception, which a thread would swallow."""
+    """Put a device's samples into a queue until `over`; also an exception, which a thread would
+    swallow.
+    """
     try:
         while not over.is_set():
             received.put(device.read())
@@ -161,7 +165,7 @@ def _read(device: Any, received: queue.SimpleQueue[Any], over: threading.Event) 
 
 
 def _report(line: Connection, reports: queue.SimpleQueue[Status | None]) -> None:
-    """Send reports until None, or until the recorder was killed."""
+    """Send reports from a queue until it gives None, or until the recorder was killed."""
     try:
         while (status := reports.get()) is not None:
             line.send(status)

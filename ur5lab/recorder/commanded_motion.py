@@ -46,7 +46,9 @@ class CommandedMotion:
         return np.asarray(np.abs(steps).max(axis=0) * self.speed)
 
     def at_rate(self, rate: float) -> Array:
-        """Return a trajectory's angles (M, 6) [rad] at a rate [Hz], slowed to `speed`."""
+        """Return the angles (M, 6) [rad] of a trajectory at a rate [Hz], slowed by the factor
+        `speed`.
+        """
         assert self.time is not None
         elapsed = (self.time - self.time[0]) / self.speed
         at = np.arange(0, elapsed[-1], 1 / rate)
@@ -54,7 +56,8 @@ class CommandedMotion:
 
 
 def read_motion(path: Path, speed: float) -> CommandedMotion:
-    """Read a CSV: six angles [rad] a line are way-points; a time [s] before them, a trajectory.
+    """Return the motion in a CSV: lines of six angles [rad] are way-points, with a time [s] before
+    them a trajectory.
 
     Raises InputError with file and line for anything else.
     """
@@ -109,6 +112,6 @@ def dense_path(q: Array) -> Array:
 
 
 def position_limits(robot: Robot) -> Array:
-    """Return the largest angles of the joints (6,) [rad]."""
+    """Return the largest angles of the joints (6,) [rad], to either side."""
     ends = [high for _, high in robot.position_limits()]
     return np.nan_to_num(ends, nan=DEFAULT_POSITION_LIMIT, posinf=DEFAULT_POSITION_LIMIT)

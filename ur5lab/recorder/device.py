@@ -24,11 +24,15 @@ GATHERING_TIME = 0.05  # s; in which one call collects samples
 
 
 class DeviceLost(Exception):  # noqa: N818, an event that every recorder expects
-    """A device failed during the recording: no sample for a second, or its port is closed."""
+    """Raised where a device fails during the recording: no sample for a second, or its port is
+    closed.
+    """
 
 
 def of_recorder(module: str, purpose: str) -> Any:
-    """Return a module of the extra `record`. Raises InputError where it is not installed."""
+    """Return a module that the extra `record` installs; purpose: for the message. Raises InputError
+    where it is not installed.
+    """
     try:
         return import_module(module)
     except ImportError as error:
@@ -113,7 +117,7 @@ class Device(Protocol):
 
 
 class Counter:
-    """Checks the numbers of consecutive samples.
+    """A check of the numbers of consecutive samples for missing ones.
 
     bits: numbers wrap around at 2^bits; rate_hz: of the samples. Numbers that are repeated, late,
     or more than MAX_GAP ahead are not accepted. total: the number without wrap-around.
@@ -138,9 +142,9 @@ class Counter:
 
 
 class CycleCounter:
-    """Counts the cycles [s] that are missing between a controller's timestamps.
+    """A count of the cycles [s] that are missing between a controller's timestamps.
 
-    Ignores stamps that are not finite, steps back, and steps beyond MAX_GAP, at which stamps are
+    Stamps that are not finite, steps back, and steps beyond MAX_GAP are ignored: there, stamps are
     damaged or the controller was restarted. last: timestamp [s] before the first.
     """
 
@@ -157,7 +161,7 @@ class CycleCounter:
 
 
 class Silence:
-    """Detects that a device has stopped sending; name: of the device, for messages."""
+    """A timer that notices when a device has stopped sending; name: of the device, for messages."""
 
     def __init__(self, name: str) -> None:
         self._name, self._last = name, time.monotonic()
@@ -190,7 +194,7 @@ def receive(connection: socket.socket, address: str, patience: float) -> tuple[f
 
 @contextmanager
 def answering(interface: str, address: str, port: int) -> Iterator[socket.socket]:
-    """Connect to a controller, and close the connection if the block of the context fails.
+    """Yield a connection to a controller's port; it is closed if the block of the context fails.
 
     Raises the error of `no_controller` if the controller does not answer, or unintelligibly.
     """

@@ -18,7 +18,7 @@ MIN_TURN_FOR_FRICTION = 0.5  # rad; least motion that identifies a joint's frict
 
 
 def table(statuses: Mapping[str, Status]) -> Table:
-    """Return one line per device: samples, rate, losses, reading."""
+    """Return a table with one row per device: samples, rate, losses, reading."""
     lines = Table("device", "samples", "rate [Hz]", "lost", "reads")
     for name, status in statuses.items():
         state = status.ended or reading(status.latest)
@@ -40,7 +40,9 @@ def reading(latest: Mapping[str, float]) -> str:
 
 
 def warnings(statuses: Mapping[str, Status], identities: Mapping[str, Identity]) -> Iterator[str]:
-    """Yield warnings, one sentence each, with the same words while the cause lasts."""
+    """Yield warnings on the devices, one sentence each; the words do not change while the cause
+    lasts.
+    """
     for name, status in statuses.items():
         if status.ended:
             yield f"{name} has ended: {status.ended}; the others go on"

@@ -43,7 +43,7 @@ ACCEPTED_CALLS = (
 
 @dataclass(frozen=True)
 class Move:
-    """A command to move.
+    """One command of a program to move.
 
     place: file and line; goal: angles (6,) [rad], or the pose of frame 6; straight: whether frame 6
     moves along a straight line (movel); acceleration, speed: of the joint with the longest way
@@ -62,12 +62,14 @@ class Move:
 
 
 def is_program(path: Path) -> bool:
-    """Return whether a file has calls instead of numbers. Raises InputError if it is no text."""
+    """Return whether a file contains calls, as of movej, instead of numbers. Raises InputError if
+    it is no text.
+    """
     return any("(" in line for _, line in read_calls(path, "moves"))
 
 
 def read_program(path: Path) -> list[Move]:
-    """Read a file of moves. Raises InputError with file and line for anything else."""
+    """Return the moves in a file. Raises InputError with file and line for anything else."""
     moves: list[Move] = []
     for number, line in read_calls(path, "moves"):
         place = f"{path}, line {number}"
@@ -174,7 +176,9 @@ def _leg(move: Move, robot: Robot, origin: Array) -> Array:
 
 
 def _progress(move: Move, longest: float) -> Array:
-    """Return a move's progress (M,), 0 to 1, each SAMPLE_PERIOD; longest: its way [rad] or [m]."""
+    """Return the share of a move that is done (M,), 0 to 1, each SAMPLE_PERIOD; longest: its way
+    [rad] or [m].
+    """
     if longest < NEGLIGIBLE_WAY:
         return np.zeros(1)
     speed, acceleration = move.speed, move.acceleration
@@ -187,7 +191,8 @@ def _progress(move: Move, longest: float) -> Array:
 
 
 def _along(move: Move, robot: Robot, origin: Array, rotations: Array, positions: Array) -> Array:
-    """Return the angles (M, 6) along poses of frame 6, in the configuration of `origin` (6,).
+    """Return the angles (M, 6) that put frame 6 at the poses, in the configuration of `origin`
+    (6,).
 
     Raises InputError where the arm cannot follow.
     """

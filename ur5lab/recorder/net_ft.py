@@ -64,7 +64,7 @@ RECEIVE_BUFFER_BYTES = (
 
 
 def request(command: int) -> bytes:
-    """Return a request; STREAM: of records until STOP, by a count of zero."""
+    """Return the bytes of a request; STREAM asks for records until STOP, by a count of zero."""
     return REQUEST.pack(REQUEST_HEADER, command, 0)
 
 
@@ -77,7 +77,7 @@ def decode(datagram: bytes) -> tuple[int, ...] | None:
 
 
 class NetFT:
-    """The force sensor at an address, streamed by RDT.
+    """The force sensor at an address, which streams by RDT.
 
     Its samples: rdt_sequence (the number of the record in the stream), ft_sequence (of the box's
     own measurement, at 7000 Hz), status (see SATURATION_BIT, ERROR_BIT), force [N] and torque [Nm]
@@ -89,8 +89,8 @@ class NetFT:
     def __init__(
         self, address: str, bias: bool = False, port: int = PORT, http_port: int = 80
     ) -> None:
-        """bias: whether to zero the sensor first, by the box's software bias; port: of RDT;
-        http_port: of the box's web page.
+        """Connect to the box; bias: whether to zero the sensor first, by the box's software bias;
+        port: of RDT; http_port: of the box's web page.
 
         Raises InputError also where the box does not stream or has unknown units.
         """
@@ -135,7 +135,7 @@ class NetFT:
         self._socket.close()
 
     def _connect(self, address: str, port: int, bias: bool) -> socket.socket:
-        """Start the stream and wait for its first record, without consuming it."""
+        """Return the connection with the stream started and its first record waiting."""
         connection = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER_BYTES)
         connection.settimeout(ANSWER_TIMEOUT / REQUEST_ATTEMPTS)
@@ -169,7 +169,7 @@ class NetFT:
             raise DeviceLost(f"{self._box} has gone") from error
 
     def _counts(self, settings: dict[str, str]) -> tuple[float, float]:
-        """Return counts per unit of force and torque."""
+        """Return the counts per unit of force, and per unit of torque."""
         force, torque = _number(settings, "cfgcpf"), _number(settings, "cfgcpt")
         if force is None or torque is None:
             raise InputError(
@@ -179,7 +179,7 @@ class NetFT:
         return force, torque
 
     def _units(self, settings: dict[str, str]) -> tuple[float, float]:
-        """Return the box's units of force [N] and torque [Nm]."""
+        """Return the box's unit of force [N], and of torque [Nm]."""
         names = [settings.get(name, "").lower().replace("-", "") for name in ("scfgfu", "scfgtu")]
         if names[0] not in FORCE_UNITS or names[1] not in TORQUE_UNITS:
             raise InputError(

@@ -15,7 +15,9 @@ SENSOR_COLUMNS = {
 
 @singledispatch
 def opened(settings: Any) -> Device:
-    """Connect to a device. Raises InputError where it does not answer."""
+    """Return the device with these settings, connected. Raises InputError where it does not
+    answer.
+    """
     raise TypeError(f"{settings} are no device's settings")
 
 
@@ -45,7 +47,7 @@ def _imu(settings: XsensSettings) -> Device:
 
 
 def file_entry(settings: DeviceSettings, file: str) -> dict[str, object]:
-    """Return the keys of a study's entry that locate and read the file of a device."""
+    """Return the keys of a recording's entry by which the file of a device is found and read."""
     if isinstance(settings, ArmSettings):
         return {"format": FORMATS[settings.interface], "file": file}
     return {"file": file, "columns": SENSOR_COLUMNS[type(settings)], "time": "host_s"}

@@ -31,7 +31,9 @@ class RealtimeArm:
     columns: tuple[str, ...] = ("payload_hex",)
 
     def __init__(self, address: str, port: int = PORT) -> None:
-        """Raise InputError also where the messages have an unknown layout."""
+        """Connect to the controller. Raises InputError also where its messages have an unknown
+        layout.
+        """
         self._address = address
         with answering("its stream", address, port) as self._socket:
             self._size, first, second = self._peek()
@@ -62,7 +64,9 @@ class RealtimeArm:
             self._socket.close()
 
     def _peek(self) -> tuple[int, float, float]:
-        """Return the messages' size [bytes] and the first two timestamps [s], not consuming any."""
+        """Return the messages' size [bytes] and the first two timestamps [s]; the messages stay to
+        be read.
+        """
         (size, _) = MESSAGE_HEAD.unpack(self._ahead(MESSAGE_HEAD.size))
         if size not in SOFTWARE_BY_SIZE:
             raise ConnectionError(f"the layout of its messages of {size} bytes is unknown")
@@ -82,7 +86,7 @@ class RealtimeArm:
         return data
 
     def _count(self, data: bytes) -> tuple[int, int]:
-        """Return the counts of complete messages, and of those missing before or among them."""
+        """Return how many messages are complete, and how many are missing before or among them."""
         stream, at, stamps = self._rest + data, 0, list[float]()
         while len(stream) - at >= self._size:
             size, stamp = MESSAGE_HEAD.unpack_from(stream, at)

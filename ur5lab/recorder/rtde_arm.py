@@ -50,7 +50,7 @@ READ_TIMEOUT = 0.1  # s; for samples in one call
 
 
 class RtdeClient:
-    """A connection to one controller. software: major, minor, bugfix and build."""
+    """An RTDE connection to one controller. software: its major, minor, bugfix and build number."""
 
     def __init__(self, address: str, port: int = PORT) -> None:
         """Connect. Raises InputError when no controller answers."""
@@ -95,7 +95,9 @@ class RtdeClient:
         self._socket.close()
 
     def _packages(self) -> list[tuple[float, ...]]:
-        """Remove complete packages from the buffer, and return the numbers of data packages."""
+        """Remove the complete packages from the buffer, and return the values of those with
+        data.
+        """
         start, packages = 0, list[tuple[float, ...]]()
         while len(self._buffer) - start >= PACKAGE_HEADER.size:
             size, kind = PACKAGE_HEADER.unpack_from(self._buffer, start)
@@ -114,7 +116,9 @@ class RtdeClient:
         return packages
 
     def _set_up(self, names: Sequence[str], rate: float) -> tuple[list[str], list[str]]:
-        """Request outputs; if the controller lacks some, request the others only."""
+        """Return the requested outputs that the controller has, and their types; if it lacks some,
+        only the others are requested.
+        """
         for _ in range(2):
             content = struct.pack(">d", rate) + ",".join(names).encode()
             kinds = (
@@ -160,7 +164,7 @@ class RtdeArm:
     """
 
     def __init__(self, address: str, rate: float | None = None, port: int = PORT) -> None:
-        """rate: [Hz], None for the controller's default."""
+        """Connect to the controller; rate: [Hz], None for its default."""
         self._client = RtdeClient(address, port)
         software = self._client.software
         rate = rate or RATE_BY_MAJOR_VERSION.get(software[0], DEFAULT_RATE)
@@ -179,7 +183,9 @@ class RtdeArm:
         )
 
     def read(self) -> NewSamples:
-        """Return the samples of 0.05 s, as `Device.read`, after at most 0.1 s for the first."""
+        """Return the samples of the last 0.05 s, as `Device.read`, after waiting at most 0.1 s for
+        the first.
+        """
         until, packages = time.monotonic() + GATHERING_TIME, self._client.receive(READ_TIMEOUT)
         with contextlib.suppress(DeviceLost):  # the next call raises it, too
             while packages and (remaining := until - time.monotonic()) > 0:

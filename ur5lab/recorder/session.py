@@ -108,7 +108,9 @@ class Session:
         raise InputError(answer or f"{name} does not answer; check its cable and its address")
 
     def _listen(self, name: str, worker: _Worker) -> None:
-        """Take the last report of a device; a process that died without one counts as ended."""
+        """Take the last report from a device's process; one that died without a report counts as
+        ended.
+        """
         try:
             while worker.connection.poll():
                 report = worker.connection.recv()
@@ -120,8 +122,8 @@ class Session:
 
 
 def left_behind(folder: Path) -> str:
-    """Return a line on the files that an interrupted session, as by a power failure, left in a
-    folder, "" for any other folder.
+    """Return a line of text on the files that an interrupted session, as by a power failure, left
+    in a folder, "" if there are none.
     """
     manifest = folder / MANIFEST
     try:
@@ -140,7 +142,9 @@ def write_manifest(
     statuses: Mapping[str, Status] | None,
     moved: str | None,
 ) -> None:
-    """Write the manifest; statuses: at the end, None before; moved: the commanded motion."""
+    """Write a session's manifest; statuses: at the end, None before; moved: the commanded motion,
+    None without one.
+    """
     entries = {
         name: {key: value for key, value in vars(identity).items() if value is not None}
         for name, identity in identities.items()

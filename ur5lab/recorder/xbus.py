@@ -64,7 +64,7 @@ def encode(identifier: int, data: bytes = b"") -> bytes:
 
 
 class Decoder:
-    """Finds the messages in bytes that arrive piece by piece.
+    """A decoder that finds the messages in bytes which arrive piece by piece.
 
     After a wrong checksum or an impossible length, the search goes on at the next FA FF, so that
     only damaged messages are lost.
@@ -114,7 +114,7 @@ def _end(stream: bytes, at: int) -> int:
 
 
 class ImuSample(NamedTuple):
-    """One sample; quantities that a message does not contain are NaN.
+    """One sample of a motion tracker; quantities that a message does not contain are NaN.
 
     time_fine: the device's own time [ticks of 0.1 ms]; vectors: acceleration [m/s²], rate of turn
     [rad/s] and magnetic field [arbitrary units] (9,), axes of the tracker.
@@ -150,7 +150,9 @@ def decode_mtdata(data: bytes) -> ImuSample | None:
 
 
 def _items(data: bytes) -> dict[int, tuple[int, bytes]]:
-    """Return precision and bytes of each item of an MTData2 message; none if lengths disagree."""
+    """Return, by identifier, precision and bytes of each item of an MTData2 message; empty if
+    lengths disagree.
+    """
     items, at = {}, 0
     while at + 3 <= len(data):
         name = int.from_bytes(data[at : at + 2], "big")
@@ -174,7 +176,7 @@ def _vector(precision: int, data: bytes) -> Vector | None:
 
 
 class RefusedError(Exception):
-    """The device does not know a request, or does not accept its data."""
+    """Raised where the device does not know a request, or does not accept its data."""
 
 
 class XbusPort:
@@ -238,7 +240,9 @@ class XbusPort:
         self._port.close()
 
     def _answer(self, request: int) -> bytes | None:
-        """Return the acknowledgement's data, None if it is late; skip data messages before it."""
+        """Return the data of the acknowledgement to a request, None if it is late; data messages
+        before it are skipped.
+        """
         until = time.monotonic() + ACKNOWLEDGEMENT_TIMEOUT
         while time.monotonic() < until:
             messages = self.receive()

@@ -37,7 +37,8 @@ class Xsens:
     columns = ("sample_counter", "sample_time_fine", *UNITS)
 
     def __init__(self, port: str, rate_hz: float = 100.0, baudrate: int = 115_200) -> None:
-        """port: `/dev/ttyUSB0` or another terminal; baudrate: as configured on the device.
+        """Open the tracker; port: `/dev/ttyUSB0` or another terminal; baudrate: as configured on
+        the device.
 
         A sample takes 62 bytes: on an RS-232 line, 256 Hz need 230,400 baud; USB ignores the rate.
         Raises InputError also where the port cannot be opened.
@@ -98,7 +99,8 @@ class Xsens:
         )
 
     def _configure(self, wanted_hz: float) -> tuple[str, float]:
-        """Configure the outputs, and return message and rate [Hz], of MTData2 the nearest one.
+        """Configure the outputs, and return the name of the message and its rate [Hz], for MTData2
+        the nearest to the wanted one.
 
         The first generation of the MTi, which refuses MTData2, is configured for MTData.
         """

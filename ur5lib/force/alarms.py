@@ -30,13 +30,13 @@ RELIABLE_FORCE_OF_THESIS = 10.0  # N; Section 6 claims reliable detection along 
 
 @dataclass(frozen=True)
 class Alarm:
-    """An alarm.
+    """A span in which an estimate shows a contact.
 
     start, end, peak: times [s] of its first and last sample, and of its largest force; force,
-    force_std: that force (3,) [N], base axes, and its standard deviation; q: joints there (n,)
+    force_std: that force (3,) [N], base axes, and its standard deviation; q: joints then (n,)
     [rad]; flange_speed: mean during the alarm [m/s]; kind: contact or grasped load; load_mass,
-    load_mass_std: [kg]; off_flange: whether the torques exclude a contact at the flange; at_sensor:
-    whether it overlaps a touch at the force sensor, None without a sensor.
+    load_mass_std: [kg], None for a contact; off_flange: whether the torques exclude a contact at
+    the flange; at_sensor: whether it overlaps a touch at the force sensor, None without a sensor.
     """
 
     start: float
@@ -58,8 +58,8 @@ Named = Callable[[Span, Alarm], Alarm]
 
 @dataclass(frozen=True)
 class Matched:
-    """Counts of alarms matched with the contacts at a sensor; its fields are named as in
-    `Detection`.
+    """How alarms match the contacts at a sensor; the fields have the names of `Detection`'s
+    columns.
 
     classes: counts for the contacts that reach each of FORCE_CLASSES; empty without a sensor.
     """
@@ -77,7 +77,9 @@ class Matched:
 
 
 class Alarms(NamedTuple):
-    """The alarms of one estimate, and what they follow from."""
+    """The alarms of one estimate. evidence: (N,) log-odds, or size of the force [N], from which
+    they follow; raised: their spans; wrench, std: the estimate (N, 6).
+    """
 
     evidence: Array
     raised: list[Span]
@@ -100,7 +102,7 @@ def alarms_of(estimate: Stated, threshold: float) -> Alarms:
 def all_alarms(
     estimates: Mapping[str, Stated], thresholds: Mapping[str, float]
 ) -> dict[str, Alarms]:
-    """Return the alarms of every estimate of the recording that has a threshold."""
+    """Return, by name, the alarms of each estimate of a recording that has a threshold."""
     return {
         name: alarms_of(estimates[name], threshold)
         for name, threshold in thresholds.items()
@@ -111,10 +113,10 @@ def all_alarms(
 def raised(
     own: Alarms, sensor: SensorWrenches, q: Array, speed: Array, named: Named
 ) -> list[Alarm]:
-    """Return the alarms of an estimate, each with the largest force in it.
+    """Return each alarm of an estimate with its largest force, kind and place.
 
-    q: (N, n) [rad]; speed: of the flange (N,) [m/s]; named: sets the kind of an alarm, contact or
-    load.
+    own: the estimate's alarms; q: (N, n) [rad]; speed: of the flange (N,) [m/s]; named: sets the
+    kind of an alarm, contact or load.
     """
     felt = touches(sensor)
     return [
@@ -144,8 +146,8 @@ def detections(
 
 
 def not_felt(raised: Sequence[Span], alarms: Sequence[Alarm]) -> list[Span]:
-    """Return the spans of alarms that a force sensor does not feel: loads, and contacts off the
-    flange.
+    """Return the spans of alarms that a force sensor would not feel: loads, and contacts away from
+    the flange.
     """
     pairs = zip(raised, alarms, strict=True)
     return [span for span, one in pairs if one.kind == "load" or one.off_flange]
@@ -154,7 +156,7 @@ def not_felt(raised: Sequence[Span], alarms: Sequence[Alarm]) -> list[Span]:
 def fixed_thresholds(
     estimate: str, own: Alarms, sensor: SensorWrenches
 ) -> Iterator[FixedThreshold]:
-    """Yield for each axis the pushes that an estimate finds by the thesis's fixed threshold."""
+    """Yield, for each axis, how many pushes an estimate finds by the thesis's fixed threshold."""
     for axis, component in enumerate(WRENCH[:3]):
         force, least = own.wrench[:, axis], RELIABLE_FORCE_OF_THESIS
         pushes = found = None
@@ -172,7 +174,9 @@ def fixed_thresholds(
 
 
 def strongest(span: Span, time: Array, q: Array, own: Alarms) -> Alarm:
-    """Return the alarm of a span, with its largest force; time: (N,) [s], q: (N, n) [rad]."""
+    """Return the alarm in a span, described by its largest force; time: (N,) [s], q: (N, n)
+    [rad].
+    """
     first, last = span
     peak = peak_of(span, own)
     times = float(time[first]), float(time[last - 1]), float(time[peak])
@@ -186,7 +190,9 @@ def peak_of(span: Span, own: Alarms) -> int:
 
 
 def free_time_in_alarm(own: Alarms, sensor: SensorWrenches) -> float | None:
-    """Return the share of contact-free samples that are in alarm, None without a sensor."""
+    """Return the share of contact-free samples that are in alarm; None without a sensor or such
+    samples.
+    """
     if (force := sensed_force(sensor)) is None:
         return None
     free = is_free(force, sensor.period)
@@ -202,7 +208,9 @@ def roc_area(own: Alarms, sensor: SensorWrenches) -> float | None:
 
 
 def sensed_force(sensor: SensorWrenches) -> Array | None:
-    """Return the magnitude (N,) [N] of the force at the sensor, None without one that reads."""
+    """Return the magnitude (N,) [N] of the force at the sensor; None without a sensor or any
+    reading.
+    """
     if "compensated" not in sensor.wrench:
         return None
     force = np.linalg.norm(sensor.wrench["compensated"][:, :3], axis=1)
@@ -210,7 +218,7 @@ def sensed_force(sensor: SensorWrenches) -> Array | None:
 
 
 def touches(sensor: SensorWrenches) -> list[Span] | None:
-    """Return the touches at a sensor, None without one."""
+    """Return the spans of touches at a sensor, None without a sensor."""
     return None if (force := sensed_force(sensor)) is None else contacts(force)
 
 
@@ -224,8 +232,8 @@ def false_per_min(
 ) -> float | None:
     """Return the number of false alarms per minute, None without a sensor.
 
-    An alarm is false if it overlaps no touch, or lasts for longer than CONTACT_CLEARANCE where
-    nothing touches: otherwise, an alarm that never ends would find a contact and never be false.
+    An alarm is false if it overlaps no touch, or covers more than CONTACT_CLEARANCE [s] of
+    contact-free time: otherwise, an alarm that never ends would find a contact and never be false.
     unfelt: spans of contacts that the sensor does not feel.
     """
     force, step = sensed_force(sensor), sensor.period
@@ -260,7 +268,8 @@ def matched(raised: list[Span], sensor: SensorWrenches, unfelt: Sequence[Span] =
 
 
 def by_class(least: float, force: Array, raised: list[Span], step: float) -> dict[str, Any]:
-    """Return the recall and the median delay [s] of the contacts that reach a force [N].
+    """Return counts, recall and median delay [s] of the alarms for contacts that reach a force [N],
+    as columns of `Detection`.
 
     force: (N,) [N], of the sensor; step: sampling period [s].
     """
@@ -276,8 +285,8 @@ def by_class(least: float, force: Array, raised: list[Span], step: float) -> dic
 
 
 def pushes_above(force: Array, sensed: Array, least_force: float, period: float) -> tuple[int, int]:
-    """Return the number of pushes that reach a force at the sensor, and of those with an alarm of
-    their own if that force is the threshold.
+    """Return how many pushes reach a force at the sensor, and how many of these have an alarm of
+    their own with that force as threshold.
 
     force, sensed: estimate and reading along one axis (N,) [N], NaN where unknown; least_force:
     [N]; period: [s].

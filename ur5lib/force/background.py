@@ -53,8 +53,8 @@ def smooth(
 
 
 def _precision(weight: Array, spread: Array, decay: Array) -> tuple[Array, Array]:
-    """Return the blocks Λ(t, t) (N, n, n) of b's inverse covariance, and the diagonals (N, n) of
-    Λ(t, t - 1), of which the first is meaningless; weight: R⁻¹.
+    """Return the inverse covariance of b at all samples, as its diagonal blocks Λ(t, t) (N, n, n)
+    and the diagonals (N, n) of Λ(t, t - 1), of which the first has no meaning; weight: R⁻¹.
     """
     # V = (cov w)⁻¹;  Λ(t, t) = V(t) + A(t + 1) V(t + 1) A(t + 1) + R⁻¹(t), Λ(t, t - 1) = -V(t) A(t)
     renewal = 1 - decay**2

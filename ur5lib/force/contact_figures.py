@@ -35,13 +35,15 @@ MIN_DIVISOR = 1e-12  # N, N s: replaces a zero divisor
 
 
 def periods(force: Array, period: float) -> dict[str, Mask]:
-    """Return the samples (N,) of each period; force: (N,) [N], of the sensor; period: [s]."""
+    """Return the masks (N,) of all samples, those in contact and contact-free ones, by name; force:
+    (N,) [N], of the sensor; period: [s].
+    """
     everywhere = np.ones(len(force), bool)
     return {"all": everywhere, "contact": in_contact(force), "free": is_free(force, period)}
 
 
 def missed(estimate: Array, force: Array) -> Mask:
-    """Return the samples (N,) of contacts during which an estimate is zero throughout.
+    """Return which samples (N,) are in contacts throughout which an estimate is zero.
 
     estimate: (N, 6), zero while its gate is shut; force: (N,) [N], of the sensor.
     """
@@ -98,8 +100,8 @@ def error_parts(estimate: Array, reference: Array, force: Array) -> dict[str, Ar
 
 
 def mean_parts(parts: dict[str, Array], rows: slice = slice(None)) -> dict[str, Array]:
-    """Return the mean (K,) of each part of an error, at least zero, over the samples with an
-    error.
+    """Return the mean (K,) of each part of an error over the samples that have one; negative means
+    become zero.
     """
     known = np.isfinite(parts["mae"][rows]).all(axis=1)
     count = max(int(known.sum()), 1)
@@ -109,7 +111,7 @@ def mean_parts(parts: dict[str, Array], rows: slice = slice(None)) -> dict[str, 
 
 
 def error_figures(estimate: Array, std: Array | None, reference: Array) -> dict[str, Array]:
-    """Return error figures of each column (6,), and those of a constant estimate of zero."""
+    """Return error figures of each column (6,), with those of an estimate that is always zero."""
     zero = np.zeros_like(reference)
     mean = mean_absolute_error(zero, reference)
     figures = {
@@ -134,7 +136,8 @@ def error_figures(estimate: Array, std: Array | None, reference: Array) -> dict[
 
 
 def resampled_figures(estimate: Array, reference: Array, force: Array) -> dict[str, Array]:
-    """Bootstrap the 95 % interval (6,) of the error in contact, and the lower end of the skill.
+    """Return 95 % intervals (6,) of the error in contact and the lower end of the skill's, by
+    bootstrap.
 
     estimate, reference: wrenches (N, 6), NaN where unknown; force: (N,) [N], of the sensor. Empty
     with fewer than MIN_CONTACTS.
@@ -179,7 +182,7 @@ def resampled_means(values: Array, force: Array) -> Array | None:
 def force_errors(
     kind: str, estimate: str, figures: Mapping[str, Mapping[str, Array]]
 ) -> Iterator[ForceError]:
-    """Yield figures by period as rows, one for each component; kind: of the reference."""
+    """Yield error figures as rows, one for each period and component; kind: of the reference."""
     contact = figures.get("contact", {})
     skills = contact.get("skill_low", contact.get("skill", np.zeros(0)))
     determined = dict(zip(WRENCH, (skills > 0).tolist(), strict=False))

@@ -8,7 +8,7 @@ from ur5lib.timeseries.arrays import Array
 
 
 def jacobian_at(jacobian: Array, place: Array) -> Array:
-    """Return the Jacobian (N, 6, n) of a place: v + ω × p.
+    """Return the Jacobian (N, 6, n) of a place, with the velocity v + ω × p.
 
     jacobian: of the origin of frame 6, (N, 6, n); place: p (N, 3) [m], from this origin, base axes.
     """
@@ -18,7 +18,7 @@ def jacobian_at(jacobian: Array, place: Array) -> Array:
 
 
 def wrench_at_flange(wrench: Array, place: Array) -> Array:
-    """Return the wrench (N, 6) [N, Nm] at the origin of frame 6: n + p × F.
+    """Return a wrench (N, 6) [N, Nm] moved to the origin of frame 6, with the moment n + p × F.
 
     wrench: [F, n] at the place, (N, 6); place: p (N, 3) [m], from the origin of frame 6, base axes.
     """
@@ -27,7 +27,9 @@ def wrench_at_flange(wrench: Array, place: Array) -> Array:
 
 
 def std_at_flange(std: Array, place: Array) -> Array:
-    """Return the deviation (N, 6) of `wrench_at_flange`; std: (N, 6), of independent errors."""
+    """Return the standard deviation (N, 6) of the wrench by `wrench_at_flange`; std: (N, 6), of
+    independent errors.
+    """
     force, moment = std[:, :3] ** 2, std[:, 3:] ** 2
     # (p × F)_x = p_y F_z - p_z F_y
     square = place**2
@@ -36,8 +38,8 @@ def std_at_flange(std: Array, place: Array) -> Array:
 
 
 def sensed_place(wrench: Array, rotation: Array) -> tuple[Array, float] | None:
-    """Return the place (3,) [m] in frame 6 at which a sensor's forces act, and the lever [m] of the
-    residual moments, rms moment / rms force; None without contacts or moments.
+    """Return the place (3,) [m] in frame 6 at which a sensor's forces act, and the rms of the
+    moments left over the rms force [m]; None without contacts.
 
     n = p × F by least squares. wrench: (N, 6) [N, Nm], base axes, at the origin of frame 6;
     rotation: R_6 (N, 3, 3).

@@ -24,17 +24,20 @@ def typical_force(arm: Robot) -> float:
 
 @dataclass(frozen=True)
 class ContactPrior:
-    """Magnitudes and durations of contacts, and losses between the contact and the motors.
+    """Prior assumptions on magnitudes and durations of contacts, and on losses between contact and
+    motors.
 
     Contacts: force [N], magnitude of a typical contact; lever [m], usual distance of a contact from
     the place where contacts are assumed; lever_weight: weight of this distance, in samples;
     duration, pause: mean duration of contacts and of the pauses between them [s]; unseen_duration:
     mean duration of contacts that the gate may miss [s].
+
     Gears: load_friction: relative standard deviation of a contact's torque at each joint, or at
-    joints 1 to 6 (6,), about what the fitted gears transmit; friction_std: relative deviation of
-    each joint's friction in one run from that of the fit.
-    Rest: hunting: amplitude of a joint's wandering after it was touched, as a share of the
-    breakaway torque; settling: its time constant [s].
+    joints 1 to 6 (6,), by what the fitted gears transmit; friction_std: relative deviation of each
+    joint's friction in one run from that of the fit.
+
+    Rest: hunting: amplitude by which a joint's torque wanders after it was touched, as a share of
+    the breakaway torque; settling: time constant of this [s].
     """
 
     force: float
@@ -50,7 +53,9 @@ class ContactPrior:
 
     @classmethod
     def of(cls, arm: Robot, force: float | None, place: ContactPlace) -> Self:
-        """Return the prior of contacts with an arm; force: typical [N], None: by its payload."""
+        """Return the prior of contacts with an arm; force: typical [N], None to derive it from the
+        arm's payload.
+        """
         return cls(force or typical_force(arm), place.within, place.weight)
 
     def usual(self) -> Array:
@@ -58,7 +63,9 @@ class ContactPrior:
         return wrench_covariance(self.force, self.lever)
 
     def unknown(self) -> Array:
-        """Return the covariance (6, 6) of an unknown contact: three times the typical force."""
+        """Return the covariance (6, 6) of the wrench of a contact of unknown size: three times the
+        typical force.
+        """
         return wrench_covariance(3 * self.force, self.lever)
 
     def sizes(self) -> list[float]:

@@ -24,7 +24,9 @@ UNRESOLVED_LEVER = 0.05  # m; stated moments err by the force times this lever
 
 
 class Posterior(NamedTuple):
-    """Mean (N, 6), covariance (N, 6, 6), and gain (N, 6, n): mean = gain τ of n joints."""
+    """The posterior of a wrench: mean (N, 6), covariance (N, 6, 6), and gain (N, 6, n), with mean =
+    gain τ of n joints.
+    """
 
     mean: Array
     covariance: Array
@@ -66,11 +68,12 @@ def torque_std(motor_torque: Array, constant_error: Array, torque_max: Array) ->
 def static_wrench(
     torque: Array, std: Array, jacobian: Array, typical_force: float
 ) -> tuple[Array, Array]:
-    """Return the most probable wrench [F, n] and its standard deviation, (N, 6) [N, Nm].
+    """Return the most probable wrench [F, n] of a resting arm and its standard deviation, (N, 6)
+    [N, Nm].
 
     torque: external (N, 6) [Nm], J^T F, NaN where unknown; std: of it; jacobian: (N, 6, 6);
-    typical_force: of contacts [N]. The prior is 0 ± STATIC_FORCE times it, with a moment over
-    STATIC_LEVER.
+    typical_force: of contacts [N]. The prior has mean zero; the force deviates by STATIC_FORCE
+    times the typical one, the moment by that at the lever STATIC_LEVER.
     """
     prior = wrench_covariance(STATIC_FORCE * typical_force, STATIC_LEVER)
     estimate = regularised_wrench(torque, jacobian, diagonal(std**2), prior)
@@ -89,11 +92,11 @@ class ContactWrench(NamedTuple):
 def contact_wrench(
     torque: Array, jacobian: Array, noise: Array, worth: float, prior: ContactPrior
 ) -> ContactWrench:
-    """Estimate F̂ᵐᵃᵖ of one contact and its variance.
+    """Return F̂ᵐᵃᵖ of one contact and its variance.
 
-    torque: Jᵀ F, of the contact alone, (n, m) [Nm] of m joints, rows of NaN where unknown: there
-    the wrench is zero with the prior's variance; jacobian: (n, 6, m); noise: S (n, m, m) [Nm²];
-    worth: independent values per sample, at most 1.
+    torque: Jᵀ F, of the contact alone, (n, m) [Nm] of m joints; where it is NaN, the wrench is zero
+    with the prior's variance; jacobian: (n, 6, m); noise: S (n, m, m) [Nm²]; worth: independent
+    values per sample, at most 1.
     """
     size = learned_size(torque, jacobian, noise, worth, prior)
     # F = P J (Jᵀ P J + S)⁻¹ τ
@@ -110,8 +113,8 @@ def contact_wrench(
 def learned_size(
     torque: Array, jacobian: Array, noise: Array, worth: float, prior: ContactPrior
 ) -> Array:
-    """Learn the covariance P (6, 6) of a contact's wrench from its own samples; arguments as of
-    `contact_wrench`.
+    """Return the covariance P (6, 6) of a contact's wrench, learnt from its own samples; arguments
+    as of `contact_wrench`.
 
     P maximises the evidence by expectation-maximisation, a contact of twice the typical covariance
     counting as one independent sample: P = (Σ w E[F Fᵀ] + 2 P_usual) / (w n + 1). Near a
@@ -138,7 +141,8 @@ def learned_size(
 
 
 def least_squares_wrench(torque: Array, jacobian: Array, noise: Array) -> ContactWrench:
-    """Estimate a force without moment and without prior: F = (J_v S⁻¹ J_vᵀ)⁻¹ J_v S⁻¹ τ.
+    """Return a force without moment by least squares, without prior, and its variance: F = (J_v S⁻¹
+    J_vᵀ)⁻¹ J_v S⁻¹ τ.
 
     Arguments as of `contact_wrench`; NaN where the torque is unknown. F̂ᵐᵃᵖ is compared with it in
     the same contacts.
@@ -156,7 +160,9 @@ def least_squares_wrench(torque: Array, jacobian: Array, noise: Array) -> Contac
 
 
 def _load_friction_variance(estimate: Posterior, jacobian: Array, prior: ContactPrior) -> Array:
-    """Return the variance (n, 6) from each joint's load friction under this contact."""
+    """Return the variance (n, 6) of the wrench due to each joint's friction under this contact's
+    load.
+    """
     # cov τ_lost = diag((c Jᵀ F)²), c of each joint, propagated by the gain: K cov τ_lost Kᵀ
     carried = (jacobian.mT @ estimate.mean[..., None])[..., 0]  # Jᵀ F (n, m)
     lost = diagonal((prior.load_friction * carried) ** 2)
@@ -164,7 +170,7 @@ def _load_friction_variance(estimate: Posterior, jacobian: Array, prior: Contact
 
 
 def _lever_variance(estimate: Posterior, jacobian: Array, prior: ContactPrior) -> Array:
-    """Return the variance (n, 6) from a moment that is taken for a force: |F| times the lever."""
+    """Return the variance (n, 6) of the wrench due to an unknown moment of |F| times the lever."""
     # K J_wᵀ cov n J_w Kᵀ, cov n = (lever |F|)² I
     moment = prior.lever * np.linalg.norm(estimate.mean[:, :3], axis=1)
     spread = estimate.gain @ jacobian[:, 3:].mT * moment[:, None, None]  # (n, 6, 3)

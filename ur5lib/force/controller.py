@@ -30,7 +30,9 @@ def controller_estimate(robot: Robot, signals: Signals) -> dict[str, Array]:
 def further_or_controller(
     further: FurtherForces | None, robot: Robot, signals: Signals, withheld: bool = False
 ) -> FurtherForces:
-    """Return a topic's estimates if there are any, otherwise the controller's, unless withheld."""
+    """Return a topic's force estimates, else the controller's; none if `further` is None and the
+    controller's are withheld.
+    """
     if further is not None:
         return further
     stated = {} if withheld else controller_estimate(robot, signals)

@@ -25,10 +25,11 @@ if TYPE_CHECKING:  # to read estimates, the code that makes them is not loaded
 
 
 class Stated(NamedTuple):
-    """The environment on the arm, base axes, at the origin of frame 6.
+    """What an estimator states: the wrench of the environment on the arm, base axes, at the origin
+    of frame 6.
 
     wrench and std, its standard deviation: (N, 6) [N, Nm], NaN where there is no estimate; std is
-    None if the estimator states none; log_odds: (N,), of contact, None if it is not gated.
+    None if the estimator states none; log_odds: (N,), of contact, None if it states no odds.
     """
 
     wrench: Array
@@ -58,8 +59,8 @@ class Run:
 
     motion: smoothed, with its `time` (N,); currents: predicted, and the external torques from them;
     kinematics: of the flange at that motion; controller: the wrench (N, 6) [N, Nm] that the
-    controller computes from currents, None if not recorded; fmap: the most probable wrench; static:
-    the estimate without any fit, None if friction was fitted.
+    controller computes from currents, None if not recorded; fmap: F̂ᵐᵃᵖ, None without its problem;
+    static: the estimate without any fit, None if friction was fitted.
     """
 
     motion: "Motion"
@@ -71,7 +72,9 @@ class Run:
 
     @property
     def background(self) -> Array | None:
-        """Return the slow external torque (N, 6) [Nm] that is no contact, by F̂ᵐᵃᵖ."""
+        """Return the slow external torque (N, 6) [Nm] by F̂ᵐᵃᵖ, which is no contact; None without
+        F̂ᵐᵃᵖ.
+        """
         return None if self.fmap is None else self.fmap.background
 
 
@@ -79,8 +82,8 @@ class Run:
 class Estimator:
     """One estimator of the contact wrench.
 
-    label: in reports; gated: whether it states log-odds of contact and so raises alarms; article:
-    before the label in sentences.
+    label: its name in reports; estimate: returns its estimate of a run; gated: whether that has
+    log-odds of contact, and so raises alarms; article: text before the label in sentences.
     """
 
     label: str
@@ -90,13 +93,14 @@ class Estimator:
 
 
 def least_squares(run: Run) -> Answer:
-    """Return the wrench by least squares, in the contacts of F̂ᵐᵃᵖ."""
+    """Return the wrench by least squares in the contacts that F̂ᵐᵃᵖ finds; None without F̂ᵐᵃᵖ."""
     fmap = run.fmap
     return None if fmap is None else Stated(fmap.least_squares, fmap.least_squares_std)
 
 
 def controller(run: Run) -> Answer:
-    """Return what an e-Series controller computes from currents, `wrench_calc_from_currents`.
+    """Return the wrench that an e-Series controller computes from currents,
+    `wrench_calc_from_currents`; None if not recorded.
 
     Public files state the output's name and type, and that it is a wrench (RTDE guide;
     Universal_Robots_Client_Library, tests/fake_rtde_server.cpp), but not frame, point nor sign.
@@ -108,7 +112,9 @@ def controller(run: Run) -> Answer:
 
 
 def added(shipped: Collection[str]) -> dict[str, Estimator]:
-    """Return the estimators that the lab adds. Raises InputError where one cannot be used."""
+    """Return, by name, the estimators that the workspace's extensions add. Raises InputError where
+    one cannot be used.
+    """
     found = {}
     for source, name, one in additions("estimators"):
         if not re.fullmatch(r"[a-z]\w*", name) or name in {*shipped, *PUBLISHED}:

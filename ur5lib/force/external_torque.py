@@ -42,7 +42,7 @@ def external_torque(torque_constant: Array, current: Array, modelled: Array) -> 
 
 
 def finite_rows(values: Array) -> Mask:
-    """Return the mask (N,) of rows of values (N, M) that are finite in all columns."""
+    """Return which rows (N,) of values (N, M) are finite in all columns."""
     return np.asarray(np.isfinite(values).all(axis=1))
 
 
@@ -67,7 +67,7 @@ def joint_states(qd: Array, segment: Labels, period: float, cutoff: float) -> St
 
 
 def _within_reach(where: Mask, seconds: float, period: float) -> Mask:
-    """Return a mask (N, n) widened by some seconds in both directions of time."""
+    """Return a mask (N, n) that is also true within some seconds before and after."""
     return maximum_filter1d(where, 2 * round(seconds / period) + 1, axis=0, mode="nearest")
 
 

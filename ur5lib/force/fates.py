@@ -22,10 +22,11 @@ SLOW = min(speed for speed in SPEEDS if speed > 0)  # m/s; below it, a flange re
 
 
 class Outcome(NamedTuple):
-    """What became of a contact.
+    """Whether a contact was found, and why its error is what it is.
 
-    cause: the largest part of its error; band: half-width [N] of the 95 % interval of its alarm's
-    largest force; both None if the contact is not found or they are unknown.
+    fate: found, merged or missed; cause: of the largest part of its error; band: half-width [N] of
+    the 95 % interval of its alarm's largest force; both None if the contact is not found or they
+    are unknown.
     """
 
     fate: Fate
@@ -34,7 +35,8 @@ class Outcome(NamedTuple):
 
 
 def with_fates(rows: Iterable[ContactError], alarms: Sequence[Alarm]) -> list[ContactError]:
-    """Return an estimate's rows, with fate, cause and band in those of component "norm".
+    """Return an estimate's rows; those of component "norm" with fate, cause and band of the
+    contact.
 
     alarms: of the same estimate.
     """
@@ -48,7 +50,7 @@ def with_fates(rows: Iterable[ContactError], alarms: Sequence[Alarm]) -> list[Co
 
 
 def contact_rows(estimate: str, alarms: Iterable[Alarm], is_free: bool) -> Iterator[Contact]:
-    """Yield the alarms of an estimate as rows; is_free: see `kind_of`."""
+    """Yield the alarms of an estimate as rows of contacts.csv; is_free: as of `kind_of`."""
     for alarm in alarms:
         force = dict(zip(("Fx", "Fy", "Fz"), alarm.force.tolist(), strict=True))
         std = dict(zip(("Fx_std", "Fy_std", "Fz_std"), alarm.force_std.tolist(), strict=True))
@@ -69,7 +71,7 @@ def contact_rows(estimate: str, alarms: Iterable[Alarm], is_free: bool) -> Itera
 
 
 def outcomes(contacts: Sequence[ContactError], alarms: Sequence[Alarm]) -> list[Outcome]:
-    """Return the outcome of each contact at a sensor; contacts: rows of the component "norm"."""
+    """Return the outcome of each contact at a sensor; contacts: rows with the component "norm"."""
     raised = [stretch(one.start, one.end) for one in alarms]
     touches = [stretch(one.start_s, one.end_s) for one in contacts]
     own = {contact: alarms[alarm] for alarm, contact in match(raised, touches)}
@@ -80,7 +82,7 @@ def outcomes(contacts: Sequence[ContactError], alarms: Sequence[Alarm]) -> list[
 
 
 def fates(alarm: Sequence[Span], contact: Sequence[Span]) -> list[Fate]:
-    """Return the fate of each contact."""
+    """Return whether each contact is found, merged or missed."""
     own = {k for _, k in match([*alarm], [*contact])}
     felt = [any(overlap(one, touch) for one in alarm) for touch in contact]
     return ["found" if k in own else "merged" if one else "missed" for k, one in enumerate(felt)]
@@ -121,10 +123,10 @@ def cause_of(contact: ContactError, alarm: Alarm) -> Cause | None:
 
 
 def kind_of(alarm: Alarm, is_free: bool) -> Kind:
-    """Return what an alarm is; is_free: whether nothing touches the arm according to its role.
+    """Return what an alarm is: load, contact, false, or a contact off the flange.
 
-    The sensor decides before the role. It does not feel contacts off the flange, so these are not
-    false.
+    is_free: whether the recording's role means that nothing touches the arm. The sensor decides
+    before the role. It does not feel contacts off the flange, so these are not false.
     """
     if alarm.kind == "load":
         return "load"

@@ -33,7 +33,7 @@ MAX_CONTACT_SAMPLES = 20  # this many samples are used; more add no information
 
 
 def places(rotation: Array, origin: Array) -> dict[int, list[Array]]:
-    """Return places along each link 1 to k and along a tool on the last: (n, 3) [m] each.
+    """Return, by link 1 to k, places along it, and along a tool on the last: (n, 3) [m] each.
 
     rotation, origin: of frames 0 to k, (n, k + 1, 3, 3) and (n, k + 1, 3) [m], base axes. A link
     reaches from the frame before it to its own; the last, from the flange to the end of a tool.
@@ -92,7 +92,7 @@ def judged_by_torques(
 ) -> list[Alarm]:
     """Return alarms of F̂ᵐᵃᵖ with `off_flange` set; time: (N,) [s].
 
-    Loads, and contacts without a finite torque, stay as they are.
+    Loads, and contacts without a finite torque, count as not off the flange.
     """
     return [
         replace(own, off_flange=is_off_flange(robot, problem, time, prior, own)) for own in raised
@@ -121,7 +121,8 @@ def is_off_flange(
 
 
 def middle_half(run: ForceInput, time: Array, start: float, end: float) -> Labels:
-    """Return at most MAX_CONTACT_SAMPLES rows with a torque in the middle half of a contact.
+    """Return the rows with a torque in the middle half of a contact, at most about twice
+    MAX_CONTACT_SAMPLES.
 
     start, end: [s]. The low-pass blurs its ends.
     """

@@ -17,7 +17,8 @@ MEAN_STICTION = 0.5
 
 @dataclass(frozen=True)
 class Gears:
-    """The gears according to a fit, in a motion without contact, (N, 6) each, low-passed.
+    """The torque and friction of the gears by a fit, in a motion without contact, (N, 6) each,
+    low-passed.
 
     load: torque that they transmit [Nm]; loss: load-dependent friction per Nm of load, c z, with z
     the direction of the friction, -1 to 1; friction: all of the friction [Nm].
@@ -29,7 +30,7 @@ class Gears:
 
     @classmethod
     def without_friction(cls, torque: Array) -> Self:
-        """Return gears that neither rub nor lose anything of a torque (N, 6)."""
+        """Return gears with zero load, loss and friction, for a torque (N, 6)."""
         return cls(*(np.zeros_like(torque) for _ in range(3)))
 
     def at(self, rows: slice | Mask | Labels) -> Self:
@@ -82,8 +83,9 @@ class ForceInput:
     """Input of the force estimate of one run.
 
     q, qd, torque, states: positions, velocities, external torques and joint states, (N, 6) each,
-    NaN where unknown; segment: (N,); period: [s]; doubt: (N, 6) [Nm], standard deviation of an
-    estimated load's torque, None without a load; gears: None if their friction is unknown.
+    NaN where unknown; segment: (N,); period: [s]; doubt: (N, 6) [Nm], standard deviation of the
+    torque of a load that was estimated, None without such a load; gears: None if their friction is
+    unknown.
     """
 
     q: Array
@@ -96,11 +98,13 @@ class ForceInput:
     gears: Gears | None = None
 
     def load_std(self) -> Array:
-        """Return the standard deviation (N, 6) [Nm] of an estimated load's torque, 0 without."""
+        """Return the standard deviation (N, 6) [Nm] of an estimated load's torque, 0 without such a
+        load.
+        """
         return np.zeros(self.states.shape) if self.doubt is None else np.nan_to_num(self.doubt)
 
     def thinned(self, stride: int, rows: Labels | slice) -> Self:
-        """Return the run at some rows, which were taken every `stride` samples."""
+        """Return the input at some rows, which are `stride` samples apart."""
         return replace(
             self,
             **{name: getattr(self, name)[rows] for name in ("q", "qd", "torque", "states")},
@@ -130,7 +134,9 @@ def force_input(motion: Motion, torque: Array, currents: Currents, cutoff: float
 
 
 def inputs(recordings: Iterable[tuple[Currents, Motion]], cutoff: float) -> list[ForceInput]:
-    """Return the inputs of recordings with an external torque; cutoff: of its low-pass [Hz]."""
+    """Return the inputs of those recordings that have an external torque; cutoff: of its low-pass
+    [Hz].
+    """
     return [
         force_input(motion, currents.external_torque, currents, cutoff)
         for currents, motion in recordings
@@ -139,7 +145,9 @@ def inputs(recordings: Iterable[tuple[Currents, Motion]], cutoff: float) -> list
 
 
 def gears(currents: Currents) -> Gears | None:
-    """Return the gears' load and friction during a motion by the fit, None where unknown."""
+    """Return the gears' load and friction during a motion by the fit; None where they are
+    unknown.
+    """
     load, loss, friction = currents.gear_torque, currents.load_loss, currents.friction_torque
     if load is None or loss is None or friction is None:
         return None

@@ -28,7 +28,7 @@ COMPARED_SAMPLES = 2_000  # parameters are compared on this many samples
 
 
 def agreement(parameters: Array, terms: Array, reading: Array, tolerance: Array) -> Mask:
-    """Return the mask (K, N) of the samples that agree with each of K candidates.
+    """Return which samples (K, N) agree with each of K candidates within the tolerance.
 
     parameters: (K, P); terms: (N, 6, P); reading: (N, 6); tolerance: (6,) in the reading's units.
     """
@@ -53,11 +53,11 @@ def random_subset(values: NDArray[np.intp], count: int) -> NDArray[np.intp]:
 def quiet_stretches(
     reading: Array, period: float, scale: Array
 ) -> tuple[NDArray[np.intp], Array, Array]:
-    """Find the quieter half of a record's short stretches.
+    """Return the quieter half of a record's short parts, each QUIET_STRETCH_DURATION long: their
+    middle rows (S,), their means (S, 6), and the median of their standard deviations (6,).
 
     reading: (N, 6), NaN rows allowed; period: [s]; scale: (6,), units in which components are
-    compared. Returns the stretches' middle rows (S,), their means (S, 6), and the median of their
-    standard deviations (6,).
+    compared.
     """
     length = max(2, round(QUIET_STRETCH_DURATION / period))
     count = len(reading) // length
@@ -73,10 +73,10 @@ def quiet_stretches(
 
 
 def candidates(terms: Array, reading: Array, scale: Array, together: int) -> Array:
-    """Return candidate parameters (K, P), each fitted to a few of the quiet stretches.
+    """Return candidates (K, P) for the parameters, each fitted to a few of the quiet parts.
 
-    terms: (S, 6, P); reading: (S, 6); scale: (6,); together: number of stretches per candidate.
-    They are drawn from a fixed seed.
+    terms: (S, 6, P); reading: (S, 6); scale: (6,); together: number of parts per candidate. They
+    are drawn from a fixed seed.
     """
     stretches = np.arange(len(terms))
     if not len(terms):
@@ -97,9 +97,10 @@ Fit = tuple[Array, Mask, Array]  # parameters (P,), free samples (N,), their noi
 
 @dataclass(frozen=True)
 class SensorReadings:
-    """Readings (N, 6) [N, Nm], terms (N, 6, P), complete samples `measured` (N,), and period [s].
+    """A sensor's readings and the terms of their regression.
 
-    prior_precision: inverse variances (P,) of a prior about zero, 0 for none.
+    reading: (N, 6) [N, Nm]; terms: (N, 6, P); measured: which samples are complete (N,); period:
+    [s]; prior_precision: inverse variances (P,) of a prior about zero, 0 for none.
     """
 
     reading: Array
@@ -110,22 +111,23 @@ class SensorReadings:
 
     @property
     def repeats(self) -> Array:
-        """Return REPEATABILITY of the components that are read."""
+        """Return REPEATABILITY of the components that the sensor has."""
         return REPEATABILITY[: self.reading.shape[1]]
 
     def agreement(self, parameters: Array, tolerance: Array) -> Mask:
-        """Return the mask (K, J): which of J samples, drawn once, agree with each of K parameters
-        (P,).
+        """Return which of J samples agree with each of K parameters (P,), as (K, J); the samples
+        are the same in each call.
         """
         rows = random_subset(np.flatnonzero(self.measured), COMPARED_SAMPLES)
         return agreement(parameters, self.terms[rows], self.reading[rows], tolerance)
 
 
 def settle(record: SensorReadings, is_free: Mask, weight: Array) -> Fit:
-    """Alternate the fit and the selection of free samples until the selection stays the same.
+    """Return a fit to the contact-free samples: parameters (P,), these samples (N,), and their
+    noise (6,), at least REPEATABILITY.
 
-    Returns the parameters (P,), the free samples (N,), and their noise (6,), at least
-    REPEATABILITY.
+    Fit and selection of contact-free samples alternate until the selection stays the same. is_free,
+    weight: (N,) to start from.
     """
     for _ in range(MAX_FIT_ROUNDS):
         parameters, residual = fit(record, is_free, weight)
@@ -140,14 +142,17 @@ def settle(record: SensorReadings, is_free: Mask, weight: Array) -> Fit:
 
 
 def free_samples(residual: Array, noise: Array, measured: Mask, period: float) -> Mask:
-    """Return the mask (N,) of samples within CONTACT_DEVIATIONS, FREE_CLEARANCE from others."""
+    """Return which samples (N,) are contact-free: within CONTACT_DEVIATIONS of the noise, and
+    FREE_CLEARANCE [s] away from any that are not.
+    """
     inside = (np.abs(residual) <= CONTACT_DEVIATIONS * noise).all(axis=1) | ~measured
     reach = 2 * round(FREE_CLEARANCE / period) + 1
     return minimum_filter1d(inside, reach, mode="constant", cval=1) & measured
 
 
 def least_deviations(record: SensorReadings) -> Array:
-    """Return weights (N,) of least squares that minimise absolute deviations (Schlossmacher 1973).
+    """Return weights (N,) with which least squares minimise absolute deviations (Schlossmacher
+    1973).
 
     The fit is robust to contacts that fill less than half of the time.
     """
@@ -160,9 +165,10 @@ def least_deviations(record: SensorReadings) -> Array:
 
 
 def fit(record: SensorReadings, is_free: Mask, weight: Array) -> tuple[Array, Array]:
-    """Fit the free samples by weighted least squares, forces and moments in units of REPEATABILITY.
+    """Return parameters (P,) fitted to the contact-free samples by weighted least squares, and the
+    residuals of all readings (N, 6).
 
-    Returns the parameters (P,) and the residuals of all readings (N, 6).
+    Forces and moments count in units of REPEATABILITY.
     """
     scale = weight[is_free, None] / record.repeats
     scaled = record.terms[is_free] * scale[..., None]

@@ -35,8 +35,8 @@ def posterior(evidence: Array, transitions: Array, start: Array) -> Array:
     """Return the probability (N, K) of each state at each sample, given all samples.
 
     evidence: (N, K), log-likelihood of each sample alone; transitions: (K, K), probability of going
-    from one state (row) to another (column) by the next sample; start: (K,), before the first.
-    Forward-backward recursion, scaled at each sample [Rabiner 1989].
+    from one state (row) to another (column) by the next sample; start: (K,), probability before the
+    first sample. Forward-backward recursion, scaled at each sample [Rabiner 1989].
     """
     likelihood = np.exp(evidence - evidence.max(axis=1, keepdims=True))
     # both directions at once, the second from the last sample to the first
@@ -48,7 +48,8 @@ def posterior(evidence: Array, transitions: Array, start: Array) -> Array:
 
 
 def _weights_before(likelihood: Array, steps: Array, start: Array) -> Array:
-    """Return the weight (N, ..., K) of each state before each sample, from a start (..., K).
+    """Return the weight (N, ..., K) of each state before each sample; start: (..., K), before the
+    first.
 
     likelihood: (N, ..., K); steps: (..., K, K), from a state (column) to the next (row).
     """
@@ -72,8 +73,8 @@ class TorqueVariances:
     """Variances (N, n) [Nm²] of the external torque without that of a contact.
 
     quick: of the fast error; spread: of background and fast error together; hidden: of the part of
-    a contact that dry friction may absorb; still: (N, n), joints at rest while the whole arm rests.
-    Joints count as independent: correlations learnt without contact mislead in contact.
+    a contact that dry friction may absorb; still: (N, n), which joints rest while the whole arm
+    rests. Joints count as independent: correlations learnt without contact mislead in contact.
     """
 
     quick: Array
@@ -83,7 +84,9 @@ class TorqueVariances:
 
     @classmethod
     def of(cls, states: States, model: ResidualModel, doubt: Array) -> "TorqueVariances":
-        """Return the noise of samples in joint states (N, n); doubt: (N, n) [Nm], of a load."""
+        """Return the variances at samples with joint states (N, n); doubt: (N, n) [Nm], standard
+        deviation of a load's torque.
+        """
         still = states >= JointState.STILL
         absorbed = np.where(still, model.stiction, model.rubbing) * model.breakaway
         return cls(
@@ -94,16 +97,16 @@ class TorqueVariances:
         )
 
     def hiding(self) -> Array:
-        """Return the variances S (N, n) [Nm²] of the torque that hides a contact."""
+        """Return the variances S (N, n) [Nm²] of the torque in which a contact may hide."""
         return np.where(np.all(self.still, axis=1, keepdims=True), self.hidden, self.spread)
 
 
 @dataclass(frozen=True)
 class Observations:
-    """The samples used, their noise, and the prior of contacts.
+    """The samples of a part without a gap, their noise, and the prior of contacts.
 
     torque: external (N, n) [Nm], NaN where it or the arm's pose is unknown; jacobian: (N, 6, n), 0
-    where the pose is unknown; posed: (N,), where there is a pose; states: (N, n), of `model`;
+    where the pose is unknown; posed: which samples have a pose (N,); states: (N, n), of `model`;
     period: [s]; gears: without friction where joints rest.
     """
 
@@ -121,7 +124,7 @@ class Observations:
     def of(
         cls, run: ForceInput, jacobian: Array, model: ResidualModel, prior: ContactPrior
     ) -> "Observations":
-        """Return the samples of a run with their Jacobians (N, 6, n), NaN where unknown."""
+        """Return the observations of a run; jacobian: (N, 6, n), NaN where the pose is unknown."""
         posed = finite_rows(jacobian.reshape(len(jacobian), -1))
         gears = Gears.without_friction(run.torque) if run.gears is None else run.gears
         return cls(
@@ -170,7 +173,9 @@ def quiet_force(jacobian: Array, variance: Array) -> float:
 
 
 def find_contacts(observations: Observations) -> tuple[Array, Gaussians]:
-    """Return the probability (N,) of contact in an unbroken stretch, and the background [Nm]."""
+    """Return the probability (N,) of contact in a part without a gap, and mean and covariance of
+    the background [Nm].
+    """
     period, noise, prior = observations.period, observations.noise, observations.prior
     measured_rows = finite_rows(observations.torque)
     filled = np.where(measured_rows[:, None], observations.torque, 0.0)
@@ -216,7 +221,8 @@ def measurement_noise(
 ) -> Array:
     """Return the covariance (N, n, n) of the torque as a measurement of the background.
 
-    Σ p(free state) cov / p(free); in contact, the sample counts almost nothing.
+    It is Σ p(free state) cov / p(free); in contact, the sample counts almost nothing. weight: (N,
+    K) probabilities of states, free ones first; contact: (N,).
     """
     share = weight[:, : len(free_covariances)] + 1e-12
     share = share / share.sum(axis=1, keepdims=True)

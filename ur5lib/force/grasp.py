@@ -16,7 +16,7 @@ LEVER_PRIOR_WEIGHT = 1e-2  # weight of USUAL_LOAD_LEVER for each sample, in samp
 
 
 class Grasped(NamedTuple):
-    """A load: mass and std_error [kg]."""
+    """A grasped load: mass [kg] and std_error [kg]."""
 
     mass: float
     std_error: float
@@ -25,7 +25,8 @@ class Grasped(NamedTuple):
 def grasped_load(
     torque: Array, regressor: Array, deviation: Array, period: float
 ) -> Grasped | None:
-    """Estimate the load that explains a contact; None if a weight does not explain it.
+    """Return the load that explains a contact; None if a weight does not explain it, or the contact
+    is too short.
 
     torque: of the contact alone, (n, 6) [Nm]; regressor: (n, 6, 4), the joint torque per mass [kg]
     and first moment [kg m]; deviation: (6,) [Nm], standard deviation of the background, constant

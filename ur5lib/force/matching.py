@@ -11,7 +11,7 @@ from ur5lib.timeseries.segments import Span, overlap
 
 @dataclass(frozen=True)
 class Detection:
-    """Alarms and a sensor's contacts, matched one to one.
+    """Counts of alarms and of a sensor's contacts, matched one to one.
 
     contacts: number of contacts; found: of these, with an alarm of their own; merged: of these,
     within the alarm of another one; alarms: number of alarms; extra: of these, additional ones in a
@@ -37,10 +37,7 @@ class Detection:
 
 
 def compare(alarm: list[Span], contact: list[Span], period: float) -> Detection:
-    """Match alarms with contacts, and count what was found, merged, false and extra.
-
-    period: [s].
-    """
+    """Return the counts of alarms and contacts matched one to one; period: [s]."""
     pairs = match(alarm, contact)
     late = np.array([alarm[i][0] - contact[j][0] for i, j in pairs], dtype=float)
     false = sum(not any(overlap(a, c) for c in contact) for a in alarm)
@@ -50,7 +47,8 @@ def compare(alarm: list[Span], contact: list[Span], period: float) -> Detection:
 
 
 def match(alarm: list[Span], contact: list[Span]) -> list[tuple[int, int]]:
-    """Match alarms (i) and contacts (j) that overlap in time, one to one: pairs (i, j).
+    """Return pairs (i, j) of alarms i and contacts j that overlap in time, each in at most one
+    pair.
 
     The assignment has as many pairs as possible, and among those, the longest overlaps. So an alarm
     that never ends finds one contact, and of ten alarms in one contact nine are extra.
@@ -65,7 +63,9 @@ def match(alarm: list[Span], contact: list[Span]) -> list[tuple[int, int]]:
 
 
 def receiver_curve(log_odds: Array, contact: Mask) -> tuple[Array, Array]:
-    """Return the ROC by sample: false alarm and detection rates (N + 1,), thresholds falling."""
+    """Return the ROC curve by sample: rates of false alarms and of detection (N + 1,), from the
+    highest threshold to the lowest.
+    """
     order = np.argsort(-log_odds)
     hits = np.concatenate([[0], np.cumsum(contact[order])])
     misses = np.concatenate([[0], np.cumsum(~contact[order])])

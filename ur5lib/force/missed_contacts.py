@@ -18,8 +18,8 @@ BISECTION_STEPS = 30  # halvings of an interval that contains a quantile
 
 
 def missed_contacts(jacobian: Array, hidden: Array, prior: ContactPrior) -> tuple[Array, Array]:
-    """Return the share (N, 6) of contacts along or about each axis alone that are missed, and
-    their variance (N, 6), for contacts of the usual size.
+    """Return the share (N, 6) of contacts of the usual size along or about each axis that are
+    missed, and the variance (N, 6) of these.
 
     jacobian: (N, 6, n); hidden: κ² S (N, n) [Nm²].
     """
@@ -33,7 +33,8 @@ def missed_contacts(jacobian: Array, hidden: Array, prior: ContactPrior) -> tupl
 def probability_while_shut(
     missed: Array, in_contact: Mask, period: float, prior: ContactPrior
 ) -> Array:
-    """Return the probability c m / (c m + 1 - c) (N, 6) of a contact along each axis, gate shut.
+    """Return the probability (N, 6) of a missed contact along each axis while the gate is shut: c m
+    / (c m + 1 - c).
 
     missed: m (N, 6), shares of contacts that are missed; in_contact: (N,), samples in contacts;
     period: [s]. c is the share of time in contact in the run plus one usual contact and pause: the
@@ -49,7 +50,7 @@ def probability_while_shut(
 
 
 def mixture_std(probability: Array, missed_variance: Array, free_variance: Array) -> Array:
-    """Return the standard deviation σ (N, K) of a mixture, with ± 1.96 σ as its 95 % band.
+    """Return σ (N, K), with which ± 1.96 σ is the 95 % band of a mixture.
 
     With a probability (N, K) the value is that of a missed contact, otherwise that of a free arm;
     missed_variance, free_variance: variances (N, K) and (K,) of both, about zero.

@@ -7,11 +7,11 @@ from ur5lib.timeseries.segments import in_chunks
 
 
 def plain_least_squares(torque: Array, jacobian: Array, min_singular_value: float) -> Array:
-    """Return the wrench (N, 6) [N, Nm] by least squares of the torques at all samples, without a
-    gate.
+    """Return the wrench (N, 6) [N, Nm] by least squares of the torques at all samples, in contact
+    or not.
 
-    torque: external (N, n) [Nm]; jacobian: (N, 6, n); directions with singular values below the
-    least one are left out.
+    torque: external (N, n) [Nm]; jacobian: (N, 6, n); min_singular_value: directions with smaller
+    singular values are left out.
     """
 
     def solved(torque: Array, jacobian: Array) -> Array:

@@ -22,14 +22,16 @@ from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 
 class Problem(NamedTuple):
-    """An external torque with its motion, and its residual model without contact."""
+    """What the contact wrench is estimated from: an external torque with its motion, and the model
+    of that torque without contact.
+    """
 
     input: ForceInput
     model: ResidualModel
 
     @property
     def rows(self) -> Labels:
-        """Return the rows (M,) of the samples that the estimate uses."""
+        """Return the numbers (M,) of the rows that the estimate uses."""
         return used_rows(self.input.segment, self.input.period, self.model.cutoff)
 
     def solve(
@@ -39,12 +41,12 @@ class Problem(NamedTuple):
         return estimate_wrench(self.input, jacobian, self.model, prior, place)
 
     def contact_log_odds(self, jacobian: Array, prior: ContactPrior) -> Array:
-        """Return the log-odds (N,) of contact alone; jacobian: as of `solve`."""
+        """Return only the log-odds (N,) of contact; jacobian: as of `solve`."""
         return contact_log_odds(self.input, jacobian, self.model, prior)
 
     def held(self, tared: Mask) -> "Problem":
-        """Return the problem with joints at rest as TARED, the samples (N,) to which a tare
-        applies.
+        """Return the problem with the state TARED for joints at rest in the samples (N,) to which a
+        tare applies.
         """
         states = self.input.states.copy()
         states[tared & is_still(states)] = JointState.TARED
@@ -56,8 +58,8 @@ class Problem(NamedTuple):
 
 
 def is_fitted(friction: Friction, contradictions: Contradictions) -> bool:
-    """Return whether friction is fitted or taken over, or withheld because recordings contradict
-    the study.
+    """Return whether friction is fitted or taken over from another study, or withheld because
+    recordings contradict the study.
     """
     return bool(
         friction.from_ or friction.fit.joints or friction.stopped or contradictions.stop_signs
@@ -65,9 +67,8 @@ def is_fitted(friction: Friction, contradictions: Contradictions) -> bool:
 
 
 def fmap_problem(motion: Motion, currents: Currents, residuals: Residuals) -> Problem | None:
-    """Return the problem of F̂ᵐᵃᵖ; None where its torque is unknown or `unusual_friction` is found.
-
-    A recording of half a second has no torque.
+    """Return the problem of F̂ᵐᵃᵖ; None where its torque is unknown, as in half a second, or the
+    currents show `unusual_friction`.
     """
     problem = _problem(motion, currents, residuals)
     if problem is None or unusual_friction(motion, currents, residuals) is not None:
@@ -76,8 +77,8 @@ def fmap_problem(motion: Motion, currents: Currents, residuals: Residuals) -> Pr
 
 
 def unusual_friction(motion: Motion, currents: Currents, residuals: Residuals) -> float | None:
-    """Return the share of usual friction that the currents show, if it is below MIN_SHARE and
-    nothing was fitted; None otherwise.
+    """Return the share of the usual friction that the currents show, if nothing was fitted and it
+    is below MIN_SHARE; None otherwise.
 
     A hand then leads the arm, and contacts cannot be recognised by friction.
     """

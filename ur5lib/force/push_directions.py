@@ -16,10 +16,11 @@ ANGLES = np.arange(0.0, 360.0, 5.0)  # °, from the first axis of a plane
 
 
 class Place(NamedTuple):
-    """A place of a trial push.
+    """A time and posture of a trial push.
 
-    time: [s]; q: joints (n,) [rad]; flange: (3,) [m], in the base; motion: its name; information: A
-    (3, 3) [1/N²], Fᵀ A F is the squared size of a force in standard deviations of the torques.
+    recording: its name; time: [s]; q: joints (n,) [rad]; flange: (3,) [m], in the base; motion:
+    name of the arm's motion then; information: A (3, 3) [1/N²], Fᵀ A F is the squared size of a
+    force in standard deviations of the torques.
     """
 
     recording: str
@@ -31,12 +32,14 @@ class Place(NamedTuple):
 
     @property
     def reach(self) -> float:
-        """The distance [m] of the flange from the base's origin."""
+        """Return the distance [m] of the flange from the base's origin."""
         return float(np.linalg.norm(self.flange))
 
     @property
     def largest_unit(self) -> float:
-        """The force [N] of one standard deviation in the direction that joints feel least."""
+        """Return the force [N] of one standard deviation of the torques, in the direction that
+        joints feel least.
+        """
         least, *_ = np.linalg.eigvalsh(self.information)
         return float(least**-0.5) if least > 0 else np.inf
 
@@ -52,7 +55,9 @@ POSTURES: dict[str, Callable[[Place, float], float]] = {
 
 
 class Needed(NamedTuple):
-    """The push that is detected with 95 % probability, in units of its place, and its error."""
+    """The push that is detected with 95 % probability, in units of its place, and its standard
+    error.
+    """
 
     units: float
     std_error: float
@@ -69,14 +74,14 @@ def places_of(name: str, run: Untouched, motion: Motion, kinematics: Kinematics)
 
 
 def motion_at(speed: float) -> str:
-    """Return the name of the motion of a flange at a speed [m/s]."""
+    """Return the name of the motion (rest, slow, fast) of a flange with a speed [m/s]."""
     return SPEEDS[max(least for least in SPEEDS if least <= speed)]
 
 
 def push_directions(
     places: list[Place], needed: Mapping[str, Needed], felt: float, most: float
 ) -> Iterator[PushDirection]:
-    """Yield the push by direction in each plane at each of POSTURES.
+    """Yield the push that is found, by direction in each plane, at each of POSTURES.
 
     needed: the push that is found, and its standard error, in standard deviations of the force, by
     motion; places in another motion are ignored. No push is stated where two standard deviations

@@ -31,7 +31,7 @@ TARED_RENEWAL_RATE = 1e-3  # 1/s
 
 
 class TorqueStretch(NamedTuple):
-    """External torque (N, n) [Nm] and joint states (N, n) without a gap; period: [s]."""
+    """External torque (N, n) [Nm] and joint states (N, n) of a part without a gap; period: [s]."""
 
     torque: Array
     states: States
@@ -78,7 +78,8 @@ class ResidualModel:
         return replace(self, spread=factor * self.spread, change=factor * self.change)
 
     def at_least(self, usual: "ResidualModel", share: Array | float) -> "ResidualModel":
-        """Return the model with deviations raised towards the usual ones where those are larger.
+        """Return the model with deviations raised by `share` (0 to 1) towards the usual ones where
+        those are larger.
 
         σ² + share max(0, σ_usual² - σ²), of all standard deviations.
         """
@@ -93,10 +94,11 @@ class ResidualModel:
         )
 
     def with_usual_rest(self, stretches: Sequence[TorqueStretch]) -> "ResidualModel":
-        """Return the model with usual deviations at rest and at stops where stretches show too few.
+        """Return the model with deviations at rest and at stops mixed with usual ones, the more the
+        less time the recordings show there.
 
-        stretches: those fitted to. Sets `rubbing` to RUBBING_SHARE of the deviation in motion,
-        `stiction` to half of the deviation at rest.
+        stretches: those that the model was fitted to. Sets `rubbing` to RUBBING_SHARE of the
+        deviation in motion, and `stiction` to half of the deviation at rest.
         """
         seconds = _seconds(stretches, len(self.breakaway))
         unshown = SHOWN_DURATION / (SHOWN_DURATION + seconds)
@@ -114,7 +116,9 @@ class ResidualModel:
         )
 
     def with_tare(self) -> "ResidualModel":
-        """Return the model with the state TARED: as STILL, but with a background that stays."""
+        """Return the model with a further state TARED: as STILL, but with a background that renews
+        very slowly.
+        """
         spread = np.minimum(self.spread[JointState.STILL], TARED_SPREAD_SHARE * self.breakaway)
         change = np.minimum(self.change[JointState.STILL], spread)
         return replace(
@@ -125,7 +129,8 @@ class ResidualModel:
         )
 
     def of_few_paths(self, paths: int) -> "ResidualModel":
-        """Return the model with Student's t for a number of paths, in deviations and intervals.
+        """Return the model widened by Student's t for a number of paths, in its deviations and in
+        `doubt`.
 
         The deviations, which a contact has to exceed, grow as for at least GATE_PATHS paths: with
         the factor for one path, almost no push would be found. The rest of the factor goes into
@@ -139,7 +144,7 @@ class ResidualModel:
 
 @dataclass(frozen=True)
 class Residuals:
-    """The residual model of an arm's external torque, None where it has none.
+    """The residual model of an arm's external torque, tau_ext, None where it has none.
 
     refused: why there is none although friction was fitted; remarks: what the fit recordings do not
     show.
@@ -153,13 +158,12 @@ class Residuals:
 def fit_residual_model(
     stretches: Sequence[TorqueStretch], cutoff: float, breakaway: Array
 ) -> ResidualModel:
-    """Fit the residual model to contact-free stretches by moments.
+    """Return the residual model fitted by moments to contact-free parts of recordings.
 
-    cutoff: [Hz], of the low-pass of the torques, which leaves one independent value per
-    1 / (2 cutoff); breakaway: (n,) [Nm]. The variogram E[(x(t + h) - x(t))²] / 2 at two lags
-    separates fast error and background. A state that no stretch contains has the largest deviations
-    of the others. Raises RefusalError if no stretch is as long as the longer lag, or a joint never
-    moves.
+    cutoff: [Hz], of the low-pass of the torques, which leaves one independent value per 1 / (2
+    cutoff); breakaway: (n,) [Nm]. The variogram E[(x(t + h) - x(t))²] / 2 at two lags separates
+    fast error and background. A state that no part contains has the largest deviations of the
+    others. Raises RefusalError if no part is as long as the longer lag, or a joint never moves.
     """
     # E[x²], and the variogram at both lags
     short, long = (
@@ -195,7 +199,8 @@ def fit_residual_model(
 
 
 def few_paths(paths: int) -> float:
-    """Return Student's t over the normal quantile, the factor on a 95 % band from few paths.
+    """Return the factor by which a 95 % band from few paths is wider: Student's t over the normal
+    quantile.
 
     JOINTS_OF_A_FORCE joints show a force's error independently along a path. One path counts as
     two: it does not determine the variation between paths.
@@ -205,10 +210,12 @@ def few_paths(paths: int) -> float:
 
 
 def _rates(growth: Array) -> Array:
-    """Return the median over the joints, (S,) [1/s]; MIN_RENEWAL_RATE for a state without data.
+    """Return the rate (S,) [1/s] of each state at which the background renews: the median over the
+    joints, MIN_RENEWAL_RATE for a state without data.
 
-    A joint that stops has a new, random friction torque, so while settling and resting the
-    background renews within a second; there are too few stops for the median to show it.
+    growth: (S, n) [1/s]. A joint that stops has a new, random friction torque, so while settling
+    and resting the background renews within a second; there are too few stops for the median to
+    show it.
     """
     rates_by_state = [row[np.isfinite(row)] for row in growth]
     rates = [
@@ -219,7 +226,9 @@ def _rates(growth: Array) -> Array:
 
 
 def _differences(stretch: TorqueStretch, seconds: float) -> TorqueStretch:
-    """Return (x(t + h) - x(t)) / sqrt 2, in the least certain state of the joint in between."""
+    """Return the changes of the torque over some seconds, (x(t + h) - x(t)) / sqrt 2, with the
+    least certain state of each joint in between.
+    """
     lag = max(1, round(seconds / stretch.period))
     torque, states = stretch.torque, stretch.states
     middle = slice(lag // 2, lag // 2 + max(0, len(torque) - lag))
@@ -250,6 +259,8 @@ def _seconds(stretches: Sequence[TorqueStretch], joints: int) -> Array:
 
 
 def _filled_moments(moments: Array, least: Array) -> Array:
-    """Return moments (S, n), NaN replaced by the joint's largest, and all at least some (n,)."""
+    """Return moments (S, n) with NaN replaced by the joint's largest, and all at least `least`
+    (n,).
+    """
     largest = np.nanmax(moments, axis=0)
     return np.maximum(np.where(np.isfinite(moments), moments, largest), least)

@@ -17,7 +17,9 @@ FREE_ROLES = ("fit", "validate")  # in recordings of these roles, nothing should
 
 
 def contacts(force: Array, least_force: float = TOUCH_FORCE) -> list[Span]:
-    """Return contacts that reach a force. force: (N,) [N], of the sensor, NaN where unknown."""
+    """Return the spans of contacts that reach a force [N]; force: (N,) [N], of the sensor, NaN
+    where unknown.
+    """
     return spans(np.nan_to_num(force), least_force, RELEASE_FORCE)
 
 

@@ -44,7 +44,9 @@ NEGATIVE_MASS_TOLERANCE = 0.01  # kg
 
 @dataclass(frozen=True, kw_only=True)
 class SensorOffset(Offset):
-    """The sensor's reading without contact; free: (N,), the contact-free samples used."""
+    """The part of a sensor's reading that is no contact: bias and weight of its tool; free: which
+    samples (N,) are contact-free and were used.
+    """
 
     free: Mask
 
@@ -60,7 +62,9 @@ class SensorOffset(Offset):
 
 
 def measured_columns(reading: Array) -> slice:
-    """Return the columns of a reading (N, 6) that were measured: a sensor may lack the moments."""
+    """Return the columns of a reading (N, 6) that were measured: all, or the forces if all moments
+    are NaN.
+    """
     return slice(3 if np.isnan(reading[:, 3:]).all() else 6)
 
 
@@ -109,7 +113,8 @@ def fit_offset(reading: Array, pull: Array, period: float) -> SensorOffset:
 
 
 def offset_doubt(offset: SensorOffset, repeats: float = 1.0) -> Remark | None:
-    """Return why the bias is doubtful and may be a push; None if most samples agree with it.
+    """Return why the bias is doubtful, since a push may be a part of it; None if most samples agree
+    with it.
 
     repeats: samples per reading of the sensor, above 1 for a slow one.
     """
@@ -129,7 +134,9 @@ def offset_doubt(offset: SensorOffset, repeats: float = 1.0) -> Remark | None:
 
 
 def _settled_agreement(record: SensorReadings, offsets: Array, tolerance: Array) -> Iterator[Fit]:
-    """Yield the fit that starts from the samples that agree with the best of offsets (K, 10)."""
+    """Yield the fit that starts from the samples that agree with the best of some candidates;
+    offsets: (K, 10), none without any.
+    """
     if len(offsets):
         best = record.agreement(offsets, tolerance).sum(axis=1).argmax()
         is_free = agreement(offsets[[best]], record.terms, record.reading, tolerance)[0]
@@ -161,7 +168,9 @@ def _terms(pull: Array, weighed: bool, components: int) -> Array:
 def _offset(
     record: SensorReadings, parameters: Array, is_free: Mask, agreeing: float, rival: float
 ) -> SensorOffset:
-    """Return the fitted parameters (10,) with their standard errors."""
+    """Return fitted parameters (10,) with their standard errors as an offset; agreeing: share of
+    samples that agree with it; rival: largest share of others that agree with another candidate.
+    """
     terms = record.terms[is_free]
     residual = record.reading[is_free] - record.terms[is_free] @ parameters
     noise = residual.std(axis=0)
@@ -239,7 +248,11 @@ def opposite_axes(sensor: Array, estimate: Array, rotation: Array) -> list[str]:
 
 
 def mounting_doubt(offset: SensorOffset, opposite: list[str]) -> Remark | None:
-    """Return why the sensor's mounting is doubtful: turned or of opposite sign; else None."""
+    """Return why the sensor may be mounted upside down or have the opposite sign; None if nothing
+    shows it.
+
+    opposite: axes, as of `opposite_axes`.
+    """
     reasons = []
     if opposite:
         along = f"the sensor's force along {', '.join(opposite)} of frame 6"

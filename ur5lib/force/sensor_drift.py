@@ -70,7 +70,8 @@ def slow_covariance(
 
 
 def _block_covariance(X: Array, block_residual: Array, block: Array) -> Array:
-    """Return the covariance (M, M) of block means: the mean over ρ and g, weighted by likelihood.
+    """Return the covariance (M, M) of the errors of block means: the mean over ρ and g, weighted by
+    likelihood.
 
     The likelihood is restricted: that of the regression's residuals (Harville 1974). A variance
     with a sum of squares S and ν degrees of freedom is expected as S/(ν-2). A bootstrap of blocks

@@ -23,13 +23,14 @@ CENTER_ROUNDS = 2
 
 @dataclass(frozen=True)
 class SensorReading:
-    """A force sensor's reading (N, 6) [N, Nm], axes of frame 6, on the robot's clock.
+    """A force sensor's reading and what is subtracted from it, in axes of frame 6, on the robot's
+    clock.
 
-    untouched: the reading without contact (N, 6), from bias, weight and inertia of its tool;
-    offset: bias and tool; placed: the reading as in the thesis, if on its own clock timed by start
-    stamps alone; start_bias: (6,), mean of `placed` at the start; own_clock: whether it has one;
-    each: samples per reading of the sensor; pull_at, clock_std, inertia, drift, drift_std: as in
-    `OffsetAccount`.
+    wrench: the reading (N, 6) [N, Nm]; untouched: the reading without contact (N, 6), from bias,
+    weight and inertia of its tool; offset: bias and tool; placed: the reading as in the thesis, if
+    on its own clock timed by start stamps alone; start_bias: (6,), mean of `placed` at the start;
+    own_clock: whether the sensor has one; each: samples per reading of the sensor; pull_at,
+    clock_std, inertia, drift, drift_std: as in `OffsetAccount`.
     """
 
     wrench: Array
@@ -46,14 +47,14 @@ class SensorReading:
     drift_std: Array
 
     def account(self) -> OffsetAccount:
-        """Return what is subtracted from the reading."""
+        """Return what is subtracted from the reading, to be written."""
         names = ("pull_at", "clock_std", "inertia", "start_bias", "drift", "drift_std")
         known = {name: getattr(self, name) for name in names}
         return OffsetAccount(**vars(self.offset) | known | {"free": float(self.offset.free.mean())})
 
 
 class OwnClock(NamedTuple):
-    """The clock of a sensor that has one of its own.
+    """A sensor's reading on its own clock, and that clock.
 
     placed: the reading by start stamps alone (N, 6), axes of the sensor; std: error of the clock
     [s]; step: the sensor's sampling period [s].
@@ -123,12 +124,14 @@ def in_frame_6(reading: Array, robot: Robot) -> Array:
 
 
 def within_reach(center: Array) -> Array:
-    """Return a tool's centre of mass (3,) [m], bounded; the flange where it is unknown."""
+    """Return a tool's centre of mass (3,) [m], each coordinate limited to MAX_CENTER_DISTANCE; zero
+    where unknown.
+    """
     return np.nan_to_num(center).clip(-MAX_CENTER_DISTANCE, MAX_CENTER_DISTANCE)
 
 
 def moved_tool(robot: Robot, kinematics: Kinematics, motion: Motion) -> ToolMotion:
-    """Return the motion of what is fixed to frame 6; robot: under the recording's gravity."""
+    """Return the motion of a body fixed to frame 6; robot: under the recording's gravity."""
     return tool_motion(
         kinematics.rotation, kinematics.jacobian, motion.qd, motion.qdd, np.array(robot.gravity)
     )

@@ -17,8 +17,8 @@ MIN_MOTION = 1.0  # s; one joint moves at least this long
 def shown_friction(run: ForceInput, breakaway: Array) -> float:
     """Return the share of the expected friction that the currents show in motion.
 
-    It is found by least squares over all joints, in breakaway torques (n,) [Nm]. NaN where no joint
-    moves for MIN_MOTION, or its friction is unknown.
+    It is found by least squares over all joints; breakaway: torques (n,) [Nm], in which they are
+    compared. NaN where no joint moves for MIN_MOTION, or its friction is unknown.
     """
     if run.gears is None:
         return np.nan

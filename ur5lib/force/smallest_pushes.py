@@ -58,7 +58,7 @@ def pushed(
     typical_force: float,
     least: int,
 ) -> Trials:
-    """Return trial pushes on a contact-free recording.
+    """Return the results of trial pushes on a contact-free recording.
 
     alarms_of: returns the alarms with an additional external torque (N, 6) [Nm], as motors feel it;
     typical_force: of contacts [N]; least: number of pushes to reach, if there is a time for any.
@@ -81,7 +81,8 @@ def pushed(
 def pushes_of_arm(
     trials: Mapping[str, Trials], recordings: Mapping[str, PredictedRecording], paths: int
 ) -> list[SmallestPush]:
-    """Return the smallest pushes by trials on an arm's recordings, none without any trial.
+    """Return the smallest pushes that trials on an arm's recordings show to be found; empty without
+    any trial.
 
     paths: number of fitted paths; without any, friction is that of other arms.
     """
@@ -95,7 +96,7 @@ def pushes_of_arm(
 
 
 def by_motion(trials: Trials) -> Iterator[tuple[str, Trials]]:
-    """Yield the trials at rest, in slow and in fast motion."""
+    """Yield (motion, trials) for rest, slow and fast motion."""
     for (low, high), motion in zip(pairwise(FLANGE_SPEEDS), SPEEDS.values(), strict=True):
         yield motion, trials.within(low, high)
 
@@ -133,8 +134,8 @@ def smallest_pushes(
 
 
 def needed(felt: Trials) -> Iterator[tuple[str, Needed]]:
-    """Yield motion and detected push, in units of its place and over all axes, where trials
-    determine it.
+    """Yield, by motion, the push that is detected, in units of its place over all axes, where
+    trials determine it.
 
     felt: trials, except at poses in which joints feel almost none.
     """
@@ -177,7 +178,8 @@ def detectable(trials: Trials, most: float) -> Limit:
     """Return the push that is detected, by a logistic curve of trials along one axis in one motion.
 
     Poses in which joints feel almost none are left out. most: the largest trial of all [N], beyond
-    which the curve shows nothing. A push with a 95 % interval that reaches zero is not determined.
+    which the curve shows nothing. None is returned as value if there are too few trials, or its 95
+    % interval reaches zero.
     """
     felt = trials.where(trials.felt(FELT_SIZE * most))
     if len(trials.found) < MIN_TRIALS_OF_A_LIMIT:

@@ -29,10 +29,11 @@ SMOOTHING_WINDOW = 0.2  # s; positions as read are averaged over it
 def tare_doubts(
     span: Span, signals: Signals, arm: Robot, cutoff: float, qd: Array | None = None
 ) -> Iterator[Finding]:
-    """Yield findings: an untouched span is no tare, or may contain a contact.
+    """Yield the finding that an untouched span cannot serve as a tare, or warnings that it may
+    contain a contact.
 
-    cutoff: of the currents' low-pass [Hz]; qd: (N, n) [rad/s], smoothed velocities, by default
-    derived from the positions.
+    cutoff: of the currents' low-pass [Hz]; qd: (N, n) [rad/s], smoothed velocities, None to derive
+    them from the positions.
     """
     period, time = signals.period, signals.time - signals.time[0]
     if qd is None:
@@ -55,8 +56,8 @@ def tare_doubts(
 
 
 def _unusable(span: Span, rest: float, whole: float, unknown: float) -> Finding:
-    """Return the error of a tare; rest: in its span, whole: recording, unknown: at both ends
-    [s].
+    """Return the error of a span that cannot serve as a tare; rest: time at rest in it; whole:
+    duration of the recording; unknown: time at both ends without a torque; all in s.
     """
     detail = (
         f"`untouched` [{as_written(span, 'g')}] is no tare, and forces are estimated without it: "
@@ -81,7 +82,9 @@ def touched_by_sensor(span: Span, time: Array, reading: Array) -> Iterator[Findi
 
 
 def touched_by_own_clock(span: Span, sensor: pd.DataFrame, start: StartOffset) -> Iterator[Finding]:
-    """As `touched_by_sensor`, for a sensor with a clock of its own, timed by the start stamps."""
+    """Yield the warning of `touched_by_sensor` for a sensor with a clock of its own, timed by its
+    start stamps.
+    """
     reading = sensor[SENSOR_COLUMNS["force"][:3]].to_numpy(float)
     yield from touched_by_sensor(span, sensor["time"].to_numpy() + start.seconds, reading)
 
@@ -114,12 +117,12 @@ def inside(span: Span, time: Array) -> Mask:
 
 
 def tared(currents: Currents, motion: Motion, untouched: Span, cutoff: float) -> Currents:
-    """Return the currents with the mean external torque of an untouched span [s] subtracted.
+    """Return the currents with the external torque reduced by its mean in an untouched span [s].
 
-    cutoff: of its low-pass [Hz].
-    It is subtracted from the span on until a joint leaves its posture: then constants and load err
-    differently, and friction at rest changes. If the span rests for less than MIN_REST_DURATION,
-    the currents stay as they are, and `tare_doubts` reports it.
+    cutoff: of its low-pass [Hz]. It is subtracted from the span on until a joint leaves its
+    posture: then constants and load err differently, and friction at rest changes. If the arm rests
+    in the span for less than MIN_REST_DURATION, the currents stay as they are, and `tare_doubts`
+    reports it.
     """
     torque = currents.external_torque
     if torque is None:
@@ -134,7 +137,9 @@ def tared(currents: Currents, motion: Motion, untouched: Span, cutoff: float) ->
 
 
 def from_span(motion: Motion, known: Mask) -> Mask:
-    """Return the samples (N,) from the first of `known` on, until a joint leaves its posture."""
+    """Return which samples (N,) follow the first of `known`, itself included, until a joint leaves
+    its posture or the segment ends.
+    """
     first = np.argmax(known)
     away = np.abs(motion.q - motion.q[known].mean(axis=0)).max(axis=1) > MAX_POSTURE_CHANGE
     ends = away | (motion.segment != motion.segment[first])

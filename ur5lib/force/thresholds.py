@@ -11,13 +11,15 @@ THRESHOLD_STEP = 0.5  # N; the tried thresholds of forces are this far apart
 
 
 def alarms(log_odds: Array, threshold: float) -> list[Span]:
-    """Return the alarms of log-odds of contact (N,)."""
+    """Return the spans of alarms, from where log-odds of contact (N,) reach the threshold until
+    they are ALARM_HYSTERESIS below it.
+    """
     return spans(log_odds, threshold, threshold - ALARM_HYSTERESIS)
 
 
 def force_alarms(force: Array, threshold: float) -> list[Span]:
-    """Return the stretches that reach a threshold and last above two thirds of it, as contacts do
-    at the sensor (3 and 2 N).
+    """Return the spans of alarms, in which a force reaches a threshold and stays above two thirds
+    of it, as contacts do at the sensor (3 and 2 N).
 
     force: (N,) [N], not negative, NaN where unknown; threshold: [N].
     """
@@ -57,6 +59,8 @@ def force_threshold(contact_free: list[Array], periods: list[float], per_minute:
 
 
 def _allowed_alarms(contact_free: list[Array], periods: list[float], per_minute: float) -> int:
-    """Return the number of alarms that recordings (N,), with periods [s], may raise together."""
+    """Return the number of alarms that all recordings together may raise; contact_free: (N,) each;
+    periods: [s].
+    """
     pairs = zip(contact_free, periods, strict=True)
     return int(per_minute * sum(len(values) * period for values, period in pairs) / 60)

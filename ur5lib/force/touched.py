@@ -10,7 +10,8 @@ from ur5lib.timeseries.arrays import Array
 
 
 def sensed_contact(force: Array, time: Array) -> Sensed | None:
-    """Return what a sensor reads, None if it has no reading.
+    """Return the largest force, and number and share of contacts, at a sensor; None if it has no
+    reading.
 
     force: (N,) [N], of the sensor, NaN where unknown; time: (N,) [s].
     """
@@ -27,7 +28,9 @@ def sensed_contact(force: Array, time: Array) -> Sensed | None:
 
 
 def touched(felt: Sensed | None, role: str) -> Finding | None:
-    """Return an error where a sensor reads contacts on a recording that should be free of them."""
+    """Return an error if a sensor reads contacts in a recording with a role that excludes them;
+    else None.
+    """
     if felt is None or not felt.contacts or role not in FREE_ROLES:
         return None
     count = f"{felt.contacts} contact{'s' * (felt.contacts > 1)}"

@@ -21,11 +21,11 @@ LOG_STEEPNESS = 1.5  # with it, the logistic curve goes from 25 to 75 % found wi
 
 @dataclass(frozen=True)
 class Trials:
-    """Trial pushes.
+    """Results of M trial pushes.
 
     force: peaks (M,) [N]; axis: of the base (M,), 0 to 2; speed: mean of the flange (M,) [m/s]
-    during the push, zero while the whole arm rests; found: (M,); unit: force along the axis (M,)
-    [N] of one standard deviation of the joints' torques.
+    during the push, zero while the whole arm rests; found: whether an alarm overlaps the push (M,);
+    unit: force along the axis (M,) [N] of one standard deviation of the joints' torques.
     """
 
     force: Array
@@ -49,13 +49,13 @@ class Trials:
         return self.where(self.axis == axis)
 
     def felt(self, largest: float) -> Mask:
-        """Return the mask (M,) of trials where joints feel a force [N] by two standard
-        deviations.
+        """Return in which trials (M,) a force of size `largest` [N] is at least two standard
+        deviations of the joints' torques.
         """
         return 2 * self.unit <= largest
 
     def where(self, rows: Mask) -> "Trials":
-        """Return some of the trials."""
+        """Return the trials in some rows (M,)."""
         return Trials(*(getattr(self, field.name)[rows] for field in fields(self)))
 
 
@@ -91,10 +91,10 @@ def felt_push(
 
 
 class Untouched(NamedTuple):
-    """A contact-free recording.
+    """A contact-free recording, on which pushes are tried.
 
     jacobian: (N, 6, n); speed: of the flange (N,) [m/s]; period: [s]; raised: its own alarms,
-    during which no push is tried; hiding: variances (N, n) [Nm²] of the torque that hides one.
+    during which no push is tried; hiding: variances (N, n) [Nm²] of the torque that hides a push.
     """
 
     jacobian: Array
@@ -104,7 +104,7 @@ class Untouched(NamedTuple):
     hiding: Array
 
     def information(self, place: Span) -> Array:
-        """Return the mean information A = Σ j jᵀ / S (3, 3) [1/N²] on a force at a place, j columns
+        """Return the mean information A = Σ j jᵀ / S (3, 3) [1/N²] on a force in a span, j: columns
         of J.
         """
         jacobian, hiding = self.jacobian[slice(*place), :3], self.hiding[slice(*place)]
@@ -112,7 +112,7 @@ class Untouched(NamedTuple):
         return felt
 
     def free(self, places: list[Span]) -> list[tuple[Span, float]]:
-        """Return the places without an alarm, each with the flange's mean speed [m/s] there."""
+        """Return the spans without an alarm, each with the flange's mean speed [m/s] in it."""
         means = [(place, float(self.speed[slice(*place)].mean())) for place in places]
         return [
             (place, mean)
@@ -122,7 +122,8 @@ class Untouched(NamedTuple):
 
 
 def unit_along(information: Array, direction: Array) -> Array:
-    """Return the force (...) [N] along d that is worth one standard deviation: (dᵀ A d)^-½.
+    """Return the force (...) [N] along a direction that is one standard deviation of the joints'
+    torques: (dᵀ A d)^-½.
 
     information: A (3, 3) [1/N²]; direction: d (..., 3). Infinite where no joint feels it.
     """
@@ -138,11 +139,11 @@ def try_each_place(
     typical_force: float,
     later: float = 0.0,
 ) -> Trials:
-    """Push once at each place of a recording, along the base's x, y or z.
+    """Return the results of one push in each span without an alarm, along the base's x, y or z.
 
-    alarms_of: returns alarms with an additional external torque (N, 6) [Nm]; random: deals out
-    peaks and axes; typical_force: of contacts [N]; later: delay of all pushes, over the interval of
-    two.
+    alarms_of: returns alarms with an additional external torque (N, 6) [Nm]; random: distributes
+    peaks and axes; typical_force: of contacts [N]; later: delay of all pushes, as a share of the
+    interval of two.
     """
     profile, places = trial_pushes(len(run.jacobian), run.period, later)
     free_places = run.free(places)
@@ -166,7 +167,7 @@ def try_each_place(
 def sizes(count: int, later: float) -> Array:
     """Return the sizes (count,) of a round's pushes in typical forces, evenly in their logarithm.
 
-    Rounds have other sizes, so that few places a round are tried with all; later: see
+    Each round has other sizes, so that with few pushes a round, all sizes are tried; later: as of
     `try_each_place`.
     """
     smallest, largest = np.log(TRIAL_SIZES)
@@ -175,9 +176,9 @@ def sizes(count: int, later: float) -> Array:
 
 
 def trial_pushes(count: int, period: float, later: float = 0.0) -> tuple[Array, list[Span]]:
-    """Return raised-cosine pushes of height 1, one after each pause: profile (N,) and spans.
+    """Return raised-cosine pushes of height 1, one after each pause: profile (N,) and their spans.
 
-    later: delay of all of them, over the interval of two.
+    later: delay of all pushes, as a share of the interval of two.
     """
     length = round(PUSH_DURATION / period)
     interval = round((PUSH_DURATION + PAUSE_DURATION) / period)
@@ -192,7 +193,7 @@ def trial_pushes(count: int, period: float, later: float = 0.0) -> tuple[Array, 
 class Curve(NamedTuple):
     """The share of pushes that is found at a place, p = 1 / (1 + exp(-e^s (log F - log unit - m))).
 
-    parameters: m and s; covariance: of them (2, 2).
+    parameters: (m, s); covariance: of these (2, 2).
     """
 
     parameters: Array
@@ -200,15 +201,17 @@ class Curve(NamedTuple):
 
     @classmethod
     def of(cls, force: Array, detected: Mask, unit: Array | float = 1.0) -> Self:
-        """Return the most likely curve of trial pushes (M,) [N] at places with these units [N]."""
+        """Return the curve fitted by maximum likelihood to trial pushes (M,) [N] at places with
+        these units [N].
+        """
         x = np.log(force) - np.log(unit)
         start = np.array([np.median(x[detected]), LOG_STEEPNESS])
         best = minimize(_cost, start, args=(x, detected))
         return cls(best.x, np.asarray(best.hess_inv))
 
     def share(self, force: Array, unit: Array) -> Array:
-        """Return the share (K,) of pushes of forces (K,) [N] that is found, mean over units (M,)
-        [N].
+        """Return the share (K,) of pushes with forces (K,) [N] that is found, as the mean over
+        places with units (M,) [N].
         """
         middle, steepness = self.parameters
         x = np.log(force)[:, None] - np.log(unit)
@@ -220,9 +223,9 @@ def smallest_force(
 ) -> tuple[float, float]:
     """Return the force [N] of which a share `probability` is found, and its standard error.
 
-    A logistic curve over log force, and the curvature of its likelihood (delta method). force: (M,)
-    [N], of trial pushes; detected: (M,); unit: of each place (M,) [N]; the share is the mean over
-    places. Infinite if none was found.
+    It is from a logistic curve over log force, and the curvature of its likelihood (delta method).
+    force: (M,) [N], of trial pushes; detected: (M,); unit: of each place (M,) [N]; the share is the
+    mean over places. Infinite if none was found.
     """
     if not detected.any():
         return np.inf, np.nan
@@ -230,7 +233,9 @@ def smallest_force(
     curve = Curve.of(force, detected, unit)
 
     def reached(parameters: Array) -> float:
-        """Return log F of mean p = probability."""
+        """Return the log force at which the mean share found is `probability`, for these parameters
+        of the curve.
+        """
         middle, steepness = parameters
         alone = middle + logit(probability) * np.exp(-steepness)  # at one place
         ends = alone + units.min() - 1e-6, alone + units.max() + 1e-6

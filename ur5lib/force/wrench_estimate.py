@@ -43,7 +43,9 @@ REST_SMOOTHING_PERIODS = 0.4
 
 
 class StretchEstimate(NamedTuple):
-    """The estimate at the thinned samples (n,) of a stretch; its fields as in WrenchEstimate."""
+    """The estimate at the thinned samples (n,) of a part without a gap; fields as in
+    WrenchEstimate.
+    """
 
     wrench: Array
     std: Array
@@ -67,9 +69,10 @@ class AtAllSamples:
 
 
 def at_all_samples(stretches: Iterable[tuple[slice, Array]], every: int) -> Array:
-    """Return a quantity (N, ...) of stretches, interpolated between their thinned samples.
+    """Return a quantity (N, ...) of parts without a gap, interpolated between their thinned
+    samples.
 
-    stretches: each with its rows, of which every n-th has a value.
+    stretches: each part's rows, and the values at every n-th of these; every: n.
     """
     parts = []
     for rows, thinned in stretches:
@@ -89,7 +92,8 @@ class WrenchEstimate:
     least_squares_std: (N, 6) [N, Nm], the wrench of the same contacts without a prior: NaN in them
     where the torque is unknown, zero elsewhere. NaN where the arm's pose is unknown. Each quantity
     is interpolated when it is asked for: those of a long recording take a gigabyte together.
-    stretches: each with its rows, of which every n-th was used.
+    stretches: parts without a gap, each with its rows and its estimate at every n-th of these;
+    every: n.
     """
 
     stretches: list[tuple[slice, StretchEstimate]]
@@ -103,7 +107,8 @@ class WrenchEstimate:
 
 
 def used_rows(segment: Labels, period: float, cutoff: float) -> Labels:
-    """Return the rows (M,) of the samples that an estimate uses, from the first of each stretch.
+    """Return the numbers (M,) of the rows that an estimate uses: every n-th, from the first of each
+    part without a gap.
 
     cutoff: of the torque's low-pass [Hz].
     """
@@ -118,11 +123,12 @@ def estimate_wrench(
     prior: ContactPrior,
     place: Array | None = None,
 ) -> WrenchEstimate:
-    """Estimate the wrench of each unbroken stretch from all of its samples (offline).
+    """Return the contact wrench of a run, each part without a gap estimated from all of its samples
+    (offline).
 
     run: with a low-passed torque, and states of `model`; unknown friction of its gears counts as
     none; jacobian: (M, 6, n), at `used_rows`, NaN where the arm's pose is unknown; place: (M, 3)
-    [m], where contacts are assumed, from the origin of frame 6, base axes; None: there.
+    [m], where contacts are assumed, from the origin of frame 6, base axes; None for that origin.
     """
     place = np.zeros((len(jacobian), 3)) if place is None else place
     estimates, start = [], 0
@@ -139,7 +145,7 @@ def estimate_wrench(
 def contact_log_odds(
     run: ForceInput, jacobian: Array, model: ResidualModel, prior: ContactPrior
 ) -> Array:
-    """Return the log-odds (N,) of contact alone; arguments as of `estimate_wrench`."""
+    """Return only the log-odds (N,) of contact; arguments as of `estimate_wrench`."""
     odds = []
     for rows, observations in _thinned(run, jacobian, model, prior):
         probability, _ = find_contacts(observations)
@@ -150,7 +156,7 @@ def contact_log_odds(
 def _thinned(
     run: ForceInput, jacobian: Array, model: ResidualModel, prior: ContactPrior
 ) -> Iterator[tuple[slice, Observations]]:
-    """Yield the rows of each unbroken stretch, and its samples that are used."""
+    """Yield, for each part without a gap, its rows and its observations at every n-th of these."""
     stride, start = thinning(run.period, model.cutoff), 0
     for rows in unbroken(run.segment):
         part = run.thinned(stride, slice(rows.start, rows.stop, stride))
@@ -160,7 +166,7 @@ def _thinned(
 
 
 def _estimate(observations: Observations) -> StretchEstimate:
-    """Estimate the wrench of one stretch, at the thinned samples."""
+    """Return the wrench of one part without a gap, at its thinned samples."""
     torque, period, noise = observations.torque, observations.period, observations.noise
     model, prior = observations.model, observations.prior
     # p(contact), the background b, and the spans of contacts
@@ -212,7 +218,8 @@ def _at_flange(estimate: StretchEstimate, place: Array) -> StretchEstimate:
 
 
 def smoothed(wrench: Array, resting: Mask, samples: float) -> Array:
-    """Return a wrench (n, 6) averaged at rest (n,) by a normal window, `samples` its deviation.
+    """Return a wrench (n, 6) averaged over the samples at rest; resting: which these are (n,);
+    samples: standard deviation of the normal window.
 
     In contact at rest, friction sticks and slips, and torques jump where the force does not.
     """
@@ -236,7 +243,8 @@ def std_in_contact(likely: Array, contact: ContactWrench, doubt: float, shut: Ar
 
 
 def contact_spans(probability: Array, period: float) -> list[Span]:
-    """Return the contacts of a probability (N,), each longer by CONTACT_MARGIN at both ends.
+    """Return the spans of contacts by their probability (N,), extended by CONTACT_MARGIN [s] at
+    both ends.
 
     period: [s].
     """
@@ -250,8 +258,7 @@ def contact_spans(probability: Array, period: float) -> list[Span]:
 def _slow_press(observations: Observations, background: Array) -> Array:
     """Return the wrench (n, 6) of a slow press that would explain the background (n, 6) [Nm].
 
-    It widens the band where the whole arm rests, unless a tare shows the background; zero
-    elsewhere.
+    It widens the band where the whole arm rests and no tare shows the background; zero elsewhere.
     """
     resting = is_still(observations.states)
     wrench = np.zeros((len(background), 6))
@@ -267,12 +274,11 @@ def _slow_press(observations: Observations, background: Array) -> Array:
 
 
 def _std_while_shut(observations: Observations, contact_probability: Array, inside: Mask) -> Array:
-    """Return the standard deviation σ (n, 6) while the gate is shut, with ± 1.96 σ as the 95 %
-    band.
+    """Return σ (n, 6) while the gate is shut, with which ± 1.96 σ is the 95 % band of the wrench.
 
     The band is that of a mixture of a free arm, with a force that does not count as contact, and a
-    missed contact. contact_probability: probability of contact by the gate (n,); inside: the
-    contacts (n,).
+    missed contact. contact_probability: probability of contact by the gate (n,); inside: which
+    samples are in contacts (n,).
     """
     model, prior = observations.model, observations.prior
     hidden = (model.doubt * MISSED_DEVIATIONS) ** 2 * observations.noise.hiding()

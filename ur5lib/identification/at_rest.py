@@ -18,10 +18,10 @@ MIN_STRETCHES = 5  # with fewer, single postures are resampled
 
 @dataclass(frozen=True)
 class AtRest:
-    """Postures of an arm, each with a static friction of its own.
+    """Postures of an arm at rest, each with a static friction of its own.
 
     torque: (M, n) [Nm], of the rigid-body model; current: (M, n) [A], both minus their means over
-    the recording; record: (M,) labels.
+    the recording; record: (M,) labels of the recordings.
     """
 
     torque: Array
@@ -30,7 +30,9 @@ class AtRest:
 
     @classmethod
     def of(cls, recordings: Sequence[tuple[Array, Array]]) -> "AtRest | None":
-        """Return the postures of recordings (torque, current), (M, n) each; None without any."""
+        """Return the postures of recordings, each given as (torque, current), (M, n); None without
+        any.
+        """
         if not recordings:
             return None
         torque, current = (
@@ -41,7 +43,9 @@ class AtRest:
         return cls(torque, current, np.repeat(np.arange(len(sizes)), sizes))
 
     def stretches(self) -> Labels:
-        """Return labels (M,) of a bootstrap's units: stretches, or postures if these are few."""
+        """Return labels (M,) of the units that a bootstrap draws: POSTURES_PER_STRETCH postures in
+        a row, or single ones if these are few.
+        """
         posture = np.arange(len(self.record))
         stretch = posture // POSTURES_PER_STRETCH
         return stretch if stretch[-1] + 1 >= MIN_STRETCHES else posture

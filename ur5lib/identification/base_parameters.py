@@ -35,9 +35,10 @@ MAX_PRIOR_VARIANCE_SHARE = 0.01
 
 @dataclass(frozen=True)
 class BaseParameters:
-    """β = groups π: the combinations of the parameters π on which torques depend.
+    """The combinations β = groups π of the parameters π on which torques depend.
 
-    columns: (B,), the parameter that names each, with coefficient 1; groups: (B, P).
+    columns: (B,), number of the parameter that names each combination and has the coefficient 1;
+    groups: (B, P).
     """
 
     columns: NDArray[np.intp]
@@ -49,7 +50,8 @@ class BaseParameters:
         return parameter_names(self.groups.shape[1])
 
     def names(self) -> list[str]:
-        """Return the name of each base parameter: its own parameter, and those grouped with it.
+        """Return the name of each base parameter: that of its own parameter, and of those grouped
+        with it.
 
         The names contain no coefficients, whose last digits differ between processors.
         """
@@ -60,7 +62,8 @@ class BaseParameters:
 
 @dataclass(frozen=True)
 class Stack:
-    """The rows [Y τ] of a linear fit to an arm of n joints, as the triangular factors of their QR.
+    """The rows [Y τ] of a linear fit to an arm of n joints, kept as triangular factors of their QR
+    decomposition.
 
     factors: (B, n, P + 1, P + 1), of each block and joint; samples: (B,), rows per block.
     """
@@ -87,7 +90,8 @@ class InertialEstimate:
     noise: Array
 
     def standard_errors(self, groups: Array) -> Array:
-        """Return the standard errors (B,) of groups π, at least those of rounding; groups: (B, P).
+        """Return the standard errors (B,) of groups π, at least those of the torques' rounding;
+        groups: (B, P).
 
         Rounding repeats itself where an arm rests or passes again: the blocks of the jackknife
         agree on it, and more samples do not average it.
@@ -96,8 +100,8 @@ class InertialEstimate:
         return np.maximum(scattered, np.linalg.norm(groups @ self.rounding, axis=1))
 
     def determined(self, groups: Array) -> Mask:
-        """Return the mask (B,) of groups π that data determine: a small error, not from the
-        prior.
+        """Return which of groups π (B,) the data determine: those with a small error that does not
+        come from the prior.
         """
         prior_std = np.linalg.norm(groups * self.width, axis=1)
         share = prior_share(groups, self.spread, self.width)
@@ -106,7 +110,7 @@ class InertialEstimate:
 
 
 def base_parameters(regressor: Array) -> BaseParameters:
-    """Determine the base parameters of an arm by a rank test (Gautier 1991).
+    """Return the base parameters of an arm by a rank test (Gautier 1991).
 
     regressor: (N, n, P), Y of τ = Y π at some hundred random states. A parameter is grouped with
     earlier ones if its column depends linearly on theirs. Links are taken from the base outwards,
@@ -126,21 +130,21 @@ def base_parameters(regressor: Array) -> BaseParameters:
 
 
 def parameter_names(count: int) -> list[str]:
-    """Return the names of π (P,), P = count: those of the links, then the rotor inertias."""
+    """Return the names of the `count` parameters π: those of the links, then the rotor inertias."""
     joints = range(1, count // PARAMETERS_PER_JOINT + 1)
     links = [f"{name} of link {k}" for k in joints for name in LINK_PARAMETERS]
     return [*links, *(f"rotor inertia of joint {k}" for k in joints)]
 
 
 def prior_width(count: int) -> Array:
-    """Return the standard deviations of the prior of π (P,), P = count."""
+    """Return the standard deviations of the prior of the `count` parameters π."""
     link = [MASS_WIDTH, *[MOMENT_WIDTH] * 3, *[INERTIA_WIDTH] * 6]
     joints = count // PARAMETERS_PER_JOINT
     return np.array([*link * joints, *[ROTOR_WIDTH] * joints])
 
 
 def stack(blocks: Blocks) -> Stack:
-    """Accumulate regressors (N, n, P) and torques (N, n) [Nm], block by block.
+    """Return regressors (N, n, P) and torques (N, n) [Nm] of all blocks as a Stack.
 
     Errors within a block may be correlated, those of different blocks count as independent: one or
     two seconds per block suffice. Rows with NaN are excluded. Memory is bounded: beyond MAX_BLOCKS
@@ -179,11 +183,11 @@ def total_factors(data: Stack) -> Array:
 
 
 def identify(data: Stack, prior: Array, width: Array) -> InertialEstimate:
-    """Fit π by weighted least squares with ridge regression towards a prior.
+    """Return π fitted by weighted least squares with ridge regression towards a prior.
 
     prior, width: (P,), mean and standard deviation of π before the data. The weights are the
-    inverse squares of each joint's noise, which is estimated from the residuals.
-    Raises RefusalError for a single block, which determines no standard errors.
+    inverse squares of each joint's noise, which is estimated from the residuals. Raises
+    RefusalError for a single block, which determines no standard errors.
     """
     if len(data.samples) < 2:
         text = (
@@ -214,7 +218,8 @@ def torque_error(blocks: Blocks, parameters: Array) -> Array:
 
 
 def solve(rows: Array, noise: Array, prior: Array, width: Array) -> tuple[Array, Array]:
-    """Return π (P,) and S (P, P), covariance S Sᵀ, from the factors of all rows and the prior.
+    """Return π (P,) and the root S (P, P) of its covariance S Sᵀ, from the factors of all rows and
+    the prior.
 
     rows: (n, P + 1, P + 1); noise: (n,) [Nm]; prior, width: (P,). QR of [Y τ; 1 π₀] / [σ; width].
     """
@@ -227,7 +232,9 @@ def solve(rows: Array, noise: Array, prior: Array, width: Array) -> tuple[Array,
 
 
 def prior_share(groups: Array, spread: Array, width: Array) -> Array:
-    """Return the share of the variance of groups π (B,) that comes from the prior: 0 to 1."""
+    """Return which share of the variance of groups π (B,) comes from the prior, 0 to 1; spread: S
+    (P, P) of the covariance S Sᵀ.
+    """
     root = groups @ spread
     from_prior = root @ (spread / width[:, None]).T
     return np.sum(from_prior**2, axis=1) / np.sum(root**2, axis=1)
@@ -240,7 +247,8 @@ def _noise(rows: Array, parameters: Array, freedom: Array) -> Array:
 
 
 def _jackknife_changes(factors: Array, parameters: Array, spread: Array, width: Array) -> Array:
-    """Return the changes (K, P) of the estimate without each block (jackknife), and the prior's.
+    """Return how the estimate changes without each block (jackknife), and the prior's part of its
+    scatter, (K, P).
 
     With A = rows of a block times S, and e its residuals, the change is S (1 - AᵀA)⁻¹ Aᵀ e.
     """

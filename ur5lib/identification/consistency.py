@@ -32,7 +32,9 @@ def pseudo_inertia_basis() -> Array:
 
 
 def pseudo_inertias(parameters: Array) -> Array:
-    """Return the pseudo-inertias (n, 4, 4) [kg] of π = parameters (P,), lengths in LINK_LENGTH."""
+    """Return the pseudo-inertias (n, 4, 4) [kg] of the links with parameters π (P,), lengths in
+    LINK_LENGTH.
+    """
     joints = len(parameters) // PARAMETERS_PER_JOINT
     return np.einsum(
         "ki,imn->kmn", parameters[:-joints].reshape(joints, -1), pseudo_inertia_basis()
@@ -47,8 +49,8 @@ def smallest_eigenvalues(parameters: Array) -> Array:
 class LinkBounds(NamedTuple):
     """Bounds of an arm's links.
 
-    weight: of all links, at most [kg], None where unknown; low, high: corners (n, 3) [m] of boxes
-    that contain their centres of mass, in the frames of π.
+    weight: largest sum of all links' masses [kg], None where unknown; low, high: corners (n, 3) [m]
+    of boxes that contain their centres of mass, in the frames of π.
     """
 
     weight: float | None
@@ -99,7 +101,8 @@ def _of_size(bounds: LinkBounds) -> Array:
     """Return the pseudo-inertia basis (10, 4, 4) in units of the boxes' length and the arm's
     weight.
 
-    It has the same cone, but scaled so that a solver of finite tolerance converges for large arms.
+    It describes the same bodies, but scaled so that a solver of finite tolerance converges for
+    large arms.
     """
     length = float(np.max(bounds.high - bounds.low))
     scale = np.array([LINK_LENGTH / length] * 3 + [1.0])
@@ -107,7 +110,7 @@ def _of_size(bounds: LinkBounds) -> Array:
 
 
 def _within(links: cp.Expression, bounds: LinkBounds) -> list[cp.Constraint]:
-    """Return the constraints of bounds on the parameters of links."""
+    """Return the constraints that keep the links' parameters within their bounds."""
     weight = bounds.weight or 1.0
     table = cp.reshape(links, (len(bounds.low), 10), order="C") / weight
     moments, masses = table[:, 1:4], table[:, :1] @ np.ones((1, 3))

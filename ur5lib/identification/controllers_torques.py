@@ -22,10 +22,12 @@ OfMotion = Callable[[Array, Array, Array], Array]
 
 @dataclass(frozen=True)
 class CommandedRun:
-    """A recording with the controller's torques, and the dynamics of rigid links under its gravity.
+    """A recording with the controller's torques, and the dynamics of the rigid links under its
+    gravity.
 
-    bare, loaded: return torques (N, n) [Nm] of q, q̇ and q̈, without and with the payload that the
-    controller was given, which `target_moment` contains; regressor: returns Y (N, n, P), bare.
+    bare, loaded: functions of q, q̇ and q̈ that return torques (N, n) [Nm], without and with the
+    payload that the controller was given, which `target_moment` contains; regressor: returns Y (N,
+    n, P) of these, without payload.
     """
 
     signals: Signals
@@ -36,9 +38,10 @@ class CommandedRun:
 
 
 def rotor_samples(run: CommandedRun, design: Butterworth) -> RotorSamples | None:
-    """Return the residual torque from rigid links, q̇ and q̈, (N, n) each, NaN where interpolated.
+    """Return the controller's torque less that of rigid links, q̇ and q̈, (N, n) each, NaN where
+    interpolated.
 
-    design: low-pass. None where `target_moment` was not recorded.
+    design: low-pass. None if `target_moment` was not recorded.
     """
     if run.signals.target_moment is None:
         return None
@@ -50,10 +53,10 @@ def rotor_samples(run: CommandedRun, design: Butterworth) -> RotorSamples | None
 
 
 def torque_blocks(run: CommandedRun, design: Butterworth) -> Iterator[Block]:
-    """Yield regressors and the controller's torques [Nm] of the bare arm, in blocks of
+    """Yield regressors and the controller's torques [Nm] of the arm without payload, in blocks of
     BLOCK_DURATION.
 
-    design: low-pass. Nothing where `target_moment` was not recorded.
+    design: low-pass. Nothing if `target_moment` was not recorded.
     """
     signals = run.signals
     if signals.target_moment is None:
@@ -71,7 +74,8 @@ def torque_blocks(run: CommandedRun, design: Butterworth) -> Iterator[Block]:
 
 
 def torque_states(signals: Signals, motion: Motion) -> tuple[tuple[Array, Array, Array], bool]:
-    """Return q, q̇, q̈ (N, n) of `target_moment`, and whether they are its exact targets.
+    """Return (q, q̇, q̈) (N, n) to which `target_moment` belongs, and whether they are its exact
+    targets.
 
     Where targets were not recorded, they are the measured motion of the motors: the controller
     models rotors and rigid links, but no vibration between them.
@@ -86,7 +90,8 @@ def torque_states(signals: Signals, motion: Motion) -> tuple[tuple[Array, Array,
 def comparable(rows: Array, signals: Signals, exact: bool, design: Butterworth) -> Array:
     """Return rows (N, M) of torques and regressors, NaN where a frame was interpolated.
 
-    Unless the states are exact, all are low-passed alike: measured accelerations already are.
+    Unless the states are exact (`torque_states`), all are low-passed alike: measured accelerations
+    already are.
     """
     if not exact:
         rate = 1 / signals.period

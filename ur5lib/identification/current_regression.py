@@ -71,10 +71,10 @@ LEAST_ERRORS = 0.0, 0.0, 1 / np.sqrt(3), 1 / np.sqrt(3)
 def fit_currents(
     records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior, seed: int = 0
 ) -> CurrentFit:
-    """Fit all joints to contact-free recordings.
+    """Return the fit of all joints' currents to contact-free recordings.
 
-    smooth: a zero-phase low-pass at, for example, 2 Hz: above, the measured current is noise.
-    A joint keeps the prior's torque constant if its current does not follow its torque.
+    smooth: a zero-phase low-pass at, for example, 2 Hz: above, the measured current is noise. A
+    joint keeps the prior's torque constant if its current does not follow its torque.
     """
     samples = joint_samples(records, smooth, _tried(prior))
     shown, left = with_shown_terms(samples, prior)
@@ -91,26 +91,31 @@ def fit_currents(
 
 
 def _tried(prior: Prior) -> tuple[str, ...]:
-    """Return the terms that a prior has, and those that are tried or considered in addition."""
+    """Return all terms of friction that a fit may use: a prior's, those tried in addition, and
+    those that enter its errors.
+    """
     return tuple(dict.fromkeys([*prior.terms, *SPEED_TERMS, STRIBECK, *_considered(prior)]))
 
 
 def _considered(prior: Prior) -> tuple[str, ...]:
-    """Return the further terms that enter the errors of a prior's terms."""
+    """Return the further terms of friction that enter the errors of a prior's terms."""
     return CONSIDERED_OF_TORQUES if prior.measured == TORQUE else CONSIDERED_TERMS
 
 
 def _with_shown_gains(samples: Sequence[JointSamples], prior: Prior, vague: Mask) -> Mask:
-    """Return the mask (n,) of joints with vague gains that keep the prior's gain.
+    """Return which joints (n,) with a vague gain keep the prior's: those of which left-out parts
+    show no other gain.
 
-    They keep it unless left-out parts show another gain of the links' torque. vague: (n,).
+    vague: (n,), the joints with a vague gain.
     """
     joints = [bool(own and not shows_gain(samples[j], prior, j)) for j, own in enumerate(vague)]
     return np.array(joints)
 
 
 def fit_postures(prior: Prior, seed: int = 0) -> CurrentFit:
-    """Fit the torque constants to the prior's postures at rest; friction remains as expected."""
+    """Return the torque constants fitted to the prior's postures at rest, with the prior's
+    friction.
+    """
     return _with_known_where_lost(prior, lambda known: expected_fit(known, seed))[0]
 
 
@@ -119,12 +124,12 @@ def _with_known_where_lost(
     fitted: Callable[[Prior], CurrentFit],
     kept: Callable[[Mask], Mask] = np.array,
 ) -> tuple[CurrentFit, Prior]:
-    """Return a fit in which joints keep the prior's k if their current does not follow their
-    torque, and its prior.
+    """Return a fit, and its prior, in which joints keep the prior's k if their current does not
+    follow their torque.
 
-    fitted: returns the fit under a prior; kept: returns the mask of vague gains that keep the
-    prior's. Gains of measured torques are first fitted without their prior: under it, a fit would
-    take contradictions for noise. Gains that the prior gives more precisely keep it, too.
+    fitted: returns the fit under a prior; kept: returns which vague gains keep the prior's. Gains
+    of measured torques are first fitted without their prior: under it, a fit would take
+    contradictions for noise. Gains that the prior gives more precisely keep it, too.
     """
     sensed = prior.measured == TORQUE
     fit = fitted(prior.with_wide_gains() if sensed else prior)
@@ -153,7 +158,9 @@ def _with_known_where_lost(
 
 
 def _against(alone: float, known: float, sensed: bool) -> Remark:
-    """Return the remark on a joint that fits a constant or gain other than the documented one."""
+    """Return the remark on a joint with a fitted constant or gain that contradicts the documented
+    one; sensed: whether it is a measured torque's gain.
+    """
     by_itself = f"by itself, it would give {number(alone, '.3g')}"
     if sensed:
         text = (
@@ -172,14 +179,16 @@ def _against(alone: float, known: float, sensed: bool) -> Remark:
 
 
 def expected_fit(prior: Prior, seed: int = 0) -> CurrentFit:
-    """Return the fit of each joint that a prior with typical friction gives without any motion."""
+    """Return the fit of each joint that a prior with typical friction gives without data in
+    motion.
+    """
     if prior.at_rest is None:
         return CurrentFit(tuple(map(_with_usual_bands, *_prior_estimates(prior, seed))), 0)
     return _of_estimates(*estimate_together((), prior, seed))
 
 
 def _prior_estimates(prior: Prior, seed: int) -> tuple[list[CoefficientEstimate], list[Array]]:
-    """Return a prior as an estimate of each joint, and its covariance (P, P)."""
+    """Return, for each joint, the prior as an estimate, and its covariance (P, P)."""
     joint_prior = prior.over(BASE_TERMS)
     covariance = np.asarray(np.linalg.inv(joint_prior.precision), dtype=np.float64)
     replicates = np.random.default_rng(seed).multivariate_normal(
@@ -201,14 +210,16 @@ def _prior_estimates(prior: Prior, seed: int) -> tuple[list[CoefficientEstimate]
 
 
 def _of_estimates(estimates: Sequence[CoefficientEstimate], units: int) -> CurrentFit:
-    """Return estimates as a fit with usual bands."""
+    """Return the joints' estimates as a fit with usual bands; units: number of the bootstrap's
+    units.
+    """
     doubts = [np.cov(estimate.replicates.T) for estimate in estimates]
     return CurrentFit(tuple(map(_with_usual_bands, estimates, doubts)), units)
 
 
 def _with_usual_bands(estimate: CoefficientEstimate, doubt: Array) -> JointFit:
-    """Return the fit of a joint without left-out samples; doubt: (P, P), covariance of
-    coefficients.
+    """Return the fit of a joint with usual bands, without left-out samples; doubt: covariance (P,
+    P) of its coefficients.
     """
     coulomb = float(estimate.coefficients[2])
     moving, reversing, standing, unknown = (NORMAL95 * usual * coulomb for usual in UNSEEN_ERRORS)
@@ -228,14 +239,14 @@ def _with_usual_bands(estimate: CoefficientEstimate, doubt: Array) -> JointFit:
 
 
 def beyond_range(fit: CurrentFit) -> Mask:
-    """Return the mask (n,) of gains outside GAIN_RANGE by more than the 95 % interval of 1/gain."""
+    """Return which gains (n,) are outside GAIN_RANGE by more than the 95 % interval of 1/gain."""
     inverse, half = 1 / torque_constants(fit), _inverse_half(fit)
     beyond: Mask = (inverse + half < 1 / GAIN_RANGE[1]) | (inverse - half > 1 / GAIN_RANGE[0])
     return beyond
 
 
 def too_large(fit: CurrentFit, prior: Prior) -> Mask:
-    """Return the mask (n,) of torque constants far larger than the prior's, or negative.
+    """Return which torque constants (n,) are far larger than the prior's, or negative.
 
     The current then follows little of the joint's torque. Deviations are those of k, since 1/k
     cannot be far below the prior's; a k less certain than the prior's counts as far.
@@ -248,7 +259,7 @@ def too_large(fit: CurrentFit, prior: Prior) -> Mask:
 
 
 def too_small(fit: CurrentFit, prior: Prior) -> Mask:
-    """Return the mask (n,) of torque constants far below the prior's, beyond their 95 % interval.
+    """Return which torque constants (n,) are far below the prior's, beyond their 95 % interval.
 
     A unit or the arm is wrong then.
     """
@@ -264,12 +275,16 @@ def _inverse_half(fit: CurrentFit) -> Array:
 
 
 def _inverse_constants(fit: CurrentFit, prior: Prior) -> tuple[Array, Array, Array]:
-    """Return 1/k (6,) [A/Nm] as fitted and of the prior, and the prior's standard deviation."""
+    """Return (n,) each: 1/k [A/Nm] as fitted, that of the prior, and the prior's standard
+    deviation.
+    """
     return 1 / torque_constants(fit), prior.inverse_constant.mean, prior.std()
 
 
 def _estimated(samples: Sequence[JointSamples], prior: Prior, seed: int) -> CurrentFit:
-    """Return the fit under a prior, with usual bands, unselected; samples: with all columns."""
+    """Return the fit under a prior, with usual bands and the prior's terms; samples: with all
+    columns.
+    """
     considered = *prior.terms, *_considered(prior)
     chosen, fuller = (
         [own.of(terms, prior.distances) for own in samples] for terms in (prior.terms, considered)
@@ -282,8 +297,8 @@ def _estimated(samples: Sequence[JointSamples], prior: Prior, seed: int) -> Curr
 def fit_without_each_path(
     records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior
 ) -> list[tuple[list[str], CurrentFit]]:
-    """Cross-fit: return fits without some paths and days, each with the names of the recordings
-    left out.
+    """Return fits without some paths and days, each with the names of the recordings left out
+    (cross-fit).
 
     A recording is predicted by a fit without its path, and without its day if other days have
     enough paths. There are at most MAX_FOLDS fits: of many paths, several are left out together;
@@ -305,9 +320,9 @@ def fit_without_each_path(
 
 
 def _with_bands(joint: JointFit, samples: JointSamples, prior: Prior, left: Array) -> JointFit:
-    """Return the fit of a joint with friction at rest, bands and remarks from its samples.
+    """Return the fit of a joint with friction at rest, bands and remarks by its samples.
 
-    left: residuals (n,) [A] of the samples by fits to others.
+    left: residuals (n,) [A] of the samples, each predicted by a fit to other paths.
     """
     estimate, coefficients = joint.estimate, joint.estimate.coefficients
     path, moving = samples.path, samples.moving
@@ -333,8 +348,8 @@ def _with_bands(joint: JointFit, samples: JointSamples, prior: Prior, left: Arra
 
 
 def _bands(samples: JointSamples, residual: Array, coulomb: float) -> Iterator[float]:
-    """Yield the bands [A] of a `JointFit` by `MotionState`; residual: (n,) [A]; coulomb: friction
-    [A].
+    """Yield the half-widths [A] of a `JointFit`'s bands, one for each `MotionState`; residual: (n,)
+    [A]; coulomb: friction [A].
     """
     for state, (usual, least) in enumerate(zip(UNSEEN_ERRORS, LEAST_ERRORS, strict=True)):
         rows = samples.state == state
@@ -345,7 +360,7 @@ def _bands(samples: JointSamples, residual: Array, coulomb: float) -> Iterator[f
 
 
 def unseen_error(residual: Array, path: Labels, day: Labels, usual: float) -> float:
-    """Return the error σ [A] along one more path: ± 1.96 σ contain 95 %.
+    """Return the standard error σ [A] of a current along one more path: ± 1.96 σ contain 95 %.
 
     σ = √(m² + u² / P), or m t / 1.96 if that is less. 95 % of the residuals (n,) are below 1.96 m;
     u = usual [A]: error on an unseen path; P: number of paths; t: Student's, of the number of days,

@@ -36,11 +36,11 @@ CONTROLLERS = 0.1  # the controller's ratio has this relative error
 def current_record(
     recording: AlignedRecording, arm: Robot, before: Sequence[Motion] = ()
 ) -> CurrentSamples | None:
-    """Return measured motion and currents, with the torque of the fullest link model and the
-    payload.
+    """Return measured motion and efforts, with the torque of the fullest link model and the
+    payload; None if no efforts were recorded.
 
     before: the motions of earlier recordings, oldest first, each starting where the previous one
-    ended: they show on which side friction acts at the start. None where no currents were recorded.
+    ended: they show on which side friction acts at the start.
     """
     model, motion = arm.fullest_model(), recording.motion
     torque = recording.torques.measured[model] + recording.torques.payload_torque
@@ -58,9 +58,10 @@ def measured_samples(
     torque: Array,
     before: Sequence[Motion] = (),
 ) -> CurrentSamples | None:
-    """Return measured motion and currents, with a torque (N, n) [Nm] of the rigid bodies.
+    """Return measured motion and efforts, with a given torque (N, n) [Nm] of the rigid bodies; None
+    if no efforts were recorded.
 
-    before: as of `current_record`. None where no currents were recorded.
+    before: as of `current_record`.
     """
     if signals.effort is None:
         return None
@@ -81,7 +82,8 @@ def measured_samples(
 
 
 def shafts_of(arm: Robot, motion: Motion, before: Sequence[Motion] = ()) -> Shafts | None:
-    """Return the motion of the coupled motor of each joint, None for an arm without coupled motors.
+    """Return, for each joint, the motion of the coupled motor that turns with it; None for an arm
+    without coupled motors.
 
     It is the joint's own motor if that is coupled, otherwise the one that turns most with it.
     """
@@ -125,7 +127,7 @@ def controllers_ratio(signals: Signals, motion: Motion, odd: Sequence[int] = ())
 
 
 def prior_of(robot: Robot, ratios: Sequence[Array]) -> Prior:
-    """Return the prior of an arm; friction is unknown, except of a UR's motors.
+    """Return the prior of an arm's current fit; friction is unknown, except of a UR's motors.
 
     Torque constants come from the manufacturer, and from the controller's ratios (n,) [Nm/A] of
     recordings. Raises RefusalError if they do not suffice.

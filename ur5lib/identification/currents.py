@@ -52,7 +52,8 @@ def torque_constants(fit: CurrentFit) -> Array:
 
 
 def constants_band(fit: CurrentFit) -> Array:
-    """Return the half-width of the relative 95 % intervals (n,) of the torque constants, over 1.96.
+    """Return the half-widths (n,) of the relative 95 % intervals of the torque constants, divided
+    by 1.96.
 
     With few paths, it is more than `constants_doubt`: the standard errors are uncertain, too.
     """
@@ -79,7 +80,8 @@ def breakaway_torque(fit: CurrentFit) -> Array:
 
 
 def dry_friction(terms: tuple[str, ...], values: Array) -> float:
-    """Return the Coulomb friction of a joint, with that of the coupled shaft that it turns with.
+    """Return the Coulomb friction of a joint, including that of the coupled shaft that it turns
+    with.
 
     values: (P,), constant, offset and friction's coefficients, in [A] or [Nm], as the result.
     """
@@ -88,7 +90,9 @@ def dry_friction(terms: tuple[str, ...], values: Array) -> float:
 
 
 def predict(fit: CurrentFit, record: CurrentSamples) -> Array:
-    """Predict the current (N, 6) [A] of a motion without contact; ignores the record's current."""
+    """Return the current (N, n) [A] that a fit predicts for a motion without contact; the record's
+    current is not used.
+    """
     return predicted_currents(fit, motions(record))
 
 
@@ -98,7 +102,9 @@ def motions(record: CurrentSamples) -> Iterator[JointMotion]:
 
 
 def predicted_currents(fit: CurrentFit, joints: Iterable[JointMotion]) -> Array:
-    """Predict the currents (N, n) [A] of n joints' motion without contact."""
+    """Return the currents (N, n) [A] that a fit predicts for the motion of n joints without
+    contact.
+    """
     currents = [
         columns_of(motion, model.terms)
         @ (model.estimate.coefficients if model.alone is None else model.alone)
@@ -127,7 +133,9 @@ def spring_current(fit: CurrentFit, record: CurrentSamples) -> Array:
 
 
 def load_loss(fit: CurrentFit, record: CurrentSamples) -> Array:
-    """Return the load-dependent friction per Nm of transmitted torque (N, n), with its sign."""
+    """Return the load-dependent friction (N, n) per Nm of torque that the gears transmit, with its
+    sign.
+    """
     loss = np.empty_like(record.q)
     for joint, (model, constant) in enumerate(zip(fit.joints, torque_constants(fit), strict=True)):
         coefficient = constant * model.estimate.coefficients[model.names().index("load")]
@@ -136,7 +144,9 @@ def load_loss(fit: CurrentFit, record: CurrentSamples) -> Array:
 
 
 def band(fit: CurrentFit, record: CurrentSamples, smooth: Smooth) -> Array:
-    """Return the half-width (N, n) [A] of the 95 % band of low-passed predictions on a day."""
+    """Return the half-width (N, n) [A] of the 95 % band of low-passed predictions, for the day of
+    the record.
+    """
     by_state = np.array([joint.bands for joint in fit.joints])
     within = np.choose(motion_states(record, smooth), by_state.T[:, None])
     # without any date, a recording that follows another one is of its session
@@ -162,7 +172,9 @@ def days_apart(day: str, others: Iterable[str]) -> float:
 
 
 def _coefficients_doubt(fit: CurrentFit, record: CurrentSamples) -> Array:
-    """Return the standard deviation (N, n) [A] of a prediction from errors of the coefficients."""
+    """Return the standard deviation (N, n) [A] of a prediction due to errors of the coefficients;
+    zero of joints without `doubt`.
+    """
     doubts = np.zeros_like(record.q)
     for joint, (model, motion) in enumerate(zip(fit.joints, motions(record), strict=True)):
         if model.doubt is not None:
@@ -174,7 +186,8 @@ def _coefficients_doubt(fit: CurrentFit, record: CurrentSamples) -> Array:
 def unseen_difference(
     estimate: CoefficientEstimate, days: int, recordings: int, paths: int
 ) -> Array:
-    """Return the standard deviation (P,) of parameters between the fitted days and all days.
+    """Return the standard deviation (P,) by which a joint's parameters differ between the fitted
+    days and all days.
 
     Friction F of D days and R recordings differs by F √(σ_day² / D + σ_run² / R), reduced by the
     share of the prior. A bootstrap over U paths contains the deviations as if each path had a day
@@ -191,11 +204,12 @@ def unseen_difference(
 
 
 def parameters(fit: CurrentFit, measured: Effort = CURRENT) -> list[Parameter]:
-    """Return torque constants [Nm/A], offsets [Nm] and friction [Nm, Nm s/rad, ...].
+    """Return torque constants [Nm/A], offsets [Nm] and friction [Nm, Nm s/rad, ...] of all joints,
+    with errors and whether they are determined.
 
-    measured: torques have gains [Nm/Nm] in place of constants, determined within MAX_GAIN_HALF;
-    their offsets, friction and rotors are determined if their sign is. A parameter with a sign that
-    would drive the joint is not determined.
+    measured: torques have gains [Nm/Nm] in place of constants, determined if their 95 % interval is
+    at most ± MAX_GAIN_HALF; their offsets, friction and rotors are determined if their sign is. A
+    parameter with a sign that would drive the joint is not determined.
     """
     friction = ["offset", *coefficient_names([*TERMS])]
     signed = ["torque_constant", *(friction if measured == TORQUE else ())]

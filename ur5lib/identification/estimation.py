@@ -32,9 +32,9 @@ VAGUE_PRECISION_SHARE = 1e-6  # with this share of its precision, a prior leaves
 def estimate_together(
     samples: Sequence[JointSamples], prior: Prior, seed: int = 0
 ) -> tuple[list[CoefficientEstimate], int]:
-    """Estimate all joints; return the estimates and the number of the bootstrap's units.
+    """Return the estimates of all joints, and the number of units that the bootstrap draws.
 
-    Units are paths, or stretches if paths are few; without motion, stretches of postures.
+    Units are paths, or parts of recordings if paths are few; without motion, postures in a row.
     """
     terms = samples[0].terms if samples else BASE_TERMS
     parts = [part for part in (_in_motion(samples, prior), _at_rest(terms, prior)) if part]
@@ -77,7 +77,8 @@ def estimate_together(
 def shares_of_knowledge(
     prior_share: Array, covariance: Array, equations: Array, record: Labels, day: Labels
 ) -> Array:
-    """Return the shares (4, P) of the information on a joint's coefficients, which add up to one.
+    """Return from where the information on a joint's coefficients comes, as four shares that add up
+    to one, (4, P).
 
     They come from: the prior; recordings of other days than that of the most informative recording
     r; others of its day; r. The prior's share is the diagonal of M⁻¹ Λ (Rodgers 2000), Λ the
@@ -116,7 +117,7 @@ def with_fuller_errors(
 
 
 def physical_values(coefficients: Array) -> Array:
-    """Convert coefficients (..., P) of the current to k [Nm/A], b [Nm] and friction [Nm, ...]."""
+    """Return k [Nm/A], b [Nm] and friction [Nm, ...] for coefficients (..., P) of the current."""
     constant = 1 / coefficients[..., :1]
     return np.concatenate(
         [constant, -constant * coefficients[..., 1:2], constant * coefficients[..., 2:]], axis=-1
@@ -125,10 +126,10 @@ def physical_values(coefficients: Array) -> Array:
 
 @dataclass(frozen=True)
 class NormalEquations:
-    """The information of samples on the joints' coefficients, block by block.
+    """The normal equations of the joints' coefficients, block by block.
 
-    sums: `block_sums` of each joint; unit: label of each block, -1 if it has no samples; record,
-    day: labels of each block, 0 if it has no samples.
+    sums: `block_sums` of each joint; unit: label of the unit of each block, -1 if it has no
+    samples; record, day: labels of each block, 0 if it has no samples.
     """
 
     sums: list[Array]
@@ -137,12 +138,12 @@ class NormalEquations:
     day: Labels
 
     def units(self) -> int:
-        """Return the number of units."""
+        """Return the number of different units."""
         return len(np.unique(self.unit[self.unit >= 0]))
 
 
 def _in_motion(samples: Sequence[JointSamples], prior: Prior) -> NormalEquations | None:
-    """Return the equations of samples in motion; None without samples."""
+    """Return the normal equations of samples in motion; None without samples."""
     if not samples:
         return None
     count = 1 + max(int(joint.block.max(initial=0)) for joint in samples)
@@ -162,7 +163,8 @@ def _in_motion(samples: Sequence[JointSamples], prior: Prior) -> NormalEquations
 
 
 def _at_rest(terms: Sequence[str], prior: Prior) -> NormalEquations | None:
-    """Return the equations of torque constants by postures at rest, each a block; None without any.
+    """Return the normal equations of torque constants by postures at rest, each a block; None
+    without any.
 
     Each recording counts as a day.
     """
@@ -188,7 +190,9 @@ def _at_rest(terms: Sequence[str], prior: Prior) -> NormalEquations | None:
 
 
 def _labels(parts: Sequence[Labels]) -> Labels:
-    """Return the labels of all parts, shifted so that no two parts share one."""
+    """Return the labels of all parts one after the other, shifted so that no two parts have a label
+    in common.
+    """
     firsts = np.cumsum([0, *(labels.max() + 1 for labels in parts[:-1])])
     return np.concatenate([first + labels for first, labels in zip(firsts, parts, strict=True)])
 
@@ -202,10 +206,10 @@ def _normal_equations(samples: JointSamples, prior: Prior, count: int) -> Array:
 def _newton_step(
     fit: Regression, design: Array, current: Array, block: Labels, count: int
 ) -> Array:
-    """Return `block_sums` of one Newton step from Huber's estimate.
+    """Return `block_sums` of one Newton step from Huber's estimate, in units of the estimate's
+    noise.
 
-    Samples beyond Huber's limit have a constant gradient and no curvature. Both are divided by the
-    noise of the estimate.
+    Samples beyond Huber's limit have a constant gradient and no curvature.
     """
     inlier = (fit.weight == 1.0).astype(float)
     predicted = design @ fit.coefficients
@@ -216,9 +220,11 @@ def _newton_step(
 
 
 def _solve(sums: Sequence[Array], counts: Array, prior: Normal) -> tuple[Array, Array]:
-    """Return the coefficients (B, P) of all joints, and the precision (P, P) of the first draw.
+    """Return the coefficients (B, P) of all joints for each of B draws of blocks, and the precision
+    (P, P) of the first.
 
-    sums: (count, P_j, P_j + 1) of each joint; counts: (B, count), of the blocks in each draw.
+    sums: (count, P_j, P_j + 1) of each joint; counts: (B, count), how often each draw has each
+    block.
     """
     size = sum(joint.shape[1] for joint in sums)
     information, right = np.zeros((len(counts), size, size)), np.zeros((len(counts), size))

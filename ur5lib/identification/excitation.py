@@ -31,7 +31,7 @@ PARAMETER_GROUPS = {  # the words that begin the names of a group's parameters
 def candidate_motions(
     joints: int, speed: float, acceleration: float, count: int = 1000
 ) -> dict[str, Motion]:
-    """Return motions of n joints by name, (count, n) each: q, q̇, q̈ [rad, rad/s, rad/s²].
+    """Return motions of n joints by name, each as (q, q̇, q̈), (count, n) [rad, rad/s, rad/s²].
 
     No joint, one, two, or all move at a time, in random poses over the whole range, at random
     velocities up to `speed` and accelerations up to `acceleration`.
@@ -53,12 +53,13 @@ def candidate_motions(
 def check_excitation(
     data: Stack, base: BaseParameters, width: Array, noise: Array, candidates: dict[str, Array]
 ) -> Excitation:
-    """Determine the base parameters that data show at a noise (n,) [Nm], independent between
-    samples.
+    """Return which base parameters the data determine at a noise (n,) [Nm], and which motions would
+    determine the others.
 
-    width: (P,), standard deviations of the prior; candidates: regressors (N, n, P) of
-    `candidate_motions`. A parameter is determined if less than MAX_PRIOR_VARIANCE_SHARE of its
-    variance comes from the prior. A fit may determine less, because its errors are correlated.
+    The noise is independent between samples. width: (P,), standard deviations of the prior;
+    candidates: regressors (N, n, P) of `candidate_motions`. A parameter is determined if less than
+    MAX_PRIOR_VARIANCE_SHARE of its variance comes from the prior. A fit may determine less, because
+    its errors are correlated.
     """
     rows = total_factors(data)
     undetermined = ~_determined_parameters(rows, base, width, noise)
@@ -82,13 +83,15 @@ def _rows(regressor: Array) -> Array:
 
 
 def _determined_parameters(rows: Array, base: BaseParameters, width: Array, noise: Array) -> Mask:
-    """Return the mask (B,) of base parameters that rows (n, N, P + 1) determine."""
+    """Return which base parameters (B,) the rows (n, N, P + 1) determine."""
     _, spread = solve(rows, noise, np.zeros(len(width)), width)
     return prior_share(base.groups, spread, width) <= MAX_PRIOR_VARIANCE_SHARE
 
 
 def _combinations(rows: Array, base: BaseParameters, width: Array, noise: Array) -> int:
-    """Return the number of directions with a hundredth of the prior's variance or less."""
+    """Return how many independent combinations of base parameters have at most
+    MAX_PRIOR_VARIANCE_SHARE of the prior's variance.
+    """
     _, spread = solve(rows, noise, np.zeros(len(width)), width)
     prior_root, posterior_root = base.groups * width, base.groups @ spread
     ratio = eigh(posterior_root @ posterior_root.T, prior_root @ prior_root.T, eigvals_only=True)
@@ -96,7 +99,9 @@ def _combinations(rows: Array, base: BaseParameters, width: Array, noise: Array)
 
 
 def _condition(weighted: Array, base: BaseParameters, width: Array) -> dict[str, float]:
-    """Return the condition numbers of the columns, each scaled by the width of its parameter."""
+    """Return, by group of parameters, the condition number of the columns, each scaled by the width
+    of its parameter.
+    """
     columns = (weighted * width).reshape(-1, len(width))
     members = {
         group: [column for column in base.columns if base.parameters[column].startswith(beginning)]
@@ -111,7 +116,9 @@ def _condition(weighted: Array, base: BaseParameters, width: Array) -> dict[str,
 
 
 def _advice(base: BaseParameters, unknown: Mask, determined: dict[str, Mask]) -> Iterator[Remark]:
-    """Yield the motion that determines most of the unknown parameters, then the next one."""
+    """Yield remarks: the motion that determines most of the undetermined parameters, then the next
+    one.
+    """
     undetermined = unknown
     while undetermined.any():
         motion = max(determined, key=lambda name: int(np.sum(undetermined & determined[name])))
@@ -126,7 +133,7 @@ def _advice(base: BaseParameters, unknown: Mask, determined: dict[str, Mask]) ->
 
 
 def _by_owner(base: BaseParameters, members: Mask) -> str:
-    """Return the chosen base parameters (B,), grouped by link or joint."""
+    """Return in words the base parameters of a mask (B,), grouped by link or joint."""
     owners: dict[str, list[str]] = defaultdict(list)
     for column in base.columns[members]:
         name, owner = base.parameters[column].split(" of ")

@@ -41,7 +41,9 @@ def identification(
     parameters: Array,
     blocks: list[Block],
 ) -> Identification:
-    """Return base parameters, errors with and without consistency, and undetermined parameters."""
+    """Return base parameters, torque errors without and with physical consistency, and what is
+    undetermined.
+    """
     values = {"without constraint": estimate.parameters, "consistent": parameters}
     mae = {name: torque_error(blocks, value) for name, value in values.items()}
     candidates = candidate_regressors(models)
@@ -53,7 +55,7 @@ def identification(
 
 
 def candidate_regressors(models: Sequence[RigidLinks]) -> dict[str, Array]:
-    """Return the regressors (N, n, P) of candidate motions by name, under all gravities."""
+    """Return the regressors (N, n, P) of candidate motions by name, joined over all gravities."""
     joints = len(models[0].parameters) // PARAMETERS_PER_JOINT
     return {
         name: np.concatenate([model.regressor(*motion) for model in models])
@@ -67,7 +69,9 @@ def known_bodies(
     parameters: Array,
     mae: dict[str, Array],
 ) -> Identification:
-    """Return base parameters, errors and definiteness of an estimate, and of bodies near it."""
+    """Return base parameters, their errors, and the least eigenvalues of the unconstrained estimate
+    and of the consistent parameters π (P,).
+    """
     base = base_parameters([*candidate_regressors(models).values()][-1])
     values = base.groups @ parameters, estimate.standard_errors(base.groups)
     known = map(bool, estimate.determined(base.groups))

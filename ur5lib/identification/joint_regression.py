@@ -23,8 +23,8 @@ MIN_SAMPLES = 20  # an error is stated from this many samples (2 s) on
 
 
 def left_out_residuals(samples: JointSamples, prior: Prior) -> Array:
-    """Return measured minus predicted current (n,) [A]; each path is predicted by fits to other
-    paths.
+    """Return measured minus predicted current (n,) [A], where each path is predicted by fits to
+    other paths.
 
     These are of other days, too, if those have enough paths. A single path is predicted from
     itself.
@@ -33,7 +33,9 @@ def left_out_residuals(samples: JointSamples, prior: Prior) -> Array:
 
 
 class LeftOutFit(NamedTuple):
-    """Masks (n,) of left-out and of fitted samples, and the coefficients (P,) fitted in motion."""
+    """A fit to some samples. test, fitted: which samples (n,) are left out, and which are fitted;
+    coefficients: (P,) in motion.
+    """
 
     test: Mask
     fitted: Mask
@@ -41,7 +43,9 @@ class LeftOutFit(NamedTuple):
 
 
 def fits_to_others(samples: JointSamples, prior: Prior) -> Iterator[LeftOutFit]:
-    """Yield at most MAX_FOLDS fits to samples that share neither path nor day with the others."""
+    """Yield at most MAX_FOLDS fits; each leaves some paths out, and fits samples of other paths and
+    days.
+    """
     fold = np.unique(samples.path, return_inverse=True)[1] % MAX_FOLDS
     for left_out in np.unique(fold):
         test = fold == left_out
@@ -51,7 +55,9 @@ def fits_to_others(samples: JointSamples, prior: Prior) -> Iterator[LeftOutFit]:
 
 
 def unseen_residuals(samples: JointSamples, fits: Sequence[LeftOutFit]) -> Array:
-    """Return measured minus predicted current (n,) [A] by `fits_to_others`."""
+    """Return measured minus predicted current (n,) [A], where each sample is predicted by the fit
+    that leaves it out.
+    """
     residual = np.full(len(samples.current), np.nan)
     for test, fitted, coefficients in fits:
         by_motion = samples.columns[test] @ coefficients
@@ -61,7 +67,9 @@ def unseen_residuals(samples: JointSamples, fits: Sequence[LeftOutFit]) -> Array
 
 
 def regress_samples(samples: JointSamples, prior: Prior, fitted: Mask | bool = True) -> Regression:
-    """Fit torque, offset and friction to the samples in motion; fitted: mask (n,), or all."""
+    """Return the regression of torque, offset and friction on the samples in motion; fitted: which
+    samples (n,) are used, True for all.
+    """
     rows = np.flatnonzero(samples.moving & fitted)
     columns, current = (own.take(rows, axis=0) for own in (samples.columns, samples.current))
     prior_and_noise = prior.over(samples.terms), float(prior.noise()[0])
@@ -71,12 +79,12 @@ def regress_samples(samples: JointSamples, prior: Prior, fitted: Mask | bool = T
 def held_current(
     samples: JointSamples, coefficients: Array, fitted: Mask | slice = slice(None)
 ) -> Array:
-    """Return the currents s (1 + D,) [A] of friction at rest in addition to friction in motion.
+    """Return the currents s (1 + D,) [A] by which friction at rest differs from that in motion.
 
     Huber's estimate of s in residual = H s over the samples at rest, of any sign. Friction differs
     from stop to stop, and one stop shows little of s. A prior therefore counts as one more stop of
     mean length: HELD_FRICTION_SHARE of Coulomb friction, and zero over other distances. fitted:
-    (n,), samples used, by default all.
+    which samples (n,) are used, by default all.
     """
     rows = np.arange(len(samples.current))[fitted]
     moving, record = samples.moving[rows], samples.record[rows]

@@ -51,10 +51,10 @@ CENTER_MARGIN_SHARE = 0.12
 
 
 class FittedArm(NamedTuple):
-    """Links, rotors and counterbalances by measured torques.
+    """Links, rotors and counterbalances that were fitted to measured torques.
 
-    parameters: π (P,) of links and rotors as bodies; estimate: without that constraint; mae: of the
-    torques (n,) [Nm], with and without that constraint; balanced: joints from 1 with a
+    parameters: π (P,) of links and rotors as physical bodies; estimate: without that constraint;
+    mae: of the torques (n,) [Nm], with and without that constraint; balanced: joints from 1 with a
     counterbalance.
     """
 
@@ -65,7 +65,8 @@ class FittedArm(NamedTuple):
 
 
 def fit_arm(robot: Robot, runs: Sequence[MeasuredRun], smooth: ZeroPhaseLowpass) -> FittedArm:
-    """Fit links, rotors and counterbalances to torques; described counterbalances are kept.
+    """Return links, rotors and counterbalances fitted to measured torques; described
+    counterbalances are kept.
 
     Raises RefusalError where there are too few rows, or no bodies explain the torques, as with a
     reversed sign.
@@ -84,31 +85,33 @@ def fit_arm(robot: Robot, runs: Sequence[MeasuredRun], smooth: ZeroPhaseLowpass)
 
 
 class ArmFit:
-    """Fits of an arm's torques with some of their columns, and their errors on unseen units.
+    """Fits of an arm's torques by chosen columns of its rows, and their errors on left-out units.
 
-    rows: of its recordings; bounds: of its links; noise: (n,) [Nm], with the terms `known`.
+    rows: of its recordings; bounds: of its links; noise: (n,) [Nm] of the torques, from a fit with
+    the terms `known`.
     """
 
     def __init__(self, robot: Robot, rows: TorqueRows, known: Collection[str]) -> None:
-        """Stack the rows; known: terms of friction that are not on trial."""
+        """Stack the rows; known: terms of friction that need no trial."""
         self.rows, self.bounds = rows, link_bounds(robot)
         self.stack, self.size = stack(rows.units), PARAMETERS_PER_JOINT * rows.joints
         self.mean, self.width = arm_prior(robot, rows)
         self.noise = self.estimate(rows.places(known)).noise
 
     def estimate(self, places: Sequence[int]) -> InertialEstimate:
-        """Return the estimate with some columns, without constraints."""
+        """Return the estimate with the columns at `places`, without constraints."""
         return identify(self.stack_of(places), self.mean[places], self.width[places])
 
     def stack_of(self, places: Sequence[int], units: Mask | slice = slice(None)) -> Stack:
-        """Return the rows of some units with some columns."""
+        """Return the rows of some units with the columns at `places`."""
         factors = self.stack.factors[units][..., [*places, -1]]
         return Stack(factors, self.stack.samples[units])
 
     def unseen_errors(self, places: Sequence[int], bounds: LinkBounds | None) -> Array:
-        """Return Σ e² / σ² of each left-out fold of units and each joint, (FOLDS, n).
+        """Return the squared errors Σ e² / σ² of each left-out fold of units and each joint,
+        (FOLDS, n).
 
-        bounds: of bodies; None: links need not be bodies.
+        bounds: of the links as physical bodies; None if they need not be bodies.
         """
         fold, errors = np.arange(len(self.stack.samples)) % FOLDS, []
         for left_out in np.unique(fold):
@@ -157,16 +160,17 @@ class ArmFit:
 
 
 def ratio(errors: Array, others: Array) -> Array:
-    """Return the ratio (n,) of squared errors (F, n), summed over folds, to others."""
+    """Return the ratio (n,) of squared errors to others, both (F, n) and summed over folds."""
     times: Array = errors.sum(axis=0) / others.sum(axis=0)
     return times
 
 
 def with_bodies(value: Array, spread: Array, size: int, bounds: LinkBounds) -> Array:
-    """Return coefficients (C,) of which the first `size`, those of links, are bodies.
+    """Return coefficients (C,) of which the first `size`, those of links and rotors, are changed to
+    those of physical bodies.
 
     value: (C,), estimate; spread: S of its covariance S Sᵀ. The result is nearest in the metric of
-    S Sᵀ; the rest moves with the links by their covariance.
+    S Sᵀ; the other coefficients follow the links by their covariance.
     """
     root = marginal_root(spread, size)
     parameters = nearest_bodies(value[:size], root, bounds)
@@ -177,8 +181,8 @@ def with_bodies(value: Array, spread: Array, size: int, bounds: LinkBounds) -> A
 
 
 def marginal_root(spread: Array, size: int) -> Array:
-    """Return R (size, size): R Rᵀ is the covariance of the first `size` coefficients, S =
-    spread.
+    """Return R (size, size) with R Rᵀ the covariance of the first `size` coefficients; spread: S of
+    the covariance S Sᵀ of all.
     """
     triangle = np.asarray(np.linalg.qr(spread[:size].T, mode="r"), dtype=np.float64)
     return triangle.T
@@ -197,7 +201,7 @@ def of_links(estimate: InertialEstimate, size: int) -> InertialEstimate:
 
 
 def arm_prior(robot: Robot, rows: TorqueRows) -> tuple[Array, Array]:
-    """Return the prior's mean and standard deviation (P,) of all columns' coefficients.
+    """Return the prior's mean and standard deviation (P,) of the coefficients of all columns.
 
     Half the arm's weight in equal links, m ± m each, with their centres midway; moments ± m L / 4,
     inertias ± m L² and rotors m L² ± m L² of an arm of length L; all else 0 ± the largest torque.
@@ -226,7 +230,9 @@ def _uniform_link(mass: float, tail: Array, inertia: float) -> list[float]:
 
 
 def link_bounds(robot: Robot) -> LinkBounds:
-    """Return bounds of the links' centres of mass, and of their weight if it is described."""
+    """Return bounds of the links' centres of mass, and of their total mass if the arm's weight is
+    described.
+    """
     tails = np.array([link_tail(pose)[1] for pose in robot.link_poses()])
     margin = CENTER_MARGIN_SHARE * np.linalg.norm(tails, axis=1).sum()
     low, high = np.minimum(tails, 0) - margin, np.maximum(tails, 0) + margin

@@ -39,7 +39,7 @@ Maps = Sequence[Array]  # coefficients (P,) of each joint, as fitted or drawn
 
 @dataclass(frozen=True)
 class PayloadEstimate:
-    """Estimated payload.
+    """A payload estimated from a run's currents.
 
     parameters, std_error: (P,), of the regressor's columns [kg, kg m, ...], the mass first; errors
     are from the bootstrap over the run's blocks and over the fit, without the variation between
@@ -58,7 +58,8 @@ class PayloadEstimate:
 
 
 def error_growth(parameters: Array, std_error: Array, paths: int) -> Array:
-    """Return the factor (P,) on standard errors that covers apparent loads of unloaded runs.
+    """Return the factor (P,) on standard errors with which they cover the loads that unloaded runs
+    seem to have.
 
     Birge's ratio √(Σ (x/s)² / Σ (1 - s²/σ²)), at least one, times Student's t / 1.96 for few paths.
     parameters x, std_error s: (R, P), of unloaded runs, each under a fit without it; 0 ± σ: prior;
@@ -73,7 +74,9 @@ def error_growth(parameters: Array, std_error: Array, paths: int) -> Array:
 
 
 def judge(payload: PayloadEstimate, growth: float) -> LoadEstimate:
-    """Return the load with its total error; growth: factor on the mass's, see `error_growth`."""
+    """Return the load's mass with its total error and whether it is certain; growth: factor on the
+    mass's error, see `error_growth`.
+    """
     mass = float(payload.parameters[0])
     error = float(np.hypot(growth * payload.std_error[0], GEAR_EFFICIENCY_STD * mass))
     half = error * NORMAL95
@@ -88,11 +91,12 @@ def judged_load(
     configured: float,
     may_be_taken: bool,
 ) -> JudgedLoad:
-    """Return the undeclared load; it is taken if it is certain.
+    """Return the undeclared load, with whether it is taken into account.
 
-    unloaded: payloads of the recordings to fit on, along `paths` paths; configured: mass of the
-    given payload [kg]; may_be_taken: false if the study declares that payload, or in a recording to
-    fit on, where the payload is taken as given.
+    It is if it is certain and may be. unloaded: payloads of the recordings to fit on, along `paths`
+    paths; configured: mass of the payload that the controller was given [kg]; may_be_taken: false
+    if the study declares that payload, or in a recording to fit on, where the payload is taken as
+    given.
     """
     growth = np.ones_like(payload.parameters)
     if estimates := [
@@ -118,7 +122,7 @@ def judged_load(
 
 
 def joint_gains(external_torque: Array, load: Array, count: int) -> Array:
-    """Return the relative error (n,) of each joint's torque under a load.
+    """Return by which share (n,) each joint's torque under a load is wrong.
 
     external_torque: (N, n) [Nm], without the load's torque; load: the load's torque, with the same
     low-pass; count: number of independent values among the samples. The torque constants of joints
@@ -142,12 +146,12 @@ def estimate_payload(
     whole: CurrentFit | None = None,
     seed: int = 0,
 ) -> PayloadEstimate:
-    """Estimate the payload that `record.torque` does not contain.
+    """Return the payload that the currents show and `record.torque` does not contain.
 
     regressor: (N, 6, P) torque [Nm] per mass [kg], first moment [kg m], ... of the payload; the
     mass comes first; whole: the fit to all paths, with replicates that show the errors of `fit`,
-    which may lack some paths; by default `fit` itself. Only joints in motion count: at rest,
-    friction hides a load.
+    which may lack some paths; None for `fit` itself. Only joints in motion count: at rest, friction
+    hides a load.
     """
     # regressor in units of each joint's band, low-passed and thinned, samples in motion only
     stride = max(1, round(INDEPENDENT_STEP / record.period))
@@ -193,9 +197,9 @@ def estimate_payload(
 
 
 def _replicates(joint: JointFit, whole: JointFit) -> Array:
-    """Return replicates (B, P): a joint's coefficients plus the bootstrap errors of another fit.
+    """Return replicates (B, P): the coefficients of `joint` plus the bootstrap errors of `whole`.
 
-    Terms that the other fit lacks have no error.
+    Terms that `whole` lacks have no error.
     """
     estimate, names = whole.estimate, whole.names()
     errors = dict(zip(names, (estimate.replicates - estimate.coefficients).T, strict=True))
@@ -205,7 +209,7 @@ def _replicates(joint: JointFit, whole: JointFit) -> Array:
 
 
 def _counts_by_part(block: Labels) -> list[Labels]:
-    """Return the count, 0 or 1, of each block in each of RUN_PARTS parts of a run."""
+    """Return, for each of RUN_PARTS parts of a run, which blocks belong to it, as counts 0 or 1."""
     every_block, parts = (
         np.arange(1 + block.max(initial=0)),
         np.array_split(np.unique(block), RUN_PARTS),
@@ -222,8 +226,8 @@ def _motions_under(joints: Sequence[JointMotion], torque: Array) -> Iterator[Joi
 def _low_passed_columns(
     fit: CurrentFit, joints: Iterable[JointMotion], record: CurrentSamples, smooth: Smooth
 ) -> list[Array]:
-    """Return (n, P + D + 2) of each joint: columns in motion and at rest, and current; low-passed,
-    thinned.
+    """Return, for each joint, its columns in motion and at rest, and its current, (n, P + D + 2),
+    low-passed and thinned.
 
     They are NaN, also for the low-pass, where any joint's are.
     """
@@ -248,7 +252,7 @@ def _unexplained_current(fit: CurrentFit, maps: Maps, sources: Sequence[Array]) 
 
 
 def _principal_axes(columns: Array) -> tuple[Array, Array]:
-    """Return the principal axes (P, P) of columns (n, P), by rows, and the columns (n, P) along
+    """Return the principal axes (P, P) of columns (n, P), one a row, and the columns (n, P) along
     them.
 
     Columns are zero along axes that the data do not determine, as of an arm that moves in a plane:
@@ -264,7 +268,9 @@ def _principal_axes(columns: Array) -> tuple[Array, Array]:
 def _huber_solution(
     columns: Array, torque: Array, block: Labels, count: Labels, prior_mean: Array
 ) -> Array:
-    """Return Huber's estimate (P,) from blocks drawn by their counts, with a prior's mean (P,)."""
+    """Return Huber's estimate (P,) from blocks, each taken `count` times, with a wide prior around
+    prior_mean (P,).
+    """
     repeated = np.repeat(np.arange(len(block)), count[block])
     wide = Normal(prior_mean, np.eye(columns.shape[1]) / PAYLOAD_PRIOR_STD**2)
     return regress(columns[repeated], torque[repeated], block[repeated], wide).coefficients

@@ -35,15 +35,17 @@ MIN_RATIO_TORQUE = 0.1  # Nm; smaller torques have no ratio to the current
 
 @dataclass(frozen=True)
 class Typical:
-    """A coefficient of all joints before any recording: mean and standard deviation (n,), SI."""
+    """A coefficient that all joints have before any recording: mean and standard deviation (n,), SI
+    units.
+    """
 
     mean: Array
     std: Array
 
 
 def typical_friction(torque_max: Array) -> dict[str, Typical]:
-    """Return Coulomb [Nm], viscous [Nm s/rad] and load friction, and the offset [Nm], of motors
-    with these largest torques (n,) [Nm].
+    """Return, by name, typical Coulomb [Nm], viscous [Nm s/rad] and load friction, and offset [Nm],
+    of motors with these largest torques (n,) [Nm].
     """
     largest, ones = torque_max, np.ones_like(torque_max)
     return {
@@ -56,14 +58,14 @@ def typical_friction(torque_max: Array) -> dict[str, Typical]:
 
 @dataclass(frozen=True)
 class Prior:
-    """Prior of n joints.
+    """Prior of the maps from torque to current of n joints.
 
-    inverse_constant: of 1/k [A/Nm]; torque_max: of the motors (n,) [Nm]; measured: predicted
-    quantity; of torques, k is the gain [Nm/Nm]; terms: of friction, that are fitted; distances:
+    inverse_constant: of 1/k [A/Nm]; torque_max: of the motors (n,) [Nm]; measured: the effort that
+    is predicted; of torques, k is the gain [Nm/Nm]; terms: of friction, that are fitted; distances:
     [rad], over which friction at rest reverses in addition to the usual one; pinned: joints from 0
     that keep the prior's mean of 1/k, regardless of the data; typical: friction and offset by their
     names, empty where unknown; at_rest: postures of the arm, which show 1/k by gravity in addition
-    to its motions.
+    to its motions, None without any.
     """
 
     inverse_constant: Normal
@@ -81,7 +83,9 @@ class Prior:
         return replace(self, inverse_constant=wide)
 
     def with_pinned(self, joints: Mask) -> "Prior":
-        """Return the prior with the constants of some joints (n,) pinned."""
+        """Return the prior with the constants of some joints pinned, and of no others; joints:
+        (n,).
+        """
         return replace(self, pinned=tuple(np.flatnonzero(joints).tolist()))
 
     def std(self) -> Array:
@@ -101,7 +105,9 @@ class Prior:
         return variance
 
     def of_joint(self, joint: int) -> "Prior":
-        """Return the prior of one joint, from 0, without its correlation with others."""
+        """Return the prior of one joint, from 0; its correlation with others, and postures at rest,
+        are left out.
+        """
         rows = slice(joint, joint + 1)
         inverse = Normal(self.inverse_constant.mean[rows], np.diag(self.std()[rows] ** -2.0))
         typical = {
@@ -118,11 +124,11 @@ class Prior:
         )
 
     def over(self, terms: Sequence[str]) -> Normal:
-        """Return the prior of all joints' coefficients.
+        """Return the prior of the coefficients of all joints, joint by joint: 1/k [A/Nm], an offset
+        [A], and those of the terms.
 
-        They are, joint by joint, 1/k [A/Nm], an offset [A], and those of the terms. A coefficient
-        without a typical value is 0 ± the largest size expected of its term, an offset 0 ± the
-        motor's largest torque.
+        A coefficient without a typical value is 0 ± the largest size expected of its term, an
+        offset 0 ± the motor's largest torque.
         """
         inverse = self.inverse_constant.mean
         names = ["", OFFSET_NAME, *coefficient_names(terms)]  # "" of 1/k
@@ -161,16 +167,19 @@ class Prior:
 
 
 def _expected_sizes(terms: Sequence[str], torque_max: float) -> list[float]:
-    """Return the largest expected 1/k, offset and friction coefficients, times k [Nm, ...]."""
+    """Return the largest sizes expected of 1/k, the offset and the friction coefficients,
+    multiplied by k [Nm, ...].
+    """
     by_term = [[term.expected(torque_max)] * (len(term.parts) or 1) for term in map(term_of, terms)]
     return [1.0, torque_max, *chain.from_iterable(by_term)]
 
 
 def standstill_ratio(moment: Array, current: Array, qd: Array) -> Array:
-    """Return the controller's torque constants (6,) [Nm/A], NaN for a joint without load at rest.
+    """Return the torque constants (n,) [Nm/A] that the controller uses, NaN for a joint without
+    load at rest.
 
-    moment, current: (N, 6) `target_moment` [Nm] and `target_current` [A]; qd: (N, 6) [rad/s].
-    At rest, the controller's current contains no friction, so the ratio is constant.
+    moment, current: (N, n) `target_moment` [Nm] and `target_current` [A]; qd: (N, n) [rad/s]. At
+    rest, the controller's current contains no friction, so the ratio is constant.
     """
     # at rest, k i = τ without friction
     standstill = (np.abs(qd) < STANDSTILL_SPEED).all(axis=1) & np.isfinite(moment * current).all(
@@ -189,11 +198,12 @@ def standstill_ratio(moment: Array, current: Array, qd: Array) -> Array:
 def torque_constant_prior(
     constants: Array, covariance: Array, controller: Array, ratio: float
 ) -> Normal:
-    """Return the prior of 1/k [A/Nm] of all joints from values (n,) [Nm/A], NaN if unknown.
+    """Return the prior of 1/k [A/Nm] of all joints from the maker's and the controller's constants
+    (n,) [Nm/A], NaN if unknown.
 
-    constants: at the joint's side of the gear, with the covariance (n, n) of its logarithm;
-    controller: see `standstill_ratio`, with the relative standard deviation `ratio`, joint by
-    joint. They are combined as normal distributions of log k.
+    constants: the maker's at the joint's side of the gear, with the covariance (n, n) of its
+    logarithm; controller: see `standstill_ratio`; ratio: its relative standard deviation,
+    independent between joints. They are combined as normal distributions of log k.
     """
     precision = np.linalg.inv(covariance)
     right = precision @ np.log(np.where(np.isfinite(constants), constants, 1.0))

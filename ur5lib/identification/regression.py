@@ -21,7 +21,9 @@ REPLICATE_COUNT = 500  # replicates of the bootstrap
 
 @dataclass(frozen=True)
 class Normal:
-    """Normal prior of coefficients: mean (P,) and precision (P, P), the inverse covariance."""
+    """A normal distribution of coefficients, as a prior: mean (P,) and precision (P, P), the
+    inverse covariance.
+    """
 
     mean: Array
     precision: Array
@@ -41,7 +43,7 @@ class Regression:
 def regress(
     columns: Array, target: Array, block: Labels, prior: Normal, expected_noise: float = np.nan
 ) -> Regression:
-    """Compute Huber's M-estimate with a prior, by reweighted least squares.
+    """Return Huber's M-estimate with a prior, by reweighted least squares.
 
     columns: X (n, P); target: y (n,); block: (n,) labels of samples with correlated errors;
     expected_noise: see `noise_of_one`. Without samples, the result is the prior's mean.
@@ -64,9 +66,9 @@ def regress(
 
 
 def posterior_mean(information: Array, right: Array, prior: Normal) -> Array:
-    """Solve normal equations (..., P, P), (..., P) together with a prior: (..., P).
+    """Return the solution (..., P) of normal equations together with a prior.
 
-    The prior's mean may be (..., P) too.
+    information: (..., P, P); right: (..., P); the prior's mean may be (..., P), too.
     """
     total = right + prior.mean @ prior.precision
     solution = np.linalg.solve(information + prior.precision, total[..., None])[..., 0]
@@ -81,7 +83,7 @@ def huber_weight(residual: Array) -> Array:
 
 
 def _median(values: Array) -> float:
-    """Return the median of values (n,), none NaN; np.median takes up to six times as long."""
+    """Return the median of values (n,) without NaN; np.median takes up to six times as long."""
     middle = len(values) // 2
     upper = np.partition(values, middle)
     lower = upper[middle] if len(values) % 2 else upper[:middle].max()
@@ -89,7 +91,8 @@ def _median(values: Array) -> float:
 
 
 def noise_of_one(residual: Array, block: Labels, blocks: int, expected: float = np.nan) -> float:
-    """Return the variance of independent samples with block sums of the same variance.
+    """Return the variance that samples would have if independent, so that sums over blocks vary as
+    they do.
 
     σ² = Σ (block sum)² / n. As a fit of P coefficients leaves P blocks without residual, an
     expected variance counts as USUAL_NOISE_BLOCKS further blocks of mean length; NaN for none.
@@ -118,9 +121,10 @@ def block_sums(columns: Array, curvature: Array, pull: Array, block: Labels, cou
 
 
 def draw_units(unit_of_block: Labels, generator: np.random.Generator) -> Array:
-    """Return the count of each block in draws of whole units, (REPLICATE_COUNT, n).
+    """Return how often each block occurs in draws of whole units with replacement,
+    (REPLICATE_COUNT, n).
 
-    unit_of_block: (n,) labels of recordings, or of longer stretches; negative: never drawn.
+    unit_of_block: (n,) labels of recordings, or of longer parts of one; negative: never drawn.
     """
     units, place = np.unique(unit_of_block, return_inverse=True)
     is_unit = units >= 0
@@ -130,7 +134,9 @@ def draw_units(unit_of_block: Labels, generator: np.random.Generator) -> Array:
 
 
 def draw_blocks(unit_of_block: Labels, generator: np.random.Generator) -> Array:
-    """Return the count of each block in draws of blocks within units, (REPLICATE_COUNT, n)."""
+    """Return how often each block occurs in draws of blocks within each unit with replacement,
+    (REPLICATE_COUNT, n).
+    """
     counts = np.zeros((REPLICATE_COUNT, len(unit_of_block)))
     for unit in np.unique(unit_of_block[unit_of_block >= 0]):
         in_unit = unit_of_block == unit
@@ -147,7 +153,9 @@ def standard_error(by_unit: Array, by_block: Array, units: int) -> Array:
 
 
 def _draw(count: int, generator: np.random.Generator) -> Array:
-    """Return the counts (REPLICATE_COUNT, count) of items in draws with replacement."""
+    """Return how often each of `count` items occurs in draws with replacement, (REPLICATE_COUNT,
+    count).
+    """
     if not count:
         return np.zeros((REPLICATE_COUNT, 0))
     return generator.multinomial(count, np.full(count, 1 / count), size=REPLICATE_COUNT).astype(
@@ -156,17 +164,18 @@ def _draw(count: int, generator: np.random.Generator) -> Array:
 
 
 def spread(replicates: Array) -> Array:
-    """Return half the width of the central 68 %: a standard deviation that ignores the tails."""
+    """Return half the width of the central 68 % of replicates (B, ...): a standard deviation that
+    ignores the tails.
+    """
     low, high = np.quantile(replicates, ndtr([-1.0, 1.0]), axis=0)
     return (high - low) / 2
 
 
 def half_width(error: Array, units: int, prior_share: Array | float = 0.0) -> Array:
-    """Return the half-width (P,) of the 95 % interval, by Student's t of units - 1 degrees of
+    """Return the half-width (P,) of the 95 % interval, by Student's t with units - 1 degrees of
     freedom.
 
-    prior_share: (P,), share of the variance from the prior, which is given and has a normal
-    quantile.
+    prior_share: (P,), share of the variance from the prior, which has a normal quantile.
     """
     estimated = stdtrit(max(1, units - 1), 0.975)
     share = np.clip(prior_share, 0.0, 1.0)

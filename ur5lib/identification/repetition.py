@@ -26,9 +26,10 @@ MIN_COMMON_DURATION = 1.0  # s; two runs that share less are not compared
 
 
 class PathRun(NamedTuple):
-    """A run along a path: scaled states (N, 2 n), errors (N, m) by quantity, and its period [s].
+    """A run along a path, with its errors.
 
-    Errors are NaN where unknown, and at rest if the run moves at all.
+    path: its states, for comparison of paths; states: scaled (N, 2 n); errors: (N, m) by quantity,
+    NaN where unknown, and at rest if the run moves at all; period: [s].
     """
 
     path: PathStates
@@ -38,8 +39,8 @@ class PathRun(NamedTuple):
 
 
 class Common(NamedTuple):
-    """Two runs at the same states: difference of errors over √2 (M, m), and errors of both (2 M,
-    m).
+    """Two runs compared at the same states. left: difference of their errors over √2 (M, m);
+    errors: of both (2 M, m).
     """
 
     left: Array
@@ -47,7 +48,9 @@ class Common(NamedTuple):
 
 
 def path_run(motion: Motion, errors: Mapping[str, Array | None]) -> PathRun:
-    """Return a run from its motion and its errors (N, m) by quantity, None where unknown."""
+    """Return a run along a path from its motion and its errors (N, m) by quantity, None for one
+    that is unknown.
+    """
     path = path_of(motion.q, motion.motor_qd, motion.period)
     counts = np.abs(motion.motor_qd).max(axis=1, keepdims=True) > (REST_SPEED if path.moves else -1)
     known = {name: np.where(counts, one, np.nan) for name, one in errors.items() if one is not None}
@@ -75,8 +78,8 @@ def repetition(runs: Sequence[PathRun]) -> Iterator[Repeated]:
 
 
 def common_errors(first: PathRun, second: PathRun, quantity: str) -> Common | None:
-    """Return the errors of two runs at the same states; None if they share less than
-    MIN_COMMON_DURATION.
+    """Return the errors of two runs at the same states; None if either lacks the quantity, or they
+    share less than MIN_COMMON_DURATION.
     """
     if not (quantity in first.errors and quantity in second.errors):
         return None

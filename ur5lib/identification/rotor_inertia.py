@@ -25,7 +25,9 @@ RECORDING_PARTS = 8  # a single recording is divided into this many
 
 @dataclass(frozen=True)
 class RotorFit:
-    """Rotor inertias and the terms that should be zero; NaN for a joint that did not move."""
+    """Rotor inertias and the terms that should be zero, with their standard errors; NaN for a joint
+    that did not move.
+    """
 
     value: Terms
     std_error: Terms
@@ -34,7 +36,8 @@ class RotorFit:
 def fit_rotor_inertia(
     residual: Sequence[Array], qd: Sequence[Array], qdd: Sequence[Array]
 ) -> RotorFit:
-    """Fit residual = inertia q̈ + offset + coulomb sign(q̇) + viscous q̇, for each joint alone.
+    """Return the fit of residual = inertia q̈ + offset + coulomb sign(q̇) + viscous q̇, for each
+    joint alone.
 
     residual, qd, qdd: an array (N, 6) for each recording [Nm, rad/s, rad/s²]. residual is the
     controller's torque minus that of rigid links in the same motion, all low-passed alike or none.
@@ -58,7 +61,9 @@ def _fit(parts: Sequence[Array]) -> Array:
 
 
 def _fit_joint(samples: Array) -> Array:
-    """Fit the terms (4,) of one joint to residual, q̇ and q̈, (N, 3)."""
+    """Return the four terms (4,) of one joint, fitted to residual, q̇ and q̈, (N, 3); NaN if these
+    do not determine them.
+    """
     residual, qd, qdd = samples[np.isfinite(samples).all(axis=1)].T
     terms = np.stack([qdd, np.ones_like(qdd), np.sign(qd), qd], axis=1)
     if np.linalg.matrix_rank(terms) < terms.shape[1]:
@@ -86,10 +91,12 @@ def fitted_rotors(samples: Mapping[str, RotorSamples | None]) -> Rotors:
 
 
 def with_rotors(robot: Robot, rotors: Rotors) -> Robot:
-    """Return the arm with the determined rotor inertias in its chosen model, as "<model>+rotors".
+    """Return the arm with its chosen model replaced by "<model>+rotors", which has the determined
+    rotor inertias.
 
     An inertia is determined if it is above zero with 95 %. The other joints keep that of the
-    description: one that never accelerates may have a fit of any size.
+    description: one that never accelerates may have a fit of any size. Without any, the arm is
+    unchanged.
     """
     if rotors.value is None or rotors.std_error is None:
         return robot

@@ -40,10 +40,10 @@ MIN_PATHS = 3  # cross-validation by path needs this many; README asks for them
 
 
 class MotionState(IntEnum):
-    """The motion of a joint throughout the reach of a low-pass.
+    """How a joint moves throughout the reach of a low-pass.
 
-    REVERSING: it starts, stops or turns; UNKNOWN: before its first motion, where the side on which
-    friction acts is unknown.
+    REVERSING: it starts, stops or turns; `STANDING`: at rest; UNKNOWN: before its first motion,
+    where the side on which friction acts is unknown.
     """
 
     MOVING, REVERSING, STANDING, UNKNOWN = range(4)
@@ -53,7 +53,8 @@ class MotionState(IntEnum):
 class Shafts:
     """Motion of coupled motors' shafts, (N, n) each [rad, rad/s, rad/s²], NaN where there is none.
 
-    Each is in the column of the joint that it turns with; before: the same in the earlier motions.
+    Each is in the column of the joint that it turns with; before: the shafts in the earlier
+    motions.
     """
 
     q: Array
@@ -64,15 +65,15 @@ class Shafts:
 
 @dataclass(frozen=True)
 class CurrentSamples:
-    """A contact-free recording on a uniform grid.
+    """A contact-free recording on a uniform grid, as the fit of currents takes it.
 
-    period: [s]; segment: (N,) labels of unbroken stretches; q, qd: (N, n) [rad, rad/s]; torque: (N,
-    n) [Nm], of the rigid-body model at that motion; current: (N, n) [A]; temperature: (N, n) [°C],
-    of the motors, if recorded; shafts: of coupled motors; balanced: joints from 0 on which springs
-    or counterbalances act; qdd: (N, n) [rad/s²], if rotors are fitted, too; inertial: (N, n) [Nm],
-    the torque without gravity's, if gains of measured torques are fitted; day: any label of its
-    date, the same for all where dates are unknown; before: the earlier motions, oldest first, each
-    of which begins where the previous one ended.
+    period: [s]; segment: (N,) labels of parts without a gap; q, qd: (N, n) [rad, rad/s]; torque:
+    (N, n) [Nm], of the rigid-body model at that motion; current: (N, n) [A]; temperature: (N, n)
+    [°C], of the motors, if recorded; shafts: of coupled motors; balanced: joints from 0 on which
+    springs or counterbalances act; qdd: (N, n) [rad/s²], if rotors are fitted, too; inertial: (N,
+    n) [Nm], the torque without gravity's, if gains of measured torques are fitted; day: label of
+    its date, the same for all where dates are unknown; before: the earlier motions, oldest first,
+    each of which begins where the previous one ended.
     """
 
     name: str
@@ -93,7 +94,7 @@ class CurrentSamples:
     _thinned: dict[Any, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def once(self, key: Any, thinned: Callable[[], Any]) -> Any:
-        """Return thinned samples of this recording, computed at the first call for a key."""
+        """Return `thinned()`, computed only at the first call with a key."""
         if key not in self._thinned:
             self._thinned[key] = thinned()
         return self._thinned[key]
@@ -109,8 +110,8 @@ class CurrentSamples:
         return JointMotion(q, qd, torque, direction_over(PRESLIDING_DISTANCE), *further)
 
     def unknown_shares(self) -> Array:
-        """Return the share (N, n) of each joint's friction that an unknown earlier motion
-        decides.
+        """Return which share (N, n) of each joint's friction depends on the unknown motion before
+        the recording.
         """
         shares = [
             unknown_share(q, self.segment, unknown_after(tracks(self.before, joint)))
@@ -136,7 +137,7 @@ class CurrentSamples:
 
 
 def tracks(motions: Sequence[Motion], joint: int) -> list[Track]:
-    """Return the motions of one joint, from 0."""
+    """Return each motion's part of one joint, from 0."""
     return [
         Track(own.q[:, joint], own.motor_qd[:, joint], own.segment, own.period) for own in motions
     ]
@@ -152,9 +153,9 @@ class JointSamples:
 
     columns: (n, P), of the torque, an offset, and the terms; held: (n, 1 + D), `held_columns` of
     `distances`; current: (n,) [A]; state: (n,), a `MotionState`; block, record, path, day: (n,)
-    labels; recordings of one trajectory share a path and are left out together; unit: (n,) labels
-    of the units of the bootstrap: paths, or stretches of 10 s if paths are few, or blocks if
-    stretches are few, too.
+    labels; recordings of one trajectory have one path and are left out together; unit: (n,) labels
+    of what the bootstrap draws: paths, or parts of 10 s if paths are few, or blocks if these parts
+    are few, too.
     """
 
     terms: tuple[str, ...]
@@ -171,7 +172,7 @@ class JointSamples:
 
     @property
     def moving(self) -> Mask:
-        """Return the mask (n,) of samples in motion: not at rest, starting or stopping."""
+        """Return which samples (n,) are in motion: not at rest, starting or stopping."""
         return self.state == MotionState.MOVING
 
     def of(self, terms: Sequence[str], distances: Sequence[float]) -> "JointSamples":
@@ -185,7 +186,7 @@ class JointSamples:
         )
 
     def where(self, rows: Mask) -> "JointSamples":
-        """Return the samples in a mask."""
+        """Return the samples in some rows (n,)."""
         names = ("columns", "held", "current", "state", "block", "record", "path", "day", "unit")
         return replace(self, **{name: getattr(self, name)[rows] for name in names})
 
@@ -193,7 +194,9 @@ class JointSamples:
 def joint_samples(
     records: Sequence[CurrentSamples], smooth: Smooth, terms: Sequence[str] = FITTED_TERMS
 ) -> list[JointSamples]:
-    """Return samples of each joint, with the columns of these terms of friction."""
+    """Return the samples of each joint from all recordings, with the columns of these terms of
+    friction.
+    """
     labels = [blocks(record) for record in records]
     # each recording's labels begin with a new stretch, so that no stretch contains two recordings
     firsts = np.cumsum(
@@ -237,10 +240,9 @@ def record_days(records: Sequence[CurrentSamples]) -> Labels:
 
 
 def apart_from(out: Mask, path: Labels, day: Labels) -> Mask:
-    """Return the mask (n,) of samples or recordings that share neither path nor day with those in
-    `out`.
+    """Return which samples or recordings (n,) share neither path nor day with those in `out`.
 
-    out: (n,), whole paths; path, day: (n,) labels. If fewer than MIN_PATHS remain, days are
+    out: (n,), whole paths; path, day: (n,) labels. If fewer than MIN_PATHS paths remain, days are
     ignored.
     """
     on_other_days = ~out & ~np.isin(day, day[out])
@@ -248,17 +250,21 @@ def apart_from(out: Mask, path: Labels, day: Labels) -> Mask:
 
 
 def recorded_path(record: CurrentSamples) -> PathStates:
-    """Return the states along the path of a recording."""
+    """Return the states of a recording along its path, by which paths are compared."""
     return path_of(record.q, record.qd, record.period)
 
 
 def path_of(q: Array, qd: Array, period: float) -> PathStates:
-    """Return the states along the path of a motion (N, n) [rad, rad/s]; period: [s]."""
+    """Return the states along the path of a motion, by which paths are compared; q, qd: (N, n)
+    [rad, rad/s]; period: [s].
+    """
     return PathStates.from_motion(q, qd, max(1, round(INDEPENDENT_STEP / period)))
 
 
 def columns_of(motion: JointMotion, terms: Sequence[str]) -> Array:
-    """Return the columns (N, P) of a joint's torque, an offset and terms."""
+    """Return the regression columns (N, P) of a joint: its torque, an offset and the terms of
+    friction.
+    """
     ones = np.ones_like(motion.torque)
     return np.column_stack([motion.torque, ones, friction_columns(motion, terms)])
 
@@ -274,7 +280,7 @@ def held_columns(motion: JointMotion, distances: Sequence[float]) -> Array:
 
 
 def smoothed_moving(record: CurrentSamples, smooth: Smooth) -> Mask:
-    """Return the mask (N, n) of joints that move throughout the reach of the low-pass."""
+    """Return which joints move throughout the reach of the low-pass, (N, n)."""
     return motion_states(record, smooth) == MotionState.MOVING
 
 
@@ -295,8 +301,8 @@ def _record_samples(
     terms: tuple[str, ...],
     block: Labels,
 ) -> list[tuple[Array, Array, Array, Labels, Labels]]:
-    """Return columns in motion and at rest, current, state and block of each joint, low-passed,
-    thinned.
+    """Return, for each joint, columns in motion and at rest, current, state and block, low-passed
+    and thinned.
     """
     stride = max(1, round(INDEPENDENT_STEP / record.period))
     state = record.once(smooth, lambda: motion_states(record, smooth)[::stride].copy())
@@ -314,7 +320,7 @@ def _record_samples(
 def _smoothed_columns(
     record: CurrentSamples, smooth: Smooth, terms: Sequence[str], joint: int, stride: int
 ) -> Array:
-    """Return a joint's columns in motion and at rest, and current, low-passed, each `stride`-th
+    """Return a joint's columns in motion and at rest, and current, low-passed, every `stride`-th
     row.
     """
     motion = record.joint(joint)

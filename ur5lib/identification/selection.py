@@ -31,7 +31,9 @@ MOVING, RESTING = (True,), (False,)
 
 
 class Shown(NamedTuple):
-    """A prior, each joint's fits to others under it, and their residuals (n,) [A]."""
+    """The friction terms selected so far. prior: with these terms; fits: of each joint, without
+    each part; left: the residuals (n,) [A] of each joint by these fits.
+    """
 
     prior: Prior
     fits: list[list[LeftOutFit]]
@@ -39,11 +41,11 @@ class Shown(NamedTuple):
 
 
 def with_shown_terms(samples: Sequence[JointSamples], prior: Prior) -> tuple[Prior, list[Array]]:
-    """Return the prior with the terms and distance that left-out samples of all joints show, and
-    the residuals (n,) [A] of each joint then.
+    """Return the prior with the terms and the distance that reduce errors on left-out samples, and
+    each joint's residuals (n,) [A] then.
 
-    samples: of the joints, with all columns. With fewer paths than MIN_PATHS, stretches are left
-    out. They show no Stribeck friction: it would be wrong at other speeds.
+    samples: of the joints, with all columns. With fewer paths than MIN_PATHS, parts of recordings
+    are left out. They show no Stribeck friction: it would be wrong at other speeds.
     """
     parts = [*map(in_units, samples)]
     fits = fits_of(parts, prior)
@@ -57,7 +59,8 @@ def with_shown_terms(samples: Sequence[JointSamples], prior: Prior) -> tuple[Pri
 
 
 def _changed_by(term: str, samples: Sequence[JointSamples], shown: Shown) -> Shown:
-    """Return the selection with one term added, or removed if it has it, if errors then fall.
+    """Return the selection with one term added, or removed if it has it, if that reduces the
+    errors; else unchanged.
 
     Stribeck friction, which is largest at rest, has to reduce errors of motion and rest together.
     """
@@ -71,7 +74,9 @@ def _changed_by(term: str, samples: Sequence[JointSamples], shown: Shown) -> Sho
 
 
 def _over_distance(samples: Sequence[JointSamples], shown: Shown) -> Shown:
-    """Return the selection with the best of the distances at rest, if that reduces the error."""
+    """Return the selection with the best of REST_DISTANCES, if that reduces the error at rest; else
+    unchanged.
+    """
     prior, fits, known = shown
     trials = {
         distance: residuals(samples, replace(prior, distances=(distance,)), fits)
@@ -84,14 +89,16 @@ def _over_distance(samples: Sequence[JointSamples], shown: Shown) -> Shown:
 
 
 def in_units(samples: JointSamples) -> JointSamples:
-    """Return samples with units as paths where paths are few: these are left out together."""
+    """Return samples in which units count as paths, and are left out instead of these, if paths are
+    few.
+    """
     if len(np.unique(samples.path)) >= MIN_PATHS:
         return samples
     return replace(samples, path=samples.unit, day=0 * samples.day)
 
 
 def fits_of(samples: Sequence[JointSamples], prior: Prior) -> list[list[LeftOutFit]]:
-    """Return the fits of each joint to the samples that are not left out."""
+    """Return the fits of each joint, each without some of its samples."""
     return [
         [*fits_to_others(own.of(prior.terms, ()), prior.of_joint(joint))]
         for joint, own in enumerate(samples)
@@ -101,7 +108,7 @@ def fits_of(samples: Sequence[JointSamples], prior: Prior) -> list[list[LeftOutF
 def residuals(
     samples: Sequence[JointSamples], prior: Prior, fits: Sequence[Sequence[LeftOutFit]]
 ) -> list[Array]:
-    """Return the residuals (n,) [A] of each joint's samples by fits to others."""
+    """Return the residuals (n,) [A] of each joint's samples by the fits that leave them out."""
     chosen = [own.of(prior.terms, prior.distances) for own in samples]
     return [*map(unseen_residuals, chosen, fits)]
 
@@ -109,7 +116,7 @@ def residuals(
 def errors(
     samples: Sequence[JointSamples], known: Sequence[Array], left: Sequence[Array], states: States
 ) -> Array:
-    """Return Σ r² / mean(r₀²) of each path (G,), summed over joints and states.
+    """Return the squared errors of each path (G,), Σ r² / mean(r₀²), summed over joints and states.
 
     left, known: residuals r (n,) [A] of each joint, and r₀, those before the change.
     """
@@ -126,7 +133,9 @@ def errors(
 def shows(
     samples: Sequence[JointSamples], known: Sequence[Array], trial: Sequence[Array], states: States
 ) -> bool:
-    """Return whether trial residuals are surely less than the previous ones, in the states."""
+    """Return whether the squared errors of `trial` residuals are surely less than those of `known`
+    ones, in the states.
+    """
     before, after = (errors(samples, known, left, states) for left in (known, trial))
     met = before > 0
     share = MIN_SHARE_AT_REST if states == RESTING else MIN_SHARE
@@ -135,7 +144,7 @@ def shows(
 
 def shows_gain(samples: JointSamples, prior: Prior, joint: int) -> bool:
     """Return whether a fitted gain predicts left-out parts of a joint, from 0, surely better than
-    the prior's.
+    the prior's gain.
 
     The gain is fitted to the other parts, with the prior; inertia alone shows none.
     """
@@ -152,7 +161,8 @@ def shows_gain(samples: JointSamples, prior: Prior, joint: int) -> bool:
 
 
 def is_less(trial: Array, errors: Array, share: float, deviations: float) -> bool:
-    """Return whether squared errors on left-out parts (G,) fall by a share, and surely.
+    """Return whether squared errors on left-out parts (G,) fall from `errors` to `trial`, by at
+    least a share, and surely.
 
     A paired test: the mean of log(errors / trial) exceeds `share` and `deviations` standard errors.
     """

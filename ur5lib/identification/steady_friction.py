@@ -71,9 +71,11 @@ def total_friction(fit: CurrentFit, load: Array) -> list[Parameter]:
 
 
 def steady_friction(model: JointFit, qd: Array, load: float) -> tuple[Array, Array]:
-    """Return a joint's friction (V,) [Nm] at steady velocities (V,) [rad/s], and its std error.
+    """Return a joint's friction (V,) [Nm] at steady velocities (V,) [rad/s], and its standard
+    error.
 
-    At 0, as the joint begins to move in positive direction; load: as of `friction_curve`.
+    At 0, it is that with which the joint begins to move in positive direction; load: as of
+    `friction_curve`.
     """
     columns = steady_columns(model.terms, qd, np.where(qd < 0, -1.0, 1.0), load)
     value, error, unseen = _sums(model, columns)
@@ -81,10 +83,10 @@ def steady_friction(model: JointFit, qd: Array, load: float) -> tuple[Array, Arr
 
 
 def _sums(model: JointFit, columns: Array) -> tuple[Array, Array, Array]:
-    """Return sums (V,) of friction's parameters, their standard errors, and their deviation between
-    days.
+    """Return sums (V,) of friction's parameters, their standard errors, and their standard
+    deviation between days.
 
-    columns: (V, M), coefficients of the sums.
+    columns: (V, M), factors of the parameters in each sum.
     """
     friction = physical_values(model.estimate.coefficients)[2:]
     # a day or recording differs by a share of friction, in all terms alike
@@ -93,7 +95,9 @@ def _sums(model: JointFit, columns: Array) -> tuple[Array, Array, Array]:
 
 
 def _totals(joint: int, model: JointFit, load: float, units: int) -> Iterator[Parameter]:
-    """Yield the totals of a joint, from 1; units: of the bootstrap."""
+    """Yield the total friction of a joint, from 1, at each of STATED_VELOCITIES; units: number of
+    the bootstrap's units.
+    """
     qd, estimate = STATED_VELOCITIES, model.estimate
     columns = steady_columns(model.terms, qd, np.ones_like(qd), load)
     (value, error, unseen), shares = _sums(model, columns), _shares(estimate, columns)
@@ -119,7 +123,8 @@ def _std_error(estimate: CoefficientEstimate, columns: Array) -> Array:
 
 
 def _shares(estimate: CoefficientEstimate, columns: Array) -> Array:
-    """Return the shares (4, V) of information on sums, see `shares_of_knowledge`; columns: (V, M).
+    """Return the shares (4, V) of the information on sums of parameters, see `shares_of_knowledge`;
+    columns: (V, M).
 
     Each parameter's shares are weighted by the square of its error in the sum.
     """

@@ -31,7 +31,8 @@ Block = tuple[Array, Array]  # regressors (N, n, P) and torques (N, n) [Nm]
 
 @dataclass(frozen=True)
 class MeasuredRun:
-    """A recording with torques [Nm] in place of currents, of unknown rigid-body torque.
+    """A recording with measured torques [Nm] in place of currents, of which the rigid bodies' part
+    is unknown.
 
     qdd: (N, n) [rad/s²]; regressor: returns Y (N, n, P) of q, q̇ and q̈, under its gravity.
     """
@@ -43,11 +44,11 @@ class MeasuredRun:
 
 @dataclass(frozen=True)
 class TorqueRows:
-    """Rows of the recordings of an arm of n joints.
+    """Rows of the torque regression from the recordings of an arm of n joints.
 
-    units: blocks that are left out together; terms: of friction; their columns follow those of the
-    links: joint 1's offset, terms and balance, then joint 2's; motors: those, from 1, that turn
-    with two joints and brake both by one friction.
+    units: regressors (N, n, P) and torques (N, n) [Nm] that are left out together; terms: of
+    friction; their columns follow those of the links: joint 1's offset, terms and balance, then
+    joint 2's; motors: those, from 1, that turn with two joints and brake both by one friction.
     """
 
     units: Sequence[Block]
@@ -56,7 +57,7 @@ class TorqueRows:
 
     @property
     def joints(self) -> int:
-        """Return n."""
+        """Return the number of joints, n."""
         return self.units[0][1].shape[1]
 
     def largest_torque(self) -> Array:
@@ -69,8 +70,8 @@ class TorqueRows:
         return coefficients(self.terms)
 
     def places(self, terms: Collection[str], balanced: Collection[int] = ()) -> list[int]:
-        """Return the columns of links, of offset and terms of all joints, and of balances;
-        balanced: joints from 1.
+        """Return the numbers of the columns of links, of the offset and `terms` of all joints, and
+        of the balance of some; balanced: joints from 1.
         """
         of_joints = {"offset", *coefficient_names([*terms])}
         only = {**dict.fromkeys(coefficient_names([BALANCE]), balanced)}
@@ -90,8 +91,8 @@ class TorqueRows:
 def torque_rows(
     runs: Sequence[MeasuredRun], terms: Sequence[str], smooth: ZeroPhaseLowpass, shafts: Array
 ) -> TorqueRows:
-    """Return the rows of recordings in units: the largest of paths, stretches and blocks with
-    MIN_UNITS.
+    """Return the rows of recordings in units: paths, or else parts of them, or else blocks, of
+    which there are at least MIN_UNITS.
 
     shafts: (n, n), turns of each motor (row) per turn of each joint, 1 for its own. Raises
     RefusalError where there are no rows, or a joint's torque never changes.
@@ -123,9 +124,10 @@ def torque_rows(
 def run_rows(
     run: MeasuredRun, terms: Sequence[str], smooth: ZeroPhaseLowpass, shafts: Array
 ) -> tuple[Array, Array, Labels]:
-    """Return regressors (N, n, P), torques (N, n) [Nm] and labels (N,) of blocks of a recording.
+    """Return regressors (N, n, P), torques (N, n) [Nm] and labels (N,) of blocks of a recording,
+    low-passed and thinned.
 
-    Where a sample is missing, there is no row.
+    There is no row where a sample is missing.
     """
     known = replace(run.samples, balanced=range(run.samples.q.shape[1]))
     stride = max(1, round(1 / (ROWS_PER_CUTOFF * smooth.cutoff * known.period)))
@@ -150,15 +152,16 @@ def own_columns(samples: CurrentSamples, joint: int, terms: Sequence[str]) -> Ar
 
 
 def coefficients(terms: Sequence[str]) -> list[str]:
-    """Return the names of a joint's coefficients other than the links' parameters."""
+    """Return the names of a joint's coefficients in addition to the links' parameters."""
     return ["offset", *coefficient_names([*terms, BALANCE])]
 
 
 def by_row(columns: Array, is_shared: Mask, shafts: Array) -> Array:
-    """Return the columns (N, n, n C) of each joint's row, from the joints' own (N, n, C).
+    """Return the columns (N, n, n C) of friction in the row of each joint, from each joint's own
+    columns (N, n, C).
 
     A joint's columns are in its own row, a coupled motor's in the rows of all joints that it turns
-    with: τ = Sᵀ τ_shaft, S = shafts (n, n). is_shared: (C,).
+    with: τ = Sᵀ τ_shaft, S = shafts (n, n). is_shared: which columns (C,) are a coupled motor's.
     """
     count, joints, width = columns.shape
     own = np.where(is_shared, 0.0, columns)

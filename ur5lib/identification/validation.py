@@ -43,7 +43,7 @@ def coefficients_of_constants(
 
 
 def least_squares_coefficients(records: Sequence[CurrentSamples]) -> Array:
-    """Fit coefficients (6, 4) by plain least squares to all samples, as a baseline."""
+    """Return coefficients (n, 4) fitted by plain least squares to all samples, as a baseline."""
     columns = np.concatenate([_baseline_columns(record.torque, record.qd) for record in records])
     current = np.concatenate([record.current for record in records])
     finite = np.isfinite(columns).all(axis=(1, 2)) & np.isfinite(current).all(axis=1)
@@ -52,7 +52,7 @@ def least_squares_coefficients(records: Sequence[CurrentSamples]) -> Array:
 
 
 def baseline_current(record: CurrentSamples, coefficients: Array) -> Array:
-    """Return the current (N, 6) [A] with the friction of Equation 6.4: Coulomb and viscous.
+    """Return the current (N, 6) [A] that Equation 6.4 predicts with Coulomb and viscous friction.
 
     coefficients: (6, 4) of torque [A/Nm], offset [A], direction [A] and velocity [A s/rad].
     """
@@ -64,7 +64,9 @@ def baseline_current(record: CurrentSamples, coefficients: Array) -> Array:
 
 
 def score(record: CurrentSamples, predicted: Array, smooth: Smooth, half_band: Array) -> Scores:
-    """Score a predicted current (N, 6) [A]; half_band: (N, 6) [A], of the low-passed current."""
+    """Return the errors of a predicted current (N, n) [A]; half_band: (N, n) [A], of the low-passed
+    current.
+    """
     error = record.current - predicted
     slow = smooth(error, record)
     measured = smooth(record.current, record)
@@ -87,10 +89,10 @@ def score(record: CurrentSamples, predicted: Array, smooth: Smooth, half_band: A
 def explained_share(
     records: Sequence[CurrentSamples], predicted: Sequence[Array], smooth: Smooth
 ) -> Array:
-    """Return the share (6,) of the low-passed currents' variance that predictions explain.
+    """Return the share (n,) of the low-passed currents' variance that predictions explain.
 
     1 - Σ (i - î)² / Σ (i - ī)² over the samples of all recordings, ī their mean: negative where a
-    constant current is nearer. predicted: (N, 6) [A] each.
+    constant current is nearer. predicted: (N, n) [A] each.
     """
     measured = np.concatenate([smooth(record.current, record) for record in records])
     pairs = zip(records, predicted, strict=True)
@@ -102,7 +104,7 @@ def explained_share(
 
 
 def fitted_on_tested_on(records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior) -> Array:
-    """Return the RMSE [A] in motion, (R, R, n): fitted to recording i, tested on j.
+    """Return the RMSE [A] in motion, (R, R, n), of fits to recording i on recording j.
 
     NaN if a joint does not move in both.
     """
@@ -121,7 +123,8 @@ def fitted_on_tested_on(records: Sequence[CurrentSamples], smooth: Smooth, prior
 def with_rotors_that_show(
     records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior
 ) -> list[CurrentSamples]:
-    """Return recordings without the accelerations of joints that show no rotor.
+    """Return recordings without the accelerations of joints on which no rotor shows, so that none
+    is fitted there.
 
     A rotor shows where it surely reduces errors on left-out paths, or parts in time if paths are
     few: sensors behind the gears feel none.
@@ -140,7 +143,9 @@ def with_rotors_that_show(
 
 
 def _unseen_errors(records: Sequence[CurrentSamples], smooth: Smooth, prior: Prior) -> Array:
-    """Return Σ r² (F, n) in motion by left-out folds of paths, or of parts of few paths."""
+    """Return the squared errors Σ r² (F, n) in motion of left-out folds of paths, or of parts of
+    recordings if paths are few.
+    """
     errors = np.zeros((FOLDS, len(prior.torque_max)))
     for joint, samples in enumerate(joint_samples(records, smooth, prior.terms)):
         moving = samples.where(samples.moving)
@@ -167,16 +172,19 @@ def _mean(values: Array) -> Array:
 
 @dataclass(frozen=True)
 class ShareBySpeed:
-    """Share of a joint's errors within their band, and samples, (B,), between speeds `SPEED_BINS`.
+    """How many of a joint's errors are within their band, by speed.
 
-    NaN in bins with less than MIN_SAMPLES samples.
+    share: (B,), between the speeds SPEED_BINS, NaN in bins with less than MIN_SAMPLES samples;
+    samples: number in each bin (B,).
     """
 
     share: Array
     samples: Array
 
     def rows(self) -> Iterator[tuple[float, float, float, float]]:
-        """Yield the ends of each bin, its share and its samples."""
+        """Yield, for each bin, its lowest and highest speed [rad/s], share and number of
+        samples.
+        """
         for (low, high), *bin_values in zip(
             pairwise(SPEED_BINS), self.share, self.samples, strict=True
         ):
@@ -204,7 +212,9 @@ class ShareBySpeed:
 
 
 def share_by_speed(speed: Array, inside: Mask) -> ShareBySpeed:
-    """Return the share of samples within their band by speed; speed, inside: (N,) [rad/s]."""
+    """Return the share of samples within their band by speed; speed: (N,) [rad/s]; inside: whether
+    each is within (N,).
+    """
     place, count = np.digitize(speed, SPEED_BINS) - 1, len(SPEED_BINS) - 1
     samples = np.bincount(place, minlength=count)
     inside_count = np.bincount(place, weights=inside, minlength=count)

@@ -34,23 +34,25 @@ Parted = Callable[[str], tuple[str, int | None] | None]  # of a name: the rest a
 
 
 class ArmJoints(NamedTuple):
-    """The joints of an arm, in its order, and what their names share: `left`, maybe nothing."""
+    """The names of an arm's joints in its order, and their common label, as `left`, maybe empty."""
 
     label: str
     names: tuple[str, ...]
 
 
 def joint_order(names: tuple[str, ...]) -> list[int] | None:
-    """Return where joints 1 to 6 are among named ones; None where the names leave it open."""
+    """Return the places of joints 1 to 6 of a UR among names; None unless each joint is named
+    once.
+    """
     places = [[k for k, name in enumerate(names) if joint.search(name)] for joint in JOINT_NAMES]
     return [found[0] for found in places] if all(len(found) == 1 for found in places) else None
 
 
 def arms_among(names: Sequence[str]) -> list[ArmJoints]:
-    """Return the arms with joints among named ones.
+    """Return the arms of which the joints are among the names.
 
-    By the names of a UR's joints or a seven-jointed arm's, else by one name with numbers, else by
-    a common first word, else all that no gripper, rail or head is named like.
+    They are found by the names of a UR's joints or a seven-jointed arm's, else by one name with
+    numbers, else by a common first word, else as all names but those of a gripper, rail or head.
     """
     left = [name for name in names if not OTHER_JOINTS.search(name)]
     whole = [*range(len(JOINTS))]
@@ -65,13 +67,16 @@ def arms_among(names: Sequence[str]) -> list[ArmJoints]:
 
 
 def _is_arm(group: tuple[str, Places]) -> bool:
-    """Return whether as many joints have different places as an arm has."""
+    """Return whether a group has as many joints as an arm, each with a place of its own."""
     places = [place for place, _ in group[1]]
     return FEWEST_JOINTS <= len(places) <= MOST_JOINTS and len({*places}) == len(places)
 
 
 def _groups(names: Sequence[str], parted: Parted) -> Iterator[tuple[str, Places]]:
-    """Yield names by what is left of them without the joint, with their joints' places."""
+    """Yield, for each rest of a name without its joint, the joints' places and names.
+
+    parted: returns of a name the rest and the place, None for a name to leave out.
+    """
     groups = defaultdict[str, Places](list)
     for k, name in enumerate(names):
         if (parts := parted(name)) is not None:
@@ -80,8 +85,8 @@ def _groups(names: Sequence[str], parted: Parted) -> Iterator[tuple[str, Places]
 
 
 def of_named_joint(name: str) -> tuple[str, int] | None:
-    """Return what is left of a name without that of a joint of a UR, or of a seven-jointed arm, and
-    the joint's place; None where it names none.
+    """Return (name without the joint, place of the joint from 0) for the joint of a UR or a
+    seven-jointed arm; None if a name has neither.
     """
     return _of_ur(name) or _of_seven(name)
 
@@ -111,5 +116,5 @@ def _any(name: str) -> tuple[str, None] | None:
 
 
 def _label(stem: str) -> str:
-    """Return what names share without the word joint, as a part of a path."""
+    """Return the common part of joints' names without the word joint, usable in a path."""
     return "_".join(word for word in re.split(r"[^A-Za-z0-9]+", stem) if word not in ("", "joint"))

@@ -40,8 +40,9 @@ def array_format(
 ) -> Callable[[Load], Load]:
     """Register a function that loads a format; whatever it raises becomes an InputError.
 
-    name: in a study; kind: for messages; endings: of such files; is_folder: whether it may be one,
-    without endings always. Arrays that the file lacks are left out.
+    name: of the format in a study; kind: its name in messages; endings: of its files; is_folder:
+    whether it may be a folder, without endings always is. Arrays that are not wanted are left out
+    of the result.
     """
 
     def registered(load: Load) -> Load:
@@ -80,10 +81,11 @@ def array_format(
 
 
 def is_ours(error: BaseException) -> bool:
-    """Return whether the project's own code raised an exception, and no library that it calls.
+    """Return whether the project's own code raised an exception, rather than a library that it
+    calls.
 
-    A library in C leaves no line of its own, so that what the modules raise that unpack files with
-    these counts as the file's.
+    A library in C leaves no line of its own in the traceback, so that what UNPACKERS raise counts
+    as the file's fault.
     """
     places = [Path(frame.filename) for frame in traceback.extract_tb(error.__traceback__)]
     of_file = isinstance(error, EOFError | OSError) or not places or places[-1].name in UNPACKERS
@@ -91,8 +93,8 @@ def is_ours(error: BaseException) -> bool:
 
 
 def report_unread(path: Path, names: Iterable[str], why: str, findings: list[Finding]) -> None:
-    """Add a note with the arrays of a file that are not read, and why; `ur5 import` prints a line
-    for each.
+    """Add a note on the arrays of a file that are not read, and why; `ur5 import` prints a line for
+    each array.
     """
     listed = sorted({*names})
     meaning = f"{', '.join(listed)}: {why}"
@@ -101,7 +103,9 @@ def report_unread(path: Path, names: Iterable[str], why: str, findings: list[Fin
 
 @array_format("parquet", "a Parquet file", ".parquet")
 def parquet_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
-    """Return the columns of numbers by name."""
+    """Return the columns of numbers by name; lists with named elements as columns
+    `<column>/<element>`.
+    """
     elements = named_elements(path)
     listed = {name for name in elements if wanted is None or any(name in one for one in wanted)}
     with pq.ParquetFile(path, page_checksum_verification=True) as file:
@@ -120,10 +124,8 @@ def parquet_arrays(path: Path, wanted: Collection[str] | None, findings: list[Fi
 
 
 def named_elements(path: Path) -> dict[str, list[str]]:
-    """Return the names of the elements of list columns, by the `info.json` of a LeRobot data set.
-
-    It lies next to the file, or in `meta` of a folder above it; none without it. The name of an
-    element is `<column>/<name>`.
+    """Return, by list column, the names of its elements by the `info.json` of a LeRobot data set,
+    which is next to the file or in `meta` of a folder above it. Empty without such a file.
     """
     folders = path.absolute().parents[:LEVELS_OF_DATA_SET]
     infos = [path.with_name("info.json"), *(folder / "meta" / "info.json" for folder in folders)]
@@ -165,7 +167,7 @@ def _is_numeric(kind: pa.DataType) -> bool:
 
 
 def _columns(table: pa.Table) -> Arrays:
-    """Return the columns: of numbers as (n,), of stamps in seconds, of lists as (n, k)."""
+    """Return the columns by name: numbers (n,), stamps (n,) in seconds, lists (n, k)."""
     return {name: _column(table.column(name)) for name in table.column_names}
 
 
@@ -181,14 +183,15 @@ def _column(column: pa.ChunkedArray) -> np.ndarray:
 
 
 def format_of(path: Path) -> str | None:
-    """Return the format of a file by its ending, None where that shows none. A folder is a bag."""
+    """Return the format of a file by its ending, None for an unknown one. A folder is a bag."""
     return "rosbag" if path.is_dir() else ENDINGS.get(path.suffix.lower())
 
 
 def rows_of(values: np.ndarray, widths: np.ndarray, width: int) -> Array:
-    """Return rows (n, width) of the values of all rows one after the other; NaN for others.
+    """Return rows (n, width) from the values of all rows one after the other; NaN in rows of
+    another width.
 
-    widths: how many values each row has (n,).
+    widths: number of values in each row (n,).
     """
     fits = widths == width
     rows = np.full((len(widths), width), np.nan)

@@ -53,7 +53,9 @@ def read_arrays(recording: ArrayFiles) -> RawRecording:
 
 
 def _on_its_clock(recording: ArrayFiles, arrays: Arrays) -> Arrays:
-    """Return the tables of a folder at the stamps of the one that names the time, as `q.csv_0`."""
+    """Return arrays; of a folder of text files, all at the stamps of the file in which the study
+    names the time, as `q.csv_0`.
+    """
     name, mark, column = str(recording.channels.get("time", "")).rpartition("_")
     is_stamped = recording.format == "channel-files" and mark and column == "0" and name in arrays
     return at_stamps(arrays, name) if is_stamped else arrays
@@ -70,7 +72,9 @@ def _expect_listed(recording: ArrayFiles, table: pd.DataFrame) -> None:
 
 
 def _wanted(tables: Iterable[StoredTable]) -> set[str]:
-    """Return the names of all arrays that may be meant: also of single columns."""
+    """Return all array names that a study's entry may mean, with `_0` ... for the columns of a
+    channel.
+    """
     named = {
         (channel, name)
         for table in tables
@@ -85,7 +89,7 @@ def _wanted(tables: Iterable[StoredTable]) -> set[str]:
 
 
 def _table(named: StoredTable, arrays: Arrays, path: Path) -> pd.DataFrame:
-    """Return `time` and the channels in SI units."""
+    """Return `time` and the channels in SI units, from arrays as the study names them."""
     first, *others = sorted(named.channels.items(), key=lambda pair: pair[0] != "time")
     values = _array(arrays, *first, path)
     if first[0] == "time":
@@ -102,7 +106,7 @@ def _table(named: StoredTable, arrays: Arrays, path: Path) -> pd.DataFrame:
 def _columns(
     channel: str, given: str | list[str], arrays: Arrays, rows: int, path: Path
 ) -> dict[str, np.ndarray]:
-    """Return a channel's columns, turned where the file has one row for each of them."""
+    """Return a channel's columns by name; an array with one row for each column is transposed."""
     values = np.atleast_2d(_array(arrays, channel, given, path)).astype(float)
     shapes = [values.shape, values.shape[::-1]]
     # as many joints as there are, if the channel can have them
@@ -119,9 +123,10 @@ def _columns(
 
 
 def _array(arrays: Arrays, channel: str, given: str | list[str], path: Path) -> np.ndarray:
-    """Return the array that a channel names, or those that have its columns, joined as (k, n).
+    """Return the array that a channel names, or several that contain its columns, joined as (k, n).
 
-    A name means `<name>_0` ... too. Raises InputError where one is missing.
+    A name `<name>` may stand for `<name>_0` ... in the file. Raises InputError where one is
+    missing.
     """
     if isinstance(given, str) and given in arrays:
         return arrays[given]
@@ -145,7 +150,7 @@ def _array(arrays: Arrays, channel: str, given: str | list[str], path: Path) -> 
 
 
 def _with_columns(arrays: Arrays) -> Arrays:
-    """Return arrays with each column of those of several, by name and number, as `state_3`."""
+    """Return arrays, and each column of those with several by name and number, as `state_3`."""
     tall = {
         name: rows if rows.shape[0] > rows.shape[1] else rows.T
         for name, rows in arrays.items()
@@ -158,7 +163,9 @@ def _with_columns(arrays: Arrays) -> Arrays:
 
 
 def _single(arrays: Arrays, channel: str, given: str) -> list[str]:
-    """Return the names `<name>_0` ... of a channel's columns, for as many joints as there are."""
+    """Return the names `<name>_0` ... of a channel's columns, for as many joints as the file
+    has.
+    """
     every = [given + suffix for suffix in suffixes_of(channel, MOST_JOINTS)]
     if channel not in JOINT_CHANNELS:
         return every
@@ -166,7 +173,9 @@ def _single(arrays: Arrays, channel: str, given: str) -> list[str]:
 
 
 def seconds_of(stamps: np.ndarray) -> np.ndarray:
-    """Return stamps (n,); pairs (n, 2) or (2, n) are seconds and nanoseconds."""
+    """Return stamps as (n,); of pairs (n, 2) or (2, n), the first is in seconds, the second in
+    nanoseconds.
+    """
     pairs = stamps.T if stamps.ndim == 2 and stamps.shape[0] == 2 else stamps
     if pairs.ndim == 2 and pairs.shape[1] == 2:
         return pairs[:, 0] + 1e-9 * pairs[:, 1]

@@ -16,9 +16,9 @@ Unpack = Callable[[bytes], bytes]
 
 @contextmanager
 def with_bounded_chunks(path: Path) -> Iterator[Unpack]:
-    """Let the library read a bag with chunks that raise InputError where they unpack to too much.
+    """Let the library read a bag; a chunk raises InputError if it unpacks to more than may be read.
 
-    Yields how a message that is compressed by itself is unpacked, within the same limit.
+    Yields a function that unpacks a message which is compressed on its own, within the same limit.
     """
     inflate, before = Unpacking(path).unpacked, (dict(ros1.decompressors), dict(ros2.DECOMPRESSORS))
     zstd_object = ros2.zstd.ZstdDecompressor

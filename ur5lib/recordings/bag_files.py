@@ -21,7 +21,8 @@ PIECE_BYTES = 1 << 20  # bytes that are unpacked at a time
 
 
 def bag_files(path: Path) -> tuple[list[Path], int]:
-    """Return the files of a bag in order, and how many parts of it its folder lacks.
+    """Return the files of a bag in order, and how many parts its description lists that the folder
+    lacks.
 
     path: a file, or a folder with a ROS 2 bag or the numbered parts of a bag. Raises InputError
     where a folder has no bag, or several.
@@ -47,7 +48,9 @@ def bag_files(path: Path) -> tuple[list[Path], int]:
 
 @contextmanager
 def unpacked(path: Path) -> Iterator[Path]:
-    """Yield a file, or what it unpacks to. Raises InputError where that is too much."""
+    """Yield a file, or the temporary file that it unpacks to. Raises InputError where that is too
+    large.
+    """
     if path.suffix != PACKED_ENDING:
         yield path
         return
@@ -66,7 +69,9 @@ def _is_bag(path: Path) -> bool:
 
 
 def _listed_parts(folder: Path) -> list[str]:
-    """Return the names of a bag's parts as its description lists them; none if it does not."""
+    """Return the names of a bag's parts as its description lists them; empty without a
+    description.
+    """
     try:
         listed = read_yaml(folder / DESCRIPTION)["rosbag2_bagfile_information"]
         names = [Path(name).name for name in listed["relative_file_paths"]]
@@ -76,7 +81,7 @@ def _listed_parts(folder: Path) -> list[str]:
 
 
 def _part(name: str) -> tuple[str, int]:
-    """Return the name of a bag and the number of its part; 0 where it has none."""
+    """Return a bag's name without the number of the part, and that number, 0 if it has none."""
     stem, _, ending = name.rpartition(".")
     found = PART_NUMBER.search(stem)
     return f"{stem[: found.start()] if found else stem}.{ending}", int(found[1]) if found else 0

@@ -22,10 +22,11 @@ MIN_PAUSE = 1.5  # times the time that the larger of the bunches before and afte
 
 
 def evenly_stamped(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
-    """Return frames with `time` [s] at equal steps where most rows follow another at once.
+    """Return frames with `time` [s] at equal steps, if most rows have the stamp of the row before
+    or follow it at once.
 
-    Longer pauses between bunches stay. Frames of which most have a time of their own stay as they
-    are, and so do those that repeat the data of the row before.
+    Longer pauses between bunches stay. Frames are unchanged if most have a time of their own, or if
+    close rows repeat the data of the row before.
     """
     time = frames["time"].to_numpy(float)
     close = close_rows(time)
@@ -43,13 +44,17 @@ def evenly_stamped(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFram
 
 
 def close_rows(time: Array) -> Mask:
-    """Return which steps of stamps (N,) [s] are far shorter than a row, none where they are few."""
+    """Return which steps (N - 1,) of stamps (N,) [s] are far shorter than a row takes; none if
+    these are few.
+    """
     steps = np.diff(time)
     return steps < _far_step(steps) if _are_bunched(steps) else np.zeros(len(steps), bool)
 
 
 def even_times(time: Array, close: Mask) -> Array:
-    """Return stamps (N,) [s] at equal steps between pauses; close: steps in bunches (N - 1,)."""
+    """Return stamps (N,) [s] at equal steps between pauses; close: which steps (N - 1,) are in a
+    bunch.
+    """
     bunch = np.cumsum(np.append(False, ~close))
     return _on_lines(time, _stretches(time, bunch)[bunch])
 
@@ -68,15 +73,18 @@ def _far_step(steps: Array) -> float:
 
 
 def are_new(values: Array, close: Mask) -> bool:
-    """Return whether rows (N, M) that are close (N - 1,) to the one before contain other data: a
-    log that was polled too fast repeats them, one of several topics leaves cells empty.
+    """Return whether rows (N, M) close to the row before contain other data; close: (N - 1,).
+
+    A log that was polled too fast repeats them, one of several topics leaves cells empty.
     """
     changed = np.any(np.abs(np.diff(values, axis=0)) > 0, axis=1)
     return bool(np.mean(changed[close]) >= MIN_SHARE_NEW)
 
 
 def _stretches(time: Array, bunch: Labels) -> Labels:
-    """Return how many pauses are before each bunch (M,). bunch: number of each row's (N,)."""
+    """Return, for each bunch of rows (M,), the number of pauses before it. bunch: number of each
+    row's bunch (N,).
+    """
     begins = time[np.flatnonzero(np.diff(bunch, prepend=-1))]
     apart, sizes = np.diff(begins), np.bincount(bunch)
     larger = np.maximum(sizes[1:], sizes[:-1])
@@ -85,7 +93,9 @@ def _stretches(time: Array, bunch: Labels) -> Labels:
 
 
 def _on_lines(time: Array, stretch: Array) -> Array:
-    """Return times (N,) at equal steps, below the stamps of each stretch (N,) between pauses."""
+    """Return times (N,) at equal steps, below the stamps of each part between pauses; stretch:
+    number of the part (N,).
+    """
     row = np.arange(len(time), dtype=float)
     longest = stretch == np.bincount(stretch).argmax()
     step = least_delayed(row[longest], time[longest]).slope

@@ -43,7 +43,7 @@ def channel_file_arrays(
 
 
 def has_stamps(rows: Array) -> bool:
-    """Return whether a table's first column increases like a clock, as no other of it does."""
+    """Return whether a table's first column, and no other, increases like a clock."""
     if rows.ndim != 2 or rows.shape[1] < 2 or len(rows) < MIN_STAMPS:
         return False
     forward = (np.diff(rows, axis=0) > 0).mean(axis=0) >= MIN_SHARE_FORWARD
@@ -51,10 +51,10 @@ def has_stamps(rows: Array) -> bool:
 
 
 def at_stamps(tables: Arrays, name: str) -> Arrays:
-    """Return tables with stamps of their own at the stamps of one of them, between their rows.
+    """Return tables with their rows interpolated at the stamps of the table `name`.
 
-    tables: (n, k) each, first column stamps; others stay as they are. NaN where a table has no row
-    within one and a half of its steps on both sides.
+    tables: (n, k), with stamps in the first column; tables without stamps are unchanged. NaN where
+    a table has no rows near enough (MAX_STEP usual steps apart).
     """
     stamps = tables[name][:, 0]
     return {

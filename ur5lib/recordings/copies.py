@@ -25,10 +25,10 @@ EXACT_INTEGER_BITS = 53  # of an integer that every reader of JSON knows
 
 
 def fingerprint(frames: pd.DataFrame) -> list[int]:
-    """Return the least hashes of the rows: a sample of these that two copies share.
+    """Return the least hashes of the rows, which two copies of a run have in common.
 
     A bottom-k sketch (A. Broder, On the resemblance and containment of documents, 1997). frames:
-    channels of the robot; none where efforts were not recorded.
+    channels of the robot; empty if efforts were not recorded.
     """
     joints = joint_count(frames)
     steps = dict.fromkeys(columns("actual_q", joints), RESOLUTION)
@@ -49,7 +49,9 @@ def _rounded(values: Array, step: float) -> Labels:
 
 
 def same_runs(fingerprints: Mapping[str, Sequence[int]]) -> Iterator[tuple[str, str]]:
-    """Yield the pairs of recordings of one run, or of a part of it; fingerprints: by recording."""
+    """Yield the pairs of recordings that are of one run, one maybe of a part of it; fingerprints:
+    by recording.
+    """
     holders = defaultdict(list)
     for name, rows in fingerprints.items():
         for row in rows:
@@ -61,10 +63,10 @@ def same_runs(fingerprints: Mapping[str, Sequence[int]]) -> Iterator[tuple[str, 
 
 
 def spare_copy(pair: tuple[str, str], roles: Mapping[str, str]) -> str:
-    """Return which of two recordings of one run a study loses nothing without; empty for none.
+    """Return which of two recordings of one run may be left out of a study; empty for none.
 
-    roles: by recording. What is fitted stays; two that are fitted, or roles of which one must be
-    wrong, are for the user to correct.
+    roles: by recording. A fitted one stays; if both are fitted, or one of the roles must be wrong,
+    the user has to decide.
     """
     held = [roles.get(name, "") for name in pair]
     if sorted(held) == ["fit", "validate"]:

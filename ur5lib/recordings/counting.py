@@ -11,7 +11,8 @@ from ur5lib.tables import channel, named
 
 
 def counted_as(recording: Files, arm: Robot) -> Robot:
-    """Return an arm with its joints counted as a recording states, else as the arm does.
+    """Return an arm with the zeros and directions of its joints as a recording states them, else
+    the arm's own.
 
     Raises InputError where it does not state a value for each joint.
     """
@@ -27,10 +28,10 @@ def counted_as(recording: Files, arm: Robot) -> Robot:
 
 
 def at_the_joints(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
-    """Return a table with positions, rates and torques as the arm's joints have them: those of its
-    controller have other directions, zeros and couplings. Currents change their sign alone.
+    """Return a table with the controller's positions, rates and torques converted to those of the
+    arm's joints, by their directions, zeros and couplings. Of currents, only the sign changes.
 
-    Raises InputError for currents of coupled motors, which are of no single joint.
+    Raises InputError for currents of coupled motors, which belong to no single joint.
     """
     if not arm.is_counted():
         return table

@@ -47,8 +47,9 @@ SEPARATORS = b",", b";", b"\t", b" "
 
 
 class Form(NamedTuple):
-    """The names of a table's columns, what separates them, and which contain dates or other
-    text."""
+    """The form of a delimited table: names of its columns, their delimiter, and which contain dates
+    or other text.
+    """
 
     names: list[str]
     delimiter: bytes
@@ -56,16 +57,16 @@ class Form(NamedTuple):
     text: Sequence[str] = ()
 
     def numbers(self) -> list[str]:
-        """Return the names of the columns that are read."""
+        """Return the names of the columns that are read as numbers: all but text."""
         return [name for name in self.names if name not in self.text]
 
 
 class TextTable:
-    """A delimited table that is open at its first rows.
+    """A delimited text table, of which the beginning was read.
 
     The separator is a comma, semicolon, tab or blank; with semicolons and tabs, commas are decimal
     points. cells: of the line with the columns' names or, without names, of the first row; below:
-    of the line under it.
+    cells of the line under it.
     """
 
     def __init__(self, log: Log) -> None:
@@ -86,13 +87,14 @@ class TextTable:
         return not all(_is_cell(cell) or _is_stamp(cell) for cell in cells)
 
     def rows(self, names: list[str] | None) -> tuple[pd.DataFrame, Labels]:
-        """Return the complete rows, once; other lines are skipped and reported.
+        """Return the complete rows (float64) and the number of each from 0 (N,), skipped lines
+        counted.
 
-        names: of the columns, in order; None takes them from the header line. Returns float64, with
-        NaN for empty cells and those with the text NaN, dates as seconds since 1970, and no column
-        of other text that is not named like a channel; and the number of each row from 0 (N,),
-        skipped lines counted. Raises InputError when the table lacks a required header, has mostly
-        damaged lines, or contains more than may be read.
+        names: of the columns, in order; None takes them from the header line. Damaged lines are
+        skipped and reported. Empty cells and the text NaN are NaN, dates are seconds since 1970;
+        columns of other text are left out unless they are named like a channel. Raises InputError
+        when the table lacks a required header, has mostly damaged lines, or contains more than may
+        be read.
         """
         log, (top, form) = self.log, self._form(names)
         tables, damaged, fault, line = list[pa.Table](), np.empty(0, int), "", 1
@@ -118,7 +120,9 @@ class TextTable:
         return table, np.setdiff1d(lines, damaged)[: len(table)] - above  # blank lines are no rows
 
     def _form(self, names: list[str] | None) -> tuple[int, Form]:
-        """Return where the rows begin, and their form."""
+        """Return the offset at which the rows begin, and the table's form; names: None for those of
+        the header.
+        """
         top, delimiter, header = self._top, self._delimiter, self._comment
         if not header and (names is None or _is_header(self._line, delimiter, len(names))):
             header, top = self._line, self._second()
@@ -134,17 +138,17 @@ class TextTable:
         return top, Form(names, delimiter, dates, [*text, UNNAMED_COLUMN])
 
     def _second(self) -> int:
-        """Return where the line under the first one begins."""
+        """Return the offset at which the line under the first one begins."""
         return _end_of_line(self._first, self._top)
 
 
 def read_numbers(log: Log, names: list[str] | None) -> pd.DataFrame:
-    """Return the complete rows of a delimited table, as `TextTable` does."""
+    """Return the complete rows of a delimited table; names: as of `TextTable.rows`."""
     return TextTable(log).rows(names)[0]
 
 
 def drop_untimed(table: pd.DataFrame, log: Log) -> pd.DataFrame:
-    """Return the rows that have a `time`."""
+    """Return the rows with a finite `time`; the others are reported."""
     timed = np.isfinite(table["time"].to_numpy(float))
     meaning = "rows without a time are discarded"
     log.add("missing times", "warning", np.count_nonzero(~timed), meaning)
@@ -158,7 +162,8 @@ def first_line(path: Path) -> str:
 
 
 def _table_blocks(log: Log) -> Iterator[bytes]:
-    """Yield the blocks of a table; one that has a row for each column of samples is turned.
+    """Yield the blocks of a table; one that has a row for each channel and a column for each sample
+    is transposed.
 
     Raises InputError where these rows differ in length.
     """
@@ -185,7 +190,9 @@ def _table_blocks(log: Log) -> Iterator[bytes]:
 
 
 def _is_turned(lines: Sequence[bytes], mark: bytes) -> bool:
-    """Return whether a table is far wider than long, and its first line has numbers or dates."""
+    """Return whether a table is to be transposed: far wider than long, with numbers or dates in its
+    first line.
+    """
     cells = lines[0].split(mark) if lines else []
     wide = len(cells) >= max(MIN_SAMPLES, SAMPLES_A_ROW * len(lines)) and len(lines) < LEAD_LINES
     point = b"," if mark in SEPARATORS_BESIDE_COMMAS else b"."
@@ -199,8 +206,8 @@ def _text(cell: bytes) -> str:
 
 
 def _first_row(data: bytes, path: Path) -> tuple[int, bytes, bytes]:
-    """Return where the first line begins that is neither blank nor a comment, that line, and the
-    comment above it if it names as many columns; else nothing.
+    """Return the offset of the first line that is neither blank nor a comment, that line, and the
+    comment above it if that names as many columns, else b"".
 
     Raises InputError where one of the first lines has more cells than a table has columns.
     """
@@ -223,7 +230,7 @@ def _first_row(data: bytes, path: Path) -> tuple[int, bytes, bytes]:
 
 
 def _length_of_title(lines: list[bytes]) -> int:
-    """Return the length of the lines above a table's header, which have less than half its cells.
+    """Return the number of bytes above a table's header, in lines with less than half of its cells.
 
     0 where there is no header below them.
     """
@@ -239,7 +246,7 @@ def _length_of_title(lines: list[bytes]) -> int:
 
 
 def _with_points(block: bytes, form: Form, log: Log) -> bytes:
-    """Return a block of lines with points for decimal commas."""
+    """Return a block of lines with decimal commas replaced by points."""
     if form.delimiter not in SEPARATORS_BESIDE_COMMAS or b"," not in block:
         return block
     own: list[Finding] = []
@@ -261,7 +268,9 @@ def _end_of_line(data: bytes, start: int) -> int:
 
 
 def _end_of_rows(data: bytes, top: int, line: int, form: Form, log: Log) -> int:
-    """Return the offset at which the last complete line ends. line: number of the first."""
+    """Return the offset at which the last complete line ends; line: number of the block's first
+    line, for the finding.
+    """
     last = max(top, data.rfind(b"\n") + 1)
     if last == len(data) or _ends_whole(data[top:last], data[last:], form.delimiter):
         return len(data)
@@ -289,7 +298,7 @@ def _is_cell(cell: bytes) -> bool:
 
 
 def _is_header(line: bytes, delimiter: bytes, count: int) -> bool:
-    """Return whether a line consists of as many names as there are columns."""
+    """Return whether a line consists of `count` names."""
     cells = [cell.strip() for cell in line.split(delimiter)]
     named = [*filter(None, cells[:1]), *cells[1:]]  # an index has no name
     return len(cells) == count and all(re.match(rb"[A-Za-z#_/]", cell) for cell in named)
@@ -326,7 +335,9 @@ def _parse(data: bytes, start: int, end: int, form: Form) -> tuple[list[pa.Table
 
 
 def _joined(tables: list[pa.Table]) -> pd.DataFrame:
-    """Return a table column by column, each freed in turn: a long one is in memory only once."""
+    """Return the tables as one frame, copied column by column, so that a long table is in memory
+    only once.
+    """
     table = pa.concat_tables(tables)
     tables.clear()
     names, waiting, columns = table.column_names, table.columns[::-1], {}
@@ -437,10 +448,10 @@ def number_in(cell: bytes) -> float | None:
 def text_columns(
     rows: Sequence[Sequence[bytes]], names: Sequence[str]
 ) -> tuple[list[str], list[str]]:
-    """Return the names of the columns of dates, and of those of other text that nothing needs.
+    """Return the names of the columns of dates, and of those of other text that no channel needs.
 
-    rows: cells of the first rows, of which the first may have units. None are returned where no
-    column contains numbers.
+    rows: cells of the first rows, of which the first may have units. Both are empty if no column
+    contains numbers.
     """
     columns = dict(zip(names, zip(*rows, strict=True), strict=False))
     worded = [name for name, cells in columns.items() if _is_text(cells)]
@@ -464,9 +475,10 @@ def _is_text(cells: Sequence[bytes]) -> bool:
 
 
 def seconds_of_dates(dates: pd.Series) -> Array:
-    """Return the seconds since 1970 (N,) of ISO dates, without a zone of UTC; NaN for others.
+    """Return the seconds since 1970 (N,) of ISO dates, in UTC if they name no zone; NaN for others.
 
-    Of times of a day, as `12:30:05:250000`, those since its midnight, which go on over the next.
+    Times of day, as `12:30:05:250000`, become seconds since the first midnight, also beyond the
+    next one.
     """
     if dates.str.match(TIME_OF_DAY.pattern.decode()).any():
         text = dates.str.strip().str.replace(r"^(\d+:\d+:\d+)[:,]", r"\1.", regex=True)
@@ -478,7 +490,9 @@ def seconds_of_dates(dates: pd.Series) -> Array:
 
 
 def seconds_of_date(cell: bytes) -> float | None:
-    """Return the seconds of a date or a time of day, as `seconds_of_dates`, None for neither."""
+    """Return the seconds of one date or time of day, as `seconds_of_dates` does; None for other
+    text.
+    """
     if TIME_OF_DAY.match(cell.strip()):
         return float(seconds_of_dates(pd.Series([cell.strip().decode()]))[0])
     try:

@@ -83,12 +83,12 @@ class InUnits(Strict):
         return table
 
     def known_units(self) -> dict[str, str | list[float]]:
-        """Return the units of the channels that are not in SI units."""
+        """Return the units of the channels that are not in SI units, by channel."""
         return self.units
 
 
 class Clocked(InUnits):
-    """Channels with one clock, and their units."""
+    """Channels with a common clock or rate, and their units."""
 
     time: Literal["relative_s", "epoch_s", "day_ms", "host_s"] = Field(
         "relative_s",
@@ -108,11 +108,13 @@ class Clocked(InUnits):
         return None if self.rate is None else 1 / self.rate
 
     def instead_of_time(self) -> str:
-        """Return the key that takes the place of `time`; empty where each row has its own."""
+        """Return the key that the entry has in place of `time`, "rate"; empty where each row has
+        its own time.
+        """
         return "" if self.rate is None else "rate"
 
     def names(self) -> Collection[str]:
-        """Return the names of the columns or channels, none where the format gives them."""
+        """Return the names of the columns or channels, empty where the format defines them."""
         return ()
 
     @model_validator(mode="after")
@@ -128,11 +130,12 @@ class Clocked(InUnits):
         return self
 
     def known_units(self) -> dict[str, str | list[float]]:
-        """Return the units of the channels, of the time too, that are not in SI units."""
+        """Return the units, by channel and of `time`, that are not SI."""
         return self.units | ({"time": "ms"} if self.time == "day_ms" else {})
 
     def in_si(self, table: "pd.DataFrame", row: "Labels | None" = None) -> "pd.DataFrame":
-        """Return a table as `InUnits` does, with the time of its rows where the rate gives it.
+        """Return a table in SI units as `InUnits.in_si` does; if the entry has a rate, with the
+        rows' time.
 
         row: numbers (N,) of the rows; default: in order.
         """
@@ -145,7 +148,7 @@ class Clocked(InUnits):
 
 
 def _spelt(column: str) -> str:
-    """Return a column's name. Raises ValueError where it is a misspelt channel."""
+    """Return a column's name unchanged. Raises ValueError where it is a misspelt channel."""
     if (channel := meant(column)) is not None:
         raise ValueError(
             f"`{channel}` if you mean that channel, or `{SKIPPED_COLUMN}` to skip the column"
@@ -211,7 +214,7 @@ def _of_channels(channels: dict[str, str | list[str]]) -> dict[str, str | list[s
 
 
 class StoredTable(Clocked):
-    """Arrays with one clock, in a file."""
+    """Arrays in a file, with one clock."""
 
     channels: Annotated[dict[str, str | list[str]], AfterValidator(_of_channels)] = Field(
         description="the array of each channel: of `time` and of channels by their RTDE names, "
@@ -224,12 +227,14 @@ class StoredTable(Clocked):
         return self.channels
 
     def shares_clock(self, other: "StoredTable") -> bool:
-        """Return whether the rows have the times of other arrays in the same file."""
+        """Return whether the arrays have the same time array and rate as others in the same
+        file.
+        """
         mine, its = ((one.channels.get("time"), one.rate) for one in (self, other))
         return mine == its
 
     def on_clock_of(self, other: "StoredTable") -> Self:
-        """Return the arrays with the time base and the unit of time of others."""
+        """Return these arrays with the time base and time unit of `other`."""
         unit = {name: unit for name, unit in other.units.items() if name == "time"}
         return self.model_copy(update={"time": other.time, "units": self.units | unit})
 
@@ -275,21 +280,21 @@ class Files(Strict):
 
     @property
     def path(self) -> Path:
-        """Return the robot's file, or the folder where the format has several."""
+        """Return the robot's file, or the folder if the format consists of several files."""
         return Path(self.folder, getattr(self, "file", ""))
 
     @property
     def at_rest(self) -> bool:
-        """Whether its rows are postures at rest, without time."""
+        """Return whether the rows are postures at rest, without time."""
         return getattr(self, "still", False)
 
     def sensors(self) -> dict[Device, Any]:
-        """Return the entries of the sensors."""
+        """Return the entries of the sensors by device."""
         parts = {device: getattr(self, key, None) for key, device in SENSORS.items()}
         return {device: part for device, part in parts.items() if part is not None}
 
     def file_names(self) -> list[str]:
-        """Return the files that the entry names; none when it uses all of its folder."""
+        """Return the names of the files in the entry; empty if it uses its whole folder."""
         parts = [self, *self.sensors().values()]
         names = [getattr(part, key, None) for part in parts for key in ("file", "start_file")]
         return [name for name in names if name is not None]
@@ -337,11 +342,15 @@ class RobotRows(Clocked):
 
     @property
     def cycle(self) -> float | None:
-        """Return the time between two rows [s]; postures are counted."""
+        """Return the time between two rows [s]; 1 for postures, which are counted; None where each
+        row has its own time.
+        """
         return 1.0 if self.still else super().cycle
 
     def instead_of_time(self) -> str:
-        """Return the key that takes the place of `time`; empty where each row has its own."""
+        """Return the key that the entry has in place of `time`, "still" or "rate"; empty where each
+        row has its own time.
+        """
         return "still" if self.still else super().instead_of_time()
 
     @model_validator(mode="after")

@@ -27,7 +27,8 @@ READERS: dict[str, Callable[[Any], RawRecording]] = {
 
 
 def read_recording(recording: Files) -> RawRecording:
-    """Read the files of a recording, or the part that is wanted of them.
+    """Read the files of a recording, cut to its `from_s` and `to_s`, with sensors of the same host
+    on the robot's clock.
 
     Raises InputError when they cannot be read.
     """
@@ -36,10 +37,10 @@ def read_recording(recording: Files) -> RawRecording:
 
 
 def excerpt(raw: RawRecording, start: float | None, end: float | None) -> RawRecording:
-    """Return a recording with the robot's frames from `start` until before `end` alone.
+    """Return a recording with only the robot's frames from `start` until before `end`.
 
-    start, end: [s] since the recording's first frame; None: its own. Clocks and stamps stay, and
-    with them the place of the sensors. Raises InputError when no frame is left.
+    start, end: [s] since the recording's first frame; None for its begin or end. Clocks and stamps
+    stay, so that sensors keep their place. Raises InputError when no frame is left.
     """
     if start is None and end is None:
         return raw

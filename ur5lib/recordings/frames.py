@@ -30,7 +30,10 @@ FRAME_COLUMNS = ("time", "epoch", "received")  # columns that are not channels
 
 @dataclass(frozen=True)
 class Timing:
-    """The timing of the frames: the grid's period and the steps between timestamps, all in [s]."""
+    """The timing of the frames, in s: period of the grid, longest step between timestamps, and
+    their jitter around the grid (median and 99 %). regular: whether steps are whole numbers of
+    periods.
+    """
 
     period: float
     regular: bool
@@ -41,11 +44,11 @@ class Timing:
 
 @dataclass(frozen=True)
 class GridStretch:
-    """A run of frames without a split, on the grid.
+    """Consecutive frames without a split, placed on the time grid.
 
-    rows: the frames (n,) that are used, one per slot; place: where these are on the grid (n,), in
-    periods from the first; slots: all slots (m,); start: time of the first frame [s]; crowded:
-    frames discarded because another one occupies their slot.
+    rows: the frames (n,) that are used, one per slot; place: of these on the grid (n,), in periods
+    from the first; slots: numbers of all slots (m,); start: time of the first frame [s]; crowded:
+    number of frames discarded because another one has their slot.
     """
 
     rows: Labels
@@ -62,15 +65,16 @@ def repair_frames(
     source: str,
     bounds: Mapping[str, float] | None = None,
 ) -> tuple[pd.DataFrame, Timing, list[Finding]]:
-    """Return the frames in order on a uniform grid, each slot at most once, with gaps flagged.
+    """Return the frames in order on a uniform grid, the timing, and the findings.
 
-    frames: `time` [s] and channels as read; cycle: the controller's [s], None to determine it;
-    max_gap: [s]; source: the file, for messages; bounds: as in `drop_implausible`.
-    Returns `time`, `segment`, `interpolated`, the
-    channels, and `filled_<channel>` for each channel with interpolated cells. Gaps up to `max_gap`
-    are interpolated; longer ones split the recording: `segment` counts its parts from 0. `frames`
-    loses its columns on the way, so that a long recording is in memory only once.
-    Raises InputError when fewer than two frames are usable or the units must be wrong.
+    frames: `time` [s] and channels as read; it loses its columns on the way, so that a long
+    recording is in memory only once. cycle: the controller's [s], None to determine it; max_gap:
+    [s]; source: the file, for messages; bounds: as in `drop_implausible`.
+
+    The table has `time`, `segment`, `interpolated`, the channels, and `filled_<channel>` for each
+    channel with interpolated cells. Gaps up to `max_gap` are interpolated; longer ones split the
+    recording: `segment` counts its parts from 0. Raises InputError when fewer than two frames are
+    usable or the units must be wrong.
     """
     findings: list[Finding] = []
     _expect_frames(frames, source)
@@ -114,7 +118,7 @@ def _expect_frames(frames: pd.DataFrame, source: str) -> None:
 
 
 def _whole_channels(frames: pd.DataFrame, findings: list[Finding], source: str) -> pd.DataFrame:
-    """Return the frames without channels that lack a column or are nowhere complete."""
+    """Return the frames without channels that lack a column or have no row with all columns."""
     absent = [
         name
         for name, columns in _vectors(frames).items()
@@ -131,7 +135,7 @@ def _whole_channels(frames: pd.DataFrame, findings: list[Finding], source: str) 
 
 
 def no_positions(frames: pd.DataFrame, joints: int, source: str) -> InputError:
-    """Return the error of frames that lack positions, which names the columns."""
+    """Return the error for frames without positions, with the names of the missing columns."""
     names = [f"actual_q_{joint}" for joint in range(joints)]
     missing = [name for name in names if name not in frames or not frames[name].notna().any()]
     lacking = ", ".join(missing) or "row with all of actual_q"
@@ -142,7 +146,9 @@ def no_positions(frames: pd.DataFrame, joints: int, source: str) -> InputError:
 
 
 def _timing_of_positions(frames: pd.DataFrame, cycle: float | None, source: str) -> Timing:
-    """Return the timing of the rows; of slow positions, of the rows that have them."""
+    """Return the timing of all rows; if positions come less often, that of the rows with
+    positions.
+    """
     positioned = np.isfinite(frames[_vectors(frames)["actual_q"]].to_numpy(float)).all(axis=1)
     if not _is_slow(positioned):
         return _timing(frames, cycle, source)
@@ -150,7 +156,9 @@ def _timing_of_positions(frames: pd.DataFrame, cycle: float | None, source: str)
 
 
 def _is_slow(received: Mask) -> bool:
-    """Return whether a channel was logged less often than others, by the rows (N,) that have it."""
+    """Return whether a channel was logged less often than others; received: the rows (N,) that have
+    it.
+    """
     steps = np.diff(np.flatnonzero(received))
     return len(steps) > 0 and bool(np.median(steps) >= MIN_SLOW_STEP)
 
@@ -174,12 +182,12 @@ def _timing(frames: pd.DataFrame, cycle: float | None, source: str) -> Timing:
 
 
 def _steps(frames: pd.DataFrame) -> Array:
-    """Return the steps between timestamps [s], those over clock resets excluded."""
+    """Return the steps between timestamps [s], without those at clock resets."""
     return frames["time"].diff()[frames["epoch"].diff() == 0].to_numpy()
 
 
 def _holes(frames: pd.DataFrame) -> int:
-    """Return how many frames lack a cell."""
+    """Return how many frames lack at least one cell."""
     missing = np.zeros(len(frames), dtype=bool)
     for name in frames.columns.drop("time"):
         missing |= ~np.isfinite(frames[name].to_numpy(float))
@@ -187,7 +195,9 @@ def _holes(frames: pd.DataFrame) -> int:
 
 
 def _stretches(frames: pd.DataFrame, timing: Timing, max_gap: float) -> list[GridStretch]:
-    """Split the frames at clock resets and at gaps that are too long, and put them on the grid."""
+    """Return the frames split at clock resets and at gaps longer than `max_gap` [s], each part
+    placed on the grid.
+    """
     longest = max_gap + 1.5 * timing.period
     breaks = (frames["time"].diff() > longest) | (frames["epoch"].diff() > 0)
     bounds = [0, *np.flatnonzero(breaks), len(frames)]
@@ -196,7 +206,9 @@ def _stretches(frames: pd.DataFrame, timing: Timing, max_gap: float) -> list[Gri
 
 
 def _stretch(rows: Labels, time: Array, timing: Timing) -> GridStretch:
-    """Return the stretch of some frames. rows: their indices; time: of all frames [s]."""
+    """Return frames without a split as placed on the grid. rows: their indices; time: of all frames
+    [s].
+    """
     place = _places(time[rows], timing)
     first = np.unique(place, return_index=True)[1]
     slots = np.arange(int(np.floor(place[first[-1]] + 1e-6)) + 1)
@@ -211,11 +223,12 @@ def _on_grid(
     timing: Timing,
     max_gap: float,
 ) -> tuple[pd.DataFrame, int, list[str]]:
-    """Return the table on the grid, how many of its slots were lost, and the slow channels.
+    """Return the table on the grid, how many of its slots were lost, and the names of slow
+    channels.
 
-    A slot is lost if any channel has a long gap there, or is missing altogether. What is filled in
-    between the samples of a slow channel makes no frame an interpolated one. arrays: (N,) by
-    column, each of which is freed when it is on the grid; vectors: the columns of each channel.
+    A slot is lost if any channel has a long gap there, or no sample at all. Values between the
+    samples of a slow channel do not make a frame an interpolated one. arrays: (N,) by column, each
+    of which is freed when it is on the grid; vectors: the columns of each channel.
     """
     columns_at, flags = dict[str, Array](), dict[str, Mask]()
     lost = np.zeros(sum(len(stretch.slots) for stretch in stretches), dtype=bool)
@@ -243,7 +256,7 @@ def _on_grid(
 def _fill_stretches(
     values: Array, stretches: list[GridStretch], timing: Timing, max_gap: float, name: str
 ) -> tuple[Array, Mask, Mask]:
-    """Return a channel at all slots (m, k), which slots were filled, and which are lost.
+    """Return a channel at all slots (m, k), which of these were filled, and which are lost.
 
     values: (n, k), of all frames.
     """
@@ -263,7 +276,7 @@ def _fill_stretches(
 
 
 def _segments(stretches: list[GridStretch], lost: Mask) -> Labels:
-    """Return the number of the gapless part, from 0, of each slot that is not lost."""
+    """Return, for each slot that is not lost, the number of its part without gaps, from 0."""
     begins = np.concatenate([stretch.slots == 0 for stretch in stretches])
     parts = np.cumsum(begins | np.append(False, lost[:-1]))
     return np.unique(parts[~lost], return_inverse=True)[1]
@@ -280,7 +293,11 @@ def _places(time: Array, timing: Timing) -> Array:
 def _fill(
     place: Array, values: Array, slots: Labels, timing: Timing, max_gap: float, name: str
 ) -> tuple[Array, Mask, Mask]:
-    """Return values at the slots, which were not received, and which lie in too long a gap."""
+    """Return values at the slots, which of these were not received, and which are in too long a
+    gap.
+
+    place: of the received values (n, k) on the grid, in periods.
+    """
     after = np.minimum(np.searchsorted(place, slots), len(place) - 1)
     before = np.maximum(np.searchsorted(place, slots, side="right") - 1, 0)
     nearest = np.where(place[after] - slots < slots - place[before], after, before)
@@ -299,7 +316,7 @@ def _fill(
 
 
 def _vectors(frames: pd.DataFrame) -> dict[str, list[str]]:
-    """Return the columns of each channel: six for actual_q."""
+    """Return the column names of each channel, as six for actual_q."""
     vectors: dict[str, list[str]] = {}
     for column in frames.columns.difference(FRAME_COLUMNS, sort=False):
         name, _, suffix = column.rpartition("_")

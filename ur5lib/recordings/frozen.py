@@ -24,7 +24,7 @@ WRENCHES = ("actual_TCP_force", "ft_raw_wrench")
 
 
 class Frozen(NamedTuple):
-    """A column, and the rows in which it stays the same."""
+    """A column, and rows in which its value stays the same."""
 
     column: str
     rows: slice
@@ -33,8 +33,8 @@ class Frozen(NamedTuple):
 def without_frozen(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
     """Return frames with NaN where positions or efforts stay the same while their joints move.
 
-    Velocities that do so are left out, since slopes of positions replace them, and so are wrenches
-    that do so to the end. frames: in order.
+    Velocities that stay the same while positions change are dropped, since slopes of positions
+    replace them; wrenches are dropped if they stay the same to the end. frames: in order.
     """
     time, joints = frames["time"].to_numpy(float), range(joint_count(frames))
     if still := [*_of_joints(frames, "actual_qd")]:
@@ -55,7 +55,8 @@ def without_frozen(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFram
 
 
 def frozen_end(values: Array, time: Array) -> int | None:
-    """Return the row from which on values (N, M) stay the same to the end; None without any.
+    """Return the row from which on values (N, M) stay the same to the end, far longer than usual;
+    None if they do not.
 
     time: (N,) [s].
     """
@@ -66,7 +67,7 @@ def frozen_end(values: Array, time: Array) -> int | None:
 def report_frozen(
     findings: list[Finding], device: Device, name: str, time: Array, first: int
 ) -> None:
-    """Add a finding about a channel that stays the same from a row on."""
+    """Add a finding on a channel that stays the same from row `first` on."""
     _report(findings, device, [Frozen(name, slice(first, len(time)))], time)
 
 
@@ -81,7 +82,9 @@ def _of_joints(frames: pd.DataFrame, name: str) -> Iterator[Frozen]:
 
 
 def _contradicts(frames: pd.DataFrame, name: str, joint: int, rows: slice) -> bool:
-    """Return whether a joint's channel cannot stay the same in some rows, in which it moves."""
+    """Return whether the joint moves in rows where its channel stays the same, so that it cannot be
+    measured.
+    """
     part = frames.iloc[rows]
     if name not in ("actual_q", "actual_qd"):
         efforts = part[[column for column in part if column.rpartition("_")[0] == name]]

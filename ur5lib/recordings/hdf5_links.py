@@ -13,7 +13,7 @@ MAX_LINKS = 16  # that HDF5 follows one after the other
 def expect_inside(file: Any, name: str, path: Path, links: int = 0) -> None:
     """Raise InputError where a name in an HDF5 file leads to another file, which stays unopened.
 
-    links: how many links inside the file have led there.
+    links: number of links inside the file that were followed to this name.
     """
     parts = name.strip("/").split("/")
     for k in range(len(parts) if links <= MAX_LINKS else 0):

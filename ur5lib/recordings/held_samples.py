@@ -14,10 +14,11 @@ MAX_HOLD_RATIO = 2.0
 
 
 def fresh_samples(values: Array) -> Mask | None:
-    """Return which rows (N,) are new samples of a sensor if its recorder repeats them.
+    """Return which rows (N,) are new samples, if the recorder repeats a slower sensor's at an even
+    rate; None if it does not.
 
-    values: (N, M), in order, without NaN. A value that lasts is one that the sensor sent again.
-    None where the rows are the sensor's own: no rate at which values are repeated is even.
+    values: (N, M), in order, without NaN. A value that lasts longer counts as sent again by the
+    sensor.
     """
     changes = np.flatnonzero((np.diff(values, axis=0) != 0).any(axis=1)) + 1
     lasting = np.diff(changes)

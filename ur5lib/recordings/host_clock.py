@@ -29,7 +29,9 @@ UNDETERMINED_RATE_STD = 1e-3  # default standard error of an undetermined rate
 
 @dataclass(frozen=True)
 class Line:
-    """host = offset + slope * own [s]; slope_std: its standard error."""
+    """The relation of a device's clock or count to its host's time, host = offset + slope * own
+    [s]; slope_std: standard error of the slope.
+    """
 
     offset: float
     slope: float
@@ -40,7 +42,7 @@ class Line:
         return self.offset + self.slope * device
 
     def own(self, host: Array) -> Array:
-        """Return the device's time (N,) at times of the host (N,) [s]."""
+        """Return the device's time or count (N,) at times of the host (N,) [s]."""
         return (host - self.offset) / self.slope
 
 
@@ -48,10 +50,10 @@ def least_delayed(device: Array, host: Array, nominal: float | None = None) -> L
     """Return the line below the stamps that leaves the least mean delay.
 
     device: (N,) time [s] or count of the device, increasing; host: (N,) [s], stamps at arrival;
-    nominal: slope of a record that is too short to determine one, None for that of its samples.
-    No delay is negative, so the best line is a linear program; its solution is the edge of the
-    lower convex hull of the stamps under their mean (S. B. Moon, P. Skelly, D. Towsley: Estimation
-    and removal of clock skew from network delay measurements, INFOCOM 1999). Samples with almost no
+    nominal: slope assumed if the record is too short to determine one, None to fit it anyway. No
+    delay is negative, so the best line is a linear program; its solution is the edge of the lower
+    convex hull of the stamps under their mean (S. B. Moon, P. Skelly, D. Towsley: Estimation and
+    removal of clock skew from network delay measurements, INFOCOM 1999). Samples with almost no
     delay determine it, however late and however many the others are.
     """
     elapsed, since = device - device[0], host - host[0]
@@ -69,7 +71,9 @@ def least_delayed(device: Array, host: Array, nominal: float | None = None) -> L
 
 
 def _edge_below(elapsed: Array, delay: Array) -> tuple[int, int]:
-    """Return the samples at both ends of the lower convex hull's edge under the mean time."""
+    """Return the numbers of the two samples between which the lower convex hull passes under the
+    mean time.
+    """
     height = max(float(np.ptp(delay)), STAMP_RESOLUTION)
     stamps = np.column_stack([elapsed / elapsed[-1], (delay - delay.min()) / height])
     above = [[0.0, 2.0], [1.0, 2.0]]  # above all stamps, so that no hull is flat
@@ -83,7 +87,9 @@ def _edge_below(elapsed: Array, delay: Array) -> tuple[int, int]:
 
 
 def _slope_std(elapsed: Array, delay: Array) -> float:
-    """Return the standard error of the slope: the next least delays of each half could shift it."""
+    """Return the standard error of the slope, by the next least delays of each half, which could
+    shift it.
+    """
     early = elapsed < elapsed.mean()
     halves = delay[early], delay[~early]
     if min(map(len, halves)) <= ERROR_RANK:
@@ -93,10 +99,10 @@ def _slope_std(elapsed: Array, delay: Array) -> float:
 
 
 def without_delays(table: pd.DataFrame) -> pd.DataFrame:
-    """Return a sensor's table without the delays in its `time`, if it counts its samples.
+    """Return a sensor's table with delays removed from its `time`, if it counts its samples.
 
-    `counter`: the sensor's own count, which is left out. A count that does not increase throughout
-    is not used.
+    The column `counter`, the sensor's own count, is dropped. A count that does not increase
+    throughout is not used.
     """
     if COUNTER not in table:
         return table
@@ -109,10 +115,10 @@ def without_delays(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def on_robot_clock(raw: RawRecording) -> RawRecording:
-    """Return a recording with the sensors that have stamps of the robot's host on the robot's
-    clock.
+    """Return a recording with its sensors on the robot's clock, as far as they have stamps of the
+    robot's host.
 
-    The robot's table has its stamps as `received`, a sensor's are its `time`.
+    The robot's table has the host's stamps as `received`, a sensor's has them as its `time`.
     """
     table, start = raw.robot.table, raw.robot.start
     sensors = {n: s for n, s in raw.sensors.items() if s.start and s.start.since == "host_s"}
@@ -138,7 +144,9 @@ def _span(device: DeviceRecord) -> Span:
 
 
 def _placed(sensor: DeviceRecord, robot: Line, start: Stamp) -> DeviceRecord:
-    """Return a sensor's record with times of the robot's clock."""
+    """Return a sensor's record with its times by the robot's clock; robot, start: the robot's line
+    and start stamp.
+    """
     assert sensor.start is not None
     host = sensor.start.seconds + sensor.table["time"].to_numpy()
     time = robot.own(host)

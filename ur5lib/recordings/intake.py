@@ -68,7 +68,7 @@ class Intake:
 
 
 def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
-    """Read and repair a recording; max_gap: [s].
+    """Return the repaired data of a recording with findings; max_gap: [s].
 
     Raises InputError when it cannot be used.
     """
@@ -114,17 +114,17 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
 
 
 def _no_velocities(frames: pd.DataFrame) -> Iterator[Finding]:
-    """Yield a note on frames with velocities found from the positions."""
+    """Yield a note if there are no velocities, so that slopes of the positions replace them."""
     if "actual_q_0" in frames and "actual_qd_0" not in frames:
         detail = "no actual_qd: velocities are the slopes of actual_q, with the noise of these"
         yield Finding("robot", "no velocities", "note", len(frames), detail)
 
 
 def known_frames(raw: RawRecording, arm: Robot) -> tuple[pd.DataFrame, list[Finding]]:
-    """Return the robot's rows with the channels that are recognised, efforts among them, and
-    findings.
+    """Return the robot's rows with the recognised channels, efforts and positions converted to the
+    arm's joints; and findings.
 
-    Raises InputError where they have not the positions of the arm's joints.
+    Raises InputError if they lack positions of the arm's joints.
     """
     unwritten: list[Finding] = []
     written = replace(raw.robot, table=drop_unwritten(raw.robot.table, unwritten))
@@ -141,9 +141,8 @@ def _on_one_zero(
     arm: Robot,
     findings: list[Finding],
 ) -> pd.DataFrame:
-    """Put a force sensor that was zeroed in between on one zero, in its place or the robot's table.
-
-    Returns the robot's table.
+    """Return the robot's table; a force sensor that was zeroed during the recording is put on its
+    last zero, in that table or in `placed`.
     """
     if "force" not in placed:
         robot, zeroed = on_one_zero(robot, robot, arm)
@@ -156,7 +155,7 @@ def _on_one_zero(
 
 
 def _expect_joints(robot: DeviceRecord, arm: Robot) -> None:
-    """Raise InputError where a recording has not the positions of an arm's joints."""
+    """Raise InputError unless a recording has the positions of exactly the arm's joints."""
     positions = [name for name in robot.table if name.startswith("actual_q_")]
     count, joints = joint_count(positions), len(arm.joints)
     if any(f"actual_q_{joint}" not in robot.table for joint in range(joints)):
@@ -169,10 +168,10 @@ def _expect_joints(robot: DeviceRecord, arm: Robot) -> None:
 
 
 def bounds_of(arm: Robot) -> dict[str, float]:
-    """Return the impossible magnitudes of columns by an arm's own limits.
+    """Return, by column, the magnitude from which on a value is impossible for an arm.
 
-    Positions and speeds as of URs, unless an arm turns as far or as fast itself. Measured torques
-    have none, as those of other makers' arms.
+    Positions and speeds have a UR's bounds, or twice the arm's own limits if these are larger.
+    Measured torques of other arms have none.
     """
     farthest = [TIMES_POSSIBLE * max(map(abs, ends)) for ends in arm.position_limits()]
     fastest = [TIMES_POSSIBLE * speed for speed in arm.velocity_limits()]
@@ -188,9 +187,10 @@ def bounds_of(arm: Robot) -> dict[str, float]:
 
 
 def _known_channels(table: pd.DataFrame, other: bool) -> tuple[pd.DataFrame, list[Finding]]:
-    """Return the channels with a meaning and a unit, and notes on the others.
+    """Return the table with only the channels that have a meaning and a unit, and notes on the
+    others.
 
-    other: whether a force sensor has a file of its own, which is used instead.
+    other: whether the study names another force sensor, which is used instead of the table's.
     """
     wrench = [name for name in table if re.match(r"ft_(?!raw)", name)]
     whole = FORCE_CHANNELS if {*FORCE_CHANNELS} <= {*wrench} else FORCES
@@ -225,8 +225,8 @@ def _known_channels(table: pd.DataFrame, other: bool) -> tuple[pd.DataFrame, lis
 def with_slow_sensor(
     raw: RawRecording, frames: pd.DataFrame, findings: list[Finding]
 ) -> tuple[RawRecording, pd.DataFrame]:
-    """Return a recording and its robot's frames with the force sensor as a device of its own, where
-    it is slower than the rows of the robot's file, or stays the same from some row on.
+    """Return a recording and its robot's frames; the force sensor is moved to a device of its own
+    if it is slower than the rows of the robot's file, or stays the same from some row on.
     """
     columns = [name for name in FORCE_CHANNELS if name in frames]
     samples = frames[["time", *columns]].dropna() if columns else frames[:0]
@@ -244,10 +244,11 @@ def with_slow_sensor(
 def with_wrist_sensor(
     robot: pd.DataFrame, arm: Robot, other: bool, findings: list[Finding]
 ) -> pd.DataFrame:
-    """Return a repaired table with `ft_fx` .. `ft_tz` of the arm's own force sensor.
+    """Return a repaired robot table with `ft_fx` .. `ft_tz` [N, Nm] read by the arm's own force
+    sensor, if it has one.
 
-    [N, Nm], environment on the arm, axes of frame 6, at the flange. robot: a repaired table; other:
-    whether the study names a force sensor; its readings are used instead.
+    It is the wrench of the environment on the arm, in axes of frame 6, at the flange. other:
+    whether the study names a force sensor, which is used instead.
     """
     named_reading = _reading(robot, arm) if arm.wrist_sensor else None
     if named_reading is None:
@@ -262,7 +263,8 @@ def with_wrist_sensor(
 
 
 def _reading(robot: pd.DataFrame, arm: Robot) -> tuple[str, Array] | None:
-    """Return the channel of the wrist sensor and its reading (N, 6) in axes of frame 6.
+    """Return the name of the wrist sensor's channel and its reading (N, 6) in axes of frame 6; None
+    without one.
 
     The raw reading, else the controller's `actual_TCP_force` (base axes, without the configured
     payload, zeroed by the program): on a real UR5e both have the same moments, at the flange.
@@ -277,7 +279,7 @@ def _reading(robot: pd.DataFrame, arm: Robot) -> tuple[str, Array] | None:
 
 
 def _varies(robot: pd.DataFrame, name: str) -> bool:
-    """Return whether a channel was recorded and is not one constant, as without a sensor."""
+    """Return whether a channel was recorded and changes; without a sensor, it would be constant."""
     if f"{name}_0" not in robot:
         return False
     values = channel(robot, name)
@@ -285,8 +287,10 @@ def _varies(robot: pd.DataFrame, name: str) -> bool:
 
 
 def _with_torques_named(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> pd.DataFrame:
-    """Return a table with the torques of an arm that measures them under their own name, if it has
-    them under that of currents, without what else it has of motors. Others remain as they are.
+    """Return a table with its torques named actual_torque, if the arm measures torques; other
+    efforts are dropped.
+
+    Tables of arms that measure currents are unchanged.
     """
     if arm.measured != TORQUE:
         return table
@@ -305,10 +309,9 @@ def _with_torques_named(table: pd.DataFrame, arm: Robot, findings: list[Finding]
 def with_efforts(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> pd.DataFrame:
     """Return a table with the efforts that its arm measures: torques [Nm], or currents [A].
 
-    To torques less gravity, that of the arm is added. Where it has only torques of a motor with
-    measured currents, they are divided by the torque constants of the arm's joints. A fit of
-    friction finds the constants anew, so that errors of these cancel where currents become torques
-    again.
+    To torques less gravity, the arm's gravity is added. Torques of an arm with measured currents
+    are divided by the torque constants of its joints. A fit of friction finds the constants anew,
+    so that their errors cancel where currents become torques again.
     """
     whole = SENSED_TORQUE if arm.measured == TORQUE else MOTOR_TORQUE
     if f"{TORQUE_LESS_GRAVITY}_0" in table and f"{whole}_0" not in table:
@@ -320,7 +323,9 @@ def with_efforts(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> pd
 
 
 def _with_currents(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> pd.DataFrame:
-    """Return a table with currents [A] where it has only torques [Nm], which no sensor measured."""
+    """Return a table with currents [A], computed from torques [Nm] if it has only these; measured
+    torques are dropped.
+    """
     sensed = [name for name in columns(SENSED_TORQUE, MOST_JOINTS) if name in table]
     name = next((name for name in (MOTOR_TORQUE, SENSED_TORQUE) if f"{name}_0" in table), None)
     if name is None or f"{MEASURED_CURRENT}_0" in table:

@@ -30,7 +30,9 @@ def is_json(path: Path) -> bool:
 
 
 def json_messages(path: Path, lost: Counter[str]) -> Iterator[tuple[str, str, float, Any]]:
-    """Yield topic, schema, time of receipt [s] and content of each message, and count the lost."""
+    """Yield topic, schema, time of receipt [s] and content of each message; messages that are no
+    JSON are counted in `lost`.
+    """
     size = 0
     with path.open("rb") as stream:
         for schema, channel, message in make_reader(stream).iter_messages():
@@ -46,7 +48,9 @@ def json_messages(path: Path, lost: Counter[str]) -> Iterator[tuple[str, str, fl
 
 
 def joint_state(content: Mapping[str, Any], received: float) -> Any:
-    """Return a state of joints as a message of ROS has it; NaN for what a joint lacks."""
+    """Return a state of joints with the attributes of ROS's JointState; NaN for numbers that a
+    joint lacks.
+    """
     if "joints" in content:
         parts = content["joints"]
         names = [str(part.get("name", "")) for part in parts]
@@ -60,13 +64,13 @@ def joint_state(content: Mapping[str, Any], received: float) -> Any:
 
 
 def _row(values: list[float | None]) -> Array:
-    """Return numbers, none where all are unknown."""
+    """Return values as numbers, NaN for None; empty if all are None."""
     known = any(value is not None for value in values)
     return np.array(values if known else [], float)
 
 
 def _stamp(stamp: Any, received: float) -> Any:
-    """Return seconds and nanoseconds of a stamp, else those of the receipt."""
+    """Return a stamp with `sec` and `nanosec`; without one, that of the receipt."""
     if not isinstance(stamp, dict):
         return SimpleNamespace(sec=received, nanosec=0)
     nanoseconds = next((stamp[key] for key in ("nsec", "nanosec", "nsecs") if key in stamp), 0)
@@ -74,18 +78,20 @@ def _stamp(stamp: Any, received: float) -> Any:
 
 
 def number_arrays(topic: str, rows: list[dict[str, float]]) -> dict[str, Array]:
-    """Return the numbers of messages by `<topic>/<name>`, NaN for what one lacks."""
+    """Return the numbers of a topic's messages by `<topic>/<name>`, NaN where a message lacks a
+    name.
+    """
     table = pd.DataFrame(rows)
     return {f"{topic}/{name}": table[name].to_numpy(float) for name in table}
 
 
 def are_numbers(content: Any) -> bool:
-    """Return whether a message is numbers by name, or yes and no, and no more."""
+    """Return whether a message consists only of named numbers or truth values."""
     return isinstance(content, dict) and all(
         isinstance(value, int | float) for value in content.values()
     )
 
 
 def is_wanted(topic: str, wanted: Collection[str] | None) -> bool:
-    """Return whether something of a topic is wanted; None: all."""
+    """Return whether any wanted name is of a topic; wanted: None for all names."""
     return wanted is None or any(name.startswith(f"{topic}/") for name in wanted)

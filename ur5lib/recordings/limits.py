@@ -17,7 +17,7 @@ MIN_LINES = 32  # that a table has at least
 
 
 def most_bytes() -> float:
-    """Return how much the numbers of a file may take in memory."""
+    """Return how many bytes the numbers of a file may take in memory."""
     given = os.environ.get(LIMIT_VARIABLE, "") or DEFAULT_GIGABYTES
     try:
         most = float(given)
@@ -36,7 +36,7 @@ def most_columns() -> int:
 
 
 def longest_line() -> int:
-    """Return how many bytes a line may have: all numbers of an hour at 500 Hz have fewer."""
+    """Return how many bytes a line may have; an hour of numbers at 500 Hz has fewer."""
     return int(most_bytes() / MIN_LINES)
 
 
@@ -47,10 +47,12 @@ def expect_room(path: Path, numbers: float) -> None:
 
 
 class Unpacking:
-    """How many bytes a file may still unpack to: what its numbers may take, and what is usual."""
+    """The number of bytes that a compressed file may still unpack to; more raises InputError."""
 
     def __init__(self, path: Path) -> None:
-        """Take a compressed file."""
+        """Take the compressed file; the limit is the memory for numbers and USUAL_COMPRESSION times
+        its size.
+        """
         self.path = path
         self.left = int(most_bytes()) + USUAL_COMPRESSION * path.stat().st_size
 
@@ -61,8 +63,10 @@ class Unpacking:
             raise too_large(self.path, f"{USUAL_COMPRESSION} times as much as it has bytes")
 
     def unpacked(self, data: bytes, new: Callable[[], Any]) -> bytes:
-        """Return what a part of the file unpacks to, counted; new: makes a decompressor of bz2, lz4
-        or zstd. Raises EOFError where the part is incomplete.
+        """Return the unpacked bytes of a part of the file, and count them; new: makes a
+        decompressor of bz2, lz4 or zstd.
+
+        Raises EOFError where the part is incomplete.
         """
         frames = list[bytes]()
         while data:
@@ -76,7 +80,7 @@ class Unpacking:
 
 
 def too_large(path: Path, content: str) -> InputError:
-    """Return the error of a file that contains more than some content."""
+    """Return the error for a file that contains more than allowed; content: the limit in words."""
     return InputError(
         f"{path} holds more than {content}; "
         f"if it should, allow more by `export {LIMIT_VARIABLE}=10` before the "

@@ -14,10 +14,10 @@ LETTER, PLACE = re.compile(rb"[A-Za-z]"), b"\0"
 
 
 def with_lists_apart(block: bytes) -> bytes:
-    """Return lines of a table with the numbers of each list in columns of their own.
+    """Return lines of a table in which each number of a list has a column of its own.
 
     In the header, the line above the first list, a list's name becomes `<name>_0` and so on. Lists
-    of other lengths make rows of other widths, which the reader reports.
+    of different lengths make rows of different widths, which the reader reports.
     """
     lists = LIST.finditer(block[:HEAD_BYTES])
     start = next((found.start() for found in lists if _is_cell(found, block)), None)
@@ -35,7 +35,7 @@ def with_lists_apart(block: bytes) -> bytes:
 
 
 def _is_cell(found: re.Match[bytes], block: bytes) -> bool:
-    """Return whether a list is a cell, and no number of a name, as in `q[0]`."""
+    """Return whether a list is a cell, rather than a number in a name, as in `q[0]`."""
     return _count(found) > 1 or block[found.start() - 1 : found.start()] in (b"", *CELL_STARTS)
 
 
@@ -53,7 +53,9 @@ def _count(found: re.Match[bytes]) -> int:
 
 
 def _names(head: bytes, first: bytes, mark: bytes) -> bytes:
-    """Return a header with a name for each number. first: the row below, a place for each."""
+    """Return a header with a name for each number. first: the row below, with PLACE for each
+    number.
+    """
     names, widths = head.split(mark), [cell.count(PLACE) for cell in first.split(mark)]
     if len(names) != len(widths):
         return head

@@ -18,8 +18,8 @@ MIN_LATENESS = 0.5  # of a cycle, by which a frame must be late on both sides
 
 
 def in_order(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
-    """Return the frames by time, without repeats; `epoch` counts the resets of the clock, after
-    which the time goes on.
+    """Return the frames sorted by time, without repeats. `epoch` counts the clock's resets, after
+    which the time continues.
 
     Frames that repeat the previous one, or only its data with a new timestamp, are discarded. New
     data with an old timestamp are moved to the next slot.
@@ -58,7 +58,7 @@ def epochs(time: np.ndarray) -> np.ndarray:
 
 
 def continued(time: Array, epoch: Labels) -> Array:
-    """Return timestamps (N,) [s] that go on by one usual step where the clock was reset.
+    """Return timestamps (N,) [s] that continue by one usual step where the clock was reset.
 
     epoch: (N,), from `epochs`. How long the clock stopped is unknown.
     """
@@ -77,8 +77,8 @@ def drop_repeats(
 ) -> pd.DataFrame:
     """Return the frames without exact repeats, timestamps included.
 
-    sent: columns that are the device's own, by default all; a recorder that polls the device faster
-    than it sends repeats these with stamps of its own.
+    sent: columns that the device sends, by default all; a recorder that polls faster than the
+    device sends repeats these with stamps of its own.
     """
     if frames["time"].is_unique:  # the usual case, and quick to test
         return frames
@@ -92,8 +92,8 @@ def drop_repeats(
 
 
 def _nudge_stale_stamps(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
-    """Move new data with a timestamp that was used before to the next slot, in place of what is
-    there.
+    """Return frames with new data under an already used timestamp moved to the next slot, where
+    they replace what is there.
 
     Where a recorder reads the stamp before the data, the stamps after a stale one are stale, too.
     """
@@ -118,13 +118,17 @@ def _nudge_stale_stamps(frames: pd.DataFrame, findings: list[Finding]) -> pd.Dat
 
 
 def report_crowded(findings: list[Finding], count: int) -> None:
-    """Add how many frames were discarded, since others fall into their cycle."""
+    """Add a finding with the number of frames discarded because another one falls into their
+    cycle.
+    """
     detail = "several frames fall into one cycle; only the first is kept"
     add_finding(findings, "robot", "crowded frames", "warning", count, detail)
 
 
 def _drop_stale_data(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
-    """Drop frames with data equal to those of the previous frame, noisy efforts included."""
+    """Return the frames without those that repeat the data of the previous one, if efforts are
+    noisy.
+    """
     efforts = frames.filter(regex=r"actual_current_|actual_torque_\d").columns
     if efforts.empty:
         return frames  # without a noisy channel, an arm at rest repeats itself legitimately
@@ -141,7 +145,9 @@ def _drop_stale_data(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFr
 
 
 def _return_lost_data(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
-    """Move data of a lost frame that came with the next timestamp back to their own time."""
+    """Return frames with the data of a lost frame, which came with the next timestamp, moved one
+    cycle back.
+    """
     q, qd = (frames.filter(regex=rf"^{name}_\d$") for name in ("actual_q", "actual_qd"))
     if q.shape[1] != qd.shape[1] or len(frames) < 3:
         return frames
@@ -162,7 +168,7 @@ def _return_lost_data(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataF
 def _one_cycle_late(
     rows: Labels, time: Array, q: pd.DataFrame, qd: pd.DataFrame, cycle: float
 ) -> Mask:
-    """Return in which of some frames the arm is where it was one cycle before.
+    """Return in which of some frames (rows) the arm is where it was one cycle earlier.
 
     The way to such a frame is shorter, and that to the next one longer, than by the velocities.
     """

@@ -36,7 +36,7 @@ def own_readers() -> dict[str, Read]:
 
 @array_format(OWN_FORMAT, "a file of an own format", *own_readers())
 def own_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
-    """Return the arrays that the reader of files with this ending gives.
+    """Return the arrays of numbers that the workspace's reader for files with this ending returns.
 
     Raises InputError where there is no reader, or it fails.
     """

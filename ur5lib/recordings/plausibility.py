@@ -41,12 +41,12 @@ def drop_implausible(
     findings: list[Finding],
     bounds: Mapping[str, float] | None = None,
 ) -> pd.DataFrame:
-    """Return the frames with possible values and times.
+    """Return the frames without those with impossible values or times, which are reported.
 
-    frames: in the file's order; bounds: impossible magnitudes of columns of this arm, where they
-    are other than any Universal Robots arm's, infinite of a joint that turns without limit.
-
-    Raises InputError when so many are impossible that a unit or a column must be wrong.
+    frames: in the file's order; bounds: by column, the magnitude from which on a value is
+    impossible for this arm, where that differs from a Universal Robots arm; infinite for a joint
+    that turns without limit. Raises InputError when so many are impossible that a unit or a column
+    must be wrong.
     """
     wrong = np.zeros(len(frames), dtype=bool)
     for name, spec in CHANNELS.items():
@@ -65,7 +65,9 @@ def drop_implausible(
 
 
 def _with_positions(frames: pd.DataFrame) -> Mask:
-    """Return which rows have a position: others are of other topics in the same table."""
+    """Return which rows (N,) have a position; rows of other topics in the same table have none. All
+    if positions were not recorded.
+    """
     q = frames.get("actual_q_0")
     return np.isfinite(q.to_numpy(float)) if q is not None else np.ones(len(frames), bool)
 
@@ -101,7 +103,9 @@ def check_pace(time: Array, source: str, shortest: float = MIN_STEP) -> None:
 
 
 def stray_times(time: Array) -> Mask:
-    """Return which timestamps [s] (N,) are far from all others or from their neighbours."""
+    """Return which timestamps [s] (N,) are far from all others or from their neighbours in the
+    file.
+    """
     steps = np.diff(time)
     if len(time) < 2 * NEIGHBOURS + 1 or (steps.min() >= 0 and steps.max() <= STRAY_PAUSE):
         return np.zeros(len(time), dtype=bool)
@@ -111,19 +115,19 @@ def stray_times(time: Array) -> Mask:
 
 
 def first_time(time: Array) -> float:
-    """Return when a recording began: its earliest timestamp [s] before any clock reset."""
+    """Return the earliest timestamp [s] before any clock reset, strays left out."""
     return float(time[before_reset(time)].min())
 
 
 def before_reset(time: Array) -> Mask:
-    """Return which timestamps [s] (N,) are no strays and lie before any reset of the clock."""
+    """Return which timestamps [s] (N,) are no strays and come before any reset of the clock."""
     kept = ~stray_times(time)
     kept[kept] = epochs(time[kept]) == 0
     return kept
 
 
 def _contradicted(time: Array) -> Mask:
-    """Return which timestamps are far from the median of their neighbours in the file."""
+    """Return which timestamps (N,) are far from the median of their neighbours in the file."""
     # where the rows are shuffled, neighbours mean nothing
     if np.mean(np.diff(time) < 0) > MAX_SHARE_IMPOSSIBLE:
         return np.zeros(len(time), dtype=bool)
@@ -132,7 +136,7 @@ def _contradicted(time: Array) -> Mask:
 
 
 def _islands(time: Array) -> Mask:
-    """Return which timestamps lie beyond a long pause, with only few others."""
+    """Return which timestamps (N,) are separated from the others by a long pause and are few."""
     order = np.argsort(time, kind="stable")
     island = np.concatenate([[0], np.cumsum(np.diff(time[order]) > STRAY_PAUSE)])
     strays = np.empty(len(time), dtype=bool)
@@ -142,12 +146,14 @@ def _islands(time: Array) -> Mask:
 
 
 def is_silent(values: Array) -> bool:
-    """Return whether values (N, k) are nothing but zeros, and numbers that nobody wrote."""
+    """Return whether all values (N, k) are zero, or so near to it that nobody wrote them."""
     return not (np.abs(values) >= SMALLEST_VALUE).any()
 
 
 def drop_unwritten(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
-    """Return a table without channels of stray bytes, as of efforts that a driver never sets."""
+    """Return a table without channels that contain only stray bytes, as of efforts that a driver
+    never sets.
+    """
     channels = defaultdict[str, list[str]](list)
     for name in table:
         channels[re.sub(r"_\d+$", "", name)].append(name)
@@ -160,8 +166,8 @@ def drop_unwritten(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame
 
 
 def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
-    """Return a table with NaN where a column falls to exactly zero at once, or a current is zero
-    while those of other joints are not.
+    """Return a table with NaN where a value falls to exactly zero at once, or one joint's current
+    is zero for several rows while others are not.
     """
     values = table.to_numpy(float)
     near_zero = np.abs(values) < SMALLEST_VALUE
@@ -183,13 +189,17 @@ def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
 
 
 def _restarts(time: Array) -> Mask:
-    """Return the stamps (N,) behind which the time goes on from them, below the stamps before."""
+    """Return at which stamps (N,) a clock starts anew: they are followed by increasing ones below
+    the stamp before.
+    """
     before, after = np.append(-np.inf, time[:-1]), np.append(time[1:], np.inf)
     return (after > time) & (after < before)
 
 
 def _fallen(column: Array, least: float) -> Mask:
-    """Return which cells (N,) of a column lie in runs of zeros that begin or end in a leap."""
+    """Return which cells (N,) of a column are in runs of zeros that begin or end with a leap;
+    least: smallest leap.
+    """
     zero = column == 0.0
     received = column[~zero & (np.abs(column) < np.sqrt(np.finfo(float).max))]
     steps = np.abs(np.diff(received))
@@ -204,7 +214,8 @@ def _fallen(column: Array, least: float) -> Mask:
 
 
 def _dead(currents: Array) -> Mask:
-    """Return which cells (N, k) lie in long runs of zeros of some joints, or short ones of all.
+    """Return which cells (N, k) of currents were not received: in long runs of zeros of some
+    joints, or short ones of all.
 
     An arm without power has zeros of all joints for long.
     """

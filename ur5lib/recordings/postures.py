@@ -25,7 +25,8 @@ CHANNELS_AT_REST = (  # channels that are used
 
 
 def read_postures(recording: Files, arm: Robot) -> tuple[pd.DataFrame, Quality]:
-    """Read a recording of postures; return the means over the rows of each, and its quality.
+    """Return the means of a recording's channels over the rows of each posture at rest, and its
+    quality.
 
     Raises InputError where it has no efforts, or cannot be used.
     """
@@ -54,7 +55,9 @@ def read_postures(recording: Files, arm: Robot) -> tuple[pd.DataFrame, Quality]:
 def _complete(
     frames: pd.DataFrame, source: str, arm: Robot, findings: list[Finding]
 ) -> pd.DataFrame:
-    """Return the rows with all positions and efforts; there must be two."""
+    """Return the rows with all positions and efforts. Raises InputError if there are fewer than
+    two.
+    """
     joints, effort = len(arm.joints), arm.measured
     needed = columns("actual_q", joints) + columns(effort.channel, joints)
     if not {*needed} <= {*frames}:
@@ -74,7 +77,7 @@ def _complete(
 
 
 def _posture(q: Array) -> Labels:
-    """Return labels (N,) of the postures of rows with positions (N, n) [rad]."""
+    """Return the number of the posture (N,) of each row; q: positions (N, n) [rad]."""
     first, label, labels = q[0], 0, []
     for row in q:
         if np.abs(row - first).max() > MAX_POSTURE_CHANGE:

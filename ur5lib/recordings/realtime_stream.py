@@ -46,7 +46,9 @@ SIZE_WORD = re.compile(b"|".join(re.escape(size.to_bytes(4, "big")) for size in 
 
 @dataclass(frozen=True)
 class _Run:
-    """Consecutive messages of one size [bytes], starting at an offset."""
+    """Consecutive messages of one size. start: offset of the first [bytes]; count: number of
+    messages; size: of each [bytes].
+    """
 
     start: int
     count: int
@@ -61,9 +63,10 @@ class _Run:
 class _Messages:
     """The complete messages in a stream of bytes that arrives line by line.
 
-    runs: where they lie; length: number of bytes so far; tables: by message size, a row for `time`,
-    one for `received`, filled in later, and one per channel (2 + C, room for all messages);
-    received, ends: when each line was received [s], and the offset after its bytes.
+    runs: their places; length: number of bytes so far; tables: by message size, with a row for
+    `time`, one for `received`, filled in later, and one per channel (2 + C, room for all messages);
+    counts: messages in each table; received, ends: when each line was received [s], and the offset
+    after its bytes.
     """
 
     def __init__(self, most: int) -> None:
@@ -89,12 +92,14 @@ class _Messages:
             self._search(more=True)
 
     def interrupt(self) -> None:
-        """Search what was added so far: the bytes that follow, if any, do not continue it."""
+        """Search all bytes added so far; bytes that follow do not continue them."""
         self._search(more=False)
         self._waiting, self._searched = [], self.length
 
     def _search(self, more: bool) -> None:
-        """Find the messages; bytes that cannot be judged without their successors stay waiting."""
+        """Find the messages in the waiting bytes; more: whether further bytes may follow, so that
+        the last ones have to wait for these.
+        """
         stream = b"".join(self._waiting)
         offset = self.length - len(stream)
         at, end = 0, len(stream)
@@ -115,7 +120,7 @@ class _Messages:
         return np.asarray(np.array(self.received)[np.searchsorted(self.ends, offsets)])
 
     def _keep(self, doubles: Array, size: int) -> None:
-        """Append messages, doubles as sent (N, D), to the table of their size."""
+        """Append messages to the table of their size; doubles: (N, D) as sent."""
         kept = np.r_[(*fields(size).values(),)]
         if size not in self.tables:  # channels first, as in pandas
             self.tables[size] = np.empty((2 + len(kept), self._most // size))
@@ -162,7 +167,8 @@ def read_stream(path: Path) -> tuple[pd.DataFrame, list[Finding]]:
 
 
 def _read(path: Path) -> tuple[_Messages, list[int]]:
-    """Return the messages of a file, and the numbers of its damaged lines; their bytes are lost.
+    """Return the messages of a file, and the numbers of its damaged lines, of which the bytes are
+    lost.
 
     Raises InputError for a file without lines.
     """
@@ -200,9 +206,11 @@ def _unhex(line: bytes) -> tuple[float, bytes]:
 
 
 def _seek(stream: bytes, at: int, end: int, last: float) -> int:
-    """Return where the next message seems to begin, `at` or later; `end` if nowhere.
+    """Return the offset, `at` or later, at which the next message seems to begin; `end` if there is
+    none.
 
-    Of the size words within one message length, the most plausible begins a message.
+    Of the size words within one message length, the most plausible begins a message. last:
+    timestamp of the message before [s].
     """
     if _follows(np.array([last]), _stamps(stream, at, end, 1)[1]).any():
         return at
@@ -217,10 +225,11 @@ def _seek(stream: bytes, at: int, end: int, last: float) -> int:
 
 
 def _stamps(stream: bytes, at: int, end: int, most: int) -> tuple[int, Array]:
-    """Return the message size at an offset and the timestamps [s] (most,) from there on.
+    """Return the message size at an offset, and the timestamps [s] of up to `most` messages from
+    there on.
 
-    Fewer where `end` comes first, size words disagree or timestamps are impossible; 0 and none if
-    there is no size word.
+    There are fewer where `end` comes first, size words disagree or timestamps are impossible; 0 and
+    an empty array without a size word.
     """
     size = int.from_bytes(stream[at : at + 4], "big")
     if size not in SOFTWARE_BY_SIZE or at + HEAD_BYTES > end:
@@ -238,13 +247,16 @@ def _leading(flags: Mask) -> int:
 
 
 def _follows(before: Array, after: Array, longest: float = MAX_STEP) -> Mask:
-    """Return whether timestamps [s] can be consecutive: advanced, or stale, as does occur."""
+    """Return whether timestamps [s] can be consecutive: the second is larger by at most `longest`,
+    or equal, as a stale one.
+    """
     step = after - before
     return ((step == 0) & (after > 0)) | ((step >= MIN_STEP) & (step <= longest))
 
 
 def _trust(stamps: Array, last: float) -> int:
-    """Return how well timestamps [s] (N,) follow `last` (NaN: none); 0: not at all.
+    """Return a score of how well timestamps [s] (N,) continue from `last` (NaN: none); 0: not at
+    all.
 
     The best continue from `last`; after a long gap or restart they must advance by themselves.
     """
@@ -260,7 +272,8 @@ def _trust(stamps: Array, last: float) -> int:
 
 
 def _whole(stream: bytes, at: int, end: int) -> tuple[int, int]:
-    """Return how many of RUN_MESSAGES from an offset on are complete, and their size.
+    """Return how many messages from an offset on are complete, RUN_MESSAGES at most, and their
+    size.
 
     A message is complete if its last byte is followed by another message or by the end.
     """
@@ -286,7 +299,7 @@ def _layout(counts: dict[int, int], findings: list[Finding]) -> int:
 
 
 def _skipped(messages: _Messages, size: int) -> list[Finding]:
-    """Report the bytes that belong to no complete message."""
+    """Return findings on the bytes that belong to no complete message."""
     total = messages.length
     starts = [0, *(run.end for run in messages.runs)]
     ends = [*(run.start for run in messages.runs), total]
@@ -305,7 +318,9 @@ def _skipped(messages: _Messages, size: int) -> list[Finding]:
 
 
 def _skipped_words(places: int, since: float) -> str:
-    """Return the words on bytes outside messages; since: to the first, from the start [s]."""
+    """Return the sentence on bytes outside messages; places: how many; since: time to the first,
+    from the start [s].
+    """
     where = "1 place," if places == 1 else f"{places} places, the first"
     return (
         f"bytes outside complete messages (lost, cut or foreign data) in {where} "

@@ -14,9 +14,10 @@ DAY = 86400.0  # s
 class Stamp:
     """The time at which a device's clock read zero.
 
-    seconds: since the epoch, since midnight UTC, since the start of the recording, or by the clock
-    of the robot's host; std: standard uncertainty of that [s]; drift_std: standard uncertainty of
-    the clock's rate relative to the robot's, None if that is unknown, 0 of the robot's own clock.
+    seconds: that time; since: what it counts from: the epoch, midnight UTC, the start of the
+    recording, or the zero of the robot's host; std: its standard uncertainty [s]; drift_std:
+    standard uncertainty of the clock's rate relative to the robot's, None if unknown, 0 of the
+    robot's own clock.
     """
 
     seconds: float
@@ -25,7 +26,9 @@ class Stamp:
     drift_std: float | None = None
 
     def after(self, other: "Stamp") -> float | None:
-        """Return how much later this stamp is than another [s], None if not comparable."""
+        """Return by how much this stamp is later than another [s]; None if they count from
+        different zeros.
+        """
         apart = self.seconds - other.seconds
         kinds = {self.since, other.since}
         if kinds == {"epoch_s", "day_ms"} or kinds == {"day_ms"}:
@@ -35,7 +38,7 @@ class Stamp:
 
 @dataclass(frozen=True)
 class DeviceRecord:
-    """The record of one device.
+    """What one device recorded.
 
     table: `time` [s], counted from the device's own zero, and its channels, one row per sample;
     start: when that zero was, None if unknown; source: the file it came from.

@@ -21,7 +21,9 @@ RECEIVED_STD = 0.01  # s, uncertainty of the delay between sending and receiving
 
 
 def read_table_csv(recording: TableFiles) -> RawRecording:
-    """Read a table. Raises InputError when the file has no row of that many numbers."""
+    """Return a recording from a table. Raises InputError when the file has no row of that many
+    numbers.
+    """
     findings: list[Finding] = []
     path, names = recording.path, expand(recording.columns)
     log = Log(path, "robot", findings)
@@ -36,11 +38,12 @@ def read_table_csv(recording: TableFiles) -> RawRecording:
 
 
 def read_rtde_csv(recording: RtdeFiles) -> RawRecording:
-    """Read a CSV with RTDE names in its header, from ur_rtde or Universal Robots' own client.
+    """Return a recording from a CSV with RTDE names in its header, by ur_rtde or Universal Robots'
+    own client.
 
     `timestamp` counts from the controller's start; the time returned counts from the first row.
-    `host_time`, if there is one, is when each row arrived [s].
-    Raises InputError when there is no `timestamp` column, no complete row, or an unknown unit.
+    `host_time`, if there is one, is when each row arrived [s]. Raises InputError when there is no
+    `timestamp` column, no complete row, or an unknown unit.
     """
     path, findings = recording.path, list[Finding]()
     log = Log(path, "robot", findings)
@@ -65,9 +68,9 @@ def read_rtde_csv(recording: RtdeFiles) -> RawRecording:
 
 
 def read_realtime_stream(recording: RecordedFiles) -> RawRecording:
-    """Read a capture of the realtime port; time counts from the first message.
+    """Return a recording from a capture of the realtime port; time counts from the first message.
 
-    Its send time is unknown, so its time of receipt is used.
+    When a message was sent is unknown; the recording's start stamp is when the first was received.
     """
     table, findings = read_stream(recording.path)
     start = Stamp(float(table["received"].iloc[0]), RECEIVED_STD, "epoch_s")

@@ -9,9 +9,9 @@ MAX_STEP = 5.0  # usual steps, from the last stamp before a roll-over to the nex
 
 
 def without_roll_over(time: Array) -> Array:
-    """Return stamps (N,) [s] that go on where a counter of 32 bits of µs or ms begins again.
+    """Return stamps (N,) [s] that continue where a 32-bit counter of µs or ms begins again.
 
-    There, they fall by all that it counts but for a usual step.
+    There, the stamps fall by the counter's whole range less a usual step.
     """
     steps = np.diff(time)
     if not (steps < -ROLL_OVERS[0] / 2).any():

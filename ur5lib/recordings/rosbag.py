@@ -42,18 +42,18 @@ FIELDS = {  # that are read of each kind of message
 
 
 class Joints(NamedTuple):
-    """The joints of a message: their names, none where it does not name each once, and how many."""
+    """The joints in a message: their names, empty unless it names each once, and their number."""
 
     names: tuple[str, ...] = ()
     width: int = 0
 
 
 class Messages:
-    """The messages of a topic: columns of numbers, so that many take little memory.
+    """The messages of a topic, as columns of numbers, so that many take little memory.
 
-    stamps: of their headers [s]; received: of their receipt [s]; values: of each field, of all
-    messages one after the other; widths: how many each message has; joints: each kind of them
-    once, and places: where each message's is.
+    stamps: in their headers [s]; received: of their receipt [s]; values: by field, the numbers of
+    all messages one after the other; widths: by field, how many each message has; joints: number of
+    each different set of joints; places: that number of each message.
     """
 
     def __init__(self) -> None:
@@ -63,7 +63,7 @@ class Messages:
         self.joints: dict[Joints, int] = {}
 
     def add(self, message: Any, received: float, fields: Collection[str]) -> None:
-        """Add a message. Raises where it lacks something."""
+        """Add a message. Raises an exception of any type where it lacks a field."""
         stamp, body = message.header.stamp, getattr(message, "wrench", message)
         seconds = stamp.sec + 1e-9 * stamp.nanosec
         joints = _joints_of(message)
@@ -80,7 +80,7 @@ class Messages:
         return sum(map(len, self.values.values()))
 
     def usual_joints(self) -> Joints:
-        """Return the joints that most messages are about, those of an arm first."""
+        """Return the joints of most messages, preferring those of an arm."""
         counts = Counter(self.places)
         return max(
             self.joints,
@@ -92,20 +92,21 @@ class Messages:
         )
 
     def about(self, joints: Joints) -> Mask:
-        """Return which messages are about these joints (N,), in any order."""
+        """Return which messages (N,) are about these joints, in any order."""
         alike = [_in_any_order(own) == _in_any_order(joints) for own in self.joints]
         return np.array(alike)[np.array(self.places)]
 
     def arms(self) -> list[tuple[Joints, ArmJoints]]:
-        """Return the arms among the joints, each once, with the kind of message that names it."""
+        """Return each arm among the joints once, with the joints of the messages that name it."""
         kinds = sorted(self.joints, key=lambda joints: joints != self.usual_joints())
         found = {frozenset(arm.names): (own, arm) for own in kinds for arm in arms_among(own.names)}
         return [*found.values()]
 
     def rows(self, field: str, kept: Mask, joints: Joints, ordered: Sequence[str]) -> Array:
-        """Return a field of some messages, of the joints in order; of all where none are named.
+        """Return a field (n, k) of the messages `kept`, with the joints `ordered`, or all if that
+        is empty.
 
-        Nothing where none of them has it; NaN in those without it.
+        (0, 0) if none of them has the field; NaN in messages without it.
         """
         widths = np.array(self.widths[field])
         width = joints.width or int(widths[kept][0])
@@ -147,7 +148,7 @@ def rosbag_arrays(path: Path, wanted: Collection[str] | None, findings: list[Fin
 def _of_json(
     files: list[Path], wanted: Collection[str] | None, path: Path, findings: list[Finding]
 ) -> Arrays:
-    """Return the arrays of messages in JSON: states of joints, and numbers by name."""
+    """Return the arrays of JSON messages: states of joints, and messages of named numbers."""
     topics, tables = dict[str, Messages](), defaultdict[str, list[dict[str, float]]](list)
     unread, lost = set[str](), Counter[str]()
     for topic, kind, received, content in (m for file in files for m in json_messages(file, lost)):
@@ -192,7 +193,9 @@ def _read_part(
     topics: dict[str, Messages],
     findings: list[Finding],
 ) -> Exception | None:
-    """Add the messages of a file to those of its bag; return what stopped its reading, if any."""
+    """Add the messages of one file of a bag to `topics`; return the exception that ended its
+    reading, None if it was complete.
+    """
     store, lost, failure = get_typestore(Stores.ROS2_HUMBLE), Counter[str](), None
     try:
         with (
@@ -223,7 +226,9 @@ def _collect(
     lost: Counter[str],
     path: Path,
 ) -> None:
-    """Read the messages of the wanted topics that can be read, and count the others."""
+    """Read the messages of the wanted topics into `topics`; those that cannot be read are counted
+    in `lost`.
+    """
     known = [
         connection
         for connection in bag.connections
@@ -250,7 +255,9 @@ def _collect(
 
 
 def _joints_of(message: Any) -> Joints:
-    """Return the joints of a message, by its names or by how many numbers it has of them."""
+    """Return the joints of a message: their names if each is named once, and how many numbers it
+    has of them.
+    """
     if not hasattr(message, "name"):
         return Joints()
     names, fields = tuple(message.name), (message.position, message.velocity, message.effort)
@@ -263,7 +270,7 @@ def _in_any_order(joints: Joints) -> tuple[frozenset[str], int]:
 
 
 def _numbers(field: Any) -> Array:
-    """Return the numbers of an array, or the components of a vector."""
+    """Return the numbers of an array, or x, y and z of a vector."""
     if isinstance(field, np.ndarray):
         return field.astype(float)
     return np.array([getattr(field, axis) for axis in ("x", "y", "z")], float)
@@ -276,7 +283,9 @@ def _topic_arrays(
     path: Path,
     findings: list[Finding],
 ) -> Arrays:
-    """Return the arrays of a topic: of each of several arms, or of the usual joints."""
+    """Return the arrays of a topic by name: of the wanted joints, of each of several arms, or of
+    the usual joints.
+    """
     if named := _named_joints(topic, messages, wanted):
         return named
     usual, arms = messages.usual_joints(), messages.arms()
@@ -293,7 +302,9 @@ def _topic_arrays(
 
 
 def _named_joints(topic: str, messages: Messages, wanted: Collection[str] | None) -> Arrays:
-    """Return the columns `<topic>/<field>/<joint>` that are wanted; none where none is."""
+    """Return the wanted columns `<topic>/<field>/<joint>` with their stamps; empty if none is
+    wanted.
+    """
     asked = {name.removeprefix(f"{topic}/").partition("/")[2] for name in wanted or ()}
     joints = max(messages.joints, key=lambda one: len(asked.intersection(one.names)))
     ordered = [name for name in joints.names if name in asked]
@@ -318,7 +329,7 @@ def _stamps(place: str, messages: Messages, kept: Mask) -> Arrays:
 def _arm_arrays(
     place: str, messages: Messages, joints: Joints, of_arm: tuple[str, ...], log: Log
 ) -> Arrays:
-    """Return the arrays of an arm, of the messages that name its joints."""
+    """Return the arrays of one arm, from the messages that name its joints."""
     kept, names = messages.about(joints), joints.names
     order = joint_order(names)
     whole = len(of_arm) in (0, len(names)) or (order is not None and len(names) == len(JOINTS))

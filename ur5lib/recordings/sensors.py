@@ -34,14 +34,18 @@ STAMP_STD = 0.05  # s, uncertainty of a start stamp of unknown origin
 
 @dataclass(frozen=True)
 class SensorSamples:
-    """A sensor's samples, and the timestamp [s] of the first one, damaged ones included."""
+    """A sensor's samples, and the timestamp [s] of its first row, even if that was damaged and left
+    out.
+    """
 
     table: pd.DataFrame
     first: float
 
 
 def read_sensors(recording: WithSensors, findings: list[Finding]) -> dict[Device, DeviceRecord]:
-    """Read the sensors that a study names for a recording, as far as they recorded something."""
+    """Return the records of the sensors in a recording's entry; those that recorded nothing are
+    left out.
+    """
     records = {
         device: read_sensor(Path(recording.folder), sensor, device, findings)
         for device, sensor in recording.sensors().items()
@@ -56,8 +60,8 @@ def read_device(
 ) -> SensorSamples | None:
     """Return a sensor's complete rows in order; None, and a finding, when there are none.
 
-    clocked: its units and time base. A damaged sensor file never makes the robot's data
-    unusable; only an invalid unit in the study raises InputError.
+    clocked: its units and time base. A damaged sensor file never makes the robot's data unusable;
+    only an invalid unit in the study raises InputError.
     """
     clocked.in_si(pd.DataFrame(columns=names, dtype=float))
     if (absent := _absence(log)) is not None:
@@ -69,9 +73,10 @@ def read_device(
 
 
 def first_number(path: Path, ended: bool = False) -> float | None:
-    """Return the number that a file begins with, as in the thesis's start stamps.
+    """Return the number that a file begins with, as in the thesis's start stamps; None if there is
+    none.
 
-    ended: the line should end in a newline; without one, its number is incomplete. Raises
+    ended: whether the line must end in a newline, without which its number is incomplete. Raises
     InputError where the path leads to no file.
     """
     expect_file(path)
@@ -90,7 +95,7 @@ def first_number(path: Path, ended: bool = False) -> float | None:
 def counted_from_first(
     table: pd.DataFrame, first: float, clocked: Clocked, path: Path
 ) -> DeviceRecord:
-    """Return a table with its time counted from its first row, which started it.
+    """Return a record with its time counted from its first row, which is the zero of its clock.
 
     first: time of that row [s].
     """
@@ -99,14 +104,16 @@ def counted_from_first(
 
 
 def on_robot_clock(sensor: DeviceRecord) -> DeviceRecord:
-    """Return the record of a sensor that shares the robot's stamps: late by less than a sample."""
+    """Return the record of a sensor that shares the robot's stamps, with a start uncertain by a
+    part of a sample and no drift.
+    """
     assert sensor.start is not None
     late = float(np.median(np.diff(sensor.table["time"])) / np.sqrt(12))  # evenly distributed
     return replace(sensor, start=replace(sensor.start, std=late, drift_std=0.0))
 
 
 def _absence(log: Log) -> Finding | None:
-    """Return that a sensor has no file, or an empty one."""
+    """Return a note if a sensor has no file, or an empty one; else None."""
     path, name = log.path, log.path.name
     if not path.exists():
         return Finding(log.device, "no sensor", "note", 1, f"{name} does not exist")
@@ -173,7 +180,7 @@ def _without_held(table: pd.DataFrame, log: Log) -> pd.DataFrame:
 
 
 def _nothing(table: pd.DataFrame, log: Log) -> Finding | None:
-    """Return why a sensor's rows are unusable, or None if they can be used."""
+    """Return a note on why a sensor's rows are unusable, None if they can be used."""
     whole, name = table.dropna(), log.path.name
     if len(whole) < 2:
         detail = f"{name} has fewer than two complete rows of {len(table.columns)} numbers"
@@ -197,7 +204,7 @@ def _in_order(table: pd.DataFrame, device: Device, findings: list[Finding]) -> p
 
 
 def _report_timing(time: Array, device: Device, findings: list[Finding]) -> None:
-    """Report lost samples and repeated timestamps beyond a device's ordinary jitter."""
+    """Add findings on lost samples and repeated timestamps beyond a device's ordinary jitter."""
     steps = np.diff(time)
     _report_lost(steps[steps > 0], device, findings)
     still = int((steps == 0).sum())
@@ -207,7 +214,7 @@ def _report_timing(time: Array, device: Device, findings: list[Finding]) -> None
 
 
 def _report_lost(steps: Array, device: Device, findings: list[Finding]) -> None:
-    """Report lost samples by the steps [s] from one timestamp to another."""
+    """Add a finding on lost samples, by the steps [s] between timestamps."""
     if not len(steps):
         return
     usual, median = np.quantile(steps, [0.25, 0.5])
@@ -228,10 +235,10 @@ def read_sensor(
     std: float = STAMP_STD,
     ended: bool = False,
 ) -> DeviceRecord | None:
-    """Read a sensor's file, None where it recorded nothing.
+    """Return the record of a sensor's file, None if it recorded nothing.
 
-    A clock that is not relative is counted from its first sample. std: of the stamp in
-    `start_file` [s]; ended: whether that file should end in a newline.
+    A clock that is not relative is counted from its first sample. std: uncertainty of the stamp in
+    `start_file` [s]; ended: whether that file must end in a newline.
     """
     path = folder / sensor.file
     samples = read_device(Log(path, device, findings), expand(sensor.columns), sensor)

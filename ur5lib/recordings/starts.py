@@ -20,7 +20,8 @@ Span = tuple[float, float]  # first and last sample [s], by the robot's clock
 def sensor_coverage(device: Device, span: Span, robot: Span, std: float) -> list[Finding]:
     """Return a warning where a sensor recorded only a part of the robot's recording.
 
-    std: standard uncertainty of its start stamp [s].
+    span, robot: first and last sample of each [s], by the robot's clock; std: standard uncertainty
+    of the sensor's start stamp [s].
     """
     late, early = max(0.0, span[0] - robot[0]), max(0.0, robot[1] - span[1])
     whole = robot[1] - robot[0]
@@ -37,9 +38,10 @@ def sensor_coverage(device: Device, span: Span, robot: Span, std: float) -> list
 
 
 def robot_coverage(robot: Span, sensors: Span) -> list[Finding]:
-    """Return a warning where the robot recorded only a part of a session with sensors.
+    """Return a warning where the robot recorded only a part of the time in which sensors recorded.
 
-    sensors: from the first sample of any to the last, by the clock of the one host of all devices.
+    sensors: from the first sample of any to the last, by the robot's clock, to which the stamps of
+    their host relate it.
     """
     whole = min(robot[0], sensors[0]), max(robot[1], sensors[1])
     covered, total = robot[1] - robot[0], whole[1] - whole[0]
@@ -55,7 +57,8 @@ def robot_coverage(robot: Span, sensors: Span) -> list[Finding]:
 def place_sensors(
     recording: RawRecording, findings: list[Finding]
 ) -> dict[Device, tuple[DeviceRecord, StartOffset]]:
-    """Return the sensors with a record that overlaps the robot's, and when their clocks started.
+    """Return, by device, the records of the sensors that overlap the robot's and the starts of
+    their clocks relative to the robot's.
 
     After a reset of the robot's clock, nothing shows where their samples belong: they are left out.
     """
@@ -93,7 +96,9 @@ def _offset(robot: DeviceRecord, device: DeviceRecord) -> StartOffset | None:
 
 
 def _span(record: DeviceRecord) -> tuple[float, float]:
-    """Return the first and last timestamp [s] before any reset, whatever the order of the rows."""
+    """Return the first and last timestamp [s] before any clock reset, whatever the order of the
+    rows.
+    """
     time = record.table["time"].to_numpy(float)
     time = time[before_reset(time)]
     return float(time.min()), float(time.max())
@@ -102,7 +107,7 @@ def _span(record: DeviceRecord) -> tuple[float, float]:
 def _until(
     record: DeviceRecord, end: float, device: Device, findings: list[Finding]
 ) -> DeviceRecord:
-    """Return a sensor's record up to a time of its clock [s]."""
+    """Return a sensor's record up to `end` by its own clock [s]; later samples are reported."""
     later = record.table["time"] > end
     detail = (
         "samples after the restart of the controller's clock, discarded: nothing tells when they "

@@ -29,12 +29,11 @@ GZIP_SIGNATURE, BYTE_ORDER_MARK = b"\x1f\x8b", b"\xef\xbb\xbf"
 
 
 def text_blocks(log: Log) -> Iterator[bytes]:
-    """Yield a file, unpacked if it is compressed, in blocks of whole lines.
+    """Yield the text of a file, unpacked if it is compressed, in blocks of whole lines.
 
-    At least one block, which may be empty; without byte-order mark, carriage returns and quotes,
-    and without brackets around numbers, each of which is a cell.
-    Raises InputError when the file cannot be read, is not text, has a line beyond measure, or
-    unpacks to more than may be read.
+    There is at least one block, which may be empty. Byte-order mark, carriage returns, quotes, and
+    brackets around numbers are removed, so that each number is a cell. Raises InputError when the
+    file cannot be read, is not text, has too long a line, or unpacks to more than may be read.
     """
     path = log.path
     expect_file(path)
@@ -75,7 +74,7 @@ def _blocks(log: Log) -> Iterator[bytes]:
 
 
 def _lines(stream: BinaryIO | gzip.GzipFile, path: Path) -> bytes:
-    """Return the next whole lines."""
+    """Return the next block of whole lines. Raises InputError where a line is too long."""
     most = longest_line()
     block, rest = stream.read(BLOCK_BYTES), stream.readline(most)
     if len(rest) == most:
@@ -96,8 +95,8 @@ def _plain(block: bytes) -> bytes:
 
 
 def _unquoted(block: bytes) -> bytes:
-    """Return a block without quotes, with quoted words of several parts as one cell each, and with
-    points for quoted decimal commas.
+    """Return a block without quotes; a quoted text of several parts becomes one cell, and quoted
+    decimal commas become points.
     """
     top = b"\n".join(block.split(b"\n", 2)[:2])
     if any(map(_has_parts, QUOTED_TEXT.findall(top))):

@@ -37,7 +37,7 @@ ROBOT_START_STD, FORCE_START_STD, IMU_START_STD = 0.005, 0.003, 0.1
 
 
 def read_thesis_csv(recording: ThesisFiles) -> RawRecording:
-    """Read a recording of the thesis, with `csv_files` in its folder.
+    """Return a recording of the thesis from the folder `csv_files` in its folder.
 
     Raises InputError when a robot channel is missing or has no complete row.
     """
@@ -55,7 +55,7 @@ def read_thesis_csv(recording: ThesisFiles) -> RawRecording:
 
 
 def _read_robot(csv: Path, findings: list[Finding]) -> pd.DataFrame:
-    """Join all channels, from the first to the last frame that all of them have."""
+    """Return a table of all channels, from the first to the last frame that all of them have."""
     channels = [_read_channel(csv / file, name, findings) for file, name in ROBOT_CHANNELS.items()]
     start = max(channel["clock"].iloc[0] for channel in channels) - CYCLE / 4
     end = min(channel["clock"].iloc[-1] for channel in channels) + CYCLE / 4
@@ -77,7 +77,9 @@ def _read_robot(csv: Path, findings: list[Finding]) -> pd.DataFrame:
 
 
 def _read_channel(path: Path, name: str, findings: list[Finding]) -> pd.DataFrame:
-    """Read a channel's rows by `clock`, a time that continues where the controller's restarts."""
+    """Return a channel's rows, sorted by `clock`, a time that continues where the controller's
+    restarts.
+    """
     names = ["time", *(f"{name}_{joint}" for joint in range(6))]
     log = Log(path, "robot", findings)
     rows = drop_untimed(read_numbers(log, names), log)

@@ -22,7 +22,9 @@ MAT_SIZES = {1: 1, 2: 1, 3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8, 16: 1
 
 
 def parquet_numbers(file: pq.ParquetFile, columns: Collection[str]) -> float:
-    """Return how many numbers some columns of a Parquet file contain, by the list at its end."""
+    """Return how many numbers the given columns of a Parquet file contain, by the list at its
+    end.
+    """
     groups = map(file.metadata.row_group, range(file.num_row_groups))
     chunks = (group.column(k) for group in groups for k in range(group.num_columns))
     wanted = [chunk for chunk in chunks if _is_of(chunk.path_in_schema, columns)]
@@ -31,13 +33,13 @@ def parquet_numbers(file: pq.ParquetFile, columns: Collection[str]) -> float:
 
 
 def _is_of(path: str, columns: Collection[str]) -> bool:
-    """Return whether a path, as `q.list.element`, leads to one of some columns."""
+    """Return whether a path, as `q.list.element`, is one of the columns or inside one."""
     parts = path.split(".")
     return any(".".join(parts[:k]) in columns for k in range(1, len(parts) + 1))
 
 
 def feather_numbers(path: Path) -> float:
-    """Return how many numbers a Feather file contains, by the heads of its batches and buffers.
+    """Return how many numbers a Feather file contains, by the headers of its batches and buffers.
 
     0 for the version that begins with FEA1, which compresses nothing.
     """
@@ -68,7 +70,7 @@ def _batch_numbers(message: pa.Message) -> float:
 
 
 def _follow(data: bytes, place: int) -> int:
-    """Return where an offset of a FlatBuffer leads to."""
+    """Return the place to which an offset in a FlatBuffer leads."""
     return place + int.from_bytes(data[place : place + 4], "little")
 
 
@@ -101,9 +103,10 @@ def expect_mat_room(path: Path) -> None:
 
 
 def _mat_numbers(file: BinaryIO, order: str) -> Iterator[float]:
-    """Yield how many numbers each element of a MAT file contains, in arrays and structures.
+    """Yield, for each element of a MAT file, how many numbers it takes, within arrays and
+    structures, too.
 
-    order: of bytes. An element's content is passed by unread.
+    order: of bytes, "<" or ">". An element's content is skipped.
     """
     while len(tag := file.read(8)) == 8:
         yield NUMBERS_PER_ELEMENT
@@ -118,18 +121,18 @@ def _mat_numbers(file: BinaryIO, order: str) -> Iterator[float]:
 
 
 class Inflated(io.RawIOBase):
-    """Compressed data that are unpacked as they are read."""
+    """A stream of compressed data that unpacks them as they are read."""
 
     def __init__(self, packed: bytes) -> None:
         self._packed = io.BytesIO(packed)
         self._inflate = zlib.decompressobj()
 
     def readable(self) -> bool:
-        """Return that it can be read, as `io` asks."""
+        """Return True: `io` asks whether the stream can be read."""
         return True
 
     def readinto(self, buffer: Any) -> int:
-        """Put the next bytes into a buffer, and return their number: 0 at the end."""
+        """Put the next bytes into a buffer and return their number, 0 at the end."""
         piece = b""
         while not piece and (waiting := self._waiting()):
             piece = self._inflate.decompress(waiting, len(buffer))

@@ -21,7 +21,8 @@ ANGLE = re.compile(r"(actual|target)_q_(\d+)")
 
 
 def without_wraps(table: pd.DataFrame) -> tuple[pd.DataFrame, list[Finding]]:
-    """Return a robot's table with continuous positions and targets, and a note on those that wrap.
+    """Return a robot's table with positions and targets made continuous, and a note on those that
+    wrapped.
 
     They begin in the turn nearest to zero, or in that of a target that does not wrap; targets are
     in the turn of the positions.
@@ -44,7 +45,7 @@ def without_wraps(table: pd.DataFrame) -> tuple[pd.DataFrame, list[Finding]]:
 
 
 def unwrapped(angle: Array, time: Array, turn: float = TURN) -> tuple[Array, int]:
-    """Return a continuous angle (N,) for one that may wrap, and how often it does.
+    """Return an angle (N,) made continuous, and how often it wrapped.
 
     time: (N,) [s]; turn: one whole turn in the angle's unit. An angle that wraps begins in the turn
     nearest to zero; any other is returned as it is.
@@ -63,7 +64,7 @@ def unwrapped(angle: Array, time: Array, turn: float = TURN) -> tuple[Array, int
 def _wraps(turns: Array, time: Array) -> Mask:
     """Return at which steps (N - 1,) an angle [turns] wraps.
 
-    At one, it jumps by a turn less what it moves from row to row before and after.
+    At a wrap, it jumps by a turn less the motion from row to row before and after.
     """
     step = np.diff(turns)
     size = np.abs(step)
@@ -86,7 +87,7 @@ def _wraps(turns: Array, time: Array) -> Mask:
 
 
 def _lengths(time: Array) -> Array:
-    """Return the steps between times (N,) in usual ones (N - 1,), no less than one."""
+    """Return the steps between times (N,) in multiples of the usual step (N - 1,), at least one."""
     steps = np.diff(time)
     forward = steps[steps > 0]
     usual = float(np.median(forward)) if len(forward) else 1.0
@@ -94,7 +95,9 @@ def _lengths(time: Array) -> Array:
 
 
 def _nearest(wanted: Mask) -> tuple[Labels, Labels]:
-    """Return the nearest wanted places (N,) before and after each place, at an end the only one."""
+    """Return, for each place, the nearest wanted places before and after it (N,); at an end, the
+    same one twice.
+    """
     places, every = np.flatnonzero(wanted), np.arange(len(wanted))
     before = np.searchsorted(places, every) - 1
     after = np.minimum(np.searchsorted(places, every, side="right"), len(places) - 1)
@@ -102,7 +105,9 @@ def _nearest(wanted: Mask) -> tuple[Labels, Labels]:
 
 
 def _in_the_turn_of(beside: Array, angle: Array) -> Array:
-    """Return an angle (N,) [rad], by whole turns as near as possible to another one (N,)."""
+    """Return an angle (N,) [rad] shifted by whole turns to be as near as possible to another one
+    (N,).
+    """
     both = np.isfinite(beside) & np.isfinite(angle)
     away = np.median(beside[both] - angle[both]) if both.any() else 0.0
     return angle + TURN * np.rint(away / TURN)

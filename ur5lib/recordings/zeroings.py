@@ -36,10 +36,10 @@ MIN_STANDARD_ERRORS = 4.0  # standard errors by which a current changes
 
 @dataclass(frozen=True)
 class ReadingStep:
-    """A step between two parallel lines, at the row between them.
+    """A step of a reading between two parallel lines, fitted before and after a row.
 
-    size, std_error: (k,), of each column; after: (k,), the second line there; residual: (2 n, k),
-    of the n rows on each side.
+    size, std_error: (k,), of each column; after: (k,), the second line at the row; residual: (2 n,
+    k), of n rows on each side.
     """
 
     size: Array
@@ -50,10 +50,11 @@ class ReadingStep:
 
 @dataclass(frozen=True)
 class Zeroing:
-    """Where a sensor was zeroed: within a sample of a row; time: of that, by the robot's clock [s].
+    """A place where a sensor was zeroed.
 
-    change: of all columns [N, Nm]; misfit: largest distance of the force around it from two
-    parallel lines, of its size; infinite where it does not end at zero.
+    row: number of the sample, within one; time: of the row by the robot's clock [s]; change: of all
+    columns [N, Nm]; misfit: largest distance of the force around it from two parallel lines, as a
+    share of the change; infinite if the force does not fall to zero.
     """
 
     row: int
@@ -69,10 +70,11 @@ class Zeroing:
 def on_one_zero(
     sensor: pd.DataFrame, robot: pd.DataFrame, arm: Robot, start: StartOffset | None = None
 ) -> tuple[pd.DataFrame, list[Finding]]:
-    """Return a force sensor's table with all samples on its last zero, and where it was zeroed.
+    """Return a force sensor's table with all samples shifted to its last zero, and the finding on
+    where it was zeroed.
 
-    sensor: `time` and ft_*; robot: a repaired table; start: of the sensor's clock, None where it is
-    the robot's.
+    sensor: `time` and ft_*; robot: a repaired table; start: of the sensor's clock, None for the
+    robot's.
     """
     names = [name for name in columns("ft") if name in sensor]
     if not names:
@@ -102,9 +104,9 @@ def _words(zeroings: Sequence[Zeroing]) -> str:
 
 
 def _sudden_zeros(reading: Array, time: Array, late: float) -> Iterator[Zeroing]:
-    """Find where a reading (N, 3 or 6) falls to zero within a sample.
+    """Yield where a reading (N, 3 or 6) falls to zero within a sample.
 
-    time: (N,) [s]; late: start of its clock, by the robot's [s].
+    time: (N,) [s]; late: start of the sensor's clock, by the robot's [s].
     """
     force = reading[:, :3]
     change = np.linalg.norm(force[2:] - force[:-2], axis=1)
@@ -126,7 +128,7 @@ def _sudden_zeros(reading: Array, time: Array, late: float) -> Iterator[Zeroing]
 
 
 def _fall(reading: Array, time: Array, row: int) -> Zeroing:
-    """Return the reading's step at a row as a zeroing."""
+    """Return the step of a reading at a row as a possible zeroing."""
     step = _step(
         reading[row - SAMPLES_BESIDE_STEP : row], reading[row + 1 : row + 1 + SAMPLES_BESIDE_STEP]
     )
@@ -137,7 +139,7 @@ def _fall(reading: Array, time: Array, row: int) -> Zeroing:
 
 
 def _step(before: Array, after: Array) -> ReadingStep:
-    """Return the step between values (n, k) before and after a row."""
+    """Return the step between values (n, k) before and values (n, k) after a row."""
     place = np.arange(1, len(before) + 1)
     slope = np.concatenate([-place[::-1], place])
     terms = np.column_stack([np.ones(len(slope)), slope, slope > 0])
@@ -149,7 +151,9 @@ def _step(before: Array, after: Array) -> ReadingStep:
 
 
 def _contact_ends(robot: pd.DataFrame, arm: Robot, zeroing: Zeroing, start: StartOffset) -> bool:
-    """Return whether the currents show that a contact ends; start: of the sensor's clock."""
+    """Return whether the motors' efforts show that a contact ends there; start: of the sensor's
+    clock.
+    """
     if f"{arm.measured.channel}_0" not in robot:
         return False
     unsure = start.std + (MAX_CLOCK_DRIFT * zeroing.time if start.drift_std is None else 0.0)
@@ -175,6 +179,8 @@ def _contact_ends(robot: pd.DataFrame, arm: Robot, zeroing: Zeroing, start: Star
 
 
 def _torque(arm: Robot, q: Array, force: Array) -> Array:
-    """Return the joints' torque (n,) [Nm] of a force at the flange, in its axes; q: (1, n)."""
+    """Return the joints' torque (n,) [Nm] by a force at the flange, in its axes; q: (1, n)
+    [rad].
+    """
     (jacobian,), rotation = geometric_jacobian(arm, q), link_frames(arm, q)[0][0, -1]
     return np.asarray(jacobian[:3].T @ (rotation @ force))
