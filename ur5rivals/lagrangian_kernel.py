@@ -118,6 +118,8 @@ def kinetic(first: Motion, second: Motion, speed: Tensor, turn: Tensor, right: T
 
 
 def each_torque(motions: Motion) -> Tensor:
-    """Return the coefficients (n, n, M) of each torque of M motions for `torque_covariance`."""
+    """Return the coefficients (n, n, M) with which `torque_covariance` returns the covariances of
+    each torque of M motions.
+    """
     joints, samples = motions.q.shape
     return torch.eye(joints, dtype=motions.q.dtype)[:, :, None].expand(-1, -1, samples)

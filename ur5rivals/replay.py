@@ -102,7 +102,9 @@ def read_model(file: Path, gravity: Array, joints: int) -> mujoco.MjModel:
 
 
 def compiled(file: Path) -> mujoco.MjModel:
-    """Return a model as MuJoCo compiles it; a URDF without shapes, whose files may be missing."""
+    """Return a model file as MuJoCo compiles it; of a URDF, the shapes are left out, as their files
+    may be missing.
+    """
     root = ElementTree.parse(file).getroot()
     if root.tag != "robot":
         return mujoco.MjModel.from_xml_path(str(file))

@@ -109,7 +109,7 @@ class Recordings(Shown):
         return map(self.__getitem__, self.names)
 
     def __getitem__(self, names: str | Sequence[str]) -> Recordings:
-        """Return one recording, or several in their order here.
+        """Return one recording, or several, in the order of these recordings.
 
         Raises InputError for an unknown name, and for no name.
         """

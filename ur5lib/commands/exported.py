@@ -120,7 +120,9 @@ def _link_model(arm: Robot, robot: str, model: str | None, study: StudyFiles | N
 def _overruled(
     study: StudyFiles | None, robot: str, questions: Sequence[str], accept: str
 ) -> Overruled:
-    """Return the overruled verdicts, none for an arm as described."""
+    """Return the study's verdicts against an export, overruled by the reason `accept`; none without
+    a study.
+    """
     return Overruled() if study is None else overruled(study, robot, questions, accept)
 
 

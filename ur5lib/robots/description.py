@@ -69,7 +69,9 @@ class Described(Strict):
 
 
 class DenavitHartenberg(Described):
-    """Link length a [m], link offset d [m] and link twist alpha [rad] of Equation 2.19."""
+    """The Denavit-Hartenberg parameters of a link: length a [m], offset d [m] and twist alpha [rad]
+    (Equation 2.19).
+    """
 
     a: float
     d: float

@@ -351,7 +351,10 @@ def _bodies(tree: Any, impossible: dict[str, str], physical: bool) -> Iterator[s
 def _model(
     links: list[tuple[float, Array, Array]], path: Path, altered: str = ""
 ) -> dict[str, Any]:
-    """Return the link model of masses, centres of mass (3,) and inertia tensors (3, 3)."""
+    """Return the link model of links, (mass, centre of mass (3,), inertia tensor (3, 3)) each.
+
+    path: of the URDF; altered: what was changed in it, "" for nothing, for the model's description.
+    """
     tensors = [inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]] for _, _, inertia in links]
     return {
         "description": f"as in {path.name}{altered}",

@@ -182,7 +182,9 @@ def _search(pair: _Pair, stamps: ClockRelation) -> list[Array]:
     drifts = np.linspace(-MAX_DRIFT, MAX_DRIFT, 3 + 2 * int(MAX_DRIFT * length / (2 * step)))
 
     def variance(clock: Array) -> float:
-        """Return the misfit's variance: without its mean, the bias; θ matters little here."""
+        """Return the variance of the misfit under a clock, less its mean, which is the bias; θ
+        matters little here.
+        """
         misfit = _misfit(pair, clock)[1]
         enough = max(MIN_BLOCK_SAMPLES * JACKKNIFE_BLOCKS, len(pair.time) // 2)
         return float(misfit.var(axis=0).sum()) if len(misfit) >= enough else np.inf

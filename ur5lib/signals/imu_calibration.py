@@ -286,7 +286,9 @@ def _scale(sums: Sequence[_Sums]) -> Array:
 
 
 def _jackknife(sums: Sequence[_Sums]) -> tuple[Array, Array]:
-    """Return the shared parameters (S,), with standard errors by a jackknife over blocks."""
+    """Return the shared parameters (S,) and their standard errors (S,), by a jackknife over
+    blocks.
+    """
     scale = _scale(sums)
     blocks = [part.weighted(scale) for part in sums]  # (B, P + 1, P + 1) each
     reduced = [_without_own(recording.sum(axis=0)) for recording in blocks]

@@ -61,11 +61,12 @@ def encoder_noise(time: Array, segment: Labels, q: Array, qd: Array) -> EncoderN
     """Estimate the noise by maximum likelihood of the innovations of each joint's Kalman filter.
 
     time: (N,) [s], evenly spaced within a segment; segment: (N,) labels; q, qd: (N, n) [rad,
-    rad/s], NaN where missing. Raises ValueError if a joint has no velocities. First, constant
-    parameters maximise the likelihood of the innovations (Schweppe) in the TUNING_DURATION seconds
-    in which the joint moves most. Then filters with different jerks and vibrations run over the
-    whole recording. Jerk, vibration and noise at each sample are geometric means over these,
-    weighted by each filter's likelihood in the window around the sample.
+    rad/s], NaN where missing. Raises ValueError if a joint has no velocities.
+
+    First, constant parameters maximise the likelihood of the innovations (Schweppe) in the
+    TUNING_DURATION seconds in which the joint moves most. Then filters with different jerks and
+    vibrations run over the whole recording. Jerk, vibration and noise at each sample are geometric
+    means over these, weighted by each filter's likelihood in the window around the sample.
     """
     period = float(np.median(np.diff(time)))
     joints = [*zip(q.T, qd.T, strict=True)]

@@ -26,7 +26,9 @@ def describe_run(
     tables: list[Path],
     figures: list[Path],
 ) -> DescribedRun:
-    """Return the content of ro-crate-metadata.json; files: checksums of the recordings' files."""
+    """Return the metadata of a study's results, the content of ro-crate-metadata.json, and the
+    Snakefile; files: checksums of the recordings' files.
+    """
     folder = report[0].parent
     results, used = (
         [*map(str, one)] for one in ([*report, *tables, *figures], [*raw, *extensions])

@@ -236,9 +236,10 @@ def explained_by_others(
 
 
 def with_unproven(fit: CurrentFit, explained: Array | None, measured: Effort) -> CurrentFit:
-    """Return a fit with a remark on each moving joint that left-out fits predict badly.
+    """Return a fit with a remark on each moving joint that left-out fits predict no better than a
+    constant does.
 
-    They predict it no better than a constant does; explained: as of `explained_by_others`.
+    explained: as of `explained_by_others`; measured: the predicted effort.
     """
     shares = np.full(len(fit.joints), np.inf) if explained is None else explained
     text = (

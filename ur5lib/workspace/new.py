@@ -30,7 +30,9 @@ def new_workspace(folder: Path) -> str:
 
 
 def copy_study(name: str) -> Path:
-    """Copy a study of the package, and its printed numbers, to the same place here; return it."""
+    """Copy a study of the package, and its printed numbers, to the same place in the working
+    folder; return its path there.
+    """
     reference = read_yaml(WORKFLOW / name).get("reference")
     for file in filter(None, [name, reference, SCHEMA]):
         if not Path(file).exists():

@@ -25,7 +25,9 @@ MIN_TEMPERATURE_RANGE = 1.0  # K; temperature is a covariate if dates differ by 
 
 
 class TrackedHealth(NamedTuple):
-    """How each joint of an arm changes over time."""
+    """The rows of health.csv and health_changes.csv of an arm: each joint's condition by date, and
+    what changed.
+    """
 
     health: list[Condition]
     changes: list[JointChange]

@@ -74,7 +74,7 @@ class Live:
     """
 
     def __init__(self, arm: Mapping[str, Any]) -> None:
-        """Take what `ur5 export --format live` wrote."""
+        """Take the content of an arm's file, which `ur5 export --format live` wrote."""
         names = ["rotation", "position", "mass", "center_of_mass", "inertia"]
         turns, tails, self.mass, self.center, self.inertia = (
             np.array([link[name] for link in arm["links"]], float) for name in names
@@ -218,7 +218,9 @@ class Live:
         self._learn()
 
     def velocity(self, q: Array, first: bool) -> Array:
-        """Return q̇ (n,) [rad/s] by the steady Kalman filter of a joint of constant velocity."""
+        """Return q̇ (n,) [rad/s] by the steady Kalman filter of a joint of constant velocity, zero
+        at the first sample.
+        """
         if first:
             return np.zeros(len(q))
         # of Kalata's index λ = T² σ_a / σ_q, with r² = 1 - α, β = 2 (1 - r)²

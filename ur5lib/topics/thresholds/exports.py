@@ -28,8 +28,8 @@ def as_json(study: "StudyFiles | None", robot: str, as_in: str, accept: str) -> 
 
 
 def as_script(study: "StudyFiles | None", robot: str, as_in: str, accept: str) -> str:
-    """Return the thresholds of an arm as a function of URScript. Raises InputError for an arm that
-    is no UR.
+    """Return the thresholds of an arm as the text of a URScript function. Raises InputError for an
+    arm that is no UR.
     """
     from ur5lib.commands.overruled import overruled
     from ur5lib.errors import InputError

@@ -35,7 +35,9 @@ end
 
 
 def in_urscript(found: Thresholds) -> str:
-    """Return a function that compares the controller's own torques with the lower thresholds."""
+    """Return the text of a URScript function that compares the controller's own torques with the
+    lower thresholds.
+    """
     level = next(iter(LEVELS))
     resting, slow, fast = (_listed(row) for row in found.by_speed[level])
     return FUNCTION.format(
