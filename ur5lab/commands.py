@@ -102,8 +102,7 @@ def excite(
 ) -> None:
     """Design the motion that best determines an arm's parameters.
 
-    It keeps the arm's limits and avoids obstacles. Example: ur5 excite --robot ur5e -o
-    raw/mine/designed
+    It keeps limits and avoids obstacles. Example: ur5 excite --robot ur5e -o raw/mine/designed
     """
     from ur5lab.excite import ExciteOptions, excite, known_load
 
@@ -132,8 +131,7 @@ def live(
 ) -> None:
     """State the contact force of a running arm, and write it.
 
-    It is estimated from the currents; the arm is not moved. Example: ur5 live mine --host
-    192.168.1.10
+    Currents show it; nothing is moved. Example: ur5 live mine --host 192.168.1.10
     """
     from ur5lab.live import Stream, live
     from ur5lib.commands.console import text_console

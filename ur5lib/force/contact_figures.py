@@ -79,7 +79,8 @@ def figures_by_contact(
 
 
 def error_parts(estimate: Array, reference: Array, force: Array) -> dict[str, Array]:
-    """Split the absolute error (N, K) of each sample in contact by cause; NaN elsewhere.
+    """Return the absolute error (N, K) of each sample in contact, and its parts by cause; NaN in
+    other samples.
 
     mae: the whole; mae_missed: in missed contacts; mae_shut: in found contacts while the gate is
     shut; mae_gain: what one gain for the whole recording would remove. The rest is friction.

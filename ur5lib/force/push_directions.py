@@ -108,7 +108,9 @@ def push_directions(
 
 
 def postures(places: list[Place], needed: Mapping[str, Needed]) -> Iterator[tuple[str, Place]]:
-    """Yield each of POSTURES with its place; a place serves only the first that selects it."""
+    """Yield each of POSTURES with the place that has its largest value; a place serves only the
+    first posture that selects it.
+    """
     left = [place for place in places if place.motion in needed]
     pushes = [needed[place.motion].units * place.largest_unit for place in left]
     for posture, of in POSTURES.items() if len(left) >= len(POSTURES) else ():

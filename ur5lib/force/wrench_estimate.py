@@ -56,7 +56,9 @@ class StretchEstimate(NamedTuple):
 
 
 class AtAllSamples:
-    """A quantity of the thinned estimates of stretches, interpolated linearly at all samples."""
+    """A quantity of the thinned estimates, interpolated linearly at all samples within each part
+    without a gap.
+    """
 
     def __set_name__(self, owner: type, name: str) -> None:
         self._name = name
