@@ -198,8 +198,8 @@ def surroundings(table: float | None, boxes: Path | None) -> Surroundings:
 
 
 def _worth_lines(problem: DesignProblem, worth: Worth) -> Iterator[str]:
-    """Yield lines of text on the information by a trajectory and on the errors of the least
-    determined parameters.
+    """Yield lines of text: the information (log det) with a trajectory and its gain, condition
+    numbers, and the standard errors of the parameters known worst, before it and after.
     """
     whole = f", of the whole problem {worth.condition:.0f}" if np.isfinite(worth.condition) else ""
     yield (

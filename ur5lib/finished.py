@@ -111,9 +111,10 @@ class FinishedStudy(Shown):
 
     @property
     def verdicts(self) -> pd.DataFrame:
-        """Return what may be used: rows of `ur5lib.records.verdicts.Verdict`.
+        """Return, for each question (as force, currents) and arm, how good the result is, and why:
+        rows of `ur5lib.records.verdicts.Verdict`.
 
-        The row of rank 1 of a question and arm decides; `arm` is empty for a verdict on all arms.
+        Of several rows of a question, that of rank 1 decides; `arm` is empty for one on all arms.
         Raises InputError where an earlier version wrote the results, without verdicts.
         """
         return self._judged("verdicts")

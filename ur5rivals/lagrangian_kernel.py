@@ -75,7 +75,7 @@ def polynomial(first: Tensor, second: Tensor, share: Tensor, degree: int) -> Pol
 
 
 def torque_covariance(first: Motion, second: Motion, energies: Energies, right: Tensor) -> Tensor:
-    """Return the covariances (C, n, N, M) [Nm²] of torques at N motions with those at M others.
+    """Return the covariances (C, n, N, M) [N²m²] of torques at N motions with those at M others.
 
     right: (C, n, M), coefficients of C linear combinations of the second motion's torques;
     `each_torque` for the torques themselves.

@@ -87,7 +87,7 @@ def most_likely(points: Points, values: Tensor) -> Tensor:
 
 def train(learnt: TrainingSamples, _: TrainingSamples) -> Predict:
     """Return a function that predicts mean and variance, with noise, of the torque (N, 12)
-    [Nm, Nm²].
+    [Nm, N²m²].
 
     The left-out path is not needed.
     """

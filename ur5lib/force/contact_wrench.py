@@ -36,7 +36,7 @@ class Posterior(NamedTuple):
 def regularised_wrench(torque: Array, jacobian: Array, noise: Array, prior: Array) -> Posterior:
     """Return argmin |tau - J^T F|²_S + |F|²_P = P J (J^T P J + S)^-1 tau, and its covariance.
 
-    torque: external, (N, n) [Nm]; jacobian: (N, 6, n); noise: S, (N, n, n) [Nm²]; prior: P,
+    torque: external, (N, n) [Nm]; jacobian: (N, 6, n); noise: S, (N, n, n) [N²m²]; prior: P,
     (6, 6) or (N, 6, 6), zero moments for "force only". At a singularity, the unobservable
     direction keeps its prior. For a row of NaN, the mean is 0 and the covariance P.
     """
@@ -95,7 +95,7 @@ def contact_wrench(
     """Return F̂ᵐᵃᵖ of one contact and its variance.
 
     torque: Jᵀ F, of the contact alone, (n, m) [Nm] of m joints; where it is NaN, the wrench is zero
-    with the prior's variance; jacobian: (n, 6, m); noise: S (n, m, m) [Nm²]; worth: independent
+    with the prior's variance; jacobian: (n, 6, m); noise: S (n, m, m) [N²m²]; worth: independent
     values per sample, at most 1.
     """
     size = learned_size(torque, jacobian, noise, worth, prior)

@@ -71,7 +71,7 @@ def flange_probability(
     """Return the probability that a contact is on the last link; a priori, all links are equal.
 
     torque: external, of the contact's samples, (n, 6) [Nm]; levers: J_g of the places of each link,
-    (n, 6, 6) each, equally likely, too; noise: S (n, 6, 6) [Nm²]; sizes: s [N], equally likely;
+    (n, 6, 6) each, equally likely, too; noise: S (n, 6, 6) [N²m²]; sizes: s [N], equally likely;
     loss: relative error of each joint's torque from its gear's friction under the contact. All
     samples together count as one: the arm moves little, and friction errs alike in all of them.
     """

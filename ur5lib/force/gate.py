@@ -70,7 +70,7 @@ def log_odds(probability: Array) -> Array:
 
 @dataclass(frozen=True)
 class TorqueVariances:
-    """Variances (N, n) [Nm²] of the external torque without that of a contact.
+    """Variances (N, n) [N²m²] of the external torque without that of a contact.
 
     quick: of the fast error; spread: of background and fast error together; hidden: of the part of
     a contact that dry friction may absorb; still: (N, n), which joints rest while the whole arm
@@ -97,7 +97,7 @@ class TorqueVariances:
         )
 
     def hiding(self) -> Array:
-        """Return the variances S (N, n) [Nm²] of the torque in which a contact may hide."""
+        """Return the variances S (N, n) [N²m²] of the torque in which a contact may hide."""
         return np.where(np.all(self.still, axis=1, keepdims=True), self.hidden, self.spread)
 
 
@@ -166,7 +166,7 @@ def quiet_force(jacobian: Array, variance: Array) -> float:
     """Return the size [N] of a force that does not count as contact, such as a hose's.
 
     It is QUIET_SHARE times the median, over samples, of the force that is worth one standard
-    deviation of the fast error. jacobian: (N, 6, n); variance: of the fast error (N, n) [Nm²].
+    deviation of the fast error. jacobian: (N, 6, n); variance: of the fast error (N, n) [N²m²].
     """
     information = (jacobian[:, :3] ** 2 / variance[:, None]).sum(axis=2).mean(axis=1)
     return float(QUIET_SHARE * np.median(information) ** -0.5)

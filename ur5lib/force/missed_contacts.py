@@ -18,10 +18,10 @@ BISECTION_STEPS = 30  # halvings of an interval that contains a quantile
 
 
 def missed_contacts(jacobian: Array, hidden: Array, prior: ContactPrior) -> tuple[Array, Array]:
-    """Return the share (N, 6) of contacts of the usual size along or about each axis that are
-    missed, and the variance (N, 6) of these.
+    """Return, by axis, the share (N, 6) of usual contacts that the gate misses, and the variance
+    (N, 6) [N², N²m²] of the missed ones.
 
-    jacobian: (N, 6, n); hidden: κ² S (N, n) [Nm²].
+    jacobian: (N, 6, n); hidden: κ² S (N, n) [N²m²], of the torque that hides a contact.
     """
     usual = np.diag(prior.usual())
     # diagonal of J S⁻¹ Jᵀ / κ²

@@ -70,7 +70,7 @@ class ResidualModel:
         return 1 / (2 * self.independent)
 
     def variance(self, of: Array, states: States) -> Array:
-        """Return the variances (N, n) [Nm²] at each sample; of: `spread` or `change`."""
+        """Return the variances (N, n) [N²m²] at each sample; of: `spread` or `change`."""
         return np.asarray(of[states, np.arange(states.shape[1])] ** 2)
 
     def wider(self, factor: float) -> "ResidualModel":

@@ -94,7 +94,7 @@ class Untouched(NamedTuple):
     """A contact-free recording, on which pushes are tried.
 
     jacobian: (N, 6, n); speed: of the flange (N,) [m/s]; period: [s]; raised: its own alarms,
-    during which no push is tried; hiding: variances (N, n) [Nm²] of the torque that hides a push.
+    during which no push is tried; hiding: variances (N, n) [N²m²] of the torque that hides a push.
     """
 
     jacobian: Array

@@ -57,10 +57,12 @@ def robot_coverage(robot: Span, sensors: Span) -> list[Finding]:
 def place_sensors(
     recording: RawRecording, findings: list[Finding]
 ) -> dict[Device, tuple[DeviceRecord, StartOffset]]:
-    """Return, by device, the records of the sensors that overlap the robot's and the starts of
-    their clocks relative to the robot's.
+    """Return, by device, the records of the sensors and the start of each one's clock relative to
+    the robot's.
 
-    After a reset of the robot's clock, nothing shows where their samples belong: they are left out.
+    A sensor without a start stamp, or that was never on with the robot, is left out, and so are
+    samples after a reset of the robot's clock, since nothing shows when they were taken. `findings`
+    gets a finding for each.
     """
     placed, robot = {}, _span(recording.robot)
     was_reset = bool(epochs(recording.robot.table["time"].to_numpy(float)).any())

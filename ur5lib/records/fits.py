@@ -86,7 +86,9 @@ class FrictionRow:
 
 @dataclass(frozen=True, kw_only=True)
 class TorqueConstant:
-    """A row of torque_constants.csv: a torque constant [Nm/A] alone, see `FrictionRow`."""
+    """A row of torque_constants.csv: a joint's torque constant [Nm/A], with the columns of
+    `FrictionRow`.
+    """
 
     joint: int
     torque_constant: float

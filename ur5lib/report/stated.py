@@ -51,8 +51,8 @@ def capital(text: str) -> str:
 
 
 def with_error(value: float, std: float) -> str:
-    """Return a value ± its standard error, rounded to one digit of the error; without an error, the
-    value alone.
+    """Return a value ± its standard error, rounded to one digit of the error, or to whole numbers;
+    without an error, the value alone.
     """
     if not 0 < std < math.inf:
         return f"{value:.3g}"

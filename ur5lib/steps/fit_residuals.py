@@ -49,7 +49,7 @@ def fit_residuals(
 ) -> Residuals:
     """Return the residual model of the external torque without contact; empty without a fit.
 
-    currents, motion: of the arm's `fit` recordings; cutoff_hz: of the torques.
+    currents, motion: of the arm's `fit` recordings; cutoff_hz: of the currents.
     """
     if friction.from_:
         recordings = [(currents[name], motion[name]) for name in currents]

@@ -290,7 +290,7 @@ class CurrentLowpass(MotionLowpass):
 
 
 class AccelerationLowpass(MotionLowpass):
-    """Low-pass filter of the end effector's accelerations, used to compare joints and IMU."""
+    """Low-pass filter of the end effector's accelerations, by joints and by the IMU."""
 
     cutoff_hz: float = Field(2.0, gt=0, lt=1000, description=CUTOFF_TEXT)
 
@@ -307,7 +307,7 @@ class PublishedLowpass(Strict):
 class Lowpass(Strict):
     """Butterworth low-pass filters by filtered signal, without delay.
 
-    `ur5lib.study.given.STEPS` hands each to the steps that filter with it.
+    `ur5lib.study.given.STEPS` hands motion and currents to most steps that filter with them.
     """
 
     motion: MotionLowpass = MotionLowpass()

@@ -56,7 +56,7 @@ class Process(NamedTuple):
     noise: Tensor
 
     def covariance(self, first: Motion, second: Motion, right: Tensor) -> Tensor:
-        """Return the covariances (C, n, N, M) [Nm²] without noise, as `torque_covariance`."""
+        """Return the covariances (C, n, N, M) [N²m²] without noise, as `torque_covariance`."""
         signs = (torch.tanh(motion.qd / SMOOTH_SPEED) for motion in (first, second))
         by_joint = "j, jn, jm -> jnm"
         friction = torch.einsum(by_joint, self.dry**2, *signs)

@@ -40,8 +40,8 @@ class VarianceAware:
     """A Kalman filter of each joint's external torque that weights a measured torque by its
     predicted variance.
 
-    wandering: random walk of d; usual: the median of σ² (6,) [Nm²]; residual: function of a run
-    that returns μ and σ² (N, 12) [Nm, Nm²].
+    wandering: random walk of d; usual: the median of σ² (6,) [N²m²]; residual: function of a run
+    that returns μ and σ² (N, 12) [Nm, N²m²].
     """
 
     wandering: float
@@ -57,7 +57,7 @@ class VarianceAware:
 
     def follow(self, measured: Array, variance: Array, period: float) -> Array:
         """Return d (n, 6) [Nm] of successive samples; measured, variance: torque less its predicted
-        mean, and its predicted variance (n, 6) [Nm, Nm²].
+        mean, and its predicted variance (n, 6) [Nm, N²m²].
         """
         walk = self.wandering**2 * self.usual * period
         torque, spread, found = np.zeros(6), np.zeros(6), np.empty_like(measured)

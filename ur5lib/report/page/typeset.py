@@ -119,9 +119,7 @@ def _hashes(text: str) -> list[str]:
 
 
 def pdf_document(root: Path) -> bytes:
-    """Return the report as PDF/UA-1, from `report.typ`, whose `first-screen` begins the
-    first page.
-    """
+    """Return the report as PDF/UA-1: title, contents and `first-screen` of `report.typ` first."""
     return _compiled(root, "report", "pdf", pdf_standards=["ua-1"])
 
 

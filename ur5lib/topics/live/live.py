@@ -391,7 +391,7 @@ class Live:
     def _by_size(self, torque: Array, jacobian: Array, variance: Array, sizes: Array) -> Posterior:
         """Return log-density of the torque (..., K), mean and variance of the wrench (..., K, 6).
 
-        F = (P⁻¹ + Λ)⁻¹ J S⁻¹ τ, Λ = J S⁻¹ Jᵀ. variance: diagonal of S, (..., n) [Nm²]; sizes: P^½.
+        F = (P⁻¹ + Λ)⁻¹ J S⁻¹ τ, Λ = J S⁻¹ Jᵀ. variance: diagonal of S, (..., n) [N²m²]; sizes: P^½.
         """
         weighted = jacobian / variance[..., None, :]
         information = (weighted @ jacobian.mT)[..., None, :, :] + sizes[:, None] ** -2.0 * np.eye(6)

@@ -12,13 +12,14 @@ from ur5lib.strict import Strict, explain, read_yaml
 
 
 class LoopError(Strict):
-    """How an error of the closed loop with published gains must have been computed.
+    """The way in which an erratum says that the thesis computed an error of its closed loop.
 
     quantity: q [rad], qd [rad/s] or torque [Nm]; figure: the mean or the largest error over time;
-    gains: name of their model; velocity_gains: other gains [1/s] by joint, 1 to 6; model: of the
-    torque; masses [kg], centers_of_mass [m]: other ones by link, 1 to 6; from_s: start [s] of the
-    evaluated time; places: positions between two samples, 0 to 1, at which the linearly
-    interpolated signals are compared.
+    gains: the link model with the published gains that are simulated; velocity_gains: other gains
+    [1/s] by joint, 1 to 6; model: the link model that computes the torque; masses [kg],
+    centers_of_mass [m]: in place of its own, by link, 1 to 6; from_s: start [s] of the evaluated
+    time; places: the signals are compared at these parts, 0 to 1, of each step between samples,
+    interpolated linearly.
     """
 
     quantity: Literal["q", "qd", "torque"]
