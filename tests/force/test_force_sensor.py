@@ -485,3 +485,14 @@ def test_the_error_of_a_drift_changes_with_its_unit_alone(unit: float) -> None:
     given = random.normal(size=len(time)), time, 1.0, np.zeros(3)
     own, other = (slow_covariance(factor * terms, *given) for factor in (1.0, unit))
     np.testing.assert_allclose(other * unit**2, own, rtol=1e-6, atol=1e-9 * own.max())
+
+
+def test_a_prior_counts_by_its_precision_over_the_weight_of_samples() -> None:
+    """A + B / c, where both grow by a factor of c: the fit is the same, its errors are A alone."""
+    random, time = np.random.default_rng(0), np.arange(0, 20, 0.05)
+    terms = np.column_stack([np.sin(time), 1 + 0 * time, time])
+    given = terms, random.normal(size=len(time)), time
+    prior = np.array([4.0, 1.0, 2.0])
+    one, two, four = (slow_covariance(*given, 0.1 * c, prior * c) for c in (1.0, 2.0, 4.0))
+    np.testing.assert_allclose(one - two, 2 * (two - four), rtol=1e-9)
+    assert (np.diag(one) > np.diag(two)).all()
