@@ -3,6 +3,7 @@
 import fcntl
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -81,6 +82,16 @@ def ur5e() -> Robot:
 @pytest.fixture
 def run_ur5(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture) -> Command:
     return Command(monkeypatch, capsys)
+
+
+@pytest.fixture
+def on_a_terminal() -> Iterator[None]:
+    """Signals as on a terminal; under nohup, and in the background, programs ignore some."""
+    usual = {signal.SIGHUP: signal.SIG_DFL, signal.SIGINT: signal.default_int_handler}
+    before = {number: signal.signal(number, handler) for number, handler in usual.items()}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
 
 
 def said(finding: Finding) -> str:

@@ -107,6 +107,7 @@ def test_a_dry_run_prints_what_a_run_would_do_and_names_no_report(
     assert "read_recording    1" in answer.err.splitlines()
 
 
+@pytest.mark.usefixtures("on_a_terminal")
 def test_a_run_that_is_stopped_waits_for_snakemake_and_says_what_is_kept(
     here: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command
 ) -> None:
@@ -128,6 +129,7 @@ time.sleep({})
 """
 
 
+@pytest.mark.usefixtures("on_a_terminal")
 @pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
 def test_a_run_that_is_told_to_end_ends_snakemake_and_says_what_is_kept(
     name: str, here: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command

@@ -89,6 +89,7 @@ def followed(serve: Serve, path: Path, seconds: float | None = None) -> Ended:
 
 
 @pytest.mark.real_time
+@pytest.mark.usefixtures("on_a_terminal")
 @pytest.mark.parametrize(
     ("end", "why", "lost"),
     [
