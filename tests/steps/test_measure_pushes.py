@@ -217,7 +217,7 @@ def measured(
         pytest.param(["seen"], 2, "fit", "fitted", marks=pytest.mark.thorough),
         (["seen"], 1, "fit", "one_path"),
         pytest.param(["seen", "new"], 1, "unseen", "one_path", marks=pytest.mark.thorough),
-        (["new"], 0, "unseen", ""),  # by the friction of other arms
+        (["new"], 0, "unseen", "uncalibrated"),  # by the friction of other arms
     ],
 )
 def test_what_the_trials_rest_on(
