@@ -30,7 +30,7 @@ QUANTITY_OF = {  # of a channel
     "ft_f": "wrench", "ft_t": "wrench", "actual_TCP_force": "wrench",
     "joint_temperatures": "temperatures",
 }  # fmt: skip
-OF_FILE = ("robot", "the joints' order", "rate", "rows", "columns", "recording", "role")
+OF_FILE = ("robot", "the joints' order", "rate", "rows", "columns", "recording")
 RIVAL_WORDS = (
     "before",
     "next",
