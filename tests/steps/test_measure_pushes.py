@@ -39,7 +39,7 @@ AXES = ["x", "y", "z"]
 
 
 def stated(trials: Trials) -> list[SmallestPush]:
-    return [*smallest_pushes(trials, "unseen")]
+    return [*smallest_pushes(trials, "unseen", paths=2)]
 
 
 def tried(force: Sequence[float], found: Sequence[bool], speed: float = 0.6) -> Trials:
@@ -149,7 +149,7 @@ def test_one_path_states_no_push() -> None:
     found stays said.
     """
     limits = np.where(is_resting(), 150.0, 10.0)
-    rows = [*smallest_pushes(detected_above(limits), "fit", has_one_path=True)]
+    rows = [*smallest_pushes(detected_above(limits), "fit", paths=1)]
     assert {row.reason for row in rows} == {"one_path"}
     assert {row.value for row in rows} == {None}
     assert {(row.motion, row.bound) for row in rows} == {("at rest", ">"), ("fast", "")}
@@ -168,7 +168,7 @@ def test_pushes_without_a_fit_say_so() -> None:
 
 def test_pushes_on_fit_recordings_alone_say_so() -> None:
     trials = detected_above(np.full(COUNT, 40.0))
-    rows = [*smallest_pushes(trials, "fit")]
+    rows = [*smallest_pushes(trials, "fit", paths=2)]
     assert {(row.basis, row.reason) for row in rows} == {("fit", "fitted")}
     unseen = stated(trials)
     assert [row.value for row in rows] == [row.value for row in unseen]

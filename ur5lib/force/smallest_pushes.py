@@ -91,8 +91,7 @@ def pushes_of_arm(
         return []
     basis: Basis = "fit" if all(recordings[name].prediction.fitted for name in tried) else "unseen"
     together = Trials.joined([trials[name] for name in tried])
-    rows = smallest_pushes(together, basis, has_one_path=paths == 1)
-    return [row if paths else replace(row, reason=row.reason or "uncalibrated") for row in rows]
+    return [*smallest_pushes(together, basis, paths)]
 
 
 def by_motion(trials: Trials) -> Iterator[tuple[str, Trials]]:
@@ -101,13 +100,12 @@ def by_motion(trials: Trials) -> Iterator[tuple[str, Trials]]:
         yield motion, trials.within(low, high)
 
 
-def smallest_pushes(
-    trials: Trials, basis: Basis, has_one_path: bool = False
-) -> Iterator[SmallestPush]:
+def smallest_pushes(trials: Trials, basis: Basis, paths: int) -> Iterator[SmallestPush]:
     """Yield the smallest push by motion along x, y and z, where any was tried.
 
-    basis: of the trials; has_one_path: whether a single path was fitted. No push is stated then:
-    without a path left out, errors of predictions are not shown, and pushes seem smaller.
+    basis: of the trials; paths: number of fitted paths. Of a single one, no push is stated: without
+    a path left out, errors of predictions are not shown, and pushes seem smaller. Without any,
+    friction is that of other arms.
     """
     most = float(trials.force.max())
     for motion, moved in by_motion(trials):
@@ -118,7 +116,8 @@ def smallest_pushes(
             limit = detectable(own, most)
             reason: Reason = "" if limit.value is not None else "undetermined"
             reason = "fitted" if basis == "fit" and not reason else reason
-            if has_one_path:
+            reason = "uncalibrated" if paths == 0 and not reason else reason
+            if paths == 1:
                 limit, reason = Limit(bound=limit.bound), "one_path"
             yield SmallestPush(
                 motion=motion,
