@@ -36,8 +36,11 @@ from ur5lib.timeseries.arrays import Array, Labels
 ROWS = 1 << 16  # read or written at once
 # Matches columns of the first half of a pose, a twist or a wrench.
 FIRST_HALF = re.compile(r"_[0-2]$|_F[xyz]$")
-# These columns may have any text, numbers of joints with blanks between them among it.
-NAMES = ("study", "recording", "robot", "arm", "model", "fitted_on", "tested_on", "joints")
+# These columns may have any text, or numbers of joints with blanks between them.
+NAMES = (
+    *("study", "recording", "robot", "arm", "model", "fitted_on", "tested_on"),
+    *("joints", "moving_joints"),
+)
 Column = NDArray[Any]
 Source = str | Path | BytesIO  # a file, or one in memory
 Record = TypeVar("Record")

@@ -90,10 +90,7 @@ class StudyTables:
     def _moving(self) -> dict[str, set[int]]:
         """Return the moving joints by recording; cached, as views ask for them row by row."""
         moving = self.tables["recordings"].set_index("recording")["moving_joints"].dropna()
-        return {
-            str(recording): {int(float(joint)) for joint in str(joints).split()}
-            for recording, joints in moving.items()
-        }
+        return {str(name): {*map(int, joints.split())} for name, joints in moving.items()}
 
     def stopped(self) -> bool:
         """Return whether a recording or an arm has a stop sign, which contradicts the study; an
@@ -125,9 +122,9 @@ class StudyTables:
     def why_unseen_is_missing(self) -> Reason:
         """Return why no validate recording is quiet."""
         validate, touched = {*self.with_role("validate")}, {*self.touched()}
-        if validate and validate <= touched:
-            return "touched"
-        return "loaded" if validate and validate <= touched | {*self.loaded()} else "no_unseen"
+        if not validate or not validate <= touched | {*self.loaded()}:
+            return "no_unseen"
+        return "touched" if validate <= touched else "loaded"
 
     def doubted(self) -> list[str]:
         """Return the recordings on which the force sensor's bias is uncertain."""
