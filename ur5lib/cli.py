@@ -208,7 +208,7 @@ def fetch(
 ) -> None:
     """Download a published data set into raw/, or list them all.
 
-    Every file is verified. Example: ur5 fetch ur10-bag
+    Every file with a known checksum is verified. Example: ur5 fetch ur10-bag
     """
     from ur5lib.datasets.catalogue import catalogue, listing
     from ur5lib.datasets.fetching import fetch as fetch_dataset

@@ -64,7 +64,7 @@ RECEIVE_BUFFER_BYTES = (
 
 
 def request(command: int) -> bytes:
-    """Return the bytes of a request; STREAM asks for records until STOP, by a count of zero."""
+    """Return the bytes of a request. Its count of records is 0: STREAM sends until STOP."""
     return REQUEST.pack(REQUEST_HEADER, command, 0)
 
 

@@ -365,8 +365,8 @@ def _limits(
 def _excess(
     robot: pd.DataFrame, name: str, bounds: Sequence[tuple[float, float]]
 ) -> tuple[int, str] | None:
-    """Return in how many rows a channel exceeds the joints' bounds, and in words how far each joint
-    does; None if no joint does or the channel was not recorded.
+    """Return in how many rows a channel exceeds the joints' bounds, and in words up to which value
+    each such joint goes; None if no joint does or the channel was not recorded.
     """
     if not are_recorded(robot, name):
         return None

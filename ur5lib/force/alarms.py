@@ -71,7 +71,9 @@ class Matched:
     classes: list[dict[str, Any]] = field(default_factory=list)
 
     def rows(self) -> list[dict[str, Any]]:
-        """Return a row for each class, with the counts of all contacts; one row without classes."""
+        """Return a row for each force class, with the figures over all contacts; these alone
+        without classes.
+        """
         whole = {name: value for name, value in vars(self).items() if name != "classes"}
         return [whole | own for own in self.classes or [{}]]
 

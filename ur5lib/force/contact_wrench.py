@@ -71,9 +71,9 @@ def static_wrench(
     """Return the most probable wrench [F, n] of a resting arm and its standard deviation, (N, 6)
     [N, Nm].
 
-    torque: external (N, 6) [Nm], J^T F, NaN where unknown; std: of it; jacobian: (N, 6, 6);
-    typical_force: of contacts [N]. The prior has mean zero; the force deviates by STATIC_FORCE
-    times the typical one, the moment by that at the lever STATIC_LEVER.
+    torque: external (N, joints) [Nm], J^T F, NaN where unknown; std: of it; jacobian:
+    (N, 6, joints); typical_force: of contacts [N]. The prior has mean zero; the force deviates by
+    STATIC_FORCE times the typical one, the moment by that at the lever STATIC_LEVER.
     """
     prior = wrench_covariance(STATIC_FORCE * typical_force, STATIC_LEVER)
     estimate = regularised_wrench(torque, jacobian, diagonal(std**2), prior)

@@ -258,9 +258,10 @@ def contact_spans(probability: Array, period: float) -> list[Span]:
 
 
 def _slow_press(observations: Observations, background: Array) -> Array:
-    """Return the wrench (n, 6) of a slow press that would explain the background (n, 6) [Nm].
+    """Return the wrench (n, 6) of a slow press that would cause the background (n, joints) [Nm],
+    times the model's doubt.
 
-    It widens the band where the whole arm rests and no tare shows the background; zero elsewhere.
+    It widens the band while the whole arm rests without a tare; zero elsewhere.
     """
     resting = is_still(observations.states)
     wrench = np.zeros((len(background), 6))

@@ -30,8 +30,9 @@ class AtRest:
 
     @classmethod
     def of(cls, recordings: Sequence[tuple[Array, Array]]) -> "AtRest | None":
-        """Return the postures of recordings, each given as (torque, current), (M, n); None without
-        any.
+        """Return the postures of all recordings, None if there are none.
+
+        recordings: torques [Nm] and currents [A] of each, (M, n); their means are subtracted.
         """
         if not recordings:
             return None

@@ -72,10 +72,10 @@ def total_friction(fit: CurrentFit, load: Array) -> list[Parameter]:
 
 def steady_friction(model: JointFit, qd: Array, load: float) -> tuple[Array, Array]:
     """Return a joint's friction (V,) [Nm] at steady velocities (V,) [rad/s], and its standard
-    error.
+    error, which includes the deviation between days.
 
-    At 0, it is that with which the joint begins to move in positive direction; load: as of
-    `friction_curve`.
+    At 0, it is the friction at which the joint begins to move forwards; load: size of the torque
+    [Nm] that its gear transmits.
     """
     columns = steady_columns(model.terms, qd, np.where(qd < 0, -1.0, 1.0), load)
     value, error, unseen = _sums(model, columns)

@@ -150,8 +150,9 @@ def _in_order(ends: Mapping[str, Ends]) -> Iterator[tuple[str, str]]:
 
 
 def _numbered(paths: Mapping[str, str]) -> list[tuple[str, str]]:
-    """Return the pairs (before, later) of recordings with paths that differ by one in one number;
-    of several such numbers, the last one counts.
+    """Return the pairs (before, later) of recordings with paths that differ in one number, by one.
+
+    Where several recordings fit, the number nearest to the path's end decides.
     """
     counted = {place: name for name, path in paths.items() for place in _places(path)}
     earlier = dict[str, str]()

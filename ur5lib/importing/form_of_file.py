@@ -1,4 +1,4 @@
-"""How a file was read, by which others of its form and arm are read."""
+"""How a file was read, so that others of its form and arm are read alike."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -23,11 +23,11 @@ STATES_BY_SEVERITY: list[State] = ["do not use", "usable", "good", "not determin
 
 @dataclass(frozen=True)
 class Conditions:
-    """What an error of an estimate must satisfy to be judged good.
+    """What decides whether an error of an estimate is good.
 
-    unseen: whether it comes from recordings that no fit has used; better: least skill; least:
-    errors are judged only where the measured quantity has a larger mean [its unit]; simple_rival:
-    whether the rival is a simple method, which a good estimate beats.
+    unseen: whether no fit has used its recordings, which a good one needs; better: the skill that
+    it must exceed; least: mean size of the measured quantity [its unit] up to which no error is
+    judged; simple_rival: whether the rival is a simple method, which a good estimate beats.
     """
 
     unseen: bool = True

@@ -24,9 +24,9 @@ class ModelComparison(NamedTuple):
     """Errors of the link models at one motion, on recordings in which the arm moves.
 
     rows: of torque_mae.csv; unseen: whether no fit has used these recordings; ranked: the models,
-    sorted by the number of joints on which a model is closest or at most 5 % farther, then by
-    error; best: the models with the largest such number, `near`; differ: number of joints on which
-    the models differ.
+    first those that are near on most joints (least error, or at most 5 % more), then by error;
+    best: the models that are near on most joints; near: on how many; differ: number of joints on
+    which the models differ, and which alone count.
     """
 
     rows: pd.DataFrame

@@ -1,4 +1,4 @@
-"""The description of any serial arm of revolute joints, from its URDF."""
+"""The description of a serial arm of two to eight revolute joints, from its URDF."""
 
 import math
 import re

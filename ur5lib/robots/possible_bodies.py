@@ -18,7 +18,8 @@ ROUNDING = 1e-3
 def impossibility(mass: float, inertia: Array) -> str:
     """Return why no body has a mass [kg] and inertia (3, 3) [kg m²], in words; empty if one may.
 
-    inertia: about the centre of mass; violations by rounding do not count.
+    inertia: about the centre of mass; a largest moment above the others' sum by rounding counts as
+    possible.
     """
     if mass <= 0:
         return f"its mass is {mass:g} kg"

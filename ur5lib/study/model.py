@@ -191,7 +191,9 @@ class Simulable(Files, Part):
     )
 
     def declared_load(self) -> Payload | None:
-        """Return the declared payload, or the simulated one if the format cannot record it."""
+        """Return the declared payload; without one, the simulated one, unless the files record it
+        and the tool is unknown.
+        """
         recorded = self.format in layout.FORMATS_WITH_PAYLOAD and not self.known_tool()
         if self.payload or self.simulate is None or recorded:
             return self.payload

@@ -74,7 +74,9 @@ class Process(NamedTuple):
 
 
 def process_of(logs: Tensor, joints: int) -> Process:
-    """Return the process with these constants; logs: (n² + 5 n + 1,), in widths of the prior."""
+    """Return the process of constants (n² + 5 n + 1,), each in widths of its prior: logarithms of
+    their ratios to the prior's centres, logits of `turn` and `posture`.
+    """
     rows, columns = torch.tril_indices(joints, joints)
     sizes = [len(rows), len(rows), joints, joints, joints, joints, 1]
     speed, turn, posture, dry, viscous, noise, size = (PRIOR_WIDTH * logs).split(sizes)

@@ -200,7 +200,10 @@ class _JointLoop:
         return _cost(self.errors(gains), noise)
 
     def grid(self) -> Array:
-        """Return logarithms of both gains (GRID_NODES, 2), evenly spaced in log frequency."""
+        """Return the grid's axes (GRID_NODES, 2): logarithms of the gains ω² and 2 ω.
+
+        log ω is evenly spaced, from 1 / the longest stretch to π / period.
+        """
         longest = max(stretch.shape[1] for stretch in self.stretches) * self.period
         frequency = np.array([1 / longest, np.pi / self.period])
         lowest, highest = np.log(np.stack([frequency**2, 2 * frequency], axis=1))
