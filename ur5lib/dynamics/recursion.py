@@ -23,8 +23,8 @@ IDENTITY_TAIL = Tail(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), ZERO_V
 
 
 class Joint(NamedTuple):
-    """Transformation from a link's frame to the next: a constant one to the joint, then a turn about
-    its z axis.
+    """Transformation from a link's frame to the next: a constant one to the joint, then a turn
+    about its z axis.
     """
 
     tail: Tail
