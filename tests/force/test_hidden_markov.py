@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.gate import log_density, log_odds, posterior, state_chain
+from ur5lib.force.gate import log_density, log_odds, measurement_noise, posterior, state_chain
 
 SAMPLES, STATES = 6, 3
 CERTAIN = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # states in turn
@@ -82,3 +82,14 @@ def test_the_gates_chain_goes_from_free_to_contact_to_hunting_to_free() -> None:
     np.testing.assert_array_equal(block, np.diag(np.diag(block)))
     np.testing.assert_array_equal(transitions[2:, 0], 0)
     np.testing.assert_allclose(start, [0.6, 0.3, *[0.1 / 6] * 6])
+
+
+def test_a_likely_contact_makes_a_sample_count_less() -> None:
+    """cov / p(free): by the sample's own covariance where the arm is surely free."""
+    covariance = np.array([[2.0, 0.5], [0.5, 1.0]])
+    contact = np.array([0.0, 0.1, 0.3, 1.0])
+    free = (1 - contact)[:, None] * [0.25, 0.75]
+    noise = measurement_noise([covariance, covariance], np.c_[free, contact], contact)
+    np.testing.assert_allclose(noise[0], covariance)
+    np.testing.assert_allclose(noise[:3] * (1 - contact)[:3, None, None], noise[[0, 0, 0]])
+    assert (noise[3] > 100 * covariance).all()
