@@ -305,14 +305,14 @@ def test_a_contact_at_a_sensor_is_not_denied() -> None:
 
 def test_contacts_in_a_recording_to_fit_are_told() -> None:
     """Fitted as friction, they widen bands and raise the threshold of alarms."""
-    contact = {"estimate": LEADING, "kind": "false", "recording": "fitted"}
+    contact = {"estimate": LEADING, "kind": "false", "recording": "fitted", "peak_s": 20.21}
     results = study(
         contacts=[contact],
         current_rmse=[{"recording": "fitted", "model": "fitted", "fitted": "yes"}],
     )
     (told,) = findings(results)
-    assert told.startswith("“fitted”, role fit: more contacts")
-    assert [text for text in sentences(results) if "takes pushes for noise" in text]
+    assert told.startswith("“fitted”, role fit: 1 alarm at 20.2 s, more than the other fit")
+    assert [text for text in sentences(results) if "(1 alarm at 20.2 s)" in text]
     elsewhere = study(contacts=[contact | {"recording": "pushed", "kind": "contact"}])
     assert not [text for text in sentences(elsewhere) if "pushes for noise" in text]
 
@@ -322,8 +322,8 @@ def test_contacts_without_a_sensor_are_counted_and_those_off_the_flange_named() 
     off = contact | {"kind": "off_flange", "peak_s": 12.84}
     known: dict[str, Any] = {"detection": [rates("pushed", estimate=LEADING)]}
     assert findings(study(contacts=[contact, off], **known)) == [
-        "1 of 2 contacts on “pushed” are off the flange, so that their forces are wrong: "
-        "at 12.8 s.",
+        "1 of 2 contacts on “pushed”, at 12.8 s, seems to be off the flange, where its force would "
+        "be wrong.",
         "Contacts found without a force sensor: 2 on “pushed”.",
     ]
     assert findings(study(**known)) == ["Contacts found without a force sensor: none on “pushed”."]

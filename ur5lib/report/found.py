@@ -15,6 +15,7 @@ from ur5lib.records.quality import SAME_RUN, STOP, UNREADABLE, UNUSUAL_FRICTION
 from ur5lib.report import topics
 from ur5lib.report.results import Results
 from ur5lib.report.stated import (
+    alarms_on,
     capital,
     claim,
     joints,
@@ -137,10 +138,10 @@ def _undeclared_loads(results: Results) -> Iterator[str]:
 
 def _felt(results: Results) -> Iterator[str]:
     """Report fit recordings with more contacts than false alarms explain."""
-    if names := [*results.rows("uses", purpose="fit", reason="felt")["recording"]]:
+    for name in results.rows("uses", purpose="fit", reason="felt")["recording"]:
         yield (
-            f"{quoted(names)}, role fit: more contacts are found than false alarms explain; "
-            "something touches the arm, or friction changed."
+            f"“{name}”, role fit: {alarms_on(results, name)}, more than the other fit recordings "
+            "explain; something touches the arm, or friction changed."
         )
 
 
@@ -153,12 +154,13 @@ def _without_a_sensor(results: Results) -> dict[str, pd.DataFrame]:
 
 
 def _off_flange(results: Results) -> Iterator[str]:
-    """Report the contacts off the flange, for which the stated forces are wrong."""
+    """Report the contacts that seem to be off the flange, where the stated forces are wrong."""
     for name, rows in _without_a_sensor(results).items():
         if times := [*rows.loc[rows["kind"] == OFF_FLANGE, "peak_s"]]:
+            seem, their = ("seems", "its force") if len(times) == 1 else ("seem", "their forces")
             yield (
-                f"{len(times)} of {len(rows)} contacts on “{name}” are off the flange, so that "
-                f"their forces are wrong: at {as_written(times, '.1f')} s."
+                f"{len(times)} of {len(rows)} contacts on “{name}”, at {as_written(times, '.1f')} "
+                f"s, {seem} to be off the flange, where {their} would be wrong."
             )
 
 

@@ -12,6 +12,7 @@ from ur5lib.report import topics
 from ur5lib.report.results import Results
 from ur5lib.report.stated import (
     Step,
+    alarms_on,
     capital,
     claim,
     designing,
@@ -135,9 +136,10 @@ def _touched(asked: Asked) -> Step:
 
 
 def _felt(asked: Asked) -> Step:
+    found = alarms_on(asked.results, asked.recording)
     sentence = (
-        f"If something touches the arm on {asked.recordings}, give it the role contact: the fit "
-        "takes pushes for noise."
+        f"If something touches the arm on {asked.recordings} ({found}), give it the role contact: "
+        "the fit takes pushes for noise."
     )
     return Step(sentence, "role: contact")
 

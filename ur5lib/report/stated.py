@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from datetime import date
 
 from ur5lib.errors import OVERRULED_BY, printable
+from ur5lib.force.estimators import LEADING
 from ur5lib.report.results import Results
 
 MOST_NAMED = 3  # recordings that a sentence names
@@ -83,6 +84,13 @@ def listed(names: Sequence[str], count: int = 0) -> str:
 def quoted(names: Iterable[str], count: int = 0) -> str:
     """Return names of recordings in words, in quotation marks; count: as of `listed`."""
     return listed([f"“{name}”" for name in names], count)
+
+
+def alarms_on(results: Results, recording: str) -> str:
+    """Return the number of the leading estimate's alarms on a recording, with their times."""
+    rows = results.rows("contacts", estimate=LEADING, recording=recording)
+    count = f"{len(rows)} alarm{'s' * (len(rows) != 1)}"
+    return f"{count} at {listed([f'{time:.1f}' for time in rows['peak_s']])} s" if len(rows) else count
 
 
 def claim(text: str) -> str:
