@@ -310,8 +310,7 @@ def judge_pushes(study: StudyTables, robot: str) -> Iterator[Verdict]:
     order = sorted(worst, key=lambda row: -_size(row))
     for rank, row in enumerate(order, start=1):
         when = AT_REST if row["motion"] == AT_REST else IN_MOTION
-        real = sensed[sensed["motion"] == when]
-        yield Verdict(question="pushes", arm=robot, rank=rank, **_trial(row), **_real(real))
+        yield Verdict(question="pushes", arm=robot, rank=rank, **_trial(row), **_real(sensed, when))
     yield from _easiest(rows, robot, len(order))
 
 
@@ -334,12 +333,15 @@ def _trial(row: "pd.Series[Any]") -> dict[str, Any]:
     return about | {"low": float(row["low"]), "high": float(row["high"]), "interval": "95 %"}
 
 
-def _real(rows: pd.DataFrame) -> dict[str, Any]:
-    """Return the force [N] above which no real contact is missed; {} without contacts."""
+def _real(sensed: pd.DataFrame, motion: str) -> dict[str, Any]:
+    """Return the force [N] above which no real contact at rest, or in motion, is missed; {} without
+    such contacts.
+    """
+    rows = sensed[sensed["motion"] == motion]
     if rows.empty:
         return {}
     from_ = _found_from(rows).get("value")
-    return {"rival": "no real contact missed from", "rival_value": from_}
+    return {"rival": f"no real contact {motion} missed from", "rival_value": from_}
 
 
 def _easiest(rows: pd.DataFrame, robot: str, rank: int) -> Iterator[Verdict]:
