@@ -87,8 +87,8 @@ def _why_not(study: StudyTables) -> Reason:
 
 
 def _bands(errors: list[JudgedError], robot: str) -> Iterator[Verdict]:
-    """Yield the least share of readings in the band, and the largest multiple of the band needed
-    to contain 95 %.
+    """Yield the least share of readings in the band, and its largest width over the width that
+    contains 95 %.
     """
     least = min(errors, key=lambda one: one.coverage95 or 0.0)
     yield Verdict(
@@ -100,20 +100,24 @@ def _bands(errors: list[JudgedError], robot: str) -> Iterator[Verdict]:
         unit="%",
         joint=least.joint,
     )
-    low = min((one.least_factor95 for one in errors if one.least_factor95), default=None)
-    most = max(errors, key=lambda one: one.band_factor95 or 0.0)
-    high = most.band_factor95
-    yield Verdict(
-        question=QUESTION,
-        arm=robot,
-        rank=5,
-        quantity="multiple of the 95 % band that contains 95 %, largest",
-        value=high,
-        low=low,
-        high=high,
-        interval="range over joints and recordings",
-        joint=most.joint,
-    )
+    widths = [
+        (1 / one.least_factor95, 1 / one.band_factor95, one.joint)
+        for one in errors
+        if one.least_factor95 and one.band_factor95
+    ]
+    if widths:
+        widest, _, joint = max(widths)
+        yield Verdict(
+            question=QUESTION,
+            arm=robot,
+            rank=5,
+            quantity="width of the 95 % band over the width that contains 95 %, largest",
+            value=widest,
+            low=min(narrowest for _, narrowest, _ in widths),
+            high=widest,
+            interval="range over joints and recordings",
+            joint=joint,
+        )
 
 
 def _as_torque(errors: list[JudgedError], robot: str) -> Iterator[Verdict]:
