@@ -355,6 +355,6 @@ def _report_lost(
         each = (f"{count} of {number(step, 'g')} ms" for step, count in common.head(3).items())
         detail = (
             f"most frequent steps: {', '.join(each)}; longest "
-            f"{number(1000 * timing.longest_step, '.0f')} ms; {filled} frames interpolated"
+            f"{number(1000 * timing.longest_step, '.0f')} ms; {filled} interpolated"
         )
         findings.append(Finding("robot", "lost frames", "warning", lost, detail))
