@@ -89,8 +89,8 @@ def quoted(names: Iterable[str], count: int = 0) -> str:
 def alarms_on(results: Results, recording: str) -> str:
     """Return the number of the leading estimate's alarms on a recording, with their times."""
     rows = results.rows("contacts", estimate=LEADING, recording=recording)
-    count = f"{len(rows)} alarm{'s' * (len(rows) != 1)}"
-    return f"{count} at {listed([f'{time:.1f}' for time in rows['peak_s']])} s" if len(rows) else count
+    times = listed([f"{time:.1f}" for time in rows["peak_s"]]) if len(rows) else ""
+    return f"{len(rows)} alarm{'s' * (len(rows) != 1)}{f' at {times} s' * bool(times)}"
 
 
 def claim(text: str) -> str:
