@@ -199,6 +199,8 @@ def drawn(room: Path, count: int, seed: int) -> list[Mutant]:
     files = [part] if (PROJECT / part).is_file() else [
         file.relative_to(PROJECT) for kind in kinds for file in sorted((PROJECT / part).rglob(kind))
     ]  # fmt: skip
+    if not files:
+        sys.exit(f"{part} has no file; name a folder or file in ur5lib, e.g. topics/live/live.hpp")
     every = [mutant for file in files for mutant in mutants_of(file, (PROJECT / file).read_bytes())]
     return random.Random(seed).sample(every, min(count, len(every)))
 
@@ -210,12 +212,12 @@ def main() -> None:
     options.add_argument("-n", "--number", type=int, default=60)
     options.add_argument("--seed", type=int, default=random.randrange(10_000))
     given = options.parse_args()
+    chosen = drawn(given.room, given.number, given.seed)
     with tempfile.TemporaryDirectory() as folder:
         copy, begin, survivors = Copy(Path(folder), given.room), time.monotonic(), []
         if failed := copy.failure(copy.tests):
             sys.exit(f"without any change, {failed} fails; mend it first")
         limit = max(LEAST_TIMEOUT, 4 * (time.monotonic() - begin))
-        chosen = drawn(given.room, given.number, given.seed)
         print(f"{len(chosen)} mutants of {given.room}, seed {given.seed}", flush=True)
         for number, mutant in enumerate(chosen, 1):
             killer = copy.killer(mutant, limit)
