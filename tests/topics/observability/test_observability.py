@@ -10,18 +10,11 @@ from tests.made_records import motion_of, stretch
 from tests.made_tables import gathered, record
 from tests.rubbing_arm import friction, robot
 from ur5lib.identification.currents import torque_constants
-from ur5lib.identification.validation import (
-    MIN_SAMPLES,
-    SPEED_BINS,
-    ShareBySpeed,
-    share_by_speed,
-)
+from ur5lib.identification.validation import SPEED_BINS
 from ur5lib.records.currents import Currents
 from ur5lib.records.friction import CurrentFit
 from ur5lib.topics.observability.measure_observability import Judged, at_rest, judged, observability
 from ur5lib.topics.observability.rows import Observed
-
-NOWHERE = (np.nan, np.nan)
 
 
 def test_the_worth_of_the_band_at_rest() -> None:
@@ -35,32 +28,6 @@ def test_the_worth_of_the_band_at_rest() -> None:
     assert factor.samples == 1000
     moving = Judged(speed[1::2], of_band[1::2])
     assert not any(row.quantity.startswith("rest_") for row in observability([moving]))
-
-
-def test_shares_of_each_range_of_speeds() -> None:
-    speed = np.repeat([0.03, 0.3], 100)
-    inside = np.arange(200) % 4 > 0
-    found = share_by_speed(speed, inside)
-    assert found.samples.sum() == 200
-    np.testing.assert_allclose(found.share[np.isfinite(found.share)], [0.75, 0.75])
-    few = share_by_speed(np.full(MIN_SAMPLES - 1, 0.3), np.ones(MIN_SAMPLES - 1, bool))
-    assert np.isnan(few.suffices()).all()
-
-
-@pytest.mark.parametrize(
-    ("share", "expected"),
-    [
-        ([0.2, 0.5, 0.6, 0.7, 0.95, 0.99, 0.98, 0.97, 0.96], (0.05, np.inf)),
-        ([0.2, 0.5, 0.6, 0.7, 0.95, 0.99, 0.98, 0.97, 0.80], (0.05, 1.0)),
-        ([0.2, np.nan, 0.6, 0.7, 0.95, np.nan, 0.98, np.nan, np.nan], (0.05, np.inf)),
-        ([0.95, 0.2, 0.2, 0.2, 0.2, 0.95, 0.95, 0.95, 0.2], (0.1, 1.0)),
-        ([0.1] * 9, NOWHERE),
-        ([np.nan] * 9, NOWHERE),
-    ],
-)
-def test_the_range_that_suffices(share: list[float], expected: tuple[float, float]) -> None:
-    found = ShareBySpeed(np.array(share), np.full(9, 100.0)).suffices()
-    np.testing.assert_array_equal(found, expected)
 
 
 def shares(folder: Path) -> pd.DataFrame:
