@@ -42,3 +42,12 @@ def test_a_gate_that_misses_none_leaves_no_contact() -> None:
     # with half of the contacts missed, they fill 0.6 of the time, and half of that is left
     assert half == pytest.approx(0.3 / 0.7, rel=0.02)
     assert all_ > half
+
+
+def test_moments_say_nothing_about_the_time_in_contact() -> None:
+    """Contacts are forces: how many are missed follows from the first three columns."""
+    found = np.arange(50_000) < 15_000
+    missed = np.full((2, 50_000, 6), 0.5)
+    missed[1, :, 3:] = [0.0, 0.9, 1.0]
+    one, other = (probability_while_shut(each, found, PERIOD, PRIOR)[0, :3] for each in missed)
+    np.testing.assert_array_equal(one, other)
