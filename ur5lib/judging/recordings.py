@@ -61,8 +61,8 @@ def judge_recordings(study: StudyTables) -> Iterator[Verdict]:
 
 
 def worst_finding(study: StudyTables) -> "pd.Series | None":
-    """Return the most serious finding; among equally serious ones, the one with the largest share
-    of frames.
+    """Return the most serious finding; among equally serious ones, the one that concerns the
+    largest share of frames.
 
     None without findings.
     """
@@ -72,7 +72,8 @@ def worst_finding(study: StudyTables) -> "pd.Series | None":
     rows = rows[rows["severity"] != SEVERITIES[-1]]
     if rows.empty:
         return None
-    share = rows["count"] / rows["recording"].map(_frames(study))
+    share = rows["count"].where(rows["finding"].isin(OF_FRAMES), 0)
+    share = share / rows["recording"].map(_frames(study))
     gravity = rows["severity"].map(SEVERITIES.index)
     order = rows.assign(share=-share, gravity=gravity).sort_values(
         ["gravity", "share"], kind="stable"
