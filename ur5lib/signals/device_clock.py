@@ -68,7 +68,8 @@ def clock_from_rotation(
     drift_std = float(np.hypot(drift_std, CLOCK_WANDER / (time[-1] - time[0])))
     clock = ClockRelation(float(offset), offset_std, float(drift), drift_std, MOTION_METHOD)
     variance = np.nanvar(pair.gyroscope, axis=0).mean() + MIN_RATE_VARIANCE
-    explained = 1 - float(np.mean(residual**2) / variance) if len(residual) else 0.0
+    unexplained = np.mean(residual**2) + MIN_RATE_VARIANCE
+    explained = 1 - float(unexplained / variance) if len(residual) else 0.0
     doubt = _objection(clock, stamps, explained)
     return (clock, None) if doubt is None else (stamps, doubt)
 
