@@ -13,7 +13,7 @@ from ur5lib.identification.consistency import smallest_eigenvalues
 from ur5lib.identification.current_samples import ZeroPhaseLowpass
 from ur5lib.identification.measured_torques import CENTER_MARGIN_SHARE, fit_arm, link_bounds
 from ur5lib.identification.samples import CurrentSamples
-from ur5lib.identification.torque_rows import MeasuredRun
+from ur5lib.identification.torque_rows import MeasuredRun, torque_rows
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.friction import friction_direction
 from ur5lib.robots.inertia import link_tail
@@ -66,6 +66,15 @@ def unseen_gravity(arm: Robot, parameters: Array) -> tuple[Array, Array]:
         LinkModel(found, "found").gravity_torque(q),
         LinkModel(arm, arm.chosen_model).gravity_torque(q),
     )
+
+
+def test_a_part_of_a_path_is_of_one_recording(arm: Robot) -> None:
+    """Where a path is repeated, its runs are left out part by part, and none with another one."""
+    run = drawn_run(arm, 0)
+    again = replace(run, samples=replace(run.samples, name="again"))
+    one, two = (torque_rows(known, [], SMOOTH, np.eye(6)) for known in ([run], [run, again]))
+    assert len(one.units) > 1
+    assert [len(torque) for _, torque in two.units] == 2 * [len(torque) for _, torque in one.units]
 
 
 def test_links_are_bodies_that_hold_in_other_postures(arm: Robot) -> None:
