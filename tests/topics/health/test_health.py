@@ -241,7 +241,7 @@ def test_the_section_states_dates_and_lost_frames(results: Results) -> None:
     told = section("health", results)
     assert "ur5 was recorded on 12 dates, from 3 March to 5 April 2026." in told.text
     assert "Temperatures of its joints were recorded." in told.text
-    assert "A recording lost at most 2.0 % of its frames." in told.text
+    assert "No recording lost more than 2.0 % of its frames." in told.text
     assert [row["when"] for row in told.tables["health-changes"]] == [
         "jump, 18 to 21 March 2026",
         "drift, 3 March to 5 April 2026",
