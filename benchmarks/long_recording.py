@@ -5,6 +5,7 @@ periodic, so that it goes on smoothly from each repetition to the next. The reco
 are computed before, and not counted. Processor time hardly depends on what else runs.
 """
 
+import sys
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -36,6 +37,8 @@ def main() -> None:
         write_recording(piece, minutes)
         wall, processor, _ = snakemake(study([*fits, LONG]), *plan)
         print(f"{minutes:>3} min: {wall:.0f} s, {processor:.0f} s of processor time", flush=True)
+        if not given.quick:
+            expect_read()
         found[f"{minutes} min"] = steps()
     print(pd.concat(found, axis=1).round(1).to_string())
 
@@ -89,6 +92,14 @@ def write_recording(piece: tuple[bytes, list[bytes]], minutes: int) -> None:
             file.writelines(
                 b"%.3f%b" % ((start + index) / RATE, row) for index, row in enumerate(rows)
             )
+
+
+def expect_read() -> None:
+    """End where the recording was refused, whose steps are then those of an empty one."""
+    quality = pd.read_csv(RESULTS / "tables" / "quality.csv")
+    stops = quality[(quality["recording"] == LONG["name"]) & (quality["severity"] == "stop")]
+    if len(stops):
+        sys.exit(str(stops["detail"].iloc[0]))
 
 
 def steps() -> pd.DataFrame:

@@ -8,7 +8,7 @@ from typing import Any
 
 from ur5lib.errors import InputError
 
-DEFAULT_GIGABYTES = 1.0  # of numbers; an hour at 500 Hz with 60 channels has 0.9
+DEFAULT_GIGABYTES = 2.0  # of numbers; an hour at 500 Hz of 130 columns has 1.9
 LIMIT_VARIABLE = "UR5_MOST_GB"  # in the environment: another limit
 BYTES_PER_NUMBER = 8  # bytes of a number in memory, however few it has in the file
 USUAL_COMPRESSION = 20  # bytes for each byte of a compressed file
