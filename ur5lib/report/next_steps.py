@@ -138,8 +138,9 @@ def _touched(asked: Asked) -> Step:
 def _felt(asked: Asked) -> Step:
     found = alarms_on(asked.results, asked.recording)
     sentence = (
-        f"If something touches the arm on {asked.recordings} ({found}), give it the role contact: "
-        "the fit takes pushes for noise."
+        f"If something touches the arm on {asked.recordings} ({found}"
+        f"{' on the first' * asked.several}), give it the role contact: the fit takes pushes for "
+        "noise."
     )
     return Step(sentence, "role: contact")
 

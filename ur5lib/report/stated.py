@@ -8,6 +8,7 @@ from datetime import date
 
 from ur5lib.errors import OVERRULED_BY, printable
 from ur5lib.force.estimators import LEADING
+from ur5lib.records.contacts import OF_CONTACTS
 from ur5lib.report.results import Results
 
 MOST_NAMED = 3  # recordings that a sentence names
@@ -87,8 +88,11 @@ def quoted(names: Iterable[str], count: int = 0) -> str:
 
 
 def alarms_on(results: Results, recording: str) -> str:
-    """Return the number of the leading estimate's alarms on a recording, with their times."""
-    rows = results.rows("contacts", estimate=LEADING, recording=recording)
+    """Return the number of the leading estimate's alarms on a recording, but for loads, with their
+    times.
+    """
+    kinds = [*OF_CONTACTS, "false"]
+    rows = results.rows("contacts", estimate=LEADING, recording=recording, kind=kinds)
     times = listed([f"{time:.1f}" for time in rows["peak_s"]]) if len(rows) else ""
     return f"{len(rows)} alarm{'s' * (len(rows) != 1)}{f' at {times} s' * bool(times)}"
 
