@@ -54,6 +54,8 @@ test-real-time:
 test-fast: lint ## check style and types, and run the tests that are not marked slow: without many arms and designs, studies, devices in real time
 	OMP_NUM_THREADS=1 pytest -m "not slow"
 
+# what has not changed since another clone was checked is not checked again
+lint: export MYPY_CACHE_DIR ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/ur5lib/mypy
 lint: .venv/dev ## check style and types
 	MAKEFLAGS= nice -n 19 pre-commit run --all-files
 
@@ -116,7 +118,7 @@ lock: ## pin the newest versions that pyproject.toml allows, with the hashes of 
 	$(HASH) .venv/developers --output-file requirements-dev.lock
 
 clean: ## remove results and the environment; recordings stay
-	rm -rf .venv .snakemake results dist .release .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	rm -rf .venv .snakemake results dist .release .pytest_cache .ruff_cache .hypothesis
 
 help: ## list these commands
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-11s %s\n", $$1, $$2}' Makefile
