@@ -26,7 +26,7 @@ from ur5lib.stand.plan import POSTURE, Push, SimulatedRecording, Standstill
 from ur5lib.timeseries.arrays import Array
 
 for module in ("rtde_receive", "rtde_control", "dashboard_client"):
-    pytest.importorskip(module, reason="ur_rtde is not installed: pip install 'ur5lib[record]'")
+    pytest.importorskip(module, reason="ur_rtde is not installed: pip install '.[record]'")
 
 HERE = "127.0.0.1"
 PATIENCE = 30.0  # s, for a loaded machine

@@ -3,6 +3,7 @@
 import math
 import os
 import random
+import re
 import struct
 import sys
 import tty
@@ -187,5 +188,8 @@ def test_random_data_never_raises(data: bytes, draw: random.Random) -> None:
 
 def test_a_missing_package_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "serial", None)
-    with pytest.raises(InputError, match="reading the IMU needs the extra `record`; install it"):
+    with pytest.raises(
+        InputError, match="reading the IMU needs the extra `record`; install it"
+    ) as told:
         XbusPort("/dev/null", 115200)
+    assert re.search(r": pip install 'pyserial>=[\d.]+' 'ur-rtde>=[\d.]+'$", str(told.value))

@@ -1,4 +1,7 @@
-"""Commands of packages beside the library: one that was deleted is not there, others are."""
+"""Commands of packages beside the library: one that was deleted is not there, others are.
+
+And the packages of an extra, in a clone as in a wheel.
+"""
 
 import sys
 from pathlib import Path
@@ -6,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from ur5lib.workspace import beside
-from ur5lib.workspace.beside import commands_beside, entry_points
+from ur5lib.workspace.beside import commands_beside, entry_points, extra
 
 PROJECT = """\
 [project.entry-points."ur5lib.commands"]
@@ -60,3 +63,13 @@ def test_the_package_of_another_clone_is_none_of_this_one(
     """As where an editable installation of that one can be imported."""
     monkeypatch.setattr(beside, "PACKAGE", package / "ur5lib")
     assert list(commands_beside()) == []
+
+
+@pytest.mark.parametrize("name", ["record", "slurm"])
+def test_a_wheel_names_the_packages_of_an_extra_as_the_clone_does(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stated = extra(name)
+    assert stated
+    monkeypatch.setattr(beside, "IN_CLONE", False)
+    assert extra(name) == stated

@@ -9,12 +9,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
+from shlex import join
 from typing import Any, Protocol
 
 import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array
+from ur5lib.workspace.beside import extra
 
 CHUNK_BYTES = 1 << 16  # bytes read at a time
 MAX_GAP = 10.0  # s; after a longer jump, the counter is damaged or was restarted
@@ -37,7 +39,7 @@ def of_recorder(module: str, purpose: str) -> Any:
         return import_module(module)
     except ImportError as error:
         raise InputError(
-            f"{purpose} needs the extra `record`; install it: pip install 'ur5lib[record]'"
+            f"{purpose} needs the extra `record`; install it: pip install {join(extra('record'))}"
         ) from error
 
 

@@ -1,11 +1,11 @@
-"""Commands of the packages next to this one, each named by an entry point of the project.
+"""What the project names: commands of the packages next to this one, and packages of its extras.
 
 In a clone, installed or not, pyproject.toml itself is read. A deleted package has no commands.
 """
 
 import tomllib
 from collections.abc import Callable, Iterator
-from importlib.metadata import distribution
+from importlib.metadata import distribution, requires
 from pkgutil import resolve_name
 from typing import Any, NamedTuple
 
@@ -37,7 +37,23 @@ def commands_beside() -> Iterator[Command]:
 def entry_points() -> dict[str, str]:
     """Return the place of each command, `module:function`, by its name."""
     if IN_CLONE:
-        project = tomllib.loads((WORKFLOW / "pyproject.toml").read_text(encoding="utf-8"))
-        return dict(project["project"]["entry-points"][GROUP])
+        return dict(_project()["entry-points"][GROUP])
     points = distribution("ur5lib").entry_points.select(group=GROUP)
     return {point.name: point.value for point in points}
+
+
+def extra(name: str) -> list[str]:
+    """Return the packages of an extra, each with its versions, as pip takes them.
+
+    Of an installed wheel, pip finds no extra by the package's name: on the public index, another
+    package has it.
+    """
+    if IN_CLONE:
+        return list(_project()["optional-dependencies"][name])
+    pairs = (line.split(";") for line in requires("ur5lib") or [])
+    return [package.strip() for package, *of in pairs if of == [f" extra == '{name}'"]]
+
+
+def _project() -> dict[str, Any]:
+    text = (WORKFLOW / "pyproject.toml").read_text(encoding="utf-8")
+    return dict(tomllib.loads(text)["project"])
