@@ -2,7 +2,7 @@
 
 import resource
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -15,7 +15,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from ur5lib import tables
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, NameTaken
 from ur5lib.tables import (
     channel,
     named,
@@ -30,6 +30,8 @@ from ur5lib.tables import (
     unit,
     write_csv,
     write_json,
+    write_new,
+    write_new_text,
     write_table,
     write_text,
 )
@@ -251,3 +253,35 @@ def test_a_summary_of_another_version_is_refused_with_its_place(tmp_path: Path) 
     assert read_record(dict[str, list[object]], tmp_path / "old.json") == {"a": [1.0, "b"]}
     with pytest.raises(InputError, match=r"old\.json: a → 1 .* `ur5 run` the study again"):
         read_record(dict[str, list[float]], tmp_path / "old.json")
+
+
+def test_a_new_file_never_replaces_another_that_came_while_it_was_written(tmp_path: Path) -> None:
+    path = tmp_path / "mine.yaml"
+
+    def write(aside: Path) -> None:
+        aside.write_text("second")
+        write_new_text("first", path)  # by another process, from its start to its end
+
+    with pytest.raises(NameTaken, match=r"mine\.yaml exists; name another"):
+        write_new(path, write)
+    assert path.read_text() == "first"
+    assert [*tmp_path.iterdir()] == [path]
+
+
+@pytest.mark.parametrize("taken", [False, True])
+def test_a_new_file_on_a_disk_without_links(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, taken: bool
+) -> None:
+    """As FAT32 says so."""
+
+    def refused(*_: object) -> None:
+        raise PermissionError(1, "Operation not permitted")
+
+    monkeypatch.setattr("os.link", refused)
+    path = tmp_path / "mine.yaml"
+    if taken:
+        path.write_text("first")
+    with pytest.raises(NameTaken) if taken else nullcontext():
+        write_new_text("second", path)
+    assert path.read_text() == ("first" if taken else "second")
+    assert [*tmp_path.iterdir()] == [path]

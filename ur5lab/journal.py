@@ -12,13 +12,13 @@ TAIL = 1 << 16  # bytes
 class Journal:
     """A CSV of whole lines: rows are written in batches, and an incomplete one is cut off again.
 
-    path: written anew; names: of the columns; period: of the batches [s]. Raises OSError if rows
-    cannot be written; earlier rows stay.
+    path: new; names: of the columns; period: of the batches [s]. Raises OSError if the
+    file exists, or rows cannot be written; earlier rows stay.
     """
 
     def __init__(self, path: Path, names: Sequence[str], period: float = FLUSH_PERIOD) -> None:
         self.path, self._period = path, period
-        self._file = path.open("wb", buffering=0)
+        self._file = path.open("xb", buffering=0)
         self._size, self._lines = 0, [",".join(names)]
         self.rows = -1  # written rows, without the line of names
         self._flush()
@@ -54,19 +54,24 @@ class Journal:
                     self._file.seek(self._size)
 
 
-def part_of(path: Path) -> Path:
-    """Return a new path for a file's journal: the first `<name>.<number>.part.csv` that does not
-    exist.
+def journal_of(path: Path, names: Sequence[str], period: float = FLUSH_PERIOD) -> Journal:
+    """Return a new journal of a file: the first `<name>.<number>.part.csv` that is not taken, also
+    not at this moment.
     """
-    names = (path.with_name(f"{path.stem}.{k}.part.csv") for k in range(1, 10_000))
-    return next(name for name in names if not name.exists())
+    number = 1
+    while True:
+        try:
+            return Journal(path.with_name(f"{path.stem}.{number}.part.csv"), names, period)
+        except FileExistsError:
+            number += 1
 
 
 def left_behind(path: Path) -> list[str]:
-    """Return a line of text for each journal of a file that an interrupted run left there."""
+    """Return a line of text for each journal of a file: of a run that was cut off, or goes on."""
     parts = sorted(path.parent.glob(f"{path.stem}.*.part.csv"))
     return [
-        f"{part} was left by another run, with {rows_in(part)} samples; it can be read as a CSV"
+        f"{part} was left by another run, or is written by one, with {rows_in(part)} samples; it "
+        "can be read as a CSV"
         for part in parts
     ]
 

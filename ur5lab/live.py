@@ -13,7 +13,7 @@ from pyarrow import csv
 from rich.console import Console
 from rich.live import Live as Display
 
-from ur5lab.journal import Journal, left_behind, part_of
+from ur5lab.journal import Journal, journal_of, left_behind
 from ur5lab.recorder.device import DeviceLost, Silence
 from ur5lab.recorder.rtde_arm import (
     DEFAULT_RATE,
@@ -23,9 +23,9 @@ from ur5lab.recorder.rtde_arm import (
     RtdeClient,
 )
 from ur5lib.commands.interrupts import signals_interrupt
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, NameTaken
 from ur5lib.finished import StudyFiles
-from ur5lib.tables import write_aside
+from ur5lib.tables import write_new
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.topics.live.arm_file import known_of_arm
 from ur5lib.topics.live.live import CONTACT, UNKNOWN, Answer, Live
@@ -101,7 +101,7 @@ def live(
 
 def record(estimator: Live, stream: Stream, path: Path, show: Show) -> Ended:
     """Write each answer of the estimator at once to a CSV next to `path`, and at the end all as
-    Parquet; return how the stream ended.
+    Parquet, under `<name>.2` where the name was taken meanwhile; return how the stream ended.
 
     The file has the columns of `live_forces.parquet`, and `late`, the time from a sample's arrival
     to its answer. The arm gets only the request for its samples. If the Parquet cannot be written,
@@ -110,7 +110,7 @@ def record(estimator: Live, stream: Stream, path: Path, show: Show) -> Ended:
     with closing(connected(stream)) as client:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            journal = Journal(part_of(path), list(UNITS))
+            journal = journal_of(path, list(UNITS))
         except OSError as error:
             raise InputError(
                 f"{path} cannot be written ({error.strerror}); name another"
@@ -118,7 +118,7 @@ def record(estimator: Live, stream: Stream, path: Path, show: Show) -> Ended:
         why, lost = followed(client, estimator, stream, journal, show)
     try:
         if journal.rows:
-            write_aside(path, partial(_join, journal.path))
+            path = _written(path, partial(_join, journal.path))
     except InputError as error:
         return Ended(journal.path, journal.rows, f"{why}; {error}", lost=True)
     journal.path.unlink()
@@ -163,6 +163,18 @@ def followed(
     except OSError as error:
         return f"{journal.path}, which cannot be written ({error.strerror})", True
     return f"--seconds {stream.seconds:g}", False
+
+
+def _written(path: Path, write: Callable[[Path], object]) -> Path:
+    """Write a file, under the next free name where another has taken its own; return its path."""
+    number, name = 1, path
+    while True:
+        try:
+            write_new(name, write)
+            return name
+        except NameTaken:
+            number += 1
+            name = path.with_stem(f"{path.stem}.{number}")
 
 
 def _join(part: Path, aside: Path) -> None:

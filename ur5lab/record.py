@@ -25,7 +25,7 @@ from ur5lab.recorder.commanded_motion import (
 )
 from ur5lab.recorder.device import of_recorder
 from ur5lab.recorder.move_program import is_program, planned_motion, read_program
-from ur5lab.recorder.session import Session, left_behind, write_manifest
+from ur5lab.recorder.session import Session, left_behind, taken, write_manifest
 from ur5lib.errors import InputError
 from ur5lib.robots.description import Robot
 from ur5lib.study.devices import LabSettings
@@ -70,7 +70,7 @@ def record(path: Path, options: RecordOptions, console: Console) -> int:
     for line in filter(None, map(left_behind, sorted(folder.parent.glob("*")))):
         console.print(line)
     if folder.exists():
-        raise InputError(f"{folder} exists; give the recording another name")
+        raise taken(folder)
     _expect_extra(study, options)
     laboratory: AbstractContextManager[LabSettings] = (
         lab_double(robot, options.role == "contact", folder)

@@ -16,6 +16,7 @@ from ur5lib.strict import explain
 from ur5lib.study.arms import ArmSettings, Name, NamedArm
 from ur5lib.study.devices import LabSettings
 from ur5lib.study.reading import PlainData, parse_study, read_plain
+from ur5lib.study.turn import reserved
 from ur5lib.tables import write_text
 
 DEVICES_EXAMPLE = "devices: {robot: {address: 192.168.1.10}}"
@@ -74,17 +75,24 @@ class StudyFile:
         return severe
 
     def _append(self, text: str) -> bool:
-        """Append an entry as text to the file; return False where its layout prevents that."""
+        """Append an entry as text to the file, after what others have appended since it was read;
+        return False where its layout prevents that.
+        """
+        with reserved(self.path, wait=True):
+            return self._append_alone(text)
+
+    def _append_alone(self, text: str) -> bool:
         lines = self.path.read_text(encoding="utf-8").rstrip() + "\n"
-        lines += "" if "recordings" in self.plain else "recordings:\n"
-        whole = [*(self.plain.get("recordings") or []), *yaml.safe_load(text)]
+        plain = read_plain(self.path)
+        lines += "" if "recordings" in plain else "recordings:\n"
+        whole = [*(plain.get("recordings") or []), *yaml.safe_load(text)]
         for indent in ("", "  "):
             candidate = lines + "".join(f"{indent}{line}\n" for line in text.splitlines())
             try:
                 read = yaml.safe_load(candidate)
             except yaml.YAMLError:
                 continue
-            if read == {**self.plain, "recordings": whole}:
+            if read == {**plain, "recordings": whole}:
                 write_text(candidate, self.path)
                 return True
         return False

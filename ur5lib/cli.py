@@ -478,13 +478,15 @@ def export(
     """
     from ur5lib.commands.exported import exported
 
-    text = exported(robot, model, format, results, as_in, ros_names, accept)
+    asked = robot, model, format, results, as_in, ros_names, accept
     if output is None:
-        typer.echo(text)
+        typer.echo(exported(*asked))
         return
+    from ur5lib.study.turn import reserved
     from ur5lib.tables import write_text
 
-    write_text(text + "\n", output)
+    with reserved(output):
+        write_text(exported(*asked) + "\n", output)
     typer.echo(f"{output} written")
 
 

@@ -32,6 +32,10 @@ class UnreadableError(InputError):
     """A recording cannot be read; the rest of its study goes on without it."""
 
 
+class NameTaken(InputError):  # noqa: N818, a fact that some answer by another name
+    """A file exists already, and must not be replaced."""
+
+
 @dataclass(frozen=True)
 class Remark:
     """A remark of a step about its result, or the reason why it has none.

@@ -3,6 +3,7 @@
 Signals are Parquet, one column a channel under its RTDE name with a zero-based suffix, `time` [s]
 first, the unit in each column's metadata. Results are CSV, summaries JSON. Every file is written to
 a temporary name, flushed to the disk and renamed, so that no reader meets an incomplete one.
+What must not replace another file is linked instead.
 """
 
 import contextlib
@@ -15,6 +16,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from functools import cache, partial
 from io import BytesIO, StringIO
+from itertools import count
 from pathlib import Path
 from shlex import quote
 from typing import Any, BinaryIO, TypeVar, cast
@@ -30,7 +32,7 @@ from pydantic_core import SchemaValidator
 from pydantic_core.core_schema import no_info_before_validator_function as before
 
 from ur5lib.channels import CHANNELS, channels_of
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, NameTaken
 from ur5lib.timeseries.arrays import Array, Labels
 
 ROWS = 1 << 16  # read or written at once
@@ -45,6 +47,7 @@ Column = NDArray[Any]
 Source = str | Path | BytesIO  # a file, or one in memory
 Record = TypeVar("Record")
 Value = TypeVar("Value")
+_asides = count()  # a process may write one file twice at the same time
 
 
 class ByKey(Mapping[str, Value]):
@@ -403,25 +406,42 @@ def write_text(text: str, path: str | Path) -> None:
     write_aside(path, lambda aside: aside.write_text(text, encoding="utf-8"))
 
 
+def write_new_text(text: str, path: str | Path) -> None:
+    """Write a text file, but not over another. Raises NameTaken where there is one."""
+    write_new(path, lambda aside: aside.write_text(text, encoding="utf-8"))
+
+
 def write_bytes(data: bytes, path: str | Path) -> None:
     """Write a binary file."""
     write_aside(path, lambda aside: aside.write_bytes(data))
 
 
-def write_aside(path: str | Path, write: Callable[[Path], object]) -> None:
-    """Write a file to a temporary path by the function `write`, flush it, then rename it.
+def write_new(path: str | Path, write: Callable[[Path], object]) -> None:
+    """Write a file as `write_aside` does, but never over another: NameTaken where one has its name,
+    even if that was written meanwhile.
+    """
+    write_aside(path, write, _link)
+
+
+def write_aside(
+    path: str | Path,
+    write: Callable[[Path], object],
+    place: Callable[[Path, Path], object] = os.replace,
+) -> None:
+    """Write a file to a temporary path by the function `write`, flush it, then rename it by the
+    function `place`.
 
     Without the flush, a power failure may leave the new name without its content. Raises InputError
     where the file cannot be written.
     """
     path = Path(path)
-    aside = path.with_name(f".{path.name}.{os.getpid()}.part")
+    aside = path.with_name(f".{path.name}.{os.getpid()}-{next(_asides)}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         write(aside)
         with aside.open("rb") as written:
             os.fsync(written.fileno())
-        os.replace(aside, path)
+        place(aside, path)
     except OSError as error:
         raise InputError(
             f"{path} cannot be written ({error.strerror}); "
@@ -430,6 +450,20 @@ def write_aside(path: str | Path, write: Callable[[Path], object]) -> None:
     finally:
         with contextlib.suppress(OSError):
             aside.unlink()
+
+
+def _link(aside: Path, path: Path) -> None:
+    """Give a file its name. Raises NameTaken where another has it."""
+    try:
+        try:
+            os.link(aside, path)
+        except FileExistsError:
+            raise
+        except OSError:  # a file system without links, as of a USB stick
+            path.open("xb").close()
+            os.replace(aside, path)
+    except FileExistsError as error:
+        raise NameTaken(f"{path} exists; name another") from error
 
 
 def made(folder: Path) -> Path:

@@ -4,6 +4,7 @@ They are read back by the formats' own libraries.
 """
 
 import json
+import re
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, TypeVar
@@ -18,7 +19,10 @@ from google.protobuf.json_format import ParseDict
 from mcap.reader import make_reader
 from scipy.io import loadmat
 from scipy.spatial.transform import Rotation
+from typer.testing import CliRunner
 
+from tests.command import Command
+from ur5lib import cli
 from ur5lib.commands.convert import EXPORTED_TABLES, channels, write_recordings
 from ur5lib.commands.foxglove import METRES_PER_NEWTON, from_x_axis
 from ur5lib.dynamics.flange import flange_kinematics
@@ -311,3 +315,43 @@ def test_an_interrupted_export_leaves_nothing(
     with pytest.raises(KeyboardInterrupt):
         exported(results, "mat")
     assert [*(results / "exported").iterdir()] == []
+
+
+def test_a_second_conversion_at_the_same_time_is_refused(results: Path, run_ur5: Command) -> None:
+    """Until the first has written all recordings; then it writes them anew."""
+    first = write_recordings(results, [], "mat")
+    written = [next(first)]
+    before = written[0].read_bytes()
+    for name in ("free", "pushed"):
+        second = run_ur5("convert", "mine", name)
+        assert second.status == 1
+        assert re.search(rf"another process is writing \S*{name}\.mat; wait until", second.line)
+    assert run_ur5("convert", "mine", "--output", "other").status == 0
+    assert written[0].read_bytes() == before
+    written += first
+    assert {*(results / "exported").iterdir()} == {*written}
+    assert run_ur5("convert", "mine").status == 0
+
+
+def test_a_second_export_into_one_file_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command
+) -> None:
+    """While the first reads its study."""
+    monkeypatch.chdir(tmp_path)
+    command, said = ("export", "--robot", "ur3", "--output", "arm.xml"), list[str]()
+
+    def reading(*asked: object) -> str:
+        monkeypatch.undo()
+        monkeypatch.chdir(tmp_path)
+        with pytest.raises(InputError) as refused:
+            CliRunner().invoke(cli.app, command, catch_exceptions=False)
+        said.append(str(refused.value))
+        return "first"
+
+    monkeypatch.setattr("ur5lib.commands.exported.exported", reading)
+    assert run_ur5(*command).status == 0
+    assert said == ["another process is writing arm.xml; wait until it has ended, or name another"]
+    assert Path("arm.xml").read_text() == "first\n"
+    assert run_ur5(*command).status == 0
+    assert Path("arm.xml").read_text().startswith("<robot")
+    assert [*tmp_path.iterdir()] == [tmp_path / "arm.xml"]

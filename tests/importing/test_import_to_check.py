@@ -2,6 +2,8 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from threading import Thread
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -12,6 +14,14 @@ from tests.identification.test_postures import drawn
 from tests.robots.test_from_urdf import made_up, saved
 from tests.synthetic import poor_log
 from ur5lib.commands.described import describe_urdf
+from ur5lib.importing.contents import UserStatement
+from ur5lib.importing.files import (
+    ImportedFiles,
+    add_to_study,
+    as_entries,
+    import_files,
+    write_study,
+)
 from ur5lib.recordings import formats
 from ur5lib.recordings.counting import counted_as
 from ur5lib.recordings.intake import known_frames
@@ -19,7 +29,8 @@ from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.stand.controller_channels import frames
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.rig import perform
-from ur5lib.study.reading import read_study
+from ur5lib.study.model import Study
+from ur5lib.study.reading import parse_study, read_study
 from ur5lib.tables import channel
 
 SHORT = {"actual_q": "Act_q{k}", "actual_qd": "Act_qd{k}", "actual_current": "Act_I{k}"}
@@ -98,6 +109,54 @@ def test_a_study_that_exists_is_kept_before_recordings_are_read(
     assert refused.status == 1
     assert "mine.yaml exists" in refused.line
     assert Path("mine.yaml").read_text() == "mine"
+
+
+def two_logs(folder: Path) -> list[Path]:
+    paths = [folder / "one.csv", folder / "two.csv"]
+    for path in paths:
+        poor_log(load_robot(robot_path("ur5")), 20, 1).to_csv(path, index=False)
+    return paths
+
+
+def test_a_study_that_another_import_writes_at_this_moment_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    one, two = two_logs(tmp_path)
+    other = import_files([two], UserStatement("ur5"))
+
+    def written_meanwhile(imported: ImportedFiles) -> str:
+        monkeypatch.setattr("ur5lib.importing.files.as_entries", as_entries)
+        write_study(other, Path("mine.yaml"))
+        return as_entries(imported)
+
+    monkeypatch.setattr("ur5lib.importing.files.as_entries", written_meanwhile)
+    refused = run_ur5("import", one, "--robot", "ur5", "--output", "mine.yaml")
+    assert (refused.status, "mine.yaml exists; name another" in refused.line) == (1, True)
+    assert [entry.name for entry in read_study(Path("mine.yaml")).recordings] == ["two"]
+
+
+def test_two_imports_add_to_one_study_at_the_same_time(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The second while the first has read it, and not yet written."""
+    study, (one, two) = tmp_path / "mine.yaml", two_logs(tmp_path)
+    study.write_text("study: mine\ntitle: Mine\nrecordings:\n")
+    first, second = (import_files([path], UserStatement("ur5")) for path in (one, two))
+    other = Thread(target=add_to_study, args=[second, study])
+
+    def parsed_when_the_other_has_written_or_waits(*given: Any) -> Study:
+        monkeypatch.setattr("ur5lib.importing.files.parse_study", parse_study)
+        other.start()
+        other.join(0.5)
+        return parse_study(*given)
+
+    monkeypatch.setattr(
+        "ur5lib.importing.files.parse_study", parsed_when_the_other_has_written_or_waits
+    )
+    add_to_study(first, study)
+    other.join()
+    assert [entry.name for entry in read_study(study).recordings] == ["one", "two"]
 
 
 def test_recordings_given_as_a_study_are_answered_by_import(

@@ -21,8 +21,8 @@ from tests.conftest import PROJECT
 from tests.lab.test_recorder_faults import HERE, controller
 from tests.topics.live.made_arm import PERIOD, POSTURE, arm_file
 from ur5lab import rtde_variables as rtde
-from ur5lab.journal import FLUSH_PERIOD, Journal, left_behind, part_of
-from ur5lab.live import INPUTS, Ended, Stream, record
+from ur5lab.journal import FLUSH_PERIOD, journal_of, left_behind
+from ur5lab.live import INPUTS, Ended, Show, Stream, record
 from ur5lab.recorder import rtde_arm
 from ur5lib.errors import InputError
 from ur5lib.tables import read_table
@@ -65,6 +65,10 @@ def send_sample(client: socket.socket, number: int) -> None:
     sent(client, rtde.DATA_PACKAGE, b"\1" + struct.pack(">19d", *values))
 
 
+def hang_up(client: socket.socket) -> None:
+    client.shutdown(socket.SHUT_WR)
+
+
 def silence(_: socket.socket) -> None:
     time.sleep(1.2)
 
@@ -83,9 +87,11 @@ def killed_by(number: int) -> Serve:
     return end
 
 
-def followed(serve: Serve, path: Path, seconds: float | None = None) -> Ended:
+def followed(
+    serve: Serve, path: Path, seconds: float | None = None, show: Show = lambda *_: None
+) -> Ended:
     with controller(serve) as port:
-        return record(Live(arm_file()), Stream(HERE, seconds, port), path, lambda *_: None)
+        return record(Live(arm_file()), Stream(HERE, seconds, port), path, show)
 
 
 @pytest.mark.real_time
@@ -93,7 +99,7 @@ def followed(serve: Serve, path: Path, seconds: float | None = None) -> Ended:
 @pytest.mark.parametrize(
     ("end", "why", "lost"),
     [
-        (lambda client: client.shutdown(socket.SHUT_WR), "closed the connection", True),
+        (hang_up, "closed the connection", True),
         (silence, "has sent nothing for 1 s", True),
         (rubbish, "does not send RTDE packages", True),
         (killed_by(signal.SIGTERM), "SIGTERM", False),
@@ -112,6 +118,36 @@ def test_what_was_stated_stays_however_the_stream_ends(
     assert ended.samples == len(table) == COUNT
     np.testing.assert_allclose(np.diff(table["time"]), PERIOD)
     assert not left_behind(path)
+
+
+@pytest.mark.real_time
+def test_two_runs_into_one_file_keep_both(tmp_path: Path) -> None:
+    """The second begins after the first, and ends before it."""
+    path, seconds = tmp_path / "live.parquet", list[Ended]()
+
+    def second(*_: object) -> None:
+        if not seconds:
+            assert (tmp_path / "live.1.part.csv").is_file()
+            seconds.append(followed(stream_of(hang_up, COUNT // 2), path))
+
+    first = followed(stream_of(silence), path, show=second)
+    assert [one.path for one in (*seconds, first)] == [path, tmp_path / "live.2.parquet"]
+    assert len(read_table(path)) == seconds[0].samples == COUNT // 2
+    assert len(read_table(first.path)) == first.samples == COUNT
+    assert {*tmp_path.iterdir()} == {path, first.path}
+
+
+def test_two_starts_at_once_have_two_journals(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each sees no file yet."""
+    monkeypatch.setattr(Path, "exists", lambda *_: False)
+    first, second = (journal_of(tmp_path / "live.parquet", ["time"], 0.0) for _ in range(2))
+    first.write(["0.5"])
+    second.write(["0.6"])
+    assert [one.path.read_text() for one in (first, second)] == ["time\n0.5\n", "time\n0.6\n"]
+    first.close()
+    second.close()
 
 
 def test_nothing_came(tmp_path: Path) -> None:
@@ -141,16 +177,18 @@ def test_a_full_disk_keeps_whole_rows_and_is_told(tmp_path: Path) -> None:
 
 def test_rows_are_written_each_second_and_the_next_run_says_what_was_left(tmp_path: Path) -> None:
     path = tmp_path / "live.parquet"
-    journal = Journal(part_of(path), ["time"], period=0.1)
+    journal = journal_of(path, ["time"], period=0.1)
     journal.write(["0.5", "0.6"])
     time.sleep(0.12)
     journal.write(["0.7"])
     journal.write(["0.8"])  # lost, where the process is killed now
     assert pd.read_csv(journal.path)["time"].tolist() == [0.5, 0.6, 0.7]
     [line] = left_behind(path)
-    assert f"{journal.path} was left by another run, with 3 samples" in line
-    assert part_of(path) != journal.path
+    assert f"{journal.path} was left by another run, or is written by one, with 3 samples" in line
     journal.close()
+    again = journal_of(path, ["time"])
+    again.close()
+    assert again.path != journal.path
     assert len(pd.read_csv(journal.path)) == 4
 
 
@@ -192,7 +230,10 @@ def test_a_killed_run_leaves_all_rows_but_of_the_last_second(tmp_path: Path) -> 
     np.testing.assert_allclose(table["time"], PERIOD * np.arange(len(table)))
     late = 0.5  # s, of a computer that does other work, too
     assert len(table) > np.searchsorted(begun, killed - FLUSH_PERIOD - late)
-    assert f"{part} was left by another run, with {len(table)} samples" in left_behind(path)[0]
+    assert (
+        f"{part} was left by another run, or is written by one, with {len(table)} samples"
+        in left_behind(path)[0]
+    )
 
 
 def test_a_handshake_has_one_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

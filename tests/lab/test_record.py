@@ -2,8 +2,10 @@
 
 import io
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 import numpy as np
@@ -21,6 +23,7 @@ from ur5lab.doubles.device_double import HOST
 from ur5lab.doubles.net_ft_double import NetFTDouble
 from ur5lab.doubles.transmission import TransmissionFaults
 from ur5lab.record import RecordOptions, record
+from ur5lab.recorded_study import StudyFile
 from ur5lab.recorder import display
 from ur5lab.recorder.capture import Status
 from ur5lab.recorder.commanded_motion import CommandedMotion, dense_path, read_motion, refusals
@@ -33,8 +36,9 @@ from ur5lib.recordings.starts import place_sensors
 from ur5lib.robots.description import Robot
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.truth import Truth
+from ur5lib.study.devices import ArmSettings, LabSettings
 from ur5lib.study.reading import read_study
-from ur5lib.tables import read_json
+from ur5lib.tables import read_json, write_text
 
 HOME = np.array([0.5, -1.6, 1.6, -1.5, 1.5, 0.3])
 STUDY = """\
@@ -285,6 +289,43 @@ def test_a_name_that_is_no_new_folder_is_refused(study: Path) -> None:
     Path("raw/lab/run").mkdir(parents=True)
     with pytest.raises(InputError, match="raw/lab/run exists"):
         record(study, RecordOptions("run", "contact"), console())
+
+
+def test_a_folder_that_another_start_makes_at_this_moment_is_refused(
+    study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    @contextmanager
+    def laboratory(robot: Robot, is_pushed: bool, folder: Path) -> Iterator[LabSettings]:
+        folder.mkdir(parents=True)
+        (folder / "robot.csv").write_text("of the other")
+        yield LabSettings(robot=ArmSettings(address=HOST))
+
+    monkeypatch.setattr("ur5lab.record.lab_double", laboratory)
+    options = RecordOptions("run", "contact", seconds=1, emulate=True, without=("imu",))
+    with pytest.raises(InputError, match="raw/lab/run exists; give the recording another name"):
+        record(study, options, console())
+    [file] = Path("raw/lab/run").iterdir()
+    assert file.read_text() == "of the other"
+
+
+def test_two_recordings_enter_one_study_at_the_same_time(
+    study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Both have read it at their start; the second enters while the first writes."""
+    first, second = StudyFile.read(study), StudyFile.read(study)
+    other = Thread(target=second._append, args=["- name: second\n"])
+
+    def write_when_the_other_has_or_waits(text: str, path: Path) -> None:
+        monkeypatch.setattr("ur5lab.recorded_study.write_text", write_text)
+        other.start()
+        other.join(0.5)
+        write_text(text, path)
+
+    monkeypatch.setattr("ur5lab.recorded_study.write_text", write_when_the_other_has_or_waits)
+    assert first._append("- name: first\n")
+    other.join()
+    names = [one["name"] for one in yaml.safe_load(study.read_text())["recordings"]]
+    assert names == ["first", "second"]
 
 
 @pytest.mark.parametrize(

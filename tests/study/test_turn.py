@@ -1,14 +1,16 @@
-"""One run of a study at a time."""
+"""One run of a study at a time, and one writer of a file."""
 
+import fcntl
 import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from ur5lib.errors import InputError
-from ur5lib.study.turn import LOCK_FILE, TURN_VARIABLE, running, share_turn, take_turn
+from ur5lib.study.turn import LOCK_FILE, TURN_VARIABLE, reserved, running, share_turn, take_turn
 
 HOLD = "import sys, time; from pathlib import Path; from ur5lib.study.turn import take_turn; "
 HOLD += "held = take_turn(Path(sys.argv[1])); print('held', flush=True); time.sleep(60)"
@@ -112,3 +114,50 @@ def test_jobs_of_a_killed_run_keep_others_out_unless_they_begin_late(
     with pytest.raises(InputError, match="the run that submitted this job has ended"):
         share_turn(tmp_path)
     second.close()
+
+
+RESERVED = "import sys, time; from pathlib import Path; from ur5lib.study.turn import reserved\n"
+RESERVED += "with reserved(Path(sys.argv[1])): print('held', flush=True); time.sleep(60)"
+
+
+def test_a_name_is_of_one_process_until_that_ends_or_is_killed(tmp_path: Path) -> None:
+    path = tmp_path / "new" / "arm.xml"
+    first = subprocess.Popen(
+        [sys.executable, "-c", RESERVED, str(path)], stdout=subprocess.PIPE, text=True
+    )
+    assert first.stdout is not None
+    assert first.stdout.readline() == "held\n"
+    for _ in range(2):
+        with pytest.raises(InputError, match=r"another process is writing .*arm\.xml; wait"):
+            reserved(path).__enter__()
+    with reserved(path.with_name("other.xml")):  # not of another file
+        pass
+    first.kill()
+    first.wait()
+    assert [one.name for one in path.parent.iterdir()] == [".arm.xml.lock"]
+    with reserved(path):
+        path.write_text("mine")
+    assert [*path.parent.iterdir()] == [path]
+
+
+def test_a_name_whose_owner_ends_while_another_opens_its_lock(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The removed lock is no lock: a third would make its own, and two have the name."""
+    path, plain, first = tmp_path / "arm.xml", fcntl.flock, reserved(tmp_path / "arm.xml")
+    first.__enter__()
+
+    def late(*asked: Any) -> None:
+        monkeypatch.setattr("fcntl.flock", plain)
+        first.__exit__(None, None, None)
+        plain(*asked)
+
+    monkeypatch.setattr("fcntl.flock", late)
+    with reserved(path), pytest.raises(InputError, match="another process is writing"):
+        reserved(path).__enter__()
+
+
+def test_a_name_where_nothing_can_be_written(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(InputError, match="cannot be written"):
+        reserved(tmp_path / "file" / "arm.xml").__enter__()

@@ -48,8 +48,10 @@ class Session:
         self.zero = time.time() - time.monotonic()  # s; the same zero for all devices
 
     def __enter__(self) -> Self:
-        """Start all devices. Raises InputError when one does not answer; none records then."""
-        self._folder.mkdir(parents=True)
+        """Start all devices. Raises InputError when one does not answer, or the folder exists; none
+        records then.
+        """
+        new_folder(self._folder)
         try:
             for name, settings in self._devices.items():
                 here, there = self._context.Pipe()
@@ -119,6 +121,19 @@ class Session:
         except (EOFError, OSError):
             if worker.status.ended is None and not self._stop.is_set():
                 worker.status.ended = f"the process that records {name} was killed"
+
+
+def new_folder(folder: Path) -> None:
+    """Make a recording's folder. Raises InputError if it exists, even since a moment ago."""
+    try:
+        folder.mkdir(parents=True)
+    except FileExistsError as error:
+        raise taken(folder) from error
+
+
+def taken(folder: Path) -> InputError:
+    """Return the error of a recording with the folder of another."""
+    return InputError(f"{folder} exists; give the recording another name")
 
 
 def left_behind(folder: Path) -> str:

@@ -21,7 +21,7 @@ from ur5lib.records.quality import Device, Finding, Quality
 from ur5lib.strict import Strict, explain
 from ur5lib.study.model import Recording, Study
 from ur5lib.study.reading import read_plain
-from ur5lib.tables import write_text
+from ur5lib.tables import write_new_text
 
 MARGIN = 0.1  # other recordings may be shorter or slower than the good ones by this share
 FEW_MISSING = 0.01  # share of missing values that a written contract always allows
@@ -171,7 +171,7 @@ def write_contract(study: Study, named: Sequence[str], path: Path) -> None:
     )
     plain = contract.model_dump(mode="json", exclude_defaults=True)
     head = "# what every recording must have: ur5 check <study> --contract <this file>\n"
-    write_text(head + yaml.safe_dump(plain, sort_keys=False, width=100), path)
+    write_new_text(head + yaml.safe_dump(plain, sort_keys=False, width=100), path)
 
 
 def _wanted(found: Sequence[Recorded], gap: float) -> Stream:

@@ -4,6 +4,7 @@ import json
 import math
 import re
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import groupby, pairwise
 from pathlib import Path
@@ -15,11 +16,12 @@ from scipy.io import savemat
 from scipy.io.matlab import MatWriteError
 
 from ur5lib.commands.foxglove import Stream, drawn
-from ur5lib.errors import InputError, unknown
+from ur5lib.errors import InputError, expect_known, unknown
 from ur5lib.finished import StudyFiles
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
 from ur5lib.records.pushes import SPEEDS
+from ur5lib.study.turn import reserved
 from ur5lib.tables import write_aside, write_csv
 
 CSV_DIGITS = 12
@@ -192,17 +194,27 @@ def write_recordings(
 
     results: results/<study>; names: of its recordings, empty for all; to: a key of `WRITERS`; into:
     the folder, by default `exported` in the results. CSV files get a folder for each recording.
-    Raises InputError for missing results and files that cannot be written.
+    Raises InputError for missing results and files that cannot be written, as while another process
+    writes them.
     """
     if to not in WRITERS:
         raise unknown("format", to, WRITERS)
     study, (ending, write) = StudyFiles(results), WRITERS[to]
     folder = into or results / "exported"
-    for name in names or study.recordings:
-        frames = {table: study.frame(name, table) for table in EXPORTED_TABLES}
-        if "if_untouched" in frames["forces"] and "pushes" in study.tables:
-            frames["forces"] = with_smallest_push(study, name, frames["forces"])
-        filled = {table: frame for table, frame in frames.items() if len({*frame} - {"segment"})}
-        path = folder / f"{name}{ending}"
-        write(RecordingTables(study, name, study.start(name), filled), path)
-        yield path
+    known = study.recordings
+    named = [expect_known("recording", name, known) for name in names or known]
+    paths = {name: folder / f"{name}{ending}" for name in named}
+    with ExitStack() as own:
+        for path in paths.values():
+            own.enter_context(reserved(path))
+        for name, path in paths.items():
+            write(_tables_of(study, name), path)
+            yield path
+
+
+def _tables_of(study: StudyFiles, name: str) -> RecordingTables:
+    frames = {table: study.frame(name, table) for table in EXPORTED_TABLES}
+    if "if_untouched" in frames["forces"] and "pushes" in study.tables:
+        frames["forces"] = with_smallest_push(study, name, frames["forces"])
+    filled = {table: frame for table, frame in frames.items() if len({*frame} - {"segment"})}
+    return RecordingTables(study, name, study.start(name), filled)

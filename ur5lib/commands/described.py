@@ -6,7 +6,7 @@ from pathlib import Path
 from ur5lib.errors import InputError, with_controls
 from ur5lib.robots.description import PROJECT_FOLDER, robot_names, robot_yaml
 from ur5lib.robots.from_urdf import robot_from_urdf
-from ur5lib.tables import write_text
+from ur5lib.tables import write_new_text
 
 
 def describe_urdf(
@@ -28,7 +28,7 @@ def describe_urdf(
     head = "".join(f"# {line}\n" for line in [f"From {file.name}. SI units.", *remarks])
     path = PROJECT_FOLDER / f"{name}.yaml"
     path.parent.mkdir(exist_ok=True)
-    write_text(head + robot_yaml(robot.model_copy(update={"name": name})), path)
+    write_new_text(head + robot_yaml(robot.model_copy(update={"name": name})), path)
     joints = ", ".join(robot.joints)
     side = (
         f"which side are its torques on? The links': write `effort: joint_torque` into {path}; the "

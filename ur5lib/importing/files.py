@@ -31,7 +31,8 @@ from ur5lib.importing.spellings import CLOCK_NAME
 from ur5lib.recordings.entries import SKIPPED_COLUMN
 from ur5lib.records.account import NOTHING, AccountRow
 from ur5lib.study.reading import parse_study
-from ur5lib.tables import write_text
+from ur5lib.study.turn import reserved
+from ur5lib.tables import write_new_text, write_text
 
 CONFIDENCE_STYLES = {"check": "yellow", "left out": "dim"}
 YAML_WIDTH = 100  # characters a line of YAML
@@ -303,18 +304,23 @@ def expect_new(path: Path) -> None:
 
 def write_study(imported: Sequence[ImportedRecording], path: Path) -> None:
     """Write a study of recordings. Raises InputError where the file exists already."""
-    expect_new(path)
     name = identifier(path.stem)
     plain = {"study": name, "title": f"Recordings of {name}"}
     head = yaml.safe_dump(plain, sort_keys=False, allow_unicode=True)
-    write_text(f"{head}recordings:\n{as_entries(imported)}", path)
+    write_new_text(f"{head}recordings:\n{as_entries(imported)}", path)
 
 
 def add_to_study(imported: Sequence[ImportedRecording], path: Path) -> None:
     """Append the entries of recordings to a study file that ends with its list of recordings.
 
-    Raises InputError if it does not end so, or has a recording of the same name.
+    Waits while another process does. Raises InputError if it does not end so, or has a recording of
+    the same name.
     """
+    with reserved(path, wait=True):
+        _append(imported, path)
+
+
+def _append(imported: Sequence[ImportedRecording], path: Path) -> None:
     before = path.read_text(encoding="utf-8").rstrip() + "\n"
     plain = yaml.safe_load(before)
     names = {recording["name"] for recording in plain.get("recordings") or []}

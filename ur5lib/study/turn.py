@@ -1,4 +1,7 @@
-"""One run of a study at a time: a lock that ends with its processes, however they end."""
+"""One run of a study, or one writer of a file, at a time.
+
+By locks that end with their processes, however these end.
+"""
 
 import atexit
 import contextlib
@@ -8,8 +11,9 @@ import os
 import socket
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TextIO, cast
+from typing import IO, Any, TextIO, cast
 
 from ur5lib.errors import InputError
 
@@ -26,7 +30,7 @@ def take_turn(results: Path, wait: bool = False) -> TextIO:
     """
     results.mkdir(parents=True, exist_ok=True)
     lock = _locked(results, wait)
-    while not _in_place(lock, results):  # the previous owner has removed its file
+    while not _in_place(lock, results / LOCK_FILE):  # the previous owner has removed its file
         lock.close()
         lock = _locked(results, wait)
     since = time.strftime("%Y-%m-%d %H:%M:%S")
@@ -57,10 +61,10 @@ def _locked(results: Path, wait: bool) -> TextIO:
     return lock
 
 
-def _in_place(lock: TextIO, results: Path) -> bool:
+def _in_place(lock: IO[Any], path: Path) -> bool:
     """Return whether an open lock file is still the file at its path."""
     with contextlib.suppress(FileNotFoundError):
-        return os.path.samestat(os.fstat(lock.fileno()), os.stat(results / LOCK_FILE))
+        return os.path.samestat(os.fstat(lock.fileno()), os.stat(path))
     return False
 
 
@@ -70,7 +74,7 @@ def _remove(lock: TextIO, results: Path, owner: int) -> None:
         return
     with contextlib.suppress(OSError):  # its jobs on a cluster continue, or another run has begun
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        if _in_place(lock, results):
+        if _in_place(lock, results / LOCK_FILE):
             (results / LOCK_FILE).unlink()
 
 
@@ -111,3 +115,44 @@ def running(results: Path) -> str:
         except BlockingIOError:
             return holder(lock)
     return ""
+
+
+@contextlib.contextmanager
+def reserved(path: Path, wait: bool = False) -> Iterator[None]:
+    """Keep other processes from a file or folder that a `with` block writes or replaces.
+
+    The lock is `.<name>.lock` next to it; one that a killed process left keeps nobody out. wait:
+    whether to wait while another process has it. Raises InputError otherwise, and where it cannot
+    be written.
+    """
+    place = path.with_name(f".{path.name}.lock")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        lock = _reservation(place, wait)
+    except BlockingIOError as error:
+        raise InputError(
+            f"another process is writing {path}; wait until it has ended, or name another"
+        ) from error
+    except OSError as error:
+        raise InputError(
+            f"{path} cannot be written ({error.strerror}); check its name and the permissions"
+        ) from error
+    with lock:
+        try:
+            yield
+        finally:
+            place.unlink(missing_ok=True)
+
+
+def _reservation(path: Path, wait: bool) -> IO[bytes]:
+    """Return an open lock file. Raises BlockingIOError where another process has it."""
+    while True:
+        lock = path.open("ab")
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+        except BaseException:
+            lock.close()
+            raise
+        if _in_place(lock, path):
+            return lock
+        lock.close()  # its previous owner has removed it
