@@ -11,6 +11,7 @@ from ur5lib.workspace.places import WORKFLOW
 sys.path.sort(key=lambda folder: folder in (str(WORKFLOW), os.getcwd()))
 
 from ur5lib.errors import InputError
+from ur5lib.jobs.syntax import keep_for_the_next_process
 from ur5lib.workspace.extensions import take_up_all
 
 try:
@@ -43,6 +44,9 @@ for rules_of_topic in sorted(PACKAGE.glob("topics/*/rules.smk")):
 
 include: "workflow/rules/report.smk"
 include: "workflow/rules/cluster.smk"
+
+
+keep_for_the_next_process()
 
 
 onsuccess:

@@ -204,7 +204,7 @@ def test_labs_never_mix(installed: Installed) -> None:
     shutil.copytree(installed.environment, updated.environment, symlinks=True)
     set_mode(updated.environment, writable=True)
     edited = updated.library / "recordings" / "frames.py"
-    edited.write_text(edited.read_text() + "\n# A sentence is added.\n")
+    edited.write_text(edited.read_text() + "\nADDED = True\n")
     planned = updated.snakemake(moved, *read)
     assert "read_recording" in planned
     assert "Params have changed" in planned

@@ -34,6 +34,7 @@ from ur5lib.tables import read_csv, read_table
 SECONDS = 60  # in which a run that must fail ends
 RECORDINGS = 2
 RUN = "run_times", "ro-crate-metadata"  # files that say when or how long it ran
+EDITED = "\nEDITED = True\n"  # appended to a module
 SENSED = ["judge_sensor", "judge_contacts", "draw_figures"]
 FROM_FORCES = ["estimate_forces", *SENSED]
 FROM_LOADS = ["estimate_load", "predict_currents", "judge_recording", *FROM_FORCES]
@@ -197,7 +198,7 @@ def test_every_step_leaves_a_log_and_its_time(built_workflow: Workflow) -> None:
 def test_editing_code_reruns_its_users(
     built_workflow: Workflow, change: Change, module: str, expected: dict[str, int]
 ) -> None:
-    change(module, "\n# edited\n")
+    change(module, EDITED)
     planned = built_workflow.plan()
     of_topics = topics_after(expected, PROJECT / module)
     assert chain(planned) == expected | (DOCUMENT if of_topics else {})
@@ -231,7 +232,7 @@ def test_the_page_of_a_recording_is_made_anew_for_what_it_shows(workflow: Workfl
     """Its layout and its numbers; not for what the report alone has."""
     page = "results/small/runs/pushed.html"
     workflow.build("--", page)
-    append(workflow.folder / "ur5lib/steps/write_report.py", "\n# edited\n")
+    append(workflow.folder / "ur5lib/steps/write_report.py", EDITED)
     assert workflow.plan("--", page) == {}
     append(workflow.folder / "ur5lib/report/page/sections/force.typ", "\n// edited\n")
     assert workflow.plan("--", page) == {"write_run": 1}
@@ -249,9 +250,20 @@ def test_every_rule_of_a_page_knows_its_sources() -> None:
     assert [name for name, files in given.items() if "*PAGE" not in files] == []
 
 
-def test_touching_code_reruns_nothing(built_workflow: Workflow) -> None:
+def test_touched_code_and_words_about_it_rerun_nothing(
+    built_workflow: Workflow, change: Change
+) -> None:
+    """Comments, and docstrings of modules and functions."""
     for path in (built_workflow.folder / "ur5lib").rglob("*.py"):
         path.touch()
+    for module in ("ur5lib/force/gate.py", "ur5lib/recordings/frames.py"):
+        change(module, "\n# a remark\n")
+        path = built_workflow.folder / module
+        text, count = re.subn(
+            r'(\A|def [^\n]+:\n +)"""', r'\1"""In other words: ', path.read_text()
+        )
+        assert count > 2
+        path.write_text(text)
     assert built_workflow.plan() == {}
 
 
@@ -334,7 +346,7 @@ def test_a_deleted_file_is_planned_again(
 
 
 WHY = {
-    "the code has changed": ("ur5lib/force/residual_model.py", "\n# edited\n"),
+    "the code has changed": ("ur5lib/force/residual_model.py", EDITED),
     "the study has changed": ("config.yaml", SETTING),
     "files have changed": ("raw/pushed/csv_files/log_q_actual.csv", "9.0, 1, 1, 1, 1, 1, 1\n"),
     "results are missing": ("results/small/recordings/pushed/torques.parquet", None),

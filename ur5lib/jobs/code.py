@@ -4,18 +4,15 @@
 --quiet host` adds what the results of these steps feed.
 """
 
-import re
 import sys
 from collections.abc import Collection, Iterable
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
 
+from ur5lib.jobs.syntax import syntax
 from ur5lib.workspace.extensions import source_files
 from ur5lib.workspace.places import PACKAGE
-
-TYPES = re.compile(r"^if TYPE_CHECKING:.*\n(?:(?: .*)?\n)+", re.MULTILINE)  # types change no result
-IMPORT = re.compile(r"^ *(?:from|import) (ur5lib[\w.]*)(?: import (\([^)]*\)|.*))?", re.MULTILINE)
 
 LOOPS = {  # modules that a module imports by a loop over folders
     "report/page/handed.py": ("report/views/*.py", "topics/*/report.py"),
@@ -26,13 +23,15 @@ LOOPS = {  # modules that a module imports by a loop over folders
 def checksum_of_step(step: str, files: Collection[Path] = ()) -> str:
     """Return a checksum of a step's module, of all modules that it uses, and of `files`.
 
+    Of Python's files, what can change a result (`ur5lib.jobs.syntax`); of others, all bytes.
+
     files: further files of the library that the step reads. The checksum does not depend on the
     place of installation. A user's extensions count as code of the steps that use the modules that
     load them.
     """
     modules = modules_of_step(step)
     every = [*modules, *sorted({*files}), *source_files({*modules})]
-    return sha256(b"".join(map(_content, every))).hexdigest()[:16]
+    return sha256(b"".join(map(_counted, every))).hexdigest()[:16]
 
 
 def module_of(step: str) -> Path:
@@ -57,8 +56,9 @@ def modules_of_step(step: str) -> list[Path]:
 
 
 @cache
-def _content(path: Path) -> bytes:
-    return path.read_bytes()
+def _counted(path: Path) -> bytes:
+    """Return what of a file counts."""
+    return syntax(path).checksum.encode() if path.suffix == ".py" else path.read_bytes()
 
 
 @cache
@@ -67,9 +67,7 @@ def imported_modules(path: Path) -> set[Path]:
 
     The report imports its views and the modules of topics by loops over folders.
     """
-    statements = IMPORT.findall(TYPES.sub("", _content(path).decode()))
-    names = {module for module, _ in statements}
-    names |= {f"{module}.{name}" for module, of in statements for name in re.findall(r"\w+", of)}
+    names = [name for name in syntax(path).imports if name.startswith(PACKAGE.name)]
     stems = [PACKAGE.parent.joinpath(*name.split(".")) for name in names]
     files = [file for stem in stems for file in (stem.with_suffix(".py"), stem / "__init__.py")]
     looped = {

@@ -27,7 +27,7 @@ def test_a_study_is_compared_with_another(workflow: Workflow) -> None:
 
 
 def test_another_comparison_repeats_nothing_else(built_workflow: Workflow, change: Change) -> None:
-    change("ur5lib/topics/compare/comparison.py", "\n# edited\n")
+    change("ur5lib/topics/compare/comparison.py", "\nEDITED = True\n")
     assert built_workflow.plan() == {"compare_studies": 1} | DOCUMENT
 
 

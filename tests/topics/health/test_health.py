@@ -351,7 +351,7 @@ def test_its_section_is_absent_without_dates(tmp_path: Path) -> None:
 
 
 def test_another_test_of_changes_repeats_no_judge(built_workflow: Workflow, change: Change) -> None:
-    change("ur5lib/topics/health/changes.py", "\n# edited\n")
+    change("ur5lib/topics/health/changes.py", "\nEDITED = True\n")
     planned = built_workflow.plan()
     assert planned.keys() >= {"track_health", "draw_health", "make_tables", "write_report"}
     assert planned.keys().isdisjoint({"examine_joints", "judge_recording"})
