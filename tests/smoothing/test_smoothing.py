@@ -678,3 +678,18 @@ def test_noise_of_a_joint_that_rests_comes_from_where_it_was_measured() -> None:
     noise = encoder_noise(*clock(count), q, qd)
     assert np.isfinite(noise.position).all()
     assert (noise.position < 1e-5).all()
+
+
+def test_the_noise_of_a_joint_is_that_of_the_joint_alone() -> None:
+    """Joints are searched together, and each as if it were alone."""
+    time, segment = clock(800)
+    joints = [
+        shaken(PERIOD, 2 * np.pi * at, 0.1, np.full(800, 50.0)).T for at in (12.0, 18.0, 25.0)
+    ]
+    q, qd = np.stack(joints, axis=-1)
+    together = encoder_noise(time, segment, q, qd)
+    for joint in range(3):
+        alone = encoder_noise(time, segment, q[:, [joint]], qd[:, [joint]])
+        for quantity in ("jerk", "vibration", "frequency", "damping", "position", "lag"):
+            found, own = getattr(together, quantity), getattr(alone, quantity)
+            np.testing.assert_array_equal(found[..., joint], own[..., 0])

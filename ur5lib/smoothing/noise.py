@@ -1,6 +1,6 @@
 """The noise of encoders, estimated from a Kalman filter's innovations."""
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple
@@ -9,8 +9,8 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 from scipy.linalg import expm
 from scipy.ndimage import uniform_filter1d
-from scipy.optimize import minimize
 
+from ur5lib.smoothing.simplex_search import search_together
 from ur5lib.smoothing.steady_filter import SteadyFilter, steady_filter
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import unbroken
@@ -98,34 +98,34 @@ def quantum(q: Array) -> float:
     return float(sizes[counts >= RARE_COUNT_SHARE * counts.max()][0])
 
 
-def _most_likely(parts: list["_JointRecord"], period: float) -> Iterator["_Ratios"]:
-    """Yield the parameters that maximise the likelihood of each joint's innovations in its part."""
+def _most_likely(parts: list["_JointRecord"], period: float) -> list["_Ratios"]:
+    """Return the parameters that maximise the likelihood of each joint's innovations in its part.
+
+    The joints' searches advance together: their filters are computed as one stack.
+    """
     highest = min(MAX_VIBRATION_FREQUENCY, NYQUIST_SHARE / (2 * period))
     swings = np.log(
         2 * np.pi * period * np.array([min(MIN_VIBRATION_FREQUENCY, highest / 2), highest])
     )
     start = np.array([*SIMPLEX_START, swings.mean()])
 
-    def most_likely(part: _JointRecord) -> _Ratios:
-        def cost(parameters: Array) -> float:
-            # -2 log L / n, maximised over the positions' noise σ² = mean(eᵀ S⁻¹ e) / 2
-            white, logdet = _whitened_filters(_Ratios.from_parameters(parameters))
-            return float(logdet + 2 * np.log(part.variance(white) + MIN_INNOVATION_VARIANCE))
+    def costs(joints: Sequence[int], parameters: Array) -> list[float]:
+        # -2 log L / n, maximised over the positions' noise σ² = mean(eᵀ S⁻¹ e) / 2
+        whites, logdets = _whitened_filters(_Ratios.from_parameters(parameters))
+        return [
+            float(logdet + 2 * np.log(parts[joint].variance(white) + MIN_INNOVATION_VARIANCE))
+            for joint, white, logdet in zip(joints, whites.each(), logdets, strict=True)
+        ]
 
-        best = minimize(
-            cost,
-            start,
-            method="Nelder-Mead",
-            bounds=[*PARAMETER_BOUNDS, tuple(swings)],
-            options={
-                "initial_simplex": np.vstack([start, start + np.diag([*SIMPLEX_STEPS, 0.3])]),
-                "xatol": 0.1,
-                "fatol": 1e-3,
-            },
-        )
-        return _Ratios.from_parameters(best.x)
-
-    return map(most_likely, parts)
+    best = search_together(
+        costs,
+        len(parts),
+        simplex=np.vstack([start, start + np.diag([*SIMPLEX_STEPS, 0.3])]),
+        bounds=np.array([*PARAMETER_BOUNDS, swings]),
+        xatol=0.1,
+        fatol=1e-3,
+    )
+    return [*map(_Ratios.from_parameters, best)]
 
 
 def _joint_noise(
