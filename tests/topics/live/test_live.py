@@ -36,7 +36,7 @@ from ur5lib.topics.live.live import (
     Live,
 )
 from ur5lib.topics.live.live_file import CONSTANTS, MIN_LOG_ODDS, learned, numbers
-from ur5lib.topics.live.live_recording import follow
+from ur5lib.topics.live.live_recording import alarms_of_each, follow
 
 HEADER = PROJECT / "ur5lib" / "topics" / "live"
 AT_REST_AND_IN_MOTION = pytest.mark.parametrize("moving", [False, True])
@@ -189,6 +189,18 @@ def test_a_recording_is_followed_as_sample_by_sample(
         words = [FREE if one.contact == SUSPECTED else one.contact for one in answers]
         assert contact.tolist() == words
         assert {*contact} >= stated
+
+
+@AT_REST_AND_IN_MOTION
+def test_recordings_side_by_side_are_followed_as_each_alone(moving: bool) -> None:
+    """Whenever each is pushed, also by a current that no motor of the arm has."""
+    starts = 3.0, 5.0, 5.5
+    runs = [samples(8.0, moving, push(at, at + 0.5, 20.0, -25.0, 15.0)) for at in starts]
+    currents = np.stack([run.current for run in runs])
+    currents[1, 400:402] = 1e3
+    alone = [follow(arm_file(), runs[0]._replace(current=current)).alarms() for current in currents]
+    assert alarms_of_each(arm_file(), runs[0], currents) == alone
+    assert all(alone)
 
 
 def test_nothing_is_learnt_from_rare_samples() -> None:

@@ -23,8 +23,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Posterior = tuple[Array, Array, Array]
-Weighed = tuple[Array, Array, Array, Any]
 STATES = ("moving", "reversing", "settling", "resting", "still", "unmoved")  # of a joint
 MOVING, REVERSING, SETTLING, RESTING, STILL, UNMOVED = range(6)
 TERMS = ["coulomb", "viscous", "velocity_root", "velocity_square", "periodic_sin", "periodic_cos"]
@@ -64,6 +62,32 @@ class Sweep(NamedTuple):
     rate: Array
     jacobian: Array
     place: Array
+
+
+class Hidden(NamedTuple):
+    """How the noise of torques hides a wrench, by K sizes P^½ of the wrench.
+
+    weighted: S⁻¹ Jᵀ (..., n, 6); variance: diagonal of S (..., n) [N²m²]; covariance: of the wrench
+    given a torque, (P⁻¹ + Λ)⁻¹ (..., K, 6, 6), Λ = J S⁻¹ Jᵀ; volume: log det(P⁻¹ + Λ) (..., K).
+    """
+
+    weighted: Array
+    variance: Array
+    covariance: Array
+    volume: Array
+
+
+class Weights(NamedTuple):
+    """How noise hides a wrench: of a free arm (..., 2, ...), usual and wide; and of a contact."""
+
+    free_weighted: Array
+    free_variance: Array
+    free_covariance: Array
+    free_volume: Array
+    weighted: Array
+    variance: Array
+    covariance: Array
+    volume: Array
 
 
 class Live:
@@ -294,8 +318,9 @@ class Live:
         """Set the answer: the wrench, its deviation, and whether there is a contact."""
         slow = self.drift + self.scale * self.friction
         self.torque = self.observed - np.where(self.state >= STILL, self.rest, slow)
-        sensed = self.torque, self.state, self.qd
-        wrench, std, evidence, blind = self.weighed(*sensed, jacobian, place)
+        weights = self.weights(self.state, self.qd, jacobian)
+        evidence, touched, mean = self.judged(self.torque, self.state, weights)
+        wrench, std, blind = self.stated(touched, mean, weights, place)
         self.evidence = float(evidence)
         doubtful = self.run < self.set["settle"] or bool(self.is_fast(self.qd))
         if self.evidence < self.threshold:
@@ -355,26 +380,41 @@ class Live:
             self.felt_at = np.inf
         return bool(time - self.felt_at >= self.set["confirmed"])
 
-    def weighed(
-        self, torque: Array, state: Any, qd: Array, jacobian: Array, place: Array
-    ) -> Weighed:
-        """Return the wrench and its deviation (..., 6), the evidence (...) of a contact, and
-        whether the joints would not notice even a large force along some axis.
+    def weights(self, state: Any, qd: Array, jacobian: Array) -> Weights:
+        """Return what joints tell of a contact by their states, speeds and posture, whatever their
+        torques.
         """
         own, unseen = (state, self.joint), np.maximum(np.abs(qd) / self.fastest, 1.0)
         variance = (self.noise[own] * unseen) ** 2
         # a free arm: its noise, and now and then a wider one
-        both = np.stack([variance, self.set["wide"] ** 2 * variance])
-        free, wide = self._by_size(torque, jacobian, both, self.quiet)[0][..., 0]
-        free = np.logaddexp(np.log(1 - self.set["rare"]) + free, np.log(self.set["rare"]) + wide)
+        both = np.stack([variance, self.set["wide"] ** 2 * variance], axis=-2)
+        free = hidden_by(both, jacobian[..., None, :, :], self.quiet)
         # of a contact at rest, dry friction takes a part
-        carried = torque + self.absorbed[own] * np.tanh(torque / self.breakaway)
-        variance += self.hidden[own] ** 2
-        touched, mean, spread = self._by_size(carried, jacobian, variance, self.sizes)
-        blind = spread[..., -1, :3].max(axis=-1) > (self.set["blind"] * self.set["typical"]) ** 2
+        touched = hidden_by(variance + self.hidden[own] ** 2, jacobian, self.sizes)
+        return Weights(*free, *touched)
+
+    def judged(self, torque: Array, state: Any, weights: Weights) -> tuple[Array, Array, Array]:
+        """Return the evidence (...) of a contact; by size of the contact, the log-density of the
+        torque (..., K), and the wrench (..., K, 6).
+        """
+        both = self._by_size(torque[..., None, :], Hidden(*weights[:4]), self.quiet)[0]
+        free, wide = both[..., 0, 0], both[..., 1, 0]
+        free = np.logaddexp(np.log(1 - self.set["rare"]) + free, np.log(self.set["rare"]) + wide)
+        carried = torque + self.absorbed[state, self.joint] * np.tanh(torque / self.breakaway)
+        touched, mean = self._by_size(carried, Hidden(*weights[4:]), self.sizes)
         largest = touched.max(axis=-1)
-        weight = np.exp(touched - largest[..., None])
-        evidence = largest + np.log(weight.mean(axis=-1)) - free
+        evidence = largest + np.log(np.exp(touched - largest[..., None]).mean(axis=-1)) - free
+        return evidence, touched, mean
+
+    def stated(
+        self, touched: Array, mean: Array, weights: Weights, place: Array
+    ) -> tuple[Array, Array, Any]:
+        """Return the wrench and its deviation (..., 6), and whether the joints would not notice
+        even a large force along some axis; touched, mean: as of `judged`.
+        """
+        spread = np.diagonal(weights.covariance, axis1=-2, axis2=-1)
+        blind = spread[..., -1, :3].max(axis=-1) > (self.set["blind"] * self.set["typical"]) ** 2
+        weight = np.exp(touched - touched.max(axis=-1)[..., None])
         weight *= self.sizes[:, 0] >= self.set["typical"]
         weight = (weight / weight.sum(axis=-1, keepdims=True))[..., None]
         wrench, square = (weight * mean).sum(axis=-2), (weight * (spread + mean**2)).sum(axis=-2)
@@ -386,22 +426,19 @@ class Live:
             place[..., NEXT] ** 2 * spread[..., LAST] + place[..., LAST] ** 2 * spread[..., NEXT]
         )
         variance[..., 3:] += lifted
-        return wrench, self.set["doubt"] * np.sqrt(variance), evidence, blind
+        return wrench, self.set["doubt"] * np.sqrt(variance), blind
 
-    def _by_size(self, torque: Array, jacobian: Array, variance: Array, sizes: Array) -> Posterior:
-        """Return log-density of the torque (..., K), mean and variance of the wrench (..., K, 6).
+    def _by_size(self, torque: Array, hidden: Hidden, sizes: Array) -> tuple[Array, Array]:
+        """Return the log-density of the torque (..., K), and the mean wrench (..., K, 6).
 
-        F = (P⁻¹ + Λ)⁻¹ J S⁻¹ τ, Λ = J S⁻¹ Jᵀ. variance: diagonal of S, (..., n) [N²m²]; sizes: P^½.
+        F = (P⁻¹ + Λ)⁻¹ J S⁻¹ τ.
         """
-        weighted = jacobian / variance[..., None, :]
-        information = (weighted @ jacobian.mT)[..., None, :, :] + sizes[:, None] ** -2.0 * np.eye(6)
-        covariance = np.linalg.inv(information)
-        told = weighted @ torque[..., None]
-        mean = (covariance @ told[..., None, :, :])[..., 0]
+        told = hidden.weighted.mT @ torque[..., None]
+        mean = (hidden.covariance @ told[..., None, :, :])[..., 0]
+        variance = hidden.variance
         alone = (torque**2 / variance + np.log(variance)).sum(axis=-1)[..., None]
         misfit = alone - (mean @ told)[..., 0] + 2 * np.log(sizes).sum(axis=-1)
-        misfit += np.log(np.linalg.det(information))
-        return -misfit / 2, mean, np.diagonal(covariance, axis1=-2, axis2=-1)
+        return -(misfit + hidden.volume) / 2, mean
 
     def _learn(self) -> None:
         """Adapt the run's friction and background to a sample, unless a contact is suspected or was
@@ -421,6 +458,14 @@ class Live:
             settles = self.rested <= self.set["settle"]
             share = self.passed / self.rested if settles else share
             self.rest = self.rest + share * (self.observed - self.rest)
+
+
+def hidden_by(variance: Array, jacobian: Array, sizes: Array) -> Hidden:
+    """Return how noise of these variances (..., n) [N²m²] hides a wrench; sizes: P^½ (K, 6)."""
+    weighted = jacobian.mT / variance[..., None]
+    information = (weighted.mT @ jacobian.mT)[..., None, :, :] + sizes[:, None] ** -2.0 * np.eye(6)
+    covariance = np.asarray(np.linalg.inv(information), np.float64)
+    return Hidden(weighted, variance, covariance, np.log(np.linalg.det(information)))
 
 
 def cross(a: Array, b: Array) -> Array:

@@ -2,10 +2,11 @@
 
 Quantities that depend only on measured samples are computed for a whole chunk. Slow errors of the
 run are learnt only while no contact is suspected: a block is computed as if it learnt throughout,
-and is cut at the first suspected sample.
+and is cut at the first suspected sample. Recordings that differ only in their currents, as by trial
+pushes, are followed side by side, each at its own pace within a chunk.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any, NamedTuple, Self
 
@@ -13,16 +14,19 @@ import numpy as np
 
 from ur5lib.records.measured import Measured
 from ur5lib.timeseries.arrays import Array, Labels, Mask
-from ur5lib.timeseries.segments import runs
-from ur5lib.topics.live.live import MOVING, STILL, Answer, Live
+from ur5lib.timeseries.segments import Span, chunks, runs
+from ur5lib.topics.live.live import MOVING, STILL, Live, Weights
 
 CHUNK = 1024  # samples; quantities of measured samples are computed for this many at once
 BLOCK = 128  # samples; slow errors are learnt from this many at once
+ABREAST = 64  # recordings that are followed side by side, for their memory
 
 
 class Followed(NamedTuple):
     """The answers to N samples: wrench, std (N, 6) [N, Nm]; evidence (N,), log-odds of a contact;
     contact (N,); known (N,), whether contact is decided; torque [Nm], shift [rad], state (N, n).
+
+    Of R recordings side by side, (N, R, ...).
     """
 
     wrench: Array
@@ -34,22 +38,24 @@ class Followed(NamedTuple):
     shift: Array
     state: Any
 
-    def alarms(self) -> list[tuple[int, int]]:
+    def alarms(self) -> list[Span]:
         """Return (first, last) rows of each contact; last is exclusive."""
         return [(first, last) for first, last in runs(self.contact).tolist()]
+
+    def of(self, recording: int) -> Self:
+        """Return the answers to one of several recordings."""
+        return type(self)._make(own[:, recording] for own in self)
 
 
 class Sensed(NamedTuple):
     """Quantities of M samples that depend only on what was measured, not on what was learnt.
 
-    (M, ...) each; observed, friction: [Nm].
+    (M, ...) each, but for observed, friction: (M, R, n) [Nm], of R recordings.
     """
 
     time: Array
     passed: Array
     qd: Array
-    observed: Array
-    friction: Array
     slow_for: Array
     at_rest: Mask
     slow_ago: Array
@@ -57,10 +63,49 @@ class Sensed(NamedTuple):
     shift: Array
     jacobian: Array
     place: Array
+    observed: Array
+    friction: Array
 
-    def at(self, rows: slice) -> Self:
-        """Return the samples `rows`."""
-        return type(self)._make(own[rows] for own in self)
+    def at(self, rows: Labels, recordings: Labels) -> Self:
+        """Return the samples `rows` (B, R) of some recordings (R,), as (B, R, ...)."""
+        shared = (own[rows] for own in self[:-2])
+        return type(self)._make([*shared, *(own[rows, recordings] for own in self[-2:])])
+
+
+class Learnt(NamedTuple):
+    """What R recordings have learnt before a sample, (R, ...) each, with the names of `Live`;
+    wrench, std: of the last answer.
+    """
+
+    suspected_at: Array
+    below_at: Array
+    felt_at: Array
+    moved_at: Array
+    touched: Array
+    rested: Array
+    pull: Array
+    rest: Array
+    drift: Array
+    scale: Array
+    wrench: Array
+    std: Array
+
+    @classmethod
+    def at_start(cls, estimator: Live, recordings: int) -> Self:
+        """Return what is known at the start of a run."""
+        since = [estimator.time, estimator.time, np.inf, -np.inf, 0.0, 0.0]
+        joints, (wrench, std, _) = np.zeros((4, len(estimator.mass))), estimator.answer
+        parts = [*map(np.array, since), *joints, wrench, std]
+        return cls(*(np.repeat(own[None], recordings, axis=0) for own in parts))
+
+    def at(self, recordings: Labels) -> Self:
+        """Return what some recordings (K,) have learnt."""
+        return type(self)._make(own[recordings] for own in self)
+
+    def put(self, recordings: Labels, later: Self) -> None:
+        """Set what some recordings (K,) have learnt."""
+        for own, new in zip(self, later, strict=True):
+            own[recordings] = new
 
 
 def follow(arm: Mapping[str, Any], run: Measured) -> Followed:
@@ -69,39 +114,54 @@ def follow(arm: Mapping[str, Any], run: Measured) -> Followed:
     that has just started.
     """
     estimator = LiveRecording(arm)
-    rows, restarts = estimator.used(run)
-    starts = [0, *(np.flatnonzero(restarts) + 1).tolist(), len(rows)]
-    parts = [_nothing(estimator)]
-    for first, last in pairwise(starts):
-        estimator.restart()
-        for begin in range(first, last, CHUNK):
-            parts += estimator.chunk(run.at(rows[begin : min(begin + CHUNK, last)]))
-    answers = Followed._make(map(np.concatenate, zip(*parts, strict=True)))  # row 0: a fresh start
-    at = np.arange(len(run.time))
-    latest = np.searchsorted(rows, at, side="right")
-    missed = at - np.concatenate([[-1], rows])[latest]
-    latest[missed * estimator.set["period"] > estimator.set["max_gap"]] = 0
-    return Followed._make(own[latest] for own in answers)
+    return estimator.abreast(run, run.current[:, None], *estimator.used(run)).of(0)
 
 
-def _nothing(estimator: Live) -> Followed:
-    """Return the answer of an estimator that has just started, as one row."""
-    wrench, std, _ = estimator.answer
-    nothing, joints = np.zeros(1, bool), np.zeros((1, len(estimator.mass)))
-    return Followed(
-        wrench[None],
-        std[None],
-        np.zeros(1),
-        nothing,
-        nothing,
-        joints,
-        joints,
-        joints.astype(np.int8),
-    )
+def alarms_of_each(arm: Mapping[str, Any], run: Measured, currents: Array) -> list[list[Span]]:
+    """Return the rows of each contact of R recordings, which are `run` with other currents (R, N,
+    n) [A]; arm: as of `follow`.
+    """
+    estimator, found = LiveRecording(arm), dict[int, list[Span]]()
+    used = [estimator.used(run._replace(current=current)) for current in currents]
+    alike = dict[bytes, list[int]]()
+    for number, (rows, _) in enumerate(used):
+        alike.setdefault(rows.tobytes(), []).append(number)
+    for own in alike.values():
+        for part in chunks(len(own), ABREAST):
+            together = currents[own[part]].swapaxes(0, 1)
+            followed = estimator.abreast(run, together, *used[own[0]])
+            found |= {number: followed.of(k).alarms() for k, number in enumerate(own[part])}
+    return [found[number] for number in range(len(used))]
 
 
 class LiveRecording(Live):
     """The estimator, given many samples at once."""
+
+    def abreast(self, run: Measured, currents: Array, rows: Labels, restarts: Mask) -> Followed:
+        """Return the answers to R recordings, which are `run` with other currents (N, R, n) [A];
+        rows, restarts: as of `used`, the same of all.
+        """
+        starts = [0, *(np.flatnonzero(restarts) + 1).tolist(), len(rows)]
+        self.restart()
+        parts = [self._nothing(currents.shape[1])]
+        for first, last in pairwise(starts):
+            self.restart()
+            for begin in range(first, last, CHUNK):
+                some = rows[begin : min(begin + CHUNK, last)]
+                parts.append(self.chunk(run.at(some), currents[some]))
+        answers = Followed._make(map(np.concatenate, zip(*parts, strict=True)))  # 0: a fresh start
+        at = np.arange(len(run.time))
+        latest = np.searchsorted(rows, at, side="right")
+        missed = at - np.concatenate([[-1], rows])[latest]
+        latest[missed * self.set["period"] > self.set["max_gap"]] = 0
+        return Followed._make(own[latest] for own in answers)
+
+    def _nothing(self, recordings: int) -> Followed:
+        """Return the answers of an estimator that has just started, as one row."""
+        wrench, std, _ = self.answer
+        no, joints = np.zeros(1, bool), np.zeros((1, len(self.mass)))
+        parts = wrench[None], std[None], 0.0 * no, no, no, joints, joints, joints.astype(np.int8)
+        return Followed._make(np.repeat(own[:, None], recordings, axis=1) for own in parts)
 
     def used(self, run: Measured) -> tuple[Labels, Mask]:
         """Return the usable rows (M,), and whether the run restarts after each of them (M - 1,)."""
@@ -122,37 +182,53 @@ class LiveRecording(Live):
                 return rows, restarts
             rows = np.delete(rows, np.argmin(usable) + 1)
 
-    def chunk(self, run: Measured) -> Iterator[Followed]:
-        """Yield the answers to usable samples without a restart, continuing the last chunk."""
-        sensed, first = self._sense(run), 0
-        while first < len(sensed.time):
-            part = sensed.at(slice(first, first + BLOCK))
-            late = part.time - self.suspected_at >= self.set["thaw"]
-            learns = bool(late[0])
-            if not learns and late.any():
-                part = part.at(slice(int(np.argmax(late))))
-            yield (answers := self._judged(part, learns))
-            first += len(answers.wrench)
+    def chunk(self, run: Measured, currents: Array) -> Followed:
+        """Return the answers to usable samples without a restart, continuing the last chunk."""
+        sensed, (count, recordings, _) = self._sense(run, currents), currents.shape
+        weighed = _Weighed(self, sensed)
+        nothing = self._nothing(recordings)
+        answers = Followed._make(np.repeat(own, count, axis=0) for own in nothing)
+        first = np.zeros(recordings, np.int64)
+        while len(some := np.flatnonzero(first < count)):
+            rows = first[some] + np.arange(min(BLOCK, count - int(first[some].min())))[:, None]
+            within, rows = rows < count, np.minimum(rows, count - 1)
+            late = sensed.time[rows] - self.learnt.suspected_at[some] >= self.set["thaw"]
+            most = (within & (late == late[0])).sum(axis=0)  # it learns throughout, or not at all
+            rows = rows[: most.max()]
+            before = self.learnt.at(some)
+            count_of, found, learnt = self._judged(
+                sensed.at(rows, some), weighed, rows, before, late[0], most
+            )
+            self.learnt.put(some, learnt)
+            inside = np.nonzero(np.arange(len(rows))[:, None] < count_of)
+            at = rows[inside], some[inside[1]]
+            for own, new in zip(answers, found, strict=True):
+                own[at] = new[inside]
+            first[some] += count_of
+        return answers
 
-    def _sense(self, run: Measured) -> Sensed:
-        """Return the quantities that depend only on samples, and update the state."""
+    def _sense(self, run: Measured, currents: Array) -> Sensed:
+        """Return the quantities that depend only on samples, and update the state; currents: (M, R,
+        n) [A].
+        """
         if first := bool(np.isnan(self.time)):
             self.start(run.time[0])
+            self.learnt = Learnt.at_start(self, currents.shape[1])
         passed = np.diff(run.time, prepend=self.time)
         by_joint = passed[:, None]
         qd = self._velocities(run, passed, first) if run.qd is None else run.qd
         kept = np.exp(-(np.abs(qd) * by_joint)[:, None] / self.distance)
         direction = cascade(kept, (1 - kept) * np.sign(qd)[:, None], self.direction)
-        load, friction = self.gears(run.q, qd, run.current, direction)
+        load, friction = self.gears(run.q[:, None], qd[:, None], currents, direction[:, None])
         swept = self.sweep(run.q, qd)
-        rate = load + swept.rate
+        rate = load + swept.rate[:, None]
         if first:
             self.friction, self.momentum, self.rate = friction[0], swept.momentum[0], rate[0]
             self.anchor = self.low = self.high = run.q[0]
-        gain = self.set["gain"] * by_joint / (1 + self.set["gain"] * by_joint)
         change = np.diff(swept.momentum, prepend=self.momentum[None], axis=0)
         change /= np.where(by_joint > 0, by_joint, 1.0)
-        change -= (rate + np.concatenate([self.rate[None], rate[:-1]])) / 2
+        change = change[:, None] - (rate + np.concatenate([self.rate[None], rate[:-1]])) / 2
+        gain = (self.set["gain"] * by_joint / (1 + self.set["gain"] * by_joint))[:, None]
         observed = cascade(1 - gain, gain * change, self.observed)
         friction = cascade(1 - gain, gain * friction, self.friction)
         share = by_joint / (self.set["window"] + by_joint)
@@ -172,7 +248,7 @@ class LiveRecording(Live):
         self.time, self.q, self.qd = run.time[-1], run.q[-1], qd[-1]
         moved = time - fast_at, (time - fast_at >= self.set["stop"]).all(axis=1), time - slow_at
         further = high - low, run.q - anchor, swept.jacobian, swept.place
-        return Sensed(run.time, passed, qd, observed, friction, *moved, *further)
+        return Sensed(run.time, passed, qd, *moved, *further, observed, friction)
 
     def _velocities(self, run: Measured, passed: Array, first: bool) -> Array:
         """Return q̇ (M, n) [rad/s] by the filter of positions, for runs without measured q̇."""
@@ -183,122 +259,179 @@ class LiveRecording(Live):
             self.q = q
         return found
 
-    def _judged(self, part: Sensed, learns: bool) -> Followed:
-        """Return the answers to samples up to the first that is in contact or suspected; to all
-        samples if nothing is learnt.
+    def _judged(
+        self,
+        part: Sensed,
+        weighed: "_Weighed",
+        rows: Labels,
+        before: Learnt,
+        learns: Mask,
+        most: Labels,
+    ) -> tuple[Labels, Followed, Learnt]:
+        """Return how many samples (R,) count, the answers to all samples, and what is learnt.
+
+        Of a recording that learns, samples count up to the first that is in contact or suspected;
+        of all others, `most` (R,).
         """
-        rested = self._rested(part, learns)
-        before = np.array(rested[:-1])[:, None]
-        state = self.states(part.slow_for, part.slow_ago, before, part.reach)
+        rested = self._rested(part, before.rested, learns)
+        state, weights = weighed.at(rows, rested[:-1] >= self.set["settle"])
         # rested[1:] is 0 where the next sample moves
-        rest = self._rest(part, before[:, 0] + part.passed * (part.at_rest & learns), learns)
-        torque, drift, scale = self._slow(part, state, rest[:-1], learns)
-        sensed = torque, state, part.qd, part.jacobian, part.place
-        wrench, std, evidence, blind = self.weighed(*sensed)
-        touched, doubtful = self._contacts(part, evidence)
-        pull = self._pull(part, torque, state)
-        felt, since = self._felt(part, state, pull)
+        resting = rested[:-1] + part.passed * (part.at_rest & learns)
+        rest = self._rest(part, resting, before.rest, learns)
+        torque, drift, scale = self._slow(part, state, rest[:-1], before, learns)
+        evidence, by_size, mean = self.judged(torque, state, weights)
+        wrench, std, blind = self.stated(by_size, mean, weights, part.place)
+        touched, doubtful = self._contacts(part, evidence, before)
+        pull = self._pull(part, torque, state, before.pull)
+        still = (state == STILL).all(axis=-1)
+        felt, felt_at, moved_at = self._felt(part, still, pull, before)
         contact = touched | (felt & ~doubtful)
         suspected = contact | (evidence > self.set["freeze"])
-        count = int(np.argmax(suspected)) + 1 if learns and suspected.any() else len(suspected)
-        if suspected[:count].any():
-            self.suspected_at = float(part.time[:count][suspected[:count]][-1])
-        if (low := evidence[:count] < self.threshold).any():
-            self.below_at = float(part.time[:count][low][-1])
-        blind &= (state == STILL).all(axis=1)
-        known, last = contact | ~(doubtful | blind), count - int(suspected[count - 1])
-        self.touched, self.pull = bool(touched[count - 1]), pull[count - 1]
-        self.felt_at, self.moved_at = since[count - 1]
-        self.rested, self.rest = rested[last], rest[last]
-        self.drift, self.scale = drift[last], scale[last]
+        number = np.arange(len(rows))[:, None]
+        cut = learns & (suspected & (number < most)).any(axis=0)
+        count = np.where(cut, suspected.argmax(axis=0) + 1, most)
+        recordings = np.arange(len(count))
+        last, then = (count - 1, recordings), (count - suspected[count - 1, recordings], recordings)
+        known = contact | ~(doubtful | (blind & still))
         unsure = known & ~contact & (suspected | self.is_large(wrench))
         wrench, std = (
-            self._sure(own, before, unsure)
-            for own, before in ((wrench, self.answer.wrench), (std, self.answer.std))
+            _sure(own, since, unsure) for own, since in ((wrench, before.wrench), (std, before.std))
         )
-        self.answer = Answer(wrench[count - 1], std[count - 1], "")
+        suspected_at, below_at = (
+            np.where((number < count) & own, part.time, since).max(axis=0)
+            for own, since in (
+                (suspected, before.suspected_at),
+                (evidence < self.threshold, before.below_at),
+            )
+        )
+        since = suspected_at, below_at, felt_at[last], moved_at[last], touched[last], rested[then]
+        slow = pull[last], rest[then], drift[then], scale[then], wrench[last], std[last]
         found = evidence, contact, known, torque, part.shift, state.astype(np.int8)
-        return Followed._make(own[:count] for own in (wrench, std, *found))
+        return count, Followed(wrench, std, *found), Learnt(*since, *slow)
 
-    def _sure(self, stated: Array, before: Array, unsure: Mask) -> Array:
-        """Return `stated` (M, 6) with the last sure row in place of unsure ones; before: (6,)."""
-        rows = np.where(unsure, 0, np.arange(1, len(unsure) + 1))
-        return np.vstack([before, stated])[np.maximum.accumulate(rows)]
-
-    def _pull(self, part: Sensed, torque: Array, state: Any) -> Array:
-        """Return the external torque (M, n) [Nm] at rest, low-passed: time constant `window`."""
-        share = (part.passed / (self.set["window"] + part.passed))[:, None]
-        return cascade(1 - share, share * np.where(state == STILL, torque, 0.0), self.pull)
+    def _pull(self, part: Sensed, torque: Array, state: Any, before: Array) -> Array:
+        """Return the external torque (B, R, n) [Nm] at rest, low-passed: time constant `window`."""
+        share = (part.passed / (self.set["window"] + part.passed))[..., None]
+        return cascade(1 - share, share * np.where(state == STILL, torque, 0.0), before)
 
     def _felt(
-        self, part: Sensed, state: Any, pull: Array
-    ) -> tuple[Mask, list[tuple[float, float]]]:
-        """Return whether encoders feel a contact at each sample (M,), and at each sample the times
-        [s] since when they do and when joints moved last.
+        self, part: Sensed, still: Mask, pull: Array, before: Learnt
+    ) -> tuple[Mask, Array, Array]:
+        """Return whether encoders feel a contact at each sample (B, R), as of `feels`, and the
+        times [s] since when they do and when joints moved last.
         """
         moved, pushed = self.shifts(part.shift, pull)
-        rests = (state == STILL).all(axis=1)
-        felt, since = [], []
-        for sample in zip(
-            part.time.tolist(), rests.tolist(), moved.tolist(), pushed.tolist(), strict=True
-        ):
-            felt.append(self.feels(*sample))
-            since.append((self.felt_at, self.moved_at))
-        return np.array(felt), since
+        moving = np.where(~still | moved, part.time, -np.inf)
+        moved_at = np.maximum.accumulate(np.concatenate([before.moved_at[None], moving]))
+        stays = part.time - moved_at[:-1] > self.set["stays"]
+        begins = np.where(still & pushed & stays, part.time, np.inf)
+        # felt since the first beginning after the last end
+        begins = np.concatenate([before.felt_at[None], begins])
+        next_at = np.minimum.accumulate(begins[::-1])[::-1]
+        ends = np.where(~still | (~moved & stays), np.arange(1, len(still) + 1)[:, None], 0)
+        felt_at = np.take_along_axis(next_at, np.maximum.accumulate(ends), axis=0)
+        felt_at[felt_at > part.time] = np.inf
+        return part.time - felt_at >= self.set["confirmed"], felt_at, moved_at[1:]
 
-    def _rested(self, part: Sensed, learns: bool) -> list[float]:
-        """Return the time (M + 1,) [s] that the arm has rested before each sample, and after the
+    def _rested(self, part: Sensed, before: Array, learns: Mask) -> Array:
+        """Return the time (B + 1, R) [s] that the arm has rested before each sample, and after the
         last.
         """
-        rested = [self.rested]
+        rested = [before]
         for still, passed in zip(part.at_rest, part.passed, strict=True):
-            rested[-1] *= bool(still)
-            rested.append(rested[-1] + float(passed) * bool(still and learns))
-        return rested
+            rested[-1] = rested[-1] * still
+            rested.append(rested[-1] + passed * (still & learns))
+        return np.stack(rested)
 
-    def _rest(self, part: Sensed, rested: Array, learns: bool) -> Array:
-        """Return the learnt torque at rest (M + 1, n) [Nm], before each sample, after the last."""
+    def _rest(self, part: Sensed, rested: Array, before: Array, learns: Mask) -> Array:
+        """Return the learnt torque at rest (B + 1, R, n) [Nm], before each sample, after the
+        last.
+        """
         settles = rested <= self.set["settle"]
         share = part.passed / np.where(settles & (rested > 0), rested, self.set["slow"])
-        share = (share * (part.at_rest & learns))[:, None]
-        return np.vstack([self.rest, cascade(1 - share, share * part.observed, self.rest)])
+        share = (share * (part.at_rest & learns))[..., None]
+        return np.concatenate([before[None], cascade(1 - share, share * part.observed, before)])
 
-    def _slow(self, part: Sensed, state: Any, rest: Array, learns: bool) -> tuple[Array, ...]:
-        """Return the torque (M, n) [Nm] less slow errors, and their drift and scale (M + 1, n).
+    def _slow(
+        self, part: Sensed, state: Any, rest: Array, before: Learnt, learns: Mask
+    ) -> tuple[Array, ...]:
+        """Return the torque (B, R, n) [Nm] less slow errors, and their drift and scale (B + 1, R,
+        n).
 
         Each sample changes the next: a Volterra equation, solved by fixed-point iteration.
         """
         per_scale = part.friction / (part.friction**2 + self.breakaway**2)
-        share = part.passed[:, None] * (state == MOVING) * learns / self.set["slow"]
-        drift, scale = self.drift + 0 * rest[:1], self.scale + 0 * rest[:1]
-        before = np.full_like(rest, np.inf)
+        moves = (state == MOVING) & learns[:, None]
+        share = part.passed[..., None] * moves / self.set["slow"]
+        drift, scale = before.drift[None], before.scale[None]
+        last = np.full_like(rest, np.nan)
         while True:
             slow = drift[: len(rest)] + scale[: len(rest)] * part.friction
             torque = part.observed - np.where(state >= STILL, rest, slow)
             error = share * torque
             drift, scale = (
-                np.cumsum(np.vstack([since, own]), axis=0)
-                for since, own in ((self.drift, error), (self.scale, error * per_scale))
+                np.cumsum(np.concatenate([since[None], own]), axis=0)
+                for since, own in ((before.drift, error), (before.scale, error * per_scale))
             )
-            if np.allclose(torque, before, rtol=1e-13, atol=1e-12):
+            if (np.abs(torque - last) <= 1e-12 + 1e-13 * np.abs(last)).all():
                 return torque, drift, scale
-            before = torque
+            last = torque
 
-    def _contacts(self, part: Sensed, evidence: Array) -> tuple[Mask, Mask]:
-        """Return whether each sample (M,) is in a contact, and whether the evidence of a contact
+    def _contacts(self, part: Sensed, evidence: Array, before: Learnt) -> tuple[Mask, Mask]:
+        """Return whether each sample (B, R) is in a contact, and whether the evidence of a contact
         does not count at it, so that the answer may be unknown.
         """
         doubtful = part.time - self.started < self.set["settle"]
         doubtful |= self.is_fast(part.qd)
         low = np.where(evidence < self.threshold, part.time, -np.inf)
-        below_at = np.maximum.accumulate(np.maximum(low, self.below_at))
-        starts = ~doubtful & (part.time - below_at >= self.set["duration"])
+        below_at = np.maximum.accumulate(np.maximum(low, before.below_at))
+        starts = 1.0 * (~doubtful & (part.time - below_at >= self.set["duration"]))
         stays = evidence >= self.threshold - self.set["hysteresis"]
-        contact, touched = [], self.touched
-        for start, stay in zip(starts.tolist(), stays.tolist(), strict=True):
-            touched = stay if touched else start
-            contact.append(touched)
-        return np.array(contact), doubtful
+        # it stays where it was touched before, and starts elsewhere
+        return cascade(stays - starts, starts, before.touched) > 0, doubtful
+
+
+class _Weighed:
+    """The states of joints at M samples, and the weights of their torques, each computed once.
+
+    A state depends on what was learnt only by whether a resting arm has settled.
+    """
+
+    def __init__(self, estimator: Live, sensed: Sensed) -> None:
+        self.estimator, self.sensed = estimator, sensed
+        ago = sensed.slow_for[:, None], sensed.slow_ago[:, None]
+        rested = np.array([[0.0], [np.inf]])
+        self.states = estimator.states(*ago, rested, sensed.reach[:, None])
+        self.known = np.zeros(self.states.shape[:2], bool)
+        self.kept: Weights | None = None
+
+    def at(self, rows: Labels, settled: Mask) -> tuple[Any, Weights]:
+        """Return states (B, R, n) and weights at samples `rows` (B, R); settled: (B, R)."""
+        which = rows, settled.astype(np.int8)
+        wanted = np.zeros_like(self.known)
+        wanted[which] = True
+        self._keep(np.nonzero(wanted & ~self.known))
+        assert self.kept is not None
+        return self.states[which], Weights._make(own[which] for own in self.kept)
+
+    def _keep(self, which: tuple[Labels, ...]) -> None:
+        if not len(which[0]):
+            return
+        measured = self.sensed.qd[which[0]], self.sensed.jacobian[which[0]]
+        weights = self.estimator.weights(self.states[which], *measured)
+        if self.kept is None:
+            shape = self.known.shape
+            self.kept = Weights._make(np.empty((*shape, *own.shape[1:])) for own in weights)
+        for own, new in zip(self.kept, weights, strict=True):
+            own[which] = new
+        self.known[which] = True
+
+
+def _sure(stated: Array, before: Array, unsure: Mask) -> Array:
+    """Return `stated` (B, R, 6) with the last sure row in place of unsure ones; before: (R, 6)."""
+    rows = np.where(unsure, 0, np.arange(1, len(unsure) + 1)[:, None])
+    both = np.concatenate([before[None], stated])
+    return np.take_along_axis(both, np.maximum.accumulate(rows)[..., None], axis=0)
 
 
 def cascade(kept: Array, added: Array, first: Array) -> Array:
