@@ -7,7 +7,7 @@ currents, is kept in a folder for all tests of a session.
 
 import zlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from pathlib import Path
 
@@ -279,5 +279,6 @@ class Fitted:
     ) -> WrenchEstimate:
         """Fmap; extra: (N, 6) [Nm], put onto the external torque."""
         known = self.problem(one)
-        pushed = known.pushed(extra + 0 * known.input.torque)
+        given = replace(known.input, torque=known.input.torque + extra)
+        pushed = known._replace(input=given)
         return pushed.solve(one.kinematics.jacobian[pushed.rows], prior)

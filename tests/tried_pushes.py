@@ -3,9 +3,8 @@
 import numpy as np
 
 from ur5lib.force.thresholds import alarms
-from ur5lib.force.trial_contacts import Trials, Untouched, try_each_place
+from ur5lib.force.trial_contacts import Trials, Untouched, pushes_at_each_place
 from ur5lib.timeseries.arrays import Array, Mask
-from ur5lib.timeseries.segments import Span
 
 PERIOD, COUNT = 0.01, 30_000  # s, samples: five minutes
 EYE = np.broadcast_to(np.eye(6), (COUNT, 6, 6))
@@ -21,8 +20,7 @@ def detected_above(limit: Array, typical: float = 15.0, seed: int = 0) -> Trials
     exceeds a limit (N,) [Nm]; none during an alarm of the first half minute.
     """
 
-    def alarms_of(torque: Array) -> list[Span]:
-        return alarms(10 * (np.abs(torque).max(axis=1) - limit), 0.0)
-
     run = Untouched(EYE, np.where(is_resting(), 0.0, 0.6), PERIOD, [(0, 3000)], np.ones((COUNT, 6)))
-    return try_each_place(alarms_of, run, np.random.default_rng(seed), typical)
+    pushes = pushes_at_each_place(run, np.random.default_rng(seed), typical)
+    odds = 10 * (np.abs(pushes.torque).max(axis=1) - limit)
+    return pushes.tried(run, alarms(odds, 0.0))

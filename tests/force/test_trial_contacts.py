@@ -13,8 +13,8 @@ from ur5lib.force.trial_contacts import (
     TRIAL_SIZES,
     Untouched,
     felt_push,
+    pushes_at_each_place,
     smallest_force,
-    try_each_place,
 )
 
 
@@ -54,7 +54,7 @@ def test_without_a_place_nothing_is_tried() -> None:
     jacobian = np.broadcast_to(np.eye(6), (50, 6, 6))
     run = Untouched(jacobian, np.zeros(50), 0.01, [], np.ones((50, 6)))
     random = np.random.default_rng(0)
-    trials = try_each_place(lambda _: [], run, random, 15.0)
+    trials = pushes_at_each_place(run, random, 15.0).tried(run, [])
     assert len(trials.force) == len(trials.found) == 0
 
 
@@ -64,7 +64,7 @@ def test_a_recording_of_few_places_is_tried_with_all_sizes() -> None:
     jacobian = np.broadcast_to(np.eye(6), (count, 6, 6))
     run = Untouched(jacobian, np.zeros(count), 0.01, [], np.ones((count, 6)))
     random = np.random.default_rng(0)
-    rounds = [try_each_place(lambda _: [], run, random, 15.0, later / 20) for later in range(20)]
+    rounds = [pushes_at_each_place(run, random, 15.0, later / 20) for later in range(20)]
     assert {len(own.force) for own in rounds} == {2}
     force = np.log(np.sort(np.concatenate([own.force for own in rounds])) / 15.0)
     np.testing.assert_allclose(force, np.linspace(*np.log(TRIAL_SIZES), 41)[1:])

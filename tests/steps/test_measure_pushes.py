@@ -4,11 +4,14 @@ from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.made_records import motion_of, signals_of, stretch
-from tests.made_up_torques import MODEL, free_run
+from tests.made_up_torques import MODEL, PRIOR, free_run
 from tests.steps.made_recording import known_of
+from ur5lib.force.force_input import ForceInput
+from ur5lib.force.problem import Problem
 from ur5lib.force.residual_model import Residuals
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
@@ -72,6 +75,22 @@ def test_what_the_trials_rest_on(
     assert {row.basis for row in rows} == {basis}
     assert {row.reason for row in rows} - {"undetermined"} == {reason}
     assert all((row.value is None) == (row.reason in ("one_path", "undetermined")) for row in rows)
+
+
+def test_pushes_tried_together_are_found_as_each_alone(ur5: Robot) -> None:
+    """Also on both sides of a gap, of which one is without pose."""
+    run = free_run(ur5, 0, seconds=20, period=0.016)
+    segment = (run.time > 10).astype(np.int64)
+    one = ForceInput(run.q, run.qd, run.torque, run.states, segment, 0.016)
+    problem = Problem(one, MODEL)
+    jacobian = np.where((problem.rows < 300)[:, None, None], np.nan, run.jacobian[problem.rows])
+    pushes = np.random.default_rng(0).normal(0, 3, (3, *run.torque.shape)).cumsum(axis=1) / 30
+    together = problem.contact_log_odds(pushes, jacobian, PRIOR)
+    for own, push in zip(together, pushes, strict=True):
+        [alone] = problem.contact_log_odds(push[None], jacobian, PRIOR)
+        np.testing.assert_array_equal(own, alone)
+        assert np.isfinite(own).any()
+        assert np.isnan(own).any()
 
 
 def test_a_recording_with_a_load_is_not_pushed(known: dict[str, Any], ur5: Robot) -> None:

@@ -6,7 +6,7 @@ arm's torque, is smoothed without the contacts. Smoothing the background and com
 probabilities of the states alternate.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -32,19 +32,21 @@ FAST_LOAD_ERROR_SHARE = 0.3  # this share of a load's error changes within half 
 
 
 def posterior(evidence: Array, transitions: Array, start: Array) -> Array:
-    """Return the probability (N, K) of each state at each sample, given all samples.
+    """Return the probability (N, ..., K) of each state at each sample, given all samples of a run.
 
-    evidence: (N, K), log-likelihood of each sample alone; transitions: (K, K), probability of going
-    from one state (row) to another (column) by the next sample; start: (K,), probability before the
-    first sample. Forward-backward recursion, scaled at each sample [Rabiner 1989].
+    evidence: (N, ..., K), log-likelihood of each sample alone; transitions: (K, K), probability of
+    going from one state (row) to another (column) by the next sample; start: (K,), probability
+    before the first sample. Forward-backward recursion, scaled at each sample [Rabiner 1989].
     """
-    likelihood = np.exp(evidence - evidence.max(axis=1, keepdims=True))
+    likelihood = np.exp(evidence - evidence.max(axis=-1, keepdims=True))
     # both directions at once, the second from the last sample to the first
     likelihoods = np.stack([likelihood, likelihood[::-1]], axis=1)
     steps, starts = np.stack([transitions.T, transitions]), np.stack([start, np.ones_like(start)])
-    forward, backward = _weights_before(likelihoods, steps, starts).swapaxes(0, 1)
+    of_runs = tuple(range(1, evidence.ndim - 1))
+    given = (np.expand_dims(each, of_runs) for each in (steps, starts))
+    forward, backward = _weights_before(likelihoods, *given).swapaxes(0, 1)
     weight = np.maximum(forward * likelihood * backward[::-1], MIN_STATE_PROBABILITY)
-    return np.asarray(weight / weight.sum(axis=1, keepdims=True))
+    return np.asarray(weight / weight.sum(axis=-1, keepdims=True))
 
 
 def _weights_before(likelihood: Array, steps: Array, start: Array) -> Array:
@@ -176,44 +178,85 @@ def find_contacts(observations: Observations) -> tuple[Array, Gaussians]:
     """Return the probability (N,) of contact in a part without a gap, and mean and covariance of
     the background [Nm].
     """
-    period, noise, prior = observations.period, observations.noise, observations.prior
-    measured_rows = finite_rows(observations.torque)
-    filled = np.where(measured_rows[:, None], observations.torque, 0.0)
-    free_covariances = observations.free_covariances()
-    transitions, start = state_chain(len(prior.sizes()), period, prior)
-    slow = rest_background = Gaussians(np.zeros_like(filled), diagonal(noise.spread))
-    last_round = len(BACKGROUND_COVARIANCE_FACTORS) - 1
+    [found] = _searched(observations, [observations.torque])
+    return found.contact, found.background()
+
+
+def contact_probabilities(observations: Observations, torques: Array) -> list[Array]:
+    """Return the probability (N,) of contact with each of some torques (R, N, n) [Nm] instead of
+    the observed one.
+    """
+    return [one.contact for one in _searched(observations, torques)]
+
+
+def _searched(observations: Observations, torques: Iterable[Array]) -> list["_Search"]:
+    """Return the search for contacts in each torque (N, n) [Nm], which differ in nothing else."""
+    free = observations.free_covariances()
+    searches = [_Search(observations, free, torque) for torque in torques]
+    chain = state_chain(len(observations.prior.sizes()), observations.period, observations.prior)
     for number, share in enumerate(BACKGROUND_COVARIANCE_FACTORS):
-        # log p(τ | state), and 0 where τ is unknown
-        free_evidence = [
-            log_density(filled - rest_background.mean, c + share * rest_background.covariance)
-            for c in free_covariances
-        ]
-        # and in contact, N(b, S + S_hidden + P_b + Jᵀ P J) of each kind
-        residual = filled - slow.mean
-        contact_noise = diagonal(noise.quick + noise.hidden) + share * slow.covariance
-        contact_evidence = [
-            log_density(residual, contact_noise + contact)
-            for contact in observations.contact_covariances()
-        ]
-        evidence = np.stack([*free_evidence, *contact_evidence], axis=1)  # (N, S)
-        evidence *= observations.worth * measured_rows[:, None]
+        evidence = [one.free_evidence(share) for one in searches]
+        for contact in observations.contact_covariances():
+            for one, own in zip(searches, evidence, strict=True):
+                own.append(one.contact_evidence(share, contact))
+        counted = [one.counted(own) for one, own in zip(searches, evidence, strict=True)]
+        weights = posterior(np.stack(counted, axis=1), *chain)  # (N, R, S)
+        for one, weight in zip(searches, weights.swapaxes(0, 1), strict=True):
+            one.take(weight)
+            if number < len(BACKGROUND_COVARIANCE_FACTORS) - 1:
+                one.smooth()
+    return searches
+
+
+class _Search:
+    """The search for contacts in one torque: their probability (N,), and the background so far."""
+
+    def __init__(self, observations: Observations, free: list[Array], torque: Array) -> None:
+        self.observations, self.free, self.torque = observations, free, torque
+        measured = finite_rows(torque)[:, None]
+        self.filled, self.worth = np.where(measured, torque, 0.0), observations.worth * measured
+        start = np.zeros_like(torque), diagonal(observations.noise.spread)
+        self.slow = self.resting = Gaussians(*start)
+
+    def free_evidence(self, share: float) -> list[Array]:
+        """Return log p(τ | state) (N,) of each state of a free arm."""
+        mean, covariance = self.resting
+        return [log_density(self.filled - mean, own + share * covariance) for own in self.free]
+
+    def contact_evidence(self, share: float, contact: Array) -> Array:
+        """Return log N(τ; b, S + S_hidden + P_b + Jᵀ P J) (N,); contact: Jᵀ P J (N, n, n)."""
+        noise = self.observations.noise
+        others = diagonal(noise.quick + noise.hidden) + share * self.slow.covariance
+        return log_density(self.filled - self.slow.mean, others + contact)
+
+    def counted(self, evidence: list[Array]) -> Array:
+        """Return the evidence (N, S) as it counts: 0 where τ is unknown."""
+        return np.stack(evidence, axis=1) * self.worth
+
+    def take(self, weight: Array) -> None:
+        """Set the probabilities (N, S) of the states."""
+        self.weight = weight
         # p(contact) = Σ p(state | all τ) over the states in contact
-        weight = posterior(evidence, transitions, start)  # (N, S)
-        contact = weight[:, len(free_covariances) :].sum(axis=1)  # (N,)
-        # background given all τ, each weighted by the probability of a free arm
-        measured = measurement_noise(free_covariances, weight, contact) / observations.worth
-        # a push at rest may renew the background: it changes what stiction carries
-        renewed = noise.still * contact[:, None] / prior.duration
-        rate = observations.model.rate[observations.states]
-        smoother_inputs = observations.torque, measured, noise.spread
-        scaled = -observations.gears.friction, prior.friction_std
-        slow = smooth(*smoother_inputs, np.exp(-period * (rate + renewed)), *scaled)
-        # the next round's free states need the background that no push renews
-        rest_background = slow
-        if number < last_round and noise.still.any():
-            rest_background = smooth(*smoother_inputs, np.exp(-period * rate), *scaled)
-    return contact, slow
+        self.contact = weight[:, len(self.free) :].sum(axis=1)
+
+    def background(self, resting: bool = False) -> Gaussians:
+        """Return the background given all τ, each weighted by the probability of a free arm.
+
+        A push at rest may renew the background: it changes what stiction carries. resting: without
+        that.
+        """
+        seen = self.observations
+        measured = measurement_noise(self.free, self.weight, self.contact) / seen.worth
+        renewed = 0.0 if resting else seen.noise.still * self.contact[:, None] / seen.prior.duration
+        decay = np.exp(-seen.period * (seen.model.rate[seen.states] + renewed))
+        scaled = -seen.gears.friction, seen.prior.friction_std
+        return smooth(self.torque, measured, seen.noise.spread, decay, *scaled)
+
+    def smooth(self) -> None:
+        """Smooth the background; free states need the one that no push renews."""
+        self.slow = self.resting = self.background()
+        if self.observations.noise.still.any():
+            self.resting = self.background(resting=True)
 
 
 def measurement_noise(

@@ -40,9 +40,11 @@ class Problem(NamedTuple):
         """Return the contact wrench; arguments as of `estimate_wrench`, at `rows`."""
         return estimate_wrench(self.input, jacobian, self.model, prior, place)
 
-    def contact_log_odds(self, jacobian: Array, prior: ContactPrior) -> Array:
-        """Return only the log-odds (N,) of contact; jacobian: as of `solve`."""
-        return contact_log_odds(self.input, jacobian, self.model, prior)
+    def contact_log_odds(self, added: Array, jacobian: Array, prior: ContactPrior) -> list[Array]:
+        """Return only the log-odds (N,) of contact, with each of some additional external torques
+        (R, N, 6) [Nm]; jacobian: as of `solve`.
+        """
+        return contact_log_odds(self.input, added, jacobian, self.model, prior)
 
     def held(self, tared: Mask) -> "Problem":
         """Return the problem with the state TARED for joints at rest in the samples (N,) to which a
@@ -51,10 +53,6 @@ class Problem(NamedTuple):
         states = self.input.states.copy()
         states[tared & is_still(states)] = JointState.TARED
         return Problem(replace(self.input, states=states), self.model.with_tare())
-
-    def pushed(self, torque: Array) -> "Problem":
-        """Return the problem with an additional external torque (N, 6) [Nm]."""
-        return self._replace(input=replace(self.input, torque=self.input.torque + torque))
 
 
 def is_fitted(friction: Friction, contradictions: Contradictions) -> bool:

@@ -20,8 +20,8 @@ from ur5lib.force.trial_contacts import (
     Untouched,
     felt_push,
     flange_speed,
+    pushes_at_each_place,
     smallest_force,
-    try_each_place,
 )
 from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.dynamics import Kinematics
@@ -54,28 +54,33 @@ def where_pushed(
 def pushed(
     problem: Problem,
     run: Untouched,
-    alarms_of: Callable[[Array], list[Span]],
+    alarms_of_each: Callable[[Array], list[list[Span]]],
     typical_force: float,
     least: int,
 ) -> Trials:
     """Return the results of trial pushes on a contact-free recording.
 
-    alarms_of: returns the alarms with an additional external torque (N, 6) [Nm], as motors feel it;
-    typical_force: of contacts [N]; least: number of pushes to reach, if there is a time for any.
+    alarms_of_each: returns the alarms with each of some additional external torques (R, N, 6)
+    [Nm], as motors feel them; typical_force: of contacts [N]; least: number of pushes to reach, if
+    there is a time for any.
     """
-    one, random = problem.input, np.random.default_rng(0)
-    time = np.arange(len(run.speed), dtype=np.float64) * one.period
+    given = run, np.random.default_rng(0), typical_force
+    first = pushes_at_each_place(*given)
+    count = max(TRIAL_ROUNDS, -(-least // max(1, len(first.force))))
+    later = [pushes_at_each_place(*given, later=number / count) for number in range(1, count)]
+    rounds = [one for one in (first, *later) if one.places]
+    if not rounds:
+        return first.tried(run, [])
+    alarms = alarms_of_each(_felt(problem, [one.torque for one in rounds]))
+    return Trials.joined([one.tried(run, own) for one, own in zip(rounds, alarms, strict=True)])
+
+
+def _felt(problem: Problem, torques: list[Array]) -> Array:
+    one, friction = problem.input, np.random.default_rng(1)
+    time = np.arange(len(one.states), dtype=np.float64) * one.period
     stiction = problem.model.stiction * problem.model.breakaway
-    friction = np.random.default_rng(1)
-
-    def answers(torque: Array) -> list[Span]:
-        return alarms_of(felt_push(torque, time, one.states, one.gears, stiction, friction))
-
-    given = answers, run, random, typical_force
-    first = try_each_place(*given)
-    rounds = max(TRIAL_ROUNDS, -(-least // max(1, len(first.force))))
-    more = [try_each_place(*given, later=number / rounds) for number in range(1, rounds)]
-    return Trials.joined([first, *more])
+    known = time, one.states, one.gears, stiction, friction
+    return np.stack([felt_push(torque, *known) for torque in torques])
 
 
 def pushes_of_arm(

@@ -1,6 +1,5 @@
 """Trial contacts on contact-free recordings: which the gate finds, by axis, speed and size."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import NamedTuple, Self
 
@@ -132,43 +131,53 @@ def unit_along(information: Array, direction: Array) -> Array:
         return np.asarray(np.maximum(felt, 0.0) ** -0.5)
 
 
-def try_each_place(
-    alarms_of: Callable[[Array], list[Span]],
-    run: Untouched,
-    random: np.random.Generator,
-    typical_force: float,
-    later: float = 0.0,
-) -> Trials:
-    """Return the results of one push in each span without an alarm, along the base's x, y or z.
+class Round(NamedTuple):
+    """Pushes that are tried together: one in each span of a recording without an alarm.
 
-    alarms_of: returns alarms with an additional external torque (N, 6) [Nm]; random: distributes
-    peaks and axes; typical_force: of contacts [N]; later: delay of all pushes, as a share of the
-    interval of two.
+    places: spans, with the flange's mean speed [m/s] in each; force: peaks (M,) [N]; axis: of the
+    base (M,), 0 to 2; torque: external (N, n) [Nm].
+    """
+
+    places: list[tuple[Span, float]]
+    force: Array
+    axis: Labels
+    torque: Array
+
+    def tried(self, run: Untouched, alarms: list[Span]) -> Trials:
+        """Return the results, by the alarms with the pushes."""
+        found = [any(overlap(alarm, place) for alarm in alarms) for place, _ in self.places]
+        units = [
+            float(unit_along(run.information(place), np.eye(3)[axis]))
+            for (place, _), axis in zip(self.places, self.axis, strict=True)
+        ]
+        speeds = np.array([mean for _, mean in self.places])
+        return Trials(self.force, self.axis, speeds, np.array(found, bool), np.array(units))
+
+
+def pushes_at_each_place(
+    run: Untouched, random: np.random.Generator, typical_force: float, later: float = 0.0
+) -> Round:
+    """Return one push for each span without an alarm, along the base's x, y or z.
+
+    random: distributes peaks and axes; typical_force: of contacts [N]; later: delay of all pushes,
+    as a share of the interval of two.
     """
     profile, places = trial_pushes(len(run.jacobian), run.period, later)
-    free_places = run.free(places)
-    peaks = typical_force * random.permutation(sizes(len(free_places), later))
+    free = run.free(places)
+    peaks = typical_force * random.permutation(sizes(len(free), later))
     # axes as evenly as possible
-    axes = random.permutation((random.integers(3) + np.arange(len(free_places))) % 3)
+    axes = random.permutation((random.integers(3) + np.arange(len(free))) % 3)
     force = np.zeros((len(profile), 3))
-    for (place, _), peak, axis in zip(free_places, peaks, axes, strict=True):
+    for (place, _), peak, axis in zip(free, peaks, axes, strict=True):
         force[slice(*place), axis] = peak * profile[slice(*place)]
-    torque = np.matvec(run.jacobian[:, :3].mT, force)
-    answers = alarms_of(torque) if free_places else []
-    detected = [any(overlap(alarm, place) for alarm in answers) for place, _ in free_places]
-    units = [
-        float(unit_along(run.information(place), np.eye(3)[axis]))
-        for (place, _), axis in zip(free_places, axes, strict=True)
-    ]
-    speeds = np.array([mean for _, mean in free_places])
-    return Trials(peaks, axes, speeds, np.array(detected, bool), np.array(units))
+    return Round(free, peaks, axes, np.matvec(run.jacobian[:, :3].mT, force))
 
 
 def sizes(count: int, later: float) -> Array:
     """Return the sizes (count,) of a round's pushes in typical forces, evenly in their logarithm.
 
     Each round has other sizes, so that with few pushes a round, all sizes are tried; later: as of
-    `try_each_place`.
+    `pushes_at_each_place`.
     """
     smallest, largest = np.log(TRIAL_SIZES)
     shares = (np.arange(count) + 1 - later) / max(1, count)

@@ -22,7 +22,13 @@ from ur5lib.force.contact_wrench import (
 )
 from ur5lib.force.external_torque import finite_rows, is_still
 from ur5lib.force.force_input import MEAN_STICTION, ForceInput, mean_stiction_torque
-from ur5lib.force.gate import Observations, diagonal, find_contacts, log_odds
+from ur5lib.force.gate import (
+    Observations,
+    contact_probabilities,
+    diagonal,
+    find_contacts,
+    log_odds,
+)
 from ur5lib.force.missed_contacts import (
     MISSED_DEVIATIONS,
     missed_contacts,
@@ -145,14 +151,20 @@ def estimate_wrench(
 
 
 def contact_log_odds(
-    run: ForceInput, jacobian: Array, model: ResidualModel, prior: ContactPrior
-) -> Array:
-    """Return only the log-odds (N,) of contact; arguments as of `estimate_wrench`."""
-    odds = []
+    run: ForceInput, added: Array, jacobian: Array, model: ResidualModel, prior: ContactPrior
+) -> list[Array]:
+    """Return only the log-odds (N,) of contact, with each of some additional external torques (R,
+    N, n) [Nm]; other arguments as of `estimate_wrench`.
+    """
+    every = thinning(run.period, model.cutoff)
+    odds: list[list[tuple[slice, Array]]] = [[] for _ in added]
     for rows, observations in _thinned(run, jacobian, model, prior):
-        probability, _ = find_contacts(observations)
-        odds.append((rows, np.where(observations.posed, log_odds(probability), np.nan)))
-    return at_all_samples(odds, thinning(run.period, model.cutoff))
+        torques = observations.torque + added[:, rows.start : rows.stop : every]
+        for own, probability in zip(
+            odds, contact_probabilities(observations, torques), strict=True
+        ):
+            own.append((rows, np.where(observations.posed, log_odds(probability), np.nan)))
+    return [at_all_samples(own, every) for own in odds]
 
 
 def _thinned(

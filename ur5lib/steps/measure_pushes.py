@@ -98,7 +98,8 @@ def trials_on(
     """
     used = run.jacobian[problem.rows]
 
-    def alarms_of(felt: Array) -> list[Span]:
-        return alarms(problem.pushed(felt).contact_log_odds(used, prior), threshold)
+    def alarms_of_each(felt: Array) -> list[list[Span]]:
+        odds = problem.contact_log_odds(felt, used, prior)
+        return [alarms(own, threshold) for own in odds]
 
-    return pushed(problem, run, alarms_of, prior.force, least)
+    return pushed(problem, run, alarms_of_each, prior.force, least)

@@ -17,7 +17,7 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import Span
 from ur5lib.topics.live.live import Live
 from ur5lib.topics.live.live_file import LiveFit, few_rows, numbers
-from ur5lib.topics.live.live_recording import follow
+from ur5lib.topics.live.live_recording import alarms_of_each, follow
 from ur5lib.topics.live.rows import LivePush
 
 
@@ -72,10 +72,9 @@ def live_trials(
     variance = estimator.noise[of_states] ** 2 + estimator.hidden[of_states] ** 2
     hiding = np.where(own.known[:, None], variance, np.inf)
 
-    def alarms_of(felt: Array) -> list[Span]:
-        lacking = np.nan_to_num(felt) / estimator.constant
-        return follow(file, some._replace(current=some.current - lacking)).alarms()
+    def alarms(felt: Array) -> list[list[Span]]:
+        return alarms_of_each(file, some, some.current - np.nan_to_num(felt) / estimator.constant)
 
     free = Untouched(jacobian[rows], speed[rows], some.period, own.alarms(), hiding)
     part = problem._replace(input=problem.input.thinned(rows.step, rows))
-    return pushed(part, free, alarms_of, file["contacts"]["typical"], least)
+    return pushed(part, free, alarms, file["contacts"]["typical"], least)
