@@ -1,7 +1,10 @@
 """Links, gears and counterbalances from measured torques: of made-up arms whose truth is known."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -9,11 +12,16 @@ import pytest
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import RefusalError
 from ur5lib.identification.base_parameters import identified_model
-from ur5lib.identification.consistency import smallest_eigenvalues
+from ur5lib.identification.consistency import LinkBounds, smallest_eigenvalues
 from ur5lib.identification.current_samples import ZeroPhaseLowpass
-from ur5lib.identification.measured_torques import CENTER_MARGIN_SHARE, fit_arm, link_bounds
+from ur5lib.identification.measured_torques import (
+    CENTER_MARGIN_SHARE,
+    ArmFit,
+    fit_arm,
+    link_bounds,
+)
 from ur5lib.identification.samples import CurrentSamples
-from ur5lib.identification.torque_rows import MeasuredRun, torque_rows
+from ur5lib.identification.torque_rows import MeasuredRun, TorqueRows, torque_rows
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.friction import friction_direction
 from ur5lib.robots.inertia import link_tail
@@ -97,6 +105,37 @@ def test_a_counterbalance_is_no_link(arm: Robot) -> None:
     assert fitted.balanced == [2]
     unweighed = fit_arm(arm.model_copy(update={"balanced_joints": [2]}), runs(arm, -250.0), SMOOTH)
     np.testing.assert_allclose(unweighed.parameters, fitted.parameters)
+
+
+class ToldErrors(ArmFit):
+    """A fit of which the errors on left-out units are told, by the joints that are balanced."""
+
+    def __init__(self, by_joints: dict[tuple[int, ...], list[float]]) -> None:
+        self.told = by_joints
+        places = SimpleNamespace(joints=4, places=lambda _, own=(): tuple(own))
+        self.rows, self.bounds = cast(TorqueRows, places), cast(LinkBounds, "bodies")
+
+    def unseen_errors(self, places: Sequence[int], bounds: LinkBounds | None) -> Array:
+        """Of links that need not be bodies 1, in each fold."""
+        own = [1.0] * 4 if bounds is None else self.told.get(tuple(places), [30.0] * 4)
+        return np.tile(own, (5, 1))
+
+
+def test_a_counterbalance_has_to_explain_its_own_joint() -> None:
+    """What it does for other joints shows no counterbalance."""
+    own = ToldErrors({(): [9.0, 1.0, 1.2, 9.0], (3,): [1.0, 1.0, 1.19, 1.0]})
+    assert own.balanced_joints([]) == []
+    own = ToldErrors({(): [9.0, 1.0, 1.2, 9.0], (3,): [9.0, 1.0, 1.05, 9.0]})
+    assert own.balanced_joints([]) == [3]
+    own = ToldErrors({(): [1.0, 1.0, 9.0, 1.0], (3,): [1.0, 1.0, 1.6, 1.0]})
+    assert own.balanced_joints([]) == []  # not even so as well as any numbers
+
+
+def test_counterbalances_are_found_one_after_the_other() -> None:
+    """First the one that explains most."""
+    told = {(): [1.0, 20.0, 50.0, 1.0], (2,): [1.0, 1.1, 50.0, 1.0], (3,): [1.0, 20.0, 1.1, 1.0]}
+    assert ToldErrors(told | {(3, 2): [1.0] * 4}).balanced_joints([]) == [3, 2]
+    assert ToldErrors(told).balanced_joints([]) == [3]
 
 
 def test_gears_that_lose_less_at_speed_are_no_links(arm: Robot) -> None:

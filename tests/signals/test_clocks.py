@@ -117,6 +117,19 @@ def test_a_bias_of_the_gyroscope_moves_no_clock() -> None:
     np.testing.assert_allclose(biased, found, atol=1e-12)
 
 
+@pytest.mark.parametrize("start", [0.0, 40.0])
+def test_the_device_s_angular_acceleration_is_the_motion_s_whenever_its_clock_starts(
+    start: float,
+) -> None:
+    """Of the swing below the band's limit, away from its ends."""
+    own, moved = np.arange(0, DURATION, 1 / 266.3), swinging(2.0)
+    pair = _compare(TIME, moved(TIME), np.zeros(len(TIME), np.int64), start + own, moved(own))
+    inside = np.abs(pair.device_time - pair.device_time.mean()) < 0.4 * DURATION
+    ahead = (moved(pair.device_time - start + 1e-3) - moved(pair.device_time - start - 1e-3)) / 2e-3
+    np.testing.assert_allclose(pair.slope[inside], ahead[inside], atol=0.02 * np.abs(ahead).max())
+    assert np.diff(pair.device_time) == pytest.approx(1 / 266.3)
+
+
 def test_a_swing_starts_a_fit_in_each_of_its_periods() -> None:
     """There the misfit has its valleys, and nowhere else."""
     period = 0.8
