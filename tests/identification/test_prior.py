@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 from tests.current_study import prior
-from ur5lib.identification.prior import OFFSET_NAME, Prior, typical_friction
+from ur5lib.errors import RefusalError
+from ur5lib.identification.prior import (
+    OFFSET_NAME,
+    Prior,
+    makers_covariance,
+    standstill_ratio,
+    torque_constant_prior,
+    typical_friction,
+)
 from ur5lib.identification.regression import Normal
 from ur5lib.robots.friction import FITTED_TERMS, coefficient_names
 from ur5lib.timeseries.arrays import Array
@@ -96,3 +104,53 @@ def test_usual_noise_is_a_share_of_the_largest_current() -> None:
     # anywhere within a twentieth: uniform
     drawn = np.random.default_rng(0).uniform(-0.05, 0.05, 100_000).std()
     np.testing.assert_allclose(np.sqrt(most.noise_at_rest()) / largest, drawn, rtol=0.01)
+
+
+def test_constants_are_combined_as_normal_distributions_of_their_logarithm() -> None:
+    """By Bayes' rule on a grid of log k; joints of one motor size share the maker's error."""
+    maker, controller = np.array([10.0, 10.0, np.nan]), np.array([11.0, np.nan, 9.0])
+    shared, spread, ratio = 0.1, 0.03, 0.05
+    covariance = makers_covariance(maker, controller, ["a", "a", "b"], shared, spread)
+    grid = np.exp(np.linspace(-0.5, 0.5, 401))
+    common = np.linspace(-0.5, 0.5, 401)  # the error of all joints of a size
+    weight = np.exp(-0.5 * (common / shared) ** 2)
+    of_first = np.log(10.0 * grid)[:, None]
+    density = weight * np.exp(-0.5 * ((of_first - np.log(10.0) - common) / spread) ** 2)
+    density *= np.exp(-0.5 * ((of_first - np.log(11.0)) / ratio) ** 2)
+    density /= density.sum()
+    found = torque_constant_prior(maker, covariance, controller, ratio)
+    logs = -np.log(found.mean)
+    stds = np.sqrt(np.diag(np.linalg.inv(found.precision))) / found.mean
+    first = (density * of_first).sum()
+    assert logs[0] == pytest.approx(first, abs=1e-3)
+    assert stds[0] == pytest.approx(np.sqrt((density * (of_first - first) ** 2).sum()), rel=0.01)
+    # the second joint is known by what the first one says of their size alone
+    others = (density * common).sum()
+    assert logs[1] == pytest.approx(np.log(10.0) + others, abs=1e-3)
+    width = np.hypot(np.sqrt((density * (common - others) ** 2).sum()), spread)
+    assert stds[1] == pytest.approx(width, rel=0.01)
+    # the third by its controller, as good as alone
+    assert logs[2] == pytest.approx(np.log(9.0), abs=1e-3)
+    assert stds[2] == pytest.approx(ratio, rel=0.01)
+
+
+def test_a_motor_size_that_nothing_knows_is_refused() -> None:
+    unknown, given = np.array([np.nan, np.nan]), np.array([9.0, np.nan])
+    makers_covariance(unknown, given, ["a", "a"], 0.1, 0.03)
+    with pytest.raises(RefusalError, match="torque constant of a motor size"):
+        makers_covariance(unknown, given, ["a", "b"], 0.1, 0.03)
+
+
+def test_the_controller_s_constant_is_that_of_samples_at_rest_that_carry_a_load() -> None:
+    """In motion, friction is in the current; half of the samples at rest have to carry a load."""
+    count, constants = 300, np.array([9.0, 10.0, 11.0, 12.0])
+    moment = np.tile([20.0, -5.0, 0.05, 3.0], (count, 1))
+    moment[:, 3] *= np.arange(count) < 120  # of 200 samples at rest
+    current = moment / constants
+    qd = np.zeros((count, 4))
+    qd[200:, 2] = 0.1  # any joint that moves
+    current[200:] += 5.0
+    found = standstill_ratio(moment, current, qd)
+    np.testing.assert_allclose(found, [9.0, 10.0, np.nan, 12.0])
+    moment[100:, 3] = 0.0
+    assert np.isnan(standstill_ratio(moment, current, qd)[3])
