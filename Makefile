@@ -9,6 +9,7 @@ N ?= 60
 SPEED := dynamics smoothing study
 EXCEPT = and not thorough
 REAL_TIME = MAKEFLAGS= OMP_NUM_THREADS=1 pytest -m "real_time $(EXCEPT)" --numprocesses 1 -o cache_dir=.pytest_cache/real_time $$(grep -lr mark.real_time tests)
+unexport PYTHONDONTWRITEBYTECODE # else each process compiles all that it imports
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 PIP := .venv/bin/python -m pip --quiet --quiet --disable-pip-version-check
 # torch has no hash: its small CPU build is another file than that of its release elsewhere. pyproject.toml pins it.
