@@ -49,17 +49,16 @@ def without(row: dict[str, Any], number: int) -> dict[str, Any]:
 
 
 def views_by_page() -> dict[str, set[str]]:
-    """The views that each page reads: those of the sections with a function of its name, and of
-    the kit.
+    """The views that each page reads: those of the sections with a function of its name; of the
+    report those of the kit, too.
     """
-    texts = {path: path.read_text() for path in WORDS}
-    read = {page: set[str]() for page in PAGES}
-    for path, text in texts.items():
-        of_all = path.parent.name == "kit" or path.name == "report.typ"
-        for page in PAGES:
-            if of_all or f"#let {page}(" in text:
-                read[page] |= {*ROWS.findall(text)}
-    return read
+    texts = [path.read_text() for path in WORDS]
+    read = {
+        page: {*ROWS.findall("".join(own for own in texts if f"#let {page}(" in own))}
+        for page in PAGES
+    }
+    kit = "".join(path.read_text() for path in WORDS if path.parent.name == "kit")
+    return read | {"report": read["report"] | {*ROWS.findall(kit)}}
 
 
 def assert_typeset_when_empty(results: Results) -> None:
