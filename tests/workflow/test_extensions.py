@@ -84,7 +84,7 @@ def test_a_change_repeats_what_uses_it(
 ) -> None:
     own = lab.copied(tmp_path / "project")
     file = own.folder / "extensions" / f"{kind}.py"
-    file.write_text(file.read_text() + "\n# A sentence is added.\n")
+    file.write_text(file.read_text() + "\nADDED = True\n")
     planned = own.plan("--", FORCES)
     assert repeated in planned
     assert kept not in planned
