@@ -20,7 +20,7 @@ if STUDY.reference:
         "draw_older_model": sorted(PRINTED.of_older_model() & recorded),
         "draw_current_torque": sorted(PRINTED.recordings("current_torque") & recorded),
         "draw_published_accelerations": sorted(PRINTED.recordings("acceleration_mae") & recorded),
-        "draw_published_forces": ALL_PRINTED,
+        "draw_published_forces": sorted(PRINTED.recordings("force_mae", "force_max") & recorded),
     }
 
     rule rebuild_thesis:
