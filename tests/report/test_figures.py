@@ -265,6 +265,21 @@ def test_errors_stand_under_values() -> None:
     assert any(below.x0 == above.x0 and below.y1 < above.y0 for below in errors)
 
 
+def test_round_times_are_marked_in_every_panel() -> None:
+    """Where they have no labels, by a path at the ticks of the panels that have some."""
+    axes = drawing().figure.axes
+    ticks = axes[-1].get_xticks()
+    assert len(ticks) > 3
+    for axis in axes[:-2]:
+        (lines,) = axis.patches
+        marked = lines.get_transform().transform(lines.get_path().vertices)
+        ends = axis.transData.transform([(time, 0) for time in ticks])[:, 0]
+        assert marked[:, 0] == pytest.approx(np.repeat(ends, 2))
+        assert [*np.ptp(marked[:, 1].reshape(-1, 2), axis=1)] == pytest.approx(
+            [axis.bbox.height] * len(ticks)
+        )
+
+
 def test_gaps_and_singular_stretches_are_shaded() -> None:
     time = np.array([0.0, 1.0, 2.0, np.nan, 5.0, 6.0, 7.0])
     series = {"a": (np.ones((7, 6)), "measured")}

@@ -77,6 +77,14 @@ HOUSE_STYLE: Any = {
 DOT_STYLE: Any = {"markersize": 1.5, "alpha": 0.4, "rasterized": True}
 BAND_STYLE: Any = {"color": "#009E73", "alpha": 0.25, "linewidth": 0}
 GAP_STYLE: Any = {"facecolor": "none", "edgecolor": "#999999", "hatch": "////", "linewidth": 0}
+# Like the lines of a grid; `axes.axisbelow` puts these at 1.5.
+TIME_STYLE: Any = {
+    "edgecolor": "#b0b0b0",
+    "alpha": 0.3,
+    "linewidth": 0.5,
+    "fill": False,
+    "zorder": 1.5,
+}
 SHADE_STYLE: Any = {"color": "#000000", "alpha": 0.12, "linewidth": 0}
 PAGE_WIDTH = 7.2  # inches; A4 between margins
 ALONE_HEIGHT = 3.6  # inches; of a panel shown alone
