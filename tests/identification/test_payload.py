@@ -15,6 +15,7 @@ from ur5lib.identification.payload import (
     estimate_payload,
     joint_gains,
     judge,
+    judged_load,
 )
 from ur5lib.identification.samples import CurrentSamples
 from ur5lib.records.friction import CurrentFit
@@ -164,6 +165,29 @@ def test_runs_without_load_tell_how_far_their_errors_must_grow(
     factor = stats.t.ppf(0.975, max(1, paths - 1)) / stats.norm.ppf(0.975)
     growth = error_growth(masses, np.array(errors)[:, None], paths)
     assert growth[0] == pytest.approx(ratio * factor, rel=1e-3)
+
+
+def test_a_load_is_judged_by_the_errors_of_runs_without_one() -> None:
+    """Each parameter by its own: masses are off by two errors there, moments by five and none."""
+    errors, configured = np.array([0.1, 0.02, 0.04, 0.01]), 0.5
+    off = np.array([2.0, 5.0, 0.0, 0.0])
+    empty = [PayloadEstimate(sign * off * errors, errors, errors) for sign in (1, -1, 1)]
+    carried = PayloadEstimate(np.array([3.6, 0.36, -0.18, 1.08]), errors, np.full(3, 3.6))
+    nothing = PayloadEstimate()
+    told = judged_load(carried, [*empty, nothing], 1000, configured, may_be_taken=True)
+    assert (told.mass, told.configured, told.carried) == (3.6, configured, pytest.approx(4.1))
+    assert told.std_error == pytest.approx(np.hypot(2 * 0.1, 0.03 * 3.6), rel=1e-2)
+    np.testing.assert_allclose(told.center_of_mass, [0.1, -0.05, 0.3])
+    random = np.random.default_rng(0)
+    moments = carried.parameters[1:] + random.normal(size=(100_000, 3)) * errors[1:] * [5, 1, 1]
+    masses = 3.6 + told.std_error * random.normal(size=100_000)
+    spread = (moments / masses[:, None]).std(axis=0)
+    np.testing.assert_allclose(told.center_of_mass_std, spread, rtol=0.03)
+    assert told.taken
+    assert not judged_load(carried, empty, 1000, configured, may_be_taken=False).taken
+    doubted = judged_load(carried, empty, 2, configured, may_be_taken=True)  # of two paths
+    assert not doubted.taken
+    assert np.isnan([*doubted.center_of_mass, *doubted.center_of_mass_std]).all()
 
 
 def test_a_run_that_does_not_tell_a_load_says_nothing_of_the_others_errors() -> None:
