@@ -237,6 +237,12 @@ def test_a_current_without_torque_keeps_the_known_constant() -> None:
     lost = [joint.contradicted is not None for joint in fit.joints]
     assert lost == [True, False, False, False, True, False]
     np.testing.assert_allclose(torque_constants(fit)[[0, 4]], CONSTANT[[0, 4]], rtol=0.01)
+    for joint in (0, 4):
+        (doubt,) = (
+            one for one in fit.joints[joint].remarks if one.code == "current against constant"
+        )
+        by_itself = fit.joints[joint].contradicted
+        assert doubt.constants == pytest.approx((by_itself, CONSTANT[joint]))
     rows = {(row.joint, row.name): row for row in parameters(fit)}
     for joint in (1, 5):
         constant, coulomb = rows[joint, "torque_constant"], rows[joint, "coulomb"]
