@@ -17,8 +17,8 @@ from scipy import signal
 from scipy.spatial.transform import Rotation
 
 from benchmarks.harness.options import asked
-from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.robots.statics import flange_kinematics
 from ur5lib.smoothing.encoders import SmoothedMotion, smooth_encoders
 from ur5lib.smoothing.imu_fusion import LinearImu, linearise_imu, smooth_with_imu
 from ur5lib.stand.controller_channels import frames

@@ -5,7 +5,6 @@ from typing import Any, Self
 
 import numpy as np
 
-from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.contact_wrench import regularised_wrench
 from ur5lib.force.external_torque import States, joint_states
@@ -19,6 +18,7 @@ from ur5lib.force.wrench_estimate import (
     used_rows,
 )
 from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import flange_kinematics
 from ur5lib.timeseries.arrays import Array
 
 PERIOD = 0.032  # s, at which the estimate weighs samples, so that none is weighed in vain

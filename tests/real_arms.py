@@ -17,7 +17,6 @@ import yaml
 from tests.conftest import PROJECT
 from tests.entries import read_and_check
 from ur5lib.commands.check import look_through, settled
-from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.problem import Problem, fmap_problem
 from ur5lib.force.residual_model import Residuals
@@ -42,6 +41,7 @@ from ur5lib.records.friction import CurrentFit, Friction
 from ur5lib.records.motion import Alignment, Motion
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.robots.statics import flange_kinematics
 from ur5lib.signals.resampling import by_stamps, resample
 from ur5lib.smoothing.encoders import smooth_encoders
 from ur5lib.smoothing.smoothed_motion import measured, motion_record

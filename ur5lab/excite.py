@@ -18,7 +18,6 @@ from ur5lab.excitation.files import write_files
 from ur5lab.excitation.objective import QUESTIONS, STATE_STEP, Task, Worth
 from ur5lab.excitation.trajectory import WorkCell
 from ur5lib import channels
-from ur5lib.commands.exported import described
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError, unknown
 from ur5lib.excitation.outlook import (
@@ -35,7 +34,7 @@ from ur5lib.records.friction import Friction
 from ur5lib.records.models import Identification
 from ur5lib.records.motion import Motion
 from ur5lib.report.figures.house_style import save
-from ur5lib.robots.description import Payload, Robot
+from ur5lib.robots.description import Payload, Robot, described
 from ur5lib.strict import read_yaml
 
 LOAD_ADVICE = "a known load on the flange (--payload) or a longer motion (--seconds) may"

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.controllers_torques import rotor_samples
 from ur5lib.identification.current_samples import (
@@ -31,6 +30,7 @@ from ur5lib.records.models import Rotors
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.robots.statics import flange_kinematics
 from ur5lib.signals.imu_calibration import ImuRecord
 from ur5lib.signals.imu_samples import imu_samples
 from ur5lib.signals.own_clocks import own_clocks

@@ -5,8 +5,8 @@ import pytest
 
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.sensed_torques import size_ratio
-from ur5lib.dynamics.flange import link_frames
 from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array
 
 

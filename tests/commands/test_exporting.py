@@ -25,12 +25,12 @@ from tests.command import Command
 from ur5lib import cli
 from ur5lib.commands.convert import EXPORTED_TABLES, channels, write_recordings
 from ur5lib.commands.foxglove import METRES_PER_NEWTON, from_x_axis
-from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.errors import InputError
 from ur5lib.finished import StudyFiles
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
 from ur5lib.robots.description import load_robot, robot_path, robot_yaml
+from ur5lib.robots.statics import flange_kinematics
 from ur5lib.tables import columns, write_json, write_table, write_text
 
 START = 1_700_000_000.25

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from tests.made_up_torques import MODEL, PRIOR, free_run, torque_of
-from ur5lib.dynamics.flange import flange_kinematics, link_frames
 from ur5lib.force.alarms import Alarm
 from ur5lib.force.external_torque import joint_states
 from ur5lib.force.flange_contact import (
@@ -22,6 +21,7 @@ from ur5lib.force.flange_contact import (
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.problem import Problem
 from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import flange_kinematics, link_frames
 from ur5lib.stand.plan import POSTURE
 from ur5lib.timeseries.arrays import Array
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.plain_least_squares import plain_least_squares
 from ur5lib.force.sensor import move_to_frame_6, wrench_of_environment
 from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import flange_kinematics
 from ur5lib.timeseries.metrics import (
     correlation,
     coverage,

@@ -10,13 +10,13 @@ import pytest
 
 from tests.smoothing.test_smoothing import kinematics, random_states
 from tests.stand.test_stand_devices import FOURIER, PUSH, Recorded
-from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.force.sensor_reading import OwnClock, moved_tool, sensor_reading
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.robots.end_effector import ToolMotion, expected_values, point_acceleration, tool_motion
+from ur5lib.robots.statics import flange_kinematics
 from ur5lib.signals.clock import clock_from_stamps
 from ur5lib.signals.resampling import resample
 from ur5lib.smoothing.encoders import smooth_encoders

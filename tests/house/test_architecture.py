@@ -16,9 +16,13 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 from tests.conftest import PROJECT
+from tests.synthetic import poor_log
+from ur5lib.importing.contents import UserStatement
+from ur5lib.importing.files import import_files, write_study
 from ur5lib.jobs.code import all_steps, module_of, modules_of_step
 from ur5lib.records.forces import REFERENCES
 from ur5lib.report.page.handed import ROWS
+from ur5lib.robots.description import load_robot, robot_path
 
 BASE = {"timeseries", "robots", "channels", "errors", "strict", "tables"}  # below every room
 METHODS = {"signals", "dynamics", "identification", "force"}
@@ -156,6 +160,22 @@ def test_no_step_waits_for_torch_in_vain() -> None:
     program = f"import sys\nfrom ur5lib.jobs.job import load_step\n[*map(load_step, {still})]"
     program += "\nsys.exit('torch' in sys.modules)"
     subprocess.run([sys.executable, "-c", program], cwd=PROJECT, check=True)
+
+
+READ = "import ur5lib; ur5lib.read('run.csv', 'ur5')"
+CHECK = "from ur5lib.cli import app; app(['check', 'mine.yaml'], standalone_mode=False)"
+
+
+@pytest.mark.parametrize("command", [READ, CHECK], ids=["read", "check"])
+def test_what_only_reads_loads_neither_torch_nor_matplotlib(command: str, tmp_path: Path) -> None:
+    """Loading them takes longer than all else."""
+    poor_log(load_robot(robot_path("ur5")), 20, 1).to_csv(tmp_path / "run.csv", index=False)
+    write_study(import_files([tmp_path / "run.csv"], UserStatement("ur5")), tmp_path / "mine.yaml")
+    program = f"import sys; {command}"
+    program += "; print('loaded', {'torch', 'matplotlib', 'scipy.signal'} & {*sys.modules})"
+    run = [sys.executable, "-c", program]
+    done = subprocess.run(run, cwd=tmp_path, check=True, text=True, stdout=subprocess.PIPE)
+    assert "loaded set()" in done.stdout
 
 
 def part_of(module: str) -> str:

@@ -13,7 +13,6 @@ import yaml
 from tests.current_study import noisy, prior, smooth
 from ur5lib.checks.checked import Checked
 from ur5lib.checks.stop_signs import stop_signs
-from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel, load_regressor
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import FITTED_STATE_COUNT, JointState
@@ -37,7 +36,7 @@ from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_yaml
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
-from ur5lib.robots.statics import geometric_jacobian, gravity_torque
+from ur5lib.robots.statics import flange_kinematics, gravity_torque
 from ur5lib.smoothing.encoders import smooth_encoders
 from ur5lib.smoothing.smoothed_motion import motion_record
 from ur5lib.steps.draw_models import draw_models
@@ -102,7 +101,6 @@ def test_dynamics_and_kinematics_are_pinocchio_s() -> None:
     at_rest = np.array([pinocchio.computeGeneralizedGravity(engine, data, q) for q in motion[0]])
     np.testing.assert_allclose(gravity_torque(robot, "made up", motion[0]), at_rest, atol=1e-9)
     rotation, origin, jacobian = flange_kinematics(robot, motion[0])
-    np.testing.assert_allclose(geometric_jacobian(robot, motion[0]), jacobian, atol=1e-9)
     for k, q in enumerate(motion[0][:50]):
         theirs = pinocchio.computeFrameJacobian(
             engine, data, q, frame, pinocchio.LOCAL_WORLD_ALIGNED

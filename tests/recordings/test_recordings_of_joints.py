@@ -16,7 +16,6 @@ from ur5lib.checks.channels import check_robot
 from ur5lib.checks.checked import Checked
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.commands.described import describe_urdf
-from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.errors import InputError
 from ur5lib.identification.current_samples import prior_of
 from ur5lib.recordings.entries import ENTRY
@@ -32,7 +31,7 @@ from ur5lib.report.figures.traces import (
     draw_traces,
 )
 from ur5lib.robots.description import Robot
-from ur5lib.robots.statics import gravity_torque
+from ur5lib.robots.statics import flange_kinematics, gravity_torque
 from ur5lib.smoothing.encoders import smooth_encoders
 from ur5lib.smoothing.smoothed_motion import measured, motion_record
 from ur5lib.study.reading import parse_study

@@ -17,7 +17,6 @@ from PIL import Image
 
 from tests.current_study import noisy, prior, smooth
 from ur5lib.channels import CURRENT, TORQUE, Effort
-from ur5lib.dynamics.flange import link_frames
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.currents import band, parameters, predict
 from ur5lib.identification.steady_friction import friction_curve, mean_load
@@ -44,6 +43,7 @@ from ur5lib.report.figures.house_style import EMBEDDED_IMAGE, JOINT_COLOURS, Dra
 from ur5lib.report.figures.recording_figures import packet_figure
 from ur5lib.report.figures.traces import TORQUE_PANELS, WRENCH_PANELS, Traces, decimate, draw_traces
 from ur5lib.robots.description import Cylinder, Robot
+from ur5lib.robots.statics import link_frames
 from ur5lib.steps.draw_filters import FILTERED, draw_filters
 from ur5lib.timeseries.lowpass import Butterworth
 

@@ -9,7 +9,6 @@ import pinocchio
 import pytest
 
 from ur5lib.commands.described import describe_urdf
-from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.robots.description import load_robot, robot_yaml
@@ -17,6 +16,7 @@ from ur5lib.robots.exports import urdf
 from ur5lib.robots.from_urdf import robot_from_urdf
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.mjcf import mjcf
+from ur5lib.robots.statics import flange_kinematics
 from ur5lib.stand.plan import Standstill
 from ur5lib.stand.trajectories import plan_targets
 from ur5lib.timeseries.arrays import Array

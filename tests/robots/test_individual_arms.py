@@ -13,7 +13,6 @@ from scipy.spatial.transform import Rotation
 from tests.command import words
 from tests.conftest import PROJECT, shared_folder
 from tests.robots.test_arm_family import ROS_LINKS, by_pinocchio
-from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.robots.description import Robot, load_robot, robot_path, robot_yaml
@@ -25,6 +24,7 @@ from ur5lib.robots.individual import (
     overridden_data,
 )
 from ur5lib.robots.inertia import rigid_bodies
+from ur5lib.robots.statics import flange_kinematics
 from ur5lib.study.arms import Tilt, base_gravity
 from ur5lib.study.reading import parse_study
 from ur5lib.timeseries.arrays import Array

@@ -1,13 +1,24 @@
-"""Poses and gravity without torch are those of the dynamics."""
+"""Poses, Jacobians and gravity without torch are those of the dynamics, and of Pinocchio."""
+
+from pathlib import Path
 
 import numpy as np
+import pinocchio
 import pytest
+import torch
 
-from ur5lib.dynamics.flange import link_frames
+from tests.house.test_seven_joints import arm as seven_joints
+from tests.robots.test_arm_family import configuration
+from tests.robots.test_from_urdf import made_up, saved
+from ur5lib.dynamics import kinematics
+from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.robots import statics
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
+from ur5lib.robots.exports import urdf
+from ur5lib.robots.from_urdf import robot_from_urdf
 from ur5lib.robots.inertia import rigid_bodies
+from ur5lib.timeseries.arrays import Array
 
 Q = np.random.default_rng(0).uniform(-3, 3, (50, 6))
 LOAD = Payload(mass=2.0, center_of_mass=(0.1, -0.2, 0.3))
@@ -19,9 +30,57 @@ def arm(request: pytest.FixtureRequest) -> Robot:
     return load_robot(robot_path(request.param)).mounted([1.0, -2.0, -9.5])
 
 
-def test_frames(arm: Robot) -> None:
-    for own, other in zip(statics.link_frames(arm, Q), link_frames(arm, Q), strict=True):
-        np.testing.assert_allclose(own, other, atol=1e-12)
+@pytest.fixture(params=[*robot_names(), "seven joints", "made up 5", "made up 7"])
+def any_arm(request: pytest.FixtureRequest, tmp_path: Path) -> Robot:
+    """Of five to seven joints, on a tilted base, with a load off its flange's axis."""
+    if request.param == "seven joints":
+        robot = seven_joints()
+    elif request.param.startswith("made up"):
+        urdf_file = saved(made_up(int(request.param[-1])), tmp_path)
+        robot, _ = robot_from_urdf(urdf_file, None, None)
+    else:
+        robot = load_robot(robot_path(request.param))
+    return robot.mounted([1.0, -2.0, -9.5]).carrying(LOAD)
+
+
+def postures(robot: Robot) -> Array:
+    return np.random.default_rng(1).uniform(-6, 6, (50, len(robot.joints)))
+
+
+def test_frames_and_jacobians_are_those_of_the_dynamics(any_arm: Robot) -> None:
+    q, last = postures(any_arm), len(any_arm.joints)
+    arm, position = build_arm(any_arm, any_arm.chosen_model), torch.from_numpy(q)
+    frames = statics.link_frames(any_arm, q)
+    for own, other in zip(frames, kinematics.link_frames(arm, position), strict=True):
+        np.testing.assert_allclose(own, other, atol=1e-13)
+    expected = kinematics.jacobian(arm, position)
+    np.testing.assert_allclose(statics.geometric_jacobian(any_arm, q), expected, atol=1e-13)
+    rotation, origin, jacobian = statics.flange_kinematics(any_arm, q)
+    np.testing.assert_array_equal(rotation, frames[0][:, last])
+    np.testing.assert_array_equal(origin, frames[1][:, last])
+    np.testing.assert_array_equal(jacobian, statics.geometric_jacobian(any_arm, q))
+
+
+def test_frames_jacobians_and_gravity_are_those_of_pinocchio(any_arm: Robot) -> None:
+    model, q = any_arm.chosen_model, postures(any_arm)
+    engine = pinocchio.buildModelFromXML(urdf(any_arm, rigid_bodies(any_arm, model)))
+    engine.gravity.linear = np.array(any_arm.gravity)
+    data, names = engine.createData(), [f"frame_{k}" for k in range(len(any_arm.joints) + 1)]
+    frames, jacobians, torques = [], [], []
+    for posture in (configuration(engine, one) for one in q):
+        pinocchio.computeJointJacobians(engine, data, posture)
+        pinocchio.updateFramePlacements(engine, data)
+        frames.append([data.oMf[engine.getFrameId(name)].homogeneous for name in names])
+        flange = engine.getFrameId(names[-1])
+        axes = pinocchio.LOCAL_WORLD_ALIGNED
+        jacobians.append(pinocchio.getFrameJacobian(engine, data, flange, axes))
+        torques.append(pinocchio.computeGeneralizedGravity(engine, data, posture))
+    rotation, origin = statics.link_frames(any_arm, q)
+    np.testing.assert_allclose(rotation, np.array(frames)[..., :3, :3], atol=1e-12)
+    np.testing.assert_allclose(origin, np.array(frames)[..., :3, 3], atol=1e-12)
+    np.testing.assert_allclose(statics.geometric_jacobian(any_arm, q), jacobians, atol=1e-12)
+    own = statics.gravity_torque(any_arm, model, q)
+    np.testing.assert_allclose(own, torques, rtol=1e-10, atol=1e-10)
 
 
 def test_gravity(arm: Robot) -> None:

@@ -8,7 +8,6 @@ import torch
 from torch import Tensor
 
 from ur5lib.dynamics.arm import build_arm
-from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.kinematics import acceleration, velocity
 from ur5lib.dynamics.rigid_body import (
     inverse_dynamics,
@@ -17,6 +16,7 @@ from ur5lib.dynamics.rigid_body import (
 from ur5lib.errors import InputError
 from ur5lib.force.sensor import move_to_frame_6, wrench_of_environment
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
+from ur5lib.robots.statics import flange_kinematics
 from ur5lib.stand.controller_channels import frames
 from ur5lib.stand.drive import drive_of, motion_share
 from ur5lib.stand.friction import (

@@ -12,7 +12,6 @@ from pydantic import ValidationError
 
 from tests.entries import read_and_check
 from tests.real_arms import RealStudy
-from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.estimators import Run, controller
 from ur5lib.force.sensor import fit_offset, move_to_frame_6, wrench_of_environment
 from ur5lib.recordings.entries import ThesisFiles
@@ -23,6 +22,7 @@ from ur5lib.records.carried import configured_payload
 from ur5lib.records.quality import Finding
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.robots.statics import flange_kinematics
 from ur5lib.signals.own_clocks import own_clocks
 from ur5lib.stand.faults import (
     FIRST_PART_BYTES,

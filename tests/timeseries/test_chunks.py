@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import flange_kinematics
 from ur5lib.timeseries import segments as module
 from ur5lib.timeseries.segments import chunks, in_chunks
 

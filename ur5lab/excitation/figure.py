@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from ur5lab.excitation.design import Design
 from ur5lab.excitation.objective import Worth
 from ur5lab.excitation.trajectory import Margins, Path
-from ur5lib.dynamics.flange import link_frames
 from ur5lib.report.figures.house_style import HOUSE_STYLE, JOINT_COLOURS, PAGE_WIDTH, Drawing
+from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array
 
 DRAWN_RATE = 20.0  # Hz; of drawn states

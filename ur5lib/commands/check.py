@@ -33,14 +33,13 @@ from ur5lib.records.quality import UNCHECKED, Finding, Quality
 from ur5lib.records.signals import Signals
 from ur5lib.report.page.findings import MAX_NAMED_PLACES, by_finding, group_findings
 from ur5lib.robots.description import Robot
-from ur5lib.robots.statics import geometric_jacobian, link_frames
+from ur5lib.robots.statics import flange_kinematics
 from ur5lib.signals.clock import pool_drifts, settle_clocks
 from ur5lib.signals.own_clocks import own_clocks
 from ur5lib.steps.read_postures import checked_postures
 from ur5lib.study.model import Recording, Study, arms_without_fit
 from ur5lib.study.reading import read_study
 from ur5lib.tables import json_text, table_by_owner
-from ur5lib.timeseries.segments import in_chunks
 from ur5lib.workspace.extensions import take_up_all
 
 ERROR_SEVERITIES = ("stop", "error")
@@ -248,9 +247,7 @@ def _clocks_of(intake: Intake, arm: Robot) -> dict[str, OwnClock]:
     if not intake.sensors:
         return {}
     robot = Signals.from_table(intake.robot)
-    # not with torch, which takes two seconds to load
-    rotation = in_chunks(lambda q: link_frames(arm, q)[0][:, -1], robot.actual_q)
-    jacobian = in_chunks(lambda q: geometric_jacobian(arm, q), robot.actual_q)
+    rotation, _, jacobian = flange_kinematics(arm, robot.actual_q)
     return own_clocks(intake.quality.starts, intake.sensors, robot, rotation, jacobian)
 
 

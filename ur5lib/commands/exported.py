@@ -22,7 +22,7 @@ from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import CurrentFit, Friction, Parameter
 from ur5lib.records.models import BaseParameter, Identification, Rotors
 from ur5lib.records.motion import Motion
-from ur5lib.robots.description import Robot, load_robot, no_description, robot_names, robot_path
+from ur5lib.robots.description import Robot, described
 from ur5lib.robots.exports import JointFriction, isaac, sdf, urdf
 from ur5lib.robots.inertia import rigid_bodies, written_bodies
 from ur5lib.robots.mjcf import mjcf
@@ -135,13 +135,6 @@ def tool_centre_point(study: StudyFiles | None, recording: str) -> TcpPose | Non
 def called_by_ros(name: re.Match[str]) -> str:
     """Return a joint's name in ROS; name: a match with the joint's number as group 1."""
     return ROS_NAMES[int(name[1]) - 1]
-
-
-def described(robot: str) -> Robot:
-    """Return the description of an arm by its name. Raises InputError where the arm has none."""
-    if robot not in robot_names():
-        raise InputError(no_description(robot))
-    return load_robot(robot_path(robot))
 
 
 def simulator_friction(robot: str, model: str, study: StudyFiles) -> JointFriction | None:

@@ -1,4 +1,4 @@
-"""Poses and motion of the links and the flange: arrays in, arrays out."""
+"""Motion of the flange, and derivatives of its kinematics: arrays in, arrays out."""
 
 from functools import partial
 
@@ -8,29 +8,17 @@ import torch
 from ur5lib.dynamics import kinematics
 from ur5lib.dynamics.arm import ArmTensors, PullBack, build_arm, with_pull_back
 from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import geometric_jacobian
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.segments import in_chunks
 
 TWIST_POSTURES = 20  # number of random postures that show an arm's twists
 RANK_TOLERANCE = 1e-6  # m and rad; what counts as zero
 
 
-def flange_kinematics(robot: Robot, q: Array) -> tuple[Array, Array, Array]:
-    """Return R_n (N, 3, 3), o_n (N, 3) [m] and J_g (N, 6, n), base frame. q: (N, n) [rad]."""
-    arm = build_arm(robot, robot.chosen_model)  # its masses do not matter here
-
-    def side_by_side(q: Array) -> Array:
-        parts = kinematics.pose_and_jacobian(arm, torch.from_numpy(q))
-        return torch.cat([part.flatten(1) for part in parts], dim=1).numpy()
-
-    rotation, origin, jacobian = np.split(in_chunks(side_by_side, q), [9, 12], axis=1)
-    return rotation.reshape(-1, 3, 3), origin, jacobian.reshape(len(q), 6, -1)
-
-
 def independent_twists(robot: Robot) -> int:
     """Return the number of independent twists of the flange: the largest rank of J_g, at most 6."""
     q = np.random.default_rng(0).uniform(-np.pi, np.pi, (TWIST_POSTURES, len(robot.joints)))
-    return int(np.linalg.matrix_rank(flange_kinematics(robot, q)[2], tol=RANK_TOLERANCE).max())
+    return int(np.linalg.matrix_rank(geometric_jacobian(robot, q), tol=RANK_TOLERANCE).max())
 
 
 def singular_value(arm: ArmTensors, q: Array, twists: int) -> Array:
@@ -48,16 +36,6 @@ def differentiable_singular_value(arm: ArmTensors, q: Array, twists: int) -> tup
 
 def _smallest(arm: ArmTensors, twists: int, q: torch.Tensor) -> torch.Tensor:
     return torch.linalg.svdvals(kinematics.jacobian(arm, q))[:, twists - 1]
-
-
-def link_frames(robot: Robot, q: Array) -> tuple[Array, Array]:
-    """Return rotations (N, n + 1, 3, 3) and origins (N, n + 1, 3) [m] of frames 0 to n.
-
-    q: (N, n) [rad].
-    """
-    arm = build_arm(robot, robot.chosen_model)
-    rotation, origin = kinematics.link_frames(arm, torch.from_numpy(q))
-    return rotation.numpy(), origin.numpy()
 
 
 def point_acceleration(robot: Robot, q: Array, qd: Array, qdd: Array, point: Array) -> Array:

@@ -105,15 +105,6 @@ def jacobian(
     return torch.nn.functional.pad(columns, (0, joints - link))
 
 
-def pose_and_jacobian(arm: ArmTensors, q: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-    """Return R_n (N, 3, 3), o_n (N, 3) [m] and J_g (N, 6, n) from one pass along the arm.
-
-    q: (N, n) [rad].
-    """
-    columns, pose = _chain(arm, q.shape[1]).jacobian(q, ret_eef_pose=True)
-    return pose[:, :3, :3], pose[:, :3, 3], columns
-
-
 def analytical_jacobian(arm: ArmTensors, q: Tensor) -> Tensor:
     """Return J_a of frame n: rows 1 to 3 of J_g, then the rates of φ, ϑ, ψ of R_n (Equation 2.34).
 

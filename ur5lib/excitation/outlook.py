@@ -14,7 +14,6 @@ from typing import NamedTuple, Self
 import numpy as np
 from scipy.linalg import block_diag
 
-from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.excitation.problem import (
     CORRELATION_TIME,
@@ -33,6 +32,7 @@ from ur5lib.identification.samples import INDEPENDENT_STEP
 from ur5lib.records.friction import CurrentFit, Parameter
 from ur5lib.robots.description import Robot
 from ur5lib.robots.friction import BASE_TERMS
+from ur5lib.robots.statics import flange_kinematics
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 

@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import binom
+import scipy  # loads scipy.stats at its first use
 
 from ur5lib.importing.clocks import MIN_EPOCH_STAMP
 from ur5lib.importing.proposal import Proposal, is_clockless
@@ -111,7 +111,7 @@ def links(ends: Mapping[str, Ends]) -> dict[str, Link]:
     found = {name: link for name, link in found.items() if link.difference <= SAME_POSTURE}
     at_home = [link for link in found.values() if not link.is_alone]
     near = sum(link.chance <= AS_NEAR for link in at_home)
-    proven = binom.sf(near - 1, len(at_home), AS_NEAR) <= MAX_CHANCE
+    proven = scipy.stats.binom.sf(near - 1, len(at_home), AS_NEAR) <= MAX_CHANCE
     return {
         name: link
         for name, link in found.items()

@@ -15,7 +15,6 @@ import yaml
 from ur5lib.chain.as_files import as_files, named
 from ur5lib.chain.recordings import Arm, Recordings
 from ur5lib.chain.steps import Chain, Files
-from ur5lib.commands.exported import described
 from ur5lib.errors import InputError, expect_known, expect_text, some
 from ur5lib.importing.contents import UserStatement
 from ur5lib.importing.files import ImportedFiles, as_entries, import_files
@@ -24,6 +23,7 @@ from ur5lib.importing.written import expect_all, expect_no_study
 from ur5lib.records.quality import Quality
 from ur5lib.robots.description import (
     PROJECT_FOLDER,
+    described,
     load_robot,
     no_description,
     robot_names,

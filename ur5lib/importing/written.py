@@ -8,7 +8,6 @@ from pathlib import Path
 
 from ur5lib.channels import RECORDED_CHANNELS
 from ur5lib.commands.console import announced, text_console
-from ur5lib.commands.exported import described
 from ur5lib.errors import InputError, some
 from ur5lib.importing.contents import UserStatement
 from ur5lib.importing.entry import StudyEntry, identifier
@@ -22,6 +21,7 @@ from ur5lib.importing.files import (
 )
 from ur5lib.importing.parted_runs import runs_of
 from ur5lib.recordings.entries import SKIPPED_COLUMN
+from ur5lib.robots.description import described
 from ur5lib.study.address import is_study, study_file
 
 ACCOUNT_WIDTH = 160  # characters of a table that no terminal limits

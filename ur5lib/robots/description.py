@@ -580,8 +580,15 @@ def no_description(name: str) -> str:
     } | SAME_LINKS
     [nearest_name] = get_close_matches(_letters(name), names_by_letters, n=1, cutoff=0.8) or [""]
     meant = f" (did you mean `{names_by_letters[nearest_name]}`?)" if nearest_name else ""
-    described = ", ".join(robot_names())
-    return f"no description of `{name}`{meant}; docs/robots.md shows how to add one to {described}"
+    known = ", ".join(robot_names())
+    return f"no description of `{name}`{meant}; docs/robots.md shows how to add one to {known}"
+
+
+def described(robot: str) -> Robot:
+    """Return the description of an arm by its name. Raises InputError where the arm has none."""
+    if robot not in robot_names():
+        raise InputError(no_description(robot))
+    return load_robot(robot_path(robot))
 
 
 def _letters(name: str) -> str:

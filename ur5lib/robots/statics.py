@@ -1,7 +1,7 @@
-"""Poses and torques of gravity in NumPy, for checks that do not load torch.
+"""Poses, Jacobians and torques of gravity in NumPy, for those that do not load torch.
 
-`ur5lib/dynamics` computes poses and torques, too, and motion as well; the tests compare both.
-Loading torch would make `ur5 check` of a recording without sensors take 3.5 s instead of 2.3 s.
+`ur5lib/dynamics` computes them, too, with derivatives, and motion as well; the tests compare both.
+Loading torch takes longer than reading a recording.
 """
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy as np
 from ur5lib.robots.description import Robot
 from ur5lib.robots.inertia import link_tail, rigid_bodies
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.segments import in_chunks
 
 POSTURES = 200  # so many random postures load each joint that gravity can load
 BEARING_SHARE = 0.03  # a joint is loaded from this share of its largest torque on
@@ -119,7 +120,22 @@ def geometric_jacobian(robot: Robot, q: Array) -> Array:
 
     q: (N, n) [rad].
     """
-    rotations, origins = link_frames(robot, q)
+    return _jacobian(*link_frames(robot, q))
+
+
+def flange_kinematics(robot: Robot, q: Array) -> tuple[Array, Array, Array]:
+    """Return R_n (N, 3, 3), o_n (N, 3) [m] and J_g (N, 6, n), base frame. q: (N, n) [rad]."""
+
+    def side_by_side(q: Array) -> Array:
+        rotations, origins = link_frames(robot, q)
+        parts = rotations[:, -1], origins[:, -1], _jacobian(rotations, origins)
+        return np.concatenate([part.reshape(len(q), -1) for part in parts], axis=1)
+
+    rotation, origin, jacobian = np.split(in_chunks(side_by_side, q), [9, 12], axis=1)
+    return rotation.reshape(-1, 3, 3), origin, jacobian.reshape(len(q), 6, -1)
+
+
+def _jacobian(rotations: Array, origins: Array) -> Array:
     axes = rotations[:, :-1, :, 2]
     linear = np.cross(axes, origins[:, -1:] - origins[:, :-1])
     return np.concatenate([linear, axes], axis=2).mT

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pandas as pd
-from scipy import signal
+import scipy  # loads scipy.signal at its first use
 from scipy.interpolate import CubicSpline
 
 from ur5lib.records.clocks import ClockRelation
@@ -48,15 +48,17 @@ def _below_nyquist(grid: Array, even: Array, rate: float) -> Array:
     """
     own_rate = 1 / (grid[1] - grid[0])
     # a Kaiser window with a transition that ends at the robot's Nyquist frequency
-    count, beta = signal.kaiserord(STOPBAND_ATTENUATION, (1 - PASSBAND_SHARE) * rate / own_rate)
+    count, beta = scipy.signal.kaiserord(
+        STOPBAND_ATTENUATION, (1 - PASSBAND_SHARE) * rate / own_rate
+    )
     half = count // 2
-    window = signal.firwin(
+    window = scipy.signal.firwin(
         2 * half + 1, (1 + PASSBAND_SHARE) / 4 * rate, window=("kaiser", beta), fs=own_rate
     )[:, None]
 
     def smooth(stretch: Array) -> Array:
         padded = np.pad(stretch, ((half, half), (0, 0)), mode="reflect", reflect_type="odd")
-        return signal.oaconvolve(padded, window, mode="valid", axes=0)
+        return scipy.signal.oaconvolve(padded, window, mode="valid", axes=0)
 
     return by_segment(smooth, even, np.zeros(len(grid), dtype=np.int64))
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from ur5lib.dynamics.flange import link_frames
 from ur5lib.report.figures.arm_figures import UPRIGHT_POSTURE, frame_panels, mass_panels, placed
 from ur5lib.report.figures.house_style import Drawing
 from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import link_frames
 
 
 def draw_models(arm: Robot) -> dict[str, Drawing]:

@@ -7,7 +7,6 @@ from typing import NamedTuple
 import pandas as pd
 
 from ur5lib.checks.devices import checked_intake
-from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.errors import InputError, UnreadableError
 from ur5lib.recordings.entries import Entry
 from ur5lib.recordings.intake import read_and_repair
@@ -16,6 +15,7 @@ from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.quality import Device, Quality
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import flange_kinematics
 from ur5lib.signals.own_clocks import own_clocks
 from ur5lib.tables import checksum
 

@@ -8,7 +8,7 @@ from functools import cache, partial
 from typing import NamedTuple
 
 import numpy as np
-from scipy import signal
+import scipy  # scipy.signal takes long to load, and does at its first use
 
 from ur5lib.timeseries.arrays import Array
 
@@ -33,7 +33,7 @@ def zero_phase_lowpass(values: Array, rate: float, order: int, cutoff: float) ->
     """
     sections = _design(rate, order, cutoff)
     padding = min(len(values) - 1, int(3 * rate / cutoff))
-    both_ways = partial(signal.sosfiltfilt, sections, axis=0, padlen=padding)
+    both_ways = partial(scipy.signal.sosfiltfilt, sections, axis=0, padlen=padding)
     if 0 < values.size <= MAX_NUMBERS_TOGETHER:
         return np.asarray(both_ways(values))
     result = np.empty(values.shape)
@@ -47,7 +47,7 @@ def causal_lowpass(values: Array, rate: float, order: int, cutoff: float) -> Arr
 
     values: (N, M) without gaps; rate, cutoff: [Hz]. Raises ValueError for a cut-off not above zero.
     """
-    return signal.sosfilt(_design(rate, order, cutoff), values, axis=0)
+    return scipy.signal.sosfilt(_design(rate, order, cutoff), values, axis=0)
 
 
 def inner_lowpass(values: Array, rate: float, order: int, cutoff: float) -> Array:
@@ -70,7 +70,7 @@ def frequency_response(frequency: Array, rate: float, order: int, cutoff: float)
 
     rate, cutoff: [Hz]. Raises ValueError for a cut-off not above zero.
     """
-    return np.abs(signal.freqz_sos(_design(rate, order, cutoff), frequency, fs=rate)[1])
+    return np.abs(scipy.signal.freqz_sos(_design(rate, order, cutoff), frequency, fs=rate)[1])
 
 
 @cache
@@ -79,4 +79,4 @@ def _design(rate: float, order: int, cutoff: float) -> Array:
         raise ValueError(f"a cut-off of {cutoff:g} Hz is not above zero")
     if cutoff >= rate / 2:
         return IDENTITY_SECTION
-    return signal.butter(order, cutoff, fs=rate, output="sos")
+    return scipy.signal.butter(order, cutoff, fs=rate, output="sos")

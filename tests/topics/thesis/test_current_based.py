@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.controller import environment_on_arm
 from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import flange_kinematics
 from ur5lib.topics.thesis.current_based import (
     delay,
     friction_torque,

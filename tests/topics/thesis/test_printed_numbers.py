@@ -7,13 +7,13 @@ import pytest
 from tests.conftest import PROJECT
 from tests.real_arms import RealRecording, RealStudy
 from tests.topics.pages import Shown, section
-from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.quality import Quality, StartOffset
 from ur5lib.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.report.results import Results
 from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.robots.statics import flange_kinematics
 from ur5lib.timeseries.metrics import mean_absolute_error
 from ur5lib.topics.thesis.closed_loop import published_gains, simulated, tracking_of
 from ur5lib.topics.thesis.explained_errors import explained_accelerations, loop_error

@@ -8,7 +8,6 @@ import pytest
 
 from tests.made_records import motion_of, signals_of, torques_of
 from tests.steps.made_recording import Known, aligned, known_of, premises
-from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import Remark
 from ur5lib.force.controller import further_or_controller
@@ -20,6 +19,7 @@ from ur5lib.records.friction import Friction
 from ur5lib.records.quality import Quality, StartOffset, contradiction
 from ur5lib.records.signals import SENSOR_COLUMNS
 from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import flange_kinematics
 from ur5lib.signals.clock import STAMPS_METHOD
 from ur5lib.steps.judge_sensor import judge_sensor
 from ur5lib.timeseries.lowpass import Butterworth
