@@ -8,6 +8,7 @@ from snakemake.exceptions import WorkflowError
 
 from ur5lib.errors import InputError
 from ur5lib.jobs.code import checksum_of_step, in_library, of_study
+from ur5lib.jobs.page import check_page
 from ur5lib.jobs.unreadable import unreadable
 from ur5lib.jobs.workers import FAILED, end_beside_the_schedule, run_step
 from ur5lib.robots.description import JOINT_SIZES_FILE, robot_path
@@ -103,7 +104,7 @@ onstart:
         except InputError as error:
             raise WorkflowError(str(error))
     try:
-        check_page()
+        check_page_if_new()
     except InputError as error:
         raise WorkflowError(str(error))
     if workflow.local_exec:
@@ -116,14 +117,12 @@ wildcard_constraints:
     robot="[^/]+",
 
 
-def check_page():
+def check_page_if_new():
     """Typeset the page of an empty study, before any job, if a source is newer than the report."""
     page = Path(f"{RESULTS}/report.html")
     since = page.stat().st_mtime if page.is_file() else 0
     if workflow.is_main_process and max(path.stat().st_mtime for path in PAGE) > since:
-        from ur5lib.report.page.typeset import check_sources  # slow to import
-
-        check_sources()
+        check_page()
 
 
 def list_unreadable():
