@@ -34,7 +34,7 @@ from ur5lib.force.estimators import LEADING, all_stated
 from ur5lib.force.external_torque import REST_SPEED
 from ur5lib.force.problem import fmap_problem
 from ur5lib.force.residual_model import Residuals
-from ur5lib.force.smallest_pushes import FELT_SIZE, MIN_TRIALS, by_motion, detectable
+from ur5lib.force.smallest_pushes import FELT_SIZE, by_motion, detectable
 from ur5lib.force.thresholds import alarms
 from ur5lib.force.trial_contacts import Trials
 from ur5lib.identification.current_samples import ZeroPhaseLowpass, current_record
@@ -362,12 +362,13 @@ def pushed_on(fold: Fold, own: Recording) -> Trials | None:
     loaded = read_record(Prediction, fold.own(own, "currents.json")).is_loaded
     if problem is None or odds is None or loaded:
         return None
-    place, force = own.premises().place, fold.study.settings.contact.force_n
+    settings = fold.study.settings
+    place, force = own.premises().place, settings.contact.force_n
     threshold = read_record(dict[str, float], fold.shared("threshold.json")).get(LEADING, 0.0)
     kinematics = Kinematics.read(own.file("kinematics.parquet"))
     prior = ContactPrior.of(fold.arm, force, place)
     run = untouched(problem, kinematics, place, alarms(odds, threshold))
-    return trials_on(problem, run, prior, threshold, MIN_TRIALS // 9)
+    return trials_on(problem, run, prior, threshold, settings.pushes.per_arm // 9)
 
 
 def report_pushes(trials: Trials) -> None:

@@ -46,7 +46,11 @@ def known(ur5: Robot) -> dict[str, Any]:
 
 
 def measured(
-    known: dict[str, EstimatedRecording], names: Sequence[str], ur5: Robot, paths: int
+    known: dict[str, EstimatedRecording],
+    names: Sequence[str],
+    ur5: Robot,
+    paths: int,
+    tried: int = 300,
 ) -> DetectedPushes:
     return measure_pushes(
         {name: known[name] for name in names},
@@ -55,6 +59,7 @@ def measured(
         threshold={"Fmap": 0.0},
         arm=ur5,
         contact_force_n=15.0,
+        trial_pushes=tried,
     )
 
 
@@ -75,6 +80,22 @@ def test_what_the_trials_rest_on(
     assert {row.basis for row in rows} == {basis}
     assert {row.reason for row in rows} - {"undetermined"} == {reason}
     assert all((row.value is None) == (row.reason in ("one_path", "undetermined")) for row in rows)
+
+
+def test_of_fewer_pushes_less_is_known(known: dict[str, Any], ur5: Robot) -> None:
+    """Intervals are wider, and of fewer than ten along an axis nothing is stated."""
+    many, few = (
+        {(row.motion, row.axis): row for row in measured(known, ["seen", "new"], ur5, 2, n).pushes}
+        for n in (900, 90)
+    )
+    assert few.keys() == many.keys()
+    assert 90 <= sum(row.trials for row in few.values()) < 130
+    assert 900 <= sum(row.trials for row in many.values()) < 1000
+    assert all(row.reason == "undetermined" for row in few.values() if row.trials < 10)
+    both = [key for key in few if few[key].std_error and many[key].std_error]
+    shares = [few[key].std_error / few[key].value for key in both]
+    assert len(both) > 1
+    assert np.mean(shares) > 1.5 * np.mean([many[key].std_error / many[key].value for key in both])
 
 
 def test_pushes_tried_together_are_found_as_each_alone(ur5: Robot) -> None:

@@ -33,7 +33,6 @@ from ur5lib.timeseries.segments import Span
 
 FLANGE_SPEEDS = (*SPEEDS, np.inf)  # m/s
 TRIAL_ROUNDS = 2  # trial pushes are made in this many rounds
-MIN_TRIALS = 900  # of an arm: a hundred for each axis and range of speeds
 FELT_SIZE = GATE_SIZES[-1] / TRIAL_SIZES[-1]  # the gate's largest contact over the largest trial
 SETTLING_SPEED = 0.1  # m/s: an arm that settles is slow, and not at rest
 MIN_TRIALS_OF_A_LIMIT = 10  # fewer trials determine no limit; some must be detected, some not

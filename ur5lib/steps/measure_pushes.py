@@ -11,7 +11,6 @@ from ur5lib.force.push_directions import Place, places_of, push_directions
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.smallest_pushes import (
     FELT_SIZE,
-    MIN_TRIALS,
     found_by_force,
     needed,
     pushed,
@@ -45,14 +44,16 @@ def measure_pushes(
     threshold: dict[str, float],
     arm: Robot,
     contact_force_n: float | None,
+    trial_pushes: int,
 ) -> DetectedPushes:
     """Return the pushes that are detected; empty where no push can be tried.
 
     For an arm fitted to a single path, pushes by direction and by force are left out. recordings:
-    without contact; contact_force_n: [N], of a typical contact, None: by the arm's payload.
+    without contact; contact_force_n: [N], of a typical contact, None: by the arm's payload;
+    trial_pushes: least number on all recordings together.
     """
     trials, places = dict[str, Trials](), list[Place]()
-    least = MIN_TRIALS // max(1, len(recordings))
+    least = trial_pushes // max(1, len(recordings))
     for name, recording in recordings.items():
         if LEADING not in threshold or recording.prediction.is_loaded:
             continue

@@ -342,6 +342,19 @@ class AlarmSettings(Strict):
     )
 
 
+class TrialPushes(Strict):
+    """Trial pushes on contact-free recordings, which show the smallest push that is found."""
+
+    per_arm: int = Field(
+        900,
+        ge=90,
+        le=100_000,
+        description="number on an arm's recordings, at least, where they have time for any; of "
+        "fewer than 10 of an axis at rest, in slow or in fast motion, no push is stated; of fewer "
+        "than 40, its interval contains the push less often than 95 % (60 to 90 %)",
+    )
+
+
 class ForceSensorSettings(Strict):
     """Settings of the force sensor with which estimates are compared."""
 
@@ -368,6 +381,7 @@ class Settings(Strict):
     lowpass: Lowpass = Lowpass()
     contact: Contact = Contact()
     alarms: AlarmSettings = AlarmSettings()
+    pushes: TrialPushes = TrialPushes()
     sensor: ForceSensorSettings = ForceSensorSettings()
     singularities: Singularities = Singularities()
 

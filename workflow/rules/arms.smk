@@ -196,5 +196,6 @@ rule measure_pushes:
     params:
         code=code("measure_pushes"),
         contact_force_n=SETTINGS.contact.force_n,
+        trial_pushes=SETTINGS.pushes.per_arm,
     run:
         run_step(rule, input, output, params, log)

@@ -7,7 +7,7 @@ import numpy as np
 
 from ur5lib.force.problem import Problem, fmap_problem
 from ur5lib.force.residual_model import Residuals
-from ur5lib.force.smallest_pushes import MIN_TRIALS, pushed, pushes_of_arm, where_pushed
+from ur5lib.force.smallest_pushes import pushed, pushes_of_arm, where_pushed
 from ur5lib.force.trial_contacts import Trials, Untouched
 from ur5lib.records.friction import Friction
 from ur5lib.records.measured import Measured
@@ -29,14 +29,16 @@ def measure_live_pushes(
     arm: Robot,
     gravities: dict[str, list[float] | None],
     contact_force_n: float | None,
+    trial_pushes: int,
 ) -> list[LivePush]:
     """Return the smallest pushes that the live estimator finds, by motion and axis; empty if no
     push can be tried.
 
     recordings, gravities: of contact-free recordings; for each, the fit without its path is used;
-    contact_force_n: of a typical contact [N], None: from the arm's payload.
+    contact_force_n: of a typical contact [N], None: from the arm's payload; trial_pushes: least
+    number on all recordings together.
     """
-    trials, least = dict[str, Trials](), MIN_TRIALS // max(1, len(recordings))
+    trials, least = dict[str, Trials](), trial_pushes // max(1, len(recordings))
     for name, recording in recordings.items():
         run = Measured.of(recording.signals)
         problem = fmap_problem(recording.motion, recording.currents, residuals)

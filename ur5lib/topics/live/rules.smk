@@ -62,6 +62,7 @@ rule measure_live_pushes:
         code=code("measure_live_pushes"),
         gravities=gravities_of(SELECTION.drawn),
         contact_force_n=SETTINGS.contact.force_n,
+        trial_pushes=SETTINGS.pushes.per_arm,
     run:
         run_step(rule, input, output, params, log)
 
