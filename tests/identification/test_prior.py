@@ -5,8 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.current_study import prior
+from tests.current_study import CONSTANT, LOAD, noisy, prior, smooth
 from ur5lib.errors import RefusalError
+from ur5lib.identification.at_rest import AtRest
+from ur5lib.identification.current_regression import expected_fit
+from ur5lib.identification.currents import parameters
+from ur5lib.identification.estimation import estimate_together
 from ur5lib.identification.prior import (
     OFFSET_NAME,
     Prior,
@@ -16,7 +20,8 @@ from ur5lib.identification.prior import (
     typical_friction,
 )
 from ur5lib.identification.regression import Normal
-from ur5lib.robots.friction import FITTED_TERMS, coefficient_names
+from ur5lib.identification.samples import joint_samples
+from ur5lib.robots.friction import BASE_TERMS, FITTED_TERMS, coefficient_names
 from ur5lib.timeseries.arrays import Array
 
 WIDTH = 0.1
@@ -154,3 +159,33 @@ def test_the_controller_s_constant_is_that_of_samples_at_rest_that_carry_a_load(
     np.testing.assert_allclose(found, [9.0, 10.0, np.nan, 12.0])
     moment[100:, 3] = 0.0
     assert np.isnan(standstill_ratio(moment, current, qd)[3])
+
+
+def test_what_is_known_without_a_recording_is_all_from_the_prior() -> None:
+    """Constants as the maker says, friction as of other joints."""
+    rows = parameters(expected_fit(KNOWN))
+    assert len(rows) == 6 * (2 + len(coefficient_names(BASE_TERMS)))
+    for row in rows:
+        shares = row.prior_share, row.arm_share, row.day_share, row.run_share
+        assert shares == (1.0, 0.0, 0.0, 0.0)
+        if row.name in TYPICAL:
+            typical, joint = TYPICAL[row.name], row.joint - 1
+            assert row.value == pytest.approx(typical.mean[joint], rel=1e-6, abs=1e-9)
+            assert row.std_error == pytest.approx(typical.std[joint], rel=0.15)
+        if row.name == "torque_constant":
+            assert row.value == pytest.approx(CONSTANT[row.joint - 1])
+
+
+def test_shares_of_knowledge_are_of_recordings_whatever_their_order() -> None:
+    """Of one in motion, and of two of postures, each a day of its own."""
+    random = np.random.default_rng(4)
+    torques = [random.uniform(-1, 1, (8, 6)) * LOAD for _ in range(2)]
+    postures = [(one, one / CONSTANT + 0.05 * random.normal(size=(8, 6))) for one in torques]
+    samples = joint_samples(noisy([1]), smooth)
+    found = [
+        estimate_together(samples, replace(prior(), at_rest=AtRest.of(order)))[0]
+        for order in (postures, postures[::-1])
+    ]
+    for one, other in zip(*found, strict=True):
+        np.testing.assert_allclose(one.shares.sum(axis=0), 1.0)
+        np.testing.assert_allclose(one.shares, other.shares, atol=1e-6)
