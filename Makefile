@@ -5,6 +5,7 @@ ESTIMATOR ?=
 SECONDS ?= 600
 SEED ?=
 ROOM ?= force
+SINCE ?=
 N ?= 60
 SPEED := dynamics smoothing study
 EXCEPT = and not thorough
@@ -63,8 +64,8 @@ lint: .venv/dev ## check style and types
 fuzz: .venv/dev ## damage recordings, studies, arms, models, streams and controllers for SECONDS (600); SEED repeats a run
 	OMP_NUM_THREADS=1 python -m tests.fuzz --seconds $(SECONDS) $(if $(SEED),--seed $(SEED))
 
-mutants: .venv/dev ## change N (60) operators, signs, numbers or axes of ROOM (force) one by one, and list those that its tests do not notice; SEED repeats a run
-	OMP_NUM_THREADS=1 python -m tests.mutants $(ROOM) --number $(N) $(if $(SEED),--seed $(SEED))
+mutants: .venv/dev ## change N (60) operators, signs, numbers or axes of ROOM (force), or of lines new since a commit SINCE, one by one, and list those that no test that reaches them notices; SEED repeats a run
+	OMP_NUM_THREADS=1 python -m tests.mutants $(if $(SINCE),--since $(SINCE),$(ROOM)) --number $(N) $(if $(SEED),--seed $(SEED))
 
 bench: .venv/dev ## measure speed side by side: some ten minutes, the default study included
 	for name in $(SPEED); do echo "benchmarks/$$name.py"; python -m benchmarks.$$name || exit 1; done

@@ -1,8 +1,9 @@
 """Mutants: changes of one operator, sign, number or axis, each of which tests should notice.
 
-`python -m tests.mutants force -n 60 --seed 1` draws them in `ur5lib/force`, or in one file there,
-and runs the tests of the room's folder on each, those first that import what was changed. It works
-on a copy of the project, and prints what no test noticed.
+`python -m tests.mutants force -n 60 --seed 1` draws them in `ur5lib/force`, or in one file there;
+`--since main` in the lines that a branch changed. Each is tried on a copy of the project, by the
+tests that reach its line, the fastest first (tests/reached_lines.py); what no test notices is
+printed. Studies in other processes, and tests marked slow, take no part.
 """
 
 import argparse
@@ -10,21 +11,28 @@ import ast
 import os
 import random
 import re
+import resource
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
-import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from importlib import import_module
+from itertools import accumulate
+from math import ceil, log2
 from multiprocessing import get_context
 from pathlib import Path
 from typing import NamedTuple
 
-import pandas  # noqa: F401 - loaded once, not by each run
 import pytest
-import scipy.signal  # noqa: F401
-import torch  # noqa: F401
+
+from tests.reached_lines import MAPPED, Recorder, near, read_map
+from tests.warm_snakemake import OF_STEPS
+
+for library in (*OF_STEPS, "cvxpy", "hypothesis", "pinocchio", "torch"):
+    import_module(library)  # once, not by each run
 
 PROJECT = Path(__file__).parents[1]
 
@@ -33,7 +41,10 @@ SWAPPED |= {"<": ">=", ">": "<=", "<=": ">", ">=": "<", "==": "!=", "!=": "=="}
 SWAPPED |= {"and": "or", "or": "and"}
 OPERATOR = re.compile(r"\*\*|//|[<>=!]=|\band\b|\bor\b|[-+*/%<>]")
 IN_CPP = re.compile(r"(?<= )(?:[-+*/<>]|[<>=!]=)(?= )|(?<![\w.])\d+(?:\.\d*)?(?:e-?\d+)?(?![\w.])")
-LEAST_TIMEOUT = 60.0  # s
+ENOUGH = 30.0  # s of processor for a mutant: what lives longer than that counts as alive
+LEAST_LIMIT = 20.0
+MAPPING_LIMIT = 1800.0
+WAITING = 20  # seconds on the clock for one of the processor
 
 
 class Mutant(NamedTuple):
@@ -48,9 +59,22 @@ class Mutant(NamedTuple):
         """Return the file's content with the change."""
         return content[: self.start] + self.text.encode() + content[self.end :]
 
+    def number(self, content: bytes) -> int:
+        """Return its line, from 1 on."""
+        return content.count(b"\n", 0, self.start) + 1
+
+    def statement(self, content: bytes) -> set[int]:
+        """Return the lines of the statement that it is in, but for those of a block below."""
+        number, lines = self.number(content), set[int]()
+        for node in ast.walk(ast.parse(content)):  # outer ones first
+            if isinstance(node, ast.stmt) and node.lineno <= number <= (node.end_lineno or 0):
+                first = [one.lineno for one in getattr(node, "body", [])][:1]
+                lines = {*range(node.lineno, first[0] if first else node.end_lineno + 1)}
+        return lines
+
     def line(self, content: bytes) -> str:
         """Return where it is, and the line before and after."""
-        number = content.count(b"\n", 0, self.start)
+        number = self.number(content) - 1
         before, after = (
             text.split(b"\n")[number].decode().strip() for text in (content, self.source(content))
         )
@@ -129,9 +153,9 @@ def mutants_of(file: Path, content: bytes) -> Iterator[Mutant]:
 
 
 class Copy:
-    """A copy of the project's own files, in which mutants are tried by the tests of their room."""
+    """A copy of the project's own files, in which tests are mapped and mutants tried."""
 
-    def __init__(self, folder: Path, room: Path) -> None:
+    def __init__(self, folder: Path) -> None:
         self.folder = folder / PROJECT.name
         listed = subprocess.check_output(["git", "ls-files", "-z"], cwd=PROJECT, text=True)
         for name in filter(None, listed.split("\0")):
@@ -140,90 +164,141 @@ class Copy:
                 shutil.copy2(source, self.folder / name)
         if (shared := PROJECT.parent / "shared").exists():
             (folder / "shared").symlink_to(shared.resolve())
-        tests = PROJECT / "tests" / (room.parent if room.suffix else room)
-        self.tests = [str(file.relative_to(PROJECT)) for file in sorted(tests.rglob("test_*.py"))]
 
-    def killer(self, mutant: Mutant, seconds: float) -> str:
-        """Return what notices a mutant, "" if nothing does; seconds: after which it has hung."""
+    def tests(self, mutant: Mutant, files: Iterable[str]) -> dict[str, float]:
+        """Return the processor seconds of the tests that reach a mutant, the fastest first."""
+        name, content = str(mutant.file), (PROJECT / mutant.file).read_bytes()
+        if mutant.file.suffix == ".hpp":  # which tests compile
+            return {own: LEAST_LIMIT for own in files if "g++" in (PROJECT / own).read_text()}
+        found: dict[str, float] = {}
+        for test in files:
+            if not (known := read_map(test)).holds_for(name):
+                if failed := self.failure([test], MAPPING_LIMIT, Recorder(test)):
+                    print(f"without any change, {failed} fails: it is left out", flush=True)
+                known = read_map(test)
+            found |= known.tests(name, mutant.statement(content))
+        # in steps of twice the time; within one by file, of which fixtures are then made once
+        order = sorted(found, key=lambda test: (int(log2(found[test] + 0.01)), test))
+        spent = accumulate(found[test] for test in order)
+        pairs = zip(order, spent, strict=True)
+        return {test: found[test] for test, until in pairs if until - found[test] < ENOUGH}
+
+    def killer(self, mutant: Mutant) -> str:
+        """Return what notices a mutant, "" if nothing does: first of its room, then of others."""
+        for files in near(str(mutant.file)):
+            if tests := self.tests(mutant, files):
+                with self.changed(mutant):
+                    failed = self.failure(tests, LEAST_LIMIT + 4 * sum(tests.values()))
+                if failed:
+                    return failed
+        return ""
+
+    @contextmanager
+    def changed(self, mutant: Mutant) -> Iterator[None]:
+        """Have a mutant in the copy."""
         file = self.folder / mutant.file
         content = file.read_bytes()
         file.write_bytes(mutant.source(content))
         try:
-            return self.failure(self.nearest_first(mutant.file), seconds)
+            yield
         finally:
             file.write_bytes(content)
 
-    def nearest_first(self, changed: Path) -> list[str]:
-        """Return the tests, those first that import a file, or compile a header."""
-        name = changed.stem
-        use = re.compile(
-            rf"\.{name} import|import {name}\b" if changed.suffix == ".py" else "g\\+\\+"
-        )
-        return sorted(self.tests, key=lambda test: not use.search((PROJECT / test).read_text()))
-
-    def failure(self, tests: Sequence[str], seconds: float | None = None) -> str:
-        """Return which test fails first, "" if none does."""
+    def failure(self, tests: Iterable[str], seconds: float, *plugins: object) -> str:
+        """Return which test fails first, "" if none does; seconds: of processor, then it hangs."""
         log = self.folder / "mutants.log"
-        process = get_context("fork").Process(target=_try, args=(self.folder, tests, log))
+        given = (self.folder, [*tests], log, ceil(seconds), plugins)
+        process = get_context("fork").Process(target=_try, args=given)
         process.start()
-        process.join(seconds)
-        if process.exitcode is None:
-            os.killpg(process.pid or 0, signal.SIGKILL)
+        process.join(WAITING * seconds)  # for what sleeps
+        if process.exitcode is None or process.exitcode in (-signal.SIGXCPU, -signal.SIGKILL):
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid or 0, signal.SIGKILL)
             process.join()
             return f"no end within {seconds:.0f} s"
         said = log.read_text(errors="replace")
         failed = re.search(r"^(?:FAILED|ERROR) (\S+)", said, re.MULTILINE)
-        return "" if process.exitcode == 0 else failed[1] if failed else said[-500:]
+        none = pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED
+        return "" if process.exitcode in none else failed[1] if failed else said[-500:]
 
 
-def _try(folder: Path, tests: Sequence[str], log: Path) -> None:
+def _try(
+    folder: Path, tests: list[str], log: Path, seconds: int, plugins: Sequence[object]
+) -> None:
     """Run tests in a copy of the project, in a process that has loaded the libraries before."""
     os.setsid()
     os.chdir(folder)
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 5))
+    sys.dont_write_bytecode = not plugins  # a mutant's is not the code
     os.environ |= {"PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"}
-    sys.dont_write_bytecode = True
     sys.path.insert(0, str(folder))
-    for name in [name for name in sys.modules if name.partition(".")[0] == "tests"]:
+    for name in [name for name in sys.modules if name.partition(".")[0] in ("tests", "ur5lib")]:
         del sys.modules[name]
     with log.open("w") as said:
         os.dup2(said.fileno(), 1)
         os.dup2(said.fileno(), 2)
-    options = ["-x", "-q", "-n", "0", "-p", "no:cacheprovider", "-m", "not thorough"]
-    sys.exit(pytest.main([*options, *tests]))
+    options = ["-q", "-n", "0", "-p", "no:cacheprovider", "--tb", "short", "-m", MAPPED]
+    sys.exit(pytest.main([*options, *([] if plugins else ["-x"]), *tests], [*plugins]))
 
 
-def drawn(room: Path, count: int, seed: int) -> list[Mutant]:
-    """Return mutants of a room's files, or of one file, of which all are as likely."""
-    part = Path("ur5lib") / room
+def changed_lines(since: str) -> dict[Path, set[int]]:
+    """Return the lines of files in ur5lib that are new since a revision."""
+    given = ["git", "diff", "--unified=0", "--no-renames", since, "--", "ur5lib"]
+    said, found = subprocess.check_output(given, cwd=PROJECT, text=True), {}
+    for name, hunks in re.findall(
+        r"^\+\+\+ b/(\S+\.(?:py|hpp))\n((?:[^d].*\n)*)", said, re.MULTILINE
+    ):
+        starts = re.findall(r"^@@ .*\+(\d+)(?:,(\d+))? @@", hunks, re.MULTILINE)
+        found[Path(name)] = {
+            int(start) + k for start, count in starts for k in range(int(count or 1))
+        }
+    return found
+
+
+def drawn(part: Path, lines: dict[Path, set[int]], count: int, seed: int) -> list[Mutant]:
+    """Return mutants of a folder's files, or of one file, of which all are as likely.
+
+    lines: of files of which these alone are meant; {} means all files and lines.
+    """
     kinds = ("*.py", "*.hpp")
     files = [part] if (PROJECT / part).is_file() else [
         file.relative_to(PROJECT) for kind in kinds for file in sorted((PROJECT / part).rglob(kind))
     ]  # fmt: skip
     if not files:
         sys.exit(f"{part} has no file; name a folder or file in ur5lib, e.g. topics/live/live.hpp")
-    every = [mutant for file in files for mutant in mutants_of(file, (PROJECT / file).read_bytes())]
+    texts = {file: (PROJECT / file).read_bytes() for file in files if not lines or file in lines}
+    every = [
+        mutant
+        for file, text in texts.items()
+        for mutant in mutants_of(file, text)
+        if not lines or mutant.number(text) in lines[file]
+    ]
     return random.Random(seed).sample(every, min(count, len(every)))
 
 
 def main() -> None:
-    """Try mutants of a room, and print those that its tests do not notice."""
+    """Try mutants of a room or a branch, and print those that no test notices."""
     options = argparse.ArgumentParser(description=__doc__)
-    options.add_argument("room", type=Path, help="folder or file in ur5lib, e.g. force")
+    options.add_argument("room", type=Path, nargs="?", default="", help="in ur5lib, e.g. force")
     options.add_argument("-n", "--number", type=int, default=60)
     options.add_argument("--seed", type=int, default=random.randrange(10_000))
+    options.add_argument("--since", help="only of lines that are new since a revision, e.g. main")
     given = options.parse_args()
-    chosen = drawn(given.room, given.number, given.seed)
+    lines = changed_lines(given.since) if given.since else {}
+    if given.since and not lines:
+        sys.exit(f"no line of ur5lib is new since {given.since}")
+    chosen = drawn("ur5lib" / given.room, lines, given.number, given.seed)
+    print(f"{len(chosen)} mutants of ur5lib/{given.room}, seed {given.seed}", flush=True)
     with tempfile.TemporaryDirectory() as folder:
-        copy, begin, survivors = Copy(Path(folder), given.room), time.monotonic(), []
-        if failed := copy.failure(copy.tests):
-            sys.exit(f"without any change, {failed} fails; mend it first")
-        limit = max(LEAST_TIMEOUT, 4 * (time.monotonic() - begin))
-        print(f"{len(chosen)} mutants of {given.room}, seed {given.seed}", flush=True)
+        copy, survivors, killers = Copy(Path(folder)), [], set()
         for number, mutant in enumerate(chosen, 1):
-            killer = copy.killer(mutant, limit)
+            killer = copy.killer(mutant)
             line = mutant.line((PROJECT / mutant.file).read_bytes())
             print(f"{number}: {killer or 'SURVIVES'}: {line}", flush=True)
             survivors += [] if killer else [line]
+            killers |= {killer.partition("[")[0]} if killer.startswith("tests/") else set()
+        if failed := killers and copy.failure(sorted(killers), MAPPING_LIMIT):
+            sys.exit(f"without any change, {failed} fails, too; mend it first")
     killed = len(chosen) - len(survivors)
     print(f"{killed} of {len(chosen)} killed ({killed / len(chosen):.0%}); these survive:")
     print("\n".join(survivors))
