@@ -47,7 +47,7 @@ def test_no_file_installs_the_package_by_its_name() -> None:
         "pip install \\\n    NAME",
         '"!pip install NAME\\n"',
         '[sys.executable, "-m", "pip", "install", "NAME"]',
-        "pip install UR5lib.",
+        "pip install NAME.",
         "pipx install NAME",
         "pipx run --spec NAME ur5",
         "uv add NAME",
@@ -58,7 +58,8 @@ def test_no_file_installs_the_package_by_its_name() -> None:
     ],
 )
 def test_each_way_to_install_by_name_is_found(command: str) -> None:
-    assert installing(command.replace("NAME", "ur5lib"))
+    for name in ("ur5lib", "UR5" + "lib"):
+        assert installing(command.replace("NAME", name))
 
 
 @pytest.mark.parametrize(
