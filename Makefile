@@ -42,7 +42,7 @@ test-all: .venv/dev ## the same with the tests marked thorough: installed packag
 	$(MAKE) tests EXCEPT=
 
 tests:
-	rm -f .pytest_cache/late
+	rm -rf .pytest_cache/late .pytest_cache/studies
 	$(MAKE) --jobs 3 lint test-others test-real-time
 	# what did not keep up beside the others is tried again, alone
 	test ! -e .pytest_cache/late || $(REAL_TIME) --last-failed --reruns 2 --reruns-delay 5
@@ -55,6 +55,9 @@ test-real-time:
 
 test-fast: lint ## check style and types, and run the tests that are not marked slow: without many arms and designs, studies, devices in real time
 	OMP_NUM_THREADS=1 pytest -m "not slow"
+
+test-changed: lint ## check style and types, and run the tests that the change since the branch left origin/main can reach; says what is left out
+	OMP_NUM_THREADS=1 python -m tests.changed $(if $(SINCE),--since $(SINCE))
 
 # what has not changed since another clone was checked is not checked again
 lint: export MYPY_CACHE_DIR ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/ur5lib/mypy
@@ -141,4 +144,4 @@ help: ## list these commands
 		"the packages of requirements-dev.lock cannot be installed; check the network and the disk"; exit 1; }
 	@touch $@
 
-.PHONY: all thesis studies test test-all tests test-others test-real-time test-fast lint fuzz mutants bench leaderboard pictures docs release schema lock clean help
+.PHONY: all thesis studies test test-all tests test-others test-real-time test-fast test-changed lint fuzz mutants bench leaderboard pictures docs release schema lock clean help

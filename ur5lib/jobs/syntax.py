@@ -39,6 +39,13 @@ def syntax(path: Path) -> Syntax:
     return FOUND.setdefault(key, _before().get(key) or _syntax_of(content))
 
 
+def form_of(part: ast.AST) -> str:
+    """Return what of a part of a syntax tree can change a result, as a text."""
+    reading = _Reading()
+    reading.read(part)
+    return "".join(reading.form)
+
+
 def keep_for_the_next_process() -> None:
     """Write what this process found to the working folder, if it had to parse a file."""
     if FOUND.keys() - _before().keys():
