@@ -32,6 +32,7 @@ hypothesis.settings.register_profile("untimed", deadline=None)
 hypothesis.settings.load_profile("untimed")
 
 PROJECT = Path(__file__).parents[1]
+KEPT = PROJECT / ".pytest_cache" / "studies"  # built ones, for later sessions
 COPIED = [
     "Snakefile",
     "CITATION.cff",
@@ -223,17 +224,51 @@ class Workflow:
 def build_once(folder: Path, prepare: Callable[[Path], None], *arguments: str) -> Workflow:
     """A study in a copy of the project: the first process that needs it builds it, others wait.
 
-    prepare: puts recordings and settings into the copy.
+    It is kept for later sessions, which repeat the steps whose code, settings or files are others
+    then. folder: of this session, with the study's name; prepare: puts recordings and settings
+    into the copy.
     """
-    with open(f"{folder}.lock", "w") as lock:
+    kept, built = KEPT / folder.name, folder.with_name(f"{folder.name}.built")
+    KEPT.mkdir(parents=True, exist_ok=True)
+    with open(f"{kept}.lock", "w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        if not folder.exists():
-            with tempfile.TemporaryDirectory(dir=folder.parent) as other:
-                workflow = Workflow(copy_project(Path(other) / "project"))
-                prepare(workflow.folder)
-                workflow.build(*arguments)
-                workflow.folder.rename(folder)
-    return Workflow(folder)
+        if not built.exists():
+            with tempfile.TemporaryDirectory() as other:
+                new = copy_project(Path(other) / "project")
+                prepare(new)
+                bring_up_to_date(kept, new)
+            Workflow(kept).build(*arguments)
+            built.touch()
+    return Workflow(kept)
+
+
+def bring_up_to_date(kept: Path, new: Path) -> None:
+    """Replace the files of a folder that are others than the new ones; results stay."""
+    if not kept.exists():
+        shutil.move(new, kept)
+        return
+    wanted = sources(new)
+    for name in sources(kept) - wanted:
+        (kept / name).unlink()
+    for name in wanted:
+        if content(kept / name) != content(new / name):
+            (kept / name).unlink(missing_ok=True)
+            (kept / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(new / name, kept / name, follow_symlinks=False)
+
+
+def sources(folder: Path) -> set[Path]:
+    """The files of a folder, and its links, that no run of a study wrote."""
+    paths = {path.relative_to(folder) for path in folder.rglob("*") if content(path) is not None}
+    written = {"results", ".snakemake", "__pycache__"}
+    return {path for path in paths if written.isdisjoint(path.parts)}
+
+
+def content(path: Path) -> bytes | str | None:
+    """What a link leads to, or a file holds."""
+    if path.is_symlink():
+        return os.readlink(path)
+    return path.read_bytes() if path.is_file() else None
 
 
 def put_small_study(folder: Path) -> None:

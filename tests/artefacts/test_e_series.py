@@ -13,7 +13,7 @@ import yaml
 
 from tests.command import Command
 from tests.compensated import check_formula
-from tests.conftest import Workflow, copy_project, table_of_topic
+from tests.conftest import Workflow, build_once, table_of_topic
 from tests.in_memory import assert_draws_as_in_report
 from ur5lib.commands.exported import exported
 from ur5lib.errors import InputError
@@ -53,11 +53,11 @@ STUDY = {
 
 
 @pytest.fixture(scope="module")
-def workflow(tmp_path_factory: pytest.TempPathFactory) -> Workflow:
-    made = Workflow(copy_project(tmp_path_factory.mktemp("e_series") / "project"))
-    (made.folder / "config.yaml").write_text(yaml.safe_dump(STUDY, sort_keys=False))
-    made.build()
-    return made
+def workflow(common_folder: Path) -> Workflow:
+    def prepare(folder: Path) -> None:
+        (folder / "config.yaml").write_text(yaml.safe_dump(STUDY, sort_keys=False))
+
+    return build_once(common_folder / "e_series", prepare)
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 import yaml
 
-from tests.conftest import Workflow, copy_project
+from tests.conftest import build_once
 from ur5lib.force.estimators import GATED
 from ur5lib.records.contacts import Contacts
 from ur5lib.records.forces import Forces
@@ -55,11 +55,12 @@ STUDY = {
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    workflow = Workflow(copy_project(tmp_path_factory.mktemp("loads") / "project"))
-    (workflow.folder / "config.yaml").write_text(yaml.safe_dump(STUDY, sort_keys=False))
-    workflow.build("--until", "judge_recording", "judge_contacts")
-    return workflow.folder / "results" / "loads"
+def results(common_folder: Path) -> Path:
+    def prepare(folder: Path) -> None:
+        (folder / "config.yaml").write_text(yaml.safe_dump(STUDY, sort_keys=False))
+
+    until = "--until", "judge_recording", "judge_contacts"
+    return build_once(common_folder / "loads", prepare, *until).folder / "results" / "loads"
 
 
 def table(results: Path, name: str, recording: str) -> pd.DataFrame:

@@ -131,7 +131,7 @@ def texts() -> Iterator[str]:
                 yield "".join(map(str, parts))
             elif isinstance(node, ast.Constant) and isinstance(node.value, str):
                 yield node.value
-    for path in [PROJECT / "Makefile", PROJECT / "Snakefile", *PROJECT.rglob("workflow/*/*.smk")]:
+    for path in [PROJECT / "Makefile", PROJECT / "Snakefile", *PROJECT.glob("workflow/*/*.smk")]:
         yield re.sub(r'"\s*f?"', "", path.read_text())
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.conftest import PROJECT
+from tests.conftest import PROJECT, bring_up_to_date, content, sources
 
 CONFTEST = "from tests.session import pytest_sessionfinish as pytest_sessionfinish\n"
 TESTS = """\
@@ -50,3 +50,27 @@ def test_a_skip_fails_unless_it_is_expected(
     [kept] = tmp_path.rglob("durations")
     took = json.loads(kept.read_text())
     assert next(iter(took)) == "test_few.py::test_sleeps[0.2]"
+
+
+def test_a_kept_study_has_the_files_of_today_and_its_results(tmp_path: Path) -> None:
+    kept, new = tmp_path / "kept", tmp_path / "new"
+
+    def put(folder: Path, **files: str) -> None:
+        for name, text in files.items():
+            path = folder / name.replace("__", "/")
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+
+    put(new, raw__a="1", raw__b="1", config="1")
+    (new / "linked").symlink_to(tmp_path / "before")
+    bring_up_to_date(kept, new)
+    assert not new.exists()
+    put(kept, results__small__report="made", raw__run="left")
+    same = (kept / "raw" / "a").stat().st_mtime_ns
+    put(new, raw__a="1", raw__b="2", other__c="1")
+    (new / "linked").symlink_to(tmp_path / "after")
+    bring_up_to_date(kept, new)
+    assert sources(kept) == sources(new) == {*map(Path, ("raw/a", "raw/b", "other/c", "linked"))}
+    assert {content(kept / own) == content(new / own) for own in sources(new)} == {True}
+    assert (kept / "raw" / "a").stat().st_mtime_ns == same  # by which Snakemake sees a change
+    assert (kept / "results" / "small" / "report").read_text() == "made"
