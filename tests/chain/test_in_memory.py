@@ -158,7 +158,8 @@ def test_friction_at_a_velocity_is_that_of_the_table(model: ur5lib.Model) -> Non
         np.testing.assert_allclose(found[[f"{name}_{k}" for k in range(6)]], by_joint, rtol=1e-8)
     assert found.attrs["units"] == {"velocity": "rad/s"} | dict.fromkeys(found, "Nm")
     both = model.friction([-0.5, 0.5], 20)
-    np.testing.assert_array_equal(both.iloc[0].abs(), both.iloc[1])
+    # by the last digit alone, which depends on the processor's kernels
+    np.testing.assert_allclose(both.iloc[0].abs(), both.iloc[1], rtol=1e-12)
     with pytest.raises(ur5lib.InputError, match=r"load has 2 numbers; give one, or 6"):
         model.friction(0.5, [1, 2])
 
