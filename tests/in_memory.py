@@ -1,8 +1,11 @@
 """Recordings in a folder for the library in memory, and a study's results beside what it gives."""
 
 import json
+import shutil
+from functools import cache
 from itertools import product
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -26,7 +29,14 @@ def put_recordings(folder: Path) -> None:
     """Put free1.csv, free2.csv and pushed.csv of a simulated UR5e into a folder: at 125 Hz, as a
     client of RTDE may ask for.
     """
-    arm = load_robot(robot_path("ur5e"))
+    for name in (*FREE, "pushed.csv"):
+        shutil.copy(Path(simulated().name) / name, folder)
+
+
+@cache
+def simulated() -> TemporaryDirectory[str]:
+    """A folder with these recordings, which each process simulates once."""
+    kept, arm = TemporaryDirectory(), load_robot(robot_path("ur5e"))
     for name, draw, more in (
         ("free1", 4, {}),
         ("free2", 7, {"posture": [-0.4, -1.2, 1.3, -1.2, 1.2, -0.5]}),
@@ -38,9 +48,10 @@ def put_recordings(folder: Path) -> None:
         }
         if name == "pushed":
             plan["contacts"] = [PUSH]
-        place = folder / name
+        place = Path(kept.name) / name
         simulate(arm, SimulatedRecording.model_validate(plan), "rtde-csv", place, place / "truth")
-        pd.read_csv(place / "robot.csv")[::4].to_csv(folder / f"{name}.csv", index=False)
+        pd.read_csv(place / "robot.csv")[::4].to_csv(f"{place}.csv", index=False)
+    return kept
 
 
 def assert_as_in_study(
