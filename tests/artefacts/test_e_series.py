@@ -48,7 +48,10 @@ STUDY = {
         recording("pushed", "rtde-csv", "contact", 3, contacts=[PUSH], wrist_sensor=WRIST),
         recording("large", "realtime-stream", "fit", 5, 8) | {"robot": "ur30"},
     ],
-    "settings": {"lowpass": {"motion": {"cutoff_hz": 80}}},  # beyond Nyquist of two of them
+    "settings": {
+        "lowpass": {"motion": {"cutoff_hz": 80}},  # beyond Nyquist of two of them
+        "pushes": {"per_arm": 90},
+    },
 }
 
 

@@ -39,6 +39,7 @@ recordings:
     format: realtime-stream
     role: fit
     simulate: {seconds: 10, trajectory: {kind: fourier, draw: 3}, seed: 1}
+settings: {pushes: {per_arm: 90}}
 """
 STANDSTILL = """\
 study: standstill
@@ -61,6 +62,7 @@ recordings:
         - {kind: push, start_s: 3, seconds: 2, force: [-30, 30, -60]}
         - {kind: push, start_s: 7, seconds: 2, force: [0, -90, 0]}
         - {kind: push, start_s: 11, seconds: 2, force: [60, 0, 30]}
+settings: {pushes: {per_arm: 90}}
 """
 AT_REST = """\
 study: postures
