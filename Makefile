@@ -6,6 +6,8 @@ SECONDS ?= 600
 SEED ?=
 ROOM ?= force
 SINCE ?=
+BEFORE ?= .
+AFTER ?= .
 N ?= 60
 SPEED := dynamics smoothing study
 EXCEPT = and not thorough
@@ -43,9 +45,11 @@ test-all: .venv/dev ## the same with the tests marked thorough: installed packag
 
 tests:
 	rm -rf .pytest_cache/late .pytest_cache/studies
+	python -m tests.clock
 	$(MAKE) --jobs 3 lint test-others test-real-time
 	# what did not keep up beside the others is tried again, alone
 	test ! -e .pytest_cache/late || $(REAL_TIME) --last-failed --reruns 2 --reruns-delay 5
+	python -m tests.clock  # times of two runs compare in units of it
 
 test-others:
 	MAKEFLAGS= OMP_NUM_THREADS=1 nice -n 19 pytest -m "not real_time $(EXCEPT)"  # two processes share the work already
@@ -64,14 +68,19 @@ lint: export MYPY_CACHE_DIR ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/ur5lib/myp
 lint: .venv/dev ## check style and types
 	MAKEFLAGS= nice -n 19 pre-commit run --all-files
 
-fuzz: .venv/dev ## damage recordings, studies, arms, models, streams and controllers for SECONDS (600); SEED repeats a run
+fuzz: .venv/dev ## damage recordings, studies, arms, models, streams and controllers for SECONDS (600) of the processor; SEED repeats a run
 	OMP_NUM_THREADS=1 python -m tests.fuzz --seconds $(SECONDS) $(if $(SEED),--seed $(SEED))
 
 mutants: .venv/dev ## change N (60) operators, signs, numbers or axes of ROOM (force), or of lines new since a commit SINCE, one by one, and list those that no test that reaches them notices; SEED repeats a run
 	OMP_NUM_THREADS=1 python -m tests.mutants $(if $(SINCE),--since $(SINCE),$(ROOM)) --number $(N) $(if $(SEED),--seed $(SEED))
 
 bench: .venv/dev ## measure speed side by side: some ten minutes, the default study included
+	python -m tests.clock
 	for name in $(SPEED); do echo "benchmarks/$$name.py"; python -m benchmarks.$$name || exit 1; done
+	python -m tests.clock
+
+times: .venv/dev ## list the processor time of steps and of the slowest tests, of the clones BEFORE and AFTER (this one) side by side
+	python -m tests.clock $(BEFORE) $(AFTER)
 
 leaderboard: .venv/ready ## compare all force estimators on the built studies thesis and ur10e, write docs/benchmark.md; ESTIMATOR=package.module:Class adds another
 	python -m benchmarks.leaderboard --page $(if $(ESTIMATOR),--estimator "$(ESTIMATOR)")
@@ -144,4 +153,4 @@ help: ## list these commands
 		"the packages of requirements-dev.lock cannot be installed; check the network and the disk"; exit 1; }
 	@touch $@
 
-.PHONY: all thesis studies test test-all tests test-others test-real-time test-fast test-changed lint fuzz mutants bench leaderboard pictures docs release schema lock clean help
+.PHONY: all thesis studies test test-all tests test-others test-real-time test-fast test-changed lint fuzz mutants bench times leaderboard pictures docs release schema lock clean help

@@ -17,6 +17,8 @@ import pytest
 
 from tests import warm_snakemake
 from tests.command import Command
+from tests.session import pytest_runtest_makereport as pytest_runtest_makereport
+from tests.session import pytest_runtest_protocol as pytest_runtest_protocol
 from tests.session import pytest_sessionfinish as pytest_sessionfinish
 from tests.synthetic import write_recording
 from ur5lib.records.quality import Finding

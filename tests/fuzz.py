@@ -51,7 +51,7 @@ class Target:
 
     def try_once(self, seed: int) -> str:
         """Damage it once; return what went wrong, with the place of the damaged files, else ""."""
-        attempt, begin, number = self.attempt, time.monotonic(), self.counts.total()
+        attempt, begin, number = self.attempt, time.process_time(), self.counts.total()
         place, wrong = self.folder / self.name / str(number), ""
         place.mkdir()
         try:
@@ -66,7 +66,7 @@ class Target:
         except Exception:
             outcome, wrong = "crashes", traceback.format_exc()
         self.counts[outcome] += 1
-        self.spent += time.monotonic() - begin
+        self.spent += time.process_time() - begin
         if not wrong:
             shutil.rmtree(place)
             return ""
@@ -83,8 +83,8 @@ def targets(folder: Path) -> list[Target]:
 
 def fuzz(several: list[Target], seconds: float, seed: int) -> list[str]:
     """Damage targets, all for about as long; return what went wrong."""
-    end, wrong = time.monotonic() + seconds, list[str]()
-    while time.monotonic() < end:
+    end, wrong = time.process_time() + seconds, list[str]()
+    while time.process_time() < end:
         target = min(several, key=lambda one: one.spent)
         if fault := target.try_once(seed):
             print(fault, flush=True)

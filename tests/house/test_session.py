@@ -4,13 +4,16 @@ import json
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
 
+from tests import command
+from tests.command import time_limit
 from tests.conftest import PROJECT, bring_up_to_date, content, sources
 
-CONFTEST = "from tests.session import pytest_sessionfinish as pytest_sessionfinish\n"
+CONFTEST = "from tests.session import *\n"
 TESTS = """\
 import time
 
@@ -20,6 +23,12 @@ import pytest
 @pytest.mark.parametrize("seconds", [0.0, 0.2])
 def test_sleeps(seconds):
     time.sleep(seconds)
+
+
+def test_works():
+    end = time.process_time() + 0.2
+    while time.process_time() < end:
+        pass
 
 
 def test_skips():
@@ -49,7 +58,14 @@ def test_a_skip_fails_unless_it_is_expected(
     assert ("  Skipped: no GPU is at hand" in run.stdout) == bool(status)
     [kept] = tmp_path.rglob("durations")
     took = json.loads(kept.read_text())
-    assert next(iter(took)) == "test_few.py::test_sleeps[0.2]"
+    assert {*took} >= {"test_few.py::test_sleeps[0.2]", "test_few.py::test_works"}
+    assert took["test_few.py::test_sleeps[0.2]"] >= 0.2
+    [kept] = tmp_path.rglob("processor")
+    spent = json.loads(kept.read_text())
+    assert next(iter(spent)) == "test_few.py::test_works"
+    assert spent["test_few.py::test_works"] >= 0.2
+    assert spent["test_few.py::test_sleeps[0.2]"] < 0.1
+    assert " s of processor in tests, " in run.stdout
 
 
 def test_a_kept_study_has_the_files_of_today_and_its_results(tmp_path: Path) -> None:
@@ -74,3 +90,21 @@ def test_a_kept_study_has_the_files_of_today_and_its_results(tmp_path: Path) -> 
     assert {content(kept / own) == content(new / own) for own in sources(new)} == {True}
     assert (kept / "raw" / "a").stat().st_mtime_ns == same  # by which Snakemake sees a change
     assert (kept / "results" / "small" / "report").read_text() == "made"
+
+
+def test_a_limit_counts_what_a_run_works_and_not_what_the_machine_does(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def work(seconds: float) -> None:
+        end = time.process_time() + seconds
+        while time.process_time() < end:
+            pass
+
+    with time_limit(0.2):
+        time.sleep(0.5)
+    with pytest.raises(TimeoutError), time_limit(0.2):
+        work(2.0)
+    monkeypatch.setattr(command, "WAITS", 2)
+    with pytest.raises(TimeoutError), time_limit(0.2):
+        time.sleep(5.0)
+    work(0.5)  # no limit is left
