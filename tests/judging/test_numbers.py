@@ -15,7 +15,8 @@ from scipy.stats import poisson
 from tests.made_study import COLUMNS
 from ur5lib.force.estimators import UNGATED
 from ur5lib.judging.advice import ASKING, advice
-from ur5lib.judging.recordings import SEVERITIES, felt_while_fitted, judge_recordings
+from ur5lib.judging.contacts import noticed
+from ur5lib.judging.recordings import SEVERITIES, felt_while_fitted, judge_recordings, uses
 from ur5lib.judging.study import StudyTables
 from ur5lib.records.verdicts import Verdict
 from ur5lib.steps.judge_study import Judged, judged
@@ -377,6 +378,16 @@ def test_what_is_noticed_on_a_recording_is_what_its_rows_hold(told: Judged) -> N
             assert one.posture_deg == row["posture_deg"]
 
 
+def test_a_recording_for_contacts_has_a_row_even_if_nothing_was_noticed() -> None:
+    entries = [{"name": name, "robot": "ur5", "role": ROLES[name]} for name in ("f1", "v1", "c1")]
+    searched = [
+        {"recording": one["name"], "estimate": "Fmap", "alarms_per_min": 0.0} for one in entries
+    ]
+    found = tables_of(entries, recordings=TABLES["recordings"], detection=searched)
+    (row,) = noticed(found)
+    assert (row.recording, row.role, row.contacts, row.alarms) == ("c1", "contact", 0, 0)
+
+
 def test_false_alarms_are_counted_with_the_time_of_their_days(told: Judged) -> None:
     away = {"v1": 0, "v2": 3, "v3": 7}
     parts = {"all": [*away], "without fit": ["v2", "v3"], "farthest": ["v3"]}
@@ -498,6 +509,36 @@ def test_a_severity_without_findings_has_no_row() -> None:
     assert [(row.quantity, row.count, row.rank) for row in counted] == [
         *(("stop signs", 0, 2), ("warnings", 1, 4)),
     ]
+
+
+def test_a_recording_that_could_not_be_read_is_counted_and_graver_than_an_error() -> None:
+    (entry,) = rows("recordings", recording="v1")
+    absent = {"name": "gone", "robot": "ur5", "role": "fit"}
+    errors = rows("quality", severity="error", recording="v1")[:1]
+    stop = errors[0] | {"severity": "stop"}
+    for entries, found, expected in (
+        ([V1], errors, ("usable", "error")),
+        ([V1, absent], errors, ("usable", "unread")),
+        ([V1, absent], [stop], ("do not use", "stopped")),
+        ([V1, absent], [], ("usable", "unread")),
+    ):
+        first, *_ = judge_recordings(tables_of(entries, recordings=[entry], quality=found))
+        assert (first.state, first.reason) == expected
+        if absent in entries:
+            assert (first.recording, first.count, first.of) == ("gone", 1, 2)
+
+
+def test_each_recording_has_its_purposes_or_one_row_that_says_none(told: Judged) -> None:
+    by_name = {
+        name: [(row.purpose, row.use) for row in told.uses if row.recording == name]
+        for name in ROLES
+    }
+    for name, own in by_name.items():
+        assert len(dict(own)) == len(own)
+        assert "all" not in dict(own)
+        assert dict(own)["contacts" if name.startswith("c") else "links"] == "yes"
+    (row,) = uses(tables_of([V1], recordings=rows("recordings", recording="v1")))
+    assert (row.purpose, row.use, row.reason) == ("all", "no", "no_reference")
 
 
 def test_a_fit_recording_with_more_alarms_than_the_others_explain_was_touched() -> None:
