@@ -63,13 +63,14 @@ class Mutant(NamedTuple):
         """Return its line, from 1 on."""
         return content.count(b"\n", 0, self.start) + 1
 
-    def statement(self, content: bytes) -> set[int]:
+    def statement(self, content: bytes) -> frozenset[int]:
         """Return the lines of the statement that it is in, but for those of a block below."""
-        number, lines = self.number(content), set[int]()
+        number, lines = self.number(content), frozenset[int]()
         for node in ast.walk(ast.parse(content)):  # outer ones first
             if isinstance(node, ast.stmt) and node.lineno <= number <= (node.end_lineno or 0):
                 first = [one.lineno for one in getattr(node, "body", [])][:1]
-                lines = {*range(node.lineno, first[0] if first else node.end_lineno + 1)}
+                last = first[0] - 1 if first else node.end_lineno or 0
+                lines = frozenset(range(node.lineno, last + 1))
         return lines
 
     def line(self, content: bytes) -> str:

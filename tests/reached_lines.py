@@ -7,6 +7,7 @@ out are tests marked slow, and studies that Snakemake builds, in processes that 
 import ast
 import functools
 import json
+import re
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator
@@ -46,12 +47,16 @@ class Map(NamedTuple):
         alike = ("tests/", changed)
         return all(checksum(a) == b for a, b in self.checksums.items() if a.startswith(alike))
 
-    def tests(self, file: str, lines: set[int]) -> dict[str, float]:
+    def tests(self, file: str, lines: frozenset[int]) -> dict[str, float]:
         """Return the tests that reach one of a file's lines, with their parts of the seconds."""
         reached = {one for one, at in self.lines.items() if lines.intersection(at.get(file, ()))}
-        if AT_IMPORT in reached:  # a constant, which modules use that import it
-            users = {file, *(one for one in self.measured() if file in imports(one))}
-            reached = {one for one in self.lines if one != AT_IMPORT and users & {*self.lines[one]}}
+        if AT_IMPORT in reached:  # a constant: of tests that reach a line with its name
+            users = {one: with_name(one, file, lines) for one in self.measured()}
+            reached = {
+                test
+                for test, at in self.lines.items()
+                if test != AT_IMPORT and any(users[one].intersection(at[one]) for one in at)
+            }
         own = {test for test in self.seconds if test != SHARED and {test, SHARED} & reached}
         return {test: self.seconds[test] + self.seconds[SHARED] / len(own) for test in own}
 
@@ -73,6 +78,19 @@ def imports(name: str) -> set[str]:
             found |= {node.module, *(f"{node.module}.{one.name}" for one in node.names)}
     files = {f"{one.replace('.', '/')}.py" for one in found if one.startswith(("ur5", "tests"))}
     return {file for file in files if (PROJECT / file).is_file()}
+
+
+@functools.cache
+def with_name(user: str, file: str, lines: frozenset[int]) -> set[int]:
+    """Return the lines of a file with a name that some lines of another, or of itself, assign; all
+    lines without such a name, none if it does not import the other.
+    """
+    if user != file and file not in imports(user):
+        return set()
+    text, assigning = ((PROJECT / one).read_text().splitlines() for one in (user, file))
+    found = re.match(r" *([\w, ]+?)(?:: .*)? = ", assigning[min(lines) - 1])
+    name = re.compile(rf"\b({'|'.join(found[1].split(', '))})\b" if found else "")
+    return {number for number, line in enumerate(text, start=1) if name.search(line)}
 
 
 def near(changed: str) -> tuple[list[str], list[str]]:

@@ -15,7 +15,7 @@ from scipy.stats import poisson
 from tests.made_study import COLUMNS
 from ur5lib.force.estimators import UNGATED
 from ur5lib.judging.advice import ASKING, advice
-from ur5lib.judging.contacts import noticed
+from ur5lib.judging.contacts import judge_contacts, noticed
 from ur5lib.judging.recordings import SEVERITIES, felt_while_fitted, judge_recordings, uses
 from ur5lib.judging.study import StudyTables
 from ur5lib.records.verdicts import Verdict
@@ -308,6 +308,7 @@ def test_contacts_are_counted_by_their_fate_and_motion(told: Judged) -> None:
     first, *others = of_question(told, "contacts")
     every = felt_contacts()
     assert (first.count, first.of) == (len(felt_contacts(fate="found")), len(every))
+    assert first.reason == ""
     for motion, resting in (("at rest", True), ("in motion", False)):
         own = [one for one in every if (MOVING[one["recording"]] is None) == resting]
         (row,) = (
@@ -325,6 +326,21 @@ def test_contacts_are_counted_by_their_fate_and_motion(told: Judged) -> None:
     peak = of_quantity(told, "contacts", "a found contact, largest")
     _, row = largest(found, lambda one: abs(one["peak_error"]))
     assert (peak.value, peak.recording) == (row["peak_error"], row["recording"])
+
+
+@pytest.mark.parametrize(("doubted", "reason"), [("c1 c2 c3", "sensor_bias"), ("c1 c3", "")])
+def test_contacts_are_doubted_where_every_sensor_is(doubted: str, reason: str) -> None:
+    entries = [{"name": name, "robot": "ur5", "role": "contact"} for name in ("c1", "c2", "c3")]
+    offset = {"device": "force", "severity": "warning", "finding": "offset", "count": 1}
+    found = tables_of(
+        entries,
+        recordings=TABLES["recordings"],
+        contact_errors=TABLES["contact_errors"],
+        quality=[offset | {"recording": name} for name in doubted.split()],
+    )
+    first, *others = judge_contacts(found)
+    assert first.reason == reason
+    assert {one.reason for one in others} == {""}
 
 
 def test_from_the_least_peak_above_all_that_are_missed_none_is_missed(told: Judged) -> None:
