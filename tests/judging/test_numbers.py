@@ -15,7 +15,9 @@ from scipy.stats import poisson
 from tests.made_study import COLUMNS
 from ur5lib.force.estimators import UNGATED
 from ur5lib.judging.advice import ASKING, advice
+from ur5lib.judging.constants import judge_constants
 from ur5lib.judging.contacts import judge_contacts, noticed
+from ur5lib.judging.links import judge_links
 from ur5lib.judging.recordings import SEVERITIES, felt_while_fitted, judge_recordings, uses
 from ur5lib.judging.study import StudyTables
 from ur5lib.records.verdicts import Verdict
@@ -259,7 +261,27 @@ def test_links_are_those_that_are_closest_on_most_joints(told: Judged) -> None:
             assert getattr(row, name) == pytest.approx(mean(one[name] for one in part))
 
 
+@pytest.mark.parametrize(("size", "reason"), [(0.1, "too_small"), (0.101, "no_unseen")])
+def test_links_are_judged_by_torques_above_a_tenth(size: float, reason: str) -> None:
+    """Newton metres, on average below 2 Hz."""
+    row = {"recording": "f1", "motion": "measured", "model": "A", "joint": 2, "mae": 0.01}
+    row |= {"mae_2hz": 0.001, "zero_mae": 1.0, "zero_mae_2hz": size}
+    recordings = rows("recordings", recording="f1")
+    made = tables_of([V1 | {"name": "f1", "role": "fit"}], recordings=recordings, torque_mae=[row])
+    first, *_ = judge_links(made, "ur5")
+    assert first.reason == reason
+
+
 # Constants, friction
+
+
+@pytest.mark.parametrize(("usable", "state"), [(2, "not determined"), (3, "usable")])
+def test_constants_of_more_than_half_of_the_joints_are_usable(usable: int, state: str) -> None:
+    constants = rows("friction", parameter="torque_constant")[:4]
+    refused = {"use": "no", "reason": "prior_only", "determined": "no"}
+    made = [row | (refused if k >= usable else {}) for k, row in enumerate(constants)]
+    first, *_ = judge_constants(tables_of([V1], friction=made), "ur5")
+    assert (first.state, first.count, first.of) == (state, usable, 4)
 
 
 def test_constants_and_totals_of_friction_are_as_wide_as_their_farther_end(told: Judged) -> None:
