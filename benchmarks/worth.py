@@ -223,7 +223,8 @@ def estimate(
     assert problem is not None
     jacobian = Kinematics.read(own.file("kinematics.parquet")).jacobian
     if pushes is not None:
-        problem = problem.pushed((jacobian.mT @ pushes[..., None])[..., 0])
+        torque = problem.input.torque + (jacobian.mT @ pushes[..., None])[..., 0]
+        problem = problem._replace(input=replace(problem.input, torque=torque))
     return problem.solve(jacobian[problem.rows], prior)
 
 

@@ -170,9 +170,9 @@ class Recorder:
             own = function.__module__.startswith("tests.")  # others are of a test's own object
             begin(one, self.shared(function) if own else function)
 
-        functools.cache = lambda function: cache(self.shared(function))  # type: ignore[assignment]
-        functools.cached_property.__init__ = begin_shared  # type: ignore[method-assign]
-        warm_snakemake.ended = lambda *_: pytest.skip("a study")  # type: ignore[assignment]
+        functools.cache = lambda function: cache(self.shared(function))
+        functools.cached_property.__init__ = begin_shared
+        warm_snakemake.ended = lambda *_: pytest.skip("a study")
         self.coverage.start()
 
     @pytest.hookimpl(wrapper=True)

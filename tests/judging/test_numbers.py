@@ -387,8 +387,8 @@ def test_what_is_noticed_on_a_recording_is_what_its_rows_hold(told: Judged) -> N
         own = {fate: felt_contacts(recording=one.recording, fate=fate) for fate in FATES}
         assert [one.found, one.merged, one.missed] == [len(own[fate]) for fate in FATES]
         assert one.contacts == sum(map(len, own.values()))
-        for told, fate in ((one.missed_s, "missed"), (one.merged_s, "merged")):
-            assert [*map(float, told.split())] == pytest.approx(
+        for starts, fate in ((one.missed_s, "missed"), (one.merged_s, "merged")):
+            assert [*map(float, starts.split())] == pytest.approx(
                 [row["start_s"] for row in own[fate]], abs=0.06
             )
         peaks = [row["peak"] for row in own["missed"]]
