@@ -122,8 +122,9 @@ def mutants_of_python(file: Path, content: bytes) -> Iterator[Mutant]:
                     yield from between(one, other)
             case ast.BoolOp(values=[first, second, *_]):
                 yield from between(first, second)
-            case ast.UnaryOp(op=ast.USub() | ast.Not(), operand=operand):
-                yield Mutant(file, place(node)[0], place(operand)[0], "")
+            case ast.UnaryOp(op=ast.USub() | ast.Not() as sign):
+                start = place(node)[0]
+                yield Mutant(file, start, start + (3 if isinstance(sign, ast.Not) else 1), "")
             case ast.Constant(value=bool() | int() | float() as value):
                 yield Mutant(file, *place(node), other_number(value, id(node) in axes))
 

@@ -58,3 +58,10 @@ def test_runs_without_noise_leave_nothing() -> None:
 def test_other_paths_tell_nothing() -> None:
     assert [*repetition([run(0, motion()), run(1, motion(turn=0.5))])] == []
     assert [*repetition([run(0, motion())])] == []
+
+
+def test_a_quantity_of_one_run_alone_has_no_floor() -> None:
+    moved = motion()
+    torque = path_run(moved, {"current": by_motion(moved), "torque": by_motion(moved)})
+    for runs in ([torque, run(1, moved)], [run(1, moved), torque]):
+        assert {row.quantity for row in repetition(runs)} == {"current"}
