@@ -12,11 +12,13 @@ import pandas as pd
 import pytest
 from scipy.stats import poisson
 
-from tests.made_study import COLUMNS
+from tests.made_study import COLUMNS, predicted, touched
 from ur5lib.force.estimators import UNGATED
 from ur5lib.judging.advice import ASKING, advice
 from ur5lib.judging.constants import judge_constants
-from ur5lib.judging.contacts import judge_contacts, noticed
+from ur5lib.judging.contacts import judge_contacts, noticed, of_days
+from ur5lib.judging.currents import judge_currents
+from ur5lib.judging.force import judge_force
 from ur5lib.judging.links import judge_links
 from ur5lib.judging.recordings import SEVERITIES, felt_while_fitted, judge_recordings, uses
 from ur5lib.judging.study import StudyTables
@@ -232,6 +234,16 @@ def test_the_verdicts_on_currents_are_the_worst_of_these(told: Judged) -> None:
     )  # the 17th day; the nearest of the fit is the 10th
 
 
+def test_a_band_that_never_holds_is_the_worst() -> None:
+    made = predicted(0.2)
+    made[3] |= {"coverage95": 0.0}
+    about = {"recording": "seen", "duration_s": 60.0, "frames": 100, "moving_joints": "1 2 3 4 5 6"}
+    entry = V1 | {"name": "seen"}
+    found = judge_currents(tables_of([entry], recordings=[about], current_rmse=made), "ur5")
+    (held,) = (one for one in found if "least share of readings" in one.quantity)
+    assert (held.value, held.joint) == (0.0, 4)
+
+
 def test_links_are_those_that_are_closest_on_most_joints(told: Judged) -> None:
     own = [row for row in TABLES["torque_mae"] if ROLES[row["recording"]] != "fit"]
     own = [row for row in own if MOVING[row["recording"]]]
@@ -444,6 +456,16 @@ def test_false_alarms_are_counted_with_the_time_of_their_days(told: Judged) -> N
         assert poisson.cdf(alarms, one.per_min_high * one.minutes) == pytest.approx(0.05)
 
 
+def test_a_day_is_away_from_the_fit_from_the_first_on() -> None:
+    frame = pd.DataFrame({"days": [0.0, 1.0, 1.0, np.nan], "minutes": 1.0, "alarms": 1.0})
+    assert {when: len(part) for when, part in of_days(frame)} == {
+        "all": 4,
+        "without fit": 2,
+        "farthest": 2,
+    }
+    assert [when for when, _ in of_days(frame[:1])] == ["all"]
+
+
 # Force
 
 
@@ -473,6 +495,20 @@ def test_the_error_of_the_force_is_that_of_its_worst_place(told: Judged) -> None
     assert third.rival_value == pytest.approx(mean(beside))
     assert fourth.value == pytest.approx(mean(row["mae"] for row in ours))
     assert fourth.rival_value == pytest.approx(mean(row["mae"] for row in plain))
+
+
+@pytest.mark.parametrize(("error", "reason"), [(0.29, ""), (0.31, "far_above_floor")])
+def test_a_force_is_compared_with_what_its_repeats_leave(error: float, reason: str) -> None:
+    """Thrice as much is too far, of the errors on the repeated motions themselves."""
+    floors = [
+        {"robot": "ur5", "quantity": "force", "component": axis, "floor": 0.1, "error": error}
+        for axis in AXES
+    ]
+    pushed = V1 | {"name": "pushed", "role": "contact"}
+    about = {"recording": "pushed", "duration_s": 60.0, "frames": 100, "moving_joints": "1"}
+    made = tables_of([pushed], recordings=[about], force_mae=touched(1.0), repetition=floors)
+    first, *_ = judge_force(made)
+    assert (first.reason, first.floor) == (reason, 0.1)
 
 
 def test_bands_in_contact_are_told_by_the_worst_at_rest_and_in_motion(told: Judged) -> None:
