@@ -21,8 +21,9 @@ from ur5lib.judging.currents import judge_currents
 from ur5lib.judging.force import judge_force
 from ur5lib.judging.links import judge_links
 from ur5lib.judging.recordings import SEVERITIES, felt_while_fitted, judge_recordings, uses
-from ur5lib.judging.study import StudyTables
+from ur5lib.judging.study import StudyTables, read_tables
 from ur5lib.records.verdicts import Verdict
+from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.steps.judge_study import Judged, judged
 from ur5lib.study.model import Settings
 
@@ -113,7 +114,7 @@ def drawn(random: np.random.Generator) -> dict[str, list[Row]]:
     return {name: [rows[k] for k in random.permutation(len(rows))] for name, rows in tables.items()}
 
 
-TABLES = drawn(np.random.default_rng(1))
+TABLES = drawn(np.random.default_rng(2))
 
 
 def tables_of(entries: list[Row], **tables: list[Row]) -> StudyTables:
@@ -219,6 +220,7 @@ def test_the_verdicts_on_currents_are_the_worst_of_these(told: Judged) -> None:
     )
     least = min(1 / one["band_factor95"] for one in unseen_currents() if in_motion(one))
     assert width.low == pytest.approx(least)
+    assert own[0].largest_torque != max(one.largest_torque or 0.0 for one in own)
     torque = of_quantity(told, "currents", "as a torque")
     most = max(own, key=lambda one: one.largest_torque or 0.0)
     assert (torque.value, torque.joint) == (most.largest_torque, most.joint)
@@ -578,7 +580,9 @@ def test_findings_are_counted_once_for_a_recording_and_a_device(told: Judged) ->
 def test_a_severity_without_findings_has_no_row() -> None:
     """But stop signs: none is worth a row."""
     (entry,) = rows("recordings", recording="v1")
-    about = tables_of([V1], recordings=[entry], quality=rows("quality", severity="warning")[:1])
+    about = tables_of(
+        [V1], recordings=[entry], quality=rows("quality", severity="warning", recording="v1")[:1]
+    )
     _, *counted = judge_recordings(about)
     assert [(row.quantity, row.count, row.rank) for row in counted] == [
         *(("stop signs", 0, 2), ("warnings", 1, 4)),
@@ -631,6 +635,18 @@ def test_a_fit_recording_with_more_alarms_than_the_others_explain_was_touched() 
         if len(counts) * chance < 0.05:
             expected.append(name)
     assert felt_while_fitted(found) == expected == ["f1"]
+
+
+@pytest.mark.parametrize(
+    ("names", "unit"),
+    [(["ur5"], "A"), (["kuka-kr300"], "Nm"), (["kuka-kr300", "ur5"], "A")],
+)
+def test_errors_are_of_torques_where_all_arms_measure_them(names: list[str], unit: str) -> None:
+    arms = [load_robot(robot_path(name)) for name in names]
+    about = read_tables("recordings: []", [], arms)
+    assert about.effort.unit == unit
+    assert {*about.bearing} == {*names}
+    assert about.loads == {arm.name: load.mass for arm in arms if (load := arm.known_load())}
 
 
 # Advice

@@ -139,6 +139,7 @@ def test_loads_that_agree_are_counted_where_the_currents_determine_one() -> None
     ]
     rows[1] |= {"taken": "yes", "mass": 0.5}
     agreeing, widest, load = verdicts_of(replace(study(payload=rows), loads={"ur5": 2.0}), "load")
+    assert (agreeing.rank, widest.rank, load.rank) == (1, 2, 3)
     assert (agreeing.count, agreeing.of, agreeing.reason) == (1, 2, "loaded")
     assert widest.value == pytest.approx(0.4)
     assert (load.recording, load.value) == ("seen", 0.5)
