@@ -275,13 +275,16 @@ def test_links_are_those_that_are_closest_on_most_joints(told: Judged) -> None:
             assert getattr(row, name) == pytest.approx(mean(one[name] for one in part))
 
 
-@pytest.mark.parametrize(("size", "reason"), [(0.1, "too_small"), (0.101, "no_unseen")])
-def test_links_are_judged_by_torques_above_a_tenth(size: float, reason: str) -> None:
+@pytest.mark.parametrize(
+    ("size", "role", "reason"),
+    [(0.1, "fit", "too_small"), (0.101, "fit", "no_unseen"), (0.101, "validate", "")],
+)
+def test_links_are_judged_by_torques_above_a_tenth(size: float, role: str, reason: str) -> None:
     """Newton metres, on average below 2 Hz."""
     row = {"recording": "f1", "motion": "measured", "model": "A", "joint": 2, "mae": 0.01}
     row |= {"mae_2hz": 0.001, "zero_mae": 1.0, "zero_mae_2hz": size}
     recordings = rows("recordings", recording="f1")
-    made = tables_of([V1 | {"name": "f1", "role": "fit"}], recordings=recordings, torque_mae=[row])
+    made = tables_of([V1 | {"name": "f1", "role": role}], recordings=recordings, torque_mae=[row])
     first, *_ = judge_links(made, "ur5")
     assert first.reason == reason
 
