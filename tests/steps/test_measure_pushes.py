@@ -76,7 +76,7 @@ def measured(
 def test_what_the_trials_rest_on(
     known: dict[str, Any], ur5: Robot, names: list[str], paths: int, basis: str, reason: str
 ) -> None:
-    rows = measured(known, names, ur5, paths).pushes
+    rows = measured(known, names, ur5, paths, 90).pushes
     assert {row.basis for row in rows} == {basis}
     assert {row.reason for row in rows} - {"undetermined"} == {reason}
     assert all((row.value is None) == (row.reason in ("one_path", "undetermined")) for row in rows)
@@ -120,7 +120,7 @@ def test_a_recording_with_a_load_is_not_pushed(known: dict[str, Any], ur5: Robot
         "new": EstimatedRecording(**vars(known["new"]) | {"prediction": load}),
         "seen": known["seen"],
     }
-    assert {row.basis for row in measured(loaded, ["seen", "new"], ur5, 2).pushes} == {"fit"}
+    assert {row.basis for row in measured(loaded, ["seen", "new"], ur5, 2, 90).pushes} == {"fit"}
     assert measured(loaded, ["new"], ur5, 2) == ([], [], [])
 
 
@@ -139,7 +139,7 @@ def test_pushes_by_direction_and_force_are_those_of_the_same_trials(
         units = [row.value / row.unit for row in known_units if row.value and row.unit]
         assert units == pytest.approx([units[0]] * len(units)) if units else not known_units
     assert any(row.value for row in found.directions)
-    one_path = measured(known, ["seen", "new"], ur5, 1)
+    one_path = measured(known, ["seen", "new"], ur5, 1, 90)
     assert one_path.pushes
     assert not one_path.directions
     assert not one_path.curve
