@@ -5,7 +5,7 @@ from itertools import combinations
 
 import numpy as np
 import pandas as pd
-from scipy.interpolate import make_interp_spline
+import scipy  # loads scipy.interpolate at its first use
 
 from ur5lib.channels import joint_count
 from ur5lib.records.phrases import number, numbered
@@ -234,7 +234,7 @@ def _missed_and_bent(q: Array) -> tuple[Array, Array]:
     """
     whole = q[: len(q) - 1 + len(q) % 2]
     place = np.arange(len(whole))
-    spline = make_interp_spline(place[::2], whole[::2], k=5)
+    spline = scipy.interpolate.make_interp_spline(place[::2], whole[::2], k=5)
     return spline(place[1::2]) - whole[1::2], (whole[:-2:2] + whole[2::2]) / 2 - whole[1::2]
 
 

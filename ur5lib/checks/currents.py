@@ -7,11 +7,11 @@ and delayed ones from right ones; friction distinguishes turned ones.
 """
 
 from collections.abc import Container, Iterator
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import nnls
 
 from ur5lib.channels import CURRENT, MEASURED_CURRENT, TARGET_CURRENT, TORQUE, Effort
 from ur5lib.checks.block_means import BlockMeans, combination, fitted_load, size
@@ -154,17 +154,33 @@ def _unexplained_squares(means: BlockMeans, arm: Robot) -> Array:
     expected = means.gravity(arm) if targets is None else targets
     current = means.effort
     joints = range(current.shape[1])
-    columns = [_columns(means, expected[:, k], k, inertia=targets is None) for k in joints]
-    sizes = np.array([[nnls(column, current[:, j])[1] for column in columns] for j in joints])
-    return np.asarray(sizes**2 / len(current))
+    explained = [_columns(means, expected[:, k], k, targets is None) for k in joints]
+    return np.stack([least_squares_left(*columns, current) for columns in explained], axis=1)
 
 
-def _columns(means: BlockMeans, expected: Array, joint: int, inertia: bool) -> Array:
-    """Return the regression columns (M, n) of a current for coefficients that are not negative;
-    those that may have either sign occur with both.
+def _columns(means: BlockMeans, expected: Array, joint: int, inertia: bool) -> tuple[Array, Array]:
+    """Return the regression columns of a current with coefficients that are not negative, (M, k),
+    and those with coefficients of either sign.
     """
     free = np.column_stack([means.qdd[:, joint]] * inertia + [np.ones(len(expected))])
-    return np.column_stack([means.friction(joint), expected, free, -free])
+    return np.column_stack([means.friction(joint), expected]), free
+
+
+def least_squares_left(positive: Array, free: Array, values: Array) -> Array:
+    """Return the least mean squares (n,) that columns leave of values (M, n).
+
+    positive: (M, k), whose coefficients are not negative; free: (M, m). The best coefficients are
+    those without bounds on some of the columns, so that all selections are tried: k is small, and
+    scipy's optimizers take longer to load than all checks.
+    """
+    left = np.full(values.shape[1], np.inf)
+    for chosen in product((False, True), repeat=positive.shape[1]):
+        columns = np.column_stack([positive[:, chosen], free])
+        found, *_ = np.linalg.lstsq(columns, values)
+        allowed = (found[: sum(chosen)] >= 0).all(axis=0)
+        squares = ((values - columns @ found) ** 2).mean(axis=0)
+        left = np.where(allowed, np.minimum(left, squares), left)
+    return left
 
 
 class Held(NamedTuple):

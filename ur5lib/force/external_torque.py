@@ -3,8 +3,8 @@
 from enum import IntEnum
 
 import numpy as np
+import scipy  # loads scipy.ndimage at its first use
 from numpy.typing import NDArray
-from scipy.ndimage import binary_opening, maximum_filter1d
 
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import unbroken
@@ -57,7 +57,7 @@ def joint_states(qd: Array, segment: Labels, period: float, cutoff: float) -> St
         slow, stretch = np.abs(qd[rows]) < REST_SPEED, states[rows]
         # a joint that is slow only for a moment has not stopped
         stop_rows = max(1, round(MIN_STOP_DURATION / period))
-        stopped = binary_opening(slow, np.ones((stop_rows, 1), np.bool_))
+        stopped = scipy.ndimage.binary_opening(slow, np.ones((stop_rows, 1), np.bool_))
         relaxing = stopped & _within_reach(~stopped, RELAXATION_TIME, period)
         stretch[_within_reach(slow & ~stopped, reach, period)] = JointState.REVERSING
         stretch[_within_reach(relaxing, reach, period)] = JointState.SETTLING
@@ -68,7 +68,9 @@ def joint_states(qd: Array, segment: Labels, period: float, cutoff: float) -> St
 
 def _within_reach(where: Mask, seconds: float, period: float) -> Mask:
     """Return a mask (N, n) that is also true within some seconds before and after."""
-    return maximum_filter1d(where, 2 * round(seconds / period) + 1, axis=0, mode="nearest")
+    return scipy.ndimage.maximum_filter1d(
+        where, 2 * round(seconds / period) + 1, axis=0, mode="nearest"
+    )
 
 
 def is_still(states: States) -> Mask:

@@ -1,7 +1,7 @@
 """Contacts at a force sensor: where it is touched, where it is free."""
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
+import scipy  # loads scipy.ndimage at its first use
 
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import Span, spans
@@ -34,5 +34,7 @@ def is_free(force: Array, period: float) -> Mask:
     force: (N,) [N], of the sensor, NaN where unknown; period: [s].
     """
     reach = 2 * round(CONTACT_CLEARANCE / period) + 1
-    touched = maximum_filter1d((force >= TOUCH_FORCE).astype(np.int8), reach, mode="nearest")
+    touched = scipy.ndimage.maximum_filter1d(
+        (force >= TOUCH_FORCE).astype(np.int8), reach, mode="nearest"
+    )
     return np.asarray((force < FREE_FORCE) & (touched == 0))

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pandas as pd
-from scipy.ndimage import uniform_filter1d
+import scipy  # loads scipy.ndimage at its first use
 
 from ur5lib.force.external_torque import finite_rows, is_still, joint_states
 from ur5lib.force.sensed_contact import CONTACT_FORCE
@@ -37,7 +37,7 @@ def tare_doubts(
     """
     period, time = signals.period, signals.time - signals.time[0]
     if qd is None:
-        smooth = uniform_filter1d(
+        smooth = scipy.ndimage.uniform_filter1d(
             signals.actual_q, max(1, round(SMOOTHING_WINDOW / period)), axis=0
         )
         qd = np.gradient(smooth, period, axis=0)

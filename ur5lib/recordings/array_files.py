@@ -8,16 +8,14 @@ from functools import wraps
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.feather as feather
 import pyarrow.parquet as pq
-import scipy.io
+import scipy  # loads scipy.io at its first use
 
 from ur5lib.errors import InputError
-from ur5lib.recordings.hdf5_links import expect_inside, expect_own_numbers
 from ur5lib.recordings.limits import BYTES_PER_NUMBER, expect_room
 from ur5lib.recordings.unpacked import expect_mat_room, feather_numbers, parquet_numbers
 from ur5lib.records.quality import Finding, Log
@@ -202,6 +200,10 @@ def rows_of(values: np.ndarray, widths: np.ndarray, width: int) -> Array:
 @array_format("hdf5", "an HDF5 file", ".h5", ".hdf5")
 def hdf5_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
     """Return the arrays of numbers by their path in the file."""
+    import h5py  # slow to import
+
+    from ur5lib.recordings.hdf5_links import expect_inside, expect_own_numbers
+
     with h5py.File(path) as file:
         names: list[str] = []
         file.visit(names.append)  # follows no link

@@ -1,18 +1,17 @@
 """Reader of files of arrays: the study names the array of each channel."""
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from itertools import takewhile
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-import ur5lib.recordings.own_formats
-import ur5lib.recordings.rosbag  # noqa: F401 - both register their formats
+import ur5lib.recordings.own_formats  # noqa: F401 - registers its format
 from ur5lib.channels import JOINT_CHANNELS, MOST_JOINTS, joint_count
 from ur5lib.channels import suffixes as suffixes_of
 from ur5lib.errors import InputError
-from ur5lib.recordings.array_files import LOADERS, Arrays
+from ur5lib.recordings.array_files import LOADERS, Arrays, array_format
 from ur5lib.recordings.channel_files import at_stamps
 from ur5lib.recordings.delimited import drop_untimed
 from ur5lib.recordings.entries import ArrayFiles, StoredTable
@@ -20,6 +19,14 @@ from ur5lib.recordings.plausibility import drop_zeroed, first_time
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
 from ur5lib.recordings.sensors import counted_from_first, on_robot_clock, repair_samples
 from ur5lib.records.quality import Finding, Log
+
+
+@array_format("rosbag", "a ROS bag", ".bag", ".db3", ".mcap", ".zstd", is_folder=True)
+def rosbag_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
+    """Return the fields of messages by `<topic>/<field>`."""
+    from ur5lib.recordings.rosbag import arrays_of_bag  # slow to import
+
+    return arrays_of_bag(path, wanted, findings)
 
 
 def read_arrays(recording: ArrayFiles) -> RawRecording:

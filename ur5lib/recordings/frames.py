@@ -6,7 +6,6 @@ from itertools import pairwise
 
 import numpy as np
 import pandas as pd
-from scipy.interpolate import PchipInterpolator
 
 from ur5lib.channels import SIX_SUFFIXES, joint_count, suffixes
 from ur5lib.errors import InputError
@@ -17,7 +16,7 @@ from ur5lib.recordings.plausibility import MIN_STEP, drop_implausible
 from ur5lib.records.phrases import number
 from ur5lib.records.quality import Finding, add_finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
-from ur5lib.timeseries.sampling import interpolated
+from ur5lib.timeseries.sampling import interpolated, monotone
 
 SMOOTH_CHANNELS = ("actual_q", "actual_qd", "target_q", "target_qd")  # interpolated by PCHIP
 MAX_DISTANCE_FROM_GRID = 0.1  # cycles; how far a step may lie from a whole number of cycles
@@ -310,8 +309,8 @@ def _fill(
     inexact = away > 1e-6
     if inexact.any() and len(place) > 1:
         at = slots[inexact]
-        smooth = PchipInterpolator(place, values, axis=0) if name in SMOOTH_CHANNELS else None
-        filled[inexact] = smooth(at) if smooth else interpolated(at, place, values)
+        between = monotone if name in SMOOTH_CHANNELS else interpolated
+        filled[inexact] = between(at, place, values)
     return filled, missing, beyond
 
 

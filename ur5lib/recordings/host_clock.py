@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
-from scipy.spatial import ConvexHull
+import scipy  # loads scipy.spatial at its first use
 
 from ur5lib.recordings.plausibility import before_reset
 from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
@@ -77,7 +77,7 @@ def _edge_below(elapsed: Array, delay: Array) -> tuple[int, int]:
     height = max(float(np.ptp(delay)), STAMP_RESOLUTION)
     stamps = np.column_stack([elapsed / elapsed[-1], (delay - delay.min()) / height])
     above = [[0.0, 2.0], [1.0, 2.0]]  # above all stamps, so that no hull is flat
-    ends = ConvexHull(np.vstack([stamps, above])).simplices
+    ends = scipy.spatial.ConvexHull(np.vstack([stamps, above])).simplices
     ends = ends[(ends < len(stamps)).all(axis=1)]
     ends = np.take_along_axis(ends, elapsed[ends].argsort(axis=1), axis=1)
     begin, end = elapsed[ends].T

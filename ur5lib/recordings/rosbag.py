@@ -13,9 +13,9 @@ from rosbags.typesys import Stores, get_typestore
 from ur5lib.channels import MOST_JOINTS
 from ur5lib.errors import InputError
 from ur5lib.recordings.arm_joints import JOINTS, ArmJoints, arms_among, joint_order
-from ur5lib.recordings.array_files import Arrays, array_format, report_unread, rows_of
+from ur5lib.recordings.array_files import Arrays, report_unread, rows_of
 from ur5lib.recordings.bag_chunks import Unpack, with_bounded_chunks
-from ur5lib.recordings.bag_files import PACKED_ENDING, bag_files, unpacked
+from ur5lib.recordings.bag_files import bag_files, unpacked
 from ur5lib.recordings.json_messages import (
     JOINT_FIELDS,
     JSON_STATES,
@@ -123,8 +123,7 @@ class Messages:
         return chosen
 
 
-@array_format("rosbag", "a ROS bag", ".bag", ".db3", ".mcap", PACKED_ENDING, is_folder=True)
-def rosbag_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
+def arrays_of_bag(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
     """Return the fields of JointState, WrenchStamped, Imu and FrankaState messages by
     `<topic>/<field>`.
 

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import solve_banded
-from scipy.ndimage import uniform_filter1d
+import scipy  # loads scipy.linalg and scipy.ndimage at their first use
 
 from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array, Labels
@@ -186,7 +185,7 @@ def friction_direction(
     bands = np.stack([np.ones(len(q)), np.append(-memory[1:], 0.0)])
     driven = (1 - memory) * np.sign(step)
     driven[0] = start
-    direction: Array = solve_banded((1, 0), bands, driven, check_finite=False)
+    direction: Array = scipy.linalg.solve_banded((1, 0), bands, driven, check_finite=False)
     return direction
 
 
@@ -219,9 +218,9 @@ def direction_between(
     labels[:, -1] = segment[1:]
     labels = np.append(segment[0], labels)
     direction = friction_direction(np.append(q[0], fine), labels, distance, start)
-    return by_segment(uniform_filter1d, direction[:, None], labels, parts // 2 * 2 + 1, 0)[
-        ::parts, 0
-    ]
+    return by_segment(
+        scipy.ndimage.uniform_filter1d, direction[:, None], labels, parts // 2 * 2 + 1, 0
+    )[::parts, 0]
 
 
 def direction_after(earlier: Sequence[Track], distance: float = PRESLIDING_DISTANCE) -> float:

@@ -5,7 +5,7 @@ principal moment of inertia exceeds the sum of the others (Wensing).
 """
 
 import numpy as np
-from scipy.optimize import nnls
+import scipy  # loads scipy.optimize at its first use
 
 from ur5lib.robots.inertia import WRITTEN_SHARE
 from ur5lib.timeseries.arrays import Array
@@ -41,7 +41,7 @@ def nearest_possible(mass: float, inertia: Array) -> Array:
     moments, axes = np.linalg.eigh(inertia)
     sums = 1 - np.eye(3)
     least = np.full(3, max(mass * THINNEST**2, WRITTEN_SHARE * np.abs(moments).sum()))
-    above_least, _ = nnls(sums, moments - sums @ least)
+    above_least, _ = scipy.optimize.nnls(sums, moments - sums @ least)
     return np.asarray(axes @ np.diag(sums @ (least + above_least)) @ axes.T)
 
 

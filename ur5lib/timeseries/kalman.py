@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import gammaincinv
+import scipy  # loads scipy.special at its first use
 
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import chunks
@@ -281,4 +281,4 @@ def _autocovariance(innovation: Array, segment: Labels) -> list[float]:
 
 def _chi2(share: Array | float, freedom: Labels | int) -> Array:
     """Return quantiles of χ² with some degrees of freedom."""
-    return np.asarray(2 * gammaincinv(np.asarray(freedom) / 2, share))
+    return np.asarray(2 * scipy.special.gammaincinv(np.asarray(freedom) / 2, share))

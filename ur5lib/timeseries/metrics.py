@@ -1,7 +1,7 @@
 """Error measures of an estimate against its reference."""
 
 import numpy as np
-from scipy.special import ndtri
+import scipy  # loads scipy.special at its first use
 
 from ur5lib.timeseries.arrays import Array
 
@@ -52,7 +52,7 @@ def slope(estimate: Array, reference: Array) -> Array:
 
 def coverage(estimate: Array, std: Array, reference: Array, stated: float = 0.95) -> Array:
     """Return the share of each column's references in the interval of nominal coverage `stated`."""
-    band = ndtri(0.5 + stated / 2) * std
+    band = scipy.special.ndtri(0.5 + stated / 2) * std
     finite = np.isfinite(estimate) & np.isfinite(std) & np.isfinite(reference)
     inside = finite & (np.abs(reference - estimate) <= band)
     return inside.sum(axis=0) / finite.sum(axis=0)

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy  # loads scipy.spatial at its first use
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
@@ -27,7 +27,7 @@ def scaled_states(q: Array, qd: Array) -> Array:
 
 def nearest(places: Array, other_places: Array) -> tuple[Mask, NDArray[np.intp]]:
     """Return whether each state (N, 2 n) is near one of others (M, 2 n), and the nearest (N,)."""
-    distance, index = cKDTree(other_places).query(places, distance_upper_bound=1.0)
+    distance, index = scipy.spatial.cKDTree(other_places).query(places, distance_upper_bound=1.0)
     return np.isfinite(distance), np.asarray(index)
 
 
@@ -58,9 +58,9 @@ class PathStates:
         return np.array([self.places.min(axis=0), self.places.max(axis=0)])
 
     @cached_property
-    def tree(self) -> cKDTree:
+    def tree(self) -> "scipy.spatial.cKDTree":
         """Return the search tree of the places."""
-        return cKDTree(self.places)
+        return scipy.spatial.cKDTree(self.places)
 
     def is_part_of(self, other: "PathStates") -> bool:
         """Return whether the other run contains nearly all states of this one."""

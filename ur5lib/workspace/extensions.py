@@ -110,9 +110,14 @@ def _loaders(kind: str) -> dict[str, Callable[[], Any]]:
         return {}
     file = FOLDER / f"{kind}.py"
     files = {str(file): partial(_module_in, file)} if file.is_file() else {}
-    return files | {
-        point.value: point.load for point in entry_points(group=ENTRY_POINT_GROUP + kind)
-    }
+    points = _entry_points().select(group=ENTRY_POINT_GROUP + kind)
+    return files | {point.value: point.load for point in points}
+
+
+@cache
+def _entry_points() -> Any:
+    """Return those of all installed packages, whose files are read once."""
+    return entry_points()
 
 
 def _module_in(file: Path) -> ModuleType:
