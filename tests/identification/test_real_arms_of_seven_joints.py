@@ -1,6 +1,7 @@
 """Sensed torques of a real Rokae xMate and KUKA LBR Med are predicted by fits to other parts."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from ur5lib.identification.measured_torques import FittedArm, fit_arm
 from ur5lib.identification.samples import CurrentSamples
 from ur5lib.identification.torque_rows import MeasuredRun
 from ur5lib.robots.description import Robot
-from ur5lib.smoothing.encoders import smooth_encoders
+from ur5lib.smoothing.encoders import SmoothedMotion, smooth_encoders
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 
@@ -29,8 +30,22 @@ XMATE = (0.3415, 0, 0.394, 0, 0.366, 0, 0.2503), (-90, 90, -90, 90, -90, 90, 0)
 MED = (0.34, 0, 0.4, 0, 0.4, 0, 0.126), (-90, 90, 90, -90, -90, 90, 0)
 NO_LABELS = np.zeros(100_000, np.int64)
 WEIGHT = 30.0  # kg, about that of both arms
-Recorded = tuple[Robot, float, tuple[Array, Array, Array]]  # arm, period [s], q, q̇ and torque
 REST = 644  # first samples of the KUKA, at rest
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A recording of an arm: period [s], torque (N, 7), and its motion, smoothed."""
+
+    robot: Robot
+    period: float
+    torque: Array
+    motion: SmoothedMotion
+
+    @classmethod
+    def of(cls, robot: Robot, period: float, q: Array, qd: Array, torque: Array) -> "Recorded":
+        motion = smooth_encoders(period * np.arange(len(q)), NO_LABELS[: len(q)], q, qd)
+        return cls(robot, period, torque, motion)
 
 
 @pytest.fixture(scope="module")
@@ -38,72 +53,67 @@ def recordings() -> Path:
     return shared_folder("seven-joints", "they are a Rokae's and a KUKA's recordings")
 
 
+@pytest.fixture(scope="module")
 def xmate(recordings: Path) -> Recorded:
     names = (f"excit_{name}_record.txt" for name in ("ang", "vel", "torque"))
     data = [np.loadtxt(recordings / "rokae-xmate7" / name) for name in names]
-    return guessed(*XMATE), 0.001, (data[0], data[1], data[2])
+    return Recorded.of(guessed(*XMATE), 0.001, *data)
 
 
+@pytest.fixture(scope="module")
 def med(recordings: Path) -> Recorded:
     """Nobody noted the 10 ms between its samples."""
     table = pd.read_csv(recordings / "kuka-lbr-med" / "measurements.csv")
     q, torque = (table.filter(regex=rf"^{name}_\d").to_numpy() for name in ("q", "tau"))
-    return guessed(*MED), 0.01, (q, np.gradient(q, 0.01, axis=0), torque)
+    return Recorded.of(guessed(*MED), 0.01, q, np.gradient(q, 0.01, axis=0), torque)
 
 
-def test_torques_of_an_xmate_are_predicted(recordings: Path) -> None:
+def test_torques_of_an_xmate_are_predicted(xmate: Recorded) -> None:
     """The second half by the first, within a tenth of what a constant leaves."""
-    robot, period, data = xmate(recordings)
-    half = np.arange(len(data[0])) * 2 // len(data[0])
-    ours, constant = errors(robot, period, data, half, [1])
+    count = len(xmate.torque)
+    ours, constant = errors(xmate, np.arange(count) * 2 // count, [1])
     assert ours < 0.1 * constant
 
 
-def test_torques_of_a_kuka_are_predicted(recordings: Path) -> None:
+def test_torques_of_a_kuka_are_predicted(med: Recorded) -> None:
     """Each fifth of the motion by the rest."""
-    robot, period, data = med(recordings)
-    moved = np.arange(len(data[0])) - REST
+    moved = np.arange(len(med.torque)) - REST
     fifth = np.where(moved < 0, -1, moved * 5 // moved[-1]).clip(-1, 4)
-    ours, constant = errors(robot, period, data, fifth, range(5))
+    ours, constant = errors(med, fifth, range(5))
     assert ours < 0.1 * constant
 
 
-def fitted_arm(robot: Robot, period: float, data: tuple[Array, ...]) -> FittedArm:
+def fitted_arm(recorded: Recorded) -> FittedArm:
     """As of an arm whose links are unknown, but for their weight."""
-    q, qd, torque = data
-    motion, still = smooth_encoders(period * np.arange(len(q)), NO_LABELS[: len(q)], q, qd), 0 * q
-    moved = motion.q, motion.motor_qd, still, torque
-    samples = CurrentSamples("run", period, NO_LABELS[: len(q)], *moved)
-    regressor = LinkModel(robot, "guess").regressor
-    known = robot.model_copy(update={"weight": WEIGHT})
+    motion, torque = recorded.motion, recorded.torque
+    moved = motion.q, motion.motor_qd, 0 * torque, torque
+    samples = CurrentSamples("run", recorded.period, NO_LABELS[: len(torque)], *moved)
+    regressor = LinkModel(recorded.robot, "guess").regressor
+    known = recorded.robot.model_copy(update={"weight": WEIGHT})
     return fit_arm(known, [MeasuredRun(samples, motion.qdd, regressor)], ZeroPhaseLowpass(*CUTOFF))
 
 
-def test_no_counterbalance_is_invented(recordings: Path) -> None:
-    assert fitted_arm(*xmate(recordings)).balanced == []
+def test_no_counterbalance_is_invented(xmate: Recorded) -> None:
+    assert fitted_arm(xmate).balanced == []
 
 
-def test_torques_of_the_opposite_sign_are_no_bodies(recordings: Path) -> None:
+def test_torques_of_the_opposite_sign_are_no_bodies(med: Recorded) -> None:
     """Those of the KUKA are the links' on its motors, and no counterbalance is taken for it."""
     with pytest.raises(RefusalError, match="foreign bodies"):
-        fitted_arm(*med(recordings))
-    robot, period, (q, qd, torque) = med(recordings)
-    assert fitted_arm(robot, period, (q, qd, -torque)).balanced == []
+        fitted_arm(med)
+    assert fitted_arm(replace(med, torque=-med.torque)).balanced == []
 
 
-def errors(
-    robot: Robot, period: float, data: tuple[Array, ...], part: Labels, judged: Sequence[int]
-) -> tuple[float, float]:
+def errors(recorded: Recorded, part: Labels, judged: Sequence[int]) -> tuple[float, float]:
     """Mean absolute error [Nm] in the parts judged, of fits to the other parts, and of a constant.
 
-    data: q, q̇ and torque (N, 7); part (N,): a label, negative where samples are only fitted to.
+    part (N,): a label, negative where samples are only fitted to.
     """
-    q, qd, torque = data
-    motion = smooth_encoders(period * np.arange(len(q)), np.zeros(len(q), np.int64), q, qd)
-    model, every = LinkModel(robot, "guess"), max(1, round(1 / RATE / period))
+    motion, period = recorded.motion, recorded.period
+    model, every = LinkModel(recorded.robot, "guess"), max(1, round(1 / RATE / period))
     columns = model.regressor(motion.q, motion.motor_qd, motion.qdd)
     columns = np.concatenate([columns, friction_columns(motion.motor_qd)], axis=2)
-    columns, torque = (slow(values, period)[::every] for values in (columns, torque))
+    columns, torque = (slow(values, period)[::every] for values in (columns, recorded.torque))
     part = part[::every]
     residual = torque.copy()
     for own in judged:
