@@ -174,7 +174,7 @@ def test_a_recording_is_followed_as_sample_by_sample(
     moving: bool, change: Any, stated: set[str]
 ) -> None:
     """In blocks, whatever ends a run, and whether slow errors are learnt from or not."""
-    run = change(samples(14.0, moving, push(7.0, 9.0, 20.0, -25.0, 15.0)))
+    run = change(samples(8.0, moving, push(4.0, 5.0, 20.0, -25.0, 15.0)))
     for arm in (arm_file(), arm_file(1.0, slow=5.0)):
         found, estimator = follow(arm, run), Live(arm)
         answers = fed(estimator, stream_of(run))
