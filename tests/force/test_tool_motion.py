@@ -76,7 +76,7 @@ def test_what_the_clock_cannot_place_has_a_mean_of_zero() -> None:
 def errors(recorded: Recorded, clock_std: float) -> tuple[float, float]:
     """Root mean square error [N] of the compensated force, with the tool's weight alone and with
     its inertia, on the clock of the sensor's start stamp."""
-    intake, arm = recorded.repaired(), recorded.arm
+    intake, arm = recorded.repaired, recorded.arm
     clock = clock_from_stamps(intake.quality.starts["force"].seconds, clock_std)
     time = intake.robot["time"].to_numpy()
     reading = resample(intake.sensors["force"], clock, time)

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -49,6 +50,7 @@ SINGULARITY_FREE = {
 }
 WALL = {"kind": "wall", "through": [0, 0, 0], "normal": [0, 0, 1]}
 PUSH = {"kind": "push", "start_s": 3, "force": [30, 0, -20]}
+SHORT_PUSH = PUSH | {"start_s": 0.5, "seconds": 1}
 FORMATS: list[Format] = ["thesis-csv", "realtime-stream", "rtde-csv"]
 
 Recorder = Callable[..., "Recorded"]
@@ -73,6 +75,7 @@ class Recorded:
         files = (path for path in self.folder.rglob("*") if path.is_file())
         return {str(path.relative_to(self.folder)) for path in files}
 
+    @cached_property
     def repaired(self) -> Intake:
         return read_and_check(self.entry, self.arm, 0.1)
 
@@ -109,7 +112,7 @@ def findings(intake: Intake) -> dict[tuple[str, str], Finding]:
 @pytest.mark.parametrize("format", FORMATS)
 def test_the_same_plan_gives_the_same_bytes(record: Recorder, format: Format) -> None:
     faults = {"lost_frames": 0.02, "stale_frames": 0.01, "torn_files": True, "late_packets": True}
-    plan = {"imu": {}, "force_sensor": {}, "contacts": [PUSH], "faults": faults, "seconds": 4}
+    plan = {"imu": {}, "force_sensor": {}, "contacts": [SHORT_PUSH], "faults": faults, "seconds": 2}
     one, other = (record(format, **plan, seed=seed) for seed in (5, 5))
     for file in one.written():
         assert (one.folder / file).read_bytes() == (other.folder / file).read_bytes()
@@ -124,9 +127,9 @@ def test_the_same_plan_gives_the_same_bytes(record: Recorder, format: Format) ->
 @pytest.mark.parametrize("robot", ["ur5", "ur10e"])
 @pytest.mark.parametrize("format", FORMATS)
 def test_readers_find_nothing_amiss(record: Recorder, format: Format, robot: str) -> None:
-    recorded = record(format, robot, imu={}, force_sensor={}, contacts=[PUSH])
+    recorded = record(format, robot, imu={}, force_sensor={}, contacts=[SHORT_PUSH], seconds=3)
     assert recorded.written() == {*recorded.files}
-    intake = recorded.repaired()
+    intake = recorded.repaired
     assert not intake.quality.findings
     assert intake.quality.devices == ["robot", "force", "imu"]
     assert intake.quality.period_s == (0.002 if format == "rtde-csv" else 0.008)
@@ -144,8 +147,8 @@ def test_a_controller_knows_the_payload_that_its_files_name(
         record(format, seconds=1.5, trajectory={"kind": "standstill"}, friction=False, **carried)
         for carried in ({"payload": payload}, {})
     )
-    robot = loaded.repaired().robot
-    more = channel(robot, "target_moment") - channel(bare.repaired().robot, "target_moment")
+    robot = loaded.repaired.robot
+    more = channel(robot, "target_moment") - channel(bare.repaired.robot, "target_moment")
     found = configured_payload(Signals.from_table(robot))
     if format == "rtde-csv":
         assert found == loaded.plan.payload
@@ -171,7 +174,7 @@ def test_truth_lies_apart(like_no8: Recorded) -> None:
 
 def test_what_is_told_of_friction_explains_it(like_no8: Recorded) -> None:
     """Coulomb, load, viscous and periodic parts, where a joint slides: within 2 %."""
-    true, robot = like_no8.true(), like_no8.repaired().robot
+    true, robot = like_no8.true(), like_no8.repaired.robot
     q, qd = channel(true, "q"), channel(true, "qd")
     load = channel(robot, "target_moment") - channel(true, "tau_contact")  # what the gears transmit
     part = {name: np.array(value) for name, value in like_no8.summary()["friction"].items()}
@@ -188,10 +191,10 @@ def test_what_is_told_of_friction_explains_it(like_no8: Recorded) -> None:
 def test_a_sensor_that_is_not_there(record: Recorder) -> None:
     recorded = record("thesis-csv")
     assert recorded.written() == {*recorded.files}
-    intake = recorded.repaired()
+    intake = recorded.repaired
     assert intake.quality.devices == ["robot"]
     assert {f.finding for f in intake.quality.findings} == {"no sensor"}
-    assert record("realtime-stream").repaired().quality.devices == ["robot"]
+    assert record("realtime-stream").repaired.quality.devices == ["robot"]
 
 
 # Channels
@@ -199,7 +202,7 @@ def test_a_sensor_that_is_not_there(record: Recorder) -> None:
 
 def test_without_noise_channels_are_the_truth(record: Recorder) -> None:
     recorded = record(noise=False, friction=False, force_sensor={}, contacts=[PUSH])
-    robot, true = recorded.repaired().robot, recorded.true()
+    robot, true = recorded.repaired.robot, recorded.true()
     constant = recorded.summary()["drive"]["torque_constant"]
     for name, values in (
         ("actual_q", channel(true, "q")),
@@ -228,8 +231,8 @@ def test_the_controller_s_force_is_that_of_the_arm(
     spring = {"kind": "spring", "start_s": 1, "seconds": 4, "displacement": [0.06, -0.04, 0.02]}
     still = {"trajectory": {"kind": "standstill"}, "friction": False, "contacts": [spring]}
     recorded = record(format, robot, **still)
-    signals, time = Signals.from_table(recorded.repaired().robot), recorded.true()["time"]
-    force = channel(recorded.repaired().robot, "actual_TCP_force")
+    signals, time = Signals.from_table(recorded.repaired.robot), recorded.true()["time"]
+    force = channel(recorded.repaired.robot, "actual_TCP_force")
     stated = controller(Run(None, None, None, controller=signals.wrench_calc_from_currents))
     told = -force if stated is None else stated.wrench
     true = channel(recorded.true(), "wrench")[(time > 2.96) & (time < 3.04)].mean(axis=0)
@@ -247,7 +250,7 @@ def test_the_controller_s_force_is_that_of_the_arm(
 def test_the_imu_s_clock_comes_back(record: Recorder, format: Format) -> None:
     clock = {"offset_s": 0.05, "drift_ppm": -2500, "jitter_s": 1e-4, "stamp_error_s": -0.06}
     recorded = record(format, imu={"clock": clock}, seconds=12)
-    intake = recorded.repaired()
+    intake = recorded.repaired
     robot = Signals.from_table(intake.robot)
     rotation, _, jacobian = flange_kinematics(recorded.arm, robot.actual_q)
     found = own_clocks(intake.quality.starts, intake.sensors, robot, rotation, jacobian)["imu"]
@@ -258,7 +261,7 @@ def test_the_imu_s_clock_comes_back(record: Recorder, format: Format) -> None:
 
 def off_the_true_wrench(recorded: Recorded) -> tuple[float, Array]:
     """The tool's mass [kg] and the wrench's errors (N, 6), by the steps of real recordings."""
-    sensor, true = recorded.repaired().sensors["force"], recorded.true()
+    sensor, true = recorded.repaired.sensors["force"], recorded.true()
     time = sensor["time"].to_numpy() + recorded.summary()["clocks"]["force"]["offset_s"]
 
     def at_samples(name: str, count: int) -> Array:
@@ -296,7 +299,7 @@ def test_the_force_sensor_tells_its_tool(record: Recorder) -> None:
 def test_saturation_is_seen(record: Recorder) -> None:
     plan = {"bias": [0, 0, 0, 0, 0, 0], "saturation_n": 12}
     recorded = record(force_sensor=plan, contacts=[PUSH])
-    intake = recorded.repaired()
+    intake = recorded.repaired
     assert ("force", "saturation") in findings(intake)
     assert intake.sensors["force"][["ft_fx", "ft_fy", "ft_fz"]].abs().max(axis=None) == 12
 
@@ -326,10 +329,10 @@ def test_a_faulty_stream_is_repaired_to_the_clean_log_to_the_bit(
     record: Recorder, lost: float
 ) -> None:
     """Every frame that was sent whole, beside the decoded log of the same run."""
-    plan = {"contacts": [PUSH], "imu": {}, "force_sensor": {}, "seconds": 10, "seed": 8}
-    clean = record("thesis-csv", **plan).repaired().robot
+    plan = {"contacts": [PUSH], "imu": {}, "force_sensor": {}, "seconds": 6, "seed": 8}
+    clean = record("thesis-csv", **plan).repaired.robot
     faulty = record("realtime-stream", **plan, faults={"late_packets": True, "lost_frames": lost})
-    robot, missing = faulty.repaired().robot, faulty.summary()["frames"]["lost"]
+    robot, missing = faulty.repaired.robot, faulty.summary()["frames"]["lost"]
     assert len(missing) == pytest.approx(lost * len(clean), abs=20)
     assert len(robot) == len(clean)
     np.testing.assert_array_equal(np.flatnonzero(robot["interpolated"]), missing)
@@ -338,10 +341,10 @@ def test_a_faulty_stream_is_repaired_to_the_clean_log_to_the_bit(
 
 def test_cut_messages_cost_themselves_and_at_most_a_neighbour(record: Recorder) -> None:
     """What is left is right to the bit, damage on top of late packets and all."""
-    plan = {"seconds": 10, "seed": 1}
-    clean = record("thesis-csv", **plan).repaired().robot
+    plan = {"seconds": 6, "seed": 1}
+    clean = record("thesis-csv", **plan).repaired.robot
     faulty = record("realtime-stream", **plan, faults={"late_packets": True, "cut_frames": 0.03})
-    robot, cut = faulty.repaired().robot, np.array(faulty.summary()["frames"]["cut"])
+    robot, cut = faulty.repaired.robot, np.array(faulty.summary()["frames"]["cut"])
     frame = np.rint((robot["time"].to_numpy()) / 0.008).astype(int)
     doubtful = robot["interpolated"].to_numpy()
     assert not unequal(robot, clean.iloc[frame])[~doubtful].any()
@@ -400,8 +403,8 @@ def test_a_capture_has_the_real_layout(record: Recorder) -> None:
 def test_each_fault_is_found_and_survived(
     record: Recorder, format: Format, fault: dict[str, Any], found: tuple[str, str]
 ) -> None:
-    recorded = record(format, faults=fault, imu={}, seconds=4)
-    intake = recorded.repaired()
+    recorded = record(format, faults=fault, imu={}, seconds=3)
+    intake = recorded.repaired
     assert found in findings(intake)
     true = recorded.true().set_index("time")
     near = true.index.get_indexer(intake.robot["time"], method="nearest")
@@ -451,7 +454,7 @@ def test_devices_are_as_noisy_as_real_ones(
     like_no8: Recorded, real_no8: Intake, measure: Callable[[Intake], Array], factor: float
 ) -> None:
     """Channel by channel, on the same motion; the IMU at rest (Table 4.5)."""
-    ratio = measure(like_no8.repaired()) / measure(real_no8)
+    ratio = measure(like_no8.repaired) / measure(real_no8)
     assert (np.abs(np.log(ratio)) < np.log(factor)).all(), ratio
 
 
@@ -464,7 +467,7 @@ def test_sensors_keep_time_and_are_noisy_as_real_ones(
     folder = thesis_data / "Movement_No10_Standstill_ForceSensor_All"
     entry = ThesisFiles(format="thesis-csv", folder=str(folder))
     force = read_thesis_csv(entry).sensors["force"].table
-    made = like_no8.repaired().sensors
+    made = like_no8.repaired.sensors
     for device, table in {"imu": real_no8.sensors["imu"], "force": force}.items():
         steps, own = (np.diff(t["time"]) for t in (table, made[device]))
         assert own.mean() == pytest.approx(steps.mean(), rel=0.005)
