@@ -69,21 +69,51 @@ def loads(numbers: list[int]) -> None:
 }
 
 
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """A library whose steps are a few made-up ones, with workers of its own."""
-    library, steps = tmp_path / "ur5lib", tmp_path / "ur5lib" / "steps"
+def make_library(folder: Path) -> None:
+    """Write a library whose steps are a few made-up ones."""
+    library, steps = folder / "ur5lib", folder / "ur5lib" / "steps"
     steps.mkdir(parents=True)
     for path in (PROJECT / "ur5lib").iterdir():
         if path.name != "steps":
             (library / path.name).symlink_to(path)
     for name, text in STEPS.items():
         (steps / f"{name}.py").write_text(text)
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(workers, "PACKAGE", library)
-    monkeypatch.setattr(workers, "IDLE", workers.queue.LifoQueue())
+
+
+def use(folder: Path, idle: workers.queue.LifoQueue, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Work in a folder with its library and idle workers."""
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr(workers, "PACKAGE", folder / "ur5lib")
+    monkeypatch.setattr(workers, "IDLE", idle)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A folder with a library and workers of its own."""
+    make_library(tmp_path)
+    use(tmp_path, workers.queue.LifoQueue(), monkeypatch)
     yield tmp_path
     workers.end_idle()
+
+
+@pytest.fixture(scope="module")
+def warm(
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Iterator[tuple[Path, workers.queue.LifoQueue]]:
+    folder, idle = tmp_path_factory.mktemp("warm"), workers.queue.LifoQueue[workers.Worker]()
+    make_library(folder)
+    yield folder, idle
+    while not idle.empty():
+        idle.get().end()
+
+
+@pytest.fixture
+def warm_folder(
+    warm: tuple[Path, workers.queue.LifoQueue], monkeypatch: pytest.MonkeyPatch
+) -> Path:
+    """A folder with a library and workers that stay from test to test."""
+    use(*warm, monkeypatch)
+    return warm[0]
 
 
 def run(step: str, input: dict[str, Setting] | None = None, **output: Setting) -> None:
@@ -97,11 +127,11 @@ def measured(folder: Path, step: str) -> dict[str, float]:
     return dict(zip(header.split(), map(float, values.split()), strict=True))
 
 
-def test_a_step_gets_its_settings_and_its_result_is_written(folder: Path) -> None:
+def test_a_step_gets_its_settings_and_its_result_is_written(warm_folder: Path) -> None:
     run("adds", sum="sum.txt")
-    assert (folder / "sum.txt").read_text() == "7"
-    assert (folder / "logs" / "adds.log").read_text() == "adding [1, 2]\nfrom a library"
-    job = measured(folder, "adds")
+    assert (warm_folder / "sum.txt").read_text() == "7"
+    assert (warm_folder / "logs" / "adds.log").read_text() == "adding [1, 2]\nfrom a library"
+    job = measured(warm_folder, "adds")
     assert job.keys() == {"s", "max_rss", "start_up_time", "cpu_time"}
     assert 0 < job["s"] < 60
     assert 1 < job["max_rss"] < 10_000
@@ -157,14 +187,14 @@ def test_a_job_that_reads_much_has_a_process_of_its_own(
         assert workers.IDLE.qsize() == idle
 
 
-def test_jobs_run_at_the_same_time(folder: Path) -> None:
+def test_jobs_run_at_the_same_time(warm_folder: Path) -> None:
     names = [f"sum{k}.txt" for k in range(4)]
     threads = [threading.Thread(target=run, args=("adds",), kwargs={"sum": n}) for n in names]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    assert [(folder / name).read_text() for name in names] == ["7"] * 4
+    assert [(warm_folder / name).read_text() for name in names] == ["7"] * 4
 
 
 @pytest.mark.parametrize(
@@ -180,22 +210,22 @@ def test_jobs_run_at_the_same_time(folder: Path) -> None:
         ),
     ],
 )
-def test_a_failed_step_says_why(folder: Path, step: str, sentence: str, logged: str) -> None:
+def test_a_failed_step_says_why(warm_folder: Path, step: str, sentence: str, logged: str) -> None:
     """One sentence for the terminal, what it printed and the traceback for the log."""
     with pytest.raises(StepError) as stop:
         run(step)
     assert str(stop.value).startswith(sentence)
-    log = (folder / "logs" / f"{step}.log").read_text()
+    log = (warm_folder / "logs" / f"{step}.log").read_text()
     assert logged in log
     assert ("so far so good\n" in log) == (step == "breaks")
     run("adds", sum="after.txt")
-    assert (folder / "after.txt").read_text() == "7"
+    assert (warm_folder / "after.txt").read_text() == "7"
 
 
 def test_what_a_killed_process_wrote_aside_is_gone_when_its_step_has_run_again(
-    folder: Path,
+    warm_folder: Path,
 ) -> None:
-    aside = folder / ".sum.txt.123.part"
+    aside = warm_folder / ".sum.txt.123.part"
     aside.write_text("4")
     run("adds", sum="sum.txt")
     assert not aside.exists()
@@ -235,21 +265,23 @@ def test_a_run_that_is_told_to_end_while_it_chooses_its_jobs_ends() -> None:
     assert ended.stdout == "graceful\n"
 
 
-def test_a_recording_that_cannot_be_read_fails_no_job_and_changes_no_other(folder: Path) -> None:
+def test_a_recording_that_cannot_be_read_fails_no_job_and_changes_no_other(
+    warm_folder: Path,
+) -> None:
     """Its files say why, the log of its first step too; what is made of all is made of the rest."""
     for name, text in (("a", "1"), ("b", ""), ("c", "3")):
-        (folder / f"{name}.raw").write_text(text)
-        (folder / name).mkdir()
+        (warm_folder / f"{name}.raw").write_text(text)
+        (warm_folder / name).mkdir()
         run("reads", {"raw": f"{name}.raw"}, made=f"{name}/read")
-        assert ("it is empty" in (folder / "logs" / "reads.log").read_text()) == (name == "b")
+        assert ("it is empty" in (warm_folder / "logs" / "reads.log").read_text()) == (name == "b")
         run("reads", {"raw": f"{name}/read"}, made=f"{name}/again")
     assert reason("b/read") == reason("b/again") == "it is empty"
     for whole, names in (("all", "abc"), ("rest", "ac")):
         parts = [f"{name}/again" for name in names]
         run("joins", {"parts": parts}, joined=f"{whole}.txt", left_out=f"{whole}_left_out.txt")
-    assert (folder / "all.txt").read_text() == (folder / "rest.txt").read_text() == "1 3"
-    assert (folder / "all_left_out.txt").read_text() == "{'b': 'it is empty'}"
-    assert (folder / "rest_left_out.txt").read_text() == "{}"
+    assert (warm_folder / "all.txt").read_text() == (warm_folder / "rest.txt").read_text() == "1 3"
+    assert (warm_folder / "all_left_out.txt").read_text() == "{'b': 'it is empty'}"
+    assert (warm_folder / "rest_left_out.txt").read_text() == "{}"
     run("joins", {"parts": ["b/again"]}, joined="none.txt", left_out="none_left_out.txt")
-    assert (folder / "none.txt").read_text() == ""
-    assert (folder / "none_left_out.txt").read_text() == "{'b': 'it is empty'}"
+    assert (warm_folder / "none.txt").read_text() == ""
+    assert (warm_folder / "none_left_out.txt").read_text() == "{'b': 'it is empty'}"
