@@ -122,8 +122,9 @@ def compare(
     wrong = int(outside.sum())
     channels = [name for name in whole if name not in FLAGS and not name.startswith("filled_")]
     for name in set(channels) & set(robot):
-        truth = np.interp(time, at, whole[name])
-        loose = FAR * np.ptp(whole[name]) + 5 * np.std(np.diff(whole[name])) + 1e-3
+        values = whole[name].to_numpy(float)
+        truth = np.interp(time, at, values)
+        loose = FAR * np.ptp(values) + 5 * np.std(np.diff(values)) + 1e-3
         flag = f"filled_{name.rpartition('_')[0]}"
         filled = robot[flag].to_numpy(bool) if flag in robot else np.zeros(len(robot), dtype=bool)
         tolerance = np.where(filled | ~nearest | (not exact), loose, 1e-5)

@@ -160,6 +160,7 @@ INTERNAL_CHANNELS = ("segment", "interpolated", "filled", "received")  # of repa
 RECORDED_CHANNELS = {name: spec for name, spec in CHANNELS.items() if name not in INTERNAL_CHANNELS}
 SUFFIXES = {name: spec.suffixes for name, spec in CHANNELS.items() if len(spec.suffixes) > 1}
 JOINT_CHANNELS = [name for name, spec in CHANNELS.items() if spec.of_joints]
+JOINT_COLUMNS = {f"{name}_{k}" for name in JOINT_CHANNELS for k in range(MOST_JOINTS)}
 SIGNED_CHANNELS = [name for name in JOINT_CHANNELS if CHANNELS[name].unit not in ("degC", "V")]
 
 

@@ -134,6 +134,8 @@ def printable(text: str) -> str:
 
     Line breaks and tabs stay.
     """
+    if text.isprintable():  # nearly all are
+        return text
     return "".join(_escaped(letter) for letter in text)
 
 

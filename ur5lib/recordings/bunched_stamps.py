@@ -7,7 +7,7 @@ that a controller sends at equal steps lie on the line below such stamps.
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import joint_count
+from ur5lib.channels import JOINT_COLUMNS
 from ur5lib.recordings.host_clock import MIN_STAMPS, least_delayed
 from ur5lib.recordings.plausibility import MIN_STEP
 from ur5lib.records.phrases import number
@@ -30,7 +30,7 @@ def evenly_stamped(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFram
     """
     time = frames["time"].to_numpy(float)
     close = close_rows(time)
-    of_joints = [name for name in frames if joint_count([name])]
+    of_joints = [name for name in frames if name in JOINT_COLUMNS]
     if not close.any() or not are_new(frames[of_joints].to_numpy(float), close):
         return frames
     even = even_times(time, close)

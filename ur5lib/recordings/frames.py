@@ -81,8 +81,8 @@ def repair_frames(
     possible = drop_implausible(evenly_stamped(frames, findings), source, "robot", findings, bounds)
     frames = in_order(possible, findings)
     del possible
-    for name in [*given]:
-        del given[name]  # so that each channel can be freed when it is on the grid
+    given.columns = ["given"] * len(given.columns)  # to be deleted at once
+    del given["given"]  # so that each channel can be freed when it is on the grid
     _expect_frames(frames, source)
     timing = _timing_of_positions(frames, cycle, source)
     _report_steps(timing, findings)
@@ -118,19 +118,18 @@ def _expect_frames(frames: pd.DataFrame, source: str) -> None:
 
 def _whole_channels(frames: pd.DataFrame, findings: list[Finding], source: str) -> pd.DataFrame:
     """Return the frames without channels that lack a column or have no row with all columns."""
+    joints, columns_of = joint_count(frames), _vectors(frames)
     absent = [
         name
-        for name, columns in _vectors(frames).items()
-        if len(columns) < (len(suffixes(name, joint_count(frames))) or len(columns))
+        for name, columns in columns_of.items()
+        if len(columns) < (len(suffixes(name, joints)) or len(columns))
         or not np.all([np.isfinite(frames[c].to_numpy(float)) for c in columns], axis=0).any()
     ]
     if "actual_q" in absent or "actual_q_0" not in frames:
-        raise no_positions(frames, joint_count(frames) or len(SIX_SUFFIXES), source)
+        raise no_positions(frames, joints or len(SIX_SUFFIXES), source)
     detail = f"{', '.join(absent)}: columns are missing or empty; the channel is ignored"
     add_finding(findings, "robot", "incomplete channels", "warning", len(absent), detail)
-    columns = _vectors(frames)
-    dropped = [column for name in absent for column in columns[name]]
-    return frames.drop(columns=dropped)
+    return frames.drop(columns=[column for name in absent for column in columns_of[name]])
 
 
 def no_positions(frames: pd.DataFrame, joints: int, source: str) -> InputError:

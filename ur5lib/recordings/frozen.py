@@ -76,7 +76,7 @@ def _of_joints(frames: pd.DataFrame, name: str) -> Iterator[Frozen]:
     time = frames["time"].to_numpy(float)
     for joint in range(joint_count(frames)):
         if (column := f"{name}_{joint}") in frames:
-            for rows in _lasting(frames[[column]].to_numpy(float), time):
+            for rows in _lasting(frames[column].to_numpy(float)[:, None], time):
                 if _contradicts(frames, name, joint, rows):
                     yield Frozen(column, rows)
 

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import joint_count
+from ur5lib.channels import JOINT_COLUMNS
 from ur5lib.records.quality import Device, Finding, add_finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
@@ -24,7 +24,7 @@ def in_order(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
     Frames that repeat the previous one, or only its data with a new timestamp, are discarded. New
     data with an old timestamp are moved to the next slot.
     """
-    sent = ["time", *(name for name in frames if joint_count([name]))]
+    sent = ["time", *(name for name in frames if name in JOINT_COLUMNS)]
     frames = drop_repeats(frames, "robot", findings, sent)
     epoch = epochs(frames["time"].to_numpy())
     detail = (

@@ -157,7 +157,11 @@ def drop_unwritten(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame
     channels = defaultdict[str, list[str]](list)
     for name in table:
         channels[re.sub(r"_\d+$", "", name)].append(name)
-    silent = [n for n, names in channels.items() if is_silent(table[names].to_numpy(float))]
+    silent = [
+        name
+        for name, columns in channels.items()
+        if all(is_silent(table[column].to_numpy(float)) for column in columns)
+    ]
     names = [name for name in silent if np.nan_to_num(table[channels[name]].to_numpy(float)).any()]
     detail = f"{some(names)}: numbers that were never written, all but zero; not recorded"
     add_finding(findings, "robot", "unwritten channels", "warning", len(names), detail)
