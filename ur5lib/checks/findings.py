@@ -27,15 +27,16 @@ def contradictions(
     sensed: bool,
     cutoffs_hz: Mapping[str, float],
     accepted: Mapping[str, str],
+    only_stops: bool = False,
 ) -> Contradictions:
     """Return the stop signs of a recording, and its doubts: those given, then further ones.
 
     sensed: whether it has a force sensor; cutoffs_hz: of all low-pass filters; accepted: why the
-    study overrules stop signs, by kind.
+    study overrules stop signs, by kind; only_stops: leave out further doubts.
     """
     doubts = [*doubts, *_of_samples(checked, cutoffs_hz), *checked.odd_targets.values()]
     stops = stop_signs(checked, accepted)
-    if not stops:  # from which others would follow
+    if not stops and not only_stops:  # from a stop sign, others would follow
         doubts += possible_delays(checked)
         doubts += given_load(checked)
         doubts += load_without_targets(checked)

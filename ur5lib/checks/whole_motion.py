@@ -99,8 +99,8 @@ class Regression:
             return float(np.log(square + TORQUE_NOISE**2).sum())
 
         sides = [np.einsum("mjc,mj->jc", self.columns[own], torque[own]) for own in self.parts]
-        fits = (self._coefficients(torque, np.stack(sides), ridge) for ridge in self.ridges)
-        return min(fits, key=missed)
+        fits = [self._coefficients(torque, np.stack(sides), ridge) for ridge in self.ridges]
+        return min(fits, key=missed) if len(fits) > 1 else fits[0]
 
     def _left(self, torque: Array, coefficients: Array) -> Array:
         parts = zip(self.parts, coefficients, strict=True)

@@ -224,7 +224,7 @@ def contradictions(recording: StudyEntry) -> list[str]:
     plain = {"study": "import", "title": "Import", "recordings": [recording]}
     try:
         study = parse_study(plain, "the entry")
-        quality, _ = look_through(study.recordings[0], study)
+        quality, _ = look_through(study.recordings[0], study, only_stops=True)
     except InputError as error:
         return [str(error)]
     return severe(quality)
