@@ -51,10 +51,11 @@ class Cell:
 
     def read(self, spoil: Spoil, arm: Robot, part: int = 0, **stated: Any) -> Intake:
         """Return one motion of a spoilt log, as read and checked; stated: in its entry."""
-        spoil(self.log.copy()).to_csv(self.folder / "spoilt.csv", index=False)
+        table = spoil(self.log.copy())
+        in_part = (table["time"] - table["time"].iloc[0]) // PERIOD == part
+        table[in_part].to_csv(self.folder / "spoilt.csv", index=False)
         entry = {"name": "spoilt", "role": "fit", "format": "table-csv", "file": "spoilt.csv"}
-        cut = {"from_s": part * PERIOD, "to_s": (part + 1) * PERIOD}
-        entry |= {"folder": str(self.folder), "columns": COLUMNS, **cut, **stated}
+        entry |= {"folder": str(self.folder), "columns": COLUMNS, **stated}
         return checked_intake(read_and_repair(ENTRY.validate_python(entry), arm, 0.1), arm)
 
     def stops(self, spoil: Spoil, arm: Robot | None = None, part: int = 0) -> list[str]:
