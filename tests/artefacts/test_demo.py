@@ -290,6 +290,7 @@ def test_in_memory_all_is_as_in_the_report(
     assert len(shown.splitlines()) < 24
 
 
+@pytest.mark.thorough
 def test_its_model_draws_what_the_report_shows(results: Path, tmp_path: Path) -> None:
     assert_draws_as_in_report(results, tmp_path)
 

@@ -35,6 +35,7 @@ def test_its_cards_are_those_of_the_report(results: Path) -> None:
     assert with_verdicts(page, first_screen(results / LESSON)) == page
 
 
+@pytest.mark.thorough
 def test_its_model_draws_what_the_report_shows(results: Path, tmp_path: Path) -> None:
     assert_draws_as_in_report(results / LESSON, tmp_path)
 
