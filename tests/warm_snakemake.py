@@ -7,7 +7,6 @@ So have the packages of the steps been loaded, for the first worker of a run.
 import gc
 import multiprocessing
 import os
-import pkgutil
 import subprocess
 import sys
 import tempfile
@@ -17,10 +16,9 @@ from pathlib import Path
 from typing import Any
 
 WARM = multiprocessing.get_context("forkserver")  # a process that waits, and forks one for each run
-PLUGINS = [one.name for one in pkgutil.iter_modules() if one.name.startswith("snakemake_")]
 OF_STEPS = ["matplotlib.pyplot", "mujoco", "pandas", "pyarrow.parquet", "pytorch_kinematics"]
 OF_STEPS += ["scipy.interpolate", "scipy.ndimage", "scipy.optimize", "scipy.signal", "scipy.stats"]
-WARM.set_forkserver_preload(["snakemake.cli", "pydantic", *PLUGINS, *OF_STEPS])
+WARM.set_forkserver_preload(["tests.warm_plugins", "pydantic", *OF_STEPS])
 os.environ["OMP_NUM_THREADS"] = "1"  # as of each worker
 
 
