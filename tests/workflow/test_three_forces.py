@@ -21,7 +21,7 @@ PUSHES = [
     for start, force in ((2.0, [30, 0, 0]), (5.0, [0, -30, 0]), (8.0, [0, 0, 30]))
 ]
 NAMES = ("log", "apart")  # of the file that was imported, and of the entry written by hand
-MOVED = {"trajectory": {"kind": "fourier", "period_s": 20}, "seconds": 20}
+MOVED = {"trajectory": {"kind": "fourier", "period_s": 11}, "seconds": 11}
 FIT = {"name": "moved", "robot": "ur5", "format": "rtde-csv", "role": "fit", "simulate": MOVED}
 
 
