@@ -233,7 +233,7 @@ def test_intervals_hold_the_truth(ur5: Robot) -> None:
     called, inside = [], []
     for _ in range(200):
         noise = lfilter([0.6], [1, -0.8], random.normal(size=(len(rows), 6)), axis=0) * size
-        found = fit(rows, rows @ truth + noise, prior)
+        found = fit(rows, rows @ truth + noise, prior, size=100)
         called.append(found.determined(groups))
         error = np.abs(groups @ (found.parameters - truth))
         inside.append(error < 1.96 * found.standard_errors(groups))
