@@ -1,12 +1,14 @@
 """The closed loop: its simulation is exact, its gains come with what the data do not tell."""
 
+from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import minimize_scalar
 from scipy.signal import lfilter, lsim
 from scipy.stats import f as fisher
 
@@ -29,6 +31,7 @@ from ur5lib.topics.thesis.records import ClosedLoop, JointGains
 
 TABLE_5_5 = "Movement_No5_Acc_slow_no_disturbance"
 PERIOD = 0.008
+MOTION = ("target_q", "target_qd", "target_qdd", "actual_q", "actual_qd")
 K0, K1 = np.full(6, 400.0), np.full(6, 30.0)
 PRINTED_POSITION = {  # Table 5.5 [1e-4 rad]
     "A": [1, 2, 4, 5, 2, 3],
@@ -76,11 +79,10 @@ def test_of_a_long_recording_the_part_that_moves_is_enough(
     """Here 6.4 s that leap, after 12.8 s and before 3.2 s in which the target hardly moves."""
     moving = tracking(leap=0.3, seed=3)
     count = len(moving.segment)
-    arrays = ("target_q", "target_qd", "target_qdd", "actual_q", "actual_qd")
-    resting = {name: np.repeat(getattr(moving, name)[:1], count, axis=0) for name in arrays}
+    resting = {name: np.repeat(getattr(moving, name)[:1], count, axis=0) for name in MOTION}
     resting["target_qdd"] = 0 * resting["target_qdd"]
     parts = [resting, resting, vars(moving), {k: v[: count // 2] for k, v in resting.items()}]
-    whole = {name: np.concatenate([part[name] for part in parts]) for name in arrays}
+    whole = {name: np.concatenate([part[name] for part in parts]) for name in MOTION}
     long = Tracking(**whole, segment=np.zeros(count * 7 // 2, np.int64), period=PERIOD)
     monkeypatch.setattr(closed_loop, "MAX_MOTION_DURATION", count * PERIOD)
     found, expected = estimate_gains(long), estimate_gains(moving)
@@ -143,13 +145,36 @@ def test_standard_errors_and_ranges_hold_what_they_promise(memory: float, most: 
         assert np.mean([gain.low < truth < gain.high for gain in gains]) > 0.9
 
 
-def test_least_squares_finds_the_bottom_of_the_profile() -> None:
-    for joint in estimated_gains(seed=1):
-        for gain in (joint.position, joint.velocity):
-            assert gain.profile.min() >= joint.cost - 1e-9 * joint.cost
-            inside = (gain.grid > gain.low) & (gain.grid < gain.high)
-            assert (gain.profile[inside] <= joint.limit).all()
-            assert (gain.profile[~inside] >= joint.limit).all()
+def profiles(recording: Tracking, joint: int, found: JointGains) -> list[Array]:
+    """The least cost over the other gain at each value of the grid, of both gains of a joint."""
+    motion = {name: getattr(recording, name)[:, [joint]] for name in MOTION}
+    alone = replace(recording, **motion)
+
+    def cost(k0: float, k1: float) -> float:
+        return tracking_cost(alone, np.array([k0]), np.array([k1]), found.noise[None]).item()
+
+    def least(of: Callable[[float], float], grid: Array, costs: Array) -> float:
+        around = np.clip(np.array([-1, 1]) + costs.argmin(), 0, len(grid) - 1)
+        return minimize_scalar(lambda log: of(np.exp(log)), bounds=np.log(grid[around])).fun
+
+    position, velocity = found.position.grid, found.velocity.grid
+    costs = np.array([[cost(k0, k1) for k1 in velocity] for k0 in position])
+    rows, columns = zip(position, costs, strict=True), zip(velocity, costs.T, strict=True)
+    return [
+        np.array([least(partial(cost, k0), velocity, row) for k0, row in rows]),
+        np.array([least(partial(cost, k1=k1), position, row) for k1, row in columns]),
+    ]
+
+
+@pytest.mark.parametrize("joint", [0, 5])
+def test_least_squares_finds_the_bottom_of_the_profile(joint: int) -> None:
+    found = estimated_gains(seed=1)[joint]
+    both = profiles(tracking(0.5, seed=1), joint, found)
+    for gain, profile in zip((found.position, found.velocity), both, strict=True):
+        assert profile.min() >= found.cost - 1e-9 * found.cost
+        inside = (gain.grid > gain.low) & (gain.grid < gain.high)
+        assert (profile[inside] <= found.limit).all()
+        assert (profile[~inside] >= found.limit).all()
 
 
 def test_cost_is_the_least_at_the_estimate() -> None:

@@ -5,8 +5,9 @@ integrator of its own, driven by a_q = q̈_d - K0 (q - q_d) - K1 (q̇ - q̇_d) (
 not depend on the model, and the gains of n joints are n problems of two.
 """
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from itertools import product
+from itertools import chain, product
 from typing import NamedTuple
 
 import numpy as np
@@ -289,9 +290,7 @@ def _estimate(joint: _JointLoop) -> JointGains:
         # the target never moves, so a joint that follows exactly has the least cost
         cost = _cost(stiff, noise)
         position, velocity = (
-            Gain(
-                values[-1], np.nan, values[0], values[-1], False, values, np.full(GRID_NODES, cost)
-            )
+            Gain(values[-1], np.nan, values[0], values[-1], False, values)
             for values in np.exp(grid).T
         )
         return JointGains(position, velocity, False, noise, cost, cost, cost)
@@ -309,7 +308,7 @@ def _estimate(joint: _JointLoop) -> JointGains:
     limit = reference * _cost_rise(CONFIDENCE_LEVEL, freedom)
     # cov = J_min / (n - 2) (Jᵀ J)⁻¹
     std = np.sqrt(min_cost / freedom * np.diag(np.linalg.pinv(best.jac.T @ best.jac)))
-    profiles = _profiles(joint, grid, squares, noise)
+    profiles = [_profile(joint, grid, squares, noise, axis) for axis in (0, 1)]
     position, velocity = (
         _gain(best.x[axis], std[axis], grid[:, axis], profiles[axis], reference, limit, stiff_cost)
         for axis in (0, 1)
@@ -336,12 +335,13 @@ def _descend(joint: _JointLoop, grid: Array, squares: Array, noise: Array) -> Op
     return min(fits, key=lambda fit: fit.cost)
 
 
-def _profiles(joint: _JointLoop, grid: Array, squares: Array, noise: Array) -> list[Array]:
-    """Return the profile (G,) of each gain: at each node, the minimum over the other gain."""
-    costs = squares @ noise**-2.0
+def _profile(
+    joint: _JointLoop, grid: Array, squares: Array, noise: Array, axis: int
+) -> Callable[[int], float]:
+    """Return the profile of a gain: of a node of the grid, the minimum over the other gain."""
+    costs, other_grid = squares @ noise**-2.0, grid[:, 1 - axis]
 
-    def least(axis: int, node: int) -> float:
-        other_grid = grid[:, 1 - axis]
+    def least(node: int) -> float:
         k = int(np.argmin(costs.take(node, axis)))
 
         def cost(value: float) -> float:
@@ -353,16 +353,16 @@ def _profiles(joint: _JointLoop, grid: Array, squares: Array, noise: Array) -> l
         least_cost = minimize_scalar(
             cost, bounds=between, method="bounded", options={"xatol": PROFILE_STEP}
         )
-        return least_cost.fun
+        return float(least_cost.fun)
 
-    return [np.array([least(axis, node) for node in range(GRID_NODES)]) for axis in (0, 1)]
+    return least
 
 
 def _gain(
     best: float,
     std: float,
     grid: Array,
-    profile: Array,
+    profile: Callable[[int], float],
     reference: float,
     limit: float,
     stiff: float,
@@ -373,27 +373,33 @@ def _gain(
     at rest, or moves too slowly. reference: J_ref, subtracted from costs; limit: largest cost.
 
     The square root of the cost's rise is nearly linear in the log gain (Bates and Watts 1988,
-    chapter 6), so it is interpolated linearly.
+    chapter 6), so it is interpolated linearly. Minima take most of the time: the profile is asked
+    from the bounds inwards, as far as the range.
     """
-    place = np.searchsorted(grid, best)
-    nodes = np.insert(grid, place, best)
-    rise = np.insert(np.sqrt(np.maximum(profile - reference, 0)), place, 0.0)
-    # √(J - J_ref) at the ends of the range
-    allowed = np.sqrt(limit - reference)
-    low, high = (_crossing(nodes[::way], rise[::way], allowed) for way in (1, -1))
-    if stiff <= limit:
-        high = float(grid[-1])
+    allowed = np.sqrt(limit - reference)  # √(J - J_ref) at the ends of the range
+
+    def end(nodes: range) -> float:
+        on_the_way = ((grid[k], np.sqrt(max(profile(k) - reference, 0.0))) for k in nodes)
+        return _crossing(chain(on_the_way, [(best, 0.0)]), allowed)
+
+    place = int(np.searchsorted(grid, best))
+    low = end(range(place))
+    high = float(grid[-1]) if stiff <= limit else end(range(GRID_NODES - 1, place - 1, -1))
     determined = low > grid[0] and high < grid[-1] and high - low < np.log(MAX_RANGE_FACTOR)
     value, low, high = np.exp([best, low, high])
-    return Gain(value, value * std, low, high, bool(determined), np.exp(grid), profile)
+    return Gain(value, value * std, low, high, bool(determined), np.exp(grid))
 
 
-def _crossing(nodes: Array, rise: Array, allowed: float) -> float:
-    """Return the node at which the rise first falls to `allowed`, interpolated; the first node if
-    the rise starts below.
+def _crossing(rises: Iterable[tuple[float, float]], allowed: float) -> float:
+    """Return where a rise first falls to `allowed`, interpolated between nodes (node, rise); the
+    first node if it starts below.
     """
-    inside = int(np.argmax(rise <= allowed))
-    if inside == 0:
-        return float(nodes[0])
-    share = (rise[inside - 1] - allowed) / (rise[inside - 1] - rise[inside])
-    return float(nodes[inside - 1] + share * (nodes[inside] - nodes[inside - 1]))
+    last = None
+    for node, rise in rises:
+        if rise <= allowed:
+            break
+        last = node, rise
+    if last is None:
+        return float(node)
+    share = (last[1] - allowed) / (last[1] - rise)
+    return float(last[0] + share * (node - last[0]))

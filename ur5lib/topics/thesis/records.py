@@ -28,8 +28,8 @@ class Gain:
     best: the minimum of the cost; std_error: from the Jacobian there; low, high: ends of the 95 %
     range; determined: whether both lie inside the search bounds (Raue et al. 2009) and less than an
     order of magnitude apart. If not, the range is the result, `best` is one value in it, and
-    `std_error` is meaningless. grid, profile: (G,) values between the search bounds, and the
-    minimum of the cost over the other gain at each.
+    `std_error` is meaningless. grid: (G,) values between the search bounds, at which the least cost
+    over the other gain is compared with the limit.
     """
 
     best: float
@@ -38,7 +38,6 @@ class Gain:
     high: float
     determined: bool
     grid: Array
-    profile: Array
 
 
 @dataclass(frozen=True)
