@@ -19,6 +19,7 @@ from ur5lib.robots.description import load_robot
 
 pytestmark = pytest.mark.slow
 SEED, DAY = 0, UNSEEN["same day"]
+FEW_PUSHES = "\nsettings: {pushes: {per_arm: 90}}\n"
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +39,7 @@ def cell(made: MadeUpArm, tmp_path_factory: pytest.TempPathFactory) -> Workflow:
     file.write_text(yaml.safe_dump(edited, sort_keys=False))
     blocks = examples(PROJECT / "docs" / "robots.md")
     (study,) = (block.text for block in blocks if "study: cell" in block.text)
-    (workflow.folder / "cell.yaml").write_text(study)
+    (workflow.folder / "cell.yaml").write_text(study + FEW_PUSHES)
     return workflow
 
 
