@@ -8,7 +8,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
+from pathlib import Path, PosixPath
 from typing import Any
 
 import numpy as np
@@ -202,11 +202,18 @@ def test_of_several_devices_that_are_not_there_one_is_said(tmp_path: Path) -> No
         pass
 
 
-def test_a_full_disk_is_said(tmp_path: Path) -> None:
+class FullDisk(PosixPath):
+    """The device that is always full, as a file that is new."""
+
+    def open(self, mode: str = "r", *more: Any, **named: Any) -> Any:
+        return super().open(mode.replace("x", "w"), *more, **named)
+
+
+def test_a_full_disk_is_said() -> None:
     here, there = multiprocessing.Pipe()
     handler, plan, stop = signal.getsignal(signal.SIGINT), MadeUp(), multiprocessing.Event()
     try:
-        capture(plan, Path("/dev/full"), 0.0, there, stop)
+        capture(plan, FullDisk("/dev/full"), 0.0, there, stop)
     finally:
         signal.signal(signal.SIGINT, handler)
     identity, status = here.recv(), here.recv()
