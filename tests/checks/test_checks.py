@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.optimize import brentq
 
 from tests.conftest import said
 from tests.synthetic import PERIOD, poor_log
@@ -323,6 +324,43 @@ def test_a_slow_log_says_where_motion_is_faster_than_it_tells(
     assert all(part in own for part, own in zip(sentences, said_of_it, strict=True))
     assert told_at_10_hz(hertz, 0.004) == []
     assert told_at_10_hz(hertz, leap=2.0) == said_of_it
+
+
+def missed_share(hertz: float) -> float:
+    """What a spline of degree 5 through every second sample misses, over what a line does.
+
+    Of a wave at 10 Hz, by B-splines at whole places and halves.
+    """
+    turn = 2 * np.pi * hertz * 0.1  # of one sample
+    whole = (66 + 52 * np.cos(2 * turn) + 2 * np.cos(4 * turn)) / 120
+    half = (3364 * np.cos(turn) + 474 * np.cos(3 * turn) + 2 * np.cos(5 * turn)) / 3840
+    return abs(half / whole - 1) / (1 - np.cos(turn))
+
+
+@pytest.mark.parametrize(
+    ("share", "word"), [(0.1, "is faster than samples"), (0.5, "do not tell the motion")]
+)
+def test_a_spline_may_miss_a_tenth_of_the_curvature_and_misses_all_from_a_half_on(
+    share: float, word: str
+) -> None:
+    for side, beyond in ((0.94, False), (1.06, True)):
+        hertz = brentq(lambda one, limit: missed_share(one) - limit, 0.5, 3.5, share * side)
+        wave = np.hanning(2000) * np.sin(2 * np.pi * hertz * 0.1 * np.arange(2000))
+        q = 5.0 * wave[:, None]
+        log = q, np.zeros(len(q), int), 0.1, [100.0]
+        told = [*map(said, [*untold_motion(*log), *fast_between_samples(*log)])]
+        assert any(word in one for one in told) == beyond
+
+
+@pytest.mark.parametrize(
+    ("count", "period", "told"),
+    [(12, 0.1, 1), (11, 0.1, 0), (12, 0.031, 1), (12, 0.029, 0), (12, 0.04, 1)],
+)
+def test_twelve_samples_of_a_slow_log_tell_how_it_moves(
+    count: int, period: float, told: int
+) -> None:
+    q = 0.1 * (-1.0) ** (np.arange(count) // 2)[:, None]
+    assert len([*untold_motion(q, np.zeros(count, int), period, [100.0])]) == told
 
 
 def test_motion_that_samples_do_not_tell_is_a_stop_sign() -> None:
