@@ -11,6 +11,7 @@ from ur5lib.checks.channels import (
     check_robot,
     fast_between_samples,
     no_motion,
+    too_short,
     unmoved,
     untold_motion,
 )
@@ -126,6 +127,18 @@ def test_limits_are_each_joints_own() -> None:
     turns[2] = (-6.4, 9.0)
     (reported,) = [f for f in check_robot(table, PERIOD, turns, speeds) if f.count == 5]
     assert "(joint 3: up to −6.5 rad)" in said(reported)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_counted_angles_leave_their_range_by_more_than_a_twentieth(side: int) -> None:
+    """To either side; a controller lets no joint go there."""
+    table = moving_robot()
+    for beyond, name in ((0.04, "joint limits"), (0.06, "joints beyond their range")):
+        table.loc[:4, ["actual_q_2", "target_q_2"]] = side * (6.3 + beyond)
+        found = [one for one in check_robot(table, PERIOD, *LIMITS, counted=True) if one.count == 5]
+        # within the twentieth it is a note, as of angles that no counts make
+        assert [one.finding for one in found if "joint" in one.finding] == [name] * len(found)
+        assert bool(found)
 
 
 @pytest.mark.parametrize(("count", "reported"), [(9, False), (10, True)])
@@ -361,6 +374,15 @@ def test_twelve_samples_of_a_slow_log_tell_how_it_moves(
 ) -> None:
     q = 0.1 * (-1.0) ** (np.arange(count) // 2)[:, None]
     assert len([*untold_motion(q, np.zeros(count, int), period, [100.0])]) == told
+
+
+def test_a_part_is_long_enough_with_one_sample_between_its_ends() -> None:
+    """A low-pass at 2 Hz extrapolates a quarter of a second at each end: 25 samples of 51."""
+    whole = np.repeat([0, 1, 2], [51, 30, 40])
+    assert too_short(whole, 0.01, 2.0) == []
+    (warning,) = too_short(whole[1:], 0.01, 2.0)
+    assert "no more than 50 samples, 0.5 s, without a gap" in warning.detail
+    assert "needs 0.51 s" in warning.detail
 
 
 def test_motion_that_samples_do_not_tell_is_a_stop_sign() -> None:
