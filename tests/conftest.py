@@ -188,7 +188,9 @@ class Workflow:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.environment = os.environ | {"PYTHONPATH": str(folder)}
+        # of no commit, wherever it lies, also within the clone
+        without_commit = {"GIT_CEILING_DIRECTORIES": str(folder.parent)}
+        self.environment = os.environ | {"PYTHONPATH": str(folder)} | without_commit
 
     def copied(self, target: Path) -> "Workflow":
         """All of it, in another place."""
