@@ -12,17 +12,17 @@ import pandas as pd
 import pytest
 from scipy.stats import poisson
 
-from tests.made_study import COLUMNS, predicted, touched
+from tests.made_study import COLUMNS, finding, predicted, touched
 from ur5lib.force.estimators import UNGATED
 from ur5lib.judging.advice import ASKING, advice
 from ur5lib.judging.constants import judge_constants
-from ur5lib.judging.contacts import judge_contacts, noticed, of_days
+from ur5lib.judging.contacts import judge_contacts, noticed, of_days, rates
 from ur5lib.judging.currents import judge_currents
 from ur5lib.judging.force import judge_force
 from ur5lib.judging.links import judge_links
 from ur5lib.judging.recordings import SEVERITIES, felt_while_fitted, judge_recordings, uses
 from ur5lib.judging.study import StudyTables, read_tables
-from ur5lib.records.verdicts import Verdict
+from ur5lib.records.verdicts import FalseAlarms, Verdict
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.steps.judge_study import Judged, judged
 from ur5lib.study.model import Settings
@@ -689,3 +689,28 @@ def test_recordings_that_lost_a_tenth_of_their_frames_are_named_the_worst_first(
     (one,) = (own for own in told.advice if own.code == "lossy")
     assert (one.recording, one.recordings) == (max(shares, key=shares.__getitem__), len(many))
     assert one.value == pytest.approx(max(shares.values()))
+
+
+def test_of_several_stops_and_loads_the_first_is_asked_for_alone() -> None:
+    """And of loads, all are counted."""
+    stops = [finding("stop", recording=name) for name in ("v1", "c1")]
+    load = {"robot": "ur5", "taken": "yes", "configured": 1.0, "std_error": 0.1}
+    loads = [load | {"recording": f"c{k}", "mass": 0.5 * k} for k in (1, 2)]
+    given = [*advice(tables_of([V1], quality=stops, payload=loads))]
+    (stop,) = (one for one in given if one.code == "stop_recording")
+    assert stop.recording == "v1"
+    (carried,) = (one for one in given if one.code == "payload")
+    assert (carried.recording, carried.recordings, carried.value) == ("c1", 2, 1.5)
+
+
+@pytest.mark.parametrize(
+    ("count", "high", "short"), [(0, 1.1, True), (0, 0.9, False), (1, 2, False)]
+)
+def test_time_without_an_alarm_may_be_too_short_to_promise_few(
+    count: int, high: float, short: bool
+) -> None:
+    of: Row = {"role": "fit", "estimate": "Fmap", "days": "all", "recordings": 1, "minutes": 3.0}
+    row = FalseAlarms(**of, alarms=count, per_min=count / 3, per_min_high=high)
+    first, time, limit = rates(row)
+    assert (first["reason"] == "short") == short
+    assert (first["count"], time["value"], limit["value"]) == (count, 3.0, high)
