@@ -16,12 +16,18 @@ HOLD = "import sys, time; from pathlib import Path; from ur5lib.study.turn impor
 HOLD += "held = take_turn(Path(sys.argv[1])); print('held', flush=True); time.sleep(60)"
 
 
-def test_a_second_run_names_the_first_which_is_not_disturbed(tmp_path: Path) -> None:
-    first = subprocess.Popen(
-        [sys.executable, "-c", HOLD, str(tmp_path)], stdout=subprocess.PIPE, text=True
+def holding(code: str, path: Path) -> subprocess.Popen[str]:
+    """A process that has a lock."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, str(path)], stdout=subprocess.PIPE, text=True
     )
-    assert first.stdout is not None
-    assert first.stdout.readline() == "held\n"
+    assert process.stdout is not None
+    assert process.stdout.readline() == "held\n"
+    return process
+
+
+def test_a_second_run_names_the_first_which_is_not_disturbed(tmp_path: Path) -> None:
+    first = holding(HOLD, tmp_path)
     for _ in range(2):
         with pytest.raises(InputError, match=rf"process {first.pid} of .* since 20\d\d-"):
             take_turn(tmp_path)
@@ -122,11 +128,7 @@ RESERVED += "with reserved(Path(sys.argv[1])): print('held', flush=True); time.s
 
 def test_a_name_is_of_one_process_until_that_ends_or_is_killed(tmp_path: Path) -> None:
     path = tmp_path / "new" / "arm.xml"
-    first = subprocess.Popen(
-        [sys.executable, "-c", RESERVED, str(path)], stdout=subprocess.PIPE, text=True
-    )
-    assert first.stdout is not None
-    assert first.stdout.readline() == "held\n"
+    first = holding(RESERVED, path)
     for _ in range(2):
         with pytest.raises(InputError, match=r"another process is writing .*arm\.xml; wait"):
             reserved(path).__enter__()

@@ -11,12 +11,14 @@ import os
 import socket
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
-from typing import IO, Any, TextIO, cast
+from typing import IO, Any, TextIO, TypeVar, cast
 
 from ur5lib.errors import InputError
 
+Lock = TypeVar("Lock", bound=IO[Any])
 LOCK_FILE = ".running"
 TURN_VARIABLE = "UR5_TURN"  # environment variable by which jobs on a cluster recognise their run
 
@@ -29,10 +31,7 @@ def take_turn(results: Path, wait: bool = False) -> TextIO:
     the lock works between machines if its file system supports `flock`.
     """
     results.mkdir(parents=True, exist_ok=True)
-    lock = _locked(results, wait)
-    while not _in_place(lock, results / LOCK_FILE):  # the previous owner has removed its file
-        lock.close()
-        lock = _locked(results, wait)
+    lock = _lasting(partial(_locked, results, wait), results / LOCK_FILE)
     since = time.strftime("%Y-%m-%d %H:%M:%S")
     name = f"process {os.getpid()} of {getpass.getuser()} on {socket.gethostname()} since {since}"
     lock.truncate(0)
@@ -58,6 +57,13 @@ def _locked(results: Path, wait: bool) -> TextIO:
             ) from None
         print(f"{other}; waiting until that has ended", file=sys.stderr, flush=True)
         fcntl.flock(lock, fcntl.LOCK_EX)
+    return lock
+
+
+def _lasting(locked: Callable[[], Lock], path: Path) -> Lock:
+    """Return a lock as `locked` does, again where its previous owner has removed its file."""
+    while not _in_place(lock := locked(), path):
+        lock.close()
     return lock
 
 
@@ -128,7 +134,7 @@ def reserved(path: Path, wait: bool = False) -> Iterator[None]:
     place = path.with_name(f".{path.name}.lock")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        lock = _reservation(place, wait)
+        lock = _lasting(partial(_reservation, place, wait), place)
     except BlockingIOError as error:
         raise InputError(
             f"another process is writing {path}; wait until it has ended, or name another"
@@ -146,13 +152,10 @@ def reserved(path: Path, wait: bool = False) -> Iterator[None]:
 
 def _reservation(path: Path, wait: bool) -> IO[bytes]:
     """Return an open lock file. Raises BlockingIOError where another process has it."""
-    while True:
-        lock = path.open("ab")
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
-        except BaseException:
-            lock.close()
-            raise
-        if _in_place(lock, path):
-            return lock
-        lock.close()  # its previous owner has removed it
+    lock = path.open("ab")
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+    except BaseException:
+        lock.close()
+        raise
+    return lock
