@@ -22,6 +22,7 @@ from ur5lib.records.quality import Finding, Log
 from ur5lib.strict import MOST_BYTES, expect_file
 from ur5lib.timeseries.arrays import Array
 
+PACKED_ENDING = ".zstd"  # of a bag's files that are packed as a whole
 Arrays = dict[str, np.ndarray]  # by path in the file, (n,) or (n, k) or (k, n)
 Load = Callable[[Path, Collection[str] | None, list[Finding]], Arrays]  # None: all arrays
 LOADERS: dict[str, Load] = {}  # by the format's name in a study

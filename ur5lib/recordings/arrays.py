@@ -11,7 +11,7 @@ import ur5lib.recordings.own_formats  # noqa: F401 - registers its format
 from ur5lib.channels import JOINT_CHANNELS, MOST_JOINTS, joint_count
 from ur5lib.channels import suffixes as suffixes_of
 from ur5lib.errors import InputError
-from ur5lib.recordings.array_files import LOADERS, Arrays, array_format
+from ur5lib.recordings.array_files import LOADERS, PACKED_ENDING, Arrays, array_format
 from ur5lib.recordings.channel_files import at_stamps
 from ur5lib.recordings.delimited import drop_untimed
 from ur5lib.recordings.entries import ArrayFiles, StoredTable
@@ -21,7 +21,7 @@ from ur5lib.recordings.sensors import counted_from_first, on_robot_clock, repair
 from ur5lib.records.quality import Finding, Log
 
 
-@array_format("rosbag", "a ROS bag", ".bag", ".db3", ".mcap", ".zstd", is_folder=True)
+@array_format("rosbag", "a ROS bag", ".bag", ".db3", ".mcap", PACKED_ENDING, is_folder=True)
 def rosbag_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
     """Return the fields of messages by `<topic>/<field>`."""
     from ur5lib.recordings.rosbag import arrays_of_bag  # slow to import

@@ -10,11 +10,12 @@ import yaml
 from rosbags.rosbag2.storage_mcap import zstd
 
 from ur5lib.errors import InputError, some
+from ur5lib.recordings.array_files import PACKED_ENDING
 from ur5lib.recordings.limits import Unpacking
 from ur5lib.strict import read_yaml
 
 ENDINGS_IN_FOLDER = (".bag", ".db3", ".mcap", ".db3.zstd", ".mcap.zstd")
-PACKED_ENDING, DESCRIPTION = ".zstd", "metadata.yaml"
+DESCRIPTION = "metadata.yaml"
 # `rosbag record` may put the date of a part before its number.
 PART_NUMBER = re.compile(r"(?:_\d{4}(?:-\d\d){5})?_(\d+)$")
 PIECE_BYTES = 1 << 20  # bytes that are unpacked at a time

@@ -9,7 +9,7 @@ LIST = re.compile(  # a tuple has two numbers at least
 )
 BETWEEN_NUMBERS = re.compile(rb"[\s,;]+")
 NUMBER_WORDS = re.compile(rb"nan|inf|array|none|null|e", re.IGNORECASE)
-OPENED = re.compile(rb"[\[(]")  # each list; found twenty times as fast where there is none
+OPENED = re.compile(rb"[\[(]")  # each list; found ten times as fast where there is none
 CELL_STARTS = b"\n", b",", b";", b"\t"
 LETTER, PLACE = re.compile(rb"[A-Za-z]"), b"\0"
 
