@@ -32,9 +32,7 @@ if not workflow.overwrite_configfiles:
 
 
 include: "workflow/rules/common.smk"
-include: "workflow/rules/arms.smk"
 include: "workflow/rules/stand.smk"
-include: "workflow/rules/recordings.smk"
 
 
 for rules_of_topic in sorted(PACKAGE.glob("topics/*/rules.smk")):
@@ -42,6 +40,7 @@ for rules_of_topic in sorted(PACKAGE.glob("topics/*/rules.smk")):
     include: str(rules_of_topic)
 
 
+include: "workflow/rules/steps.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/cluster.smk"
 

@@ -26,9 +26,9 @@ from benchmarks.harness.stand import CURRENTS, MOTIONS, SETTINGS
 from ur5lib.identification.currents import RUN_TO_RUN_STD, SEASON, friction_std
 from ur5lib.identification.payload import PayloadEstimate
 from ur5lib.recordings.entries import ENTRY
-from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
+from ur5lib.records.opened import Opened
 from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, robot_of
@@ -106,7 +106,7 @@ def figures(seed: int, motions: int, unseen: int) -> Iterator[dict[str, Any]]:
             arm, {part: taken(arm, folder, "fit", part, cut) for part, cut in cuts.items()}
         )
         for log, day in days.items():
-            scores = predicted(fit, taken(arm, folder, log, log, {})).summary.scores["fitted"]
+            scores = predicted(fit, taken(arm, folder, log, log, {})).prediction.scores["fitted"]
             size = np.sqrt(scores.rmse_lowpassed**2 / (1 - scores.r2))
             yield from by_joint(f"in band, {day}", scores.coverage)
             yield from by_joint(f"NRMSE, {day}", scores.rmse_lowpassed / size)
@@ -149,13 +149,15 @@ def fitted(arm: Robot, logs: Mapping[str, Log]) -> Fit:
     return Fit(known, friction, loads)
 
 
-def with_torques(arm: Robot, log: Log, role: str) -> AlignedRecording:
+def with_torques(arm: Robot, log: Log, role: str) -> Any:
     """Return a recording with its torques, and without contradictions."""
     known: dict[str, Any] = {"name": log.file.stem, "role": role, "quality": log.quality}
-    known |= {"signals": log.signals, "motion": log.motion}
-    found = compute_torques(AlignedRecording(**known), arm, {"currents": CURRENTS.cutoff})
+    known |= {"signals": log.signals, "motion": log.motion, "gravity": None, "untouched": None}
+    known |= {"date": "", "chain": (), "before": {}}
+    of_torques: Any = Opened(**known)
+    found = compute_torques(of_torques, arm, {"currents": CURRENTS.cutoff})
     assert not found.premises.contradictions.stop_signs, "the checks refuse a right recording"
-    return AlignedRecording(**known, torques=found.torques, premises=found.premises)
+    return Opened(**known, torques=found.torques, premises=found.premises)
 
 
 def predicted(fit: Fit, log: Log) -> PredictedCurrents:

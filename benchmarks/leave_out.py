@@ -52,7 +52,7 @@ from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces, FurtherForces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
-from ur5lib.records.predicted_recording import PredictedRecording
+from ur5lib.records.opened import Opened
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Quality
@@ -108,7 +108,7 @@ class Recording:
         """Return the premises of its torques."""
         return read_record(Premises, self.file("premises.json"))
 
-    def opened(self, **known: Any) -> PredictedRecording:
+    def opened(self, **known: Any) -> Any:
         """Return the study's results of the recording; known: fields to use instead."""
         loads: dict[str, Callable[[], Any]] = {
             name: partial(kind.read, self.file(f"{name}.parquet")) for name, kind in TABLES.items()
@@ -116,7 +116,8 @@ class Recording:
         loads["premises"] = self.premises
         loads["quality"] = partial(read_record, Quality, self.file("quality.json"))
         stated = {"name": self.name, "date": self.day, "gravity": self.entry.get("gravity")}
-        return PredictedRecording(loads, **stated | known)
+        stated |= {"chain": (), "before": {}}
+        return Opened(loads, **stated | known)
 
     def sensed(self) -> Array:
         """Return the sensor's wrench (N, 6), bias and tool removed; empty without a sensor."""
@@ -305,7 +306,7 @@ class Fold:
             **self.known(),
         )
         predicted.currents.write(self.own(own, "currents.parquet"))
-        write_json(predicted.summary, self.own(own, "currents.json"))
+        write_json(predicted.prediction, self.own(own, "currents.json"))
 
     def forces(self, own: Recording) -> None:
         """Compute all estimates of a recording's forces."""

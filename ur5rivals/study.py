@@ -21,13 +21,13 @@ from ur5lib.identification.currents import (
     torque_constants,
 )
 from ur5lib.identification.samples import path_of
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import Forces, FurtherForces, SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.measured import Measured
 from ur5lib.records.motion import Motion
-from ur5lib.records.predicted_recording import PredictedRecording
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.premises import Premises
 from ur5lib.records.signals import Signals
@@ -40,6 +40,15 @@ from ur5rivals.run import Estimate, FittedArm, Run
 
 JOINT_COUNT = 6  # of arms that the estimators support
 RECORDS: tuple[type[Any], ...] = (Signals, Motion, Torques, Kinematics, Currents, Premises)
+
+
+class Predicted(AlignedRecording):
+    """What estimators learn from, and are scored on."""
+
+    kinematics: Kinematics
+    currents: Currents
+    prediction: Prediction
+    premises: Premises
 
 
 @dataclass(frozen=True)
@@ -156,11 +165,11 @@ def read_run(
     )
 
 
-def opened(study: StudyFiles, name: str) -> PredictedRecording:
+def opened(study: StudyFiles, name: str) -> Predicted:
     """Return a recording of a built study, with the files of its results as records."""
     loads = {kind.__name__.lower(): partial(study.record, kind, name) for kind in RECORDS}
     loads["prediction"] = partial(study.record, Prediction, name, "currents")
-    return PredictedRecording(loads, name=name)
+    return Predicted(loads, name=name)
 
 
 def ready_estimates(

@@ -313,7 +313,8 @@ def test_a_run_finds_what_a_check_finds(sensed: Robot, tmp_path: Path) -> None:
         *(channel(own.robot, f"actual_{n}") for n in ("q", "qd")),
     )
     cutoffs = {"currents": 2.0, "motion": 80.0}
-    moved = AlignedRecording(role="fit", signals=Signals.read(file), motion=motion_of(time, q, qd))
+    known = {"signals": Signals.read(file), "motion": motion_of(time, q, qd)}
+    moved = AlignedRecording(role="fit", gravity=None, untouched=None, **known)
     run = compute_torques(moved, sensed, cutoffs).premises
     names = [one.finding for one in run.contradictions.findings]
     assert {DOUBT, "unfiltered", "contact not checked", "torques not checked"} <= {*names}

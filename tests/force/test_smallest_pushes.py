@@ -3,8 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any, get_args
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -20,6 +19,7 @@ from ur5lib.force.smallest_pushes import (
 )
 from ur5lib.force.trial_contacts import PUSH_DURATION, Trials
 from ur5lib.records import verdicts
+from ur5lib.records.friction import Friction
 from ur5lib.records.pushes import Reason, SmallestPush
 from ur5lib.timeseries.arrays import Array, Mask
 
@@ -148,10 +148,9 @@ def test_its_reasons_are_those_of_verdicts() -> None:
 
 
 def test_pushes_without_a_fit_say_so() -> None:
-    trials, unfitted = {"seen": detected_above(np.full(COUNT, 40.0))}, SimpleNamespace(fitted=False)
-    recordings: dict[str, Any] = {"seen": SimpleNamespace(prediction=unfitted)}
+    trials = {"unseen": detected_above(np.full(COUNT, 40.0))}
     for paths, reason in ((0, "uncalibrated"), (2, "")):
-        assert {row.reason for row in pushes_of_arm(trials, recordings, paths)} == {reason}
+        assert {row.reason for row in pushes_of_arm(trials, Friction(paths=paths))} == {reason}
 
 
 def test_pushes_on_fit_recordings_alone_say_so() -> None:

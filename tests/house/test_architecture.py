@@ -20,6 +20,7 @@ from tests.synthetic import poor_log
 from ur5lib.importing.contents import UserStatement
 from ur5lib.importing.files import import_files, write_study
 from ur5lib.jobs.code import all_steps, module_of, modules_of_step
+from ur5lib.jobs.declared import declared
 from ur5lib.records.forces import REFERENCES
 from ur5lib.report.page.handed import ROWS
 from ur5lib.robots.description import load_robot, robot_path
@@ -54,7 +55,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "jobs": {"errors", "records", "report", "robots", "strict", "tables", "workspace"},
     # readers
     "report": BASE | METHODS - {"signals", "dynamics"} | {"judging", "records", "workspace"},
-    "study": BASE | {"stand", "recordings", "records"},
+    "study": BASE | {"stand", "recordings", "records", "workspace"},
     "chain": BASE | {"identification", "jobs", "records", "study"},
     "finished": BASE | {"chain", "jobs", "records", "study", "workspace"},
     "commands": BASE
@@ -76,8 +77,8 @@ MODULES = sorted((PROJECT / "ur5lib").rglob("*.py"))
 BESIDE = sorted(path.name for path in PROJECT.glob("ur5*") if path.name != "ur5lib")
 EVERY = MODULES + sorted(path for package in BESIDE for path in (PROJECT / package).rglob("*.py"))
 AROUND = sorted(path for part in ("tests", "benchmarks") for path in (PROJECT / part).rglob("*.py"))
-TOPICS = sorted(path.parent for path in (PROJECT / "ur5lib").glob("topics/*/rules.smk"))
 STEPS_OF_TOPICS = [step for step in all_steps() if "topics" in module_of(step).parts]
+TOPICS = sorted({module_of(step).parent for step in STEPS_OF_TOPICS})
 
 
 def name_of(path: Path) -> str:
@@ -240,21 +241,32 @@ RULES = sorted((PROJECT / "workflow" / "rules").glob("*.smk"))
 KEYS = {*re.findall(r'"(\w+)": ', (PROJECT / "workflow" / "study.schema.json").read_text())}
 
 
+def rules_of(topic: Path) -> str:
+    """The rules of a topic's own, if it has any."""
+    path = topic / "rules.smk"
+    return path.read_text() if path.exists() else ""
+
+
+def outputs_of(topic: Path) -> str:
+    """The outputs of a topic's rules, and of its declared steps, each in quotes."""
+    steps = [declared(step) for step in STEPS_OF_TOPICS if topic in module_of(step).parents]
+    files = [file for step in steps if step for file in step.writes.values()]
+    stated = re.findall(r"output:.*?log:", rules_of(topic), re.DOTALL)
+    return "".join([*stated, *(f'"{file}"' for file in files)])
+
+
 def made_by(topic: Path) -> set[str]:
-    """The tables that a topic's rules make, and the module of its views."""
-    rules = (topic / "rules.smk").read_text()
-    made = re.findall(r'"(\w+)\.csv"', "".join(re.findall(r"output:.*?log:", rules, re.DOTALL)))
-    listed = re.findall(r"tables\(\[(.*?)\]\)", rules, re.DOTALL)
+    """The tables that a topic's steps make, and the module of its views."""
+    made = re.findall(r'"(\w+)\.csv"', outputs_of(topic))
+    listed = re.findall(r"tables\(\[(.*?)\]\)", rules_of(topic), re.DOTALL)
     return {topic.name, *made, *re.findall(r"\w+", " ".join(listed))}
 
 
 def files_made_by(topic: Path) -> set[str]:
-    """The names of tables and other files that a topic's rules make, and its steps."""
-    rules = (topic / "rules.smk").read_text()
-    outputs = "".join(re.findall(r"output:.*?log:", rules, re.DOTALL))
+    """The names of tables and other files that a topic's steps make, and these."""
     steps = {step for step in STEPS_OF_TOPICS if topic in module_of(step).parents}
-    files = re.findall(r"(?<![\w.])(\w+)(?:\.\w+)*\.(?:csv|json|parquet|html)\b", outputs)
-    return (made_by(topic) - {topic.name}) | {*files} | steps
+    named = r"(?<![\w.])(\w+)(?:\.\w+)*\.(?:csv|json|parquet|html)\b"
+    return (made_by(topic) - {topic.name}) | {*re.findall(named, outputs_of(topic))} | steps
 
 
 def texts_of(path: Path) -> Iterator[str]:

@@ -17,6 +17,7 @@ import pytest
 from tests.conftest import PROJECT
 from tests.synthetic import write_recording
 from ur5lib.jobs.code import all_steps, imported_modules
+from ur5lib.jobs.declared import every
 from ur5lib.jobs.files import opened
 from ur5lib.jobs.job import load_step
 from ur5lib.records.opened import Opened
@@ -55,10 +56,11 @@ Names = dict[str, set[str]]
 STEPS = {*all_steps()} - {"sensor_reading"}  # no step's name
 FILES = *PROJECT.glob("workflow/rules/*.smk"), *PROJECT.glob("ur5lib/topics/*/rules.smk")
 TEXT = "".join(path.read_text() for path in FILES)
-DECLARED = re.findall(r"^ *rule (\w+):", TEXT, re.MULTILINE)
-PARTS = {*re.findall(r'(?:parameter|result)\("(\w+)\.csv"\)', TEXT)}  # of tables
-RULES = [rule for rule in DECLARED if f'code=code("{rule}' in TEXT]
-RULES += ["calibrate_imu_without_each", "describe_arm", "simulate_recording_simulated"]
+STATED = re.findall(r"^ *rule (\w+):", TEXT, re.MULTILINE)  # with a text of their own
+PARTS = {Path(file).stem for step in every() for file in step.writes.values()}  # of tables
+RULES = [rule for rule in STATED if f'code=code("{rule}' in TEXT]
+RULES += ["calibrate_imu_without_each", "simulate_recording_simulated"]
+RULES += [step.name for step in every()]
 
 
 def step_of(rule: str) -> str:

@@ -77,6 +77,7 @@ def fitted(
         measured = (own.current + rotors * run.qdd) / gains
         rigid = run.regressor(*pose) @ LinkModel(arm, arm.chosen_model).parameters
         recordings[name] = AlignedRecording(
+            name=name,
             signals=signals_of(time, pose[0], actual_torque=measured),
             motion=motion_of(time, *pose),
             torques=torques_of(time, {}, {arm.chosen_model: rigid}),

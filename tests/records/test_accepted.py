@@ -153,7 +153,9 @@ def test_the_torques_of_an_accepted_recording_rest_on_no_stop_sign(
     write_table(exchanged.assign(segment=0, interpolated=False), file)
     q, qd = (exchanged[columns(name)].to_numpy() for name in ("actual_q", "actual_qd"))
     motion, signals = motion_of(time, q, qd), Signals.read(file)
-    recording = AlignedRecording(role="validate", signals=signals, motion=motion)
+    recording = AlignedRecording(
+        role="validate", signals=signals, motion=motion, gravity=None, untouched=None
+    )
     stopped, passed = (
         compute_torques(recording, ur5, {"currents": 2.0}, accepted=accept).premises
         for accept in (None, {"order": REASON, "constants": REASON})

@@ -10,6 +10,7 @@ from base64 import b64decode
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,6 @@ from tests.made_records import signals_of, stretch
 from tests.made_study import study
 from tests.typeset_page import sources
 from ur5lib.records.currents import Currents
-from ur5lib.records.estimated_recording import EstimatedRecording
 from ur5lib.records.forces import Forces, SensorWrenches
 from ur5lib.records.scene import Scene
 from ur5lib.report.figures.charts import response_panel
@@ -83,7 +83,7 @@ def pushed(role: str = "contact", read: float | None = 1.0) -> Scene:
     by_sensor = {} if read is None else {"compensated": read * sensed}
     sensor = SensorWrenches(**samples, wrench=by_sensor)
     known = {"signals": signals, "currents": currents, "forces": forces, "sensor": sensor}
-    return arm_scene(EstimatedRecording(role=role, **known), arm(), {"Fmap": 0.0})
+    return arm_scene(SimpleNamespace(role=role, **known), arm(), {"Fmap": 0.0})
 
 
 SECTION = """

@@ -54,6 +54,10 @@ def known_of(
     usual: dict[str, Any] = {
         "name": "made",
         "role": "contact",
+        "date": "",
+        "gravity": None,
+        "untouched": None,
+        "chain": (),
         "before": {},
         "quality": Quality(),
         "force": NO_SAMPLES,

@@ -167,7 +167,8 @@ class Predicted:
 
 def recording_of(loaded: Loaded, **known: Any) -> AlignedRecording:
     own = {"signals": loaded.signals, "motion": loaded.motion, "torques": loaded.torques}
-    return AlignedRecording(name="made", **own | known)
+    usual = {"name": "made", "date": "", "gravity": None, "untouched": None}
+    return AlignedRecording(**usual | {"chain": (), "before": {}} | own | known)
 
 
 def predicted(
@@ -181,7 +182,7 @@ def predicted(
     signs: Sequence[Finding] = (),
 ) -> Predicted:
     """What predict_currents makes of two kilograms that were found beside a known load."""
-    currents, summary = predict_currents(
+    currents, prediction = predict_currents(
         recording_of(loaded, role=role, premises=premises(*signs, load=known)),
         found,
         {"a": unloaded},
@@ -189,7 +190,7 @@ def predicted(
         arm,
         CURRENTS_LOWPASS,
     )
-    return Predicted(summary.load, currents)
+    return Predicted(prediction.load, currents)
 
 
 def test_a_load_that_is_certain_is_taken_into_the_prediction(

@@ -15,16 +15,22 @@ from tests.conftest import PROJECT
 from tests.made_tables import COLUMNS, record, table
 from ur5lib.force.residual_model import Residuals
 from ur5lib.records.accelerations import Difference, ImuComparison
-from ur5lib.records.arm_fits import ArmFits
 from ur5lib.records.contacts import Contacts
-from ur5lib.records.estimated_recording import EstimatedRecording
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.friction import Friction
 from ur5lib.records.judgement import CurrentError, Judgement
 from ur5lib.records.models import Identification, Rotors
 from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Robot
-from ur5lib.steps.make_tables import OF_ARMS, OF_MOTION, OF_RECORDINGS, joined, make_tables
+from ur5lib.steps.make_tables import (
+    OF_ARMS,
+    OF_MOTION,
+    OF_RECORDINGS,
+    Fits,
+    Inputs,
+    joined,
+    make_tables,
+)
 from ur5lib.tables import read_csv, write_csv
 
 DETAIL = 'x, "y"'
@@ -38,12 +44,10 @@ def made(arm: Robot, judgements: dict[str, Judgement], **more: Any) -> dict[str,
     nothing = {"compared": Compared(), "contacts": Contacts(), "comparison": ImuComparison()}
     known = {field: more.pop(field, {}) for field in nothing}
     recordings = {
-        name: EstimatedRecording(
-            **nothing | {f: own[name] for f, own in known.items() if name in own}
-        )
+        name: Inputs(**nothing | {f: own[name] for f, own in known.items() if name in own})
         for name in chain.from_iterable(known.values())
     }
-    arms = {"ur5": ArmFits(identified=arm, **fits)}
+    arms = {"ur5": Fits(identified=arm, **fits)}
     known = {"calibration": {"ur5": {}}, "residuals": {"ur5": Residuals()}}
     known |= {"parts": [], "unreadable": {}}
     return make_tables(judgements, recordings, arms, **known | more)

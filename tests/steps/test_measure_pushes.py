@@ -15,18 +15,17 @@ from ur5lib.force.problem import Problem
 from ur5lib.force.residual_model import Residuals
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.estimated_recording import EstimatedRecording
 from ur5lib.records.friction import Friction
 from ur5lib.records.prediction import Prediction
 from ur5lib.robots.description import Robot
 from ur5lib.steps.estimate_forces import estimate_forces
-from ur5lib.steps.measure_pushes import DetectedPushes, measure_pushes
+from ur5lib.steps.measure_pushes import DetectedPushes, Inputs, measure_pushes
 
 
 @pytest.fixture(scope="module")
 def known(ur5: Robot) -> dict[str, Any]:
     """What the step is given of two recordings without contact, of which one was fitted to."""
-    made: dict[str, EstimatedRecording] = {}
+    made: dict[str, Inputs] = {}
     for seed, name in enumerate(("seen", "new")):
         run = free_run(ur5, seed, seconds=60, period=0.016)
         one = known_of(
@@ -41,12 +40,12 @@ def known(ur5: Robot) -> dict[str, Any]:
             friction=Friction(from_=["seen"]),
         )
         known = one.but(forces=one.run(estimate_forces), prediction=Prediction(name == "seen"))
-        made[name] = EstimatedRecording(**vars(known))
+        made[name] = Inputs(**vars(known))
     return made
 
 
 def measured(
-    known: dict[str, EstimatedRecording],
+    known: dict[str, Inputs],
     names: Sequence[str],
     ur5: Robot,
     paths: int,
@@ -54,7 +53,7 @@ def measured(
 ) -> DetectedPushes:
     return measure_pushes(
         {name: known[name] for name in names},
-        friction=Friction(paths=paths),
+        friction=Friction(paths=paths, from_=["seen"]),
         residuals=Residuals(MODEL),
         threshold={"Fmap": 0.0},
         arm=ur5,
@@ -117,7 +116,7 @@ def test_pushes_tried_together_are_found_as_each_alone(ur5: Robot) -> None:
 def test_a_recording_with_a_load_is_not_pushed(known: dict[str, Any], ur5: Robot) -> None:
     load = SimpleNamespace(is_loaded=True, fitted=False)
     loaded = {
-        "new": EstimatedRecording(**vars(known["new"]) | {"prediction": load}),
+        "new": Inputs(**vars(known["new"]) | {"prediction": load}),
         "seen": known["seen"],
     }
     assert {row.basis for row in measured(loaded, ["seen", "new"], ur5, 2, 90).pushes} == {"fit"}

@@ -46,7 +46,7 @@ class Made:
     def torques(self, arm: Robot, declared: Payload | None) -> RecordingTorques:
         """With the payload that the study declares."""
         known = {"signals": self.signals, "motion": self.motion, "gravity": self.gravity}
-        recording = AlignedRecording(role="contact", **known)
+        recording = AlignedRecording(role="contact", untouched=None, **known)
         return compute_torques(recording, arm, {"currents": 2.0}, declared)
 
     @property
@@ -62,7 +62,7 @@ def test_targets_are_compared_as_told_and_currents_as_carried(ur5: Robot, tmp_pa
     torques, premises = made.torques(ur5, physical)
     np.testing.assert_allclose(torques.target[MODEL], made.signals.target_moment, atol=1e-4)
     known = {"signals": made.signals, "motion": made.motion, "torques": torques}
-    record = current_record(AlignedRecording(**known), ur5)
+    record = current_record(AlignedRecording(name="made", **known), ur5)
     assert record is not None
     np.testing.assert_allclose(record.torque, made.true_torque, atol=1e-6)
     assert np.abs(torques.payload_torque).max() > 3

@@ -75,9 +75,10 @@ class Mounted:
         aligned = align_recording(read.robot, read.force, read.imu, read.clocks)
         write_table(aligned.signals, file)
         signals = Signals.read(file)
-        known = {"other": signals}, {"other": read.kinematics}, {"other": aligned.alignment}
-        self.calibration = calibrate_imu(arm, *known, {"other": gravity}, LOWPASS)
-        own = AlignedRecording(role="fit", signals=signals, motion=aligned.motion, gravity=gravity)
+        others = {"other": signals}, {"other": read.kinematics}, {"other": aligned.alignment}
+        self.calibration = calibrate_imu(arm, *others, {"other": gravity}, LOWPASS)
+        known = {"signals": signals, "motion": aligned.motion, "gravity": gravity}
+        own = AlignedRecording(role="fit", untouched=None, **known)
         torques, premises = compute_torques(own, arm, {"currents": CUTOFF}, entry.known_payload())
         self.known = known_of(
             arm,

@@ -324,7 +324,7 @@ def test_every_setting_is_documented_and_used() -> None:
             else:
                 assert field.description
                 *_, part = place.split(".")
-                used = rf"\b{place}\.{name}\b|design\({place}\)|_lowpass, \"{part}\""
+                used = rf"\b{place}\.{name}\b|design\({place}\)|\"{part}(\.{name})?\""
                 assert re.search(used, text, re.IGNORECASE), f"{place}.{name}"
 
     check(Settings, "settings")

@@ -8,7 +8,8 @@ import pytest
 import yaml
 
 from ur5lib.errors import InputError
-from ur5lib.study.given import given
+from ur5lib.jobs.declared import declared
+from ur5lib.study.given import OF_OTHERS, setting
 from ur5lib.study.reading import parse_study, study_text
 from ur5lib.study.selection import Selection
 
@@ -111,4 +112,9 @@ def test_reading_and_alignment_do_not_know_what_came_before(tmp_path: Path) -> N
         for earlier in (None, "a")
     )
     for step in ("read_recording", "align_recording", "compute_torques", "estimate_forces"):
-        assert given(step, alone, "b") == given(step, chained, "b")
+        own = declared(step)
+        assert own is not None
+        assert not own.reads.keys() & OF_OTHERS.keys()
+        for name in own.reads:
+            if (of := setting(own.of, own.recordings, own.reads[name])) is not None:
+                assert of(alone, "b") == of(chained, "b")

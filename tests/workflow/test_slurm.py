@@ -15,7 +15,7 @@ import yte
 
 from tests.conftest import PROJECT, STUDY, Workflow
 from tests.one_node_slurm import NoSlurmError, ask, one_node_slurm
-from tests.workflow.test_workflow import results, rules
+from tests.workflow.test_workflow import DECLARED, results, rules
 from ur5lib.errors import InputError
 from ur5lib.study.turn import take_turn
 
@@ -172,7 +172,7 @@ def test_the_groups_of_a_study_do_not_wait_for_each_other(workflow: Workflow, mo
 
 def test_every_rule_but_the_shortest_is_in_a_group() -> None:
     groups = GIVEN["groups"]
-    named = {name for name, _ in rules() if name}
+    named = {*DECLARED, *(name for name, _ in rules() if name)}
     assert named - groups.keys() == {"describe_arm", "pool_drifts", "set_threshold", "write_run"}
     assert groups.keys() <= named
     assert GIVEN["group-components"].keys() <= {*groups.values()}

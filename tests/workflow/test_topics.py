@@ -11,7 +11,7 @@ from ur5lib.workspace.places import PACKAGE
 
 pytestmark = [pytest.mark.slow, pytest.mark.thorough]
 
-TOPICS = sorted(path.parent.name for path in PACKAGE.glob("topics/*/rules.smk"))
+TOPICS = sorted(path.parent.name for path in PACKAGE.glob("topics/*/section.typ"))
 OF_A_RUN = {
     ".running",
     "run_times.csv",
@@ -58,13 +58,14 @@ def built(folder: Path, *without: str) -> Path:
 @pytest.mark.parametrize("topic", TOPICS)
 def test_a_deleted_topic_changes_no_other_result(whole: Path, tmp_path: Path, topic: str) -> None:
     folder = PROJECT / "ur5lib" / "topics" / topic
-    rules, section = ((folder / name).read_text() for name in ("rules.smk", "section.typ"))
+    section = (folder / "section.typ").read_text()
+    stated = [path.read_text() for path in (*folder.glob("rules.smk"), *folder.glob("*.py"))]
     titles = {*re.findall(r'"(.*?)"', " ".join(re.findall(r"^#let .*title = .*", section, re.M)))}
     before, without = results(whole), built(tmp_path / "project", topic)
     after = results(without)
     assert after.keys() <= before.keys()
     gone = {Path(name).stem for name in before.keys() - after.keys()}
-    assert {name for name in gone if name not in rules + section} == set()
+    assert {name for name in gone if name not in "".join([*stated, section])} == set()
     told = {"results.json", VERDICTS}  # findings, steps and verdicts, its own among them
     assert [name for name in after if after[name] != before[name] and name not in told] == []
     own = b"".join(before[name] for name in before.keys() - after.keys() if "verdicts" in name)

@@ -28,6 +28,7 @@ from ur5lib.jobs.code import (
     modules_of_step,
     steps_with,
 )
+from ur5lib.jobs.declared import every, written_by
 from ur5lib.study.turn import take_turn
 from ur5lib.tables import read_csv, read_table
 
@@ -35,6 +36,41 @@ SECONDS = 60  # in which a run that must fail ends
 RECORDINGS = 2
 RUN = "run_times", "ro-crate-metadata"  # files that say when or how long it ran
 EDITED = "\nEDITED = True\n"  # appended to a module
+POWER = '''\
+"""Mean mechanical power of a recording."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ur5lib.records.dynamics import Torques
+from ur5lib.records.forces import Forces
+from ur5lib.records.motion import Motion
+from ur5lib.records.opened import Opened
+from ur5lib.records.step import step
+from ur5lib.robots.description import Robot
+
+
+class Inputs(Opened):
+    """What is read of a recording."""
+
+    torques: Torques
+    motion: Motion
+
+
+@dataclass(frozen=True)
+class Power:
+    """A row of power.csv: mean mechanical power of a recording [W]."""
+
+    power_w: float
+
+
+@step("recording", "power.csv")
+def measure_power(recording: Inputs, arm: Robot) -> list[Power]:
+    """Return the mean of |τᵀ q̇| [W]."""
+    torque = recording.torques.measured[arm.chosen_model]
+    return [Power(float(np.abs((torque * recording.motion.qd).sum(axis=1)).mean()))]
+'''
 SENSED = ["judge_sensor", "judge_contacts", "draw_figures"]
 FROM_FORCES = ["estimate_forces", *SENSED]
 FROM_LOADS = ["estimate_load", "predict_currents", "judge_recording", *FROM_FORCES]
@@ -66,20 +102,25 @@ FRESH = {"describe_arm": 1} | ALL_ELSE
 
 FILES = *PROJECT.glob("workflow/rules/*.smk"), *PROJECT.glob("ur5lib/topics/*/rules.smk")
 RULES = {str(path.relative_to(PROJECT)): path.read_text() for path in FILES}
+RULES_OF_TOPICS = "".join(text for path, text in RULES.items() if "topics" in path)
 
 
-def rules(folder: str = "") -> Iterator[tuple[str, str]]:
-    """Each rule with a name, also in a condition, and its text; that of a loop by its step.
-
-    folder: in which its file lies, at any depth.
-    """
-    for text in [text for path, text in RULES.items() if folder in path]:
+def rules() -> Iterator[tuple[str, str]]:
+    """Each rule with a text of its own, also in a condition, and this; without a name in a loop."""
+    for text in RULES.values():
         for rule in re.split(r"^ *rule\b", text, flags=re.MULTILINE)[1:]:
             yield rule[: rule.index(":")].strip(), rule
 
 
-OF_EVERY_STUDY = {*re.findall(r"^rule (\w+):", "".join(RULES.values()), re.MULTILINE)}
-OF_TOPICS = {name: rule for name, rule in rules("topics") if name in OF_EVERY_STUDY}  # their text
+DECLARED = {step.name: step for step in every()}
+SOME_STUDIES = [path for path, text in RULES.items() if "LEFT_OUT" in text]  # have these topics
+OF_TOPICS = {*re.findall(r"^rule (\w+):", RULES_OF_TOPICS, re.MULTILINE)}
+OF_TOPICS |= {
+    name
+    for name in DECLARED
+    if (folder := module_of(name).relative_to(PROJECT).parent).parts[1] == "topics"
+    and f"{folder}/rules.smk" not in SOME_STUDIES
+}
 
 
 OF_A_TOPIC = [  # sections of topics, of which one is as good as all
@@ -100,12 +141,15 @@ def names_of_files(text: str) -> set[str]:
 def topics_after(planned: Iterable[str], edited: Path | None = None) -> set[str]:
     """The rules of topics that read what planned ones make, or whose steps use an edited module."""
     parts = {name: rule.partition("output:") for name, rule in rules()}
+    read = {name: names_of_files(start) for name, (start, _, _) in parts.items()}
     made = {name: names_of_files(end.partition("log:")[0]) for name, (_, _, end) in parts.items()}
-    steps = {name: re.findall(r'code\("(\w+)"', rule)[0] for name, rule in OF_TOPICS.items()}
-    found = {name for name, step in steps.items() if edited in modules_of_step(step)}
+    for name, step in DECLARED.items():
+        made[name] = {*step.writes.values()}
+        read[name] = {written_by()[one][1] for one in step.reads.values() if one in written_by()}
+    found = {name for name in OF_TOPICS if edited in modules_of_step(name)}
     while True:
         new = set[str]().union(*(made[name] for name in {*planned, *found} & made.keys()))
-        more = {name for name in OF_TOPICS if names_of_files(parts[name][0]) & new} - found
+        more = {name for name in OF_TOPICS if read[name] & new} - found
         if not more:
             return found
         found |= more
@@ -155,7 +199,7 @@ def test_a_fresh_run_does_every_step(built_workflow: Workflow, change: Change) -
     change("results", None)
     planned = built_workflow.plan()
     assert chain(planned) == jobs(*EACH_RECORDING) | FRESH
-    assert planned.keys() >= OF_TOPICS.keys()
+    assert planned.keys() >= OF_TOPICS
 
 
 def test_every_step_leaves_a_log_and_its_time(built_workflow: Workflow) -> None:
@@ -202,7 +246,7 @@ def test_editing_code_reruns_its_users(
     planned = built_workflow.plan()
     of_topics = topics_after(expected, PROJECT / module)
     assert chain(planned) == expected | (DOCUMENT if of_topics else {})
-    assert planned.keys() & OF_TOPICS.keys() == of_topics
+    assert planned.keys() & OF_TOPICS == of_topics
 
 
 @pytest.mark.parametrize(
@@ -316,9 +360,9 @@ def test_a_recording_needs_the_positions_of_the_one_before_and_none_of_its_resul
     assert workflow.plan(*until) == {"fit_friction": 1}
     workflow.build(*until)
     results = workflow.folder / "results" / "small" / "recordings" / "pushed"
-    made = "".join(dict(rules())[step] for step in ("read_recording", "align_recording"))
+    made = [DECLARED[step].writes.values() for step in ("read_recording", "align_recording")]
     for file in [*results.glob("*")]:
-        if file.name not in names_of_files(made):
+        if file.name not in set[str]().union(*made):
             file.unlink()
     assert workflow.plan(*until) == {}
     (results / "motion.parquet").unlink()
@@ -555,12 +599,38 @@ def test_a_home_folder_that_cannot_be_written_is_not_needed(tmp_path: Path) -> N
     assert workflow.plan()
 
 
+def test_a_new_step_is_one_file(workflow: Workflow) -> None:
+    """It has a rule, and a table of all recordings; a field more is a line."""
+    step = workflow.folder / "ur5lib" / "steps" / "measure_power.py"
+    step.write_text(POWER)
+    assert chain(workflow.plan()) == jobs("measure_power") | REPORT
+    workflow.build("--until", "make_tables")
+    power = read_csv(workflow.folder / "results" / "small" / "tables" / "power.csv")
+    assert power.set_index("recording")["power_w"].between(1, 1000).all()
+    step.write_text(
+        POWER.replace("    motion: Motion\n", "    motion: Motion\n    forces: Forces\n")
+    )
+    assert "estimate_forces" in workflow.plan(
+        "--until", "measure_power", "--forcerun", "fit_friction"
+    )
+
+
+def test_a_step_that_uses_more_than_it_declares_does_not_start(workflow: Workflow) -> None:
+    step = workflow.folder / "ur5lib" / "steps" / "measure_power.py"
+    step.write_text(POWER.replace("    motion: Motion\n", ""))
+    done = workflow.run("--dry-run")
+    assert done.returncode != 0
+    sentence = "measure_power uses `motion` of a recording, which it does not declare; add it to"
+    assert sentence in done.stdout
+    assert "Traceback" not in done.stdout
+
+
 # The code of the workflow
 
 
 def test_every_rule_runs_a_step_with_its_code_and_its_log() -> None:
     named = [(name, rule) for name, rule in rules() if name]
-    assert {"read_recording", "write_report"} <= {name for name, _ in named}
+    assert {"make_tables", "write_report"} <= {name for name, _ in named}
     for name, rule in named:
         step = re.search(r'code\(\s*"(\w+)"', rule)
         assert step, name
@@ -571,11 +641,13 @@ def test_every_rule_runs_a_step_with_its_code_and_its_log() -> None:
 
 
 def test_every_rule_of_a_loop_runs_a_step() -> None:
-    """Of a simulated recording its own."""
-    (rule,) = [rule for name, rule in rules() if not name]
-    assert "**traces(" in rule
-    assert re.search(r"run_step\((rule|\"\w+\"|\w+\[rule\]), input, output, params, log\)", rule)
-    assert "code(" in rule
+    """One is of declared steps; a simulated recording has its own."""
+    looped = [rule for name, rule in rules() if not name]
+    assert len(looped) == 2
+    for rule in looped:
+        assert "**traces(" in rule
+        assert re.search(r"run_step\((rule|\"\w+\"), input, output, params, log\)", rule)
+        assert re.search(r"code=code(_of)?\(", rule)
 
 
 def test_every_step_has_a_rule() -> None:
@@ -583,6 +655,7 @@ def test_every_step_has_a_rule() -> None:
     files = *PROJECT.glob("ur5lib/steps/[a-z]*.py"), *map(module_of, all_steps())
     modules = {path.stem: path for path in files}
     run = {step for _, rule in rules() for step in re.findall(r'code\(\s*"(\w+)"', rule)}
+    run |= DECLARED.keys()
     parts = {used.stem for path in modules.values() for used in imported_modules(path)}
     assert run <= modules.keys() <= run | parts
 

@@ -41,7 +41,8 @@ def errors(moving: Mapping[str, Files], friction: Friction) -> pd.DataFrame:
     that of a constant current.
     """
     rows = {
-        name: current_errors(record_of(Prediction, own["summary"])) for name, own in moving.items()
+        name: current_errors(record_of(Prediction, own["prediction"]))
+        for name, own in moving.items()
     }
     table = as_written(table_by_owner(CurrentError, rows))
     share = table["rmse_lowpassed"] / table["zero_rmse_lowpassed"]
@@ -92,7 +93,7 @@ def expect_predicted(moving: Mapping[str, Files], friction: Friction) -> None:
     any.
     """
     without = [
-        name for name, own in moving.items() if not record_of(Prediction, own["summary"]).scores
+        name for name, own in moving.items() if not record_of(Prediction, own["prediction"]).scores
     ]
     if without:
         raise InputError(

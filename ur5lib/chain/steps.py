@@ -1,34 +1,16 @@
-"""The steps of a study in memory: each receives the arguments of its signature."""
+"""The steps of a study in memory: each receives what it declares."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from inspect import Parameter, signature
 from pathlib import Path
-from typing import Any, get_origin
+from typing import Any
 
-from ur5lib.jobs.code import of_study
-from ur5lib.jobs.files import parameter_types
-from ur5lib.jobs.job import step_named
+from ur5lib.jobs.declared import Declared, declared
 from ur5lib.jobs.memory import Content, Contents, call, contents
-from ur5lib.robots.description import robot_path
-from ur5lib.study.given import given
+from ur5lib.study.given import FILES, OF_OTHERS, setting
 from ur5lib.study.selection import Selection
 
 Files = dict[str, Content]  # of a recording or an arm, by name
-# Names of single results of steps, by which other steps receive them.
-RESULTS = {
-    "describe_arm": "described",
-    "pool_drifts": "drifts",
-    "fit_friction": "friction",
-    "estimate_load": "payload",
-    "fit_residuals": "residuals",
-    "estimate_forces": "forces",
-    "set_threshold": "threshold",
-}
-# Steps that receive the arm as described; the others receive it with the identified models.
-OF_DESCRIBED = {"read_recording", "read_postures", "identify_model"}
-OF_DESCRIBED |= {"estimate_forces", "set_threshold"}
-OTHER_NAMES = {"unloaded": "payload"}  # parameters with another name than their files
 
 
 @dataclass(frozen=True)
@@ -49,48 +31,35 @@ class Chain:
     def run(self, step: str, recording: str = "") -> None:
         """Run a step for a recording, or for the arm if recording is "", and keep its results."""
         own = self.recordings[recording] if recording else self.arm
-        own |= contents(RESULTS.get(step, ""), self.result(step, recording))
+        output = next(iter(_declared(step).writes))
+        own |= contents(output, self.result(step, recording))
 
     def result(self, step: str, recording: str = "") -> Any:
         """Return the result of a step for a recording, or for the arm if recording is ""."""
-        params = given(step, self.selection, recording or self.robot)
-        params |= self._paths(step, recording)
-        own = self.recordings[recording] if recording else {}
-        inputs: dict[str, Contents] = {}
-        function = step_named(step)
-        for parameter, kind in parameter_types(function).items():
-            name = OTHER_NAMES.get(parameter, parameter)
-            if parameter == "arm" and step in OF_DESCRIBED:
-                name = "described"
-            if parameter in params:
-                continue
-            if parameter == "before":
-                inputs[parameter] = self._motions_before(recording)
-            elif get_origin(kind) is Mapping:
-                found = {one: files[name] for one, files in self.several.items() if name in files}
-                taken = signature(function).parameters.get(parameter)
-                if found or (taken and taken.default is Parameter.empty):
-                    inputs[parameter] = found
-            elif name in own or name in self.arm:
-                inputs[parameter] = own[name] if name in own else self.arm[name]
+        own, name = _declared(step), recording or self.robot
+        inputs, params = dict[str, Contents](), dict[str, Any]()
+        for parameter, source in own.reads.items():
+            if source in FILES:
+                params[parameter] = [*map(Path, FILES[source](self.selection, name))]
+            elif given := setting(own.of, own.recordings, source):
+                params[parameter] = given(self.selection, name)
+            elif (found := self._found(source, parameter in own.several, name)) is not None:
+                inputs[parameter] = found
         return call(step, inputs, params)
 
-    def _motions_before(self, recording: str) -> dict[str, Content]:
-        """Return by name the smoothed motions of the recordings that precede a recording (`after`
-        in the study), or without a recording those that precede the arm's `fit` recordings.
-        """
-        names = [recording] if recording else self.selection.of_arm(self.robot, "fit")
-        before = self.selection.before(*names)
-        files = {one: self.recordings.get(one, {}) for one in before}
-        return {one: own["motion"] for one, own in files.items() if "motion" in own}
+    def _found(self, source: str, several: bool, name: str) -> Contents | None:
+        """Return an output of a recording or its arm, or those of several; None without it."""
+        if source in OF_OTHERS:
+            output, others = OF_OTHERS[source]
+            every = {**self.several, **self.recordings}
+            chosen = {one: every[one] for one in others(self.selection, name) if one in every}
+            return {one: files[output] for one, files in chosen.items() if output in files}
+        if several:
+            return {one: files[source] for one, files in self.several.items() if source in files}
+        return self.recordings.get(name, {}).get(source, self.arm.get(source))
 
-    def _paths(self, step: str, recording: str) -> dict[str, list[Path]]:
-        """Return the user's files that a step reads, by the names of its parameters."""
-        if step == "describe_arm":
-            arm = self.selection.study.arms()[self.robot]
-            own = of_study([robot_path(arm.arm)])
-            calibration = [arm.calibration] if arm.calibration else []
-            return {"description": [*map(Path, own)], "calibration": [*map(Path, calibration)]}
-        if step in ("read_recording", "read_postures"):
-            return {"raw": [*map(Path, self.selection.raw_files(recording))]}
-        return {}
+
+def _declared(step: str) -> Declared:
+    own = declared(step)
+    assert own is not None, f"{step} runs for a whole study"
+    return own

@@ -25,7 +25,7 @@ from ur5lib.force.trial_contacts import (
 )
 from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.predicted_recording import PredictedRecording
+from ur5lib.records.friction import Friction
 from ur5lib.records.pushes import SPEEDS, Basis, PushesFound, Reason, SmallestPush
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
@@ -82,20 +82,16 @@ def _felt(problem: Problem, torques: list[Array]) -> Array:
     return np.stack([felt_push(torque, *known) for torque in torques])
 
 
-def pushes_of_arm(
-    trials: Mapping[str, Trials], recordings: Mapping[str, PredictedRecording], paths: int
-) -> list[SmallestPush]:
+def pushes_of_arm(trials: Mapping[str, Trials], friction: Friction) -> list[SmallestPush]:
     """Return the smallest pushes that trials on an arm's recordings show to be found; empty without
     any trial.
-
-    paths: number of fitted paths; without any, friction is that of other arms.
     """
     tried = [name for name, own in trials.items() if len(own.force)]
     if not tried:
         return []
-    basis: Basis = "fit" if all(recordings[name].prediction.fitted for name in tried) else "unseen"
+    basis: Basis = "fit" if {*tried} <= {*friction.from_} else "unseen"
     together = Trials.joined([trials[name] for name in tried])
-    return [*smallest_pushes(together, basis, paths)]
+    return [*smallest_pushes(together, basis, friction.paths)]
 
 
 def by_motion(trials: Trials) -> Iterator[tuple[str, Trials]]:

@@ -16,6 +16,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 import pandas as pd
 from pydantic import TypeAdapter
 
+from ur5lib.errors import InputError
 from ur5lib.jobs.unreadable import Files, marked
 from ur5lib.records.opened import Opened
 from ur5lib.records.table import Table
@@ -56,7 +57,7 @@ def assembled(
     """Return a step's arguments by name, from functions that read them and from values at hand.
 
     loads: functions that read a parameter (called now) or a field of an `Opened` (called at its
-    first use); known: parameters and fields in memory.
+    first use); known: parameters and fields in memory. Raises InputError for a field without any.
     """
     own = _annotated(step)
     given = {name: load() for name, load in loads.items() if name in own}
@@ -64,6 +65,9 @@ def assembled(
     for name, kind in own.items():
         if (record := opened(kind)) is not None:
             fields = get_type_hints(record).keys() - own.keys()
+            for field in sorted(fields - {*loads, *known, "name"}):
+                if not hasattr(record, field):
+                    raise InputError(f"nothing is given for `{field}`, which `{name}` declares")
             files = {field: load for field, load in loads.items() if field in fields}
             of_one = {field: value for field, value in known.items() if field in fields}
             given[name] = record(files, **of_one) if kind is record else _each(record, files)

@@ -1,33 +1,28 @@
 """The Slurm jobs in which the steps of topics run; `profiles/slurm` names those of the others."""
 
 import re
-from collections.abc import Iterator
-from pathlib import Path
 
+from ur5lib.jobs.code import module_of
+from ur5lib.jobs.declared import Declared, every
 from ur5lib.workspace.places import PACKAGE
-
-RULE = re.compile(r"^ *rule (\w+):\n(.*?)(?=^ *rule |\Z)", re.MULTILINE | re.DOTALL)
 
 
 def groups_of_topics() -> dict[str, str]:
-    """Return the group of each step of a topic."""
-    files = sorted(PACKAGE.glob("topics/*/rules.smk"))
-    return dict(pair for file in files for pair in _groups(file))
+    """Return the group of each step of a topic; of one with a rule of its own, "document"."""
+    rules = (path.read_text(encoding="utf-8") for path in PACKAGE.glob("topics/*/rules.smk"))
+    own = [name for text in rules for name in re.findall(r"^ *rule (\w+):", text, re.MULTILINE)]
+    steps = [step for step in every() if "topics" in module_of(step.name).parts]
+    awaited = {
+        name
+        for step in steps
+        if step.of == "recording"
+        for name in {*step.reads.values()} - {step.reads[several] for several in step.several}
+    }
+    return dict.fromkeys(own, "document") | {step.name: _group(step, awaited) for step in steps}
 
 
-def _groups(rules: Path) -> Iterator[tuple[str, str]]:
-    """Yield each step of a file of rules with its group.
-
-    A recording's step is in the group "judgement", or in "forces" if it estimates forces, which
-    thresholds need. An arm's step is in the group "document", or in "fits" if recordings need it.
-    """
-    text = rules.read_text(encoding="utf-8")
-    for step, body in RULE.findall(text):
-        made = re.findall(r'parameter\("([^"]+)"\)', body.partition("output:")[2])
-        if '"{recording}")' in body:
-            further = re.findall(r'FURTHER_FORCES\.append\("([^"]+)"\)', text)
-            stated = any(f'result("{file}")' in body.partition("output:")[2] for file in further)
-            yield step, "forces" if stated else "judgement"
-        else:
-            awaited = any(f'parameter_of("{file}")' in text for file in made)
-            yield step, "fits" if awaited else "document"
+def _group(step: Declared, awaited: set[str]) -> str:
+    """Return the group of a step; awaited: the outputs that steps of recordings read."""
+    if step.of == "recording":
+        return "forces" if "further" in step.writes else "judgement"
+    return "fits" if awaited & step.writes.keys() else "document"

@@ -9,6 +9,7 @@ from ur5lib.channels import columns
 from ur5lib.records.clocks import HostDrift, OwnClock, SettledClock
 from ur5lib.records.motion import Alignment, Motion
 from ur5lib.records.signals import Signals
+from ur5lib.records.step import step
 from ur5lib.signals.clock import settle_clocks
 from ur5lib.signals.resampling import resample
 from ur5lib.smoothing.encoders import smooth_encoders
@@ -27,6 +28,7 @@ class AlignedRecording(NamedTuple):
     alignment: Alignment
 
 
+@step("recording", "signals.parquet motion.parquet alignment.json")
 def align_recording(
     robot: pd.DataFrame,
     force: pd.DataFrame,

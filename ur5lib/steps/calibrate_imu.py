@@ -5,12 +5,20 @@ from collections.abc import Mapping
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Alignment
 from ur5lib.records.signals import Signals
+from ur5lib.records.step import step
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import ImuCalibration, calibrate_without_each
 from ur5lib.signals.imu_samples import has_valid_imu, imu_samples
 from ur5lib.timeseries.lowpass import Butterworth
 
 
+@step(
+    "arm",
+    "calibration=imu.json",
+    recordings="fit",
+    arm="described",
+    lowpass="accelerations_lowpass",
+)
 def calibrate_imu(
     arm: Robot,
     signals: Mapping[str, Signals],

@@ -3,10 +3,16 @@
 from collections.abc import Iterator
 from typing import NamedTuple
 
+import pandas as pd
+
 from ur5lib.records.acceleration_errors import AccelerationError, Innovation
 from ur5lib.records.accelerations import Accelerations, ImuComparison
-from ur5lib.records.aligned_recording import AlignedRecording
-from ur5lib.records.motion import FusedMotion, MotionAccount
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.motion import Alignment, FusedMotion, Motion, MotionAccount
+from ur5lib.records.opened import Opened
+from ur5lib.records.quality import Quality
+from ur5lib.records.signals import Signals
+from ur5lib.records.step import step
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import ImuCalibration, calibration_for
 from ur5lib.signals.imu_samples import has_valid_imu
@@ -29,8 +35,27 @@ class ComparedMotion(NamedTuple):
     innovations: list[Innovation]
 
 
+class Inputs(Opened):
+    """What is read of a recording."""
+
+    name: str
+    gravity: list[float] | None
+    quality: Quality
+    imu: pd.DataFrame
+    kinematics: Kinematics
+    signals: Signals
+    motion: Motion
+    alignment: Alignment
+
+
+@step(
+    "recording",
+    "fused=fused_motion.parquet accelerations.parquet comparison=imu_comparison.json "
+    "errors=acceleration_mae.csv innovations.csv",
+    lowpass="accelerations_lowpass",
+)
 def compare_accelerations(
-    recording: AlignedRecording,
+    recording: Inputs,
     arm: Robot,
     calibration: dict[str, ImuCalibration],
     calibration_without_each: dict[str, ImuCalibration],

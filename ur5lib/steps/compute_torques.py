@@ -12,14 +12,15 @@ from ur5lib.checks.stop_signs import CHECKED_COLUMNS
 from ur5lib.checks.tool import shown_tool_center
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.force.tare import tare_doubts
-from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.carried import Carried, carried, disagreements, medians
 from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.contact_place import contact_place as contact_place_of
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.motion import Motion
+from ur5lib.records.opened import Opened
 from ur5lib.records.premises import Premises
 from ur5lib.records.signals import SENSOR_COLUMNS, Signals
+from ur5lib.records.step import step
 from ur5lib.robots.description import Payload, Robot, Vector3
 from ur5lib.tables import Source, read_footer, read_table
 from ur5lib.timeseries.arrays import Six
@@ -34,8 +35,19 @@ class RecordingTorques(NamedTuple):
     premises: Premises
 
 
+class Inputs(Opened):
+    """What is read of a recording."""
+
+    signals: Signals
+    motion: Motion
+    role: str
+    gravity: list[float] | None
+    untouched: tuple[float, float] | None
+
+
+@step("recording", "torques.parquet premises.json", payload="declared_payload")
 def compute_torques(
-    recording: AlignedRecording,
+    recording: Inputs,
     arm: Robot,
     cutoffs_hz: dict[str, float],
     payload: Payload | None = None,

@@ -2,10 +2,12 @@
 
 from pathlib import Path
 
+from ur5lib.records.step import step
 from ur5lib.robots.description import robot_path, robot_yaml
 from ur5lib.robots.individual import individual_robot
 
 
+@step("arm", "described.yaml", arm="type", calibration="calibration_file")
 def describe_arm(
     arm: str,
     robot: str,

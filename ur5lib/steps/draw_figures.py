@@ -1,15 +1,41 @@
 """Figures of one recording, after the thesis's 4.4, 5.11, 5.12, 5.14, 5.15 and 6.4."""
 
-from ur5lib.records.estimated_recording import EstimatedRecording
+from ur5lib.records.accelerations import Accelerations
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Kinematics, Torques
+from ur5lib.records.forces import Forces, SensorWrenches
+from ur5lib.records.opened import Opened
 from ur5lib.records.scene import Scene
+from ur5lib.records.signals import Signals
+from ur5lib.records.step import step
 from ur5lib.report.figures import recording_figures as figures
 from ur5lib.report.figures.house_style import Drawing
 from ur5lib.report.figures.scene import arm_scene
 from ur5lib.robots.description import Robot
 
 
+class Inputs(Opened):
+    """What is read of a recording."""
+
+    role: str
+    gravity: list[float] | None
+    kinematics: Kinematics
+    signals: Signals
+    torques: Torques
+    currents: Currents
+    forces: Forces
+    accelerations: Accelerations
+    sensor: SensorWrenches
+
+
+@step(
+    "recording",
+    "packets.svg torques.svg currents.svg accelerations.svg forces_estimated.svg "
+    "moments_estimated.svg scene.json",
+    recordings="illustrated",
+)
 def draw_figures(
-    recording: EstimatedRecording,
+    recording: Inputs,
     arm: Robot,
     threshold: dict[str, float],
     min_singular_value: float,

@@ -6,8 +6,10 @@ import numpy as np
 
 from ur5lib.identification.current_samples import ZeroPhaseLowpass, current_record
 from ur5lib.identification.currents import torque_constants
+from ur5lib.records.aligned_recording import AlignedRecording
+from ur5lib.records.currents import Currents
 from ur5lib.records.friction import Friction
-from ur5lib.records.predicted_recording import PredictedRecording
+from ur5lib.records.step import step
 from ur5lib.report.figures.friction_figures import (
     MovingSamples,
     current_figures,
@@ -19,10 +21,21 @@ from ur5lib.robots.description import Robot
 from ur5lib.timeseries.lowpass import Butterworth
 
 
+class Inputs(AlignedRecording):
+    """What is read of a recording."""
+
+    currents: Currents
+
+
+@step(
+    "arm",
+    "friction.svg current_torque.svg current_torque_friction.svg knowledge.svg residuals.svg",
+    recordings="fit",
+)
 def draw_friction(
     arm: Robot,
     friction: Friction,
-    recordings: Mapping[str, PredictedRecording],
+    recordings: Mapping[str, Inputs],
     lowpass: Butterworth,
 ) -> dict[str, Drawing]:
     """Return the figures of a fit; recordings: those that it was fitted to."""

@@ -2,12 +2,14 @@
 
 import numpy as np
 
+from ur5lib.records.step import step
 from ur5lib.report.figures.arm_figures import UPRIGHT_POSTURE, frame_panels, mass_panels, placed
 from ur5lib.report.figures.house_style import Drawing
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import link_frames
 
 
+@step("arm", "frames.svg models.svg")
 def draw_models(arm: Robot) -> dict[str, Drawing]:
     """Return the figures of an arm's link models and frames."""
     # upright in the thesis's frames, which only arms of six joints have

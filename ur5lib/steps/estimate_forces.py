@@ -16,19 +16,30 @@ from ur5lib.identification.current_samples import (
     current_record,
     prior_of,
 )
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.forces import Forces
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
-from ur5lib.records.predicted_recording import PredictedRecording
+from ur5lib.records.premises import Premises
+from ur5lib.records.step import step
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.lowpass import Butterworth
 
 
+class Inputs(AlignedRecording):
+    """What is read of a recording."""
+
+    kinematics: Kinematics
+    currents: Currents
+    premises: Premises
+
+
+@step("recording", "forces.parquet", arm="described")
 def estimate_forces(
-    recording: PredictedRecording,
+    recording: Inputs,
     friction: Friction,
     residuals: Residuals,
     arm: Robot,
@@ -75,7 +86,7 @@ def most_probable(
 
 
 def static_forces(
-    recording: PredictedRecording, robot: Robot, lowpass: Butterworth, typical_force: float
+    recording: Inputs, robot: Robot, lowpass: Butterworth, typical_force: float
 ) -> Stated | None:
     """Return the wrench of a resting arm, NaN in motion; None without currents or torque constants.
 

@@ -41,7 +41,9 @@ from ur5lib.records.friction import CurrentFit, Friction, KnownConstants, LeftOu
 from ur5lib.records.motion import Motion, motions_before
 from ur5lib.records.phrases import number
 from ur5lib.records.postures import Postures
+from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Contradictions, Finding, Quality
+from ur5lib.records.step import step
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
@@ -57,9 +59,17 @@ UNEXPLAINED = "current against constant", "torque against gain"
 MIN_GAIN = 0.4  # of such a joint, at least; with a smaller one, a unit is wrong
 
 
+class Inputs(AlignedRecording):
+    """What is read of a recording."""
+
+    premises: Premises
+    quality: Quality
+
+
+@step("arm", "friction.json", recordings="fit", before="before_fitted")
 def fit_friction(
     arm: Robot,
-    recordings: Mapping[str, AlignedRecording],
+    recordings: Mapping[str, Inputs],
     postures: Mapping[str, Postures],
     dates: dict[str, str],
     lowpass: Butterworth,

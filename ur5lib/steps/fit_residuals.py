@@ -26,6 +26,7 @@ from ur5lib.records.currents import Currents
 from ur5lib.records.friction import CurrentFit, Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.phrases import numbered
+from ur5lib.records.step import step
 from ur5lib.timeseries.segments import unbroken
 
 MIN_REST_DURATION = 10.0  # s; a shorter rest does not determine friction at rest
@@ -41,6 +42,7 @@ USUAL_SPEED, USUAL_LOAD = 0.5, 3.0  # rad/s
 FORCE_DIRECTIONS = 3  # a force needs a finite torque on this many joints, or on all
 
 
+@step("arm", "residuals.json", recordings="fit")
 def fit_residuals(
     friction: Friction,
     currents: Mapping[str, Currents],

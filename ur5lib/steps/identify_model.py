@@ -30,6 +30,7 @@ from ur5lib.records.carried import configured_payload
 from ur5lib.records.models import Identification, Rotors
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
+from ur5lib.records.step import step
 from ur5lib.robots.description import Robot, robot_yaml
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import written_bodies
@@ -48,6 +49,14 @@ class IdentifiedModel(NamedTuple):
     summary: Identification
 
 
+@step(
+    "arm",
+    "arm.yaml urdf=arm.urdf rotors=rotor_inertia.json summary=identification.json",
+    recordings="fit",
+    arm="described",
+    lowpass="motion_lowpass",
+    currents="lowpass",
+)
 def identify_model(
     arm: Robot,
     signals: Mapping[str, Signals],

@@ -32,18 +32,43 @@ from ur5lib.force.sensed_contact import FREE_ROLES
 from ur5lib.force.trial_contacts import flange_speed
 from ur5lib.records.contact_place import ContactPlace, PlaceRow
 from ur5lib.records.contacts import ContactError, Contacts
+from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.estimated_recording import EstimatedRecording
-from ur5lib.records.forces import SensorWrenches
+from ur5lib.records.force_errors import Compared
+from ur5lib.records.forces import Forces, FurtherForces, SensorWrenches
 from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
+from ur5lib.records.opened import Opened
+from ur5lib.records.prediction import Prediction
+from ur5lib.records.premises import Premises
+from ur5lib.records.signals import Signals
+from ur5lib.records.step import step
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.segments import Span, inside_spans
 
 PLACE_ERROR = 0.05  # m
 
 
+class Inputs(Opened):
+    """What is read of a recording."""
+
+    role: str
+    gravity: list[float] | None
+    kinematics: Kinematics
+    signals: Signals
+    motion: Motion
+    premises: Premises
+    currents: Currents
+    prediction: Prediction
+    forces: Forces
+    further: FurtherForces | None
+    sensor: SensorWrenches
+    compared: Compared
+
+
+@step("recording", "contacts.json")
 def judge_contacts(
-    recording: EstimatedRecording,
+    recording: Inputs,
     arm: Robot,
     friction: Friction,
     residuals: Residuals,
@@ -131,9 +156,7 @@ def errors_with_fates(
         yield from with_fates(own, alarms[name]) if name in alarms else own
 
 
-def load_finder(
-    recording: EstimatedRecording, robot: Robot, friction: Friction, residuals: Residuals
-) -> Named:
+def load_finder(recording: Inputs, robot: Robot, friction: Friction, residuals: Residuals) -> Named:
     """Return a function of an alarm's span and the alarm, which returns the alarm: as a grasped
     load with its mass if it is one, else unchanged.
 

@@ -11,6 +11,7 @@ from ur5lib.checks.succession import moved_between, stated_succession
 from ur5lib.force.problem import unusual_friction
 from ur5lib.force.residual_model import Residuals
 from ur5lib.records.account import AccountRow
+from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import Friction
 from ur5lib.records.judgement import (
@@ -20,17 +21,34 @@ from ur5lib.records.judgement import (
     by_joint,
     current_errors,
 )
-from ur5lib.records.motion import posture_change
-from ur5lib.records.predicted_recording import PredictedRecording
-from ur5lib.records.prediction import JudgedLoad
+from ur5lib.records.motion import Alignment, Motion, posture_change
+from ur5lib.records.opened import Opened
+from ur5lib.records.prediction import JudgedLoad, Prediction
+from ur5lib.records.premises import Premises
 from ur5lib.records.quality import UNUSUAL_FRICTION, Finding, Quality
 from ur5lib.records.signals import Signals, is_led, slowly
+from ur5lib.records.step import step
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import mean_absolute_error
 
 
+class Inputs(Opened):
+    """What is read of a recording."""
+
+    quality: Quality
+    signals: Signals
+    motion: Motion
+    before: Mapping[str, Motion]
+    alignment: Alignment
+    torques: Torques
+    premises: Premises
+    currents: Currents
+    prediction: Prediction
+
+
+@step("recording", "judgement.json", before="previous")
 def judge_recording(
-    recording: PredictedRecording, friction: Friction, residuals: Residuals, cutoff_hz: float
+    recording: Inputs, friction: Friction, residuals: Residuals, cutoff_hz: float
 ) -> Judgement:
     """Return the findings on one recording and its rows of the result tables.
 

@@ -22,12 +22,18 @@ from ur5lib.force.sensor import (
 )
 from ur5lib.force.sensor_reading import OwnClock, SensorReading, moved_tool, sensor_reading
 from ur5lib.force.touched import sensed_contact
-from ur5lib.records.estimated_recording import EstimatedRecording
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.force_errors import Compared, ForceError, Sensed
 from ur5lib.records.forces import Forces, FurtherForces, SensorWrenches
 from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Alignment, Motion
+from ur5lib.records.opened import Opened
+from ur5lib.records.premises import Premises
+from ur5lib.records.quality import Quality
 from ur5lib.records.sensor_offset import OffsetAccount
 from ur5lib.records.signals import Signals
+from ur5lib.records.step import step
 from ur5lib.records.table import WRENCH
 from ur5lib.records.verdicts import Reason
 from ur5lib.robots.description import Robot, Vector3
@@ -46,8 +52,26 @@ class JudgedSensor(NamedTuple):
     compared: Compared
 
 
+class Inputs(Opened):
+    """What is read of a recording."""
+
+    role: str
+    gravity: list[float] | None
+    quality: Quality
+    force: pd.DataFrame
+    kinematics: Kinematics
+    signals: Signals
+    motion: Motion
+    alignment: Alignment
+    premises: Premises
+    currents: Currents
+    forces: Forces
+    further: FurtherForces | None
+
+
+@step("recording", "sensor.parquet compared=beside_sensor.json")
 def judge_sensor(
-    recording: EstimatedRecording,
+    recording: Inputs,
     arm: Robot,
     friction: Friction,
     bias_window_s: float,
@@ -82,9 +106,7 @@ def judge_sensor(
     return JudgedSensor(sensor, replace(compared, errors=errors))
 
 
-def sensors_reading(
-    recording: EstimatedRecording, robot: Robot, bias_window_s: float
-) -> SensorReading:
+def sensors_reading(recording: Inputs, robot: Robot, bias_window_s: float) -> SensorReading:
     """Return the sensor's reading; robot: under the recording's gravity, with the sensor."""
     signals = recording.signals
     moved = moved_tool(robot, recording.kinematics, recording.motion)

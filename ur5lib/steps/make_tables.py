@@ -17,10 +17,8 @@ from ur5lib.judging.may_be_used import friction_rows, torque_constants
 from ur5lib.records.acceleration_errors import AccelerationBand, AccelerationError, Innovation
 from ur5lib.records.accelerations import ImuComparison
 from ur5lib.records.account import AccountRow
-from ur5lib.records.arm_fits import ArmFits
 from ur5lib.records.contact_place import PlaceRow
 from ur5lib.records.contacts import Contact, ContactError, Contacts, Detection, FixedThreshold
-from ur5lib.records.estimated_recording import EstimatedRecording
 from ur5lib.records.fits import (
     CalibratedQuantity,
     CrossValidation,
@@ -44,7 +42,9 @@ from ur5lib.records.judgement import (
     TorqueError,
 )
 from ur5lib.records.models import Identification, Rotors, Terms
+from ur5lib.records.opened import Opened
 from ur5lib.records.quality import STOP, Finding
+from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.tables import read_cells, table_by_owner
 
@@ -86,10 +86,27 @@ CALIBRATED = {"mounting": "rad", "tilt": "rad", "gyroscope_bias": "rad/s", "plac
 Rows = Mapping[str, Iterable[object]]  # rows of a table, by recording or arm
 
 
+class Fits(Opened):
+    """What is read of an arm."""
+
+    identified: Robot
+    rotors: Rotors
+    identification: Identification
+    friction: Friction
+
+
+class Inputs(Opened):
+    """What is read of a recording."""
+
+    comparison: ImuComparison
+    compared: Compared
+    contacts: Contacts
+
+
 def make_tables(
     judgements: Mapping[str, Judgement],
-    recordings: Mapping[str, EstimatedRecording],
-    arms: Mapping[str, ArmFits],
+    recordings: Mapping[str, Inputs],
+    arms: Mapping[str, Fits],
     calibration: Mapping[str, dict[str, ImuCalibration]],
     residuals: Mapping[str, Residuals],
     parts: list[Path],
@@ -122,7 +139,7 @@ def make_tables(
 
 
 def rows_of_arm(
-    arm: ArmFits, calibration: Mapping[str, ImuCalibration], residuals: Residuals
+    arm: Fits, calibration: Mapping[str, ImuCalibration], residuals: Residuals
 ) -> dict[str, Iterable[object]]:
     """Return the rows of an arm by table."""
     friction, identification = arm.friction, arm.identification

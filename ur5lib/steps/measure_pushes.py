@@ -20,10 +20,16 @@ from ur5lib.force.smallest_pushes import (
 from ur5lib.force.thresholds import alarms
 from ur5lib.force.trial_contacts import Trials, Untouched
 from ur5lib.records.contact_place import ContactPlace
+from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
-from ur5lib.records.estimated_recording import EstimatedRecording
+from ur5lib.records.forces import Forces
 from ur5lib.records.friction import Friction
+from ur5lib.records.motion import Motion
+from ur5lib.records.opened import Opened
+from ur5lib.records.prediction import Prediction
+from ur5lib.records.premises import Premises
 from ur5lib.records.pushes import PushDirection, PushesFound, SmallestPush
+from ur5lib.records.step import step
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import Span
@@ -37,8 +43,25 @@ class DetectedPushes(NamedTuple):
     curve: list[PushesFound]
 
 
+class Inputs(Opened):
+    """What is read of a recording."""
+
+    kinematics: Kinematics
+    motion: Motion
+    premises: Premises
+    currents: Currents
+    prediction: Prediction
+    forces: Forces
+
+
+@step(
+    "arm",
+    "pushes.csv directions=push_directions.csv curve=push_curve.csv",
+    recordings="drawn",
+    arm="described",
+)
 def measure_pushes(
-    recordings: Mapping[str, EstimatedRecording],
+    recordings: Mapping[str, Inputs],
     friction: Friction,
     residuals: Residuals,
     threshold: dict[str, float],
@@ -66,7 +89,7 @@ def measure_pushes(
             run = untouched(problem, kinematics, place, alarms(odds, threshold[LEADING]))
             trials[name] = trials_on(problem, run, prior, threshold[LEADING], least)
             places += places_of(name, run, moved, kinematics)
-    rows = pushes_of_arm(trials, recordings, friction.paths)
+    rows = pushes_of_arm(trials, friction)
     if not rows or friction.paths == 1:
         return DetectedPushes(rows, [], [])
     together = Trials.joined([own for own in trials.values() if len(own.force)])

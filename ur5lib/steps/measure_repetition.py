@@ -15,16 +15,34 @@ from ur5lib.identification.repetition import path_run, repetition
 from ur5lib.recordings.copies import same_runs
 from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.friction import CurrentFit, Friction
-from ur5lib.records.predicted_recording import PredictedRecording
+from ur5lib.records.motion import Motion
+from ur5lib.records.opened import Opened
+from ur5lib.records.prediction import Prediction
+from ur5lib.records.quality import Quality
 from ur5lib.records.repetition import Repeated
-from ur5lib.records.signals import slowly
+from ur5lib.records.signals import Signals, slowly
+from ur5lib.records.step import step
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
 
+class Inputs(Opened):
+    """What is read of a recording."""
+
+    quality: Quality
+    kinematics: Kinematics
+    signals: Signals
+    motion: Motion
+    torques: Torques
+    currents: Currents
+    prediction: Prediction
+
+
+@step("arm", "repetition.csv", recordings="drawn")
 def measure_repetition(
-    recordings: Mapping[str, PredictedRecording],
+    recordings: Mapping[str, Inputs],
     friction: Friction,
     residuals: Residuals,
     arm: Robot,
@@ -49,7 +67,7 @@ def measure_repetition(
     return [*repetition(runs)]
 
 
-def torque_error(recording: PredictedRecording, model: str) -> Array | None:
+def torque_error(recording: Inputs, model: str) -> Array | None:
     """Return a link model's torque minus the controller's (N, n) [Nm], below 2 Hz, if recorded."""
     # read again, so that they are not in memory while forces are computed
     signals, torques = recording.signals.anew(), recording.torques.anew()
@@ -65,9 +83,7 @@ def current_error(currents: Currents, fit: CurrentFit) -> Array | None:
     return None if torque is None else torque / torque_constants(fit)
 
 
-def force_error(
-    recording: PredictedRecording, residuals: Residuals, prior: ContactPrior
-) -> Array | None:
+def force_error(recording: Inputs, residuals: Residuals, prior: ContactPrior) -> Array | None:
     """Return the force (N, 3) [N] that a contact would need to cause the error of the currents;
     None without F̂ᵐᵃᵖ.
     """

@@ -3,9 +3,11 @@
 from collections.abc import Mapping
 
 from ur5lib.records.clocks import HostDrift, OwnClock
+from ur5lib.records.step import step
 from ur5lib.signals import clock
 
 
+@step("arm", "drifts.json", recordings="contact_free")
 def pool_drifts(
     clocks: Mapping[str, dict[str, OwnClock]], hosts: dict[str, list[str]]
 ) -> dict[str, HostDrift]:

@@ -1,6 +1,6 @@
 """The predicted current of motion without contact, and the external torque."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -31,8 +31,11 @@ from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import CurrentFit, Friction
+from ur5lib.records.motion import Motion, motions_before
 from ur5lib.records.prediction import Prediction, Scores
+from ur5lib.records.premises import Premises
 from ur5lib.records.signals import Signals
+from ur5lib.records.step import step
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
@@ -43,11 +46,24 @@ class PredictedCurrents(NamedTuple):
     """Predicted currents and external torques of a recording, and their scores."""
 
     currents: Currents
-    summary: Prediction
+    prediction: Prediction
 
 
+class Inputs(AlignedRecording):
+    """What is read of a recording."""
+
+    premises: Premises
+    role: str
+    date: str
+    gravity: list[float] | None
+    untouched: tuple[float, float] | None
+    chain: Sequence[str]
+    before: Mapping[str, Motion]
+
+
+@step("recording", "currents.parquet prediction=currents.json", unloaded="payload")
 def predict_currents(
-    recording: AlignedRecording,
+    recording: Inputs,
     payload: PayloadEstimate,
     unloaded: Mapping[str, PayloadEstimate],
     friction: Friction,
@@ -62,7 +78,9 @@ def predict_currents(
     """
     signals, motion, premises = recording.signals, recording.motion, recording.premises
     summary = Prediction(recording.name in friction.from_)
-    record = current_record(recording, arm, recording.earlier())
+    record = current_record(
+        recording, arm, motions_before(motion, recording.chain, recording.before)
+    )
     fit, smooth = friction.fit_for(recording.name), ZeroPhaseLowpass(*lowpass)
     slower = slower_than_fit(
         signals.actual_q, signals.segment, signals.period, smooth.cutoff, friction.period

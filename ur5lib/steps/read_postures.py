@@ -24,6 +24,7 @@ from ur5lib.records.judgement import Judgement
 from ur5lib.records.postures import Postures
 from ur5lib.records.quality import Contradictions, Quality
 from ur5lib.records.signals import Signals
+from ur5lib.records.step import step
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.tables import checksum
 from ur5lib.timeseries.arrays import Six
@@ -36,6 +37,13 @@ class ReadPostures(NamedTuple):
     judgement: Judgement
 
 
+@step(
+    "posture",
+    "postures.json judgement.json",
+    recording="entry",
+    arm="described",
+    payload="declared_payload",
+)
 def read_postures(
     recording: Entry,
     raw: list[Path],

@@ -14,6 +14,7 @@ from ur5lib.records.clocks import OwnClock
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.quality import Device, Quality
 from ur5lib.records.signals import Signals
+from ur5lib.records.step import step
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import flange_kinematics
 from ur5lib.signals.own_clocks import own_clocks
@@ -37,6 +38,13 @@ class ReadRecording(NamedTuple):
     clocks: dict[str, OwnClock]
 
 
+@step(
+    "recording",
+    "robot.parquet force.parquet imu.parquet kinematics.parquet quality.json "
+    "clocks=own_clocks.json",
+    recording="entry",
+    arm="described",
+)
 def read_recording(
     recording: Entry, raw: list[Path], arm: Robot, max_gap_s: float
 ) -> ReadRecording:

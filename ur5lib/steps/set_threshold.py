@@ -12,12 +12,14 @@ from ur5lib.force.estimators import GATED, PUBLISHED
 from ur5lib.force.thresholds import alarm_threshold, force_threshold
 from ur5lib.records.forces import Forces, FurtherForces
 from ur5lib.records.signals import Signals
+from ur5lib.records.step import step
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
 Evidence = list[tuple[Mapping[str, Array], float]]  # by estimate, and period [s]; by recording
 
 
+@step("arm", "threshold.json", recordings="fit", arm="described")
 def set_threshold(
     forces: Mapping[str, Forces],
     signals: Mapping[str, Signals],

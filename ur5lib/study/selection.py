@@ -126,15 +126,6 @@ class Selection:
         fitted = (name for name, one in self.recordings.items() if one.role == "fit")
         return frozenset([*drawn, *self.illustrated, *fitted])
 
-    def of_step(self, step: str) -> list[str]:
-        """Return the recordings for which a step runs, one run for each."""
-        some: dict[str, list[str]] = {
-            "read_postures": self.at_rest,
-            "draw_figures": self.illustrated,
-            "write_run": [],  # on demand alone
-        }
-        return some.get(step, [*self.recordings])
-
     def has_force_sensor(self, name: str) -> bool:
         """Return whether a recording has a force sensor: in its entry, or as a file."""
         stated = getattr(self.recordings[name], "force_sensor", None)

@@ -7,12 +7,13 @@ from functools import cache
 from snakemake.exceptions import WorkflowError
 
 from ur5lib.errors import InputError
-from ur5lib.jobs.code import checksum_of_step, in_library, of_study
+from ur5lib.jobs.code import checksum_of_step, in_library
+from ur5lib.jobs.declared import declared, every, is_figure, written_by
 from ur5lib.jobs.page import check_page
 from ur5lib.jobs.unreadable import unreadable
 from ur5lib.jobs.workers import FAILED, end_beside_the_schedule, run_step
 from ur5lib.robots.description import JOINT_SIZES_FILE, robot_path
-from ur5lib.study.given import STEPS, design
+from ur5lib.study.given import FILES, OF_OTHERS, among, design, of_arm, setting
 from ur5lib.study.reading import parse_study, study_text
 from ur5lib.study.selection import Selection
 from ur5lib.study.turn import share_turn, take_turn
@@ -170,11 +171,6 @@ def parameter_of(name):
     return lambda wildcards: parameter(name).format(robot=SELECTION.arm(wildcards.recording))
 
 
-def results_of(names, file):
-    """Return a function that gives the paths of a file of the recordings that `names` returns."""
-    return lambda wildcards: results(file, names(wildcards.robot))
-
-
 def traces(step, of=None):
     """Return the paths of a job's log and benchmark."""
     job = f"{step}/{of}" if of else step
@@ -204,60 +200,17 @@ def drawn(of, *names):
     return figures | {f"{name}_data": f"{folder}/{name}.csv" for name in names}
 
 
-RUNS_FOR = {}  # of a topic: the recordings of a step, if not all
-FURTHER_FORCES = []  # of a topic: the file of a recording with its estimates of forces
+RUNS_FOR = {}  # the recordings of each step, in place of those that it declares
+LEFT_OUT = set()  # steps that this study does not have
+PRIORITY = {}  # of steps that begin early
 
 
 # Recordings and settings
 
 
-@cache
-def fitted_on(robot):
-    """Return the names of an arm's `fit` recordings."""
-    return SELECTION.of_arm(robot, "fit")
-
-
-@cache
-def before_fitted(robot):
-    """Return the names of the recordings that an arm's `fit` recordings follow."""
-    return SELECTION.before(*fitted_on(robot))
-
-
-@cache
-def contact_free(robot):
-    """Return the names of an arm's contact-free recordings."""
-    return SELECTION.of_arm(robot, "fit", "validate")
-
-
-@cache
-def recordings_of(robot):
-    """Return the names of an arm's recordings in motion."""
-    return [name for name in RECORDINGS if SELECTION.arm(name) == robot]
-
-
-def further_forces(wildcards):
-    """Return the files of further estimates of a recording, or of an arm's `fit` recordings."""
-    of = dict(wildcards)
-    names = [of["recording"]] if "recording" in of else fitted_on(of["robot"])
-    return [path for file in FURTHER_FORCES for path in results(file, names)]
-
-
 def of_recording(method):
     """Return a function that calls a method of the selection with a job's recording."""
     return lambda wildcards: method(wildcards.recording)
-
-
-def gravities_of(names):
-    """Return a function that gives the gravities in base frames of the recordings of `names`."""
-    return lambda wildcards: SELECTION.gravities(names(wildcards.robot))
-
-
-def from_study(step):
-    """Return a step's parameters from the study, as functions of a job's recording or arm."""
-    return {
-        name: lambda wildcards, of=of: of(SELECTION, wildcards[0])
-        for name, of in STEPS[step].items()
-    }
 
 
 def code(step, *files):
@@ -271,6 +224,99 @@ def way_points(name):
     return {"way_points": given} if isinstance(given, str) else {}
 
 
+# The rule of a declared step
+
+FOLDERS = {
+    "recording": "recordings/{recording}",
+    "posture": "postures/{recording}",
+    "arm": "parameters/{robot}",
+}
+WILDCARDS = {"recording": "{recording}", "posture": "{recording}", "arm": "{robot}"}
+try:
+    STEPS = every()
+except InputError as error:
+    raise WorkflowError(str(error))
+
+CALIBRATE_IMU = declared("calibrate_imu")
+OUTPUTS = written_by() | {"calibration_without_each": (CALIBRATE_IMU, "imu_without_each.json")}
+
+
+def files_of(output, recordings):
+    """Return the paths of an output for some recordings."""
+    writer, file = OUTPUTS[output]
+    return [f"{RESULTS}/{FOLDERS[writer.of]}/{file}".format(recording=one) for one in recordings]
+
+
+def read_by(step, wildcards):
+    """Return the recordings of which a step reads several files."""
+    if step.of == "arm":
+        return of_arm(SELECTION, step.recordings, wildcards.robot)
+    return of_arm(SELECTION, "fit", SELECTION.arm(wildcards.recording))
+
+
+def further_forces(step, wildcards):
+    """Return the files of a topic's estimates of force, if the study has them."""
+    if "further" not in OUTPUTS or OUTPUTS["further"][0].name in LEFT_OUT:
+        return []
+    return files_of("further", read_by(step, wildcards) if step.of == "arm" else wildcards)
+
+
+def input_of(step, name, source):
+    """Return the input of a step's rule for a parameter; None for what is no file."""
+    if setting(step.of, step.recordings, source) or (source == "drifts" and not STUDY.hosts):
+        return None
+    if source == "name":
+        return None  # of several, that of the folder
+    if source in FILES:
+        return lambda wildcards: FILES[source](SELECTION, wildcards[0])
+    if source in OF_OTHERS:
+        output, others = OF_OTHERS[source]
+        return lambda wildcards: files_of(output, others(SELECTION, wildcards[0]))
+    if source == "further":
+        return lambda wildcards: further_forces(step, wildcards)
+    if name in step.several:
+        return lambda wildcards: files_of(source, read_by(step, wildcards))
+    writer, file = OUTPUTS[source]
+    return parameter_of(file) if step.of != writer.of else f"{RESULTS}/{FOLDERS[step.of]}/{file}"
+
+
+def inputs(step):
+    """Return the inputs of a step's rule by name."""
+    found = {name: input_of(step, name, source) for name, source in step.reads.items()}
+    return {name: file for name, file in found.items() if file is not None}
+
+
+def settings(step):
+    """Return the settings of a step's rule by name, as functions of a job's recording or arm."""
+    found = {name: setting(step.of, step.recordings, of) for name, of in step.reads.items()}
+    return {
+        name: lambda wildcards, of=of: of(SELECTION, wildcards[0])
+        for name, of in found.items()
+        if of and name not in step.several
+    }
+
+
+def outputs(step):
+    """Return the outputs of a step's rule by name; those of a figure are the figure and its data."""
+    if is_figure(step):
+        drawing = [name for name, file in step.writes.items() if file.endswith(".svg")]
+        others = {name: file for name, file in step.writes.items() if name not in drawing}
+        folder = f"{RESULTS}/figures/{WILDCARDS[step.of]}"
+        return drawn(WILDCARDS[step.of], *drawing) | {
+            name: f"{folder}/{file}" for name, file in others.items()
+        }
+    return {name: f"{RESULTS}/{FOLDERS[step.of]}/{file}" for name, file in step.writes.items()}
+
+
+def code_of(step):
+    """Return the checksum of a step's code, with the arm's description if the library has it."""
+    if step.name != "describe_arm":
+        return code(step.name)
+    return lambda wildcards: code(
+        step.name, JOINT_SIZES_FILE, *in_library([robot_path(ARMS[wildcards.robot].arm)])
+    )
+
+
 # What a run makes
 
 
@@ -279,10 +325,7 @@ def outputs_in(folder, kind="output"):
     rules so far.
     """
 
-    def recordings(step):
-        return RUNS_FOR.get(step, SELECTION.of_step(step))
-
-    of = {"{robot}": lambda step: ROBOTS, "{recording}": recordings}
+    of = {"{robot}": lambda step: ROBOTS, "{recording}": lambda step: RUNS_FOR.get(step, [])}
     paths = []
     for step in workflow.rules:
         for file in getattr(step, kind) or []:

@@ -8,11 +8,10 @@ from tests.rubbing_arm import friction, robot
 from tests.steps.made_recording import premises
 from tests.topics.live.made_arm import arm_file, samples
 from ur5lib.records.carried import Carried
-from ur5lib.records.predicted_recording import PredictedRecording
 from ur5lib.records.prediction import JudgedLoad, Prediction
 from ur5lib.robots.description import Payload
 from ur5lib.robots.inertia import rigid_bodies
-from ur5lib.topics.live.estimate_live import estimate_live
+from ur5lib.topics.live.estimate_live import Inputs, estimate_live
 from ur5lib.topics.live.live_file import LiveFit
 from ur5lib.topics.live.rows import LiveForces
 
@@ -31,7 +30,7 @@ def stated(declared: Payload | None, prediction: Prediction) -> LiveForces:
     run = samples(5.0, moving=True)
     known = {name: arm_file()[name] for name in ("speed", "noise", "threshold", "constants")}
     return estimate_live(
-        PredictedRecording(
+        Inputs(
             name="one",
             gravity=[*robot().gravity],
             signals=signals_of(run.time, run.q, actual_qd=run.qd, actual_current=run.current),

@@ -1,6 +1,7 @@
 """The arm of a recording as *Replay* shows it."""
 
 from collections.abc import Mapping, Sequence
+from typing import Protocol
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -8,8 +9,10 @@ from scipy.spatial.transform import Rotation
 from ur5lib.force.estimators import NEW
 from ur5lib.force.sensed_contact import CONTACT_FORCE, FREE_ROLES, contacts
 from ur5lib.force.thresholds import alarms
-from ur5lib.records.estimated_recording import EstimatedRecording
+from ur5lib.records.currents import Currents
+from ur5lib.records.forces import Forces, SensorWrenches
 from ur5lib.records.scene import LinkPose, Scene, Spans
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.robots.inertia import link_tail
 from ur5lib.timeseries.arrays import Array, Labels
@@ -20,7 +23,17 @@ MOST_POSTURES = 1200  # of a recording, in addition to the last of each segment
 DECIMALS = 4  # of stored numbers
 
 
-def arm_scene(recording: EstimatedRecording, arm: Robot, thresholds: Mapping[str, float]) -> Scene:
+class Shown(Protocol):
+    """What is shown of a recording."""
+
+    role: str
+    signals: Signals
+    currents: Currents
+    forces: Forces
+    sensor: SensorWrenches
+
+
+def arm_scene(recording: Shown, arm: Robot, thresholds: Mapping[str, float]) -> Scene:
     """Return the arm at some times of a recording; thresholds: of alarms, by estimate.
 
     arm: under the recording's gravity. Contacts at a sensor overrule a role without contact.

@@ -10,9 +10,12 @@ from scipy.spatial.transform import Rotation
 from ur5lib.force.sensor_reading import in_frame_6, moved_tool, within_reach
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
-from ur5lib.records.predicted_recording import PredictedRecording
-from ur5lib.records.prediction import JudgedLoad
+from ur5lib.records.opened import Opened
+from ur5lib.records.prediction import JudgedLoad, Prediction
+from ur5lib.records.premises import Premises
+from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
+from ur5lib.records.step import step
 from ur5lib.records.table import WRENCH, WRENCH_UNITS
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.robots.end_effector import ToolMotion
@@ -41,7 +44,20 @@ SCALE_STD = 0.03  # prior standard deviation of the scale, which only a known ma
 MAX_INERTIAL_ACCELERATION = 0.3
 
 
-def audit_sensor(recording: PredictedRecording, arm: Robot) -> list[AuditRow]:
+class Inputs(Opened):
+    """What is read of a recording."""
+
+    gravity: list[float] | None
+    quality: Quality
+    signals: Signals
+    kinematics: Kinematics
+    motion: Motion
+    premises: Premises
+    prediction: Prediction
+
+
+@step("recording", "audit.csv", recordings="examined")
+def audit_sensor(recording: Inputs, arm: Robot) -> list[AuditRow]:
     """Return the audit of the sensor in the arm's wrist; empty without its reading.
 
     arm: as fitted.

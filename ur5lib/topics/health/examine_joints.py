@@ -7,18 +7,28 @@ import numpy as np
 from ur5lib.channels import CURRENT, Effort
 from ur5lib.identification.current_samples import ZeroPhaseLowpass, current_record
 from ur5lib.identification.samples import CurrentSamples, Smooth
+from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.friction import CurrentFit, Friction
-from ur5lib.records.predicted_recording import PredictedRecording
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.quality import Quality
+from ur5lib.records.step import step
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.lowpass import Butterworth
 from ur5lib.topics.health.condition import QUANTITIES, joint_conditions
 from ur5lib.topics.health.rows import Checkup
 
 
+class Inputs(AlignedRecording):
+    """What is read of a recording."""
+
+    date: str
+    quality: Quality
+    prediction: Prediction
+
+
+@step("recording", "checkup.json", recordings="contact_free")
 def examine_joints(
-    recording: PredictedRecording, friction: Friction, arm: Robot, lowpass: Butterworth
+    recording: Inputs, friction: Friction, arm: Robot, lowpass: Butterworth
 ) -> Checkup:
     """Return the condition of each joint; with date None if the recording cannot be used.
 

@@ -5,12 +5,14 @@ from typing import Any
 
 import pandas as pd
 
+from ur5lib.records.step import step
 from ur5lib.records.verdicts import Reason, State, Verdict
 from ur5lib.topics.health.changes import MIN_DATES
 
 QUESTION = "drift"
 
 
+@step("arm", "verdicts=health.verdicts.csv")
 def judge_health(health: pd.DataFrame, changes: pd.DataFrame) -> list[Verdict]:
     """Return whether friction, constants, offsets or noise of a joint changed; [] with too few
     dates.

@@ -10,6 +10,7 @@ import numpy as np
 
 from ur5lib.identification.samples import path_of
 from ur5lib.records.motion import Motion
+from ur5lib.records.step import step
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.trajectories import PathStates, group_by_path
 from ur5lib.topics.health.changes import (
@@ -33,6 +34,12 @@ class TrackedHealth(NamedTuple):
     changes: list[JointChange]
 
 
+@step(
+    "arm",
+    "health.csv changes=health_changes.csv",
+    recordings="contact_free",
+    checkups="checkup",
+)
 def track_health(checkups: Mapping[str, Checkup], motion: Mapping[str, Motion]) -> TrackedHealth:
     """Return the condition of each joint by date, and what changed.
 

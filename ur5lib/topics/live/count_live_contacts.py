@@ -8,6 +8,7 @@ from ur5lib.force.alarms import matched
 from ur5lib.force.estimators import LEADING
 from ur5lib.records.contacts import Contact, Contacts
 from ur5lib.records.forces import SensorWrenches
+from ur5lib.records.step import step
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import Span, runs
 from ur5lib.topics.live.rows import LiveDetection, LiveForces
@@ -15,6 +16,7 @@ from ur5lib.topics.live.rows import LiveDetection, LiveForces
 NAMES = [field.name for field in fields(LiveDetection)]
 
 
+@step("recording", "live_detection.csv", live="live_forces")
 def count_live_contacts(
     live: LiveForces, sensor: SensorWrenches, contacts: Contacts
 ) -> list[LiveDetection]:

@@ -2,15 +2,30 @@
 
 from ur5lib.records.friction import Friction
 from ur5lib.records.measured import Measured
-from ur5lib.records.predicted_recording import PredictedRecording
+from ur5lib.records.opened import Opened
+from ur5lib.records.prediction import Prediction
+from ur5lib.records.premises import Premises
+from ur5lib.records.signals import Signals
+from ur5lib.records.step import step
 from ur5lib.robots.description import Robot
 from ur5lib.topics.live.live_file import LiveFit, numbers
 from ur5lib.topics.live.live_recording import follow
 from ur5lib.topics.live.rows import LiveForces
 
 
+class Inputs(Opened):
+    """What is read of a recording."""
+
+    name: str
+    gravity: list[float] | None
+    signals: Signals
+    premises: Premises
+    prediction: Prediction
+
+
+@step("recording", "live_forces.parquet")
 def estimate_live(
-    recording: PredictedRecording,
+    recording: Inputs,
     friction: Friction,
     live: LiveFit,
     arm: Robot,

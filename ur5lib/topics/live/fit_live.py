@@ -8,10 +8,12 @@ from ur5lib.records.friction import Friction
 from ur5lib.records.measured import Measured
 from ur5lib.records.premises import Premises
 from ur5lib.records.signals import Signals
+from ur5lib.records.step import step
 from ur5lib.robots.description import Robot
 from ur5lib.topics.live.live_file import LiveFit, learned, numbers
 
 
+@step("arm", "live.json", recordings="fit")
 def fit_live(
     signals: Mapping[str, Signals],
     premises: Mapping[str, Premises],

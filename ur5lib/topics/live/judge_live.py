@@ -13,6 +13,7 @@ from ur5lib.judging.contacts import FARTHEST, counted, days_between, of_days, ra
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.quality import Quality
+from ur5lib.records.step import step
 from ur5lib.records.verdicts import Verdict
 from ur5lib.topics.live.rows import LiveFalseAlarms
 
@@ -27,6 +28,11 @@ class JudgedLive(NamedTuple):
     false_alarms: list[LiveFalseAlarms]
 
 
+@step(
+    "arm",
+    "verdicts=live.verdicts.csv false_alarms=live_false_alarms.csv",
+    detection="live_detection",
+)
 def judge_live(
     detection: Mapping[str, pd.DataFrame],
     quality: Mapping[str, Quality],

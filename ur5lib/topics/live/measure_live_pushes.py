@@ -9,9 +9,16 @@ from ur5lib.force.problem import Problem, fmap_problem
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.smallest_pushes import pushed, pushes_of_arm, where_pushed
 from ur5lib.force.trial_contacts import Trials, Untouched
+from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.friction import Friction
 from ur5lib.records.measured import Measured
-from ur5lib.records.predicted_recording import PredictedRecording
+from ur5lib.records.motion import Motion
+from ur5lib.records.opened import Opened
+from ur5lib.records.prediction import Prediction
+from ur5lib.records.premises import Premises
+from ur5lib.records.signals import Signals
+from ur5lib.records.step import step
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import Span
@@ -21,8 +28,20 @@ from ur5lib.topics.live.live_recording import alarms_of_each, follow
 from ur5lib.topics.live.rows import LivePush
 
 
+class Inputs(Opened):
+    """What is read of a recording."""
+
+    kinematics: Kinematics
+    signals: Signals
+    motion: Motion
+    premises: Premises
+    currents: Currents
+    prediction: Prediction
+
+
+@step("arm", "live_pushes.csv", recordings="drawn")
 def measure_live_pushes(
-    recordings: Mapping[str, PredictedRecording],
+    recordings: Mapping[str, Inputs],
     friction: Friction,
     residuals: Residuals,
     live: LiveFit,
@@ -49,7 +68,7 @@ def measure_live_pushes(
         file = numbers(arm.mounted(gravities[name]), *about) | live.known
         jacobian, speed = where_pushed(problem, recording.kinematics, place)
         trials[name] = live_trials(file, run, problem, jacobian, speed, least)
-    pushes = pushes_of_arm(trials, recordings, friction.paths)
+    pushes = pushes_of_arm(trials, friction)
     return [LivePush(**vars(push)) for push in pushes]
 
 

@@ -7,6 +7,7 @@ from ur5lib.records.friction import Friction
 from ur5lib.records.models import Identification
 from ur5lib.records.motion import Motion
 from ur5lib.records.premises import Premises
+from ur5lib.records.step import step
 from ur5lib.robots.description import Robot
 from ur5lib.topics.next_recordings.found import NOW
 from ur5lib.topics.next_recordings.rows import RankedBands
@@ -16,6 +17,7 @@ WORTHWHILE_BAND_RATIO = 0.9  # a worthwhile recording leaves at most this share 
 CANDIDATE_DURATION = 20.0  # s
 
 
+@step("arm", "next_recordings.csv", recordings="fit", identification="summary")
 def rank_recordings(
     arm: Robot,
     motion: Mapping[str, Motion],

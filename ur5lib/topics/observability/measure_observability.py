@@ -21,11 +21,13 @@ from ur5lib.records.currents import Currents
 from ur5lib.records.friction import CurrentFit, Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.prediction import Prediction
+from ur5lib.records.step import step
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import BAND_COVERAGE
 from ur5lib.topics.observability.rows import Observed
 
 
+@step("arm", "observability.csv", recordings="drawn", predictions="prediction")
 def measure_observability(
     motion: Mapping[str, Motion],
     currents: Mapping[str, Currents],

@@ -6,7 +6,10 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from ur5lib.records.aligned_recording import AlignedRecording
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.opened import Opened
+from ur5lib.records.quality import Quality
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.tables import read_csv
 from ur5lib.timeseries.arrays import Array
@@ -24,10 +27,19 @@ class BesidePrint(NamedTuple):
     errata: list[ListedErratum]
 
 
+class Inputs(Opened):
+    """What is read of a recording."""
+
+    signals: Signals
+    kinematics: Kinematics
+    imu: pd.DataFrame
+    quality: Quality
+
+
 def compare_with_print(
     reference: Path,
     tables: list[Path],
-    recordings: Mapping[str, AlignedRecording],
+    recordings: Mapping[str, Inputs],
     arms: Mapping[str, Robot],
     arm_of: dict[str, str],
     gravities: dict[str, list[float] | None],

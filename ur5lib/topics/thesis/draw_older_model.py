@@ -5,6 +5,7 @@ from pathlib import Path
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.records.carried import configured_payload
 from ur5lib.records.signals import Signals
+from ur5lib.records.step import step
 from ur5lib.report.figures.house_style import Drawing
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
@@ -13,6 +14,11 @@ from ur5lib.topics.thesis.records import ClosedLoop
 from ur5lib.topics.thesis.reference import OLDER_MODEL, Published, read_reference
 
 
+@step(
+    "recording",
+    "positions_older.svg velocities_older.svg torques_older.svg",
+    recording="name",
+)
 def draw_older_model(
     recording: str, signals: Signals, closed_loop: ClosedLoop, arm: Robot, reference: Path
 ) -> dict[str, Drawing]:

@@ -1,10 +1,14 @@
 """Published errors, computed as an erratum explains them."""
 
+from typing import Protocol
+
 import numpy as np
+import pandas as pd
 
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.carried import configured_payload
+from ur5lib.records.dynamics import Kinematics
+from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Model, Robot
 from ur5lib.robots.end_effector import felt_acceleration
@@ -44,8 +48,17 @@ def loop_error(robot: Robot, signals: Signals, way: LoopError) -> Array:
     return figure(between, np.zeros_like(between))
 
 
+class Accelerated(Protocol):
+    """What accelerations are explained by."""
+
+    quality: Quality
+    imu: pd.DataFrame
+    signals: Signals
+    kinematics: Kinematics
+
+
 def explained_accelerations(
-    recording: AlignedRecording, robot: Robot, way: AccelerationError
+    recording: Accelerated, robot: Robot, way: AccelerationError
 ) -> tuple[Array, Array]:
     """Return the accelerations through Euler angles and of the IMU, (N, 6) [m/s², rad/s²] each,
     computed as an erratum explains.

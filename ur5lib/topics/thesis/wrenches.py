@@ -1,11 +1,13 @@
 """The thesis's contact wrenches, as printed and by the corrected equations."""
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, Protocol
 
 from ur5lib.force.controller import controller_estimate, environment_on_arm
-from ur5lib.records.aligned_recording import AlignedRecording
+from ur5lib.records.dynamics import Kinematics, Torques
 from ur5lib.records.forces import FurtherForces
+from ur5lib.records.motion import Motion
+from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth, causal_lowpass, zero_phase_lowpass
@@ -20,8 +22,17 @@ from ur5lib.topics.thesis.current_based import (
 )
 
 
+class Moved(Protocol):
+    """What the thesis estimates forces from."""
+
+    signals: Signals
+    motion: Motion
+    torques: Torques
+    kinematics: Kinematics
+
+
 def published_forces(
-    recording: AlignedRecording, robot: Robot, design: Butterworth, min_singular_value: float
+    recording: Moved, robot: Robot, design: Butterworth, min_singular_value: float
 ) -> FurtherForces:
     """Return F^u, F and F*: as the published script computes them (errata 5, 6 and 13), and by the
     printed equations with the measured motion and without delay.

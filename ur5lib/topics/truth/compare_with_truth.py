@@ -11,10 +11,12 @@ from scipy.stats import norm
 
 from ur5lib.dynamics.flange import point_acceleration
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.records.accelerations import COMPONENTS
-from ur5lib.records.arm_fits import ArmFits
-from ur5lib.records.estimated_recording import EstimatedRecording
-from ur5lib.records.motion import Motion
+from ur5lib.records.accelerations import COMPONENTS, Accelerations
+from ur5lib.records.forces import Forces
+from ur5lib.records.friction import Friction
+from ur5lib.records.models import Identification, Rotors
+from ur5lib.records.motion import Alignment, FusedMotion, Motion
+from ur5lib.records.opened import Opened
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.stand.truth import TrueParameters, Truth
@@ -42,12 +44,32 @@ TruthPart = TypeVar("TruthPart")
 SHARE_WITHIN_2_STD = float(norm.cdf(2) - norm.cdf(-2))
 
 
+class Fits(Opened):
+    """What is read of an arm."""
+
+    described: Robot
+    identified: Robot
+    rotors: Rotors
+    identification: Identification
+    friction: Friction
+
+
+class Inputs(Opened):
+    """What is read of a recording."""
+
+    alignment: Alignment
+    motion: Motion
+    fused: FusedMotion
+    accelerations: Accelerations
+    forces: Forces
+
+
 def compare_with_truth(
     truth: list[Path],
     truth_summary: list[Path],
     simulated: list[str],
-    recordings: Mapping[str, EstimatedRecording],
-    arms: Mapping[str, ArmFits],
+    recordings: Mapping[str, Inputs],
+    arms: Mapping[str, Fits],
     calibration: Mapping[str, dict[str, ImuCalibration]],
     lowpass: Butterworth,
 ) -> pd.DataFrame:
@@ -72,9 +94,7 @@ def compare_with_truth(
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
-def arm_rows(
-    arm: ArmFits, calibration: Mapping[str, ImuCalibration], truths: Truths
-) -> Iterator[Row]:
+def arm_rows(arm: Fits, calibration: Mapping[str, ImuCalibration], truths: Truths) -> Iterator[Row]:
     """Yield the rows that compare the parameters fitted to several recordings with their common
     truth.
     """
@@ -102,8 +122,8 @@ def arm_rows(
 
 
 def recording_rows(
-    recording: EstimatedRecording,
-    arm: ArmFits,
+    recording: Inputs,
+    arm: Fits,
     truth: TrueParameters,
     samples: Truth,
     lowpass: Butterworth,
