@@ -10,7 +10,6 @@ from typer.testing import CliRunner
 
 from ur5lib.cli import app
 from ur5lib.errors import InputError
-from ur5lib.finished import StudyFiles
 from ur5lib.topics.compare.comparison import (
     CHANGE_COLUMNS,
     TOPICS,
@@ -78,8 +77,7 @@ def test_noise_alone_changes_nothing(tmp_path: Path) -> None:
     """Of the single comparisons, one in twenty lies beyond its error, as it should."""
     differ, changes, compared = 0, 0, 0
     for seed in range(1, 41, 2):
-        folders = (results(tmp_path / str(seed + k), seed=seed + k) for k in range(2))
-        pair = tuple(map(StudyFiles, folders))
+        pair = tuple(results(tmp_path / str(seed + k), seed=seed + k) for k in range(2))
         found = [one for topic in ("friction", "model") for one in TOPICS[topic](pair)]
         differ += sum(one.differs for one in found)
         changes += len([one for one in found if one.changed])
@@ -148,7 +146,7 @@ def test_an_unknown_topic_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_folder_without_results_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="holds no results of a study"):
+    with pytest.raises(InputError, match="b has no table 'quality'; `ur5 run` its study"):
         compare(results(tmp_path / "a"), tmp_path / "b")
 
 

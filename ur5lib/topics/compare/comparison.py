@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from os.path import isfile  # unlike pathlib's, of names that are too long, too
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -9,10 +10,10 @@ import numpy as np
 import pandas as pd
 from scipy.stats import norm
 
-from ur5lib.finished import StudyFiles
+from ur5lib.errors import InputError
 from ur5lib.force.estimators import LEADING
 from ur5lib.records.friction import without_totals
-from ur5lib.tables import intact, write_text
+from ur5lib.tables import intact, read_csv, write_text
 from ur5lib.timeseries.metrics import NORMAL95
 
 ERROR_CHANCE = 0.05  # of any false change in a topic; a single interval misses with it, too
@@ -22,7 +23,7 @@ PARAMETER_UNITS = {  # all others have the unit Nm
 }
 WITH_DETERMINED = ["parameters", "friction"]  # tables with a column `determined`
 COMPARED_SEVERITIES = ["stop", "error", "warning"]
-StudyPair = tuple[StudyFiles, StudyFiles]  # before and after
+StudyPair = tuple[Path, Path]  # folders of results before and after
 PAIR_COLUMNS = ("value_a", "value_b", "half_a", "half_b")  # estimates, half of their intervals
 CHANGE_COLUMNS = ["study", "topic", "name", "before", "after", "differs", "changed"]
 
@@ -52,10 +53,9 @@ def compare(before: Path, after: Path) -> list[Comparison]:
     """Return the comparisons of all numbers that two studies have in common; before, after: their
     folders results/<study>.
 
-    Raises InputError where a folder has no results.
+    Raises InputError where a table is missing or damaged.
     """
-    studies = StudyFiles(before), StudyFiles(after)
-    return [comparison for topic in TOPICS.values() for comparison in topic(studies)]
+    return [comparison for topic in TOPICS.values() for comparison in topic((before, after))]
 
 
 def compare_estimates(
@@ -174,13 +174,18 @@ def _both(
     return before.merge(after, on=[*keys], suffixes=("_a", "_b"))
 
 
-def _read(
-    study: StudyFiles, table: str, keys: Sequence[str], numbers: Sequence[str]
-) -> pd.DataFrame:
-    """Return a table. Raises InputError if a column is missing, or a cell has the wrong type."""
-    rows = study.table(table)
-    rows = rows.rename(columns={old: new for new, old in OLDER_NAMES.items()})
-    with intact(study.folder / "tables" / f"{table}.csv"):
+def _read(study: Path, table: str, keys: Sequence[str], numbers: Sequence[str]) -> pd.DataFrame:
+    """Return a table. Raises InputError if it or a column is missing, or a cell has the wrong
+    type.
+    """
+    path = study / "tables" / f"{table}.csv"
+    if not isfile(path):
+        raise InputError(
+            f"{study} has no table {table!r}; `ur5 run` its study, and name the folder "
+            "results/<study>"
+        )
+    rows = read_csv(path).rename(columns={old: new for new, old in OLDER_NAMES.items()})
+    with intact(path):
         for name in [*keys, *numbers, *["determined"] * (table in WITH_DETERMINED)]:
             if name not in rows:
                 raise ValueError(f"it has no column {name}")
