@@ -47,14 +47,12 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "smoothing": BASE | {"records", "signals"},
     "excitation": BASE | {"dynamics", "identification", "records"},
     "records": BASE,
-    # branches
     "stand": BASE | {"records"},
+    "judging": BASE | {"force", "records"},
+    "report": BASE | METHODS - {"signals", "dynamics"} | {"judging", "records", "workspace"},
     # steps join the rooms; jobs know them by their names alone
     "steps": BASE | ROOMS - {"excitation"} | {"judging", "stand", "records", "report", "workspace"},
-    "judging": BASE | {"force", "records"},
     "jobs": {"errors", "records", "report", "robots", "strict", "tables", "workspace"},
-    # readers
-    "report": BASE | METHODS - {"signals", "dynamics"} | {"judging", "records", "workspace"},
     "study": BASE | {"stand", "recordings", "records", "workspace"},
     "chain": BASE | {"identification", "jobs", "records", "study"},
     "finished": BASE | {"chain", "jobs", "records", "study", "workspace"},
@@ -71,6 +69,10 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     | {"commands", "finished", "jobs", "judging", "records"}
     | {"report", "stand", "steps", "study"},
 }
+DESIGN = (PROJECT / "docs" / "design.md").read_text()
+TABLE_OF_FLOORS = DESIGN.partition("| floor | parts of `ur5lib` |")[2].partition("\n\n")[0]
+FLOORS = [re.findall(r"`(\w+)`", row.split("|")[2]) for row in TABLE_OF_FLOORS.splitlines()[2:]]
+HEIGHTS = {part: height for height, floor in enumerate(FLOORS) for part in floor}
 DISTRIBUTIONS = packages_distributions()
 COME_ALONG = {"mujoco-core", "mujoco-studio", "pydantic-core"}  # with what is declared
 MODULES = sorted((PROJECT / "ur5lib").rglob("*.py"))
@@ -180,15 +182,44 @@ def test_what_only_reads_loads_neither_torch_nor_matplotlib(command: str, tmp_pa
 
 
 def part_of(module: str) -> str:
-    """The room or the loose module that a dotted name lies in."""
-    return module.split(".")[1]
+    """The room, the loose module or the package beside that a dotted name lies in."""
+    package, _, rest = module.partition(".")
+    return rest.partition(".")[0] if package == "ur5lib" else package
 
 
 def test_the_parts_are_those_of_the_drawing() -> None:
-    """At most six are loose modules."""
+    """Each on one floor; at most six are loose modules."""
     paths = [path for path in MODULES if path.name != "__init__.py"]
     assert {part_of(name_of(path)) for path in paths} == set(ARROWS)
     assert len([path for path in paths if path.parent == PROJECT / "ur5lib"]) <= 6
+    drawn = [part for floor in FLOORS for part in floor]
+    assert sorted(part for part in drawn if not part.startswith("ur5")) == sorted(ARROWS)
+    assert {*BESIDE} <= {*drawn}  # one that was deleted is still drawn
+
+
+@pytest.mark.parametrize("part", sorted(HEIGHTS))
+def test_nothing_imports_from_a_floor_above_its_own(part: str) -> None:
+    for path in (path for path in EVERY if part_of(name_of(path)) == part):
+        of_ours = {name for name in imports(path) if name.startswith(("ur5lib.", *BESIDE))}
+        above = {name for name in of_ours if HEIGHTS[part_of(name)] > HEIGHTS[part]}
+        assert above == set(), path
+
+
+def test_the_code_of_a_step_ends_at_its_floor() -> None:
+    """A topic's, too: an edit to a command, or to how results are opened, repeats no step."""
+    for step in all_steps():
+        parts = {part_of(name_of(path)) for path in modules_of_step(step)} - {"", "topics"}
+        assert {part for part in parts if HEIGHTS[part] > HEIGHTS["steps"]} == set(), step
+
+
+def test_who_loads_a_module_by_its_name_is_drawn() -> None:
+    """No import upwards hides in a name."""
+    ways = re.compile("import_module|resolve_name|__import__")
+    users = [
+        path.relative_to(PROJECT / "ur5lib") for path in MODULES if ways.search(path.read_text())
+    ]
+    (drawn,) = re.findall(r"^By name, without an import.*?\n\n", DESIGN, re.MULTILINE | re.DOTALL)
+    assert sorted(map(str, users)) == sorted(re.findall(r"`(\S+\.py)`", drawn))
 
 
 def files_of(part: str) -> list[Path]:
@@ -214,7 +245,7 @@ GOES_WITH = re.compile(r"^\| `ur5lib/topics/(\w+)`.*?\|(.*?)\|", re.MULTILINE)
 def goes_with(topic: str) -> set[Path]:
     """The files that docs/design.md tells to delete with a topic: of packages beside, its tests and
     benchmarks."""
-    listed = dict(GOES_WITH.findall((PROJECT / "docs" / "design.md").read_text()))
+    listed = dict(GOES_WITH.findall(DESIGN))
     named = {PROJECT / name for name in re.findall(r"`(.*?)`", listed.get(topic, ""))}
     folders = f"tests/topics/{topic}", f"ur5lib/topics/{topic}", "benchmarks"
     return named.union(*((PROJECT / folder).rglob("*.py") for folder in folders))
