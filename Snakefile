@@ -19,14 +19,15 @@ try:
 except InputError as error:
     raise WorkflowError(str(error))
 
+from ur5lib.jobs.snakemake_inside import given_studies
 from ur5lib.study.loading import read_studies_as_data
 
 min_version("9.0")
-read_studies_as_data(workflow.overwrite_configfiles)
+read_studies_as_data(given_studies(workflow))
 
 # Paths in a study, raw/ and results/ are those of the working folder.
 # A study given by --configfile stands alone: it inherits nothing from config.yaml.
-if not workflow.overwrite_configfiles:
+if not given_studies(workflow):
 
     configfile: "config.yaml"
 

@@ -53,7 +53,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     # steps join the rooms; jobs know them by their names alone
     "steps": BASE | ROOMS - {"excitation"} | {"judging", "stand", "records", "report", "workspace"},
     "jobs": {"errors", "records", "report", "robots", "strict", "tables", "workspace"},
-    "study": BASE | {"stand", "recordings", "records", "workspace"},
+    "study": BASE | {"jobs", "stand", "recordings", "records", "workspace"},
     "chain": BASE | {"identification", "jobs", "records", "study"},
     "finished": BASE | {"chain", "jobs", "records", "study", "workspace"},
     "commands": BASE
@@ -370,6 +370,16 @@ def test_the_motion_is_smoothed_once() -> None:
         and any(name.startswith("ur5lib.smoothing") for name in imports(path))
     }
     assert users == {"align_recording", "compare_accelerations"}
+
+
+def test_one_module_touches_the_inside_of_snakemake() -> None:
+    """What it does not document: of its modules, all but two; in rules, members of `workflow`."""
+    places = "workflow/rules/*.smk", "ur5lib/topics/*/rules.smk", "profiles/*/config.yaml"
+    places += "Snakefile", "workflow/Snakefile", "ur5lib/workspace/templates/Snakefile"
+    rules = [path for place in places for path in PROJECT.glob(place)]
+    inside = re.compile(r"(from|import) snakemake(?!\.(exceptions|utils) import)|\bworkflow\.\w")
+    users = [path.name for path in EVERY + rules if inside.search(path.read_text())]
+    assert users == ["snakemake_inside.py"]
 
 
 def test_no_module_imports_itself_by_way_of_others() -> None:

@@ -248,7 +248,7 @@ import os, signal, threading
 from functools import partial
 from types import SimpleNamespace
 from snakemake.scheduling.job_scheduler import JobScheduler
-from ur5lib.jobs.workers import end_beside_the_schedule
+from ur5lib.jobs.snakemake_inside import end_beside_the_schedule
 scheduler = SimpleNamespace(_lock=threading.Lock(), _open_jobs=threading.Semaphore(0))
 signal.signal(signal.SIGTERM, partial(JobScheduler.exit_gracefully, scheduler))
 end_beside_the_schedule()

@@ -4,7 +4,7 @@ import os
 import tempfile
 from pathlib import Path
 
-from snakemake.common import get_appdirs
+from ur5lib.jobs.snakemake_inside import cache_folder
 
 
 def keep_cache_where_it_can_be_written() -> None:
@@ -12,7 +12,7 @@ def keep_cache_where_it_can_be_written() -> None:
 
     Otherwise it would end in a traceback, as in a container that another user runs.
     """
-    folder = Path(get_appdirs().user_cache_dir)
+    folder = cache_folder()
     try:
         folder.mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=folder).close()

@@ -133,19 +133,6 @@ def end_idle() -> None:
         IDLE.get().end()
 
 
-def end_beside_the_schedule() -> None:
-    """Handle the signal to end (SIGTERM) in a separate thread.
-
-    Snakemake's handler takes the lock of its scheduler. If the interrupted thread has this lock,
-    while it chooses jobs, the handler would wait for it for ever.
-    """
-    handler = signal.getsignal(signal.SIGTERM)
-    if callable(handler):
-        signal.signal(
-            signal.SIGTERM, lambda *given: Thread(target=handler, args=given, daemon=True).start()
-        )
-
-
 def names(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return Snakemake's files or settings by name, as plain strings, numbers and lists."""
     return {name: plain(value) for name, value in values.items()}

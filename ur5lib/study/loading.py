@@ -2,18 +2,17 @@
 
 Snakemake's own reader runs code in a file with the key `__use_yte__`, which no option prevents:
 https://github.com/snakemake/snakemake/pull/2269. It reads the files of `--configfile` before the
-Snakefile, but after the profile. Therefore the profiles call `read_studies_as_data`, which replaces
-Snakemake's reader, here alone.
+Snakefile, but after the profile. Therefore the profiles call `read_studies_as_data`.
 """
 
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from snakemake.common import configfile
 from snakemake.exceptions import WorkflowError
 
 from ur5lib.errors import InputError
+from ur5lib.jobs.snakemake_inside import replace_reader
 
 if TYPE_CHECKING:
     from ur5lib.study.reading import PlainData
@@ -26,11 +25,9 @@ def read_studies_as_data(read_before: Iterable[Path] = ()) -> None:
     read_before: studies that Snakemake itself has already read, if no profile called this. Raises
     WorkflowError where `read_plain` refuses one of them.
     """
-    if configfile._load_configfile is _data:
-        return
-    configfile._load_configfile = _data
-    for path in read_before:
-        _data(path)
+    if replace_reader(_data):
+        for path in read_before:
+            _data(path)
 
 
 def _data(path: str | Path) -> "PlainData":

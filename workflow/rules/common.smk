@@ -10,8 +10,16 @@ from ur5lib.errors import InputError
 from ur5lib.jobs.code import checksum_of_step, in_library
 from ur5lib.jobs.declared import declared, every, is_figure, written_by
 from ur5lib.jobs.page import check_page
+from ur5lib.jobs.snakemake_inside import (
+    end_beside_the_schedule,
+    files_of_rules,
+    is_job_of_cluster,
+    plans_jobs,
+    stop_rescheduling,
+    study_file,
+)
 from ur5lib.jobs.unreadable import unreadable
-from ur5lib.jobs.workers import FAILED, end_beside_the_schedule, run_step
+from ur5lib.jobs.workers import FAILED, run_step
 from ur5lib.robots.description import JOINT_SIZES_FILE, robot_path
 from ur5lib.study.given import FILES, OF_OTHERS, among, design, of_arm, setting
 from ur5lib.study.reading import parse_study, study_text
@@ -22,7 +30,7 @@ from ur5lib.workspace.places import CITATION, PACKAGE, SNAKEFILE
 
 waits = config.pop("wait", False)
 try:
-    STUDY = parse_study(config, str((workflow.overwrite_configfiles or workflow.configfiles)[-1]))
+    STUDY = parse_study(config, study_file(workflow))
     SELECTION = Selection(STUDY)
 except InputError as error:
     raise WorkflowError(f"the study has errors\n{error}")
@@ -88,18 +96,16 @@ PAGE = [path for path in PAGE if path.suffix in (".typ", ".css", ".js", ".LICENS
 # A second run of a study would delete the first one's results: it waits before it plans its jobs.
 turn = []
 try:
-    if workflow.remote_exec:
+    if is_job_of_cluster(workflow):
         turn.append(share_turn(Path(RESULTS)))
-    elif waits and workflow.is_main_process:
+    elif waits and plans_jobs(workflow):
         turn.append(take_turn(Path(RESULTS), wait=True))
 except InputError as error:
     raise WorkflowError(str(error))
 
 
-# Each job's end starts a timer that reschedules all jobs every second, which takes a tenth of a
-# study's time. No option stops it: https://github.com/snakemake/snakemake/pull/3744
 onstart:
-    if workflow.is_main_process and not turn:
+    if plans_jobs(workflow) and not turn:
         try:
             turn.append(take_turn(Path(RESULTS)))
         except InputError as error:
@@ -108,8 +114,7 @@ onstart:
         check_page_if_new()
     except InputError as error:
         raise WorkflowError(str(error))
-    if workflow.local_exec:
-        workflow.scheduler.job_rate_limiter = None
+    stop_rescheduling(workflow)
     end_beside_the_schedule()
 
 
@@ -122,7 +127,7 @@ def check_page_if_new():
     """Typeset the page of an empty study, before any job, if a source is newer than the report."""
     page = Path(f"{RESULTS}/report.html")
     since = page.stat().st_mtime if page.is_file() else 0
-    if workflow.is_main_process and max(path.stat().st_mtime for path in PAGE) > since:
+    if plans_jobs(workflow) and max(path.stat().st_mtime for path in PAGE) > since:
         check_page()
 
 
@@ -327,11 +332,11 @@ def outputs_in(folder, kind="output"):
 
     of = {"{robot}": lambda step: ROBOTS, "{recording}": lambda step: RUNS_FOR.get(step, [])}
     paths = []
-    for step in workflow.rules:
-        for file in getattr(step, kind) or []:
-            path = re.sub(r"\{(\w+),[^}]*\}", r"{\1}", str(file))
+    for step, files in files_of_rules(workflow, kind):
+        for file in files:
+            path = re.sub(r"\{(\w+),[^}]*\}", r"{\1}", file)
             wildcard = next((name for name in of if name in path), None)
-            names = of[wildcard](step.name) if wildcard else [""]
+            names = of[wildcard](step) if wildcard else [""]
             if path.startswith(f"{RESULTS}/{folder}"):
                 paths += [path.replace(wildcard, name) if wildcard else path for name in names]
     return paths
