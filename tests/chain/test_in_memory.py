@@ -295,11 +295,12 @@ def test_a_fit_knows_the_motion_before_its_recordings(
     known = dict[str, list[str]]()
 
     def spied(own: Motion, chain: Sequence[str], motion: Mapping[str, Motion]) -> list[Motion]:
-        known[" ".join(chain)] = [*motion]
+        if chain:
+            known[" ".join(chain)] = [*motion]
         return motions_before(own, chain, motion)
 
-    for user in ("steps.fit_friction", "records.aligned_recording"):
-        monkeypatch.setattr(f"ur5lib.{user}.motions_before", spied)
+    for user in ("fit_friction", "estimate_load", "predict_currents"):
+        monkeypatch.setattr(f"ur5lib.steps.{user}.motions_before", spied)
     after = {"free1": None, "free2": "free1", "pushed": "free2"}
     runs = [
         {"name": name, "format": "rtde-csv", "folder": str(folder), "file": f"{name}.csv"}

@@ -57,7 +57,8 @@ def assembled(
     """Return a step's arguments by name, from functions that read them and from values at hand.
 
     loads: functions that read a parameter (called now) or a field of an `Opened` (called at its
-    first use); known: parameters and fields in memory. Raises InputError for a field without any.
+    first use); known: parameters and fields in memory. Raises InputError for a field without any; of
+    several, all or none may be there.
     """
     own = _annotated(step)
     given = {name: load() for name, load in loads.items() if name in own}
@@ -65,11 +66,11 @@ def assembled(
     for name, kind in own.items():
         if (record := opened(kind)) is not None:
             fields = get_type_hints(record).keys() - own.keys()
-            for field in sorted(fields - {*loads, *known, "name"}):
-                if not hasattr(record, field):
-                    raise InputError(f"nothing is given for `{field}`, which `{name}` declares")
             files = {field: load for field, load in loads.items() if field in fields}
             of_one = {field: value for field, value in known.items() if field in fields}
+            for field in sorted(fields - {*files, *of_one, "name"}):
+                if not hasattr(record, field) and (files or of_one or kind is record):
+                    raise InputError(f"nothing is given for `{field}`, which `{name}` declares")
             given[name] = record(files, **of_one) if kind is record else _each(record, files)
     return given
 

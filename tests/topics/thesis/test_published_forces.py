@@ -66,7 +66,7 @@ class Results:
 
 
 def rebuilt(known: Known) -> FurtherForces:
-    published: FurtherForces = known.run(rebuild_thesis).published
+    published: FurtherForces = known.run(rebuild_thesis).further
     return published
 
 
