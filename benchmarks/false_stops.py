@@ -31,6 +31,7 @@ from ur5lib.checks.findings import load_without_targets, possible_delays, scaled
 from ur5lib.checks.readings import exchanged_order, in_order
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.unchecked import unchecked
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Payload
 from ur5lib.robots.statics import gravity_torque
@@ -41,7 +42,7 @@ SEEDS = 8
 DELAYS, SCALE, UNIT = (0.05, 0.3), 0.6, 1000.0  # s; of one joint's efforts; of all
 DELAY_OF_A_JOINT = 0.1  # s
 TOOL = Payload(mass=2.6, center_of_mass=(0.02, 0.0, 0.08))
-DOUBT = "links in doubt"
+DOUBT = Found.LINKS_IN_DOUBT
 
 
 class Fault(NamedTuple):
@@ -91,11 +92,11 @@ def of_right(log: RightLog) -> Iterator[dict[str, object]]:
     forms += [("links described wrongly", own) for own in wrongly_described(bare(recorded))]
     for name, own in forms:
         stops = stop_signs(own)
-        doubts = [] if stops else [one for one in unchecked(own) if one.finding == DOUBT]
+        doubts = [] if stops else [one for one in unchecked(own) if one.code == DOUBT]
         warned = [] if stops else warnings(own)
         counts = {"logs": 1, "stopped": int(bool(stops)), "warned": int(bool(warned))}
         counts["doubted"] = int(bool(doubts))
-        code = ", ".join(f"{one.code} ({one.detail})" for one in stops or warned)
+        code = ", ".join(f"{one.cause} ({one.detail})" for one in stops or warned)
         yield {"arm": log.arm, "log": log.name, "as": name, **counts, "stop sign or warning": code}
 
 
@@ -117,7 +118,7 @@ def of_faults(log: RightLog) -> Iterator[dict[str, object]]:
 def is_told(fault: Fault, sign: Finding) -> bool:
     """Return whether a finding names a fault and its joints."""
     right = not fault.joints or {*sign.joints} == fault.joints
-    return right and any(word in sign.code for word in fault.words)
+    return right and any(word in (sign.cause or "") for word in fault.words)
 
 
 def moved(own: Checked) -> tuple[str, ...]:

@@ -25,6 +25,7 @@ import numpy as np
 
 from tests.synthetic import write_channel, write_recording
 from ur5lib.recordings.thesis_csv import ROBOT_CHANNELS
+from ur5lib.records.codes import Found
 
 TABLE = ["time", "actual_q", "actual_qd", "actual_current", "target_current", "target_moment"]
 FORCE = ["time", "ft_fx", "ft_fy", "ft_fz", "ft_tx", "ft_ty", "ft_tz"]
@@ -402,16 +403,16 @@ def refused(words: str) -> Expected:
 # there it is another's, or no damage.
 
 SAME = Expected("same")
-TORN, BROKEN = repaired("torn last line"), repaired("damaged lines")
-ABSENT, UNUSABLE = repaired("no sensor"), repaired("unusable sensor")
-IMPOSSIBLE, STRAY = repaired("impossible frames"), repaired("impossible samples")
-MISSING, INCOMPLETE = repaired("missing cells"), repaired("incomplete frames")
+TORN, BROKEN = repaired(Found.TORN_LAST_LINE), repaired(Found.DAMAGED_LINES)
+ABSENT, UNUSABLE = repaired(Found.NO_SENSOR), repaired(Found.UNUSABLE_SENSOR)
+IMPOSSIBLE, STRAY = repaired(Found.IMPOSSIBLE_FRAMES), repaired(Found.IMPOSSIBLE_SAMPLES)
+MISSING, INCOMPLETE = repaired(Found.MISSING_CELLS), repaired(Found.INCOMPLETE_FRAMES)
 NO_ROW = refused("line 1: (no complete row|expected|no column `timestamp`)")
 NO_TEXT = refused("not a text file; save it as plain CSV")
 OTHER_ROWS = refused(r"line [12]: expected \d+ numbers .*\d+ cells")
 OTHER_STEP = refused("step between timestamps is .* s; check that the time")
 IN_OTHER_UNITS = refused(r"_\d exceeds .* in .* of the rows .*; .*correct the file")
-CONTRADICTED = Expected("told", "inconsistent channels")
+CONTRADICTED = Expected("told", Found.INCONSISTENT_CHANNELS)
 DEGREES = 180 / np.pi
 
 Given = tuple[Expected | None, Expected | None, dict[str, Damage]]
@@ -449,13 +450,15 @@ KINDS: list[Given] = [
         "blank lines": lambda text: text.with_line(120, b"\n  \n"),
         "blank lines on top": raw(lambda data: b"\n\n" + data),
     }),
-    (repaired("byte-order mark"), repaired("byte-order mark"), {
+    (repaired(Found.BYTE_ORDER_MARK), repaired(Found.BYTE_ORDER_MARK), {
         "byte-order mark": raw(lambda data: b"\xef\xbb\xbf" + data),
     }),
-    (repaired("decimal commas"), repaired("decimal commas"), {
+    (repaired(Found.DECIMAL_COMMAS), repaired(Found.DECIMAL_COMMAS), {
         "decimal commas, semicolons": decimal_commas(b";"),
     }),
-    (repaired("compressed file"), repaired("compressed file"), {"gzip": raw(gzip.compress)}),
+    (repaired(Found.COMPRESSED_FILE), repaired(Found.COMPRESSED_FILE), {
+        "gzip": raw(gzip.compress),
+    }),
     (refused("is a damaged gzip file; copy it again"), UNUSABLE, {
         "gzip, truncated": raw(lambda data: gzip.compress(data)[:-200]),
         "gzip, garbled": raw(lambda data: gzip.compress(data)[:300] + b"\xff" * 200),
@@ -491,10 +494,10 @@ KINDS: list[Given] = [
         "1_000": spliced(60, lambda row: [*row[:-1], b"1_000"]),
     }),
     # A sensor's clock counts from the first row: when that is lost, it is told and a sample late.
-    (repaired("damaged lines", lost=1), Expected("told", "damaged lines"), {
+    (repaired(Found.DAMAGED_LINES, lost=1), Expected("told", Found.DAMAGED_LINES), {
         "words in the first row": spliced(0, lambda row: [b"lost", *[b"x"] * (len(row) - 2), b"?"]),
     }),
-    (repaired("impossible frames", lost=1), Expected("told", "impossible samples"), {
+    (repaired(Found.IMPOSSIBLE_FRAMES, lost=1), Expected("told", Found.IMPOSSIBLE_SAMPLES), {
         "a first time of 1e300": stamp(0, b"1e300"),
     }),
     (IMPOSSIBLE, STRAY, {
@@ -508,7 +511,7 @@ KINDS: list[Given] = [
         "an infinite row": all_but_time(b"inf", 130),
         "a huge row": all_but_time(b"1e300", 130),
     }),
-    (repaired("missing times"), repaired("missing times"), {
+    (repaired(Found.MISSING_TIMES), repaired(Found.MISSING_TIMES), {
         "a time that is no number": stamp(100, b"nan"),
         "an infinite time": stamp(100, b"inf"),
         "an empty time": stamp(100, b""),
@@ -521,28 +524,30 @@ KINDS: list[Given] = [
         "microseconds": lambda text: text.change(text.names[0], lambda time: 1e6 * time),
         "thousandths": lambda text: text.change(text.names[0], lambda time: 1e-3 * time),
     }),
-    (SAME, repaired("stale copy"), {
+    (SAME, repaired(Found.STALE_COPY), {
         "negative times": lambda text: text.change(text.names[0], lambda time: time - 1e4),
     }),
-    (Expected("told", "clock reset"), repaired("clock reset"), {"clock reset": restart}),
-    (repaired("frames out of order"), repaired("samples out of order"), {
+    (Expected("told", Found.CLOCK_RESET), repaired(Found.CLOCK_RESET), {"clock reset": restart}),
+    (repaired(Found.FRAMES_OUT_OF_ORDER), repaired(Found.SAMPLES_OUT_OF_ORDER), {
         "rows shuffled": select(lambda rows, draw: [rows[k] for k in draw.permutation(len(rows))]),
         "rows reversed": select(lambda rows, _: rows[::-1]),
         "two rows exchanged": select(lambda r, _: [*r[:90], r[91], r[90], *r[92:]]),
         "a row late": select(lambda r, _: [*r[:90], *r[91:130], r[90], *r[130:]]),
     }),
-    (repaired("repeated frames"), repaired("repeated frames"), {
+    (repaired(Found.REPEATED_FRAMES), repaired(Found.REPEATED_FRAMES), {
         "a row repeated": select(lambda rows, _: [*rows[:90], rows[89], *rows[90:]]),
         "a block repeated": select(lambda rows, _: [*rows[:150], *rows[80:150], *rows[150:]]),
         "all rows twice": select(lambda rows, _: [row for row in rows for _ in range(2)]),
     }),
-    (repaired("stale stamps"), Expected("told", "stale stamps"), {"stale stamps": stale(slice(1))}),
-    (repaired("stale data"), None, {"stale data": stale(slice(1, None))}),
-    (repaired("lost frames"), repaired("lost samples"), {
+    (repaired(Found.STALE_STAMPS), Expected("told", Found.STALE_STAMPS), {
+        "stale stamps": stale(slice(1)),
+    }),
+    (repaired(Found.STALE_DATA), None, {"stale data": stale(slice(1, None))}),
+    (repaired(Found.LOST_FRAMES), repaired(Found.LOST_SAMPLES), {
         "rows lost, few": select(lambda rows, _: rows[:100] + rows[104:]),
         "rows lost in turn": select(every_second_pair_lost),
     }),
-    (repaired("split"), repaired("lost samples"), {
+    (repaired(Found.SPLIT), repaired(Found.LOST_SAMPLES), {
         "rows lost, many": select(lambda rows, _: rows[:100] + rows[180:]),
     }),
     (MISSING, MISSING, {
@@ -570,13 +575,13 @@ KINDS: list[Given] = [
     (refused("has no actual_q_3; record"), None, {
         "a misspelt position": headed(lambda head: head.replace(b"actual_q_3", b"actual_q_E")),
     }),
-    (repaired("incomplete channels"), None, {
+    (repaired(Found.INCOMPLETE_CHANNELS), None, {
         "a misspelt current": headed(lambda h: h.replace(b"current_3", b"cu\xffrent_3", 1)),
     }),
     (refused("line 1: no column `timestamp` .*; record"), None, {
         "a misspelt time": headed(lambda head: head.replace(b"timestamp", b"timestanp")),
     }),
-    (repaired("unknown channels"), None, {
+    (repaired(Found.UNKNOWN_CHANNELS), None, {
         "a steering name": lambda text: replace(
             text,
             head=[text.head[0] + text.mark + STEERING.encode()],
@@ -644,10 +649,10 @@ OF_CHANNELS = [k for k in OF_ROBOT if any(c in k for c in CHANNELS) and "misspel
 UNORDERED = ["rows shuffled", "rows reversed", "two rows exchanged", "a row late"]
 OFF = [kind for _, given, group in KINDS if given is STRAY for kind in group if " time " in kind]
 OF_THESIS: dict[str, Expected] = {
-    **dict.fromkeys([*OFF, "a first time of 1e300"], repaired("impossible times")),
+    **dict.fromkeys([*OFF, "a first time of 1e300"], repaired(Found.IMPOSSIBLE_TIMES)),
     **dict.fromkeys(UNORDERED, SAME),
-    **dict.fromkeys(["a row repeated", "all rows twice"], repaired("repeated stamps")),
-    "stale stamps": repaired("repeated stamps"),
+    **dict.fromkeys(["a row repeated", "all rows twice"], repaired(Found.REPEATED_STAMPS)),
+    "stale stamps": repaired(Found.REPEATED_STAMPS),
     "words in the first row": BROKEN,
     "rows lost, few": MISSING,
     "time and position exchanged": OTHER_STEP,
@@ -681,7 +686,7 @@ INERTIAL: dict[str, tuple[Damage, Expected]] = {
     "accelerations in mm/s²": (scale("imu_a", 1000), UNUSABLE),
     "rates in mrad/s": (scale("imu_g", 1000), UNUSABLE),
     "time in seconds": (scale("time", 1e-3), UNUSABLE),
-    "accelerations in g": (scale("imu_a", 1 / 9.8), Expected("told", "no gravity")),
+    "accelerations in g": (scale("imu_a", 1 / 9.8), Expected("told", Found.NO_GRAVITY)),
     "a huge rate": (holes(b"1e300", [50], "imu_gx"), STRAY),
     "a time ten minutes late": (stamp(30, lambda t: t + 6e5), STRAY),
     "text": (spliced(40, lambda _: [b"text"]), BROKEN),
@@ -711,7 +716,7 @@ class Case:
         if self.part == "imu":
             return INERTIAL[self.kind][1]
         if self.part == "stamp":
-            return repaired("stale copy" if "another" in self.kind else "no start stamp")
+            return repaired(Found.STALE_COPY if "another" in self.kind else Found.NO_START_STAMP)
         if self.kind in MISSING_FILES:
             if self.part == "robot":
                 return refused("is missing or cannot be read .*; add the file")

@@ -104,7 +104,7 @@ def damaged_file(data: bytes, draw: random.Random) -> Damaged:
 
 
 def findings(taken: Intake) -> set[tuple[str, int, str]]:
-    return {(f.finding, f.count, f.device) for f in taken.quality.findings}
+    return {(f.code, f.count, f.device) for f in taken.quality.findings}
 
 
 def compare(

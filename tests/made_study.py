@@ -9,6 +9,7 @@ import pandas as pd
 
 from tests import made_tables
 from ur5lib.judging.study import StudyTables
+from ur5lib.records.codes import Found
 from ur5lib.records.pushes import SmallestPush
 from ur5lib.records.verdicts import Verdict
 from ur5lib.report.results import Results
@@ -80,9 +81,9 @@ def state(results: StudyTables, question: str) -> tuple[str | None, str]:
     return first.state, first.reason
 
 
-def finding(severity: str, name: str = "lost frames", count: int = 1, **more: Any) -> dict:
-    row = {"recording": "seen", "device": "robot", "finding": name, "severity": severity}
-    return row | {"count": count, "detail": "why"} | more
+def finding(severity: str, code: Found = Found.LOST_FRAMES, count: int = 1, **more: Any) -> dict:
+    row = {"recording": "seen", "device": "robot", "code": code, "finding": code.words}
+    return row | {"severity": severity, "count": count, "detail": "why"} | more
 
 
 def constant(joint: int, value: float, **more: Any) -> dict[str, Any]:

@@ -15,8 +15,11 @@ import pytest
 from tests.workflow.test_simulated import POINTS
 from ur5lib.commands.verdicts import card_states, lines
 from ur5lib.finished import StudyFiles
+from ur5lib.records.codes import CauseCode, Found
 from ur5lib.records.friction import Friction
+from ur5lib.records.quality import Quality
 from ur5lib.report.summary import last_summary
+from ur5lib.tables import read_record
 
 FINDINGS = [
     {"device": "robot", "finding": "lost frames", "severity": "warning", "count": 2}
@@ -67,7 +70,8 @@ def test_findings_have_their_codes_as_sentences(results: StudyFiles) -> None:
     assert quality.saturated_channels() == ["ft_fx"]
     lost, _, sign = quality.findings
     assert lost.sentence() == "lost frames"
-    assert (sign.joints, sign.kind) == ((2,), "order")
+    assert [lost.code, sign.code] == [Found.LOST_FRAMES, Found.CONTRADICTION]
+    assert (sign.cause, sign.joints, sign.kind) == (CauseCode.EXCHANGED_JOINTS, (2,), "order")
     assert sign.sentence().startswith("exchanged joints")
     assert results.judgement("pushed").findings == quality.findings
 
@@ -81,7 +85,21 @@ def test_what_was_fitted_and_the_account_of_a_sensor_are_read(results: StudyFile
     assert sensor.offset is not None
     np.testing.assert_array_equal(sensor.offset.bias, [0.1] * 6)
     (doubt,) = sensor.findings()
-    assert doubt.finding == "offset"
+    assert doubt.code == Found.OFFSET
+
+
+def test_findings_of_1_0_have_the_codes_of_their_names(tmp_path: Path) -> None:
+    """It wrote the name of a finding, and its cause as `code`; other names are of no use here."""
+    named = {"device": "robot", "severity": "warning", "count": 1, "detail": "so"}
+    names = {"byte-order mark": "", "links in doubt": "missing spring", "of a lab": "its own"}
+    findings = [named | {"finding": name, "code": cause} for name, cause in names.items()]
+    (tmp_path / "quality.json").write_text(json.dumps({"findings": findings}))
+    read = read_record(Quality, tmp_path / "quality.json").findings
+    assert [(one.code, one.cause) for one in read] == [
+        (Found.BYTE_ORDER_MARK, None),
+        (Found.LINKS_IN_DOUBT, CauseCode.MISSING_SPRING),
+        (Found.OTHER, CauseCode.OTHER_REASON),
+    ]
 
 
 def test_a_table_has_the_columns_that_it_had(results: StudyFiles) -> None:
@@ -108,7 +126,7 @@ def test_a_study_that_0_2_built_opens(built: Path, monkeypatch: pytest.MonkeyPat
     assert [study.recording(name).role for name in study.recordings] == ["contact", "fit"]
     assert {len(study.table(name).columns) > 1 for name in study.tables} == {True}
     assert study.summary()["duration [s]"].tolist() == [3.0, 2.0]
-    assert study.quality("moved").findings
+    assert {one.code for one in study.quality("moved").findings} == {Found.NO_SENSOR}
     assert study.arm("ur5").is_ur()
     assert set(study.uses["use"]) <= {"yes", "no"}
 

@@ -340,7 +340,7 @@ def read_record(kind: type[Record], path: str | Path) -> Record:
     Raises InputError if its fields differ, as in results of another version.
     """
     try:
-        return as_record(kind, read_json(path, _with_sentence))
+        return as_record(kind, read_json(path, _as_now))
     except ValidationError as error:
         place = " → ".join(map(str, error.errors()[0]["loc"]))
         raise InputError(
@@ -348,19 +348,24 @@ def read_record(kind: type[Record], path: str | Path) -> Record:
         ) from None
 
 
-def _with_sentence(data: dict[str, Any]) -> dict[str, Any]:
-    """Return one JSON object of a summary; a finding or remark of version 0.2, which had values
-    instead of a sentence, gets its code as the sentence.
+def _as_now(data: dict[str, Any]) -> dict[str, Any]:
+    """Return one JSON object of a summary; a finding up to version 1.0 had its name as `finding`
+    and its cause as `code`, and one of 0.2, or a remark, values instead of a sentence.
     """
     if not data.keys() >= {"code", "values"}:
-        return data
+        return _with_code(data)
     values, sentence = data["values"], data["code"] or data.get("finding", "")
     joints = values.get("joints", [values["joint"]] if "joint" in values else [])
     channels = values.get("names", [values["name"]] if "name" in values else [])
     said = {name: values.get(name) or "" for name in ("kind", "motion")}
-    return (
-        data | said | {"detail": sentence, "text": sentence, "joints": joints, "channels": channels}
-    )
+    named = {"detail": sentence, "text": sentence, "joints": joints, "channels": channels}
+    return _with_code(data | said | named)
+
+
+def _with_code(data: dict[str, Any]) -> dict[str, Any]:
+    if not data.keys() >= {"finding", "severity"}:
+        return data
+    return data | {"code": data["finding"], "cause": data["code"] or None}
 
 
 def as_record(kind: type[Record], data: object) -> Record:

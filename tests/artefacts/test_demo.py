@@ -41,6 +41,7 @@ from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
 from ur5lib.importing.contents import UserStatement
 from ur5lib.importing.files import import_files
+from ur5lib.records.codes import Found
 from ur5lib.records.friction import without_totals
 from ur5lib.records.verdicts import Verdict
 from ur5lib.report.figures.house_style import save
@@ -200,9 +201,9 @@ def test_an_imu_improves_the_joints_accelerations(truth: pd.DataFrame) -> None:
 def test_every_fault_is_found(results: Path) -> None:
     quality = read_csv(results / "tables" / "quality.csv").query("recording == 'every_fault'")
     assert {
-        "damaged lines", "bytes skipped", "torn last line", "stale stamps", "stale data",
-        "lost frames", "stale copy", "saturation",
-    } <= set(quality["finding"])  # fmt: skip
+        Found.DAMAGED_LINES, Found.BYTES_SKIPPED, Found.TORN_LAST_LINE, Found.STALE_STAMPS,
+        Found.STALE_DATA, Found.LOST_FRAMES, Found.STALE_COPY, Found.SATURATION,
+    } <= set(quality["code"])  # fmt: skip
     assert not (quality["severity"] == "error").any()
 
 

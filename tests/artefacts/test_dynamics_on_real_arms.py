@@ -9,6 +9,7 @@ from tests.real_arms import RealStudy
 from ur5lib.commands.check import look_through
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.records.carried import carried
+from ur5lib.records.codes import Found
 from ur5lib.records.signals import Signals
 from ur5lib.study.model import Study
 from ur5lib.study.reading import parse_study
@@ -55,11 +56,11 @@ def test_the_ur5e_s_model_is_its_controller_s(real_ur5e: Study) -> None:
 
 def test_findings_about_the_ur5e_are_true(real_ur5e: Study) -> None:
     found = {
-        recording.name: {one.finding for one in look_through(recording, real_ur5e)[0].findings}
+        recording.name: {one.code for one in look_through(recording, real_ur5e)[0].findings}
         for recording in real_ur5e.recordings
     }
-    frames = {"repeated frames", "stale stamps", "lost frames", "crowded frames"}
-    known = {"unused channels", "wrist sensor"} | frames
-    hardly_moved = {"sign not checked", "unmoved"}  # base, and wrist 2 by 3 mrad
+    frames = {Found.REPEATED_FRAMES, Found.STALE_STAMPS, Found.LOST_FRAMES, Found.CROWDED_FRAMES}
+    known = {Found.UNUSED_CHANNELS, Found.WRIST_SENSOR} | frames
+    hardly_moved = {Found.SIGN_NOT_CHECKED, "unmoved"}  # base, and wrist 2 by 3 mrad
     assert found["moving"] == known | hardly_moved
-    assert found["freedrive"] == known | {"stale data", "silent channel"}
+    assert found["freedrive"] == known | {Found.STALE_DATA, Found.SILENT_CHANNEL}

@@ -35,7 +35,7 @@ def led(common_folder: Path) -> Path:
 def test_its_sensor_beats_its_role(led: Path, recording: str, count: int, largest: int) -> None:
     """An error takes the place of the warning about the same readings."""
     rows = read_csv(led / "tables" / "quality.csv").query("recording == @recording")
-    of_sensor = rows[rows["device"] == "force"].set_index("finding")
+    of_sensor = rows[rows["device"] == "force"].set_index("code")
     assert "contact" not in of_sensor.index
     error = of_sensor.loc["touched"]
     assert (error["severity"], error["count"]) == ("error", count)

@@ -27,7 +27,7 @@ from ur5lib.checks.by_motion import (
 from ur5lib.checks.checked import Checked
 from ur5lib.checks.contacts import FeltContact
 from ur5lib.checks.delays import Delays, delayed_currents
-from ur5lib.checks.doubts import DOUBT, doubts_by_joint
+from ur5lib.checks.doubts import doubts_by_joint
 from ur5lib.checks.findings import (
     contacts_felt,
     contradictions,
@@ -40,6 +40,7 @@ from ur5lib.checks.unchecked import unchecked
 from ur5lib.checks.whole_motion import STRETCHES, Explained, Misfit, WholeMotion
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.records.aligned_recording import AlignedRecording
+from ur5lib.records.codes import CauseCode, Found
 from ur5lib.records.quality import Finding
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
@@ -117,7 +118,7 @@ def test_right_logs_are_not_stopped(ur5e: Robot, sensed: Robot, seed: int) -> No
     for arm in (ur5e, sensed):
         own = log(arm, seed)
         assert signs(own) == []
-        assert DOUBT not in {one.finding for one in unchecked(own)}
+        assert Found.LINKS_IN_DOUBT not in {one.code for one in unchecked(own)}
     assert signs(replace(log(sensed, seed), arm=unknown(sensed))) == []
 
 
@@ -186,7 +187,7 @@ def test_friction_that_reverses_slowly_is_no_delay(ur5e: Robot, seed: int) -> No
     """Over 2 mrad, currents follow a motion of 0.1 rad/s by 20 ms: a warning at most."""
     own = log(ur5e, seed, reversal=2e-3)
     assert signs(own) == []
-    assert {one.finding for one in possible_delays(own)} <= {"possible delay"}
+    assert {one.code for one in possible_delays(own)} <= {Found.POSSIBLE_DELAY}
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -226,14 +227,14 @@ def late(own: Checked, joints: list[int], seconds: float = 0.1) -> Checked:
 def test_one_late_joint_is_told(ur5e: Robot, joint: int) -> None:
     own = log(ur5e)
     found = [*stop_signs(late(own, [joint])), *possible_delays(late(own, [joint]))]
-    assert found[0].code == "late joint"
+    assert found[0].cause == CauseCode.LATE_JOINT
     assert found[0].joints == (joint + 1,)
     assert re.search(r" 0\.(08|10|12) s later", found[0].detail)
 
 
 def test_a_late_log_names_no_joint(ur5e: Robot, sensed: Robot) -> None:
     (sign,) = stop_signs(late(log(ur5e), [*range(6)]))
-    assert sign.code == "late current"
+    assert sign.cause == CauseCode.LATE_CURRENT
     assert possible_delays(log(ur5e)) == possible_delays(log(sensed)) == []
 
 
@@ -251,7 +252,7 @@ def test_a_load_is_told_without_targets(ur5e: Robot, mass: float, told: bool) ->
     load = Payload(mass=mass, center_of_mass=(0.01, 0.0, 0.08))
     own = replace(log(ur5e.carrying(load)), arm=ur5e)
     found = load_without_targets(own)
-    assert [one.finding for one in found] == ["undeclared load"] * told
+    assert [one.code for one in found] == [Found.UNDECLARED_LOAD] * told
     assert load_without_targets(replace(own, fitted=False)) == []
     assert load_without_targets(replace(own, declared=load)) == []
 
@@ -268,7 +269,7 @@ def test_a_small_current_is_told_beside_the_others(ur5e: Robot, joint: int, fact
 
 def doubts(own: Checked) -> list[str]:
     assert signs(own) == []
-    return [said(one) for one in unchecked(own) if one.finding == DOUBT]
+    return [said(one) for one in unchecked(own) if one.code == Found.LINKS_IN_DOUBT]
 
 
 def test_what_a_description_lacks_is_named(ur5e: Robot, sensed: Robot) -> None:
@@ -297,11 +298,18 @@ def test_a_joint_whose_links_are_in_doubt_is_told_before_a_contact(sensed: Robot
 
 
 def test_the_likeliest_doubt_heals_the_description() -> None:
-    codes = ["doubtful links", "doubtful links", "missing load", "missing spring", "missing spring"]
-    found = [Finding("robot", DOUBT, "note", 1, "so", code=code, joints=(2,)) for code in codes]
-    assert {k: one.code for k, one in doubts_by_joint(found).items()} == {2: "missing spring"}
-    assert doubts_by_joint(found[:2])[2].code == "doubtful links"
-    assert doubts_by_joint([Finding("robot", "contact", "note", 1, "so", joints=(2,))]) == {}
+    other, load, spring = (
+        CauseCode.DOUBTFUL_LINKS,
+        CauseCode.MISSING_LOAD,
+        CauseCode.MISSING_SPRING,
+    )
+    found = [
+        Finding("robot", Found.LINKS_IN_DOUBT, "note", 1, "so", cause=cause, joints=(2,))
+        for cause in (other, other, load, spring, spring)
+    ]
+    assert {k: one.cause for k, one in doubts_by_joint(found).items()} == {2: spring}
+    assert doubts_by_joint(found[:2])[2].cause == other
+    assert doubts_by_joint([Finding("robot", Found.CONTACT, "note", 1, "so", joints=(2,))]) == {}
 
 
 def test_a_run_finds_what_a_check_finds(sensed: Robot, tmp_path: Path) -> None:
@@ -316,8 +324,13 @@ def test_a_run_finds_what_a_check_finds(sensed: Robot, tmp_path: Path) -> None:
     known = {"signals": Signals.read(file), "motion": motion_of(time, q, qd)}
     moved = AlignedRecording(role="fit", gravity=None, untouched=None, **known)
     run = compute_torques(moved, sensed, cutoffs).premises
-    names = [one.finding for one in run.contradictions.findings]
-    assert {DOUBT, "unfiltered", "contact not checked", "torques not checked"} <= {*names}
+    names = [one.code for one in run.contradictions.findings]
+    assert {
+        Found.LINKS_IN_DOUBT,
+        "unfiltered",
+        Found.CONTACT_NOT_CHECKED,
+        Found.TORQUES_NOT_CHECKED,
+    } <= {*names}
     assert run.contradictions == contradictions(own, [], False, cutoffs, {})
 
 
@@ -327,8 +340,8 @@ def test_rotors_and_loads_that_cannot_be_are_not_named(ur5e: Robot, sensed: Robo
     """
     model = ur5e.models[ur5e.fullest_model()].model_copy(update={"rotor_inertias": (0.0,) * 6})
     lighter = ur5e.with_model(ur5e.fullest_model(), model)
-    codes = {one.code for one in replace(log(lighter), arm=ur5e).doubted_links}
-    assert codes <= {"surplus rotors"}
+    causes = {one.cause for one in replace(log(lighter), arm=ur5e).doubted_links}
+    assert causes <= {CauseCode.SURPLUS_ROTORS}
     pull = Payload(mass=3.0, center_of_mass=(0.02, 0.0, 0.1))
     lifted = doubts(replace(log(sensed), arm=sensed.carrying(pull)))  # it carries less
     assert not any("declare it as `payload`" in one for one in lifted)
@@ -352,8 +365,8 @@ def test_joints_that_rest_tell_nothing(sensed: Robot) -> None:
         still = still.assign(**named(0 * channel(own.robot, name), name))
     resting = replace(own, robot=still)
     assert signs(resting) == []
-    open_ones = {one.finding for one in unchecked(resting)}
-    assert {"order not checked", "sign not checked", "columns not checked"} <= open_ones
+    open_ones = {one.code for one in unchecked(resting)}
+    assert {Found.ORDER_NOT_CHECKED, Found.SIGN_NOT_CHECKED, Found.COLUMNS_NOT_CHECKED} <= open_ones
 
 
 @pytest.mark.parametrize("seed", [2, 11, 14])

@@ -20,6 +20,7 @@ from ur5lib.checks.contacts import sensed_contacts
 from ur5lib.checks.devices import check_force_sensor, check_imu
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.unchecked import MAX_NAMED, unchecked
+from ur5lib.records.codes import CauseCode, Found
 from ur5lib.records.quality import Finding
 from ur5lib.robots.description import FullScale, load_robot, robot_path
 
@@ -29,7 +30,7 @@ LIMITS = [(-6.3, 6.3)] * 6, [3.2] * 6  # rad, rad/s
 
 
 def found(findings: list[Finding], name: str) -> Finding:
-    (finding,) = [finding for finding in findings if finding.finding == name]
+    (finding,) = [finding for finding in findings if finding.code == name]
     return finding
 
 
@@ -123,7 +124,9 @@ def test_limits_are_each_joints_own() -> None:
     (reported,) = [f for f in check_robot(table, PERIOD, turns, speeds) if f.count == 5]
     assert "(joint 3: up to 6.5 rad)" in said(reported)
     turns[2] = (-6.5, 6.5)  # reached, not exceeded
-    assert not [f for f in check_robot(table, PERIOD, turns, speeds) if f.finding == "joint limits"]
+    assert not [
+        f for f in check_robot(table, PERIOD, turns, speeds) if f.code == Found.JOINT_LIMITS
+    ]
     turns[2] = (-6.4, 9.0)
     (reported,) = [f for f in check_robot(table, PERIOD, turns, speeds) if f.count == 5]
     assert "(joint 3: up to −6.5 rad)" in said(reported)
@@ -133,11 +136,11 @@ def test_limits_are_each_joints_own() -> None:
 def test_counted_angles_leave_their_range_by_more_than_a_twentieth(side: int) -> None:
     """To either side; a controller lets no joint go there."""
     table = moving_robot()
-    for beyond, name in ((0.04, "joint limits"), (0.06, "joints beyond their range")):
+    for beyond, name in ((0.04, Found.JOINT_LIMITS), (0.06, Found.JOINTS_BEYOND_THEIR_RANGE)):
         table.loc[:4, ["actual_q_2", "target_q_2"]] = side * (6.3 + beyond)
         found = [one for one in check_robot(table, PERIOD, *LIMITS, counted=True) if one.count == 5]
         # within the twentieth it is a note, as of angles that no counts make
-        assert [one.finding for one in found if "joint" in one.finding] == [name] * len(found)
+        assert [one.code for one in found if "joint" in one.code] == [name] * len(found)
         assert bool(found)
 
 
@@ -147,7 +150,7 @@ def test_a_force_that_stays_at_its_extreme_is_saturated(count: int, reported: bo
     table = pd.DataFrame({"time": np.arange(100.0), **moving})
     table.loc[: count - 1, "ft_fx"] = -40.0
     findings = check_force_sensor(table)
-    assert [(one.finding, one.count) for one in findings] == [("saturation", 10)] * reported
+    assert [(one.code, one.count) for one in findings] == [("saturation", 10)] * reported
     table.loc[: count + 4, "ft_fz"] = 40.0
     assert [one.count for one in check_force_sensor(table)] == [count + 5]
 
@@ -163,7 +166,7 @@ def test_an_imu_at_its_full_scale_is_saturated() -> None:
     below = table.clip(-49.9, 49.9).assign(imu_gz=table["imu_gz"].clip(-5.2, 5.2))
     assert check_imu(below, scale) == check_imu(table, None) == []
     (one,) = check_imu(table, scale)
-    assert (one.device, one.finding, one.count) == ("imu", "saturation", 11)
+    assert (one.device, one.code, one.count) == ("imu", "saturation", 11)
     assert one.severity == "warning"
     for name in ("imu_ax", "imu_ay", "imu_gz"):
         assert name in said(one)
@@ -178,7 +181,7 @@ def test_an_imu_at_its_full_scale_is_saturated() -> None:
 def test_an_accelerometer_feels_gravity(size: float, reported: bool) -> None:
     still = pd.DataFrame({"time": [0.0, 1.0], "imu_ax": 0.0, "imu_ay": 0.6 * size})
     still["imu_az"] = -0.8 * size
-    assert [one.finding for one in check_imu(still, None)] == ["no gravity"] * reported
+    assert [one.code for one in check_imu(still, None)] == [Found.NO_GRAVITY] * reported
 
 
 def test_an_imu_in_the_place_of_a_force_sensor_is_reported() -> None:
@@ -186,7 +189,7 @@ def test_an_imu_in_the_place_of_a_force_sensor_is_reported() -> None:
     turning = 9.81 * np.column_stack([np.cos(angle), np.sin(angle), 0.1 * np.sin(3 * angle)])
     names = ["ft_fx", "ft_fy", "ft_fz"]
     table = pd.DataFrame(turning, columns=names).assign(time=angle)
-    assert found(check_force_sensor(table), "size of gravity").severity == "warning"
+    assert found(check_force_sensor(table), Found.SIZE_OF_GRAVITY).severity == "warning"
     assert check_force_sensor(table.assign(ft_fx=table["ft_fx"] + 5)) == []
     assert check_force_sensor(table.iloc[:20]) == []  # a tool's weight on an arm at rest
 
@@ -289,8 +292,8 @@ def test_gravity_turns_by_three_newtons_in_an_imu(size: float, reported: bool) -
     angle = np.linspace(0, 2 * np.arcsin(size / 2 / 9.81), 400) - np.arcsin(size / 2 / 9.81)
     force = 9.81 * np.column_stack([np.sin(angle), np.cos(angle), 0 * angle])
     table = pd.DataFrame(force, columns=["ft_fx", "ft_fy", "ft_fz"]).assign(time=angle)
-    found = [one.finding for one in check_force_sensor(table)]
-    assert ("size of gravity" in found) == reported
+    found = [one.code for one in check_force_sensor(table)]
+    assert (Found.SIZE_OF_GRAVITY in found) == reported
 
 
 @pytest.mark.parametrize(
@@ -390,8 +393,8 @@ def test_motion_that_samples_do_not_tell_is_a_stop_sign() -> None:
     for every, stops in ((1, False), (12, False), (125, True)):  # at 125, 10 and 1 Hz
         table = log[::every].reset_index(drop=True).assign(segment=0, interpolated=False)
         checked = Checked(table, load_robot(robot_path("ur5")), None, None, True, cutoff=2.0)
-        codes = [sign.code for sign in stop_signs(checked)]
-        assert ("untold motion" in codes) == stops
+        causes = [sign.cause for sign in stop_signs(checked)]
+        assert (CauseCode.UNTOLD_MOTION in causes) == stops
 
 
 def test_few_other_arms_are_named_that_fit_as_well_and_never_its_own() -> None:
@@ -400,7 +403,7 @@ def test_few_other_arms_are_named_that_fit_as_well_and_never_its_own() -> None:
     own = described.model_copy(update={"name": "mine"})
     log = poor_log(described, 10.0, seed=1).drop(columns=CURRENTS)
     checked = Checked(log.assign(segment=0, interpolated=False), own, None, None, False, cutoff=2.0)
-    told = said(found(unchecked(checked), "arm not checked")).partition("told from ")[2]
+    told = said(found(unchecked(checked), Found.ARM_NOT_CHECKED)).partition("told from ")[2]
     *named, more = told.partition(":")[0].split(" or ")
     assert len(named) == MAX_NAMED
     assert more == f"{len(checked.others) - 1 - MAX_NAMED} more"

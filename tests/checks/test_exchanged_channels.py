@@ -9,6 +9,7 @@ from ur5lib.channels import columns
 from ur5lib.checks.checked import Checked
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.recordings.frames import repair_frames
+from ur5lib.records.codes import CauseCode
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.tables import channel, named
@@ -37,4 +38,4 @@ def test_cells_that_are_missing_have_no_noise(
         )
     table, *_ = repair_frames(frames, None, 0.1, "log.csv")
     signs = stop_signs(Checked(table, load_robot(robot_path("ur5")), None, None, True, cutoff=2.0))
-    assert ("exchanged channels" in [sign.code for sign in signs]) == is_exchanged
+    assert (CauseCode.EXCHANGED_CHANNELS in [sign.cause for sign in signs]) == is_exchanged

@@ -8,8 +8,9 @@ import pandas as pd
 import pytest
 
 from ur5lib.checks.files import findings, name_copies, spare_copies
-from ur5lib.checks.parts_of_runs import PARTS, Ends, as_text
-from ur5lib.records.quality import SAME_RUN, Quality
+from ur5lib.checks.parts_of_runs import Ends, as_text
+from ur5lib.records.codes import Found
+from ur5lib.records.quality import Quality
 from ur5lib.tables import named
 
 STEP = 0.01
@@ -27,8 +28,8 @@ def part(start: int, end: int, shift: float = 0.0, epoch: float | None = None) -
 
 def found_of(parts: dict[str, Quality]) -> pd.DataFrame:
     rows = [
-        {"recording": name, "device": "robot", "finding": one.finding, "severity": one.severity}
-        | {"count": one.count, "detail": one.detail}
+        {"recording": name, "device": "robot", "code": one.code, "finding": one.code.words}
+        | {"severity": one.severity, "count": one.count, "detail": one.detail}
         for name, own in parts.items()
         for one in findings(own)
     ]
@@ -37,7 +38,7 @@ def found_of(parts: dict[str, Quality]) -> pd.DataFrame:
 
 def noted(roles: dict[str, str], **parts: Quality) -> list[str]:
     found = name_copies(found_of(parts), roles)
-    return found.loc[found["finding"] == PARTS, "recording"].tolist()
+    return found.loc[found["code"] == Found.PARTS_OF_ONE_RUN, "recording"].tolist()
 
 
 @pytest.mark.parametrize("role", ["validate", "contact"])
@@ -73,6 +74,6 @@ def test_a_copy_is_left_out_or_a_stop_sign(roles: tuple[str, str]) -> None:
     copy, other = (replace(Quality(), fingerprint=list(range(k, k + 40))) for k in (0, 100))
     quality = found_of({"a": copy, "b": copy, "c": other})
     found = name_copies(quality, held | {"c": "fit"})
-    same = found[found["finding"] == SAME_RUN]
+    same = found[found["code"] == Found.SAME_RUN]
     assert same["recording"].tolist() == ["a", "b"]
     assert {*same["severity"]} == {"warning" if spare_copies(quality, held) else "stop"}

@@ -12,6 +12,7 @@ from tests.synthetic import PERIOD, poor_log
 from ur5lib.channels import columns
 from ur5lib.checks.checked import Checked
 from ur5lib.checks.stop_signs import stop_signs
+from ur5lib.records.codes import Found
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.tables import channel
@@ -58,4 +59,4 @@ def test_sizes_prove_no_opposite_sign(
     run_ur5("import", "run.csv", "--robot", "ur5", "--output", "mine.yaml")
     assert "opposite" not in Path("mine.yaml").read_text()
     assert "without its sign" in Path("mine.yaml").read_text()
-    assert "columns not used" in run_ur5("check", "mine.yaml", "run").line
+    assert Found.COLUMNS_NOT_USED.words in run_ur5("check", "mine.yaml", "run").line

@@ -22,6 +22,7 @@ from ur5lib.checks.unchecked import unchecked
 from ur5lib.errors import InputError
 from ur5lib.recordings.entries import ENTRY
 from ur5lib.recordings.intake import Intake, read_and_repair
+from ur5lib.records.codes import Found
 from ur5lib.robots.description import Robot, load_robot, robot_of, robot_path
 from ur5lib.robots.from_urdf import robot_from_urdf
 
@@ -92,9 +93,11 @@ def test_a_right_log_is_not_doubted(cell: Cell) -> None:
     for part in range(MOTIONS):
         intake = cell.read(right, arm, part)
         assert stop_signs(checked(intake, arm)) == []
-        assert {one.finding for one in intake.quality.findings} == {"no velocities"}
-        open_ones = {one.finding for one in unchecked(checked(intake, arm))}
-        assert open_ones.isdisjoint({"size not checked", "torques not checked", "nothing checked"})
+        assert {one.code for one in intake.quality.findings} == {Found.NO_VELOCITIES}
+        open_ones = {one.code for one in unchecked(checked(intake, arm))}
+        assert open_ones.isdisjoint(
+            {Found.SIZE_NOT_CHECKED, Found.TORQUES_NOT_CHECKED, Found.NOTHING_CHECKED}
+        )
 
 
 @pytest.mark.parametrize("joint", range(1, 7))
@@ -114,7 +117,7 @@ def test_a_torque_of_the_opposite_sign_is_told_by_its_friction(cell: Cell, joint
         else:
             arm = cell.arm()
             of_part = unchecked(checked(cell.read(turned, arm, part), arm))
-            (note,) = (said(one) for one in of_part if one.finding == "sign not checked")
+            (note,) = (said(one) for one in of_part if one.code == Found.SIGN_NOT_CHECKED)
             assert str(joint) in note
     assert told > MOTIONS / 2
 
@@ -128,7 +131,7 @@ def test_a_direct_drive_tells_no_sign(cell: Cell) -> None:
     assert stop_signs(checked(turned, arm)) != []
     assert stop_signs(checked(turned, direct)) == []
     open_ones = unchecked(checked(turned, direct))
-    (note,) = (said(one) for one in open_ones if one.finding == "sign not checked")
+    (note,) = (said(one) for one in open_ones if one.code == Found.SIGN_NOT_CHECKED)
     assert "joints 1, 2, 3, 4, 5, 6 could not" in note
 
 
@@ -161,7 +164,7 @@ def test_exchanged_torques_are_told_by_the_motion_that_they_follow(
             told += "of joints {} and {} are exchanged".format(*pair) in signs[0]
         else:
             open_ones = unchecked(checked(cell.read(exchanged, arm, part), arm))
-            (note,) = (said(one) for one in open_ones if one.finding == "columns not checked")
+            (note,) = (said(one) for one in open_ones if one.code == Found.COLUMNS_NOT_CHECKED)
             assert f"{pair[0]}-{pair[1]}" in note
     assert told > MOTIONS / 2
 
@@ -197,13 +200,13 @@ def test_an_arm_without_a_weight_does_not_tell_the_unit(cell: Cell) -> None:
     arm = cell.arm().model_copy(update={"weight": None})
     intake = cell.read(times(TORQUES, 1e3), arm)
     assert stop_signs(checked(intake, arm)) == []
-    assert "size not checked" in {one.finding for one in unchecked(checked(intake, arm))}
+    assert Found.SIZE_NOT_CHECKED in {one.code for one in unchecked(checked(intake, arm))}
 
 
 def test_joints_counted_from_another_home_leave_their_range(cell: Cell) -> None:
     home = np.array(cell.description["drives"]["home_deg"]) + 180.0
     found = cell.read(right, cell.arm(home_deg=home.tolist())).quality.findings
-    (warning,) = (one for one in found if one.finding == "joints beyond their range")
+    (warning,) = (one for one in found if one.code == Found.JOINTS_BEYOND_THEIR_RANGE)
     assert warning.severity == "warning"
     assert "correct `home_deg`, `directions`" in said(warning)
 

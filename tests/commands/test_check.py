@@ -33,6 +33,7 @@ from ur5lib.commands.console import announced, text_console
 from ur5lib.errors import InputError, Remark, printable
 from ur5lib.records.account import NOTHING, UNKNOWN_NAME, AccountRow
 from ur5lib.records.clocks import SettledClock
+from ur5lib.records.codes import CauseCode, Found
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.judgement import QualityRow
 from ur5lib.records.quality import UNCHECKED, Finding, Log, Quality
@@ -136,19 +137,19 @@ def test_recordings_are_counted_and_few_are_named(some: int, named: str) -> None
     assert concerned(names[:some], names) == named
 
 
-def noted(count: int, **changes: str) -> pd.DataFrame:
+def noted(count: int, code: Found = Found.IRREGULAR_STEPS, **changes: str) -> pd.DataFrame:
     """One finding of some recordings."""
-    finding = {"device": "robot", "finding": "irregular steps", "severity": "note", "place": ""}
-    finding |= changes
+    finding = {"device": "robot", "code": code, "finding": code.words, "place": ""}
+    finding |= {"severity": "note"} | changes
     rows = [{"recording": str(k), "count": k, "detail": "10 ms"} | finding for k in range(count)]
     return pd.DataFrame(rows)
 
 
 def test_a_finding_of_many_recordings_is_one_row() -> None:
-    quality = pd.concat([noted(41), noted(2, finding="lost frames", severity="warning")])
+    quality = pd.concat([noted(41), noted(2, Found.LOST_FRAMES, severity="warning")])
     quality.loc[(quality["severity"] == "warning") & (quality["count"] == 1), "detail"] = "worst"
     lost, steps = by_finding(quality).itertuples()
-    assert (lost.finding, lost.recordings, lost.alike) == ("lost frames", ["1", "0"], False)
+    assert (lost.code, lost.recordings, lost.alike) == (Found.LOST_FRAMES, ["1", "0"], False)
     assert lost.detail == "worst"
     assert (len(steps.recordings), steps.detail, steps.alike) == (41, "10 ms", True)
 
@@ -164,7 +165,7 @@ def test_each_error_keeps_its_reason() -> None:
 
 def test_fourteen_recordings_with_one_note_fill_one_screen() -> None:
     console = text_console(file=(screen := StringIO()), width=80)
-    note = Finding("robot", "irregular steps", "note", 1, "time steps vary by 2 ms")
+    note = Finding("robot", Found.IRREGULAR_STEPS, "note", 1, "time steps vary by 2 ms")
     print_tables(console, {f"run_{k}": Quality(findings=[note]) for k in range(14)}, {})
     assert len(screen.getvalue().splitlines()) < 24
 
@@ -173,9 +174,9 @@ def printed(form: Form) -> str:
     """What is printed of four recordings, in all of which much could not be checked."""
     console = text_console(file=(screen := StringIO()), width=200)
     told = {
-        "clock not checked": "delays of up to 0.50 s could not be noticed",
-        "arm not checked": "`robot: ur5` could not be told from ur5e",
-        "irregular steps": "time steps vary by 2 ms",
+        Found.CLOCK_NOT_CHECKED: "delays of up to 0.50 s could not be noticed",
+        Found.ARM_NOT_CHECKED: "`robot: ur5` could not be told from ur5e",
+        Found.IRREGULAR_STEPS: "time steps vary by 2 ms",
     }
     notes = [Finding("robot", name, "note", 1, detail) for name, detail in told.items()]
     print_tables(console, {f"run_{k}": Quality(findings=notes) for k in range(4)}, {}, form=form)
@@ -215,14 +216,15 @@ def test_columns_that_are_not_used_are_one_line_with_the_riskiest_named() -> Non
 
 def test_the_riskiest_is_known_of_all_that_may_not_be_checked() -> None:
     checks = "".join(path.read_text() for path in (PROJECT / "ur5lib" / "checks").glob("*.py"))
-    assert {*UNCHECKED} == {*re.findall(r'"(\w+ not checked|nothing checked)"', checks)}
+    open_ones = re.findall(r"Found\.(\w+_NOT_CHECKED|NOTHING_CHECKED)", checks)
+    assert {*UNCHECKED} == {Found[name] for name in open_ones}
 
 
 def test_findings_are_json_for_a_program(study: Path, run_ur5: Command) -> None:
     answer = run_ur5("check", study, "--json")
     rows = json.loads(answer.out)
     assert {row["recording"] for row in rows} == {"good", "bad"}
-    assert {"severity", "finding", "detail"} <= {*rows[0]}
+    assert {"severity", "finding", "code", "detail"} <= {*rows[0]}
 
 
 def test_many_damaged_files_fill_one_screen() -> None:
@@ -298,12 +300,12 @@ def test_a_wrong_study_is_named(
     assert words(f"{study} {named}") <= words(result.err)
 
 
-REST = asdict(Remark("other reason", "the arm rests"))
+REST = asdict(Remark(CauseCode.OTHER_REASON, "the arm rests"))
 
 
 def torn_line(file: Path, line: str) -> Finding:
     log = Log(file, "robot", [])
-    log.add("torn last line", "note", 1, "last line is cut off, skipped", line)
+    log.add(Found.TORN_LAST_LINE, "note", 1, "last line is cut off, skipped", line)
     return log.findings[0]
 
 
@@ -329,20 +331,21 @@ def test_copies_and_poor_clocks_are_findings() -> None:
     rows = table(QualityRow, {name: map(files.quality_row, own) for name, own in found.items()})
     grouped = group_findings(name_copies(rows))
     assert {*grouped.loc[grouped["severity"] == "warning", "count"]} == {1}
-    reported = grouped.set_index(["recording", "finding"])["detail"].to_dict()
-    assert reported["one", "torn last line"].startswith("a, line 3; b, line 3: ")
-    assert words("two used here") <= words(reported["one", "same file"])
-    assert words("one not used here") <= words(reported["two", "same file"])
+    reported = grouped.set_index(["recording", "code"])["detail"].to_dict()
+    assert reported["one", Found.TORN_LAST_LINE].startswith("a, line 3; b, line 3: ")
+    assert words("two used here") <= words(reported["one", Found.SAME_FILE])
+    assert words("one not used here") <= words(reported["two", Found.SAME_FILE])
     assert reported["two", "mounting"] == "the arm rests"
     assert reported["two", "offset"].startswith("the arm rests: ")
     assert ("one", "mounting") not in reported
-    assert words("the arm rests 0.1 0.2") <= words(reported["one", "clock by stamps alone"])
-    assert {"0.006", "0.1"} <= words(reported["two", "unknown drift"])
-    assert list(grouped["finding"]).count("unknown drift") == 1
+    assert words("the arm rests 0.1 0.2") <= words(reported["one", Found.CLOCK_BY_STAMPS_ALONE])
+    assert {"0.006", "0.1"} <= words(reported["two", Found.UNKNOWN_DRIFT])
+    assert list(grouped["code"]).count(Found.UNKNOWN_DRIFT) == 1
 
 
 def test_findings_of_two_meanings_keep_both() -> None:
-    finding = {"recording": "one", "device": "robot", "finding": "apart", "severity": "warning"}
+    finding = {"recording": "one", "device": "robot", "severity": "warning"}
+    finding |= {"code": Found.SILENT_CHANNEL, "finding": "apart"}
     details = ["a: b lie apart", "actual_current and target_current lie apart"]
     rows = [finding | {"count": 1, "detail": detail, "place": ""} for detail in details]
     (reported,) = group_findings(pd.DataFrame(rows))["detail"]
@@ -355,8 +358,8 @@ def test_a_long_sentence_keeps_its_start() -> None:
     wrong = f"actual_qd is not the derivative of actual_q ({ratios}); check columns and units"
     names = ", ".join(f"actual_robot_voltage_of_{k}" for k in range(5))
     sentences = [
-        Finding("robot", "inconsistent channels", "warning", 6, wrong),
-        Finding("robot", "unused channels", "note", 5, f"{names}: left out"),
+        Finding("robot", Found.INCONSISTENT_CHANNELS, "warning", 6, wrong),
+        Finding("robot", Found.UNUSED_CHANNELS, "note", 5, f"{names}: left out"),
     ]
     places = [torn_line(Path(f"log_{k}.csv"), "2857") for k in range(9)]
     console = text_console(file=(screen := StringIO()), width=400)

@@ -49,7 +49,7 @@ def broken(run_ur5: Command, study: Path) -> list[str]:
     rows: list[dict[str, Any]] = json.loads(done.out)
     assert done.status == 1
     assert {one["recording"] for one in rows} == {"run"}
-    return [one["detail"] for one in rows if one["finding"] == "contract"]
+    return [one["detail"] for one in rows if one["code"] == "contract"]
 
 
 def test_a_good_recording_keeps_its_own_contract(

@@ -258,7 +258,7 @@ def sensed(contacts: int) -> Sensed:
 def test_contacts_against_the_role_are_an_error(role: str, contacts: int) -> None:
     error = touched(sensed(contacts), role)
     assert error is not None
-    assert (error.device, error.finding, error.severity) == ("force", "touched", "error")
+    assert (error.device, error.code, error.severity) == ("force", "touched", "error")
     assert error.count == contacts
 
 

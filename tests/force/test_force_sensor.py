@@ -22,6 +22,7 @@ from ur5lib.force.sensor import (
 )
 from ur5lib.force.sensor_drift import force_drift, slow_covariance
 from ur5lib.force.trial_contacts import trial_pushes
+from ur5lib.records.codes import CauseCode
 
 PERIOD = 0.01
 GRAVITY = np.array([0, 0, -9.81])
@@ -142,7 +143,7 @@ def off_without_contact(offset: SensorOffset, rotation: np.ndarray) -> float:
 
 def few_free(count: int) -> Remark:
     text = f"only {count} samples are without contact, too few for a reliable bias"
-    return Remark("few free samples", text)
+    return Remark(CauseCode.FEW_FREE_SAMPLES, text)
 
 
 @pytest.mark.parametrize("turning", [0.0, 0.8])
@@ -165,7 +166,7 @@ def test_a_steady_push_is_told_as_a_rival() -> None:
     offset = fit_offset(held(rotation, 0.45, steady=True), GRAVITY @ rotation, PERIOD)
     assert offset.rival == pytest.approx(0.45, abs=0.05)
     shares = f"{offset.agreeing:.0%} of the samples have one bias, {offset.rival:.0%} another"
-    assert offset_doubt(offset) == Remark("two biases", shares)
+    assert offset_doubt(offset) == Remark(CauseCode.TWO_BIASES, shares)
 
 
 @pytest.mark.filterwarnings("ignore:Mean of empty slice", "ignore:invalid value", "ignore:Degrees")
@@ -296,13 +297,13 @@ def test_a_weight_needs_a_turn_by_a_fifth_of_gravity(about: str, std: float, wei
         (0.8, 0.4, 100, None),
         (
             *(0.8, 0.41, 100),
-            Remark("two biases", "80% of the samples have one bias, 41% another"),
+            Remark(CauseCode.TWO_BIASES, "80% of the samples have one bias, 41% another"),
         ),
         (0.5, 0.2, 100, None),
         (
             *(0.49, 0.2, 100),
             Remark(
-                "disputed bias",
+                CauseCode.DISPUTED_BIAS,
                 "only 49% of the samples agree on one bias, the others count as contact",
             ),
         ),

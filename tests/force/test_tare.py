@@ -21,6 +21,7 @@ from ur5lib.force.external_torque import JointState
 from ur5lib.force.problem import fmap_problem
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.tare import tare_doubts, tared
+from ur5lib.records.codes import Found
 from ur5lib.records.currents import Currents
 from ur5lib.records.motion import Motion
 from ur5lib.records.signals import SENSOR_COLUMNS, Signals
@@ -74,7 +75,7 @@ def resting_signals(arm: Robot, moves_at: float = np.inf, **more: Any) -> Signal
 
 
 def doubts(span: tuple[float, float], signals: Signals, arm: Robot) -> list[str]:
-    return [finding.finding for finding in tare_doubts(span, signals, arm, 2.0)]
+    return [finding.code for finding in tare_doubts(span, signals, arm, 2.0)]
 
 
 @pytest.mark.parametrize("span", [(20.0, 21.0), (8.0, 9.0), (0.0, 0.3)])
@@ -102,7 +103,7 @@ def test_a_press_in_the_span_is_told_by_sensor_or_currents(ur5: Robot, channel: 
     """Before, 28 N at its end were taken for zero."""
     noise = 0.05 * np.random.default_rng(2).normal(size=PRESS.shape)
     pressed = resting_signals(ur5, **{channel: 3.0 + PRESS + noise})
-    assert doubts((0.0, 0.8), pressed, ur5) == ["touched tare"]
+    assert doubts((0.0, 0.8), pressed, ur5) == [Found.TOUCHED_TARE]
     assert doubts((0.9, 3.0), pressed, ur5) == []
 
 

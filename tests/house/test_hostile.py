@@ -14,6 +14,7 @@ from tests.conftest import said
 from tests.corpus import rtde
 from tests.stored_files import frame, made_up_channels, write_hdf5
 from ur5lib.errors import InputError, Remark, printable
+from ur5lib.records.codes import CauseCode, Found
 from ur5lib.records.quality import Finding
 from ur5lib.report.stated import Step
 from ur5lib.robots.description import load_robot, read_description, robot_path
@@ -53,9 +54,9 @@ def test_control_characters_become_visible(text: str) -> None:
     for shown in (
         printable(text),
         str(InputError(f"a {text} b")),
-        said(Finding("robot", "torn", "note", 1, text)),
-        Finding("robot", "torn", "note", 1, "", place=text).place,
-        Remark("other reason", text).sentence(),
+        said(Finding("robot", Found.TORN_LAST_LINE, "note", 1, text)),
+        Finding("robot", Found.TORN_LAST_LINE, "note", 1, "", place=text).place,
+        Remark(CauseCode.OTHER_REASON, text).sentence(),
         Step(text).sentence,
     ):
         assert shown.isprintable()

@@ -32,6 +32,7 @@ from ur5lib.identification.validation import (
     explained_share,
     least_squares_coefficients,
 )
+from ur5lib.records.codes import CauseCode, Found
 from ur5lib.records.fits import RemarkRow
 from ur5lib.records.friction import CurrentFit, Friction
 from ur5lib.records.models import Identification
@@ -118,7 +119,10 @@ def test_nothing_is_fitted_to_a_recording_with_a_stop_sign() -> None:
     require_no_stop_sign({"a": Contradictions()})
     with pytest.raises(ContradictionError) as sign:
         require_no_stop_sign(
-            {"a": Contradictions(), "b": Contradictions([contradiction("order", "", "wrong")])}
+            {
+                "a": Contradictions(),
+                "b": Contradictions([contradiction(CauseCode.EXCHANGED_JOINTS, "", "wrong")]),
+            }
         )
     assert sign.value.remark.code == "contradicting recordings"
     assert "(b)" in sign.value.remark.text
@@ -163,7 +167,7 @@ def test_hand_led_currents_are_explained_by_none(records: list[CurrentSamples]) 
 def test_joints_that_other_paths_do_not_bear_out_are_told(fit: CurrentFit) -> None:
     """But for those that did not move, of which that is said already."""
     shares = np.where(np.arange(6) < 4, 0.5, -0.5)
-    rested = replace(fit.joints[5], remarks=(Remark("no motion", "does not move"),))
+    rested = replace(fit.joints[5], remarks=(Remark(CauseCode.NO_MOTION, "does not move"),))
     resting = replace(fit, joints=(*fit.joints[:5], rested))
     told = with_unproven(resting, shares, CURRENT)
     codes = [[one.code for one in own.remarks] for own in told.joints]
@@ -192,10 +196,10 @@ def test_explained_shares_are_those_of_a_constant_and_of_the_truth() -> None:
 
 
 def results(signs: int, stopped: str | None) -> Results:
-    sign = quality_row(contradiction("order", "", WRONG))
+    sign = quality_row(contradiction(CauseCode.EXCHANGED_JOINTS, "", WRONG))
     rows = [{"recording": f"run_{k}"} | vars(sign) for k in range(signs)]
     key, why = ("stopped", stopped) if stopped else ("refused", "too short")
-    friction = record(Friction, {key: asdict(Remark("other reason", why))})
+    friction = record(Friction, {key: asdict(Remark(CauseCode.OTHER_REASON, why))})
     told = remarks(Identification(), friction, Residuals())
     rows_of_arm = table(RemarkRow, {"ur5": told}).to_dict("records")
     return study(quality=rows, remarks=rows_of_arm, sensed=[{"recording": "seen", "contacts": 0}])
@@ -212,7 +216,7 @@ def test_stop_signs_are_reported_first() -> None:
 
 def test_a_repeated_run_is_no_reason_against_forces() -> None:
     copied = results(1, None)
-    copied.tables["quality"]["finding"] = "same run"
+    copied.tables["quality"]["code"] = Found.SAME_RUN
     assert findings(copied)[0] == "Stop sign on “run_0”: another arm."
 
 

@@ -6,9 +6,10 @@ from tests.made_records import motion_of, signals_of
 from tests.made_tables import record, table
 from ur5lib.identification.current_samples import controllers_ratio
 from ur5lib.judging.may_be_used import friction_rows, torque_constants
+from ur5lib.records.codes import Found
 from ur5lib.records.fits import FrictionRow, TorqueConstant
 from ur5lib.records.friction import Friction
-from ur5lib.records.quality import ODD_TARGET, Contradictions, Finding
+from ur5lib.records.quality import Contradictions, Finding
 from ur5lib.robots.description import Robot
 
 
@@ -16,7 +17,7 @@ def test_no_constant_is_taken_from_a_target_that_is_none() -> None:
     time, still = np.arange(9) * 0.008, np.zeros((9, 6))
     targets = {"target_moment": still + 20.0, "target_current": still + 2.0}
     signals, motion = signals_of(time, still, **targets), motion_of(time, still, still)
-    odd = Finding("robot", ODD_TARGET, "warning", 1, "it is odd", joints=(2,))
+    odd = Finding("robot", Found.ODD_TARGET, "warning", 1, "it is odd", joints=(2,))
     contradictions = Contradictions(findings=[odd])
     ratio = controllers_ratio(signals, motion, contradictions.odd_targets())
     assert np.isnan(ratio).tolist() == [False, True, False, False, False, False]

@@ -11,7 +11,6 @@ import pytest
 
 from tests.identification.test_measured_torques import SMOOTH, drawn_run
 from tests.made_records import motion_of, signals_of, torques_of
-from ur5lib.checks.doubts import DOUBT
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import Remark
 from ur5lib.identification.current_regression import beyond_range
@@ -22,6 +21,7 @@ from ur5lib.identification.selection import shows_gain
 from ur5lib.judging.may_be_used import friction_rows
 from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.carried import Carried
+from ur5lib.records.codes import CauseCode, Found
 from ur5lib.records.friction import Friction, Parameter
 from ur5lib.records.premises import Premises
 from ur5lib.records.quality import Contradictions, Finding, Quality
@@ -204,7 +204,15 @@ def test_an_opposite_sign_is_named_with_its_remedy(arm: Robot, turned: Friction)
 
 
 def test_the_cause_that_the_checks_found_is_named(arm: Robot, turned: Friction) -> None:
-    spring = Finding("robot", DOUBT, "note", 1, "so", code="missing spring", joints=(2, 3))
+    spring = Finding(
+        "robot",
+        Found.LINKS_IN_DOUBT,
+        "note",
+        1,
+        "so",
+        cause=CauseCode.MISSING_SPRING,
+        joints=(2, 3),
+    )
     (remark,) = with_causes(turned.fit, {2: spring, 3: spring}, arm).joints[1].remarks
     assert "`balanced_joints: [2]`" in remark.text
     assert "column" not in remark.text

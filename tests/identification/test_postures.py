@@ -24,6 +24,7 @@ from ur5lib.identification.current_samples import ZeroPhaseLowpass, prior_of
 from ur5lib.identification.currents import parameters
 from ur5lib.recordings.entries import ENTRY, Files
 from ur5lib.recordings.postures import read_postures
+from ur5lib.records.codes import Found
 from ur5lib.records.friction import Friction, Parameter
 from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
@@ -257,7 +258,7 @@ def test_right_postures_have_a_note_on_what_was_not_checked(
     for seed in range(4):
         q, current, _ = of_ur(name, rows=rows, seed=seed)
         (found,) = checked(tmp_path, name, q, current)
-        assert (found.finding, found.severity, found.count) == ("postures", "note", rows)
+        assert (found.code, found.severity, found.count) == ("postures", "note", rows)
         shares = dict(re.findall(r"joint (\d): (\d+)%", found.detail))
         assert int(shares["2"]) > 85
         hidden = re.search(r"; joints ([\d, ]+), on which gravity hardly shows", found.detail)
@@ -316,7 +317,7 @@ def test_a_larger_arm_is_doubted_by_its_constants(tmp_path: Path) -> None:
     """Its gravity is alike: the constants alone tell it."""
     q, current, _ = of_ur("ur5", rows=300, seed=3)
     doubts = [one for one in checked(tmp_path, "ur10e", q, current) if one.severity == "warning"]
-    assert [one.finding for one in doubts] == ["torque constants"]
+    assert [one.code for one in doubts] == [Found.TORQUE_CONSTANTS]
 
 
 def held_by_friction(seed: int, constants: Array, part: bool = False) -> tuple[Array, Array]:
@@ -346,7 +347,7 @@ def test_ordinary_static_friction_is_no_reason_to_doubt(
     """A wrist's is as large as what it bears, and the constants known of it differ by 1.8."""
     for seed in range(4):
         (found,) = checked(tmp_path, "ur5", *held_by_friction(seed, published(constants), part))
-        assert (found.finding, found.severity) == ("postures", "note")
+        assert (found.code, found.severity) == ("postures", "note")
 
 
 @pytest.mark.parametrize("joint", [1, 2])
@@ -357,8 +358,8 @@ def test_a_wrong_constant_is_doubted_where_gravity_is_large(
     for seed in range(4):
         wrong = published("newer arms") * np.where(np.arange(6) == joint, factor, 1.0)
         found = checked(tmp_path, "ur5", *held_by_friction(seed, wrong))
-        assert [one.finding for one in found if one.severity != "note"] == [
-            "contradiction" if factor < 1 else "torque constants"
+        assert [one.code for one in found if one.severity != "note"] == [
+            "contradiction" if factor < 1 else Found.TORQUE_CONSTANTS
         ]
 
 

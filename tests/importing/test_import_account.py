@@ -20,6 +20,7 @@ from ur5lib.importing.files import ImportedRecording, import_files
 from ur5lib.importing.motion import agreement
 from ur5lib.recordings.entries import SKIPPED_COLUMN, expand
 from ur5lib.records.account import NOTHING, AccountRow
+from ur5lib.records.codes import Found
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.robots.statics import gravity_torque, link_frames
 from ur5lib.tables import channel
@@ -363,7 +364,7 @@ def test_rows_of_topics_of_their_own_prove_velocities(tmp_path: Path) -> None:
     (one,) = imported(topics, tmp_path)
     assert row_of(one, "/qd_0").confidence == "proven"
     findings = read_and_check(one.entry, ARM, 0.05).quality.findings
-    assert "damaged lines" not in [one.finding for one in findings]  # the header is none
+    assert Found.DAMAGED_LINES not in [one.code for one in findings]  # the header is none
     forces = pd.DataFrame({"time": TIME + 1.1e-3} | columns(force=FORCE))
     warm = pd.DataFrame({"time": TIME + 1.2e-3} | columns(joint_temperatures=FORCE + 30))
     sparse = pd.concat([joints, speeds, forces, warm]).sort_values("time")

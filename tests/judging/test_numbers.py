@@ -22,6 +22,7 @@ from ur5lib.judging.force import judge_force
 from ur5lib.judging.links import judge_links
 from ur5lib.judging.recordings import SEVERITIES, felt_while_fitted, judge_recordings, uses
 from ur5lib.judging.study import StudyTables, read_tables
+from ur5lib.records.codes import Found
 from ur5lib.records.verdicts import FalseAlarms, Verdict
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.steps.judge_study import Judged, judged
@@ -107,9 +108,10 @@ def drawn(random: np.random.Generator) -> dict[str, list[Row]]:
             )
     for name in ROLES:
         for severity in SEVERITIES[1:]:
-            for kind in ("lost frames", "jitter", "jitter"):
-                row = {"recording": name, "device": some("robot", "force"), "finding": kind}
+            for code in (Found.LOST_FRAMES, Found.JITTER, Found.JITTER):
+                row = {"recording": name, "device": some("robot", "force"), "code": code}
                 row |= {"severity": severity, "count": int(number(1, 400)), "detail": "why"}
+                row |= {"finding": code.words}
                 tables["quality"].append(row)
     return {name: [rows[k] for k in random.permutation(len(rows))] for name, rows in tables.items()}
 
@@ -372,7 +374,7 @@ def test_contacts_are_counted_by_their_fate_and_motion(told: Judged) -> None:
 @pytest.mark.parametrize(("doubted", "reason"), [("c1 c2 c3", "sensor_bias"), ("c1 c3", "")])
 def test_contacts_are_doubted_where_every_sensor_is(doubted: str, reason: str) -> None:
     entries = [{"name": name, "robot": "ur5", "role": "contact"} for name in ("c1", "c2", "c3")]
-    offset = {"device": "force", "severity": "warning", "finding": "offset", "count": 1}
+    offset = {"device": "force", "severity": "warning", "code": Found.OFFSET, "count": 1}
     found = tables_of(
         entries,
         recordings=TABLES["recordings"],
@@ -576,7 +578,7 @@ def test_findings_are_counted_once_for_a_recording_and_a_device(told: Judged) ->
     assert [one.rank for one in counted] == [2, 3, 4, 5]
     frames = {row["recording"]: row["frames"] for row in TABLES["recordings"]}
     lost: dict[tuple[str, str], int] = defaultdict(int)
-    for row in rows("quality", severity="error", finding="lost frames"):
+    for row in rows("quality", severity="error", code=Found.LOST_FRAMES):
         lost[row["recording"], row["device"]] += row["count"]
     name, device = max(lost, key=lambda own: lost[own] / frames[own[0]])
     assert (first.recording, first.count, first.of) == (name, lost[name, device], frames[name])
@@ -682,7 +684,7 @@ def test_recordings_that_lost_a_tenth_of_their_frames_are_named_the_worst_first(
 ) -> None:
     frames = {row["recording"]: row["frames"] for row in TABLES["recordings"]}
     lost: dict[str, int] = defaultdict(int)
-    for row in rows("quality", finding="lost frames"):
+    for row in rows("quality", code=Found.LOST_FRAMES):
         lost[row["recording"]] += row["count"]
     shares = {name: lost[name] / frames[name] for name in lost}
     many = [name for name in shares if shares[name] >= 0.1]

@@ -23,12 +23,13 @@ from tests.made_study import (
 from tests.typeset_page import headline_of, page_of, plain, tables_of
 from ur5lib.force.estimators import UNGATED
 from ur5lib.judging.contacts import upper_limit
+from ur5lib.records.codes import Found
 from ur5lib.report.found import findings
 from ur5lib.report.next_steps import next_steps
 from ur5lib.report.results import Results
 from ur5lib.steps.judge_study import judged
 
-TOUCHED = finding("error", "touched", device="force", detail="the sensor reads up to 33 N")
+TOUCHED = finding("error", Found.TOUCHED, device="force", detail="the sensor reads up to 33 N")
 """The finding that a sensor reads contacts on `seen`, whose role is validate."""
 
 

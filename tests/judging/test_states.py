@@ -27,6 +27,7 @@ from tests.made_study import (
 from ur5lib.force.estimators import UNGATED
 from ur5lib.judging import limits
 from ur5lib.judging.errors import Conditions, severest, state_of
+from ur5lib.records.codes import Found
 from ur5lib.records.verdicts import REASONS, Reason, State
 from ur5lib.report.results import Results
 from ur5lib.steps.judge_study import judged
@@ -151,18 +152,18 @@ def test_loads_that_agree_are_counted_where_the_currents_determine_one() -> None
 def test_the_most_serious_finding_decides_and_the_largest_share_is_named() -> None:
     states = {"note": "good", "warning": "usable", "error": "usable", "stop": "do not use"}
     for severity, expected in states.items():
-        rows = [finding("note", "jitter"), finding(severity, "contradiction")]
+        rows = [finding("note", Found.JITTER), finding(severity, Found.CONTRADICTION)]
         assert state(study(quality=rows), "recordings")[0] == expected
     rows = [finding("warning", count=86), finding("warning", count=250, recording="fitted")]
     first, stops, warnings, notes = verdicts_of(
-        study(quality=[*rows, finding("warning", "jitter"), finding("note")]), "recordings"
+        study(quality=[*rows, finding("warning", Found.JITTER), finding("note")]), "recordings"
     )
     assert (first.recording, first.count, first.of) == ("fitted", 250, 1000)
     assert (stops.count, warnings.count, notes.count) == (0, 3, 1)
 
 
 def test_a_finding_in_several_places_of_a_recording_is_one() -> None:
-    places = [finding("note", "columns not used", place=place) for place in ("a", "b", "c")]
+    places = [finding("note", Found.COLUMNS_NOT_USED, place=place) for place in ("a", "b", "c")]
     results = study(quality=[*places, places[0] | {"recording": "fitted"}])
     assert verdicts_of(results, "recordings")[-1].count == 2
 
@@ -205,7 +206,7 @@ def test_why_links_are_not_judged() -> None:
     unknown = replace(found, placeholders=frozenset({"ur5"}))
     (row,) = verdicts_of(unknown, "links")
     assert (row.reason, row.count, row.of) == ("unknown_links", 1, 1)
-    load = finding("warning", "given load", detail="it contains 0.40 kg")
+    load = finding("warning", Found.GIVEN_LOAD, detail="it contains 0.40 kg")
     loaded = study(torque_mae=torques({"A": 0.05}), quality=[load])
     assert state(loaded, "links") == ("usable", "loaded")
 
@@ -298,7 +299,7 @@ def test_errors_of_currents_are_also_torques() -> None:
 def test_a_force_is_good_only_in_every_respect(rows: list[dict], expected: tuple[str, str]) -> None:
     searched = [{"recording": "pushed", "estimate": "Fmap"}]
     assert state(study(force_mae=rows, detection=searched), "force") == expected
-    stopped = study(force_mae=rows, quality=[finding("stop", "contradiction")])
+    stopped = study(force_mae=rows, quality=[finding("stop", Found.CONTRADICTION)])
     assert state(stopped, "force") == ("do not use", "stopped")
 
 

@@ -9,6 +9,7 @@ import pytest
 from ur5lib.errors import InputError
 from ur5lib.recordings.bunched_stamps import evenly_stamped
 from ur5lib.recordings.frames import repair_frames
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Finding
 from ur5lib.tables import channel, named
 from ur5lib.timeseries.arrays import Array
@@ -32,7 +33,7 @@ def rows(time: Array, kept: Array | None = None) -> pd.DataFrame:
 
 def repaired(frames: pd.DataFrame) -> tuple[pd.DataFrame, float, dict[str, int]]:
     table, timing, findings = repair_frames(frames, None, 0.1, "run.csv")
-    return table, timing.period, {one.finding: one.count for one in findings}
+    return table, timing.period, {one.code: one.count for one in findings}
 
 
 BUNCHED: dict[str, Callable[[Array], Array]] = {
@@ -52,8 +53,8 @@ def test_every_row_is_kept_at_an_equal_step(kind: str) -> None:
     table, period, findings = repaired(frames)
     assert period == STEP
     np.testing.assert_array_equal(channel(table, "actual_q"), q)
-    assert findings.keys() == {"bunched stamps"}
-    assert findings["bunched stamps"] > COUNT / 2
+    assert findings.keys() == {Found.BUNCHED_STAMPS}
+    assert findings[Found.BUNCHED_STAMPS] > COUNT / 2
 
 
 @pytest.mark.parametrize("lost", [slice(700, 900), slice(1190, 2400)])
@@ -64,7 +65,7 @@ def test_a_pause_between_bunches_stays(lost: slice) -> None:
     assert (period, len(table)) == (STEP, len(kept))
     assert table["segment"].max() == 1
     missing = lost.stop - lost.start
-    assert findings["lost frames"] == pytest.approx(missing, abs=1 / STEP)
+    assert findings[Found.LOST_FRAMES] == pytest.approx(missing, abs=1 / STEP)
 
 
 def unchanged(frames: pd.DataFrame) -> bool:
@@ -85,7 +86,7 @@ def test_rows_with_times_of_their_own_stay() -> None:
 def test_rows_that_a_recorder_polls_are_dropped_as_before() -> None:
     polled = np.repeat(np.arange(COUNT), 4)
     assert unchanged(rows(TIME[polled], polled))
-    assert repaired(rows(TIME[polled], polled))[2] == {"repeated frames": 3 * COUNT}
+    assert repaired(rows(TIME[polled], polled))[2] == {Found.REPEATED_FRAMES: 3 * COUNT}
 
 
 def test_rows_of_other_topics_have_no_positions() -> None:

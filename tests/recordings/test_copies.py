@@ -14,6 +14,7 @@ from tests.synthetic import poor_log
 from ur5lib.channels import columns
 from ur5lib.checks.files import name_copies
 from ur5lib.recordings.copies import MAX_ROWS_KEPT, MIN_ROWS_COMPARED, fingerprint
+from ur5lib.records.codes import Found
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.judgement import Judgement
 from ur5lib.records.quality import Finding
@@ -106,9 +107,9 @@ def test_copies_of_which_neither_is_to_spare_are_a_stop_sign(
 def findings(**runs: int) -> pd.DataFrame:
     """The rows of recordings of which those of one number are one run."""
     rows = [
-        {"recording": name, "device": "robot", "finding": "same run", "severity": "note"}
+        {"recording": name, "device": "robot", "code": Found.SAME_RUN, "severity": "note"}
         | {"count": 0, "detail": " ".join(str(100 * run + k) for k in range(MIN_ROWS_COMPARED))}
-        | {"place": ""}
+        | {"place": "", "finding": Found.SAME_RUN.words}
         for name, run in runs.items()
     ]
     return pd.DataFrame(rows)
@@ -120,7 +121,7 @@ def test_a_spare_copy_is_left_out_and_costs_nothing_else(ur5: Robot) -> None:
     roles = {"fit": "fit", "pushed": "contact"}
     roles |= dict.fromkeys(("seen", "again", "third", "seen_fit"), "validate")
     judgements = {
-        row.recording: Judgement(findings=[Finding("robot", "same run", "note", 0, row.detail)])
+        row.recording: Judgement(findings=[Finding("robot", Found.SAME_RUN, "note", 0, row.detail)])
         for row in quality.itertuples()
     }
     sensed = dict.fromkeys(judgements, record(Compared, {"sensed": {"contacts": 1}}))

@@ -18,6 +18,7 @@ from ur5lib.commands.check import print_tables, unusable
 from ur5lib.commands.console import text_console
 from ur5lib.errors import InputError
 from ur5lib.recordings.intake import Intake
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Device, Quality
 from ur5lib.robots.description import Robot
 
@@ -97,7 +98,10 @@ def wholes(undamaged: list[Base], ur5: Robot) -> dict[str, Intake]:
 
 def test_the_undamaged_ones_are_read_without_complaint(wholes: dict[str, Intake]) -> None:
     for base, whole in wholes.items():
-        assert {name for name, _, _ in findings(whole)} <= {"no sensor", "irregular steps"}, base
+        assert {name for name, _, _ in findings(whole)} <= {
+            Found.NO_SENSOR,
+            Found.IRREGULAR_STEPS,
+        }, base
 
 
 def test_every_damaged_recording_gets_an_honest_answer(
@@ -148,7 +152,7 @@ def fault_of_print(case: Case, quality: Quality) -> str | None:
     printed = screen.getvalue()
     if not printed.replace("\n", "").isprintable():
         return f"prints control characters: {printed!r}"
-    wanted = {finding.finding for finding in quality.findings}
+    wanted = {finding.code.words for finding in quality.findings}
     wanted |= {"[/x][red]:x:"} if "steering" in case.kind else set()
     left_out = {text for text in wanted if text not in printed}
     errors = sum(finding.severity == "error" for finding in quality.findings)

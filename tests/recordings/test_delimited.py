@@ -11,6 +11,7 @@ from tests.command import time_limit
 from tests.conftest import said
 from ur5lib.recordings import text_blocks
 from ur5lib.recordings.delimited import TextTable, read_numbers
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Finding, Log
 
 
@@ -117,7 +118,7 @@ def test_lists_in_cells_are_columns(
     assert [*table] == expected
     assert table.iloc[-1].tolist() == pytest.approx([5.9, 0.5, -0.0015, 2.0, 59.0])
     assert len(table) == 60
-    assert [one.finding for one in findings] in ([], ["decimal commas"])
+    assert [one.code for one in findings] in ([], [Found.DECIMAL_COMMAS])
 
 
 def test_lists_of_different_lengths_are_damaged_lines(tmp_path: Path) -> None:
@@ -174,7 +175,7 @@ def test_a_table_with_a_row_a_joint_is_turned(
         table = read_numbers(Log(path, "robot", findings), names)
     assert table.shape == (12_000, 18)
     np.testing.assert_allclose(table.iloc[:, -1], rows.iloc[-1])
-    assert "turned table" in [finding.finding for finding in findings]
+    assert Found.TURNED_TABLE in [finding.code for finding in findings]
     assert both_lines(path)[0][-1] == ("q17" if labelled else f"{rows.iloc[-1, 0]!s}")
 
 
@@ -203,8 +204,8 @@ def test_an_empty_file_is_one_empty_block(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "plain", "finding"),
     [
-        (gzip.compress(b"1,2\n", mtime=0), b"1,2\n", "compressed file"),
-        (b"\xef\xbb\xbf1,2\n", b"1,2\n", "byte-order mark"),
+        (gzip.compress(b"1,2\n", mtime=0), b"1,2\n", Found.COMPRESSED_FILE),
+        (b"\xef\xbb\xbf1,2\n", b"1,2\n", Found.BYTE_ORDER_MARK),
         (b'"1","2"\r\n3,4\r', b"1,2\n3,4\n", None),
         (b"[1, 2], (3e-1)\n[4, 5], (6)\n", b"1, 2, 3e-1\n4, 5, 6\n", None),
         (b"q[0],q(1)\n1,2\n", b"q[0],q(1)\n1,2\n", None),  # names
@@ -214,7 +215,7 @@ def test_an_empty_file_is_one_empty_block(tmp_path: Path) -> None:
 def test_text_is_plain(tmp_path: Path, content: bytes, plain: bytes, finding: str | None) -> None:
     found, findings = blocks(tmp_path / "some.csv", content)
     assert found == [plain]
-    assert [(one.finding, one.severity, one.count) for one in findings] == (
+    assert [(one.code, one.severity, one.count) for one in findings] == (
         [(finding, "note", 1)] if finding else []
     )
 

@@ -15,6 +15,7 @@ from ur5lib.channels import columns
 from ur5lib.errors import InputError
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.ordering import in_order
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Finding
 from ur5lib.timeseries.sampling import interpolated
 
@@ -39,7 +40,7 @@ def repair(
     table: pd.DataFrame, max_gap: float = 0.1, cycle: float | None = CYCLE
 ) -> tuple[pd.DataFrame, dict[str, Finding]]:
     repaired, _, findings = repair_frames(table.copy(), cycle, max_gap, "run.csv")
-    return repaired, {finding.finding: finding for finding in findings}
+    return repaired, {finding.code: finding for finding in findings}
 
 
 def without_flags(table: pd.DataFrame) -> pd.DataFrame:
@@ -60,7 +61,7 @@ def test_the_cycle_is_found_where_it_is_not_reported(cycle: float) -> None:
     slots = sorted({*range(0, 100), *range(103, 400)} - {17, 203, 204})
     repaired, findings = repair(frames(slots, cycle), cycle=None)
     np.testing.assert_allclose(np.diff(repaired["time"]), cycle)
-    assert set(findings) == {"lost frames"}
+    assert set(findings) == {Found.LOST_FRAMES}
 
 
 lost_slots = st.sets(st.integers(1, COUNT - 2), max_size=70)
@@ -103,9 +104,9 @@ def test_order_and_repeats_do_not_matter(order: list[int], repeated: list[int]) 
     clean = ordered()
     mixed, findings = repair(frames([*order, *repeated]))
     pd.testing.assert_frame_equal(mixed, clean)
-    assert ("repeated frames" in findings) == bool(repeated)
+    assert (Found.REPEATED_FRAMES in findings) == bool(repeated)
     if repeated:
-        assert findings["repeated frames"].count == len(repeated)
+        assert findings[Found.REPEATED_FRAMES].count == len(repeated)
 
 
 def test_two_frames_are_a_recording() -> None:
@@ -119,7 +120,7 @@ def test_new_data_under_an_old_stamp_go_to_the_next_slot() -> None:
     stale = frames()
     stale.loc[30, "time"] = stale.loc[29, "time"]
     repaired, findings = repair(stale)
-    assert findings["stale stamps"].count == 1
+    assert findings[Found.STALE_STAMPS].count == 1
     assert list(in_order(stale, []).index) == [*range(COUNT)]
     np.testing.assert_allclose(repaired["actual_current_0"], frames()["actual_current_0"])
 
@@ -129,7 +130,7 @@ def test_old_data_under_a_new_stamp_are_a_lost_frame() -> None:
     channels = stale.columns.drop("time")
     stale.loc[30, channels] = stale.loc[29, channels]
     repaired, findings = repair(stale)
-    assert findings["stale data"].count == 1
+    assert findings[Found.STALE_DATA].count == 1
     assert list(in_order(stale, [])) == [*stale, "epoch"]
     assert list(repaired.index[repaired["interpolated"]]) == [30]
     assert repaired["actual_q_0"][30] == pytest.approx(frames()["actual_q_0"][30], rel=1e-3)
@@ -141,7 +142,7 @@ def test_data_of_a_lost_frame_return_to_their_own_time() -> None:
     channels = late.columns.drop("time")
     late.loc[100, channels] = late.loc[99, channels]
     repaired, findings = repair(late.drop(index=99))
-    assert findings["late data"].count == 1
+    assert findings[Found.LATE_DATA].count == 1
     assert list(repaired.index[repaired["interpolated"]]) == [100]
     np.testing.assert_allclose(repaired["actual_current_0"][99], frames()["actual_current_0"][99])
     assert repaired["actual_q_0"][100] == pytest.approx(frames()["actual_q_0"][100], rel=1e-4)
@@ -159,7 +160,7 @@ def test_a_reset_clock_splits_the_recording() -> None:
     """And its time goes on, as all that follows needs it."""
     twice = pd.concat([frames(range(60, 120)), frames(range(70))], ignore_index=True)
     repaired, findings = repair(twice)
-    assert findings["clock reset"].count == 1
+    assert findings[Found.CLOCK_RESET].count == 1
     np.testing.assert_allclose(repaired["time"], 0.05 + CYCLE * np.arange(60, 190))
     assert repaired["segment"].tolist() == [0] * 60 + [1] * 70
     np.testing.assert_array_equal(repaired["actual_current_0"], twice["actual_current_0"])
@@ -169,7 +170,7 @@ def test_missing_cells_are_filled_and_flagged_by_channel() -> None:
     holes = frames()
     holes.loc[50:52, "actual_q_3"] = np.nan
     repaired, findings = repair(holes)
-    assert findings["missing cells"].count == 3
+    assert findings[Found.MISSING_CELLS].count == 3
     assert repaired.index[repaired["filled_actual_q"]].tolist() == [50, 51, 52]
     assert "filled_actual_current" not in repaired
     np.testing.assert_array_equal(repaired["actual_current_3"], frames()["actual_current_3"])
@@ -182,7 +183,7 @@ def test_steps_that_fit_no_cycle_are_interpolated_in_time() -> None:
     time = np.cumsum(steps)
     table = pd.DataFrame({"time": time, **{f"actual_q_{j}": 0.1 * time**2 for j in range(6)}})
     repaired, findings = repair(table, cycle=None)
-    assert list(findings) == ["irregular steps"]
+    assert list(findings) == [Found.IRREGULAR_STEPS]
     np.testing.assert_allclose(np.diff(repaired["time"]), 0.010)
     np.testing.assert_allclose(repaired["actual_q_0"], 0.1 * repaired["time"] ** 2, atol=1e-5)
     assert not repaired["interpolated"].any()
@@ -210,8 +211,8 @@ def test_each_frame_out_of_order_is_counted(swaps: int) -> None:
     findings: list[Finding] = []
     frames = pd.DataFrame({"time": 0.008 * place, "actual_q_0": np.sin(place)})
     ordered = in_order(frames, findings)
-    assert [(one.finding, one.count) for one in findings] == [
-        ("frames out of order", swaps) for _ in range(min(swaps, 1))
+    assert [(one.code, one.count) for one in findings] == [
+        (Found.FRAMES_OUT_OF_ORDER, swaps) for _ in range(min(swaps, 1))
     ]
     np.testing.assert_array_equal(ordered["actual_q_0"], np.sin(np.arange(200)))
     assert list(ordered.index) == [*range(200)]
@@ -231,17 +232,20 @@ def test_a_gap_is_as_long_as_what_is_missing(lost: int, filled: bool, whole: boo
     assert repaired["interpolated"].sum() == (lost if filled else 0)
     assert len(repaired) == COUNT - (0 if filled else lost)
     if whole:
-        assert findings["lost frames"].count == lost
-        assert list(findings) == ["lost frames"] + ["split"] * (not filled)
+        assert findings[Found.LOST_FRAMES].count == lost
+        assert list(findings) == [Found.LOST_FRAMES] + ["split"] * (not filled)
     else:
-        assert list(findings) == ["missing cells", *["split", "incomplete frames"] * (not filled)]
+        assert list(findings) == [
+            Found.MISSING_CELLS,
+            *["split", Found.INCOMPLETE_FRAMES] * (not filled),
+        ]
 
 
 def test_the_pattern_of_lost_frames_is_reported() -> None:
     """The three most frequent steps, the longest, and what was interpolated."""
     kept = sorted({*range(COUNT)} - {10, 20, 30, 31, 40, 41, 42, 50, 51, 52, 53})
     _, findings = repair(frames(kept), max_gap=0.025)
-    assert said(findings["lost frames"]) == (
+    assert said(findings[Found.LOST_FRAMES]) == (
         "most frequent steps: 103 of 8 ms, 2 of 16 ms, 1 of 24 ms; longest 40 ms; 7 interpolated"
     )
 
@@ -273,7 +277,7 @@ def test_a_cycle_is_fixed_if_nearly_all_steps_are_whole_ones(
     assert timing.regular == (regular or not counts)
     assert timing.period == CYCLE
     assert timing.longest_step == pytest.approx((1 + off) * CYCLE)
-    assert ("irregular steps" in {one.finding for one in findings}) != timing.regular
+    assert (Found.IRREGULAR_STEPS in {one.code for one in findings}) != timing.regular
 
 
 def test_a_channel_that_ends_early_takes_its_frames_along() -> None:
@@ -281,19 +285,19 @@ def test_a_channel_that_ends_early_takes_its_frames_along() -> None:
     short.loc[110:, "actual_current_2"] = np.nan
     repaired, findings = repair(short)
     assert len(repaired) == 110
-    assert findings["incomplete frames"].count == 10
+    assert findings[Found.INCOMPLETE_FRAMES].count == 10
     late = frames()
     late.loc[:4, "actual_current_2"] = np.nan
     repaired, findings = repair(late)
     assert repaired["time"].iloc[0] == pytest.approx(0.05 + 5 * CYCLE)
-    assert findings["incomplete frames"].count == 5
+    assert findings[Found.INCOMPLETE_FRAMES].count == 5
 
 
 def test_of_frames_in_one_slot_the_first_is_kept() -> None:
     crowded = frames()
     crowded.loc[31:, "time"] -= 0.6 * CYCLE  # a step of 0.4 cycles, then on by whole ones
     repaired, findings = repair(crowded)
-    assert findings["crowded frames"].count == 1
+    assert findings[Found.CROWDED_FRAMES].count == 1
     assert len(repaired) == COUNT - 1
     currents = frames()["actual_current_0"].drop(31)
     np.testing.assert_array_equal(repaired["actual_current_0"], currents)
@@ -303,8 +307,10 @@ def test_channels_that_are_not_whole_are_ignored_by_name() -> None:
     lacking = frames().drop(columns="actual_qd_5").assign(actual_current_1=np.nan)
     repaired, findings = repair(lacking)
     assert not [name for name in repaired if name.startswith(("actual_qd", "actual_current"))]
-    assert findings["incomplete channels"].count == 2
-    assert said(findings["incomplete channels"]).startswith("actual_qd, actual_current: columns")
+    assert findings[Found.INCOMPLETE_CHANNELS].count == 2
+    assert said(findings[Found.INCOMPLETE_CHANNELS]).startswith(
+        "actual_qd, actual_current: columns"
+    )
 
 
 def test_positions_are_interpolated_in_shape_and_other_channels_by_lines() -> None:
@@ -329,7 +335,7 @@ def test_noise_that_repeats_once_in_a_while_is_stale_only_if_currents_are_noisy(
         columns = table.columns.drop("time")
         table.loc[500, columns] = table.loc[499, columns]
         findings = repair(table)[1]
-        assert ("stale data" in findings) == stale
+        assert (Found.STALE_DATA in findings) == stale
 
 
 def irregular(lost: range) -> pd.DataFrame:
@@ -350,10 +356,10 @@ def test_among_irregular_steps_what_is_further_than_one_from_any_frame_is_filled
     filled = repaired.get("filled_actual_q", pd.Series(False, repaired.index))
     np.testing.assert_array_equal(filled, far)
     assert repaired["interpolated"].sum() > far.sum() == lost - 1
-    assert findings["missing cells"].count == 5
-    assert ("lost frames" in findings) == far.any()
+    assert findings[Found.MISSING_CELLS].count == 5
+    assert (Found.LOST_FRAMES in findings) == far.any()
     if far.any():
-        assert findings["lost frames"].count == far.sum()
+        assert findings[Found.LOST_FRAMES].count == far.sum()
     np.testing.assert_allclose(repaired["actual_current_2"], 0.1 * repaired["time"], atol=1e-9)
 
 
@@ -369,7 +375,7 @@ def test_of_a_part_that_lacks_a_channel_only_what_lies_between_its_cells_is_kept
     on = CYCLE * 120  # by which the time goes on after the reset
     expected = [*frames(range(60, 120))["time"], *(on + frames()["time"].iloc[[*kept]])]
     np.testing.assert_allclose(repaired["time"], expected)
-    assert findings["incomplete frames"].count == 70 - len(kept)
+    assert findings[Found.INCOMPLETE_FRAMES].count == 70 - len(kept)
     assert repaired["interpolated"].sum() == max(len(known) - 1, 0)
     own = np.array(expected) - on * (np.arange(len(expected)) >= 60)
     np.testing.assert_allclose(repaired["actual_q_2"], 0.1 * own**2, atol=1e-5)
@@ -385,7 +391,7 @@ def test_channels_may_have_rates_of_their_own(of: str) -> None:
     assert timing.period == (0.006 if of == "actual_q" else 0.002)
     assert len(repaired) == (200 if of == "actual_q" else 598)  # to the last sample of all
     assert not repaired["interpolated"].any()
-    assert ("slow channels" in {one.finding for one in findings}) == (of != "actual_q")
+    assert (Found.SLOW_CHANNELS in {one.code for one in findings}) == (of != "actual_q")
     rows = table.dropna()
     at_samples = repaired.set_index(repaired["time"].round(6)).loc[rows["time"].round(6)]
     np.testing.assert_allclose(at_samples[slow], rows[slow], atol=1e-12)
@@ -415,7 +421,7 @@ def test_jitter_is_that_of_the_median_step_and_of_one_in_a_hundred() -> None:
     assert timing.period == CYCLE
     assert timing.jitter_median == pytest.approx(0.0, abs=1e-9)
     assert timing.jitter_99 == pytest.approx(2e-4)
-    assert [one.finding for one in findings] == ["jitter"]
+    assert [one.code for one in findings] == ["jitter"]
 
 
 def test_the_cycle_is_a_tenth_of_a_millisecond_exact() -> None:
@@ -436,7 +442,7 @@ def test_a_stale_stamp_does_not_hide_that_the_clock_was_reset() -> None:
     slots = [*range(20), 19, *range(21, 60), *range(60)]
     stale = frames(slots).assign(actual_current_0=0.1 * np.arange(120))
     repaired, findings = repair(stale)
-    assert (findings["clock reset"].count, findings["stale stamps"].count) == (1, 1)
+    assert (findings[Found.CLOCK_RESET].count, findings[Found.STALE_STAMPS].count) == (1, 1)
     np.testing.assert_array_equal(repaired["actual_current_0"], 0.1 * np.arange(120))
 
 
@@ -451,8 +457,8 @@ def test_what_a_faster_recorder_polls_again_is_dropped(rate: int, beside: dict[s
     repaired, findings = repair(written, cycle=None)
     expected, _ = repair(frames(np.unique(slots)))
     pd.testing.assert_frame_equal(repaired[[*expected]], expected)
-    assert findings["repeated frames"].count == len(slots) - len(np.unique(slots))
-    assert findings.keys() == {"repeated frames", "lost frames"}
+    assert findings[Found.REPEATED_FRAMES].count == len(slots) - len(np.unique(slots))
+    assert findings.keys() == {Found.REPEATED_FRAMES, Found.LOST_FRAMES}
 
 
 def test_time_goes_on_after_every_reset() -> None:
@@ -467,7 +473,7 @@ def test_what_a_reset_clock_shows_again_is_no_repeat() -> None:
     second.loc[5:, "actual_current_0"] += 1.0
     both = pd.concat([first, second], ignore_index=True)
     repaired, findings = repair(both)
-    assert list(findings) == ["clock reset", "split"]
+    assert list(findings) == [Found.CLOCK_RESET, "split"]
     np.testing.assert_array_equal(repaired["actual_current_0"], both["actual_current_0"])
 
 
@@ -500,7 +506,7 @@ def test_late_data_are_those_of_one_frame_of_an_arm_that_moves(
     shown = np.arange(COUNT, dtype=float)
     shown[rows] -= late
     findings = repair(uniform(travel, shown, lost=59))[1]
-    assert [findings[one].count for one in findings if one == "late data"] == [1] * returned
+    assert [findings[one].count for one in findings if one == Found.LATE_DATA] == [1] * returned
 
 
 @pytest.mark.parametrize(("count", "returned"), [(62, True), (61, False)])
@@ -509,7 +515,7 @@ def test_the_last_frame_has_none_after_it_to_tell_whether_it_is_late(
 ) -> None:
     shown = np.arange(count, dtype=float)
     shown[60] -= 1.0
-    assert ("late data" in repair(uniform(3e-3, shown, lost=59))[1]) == returned
+    assert (Found.LATE_DATA in repair(uniform(3e-3, shown, lost=59))[1]) == returned
 
 
 def test_stale_data_are_told_by_any_current_that_is_noisy() -> None:
@@ -519,4 +525,4 @@ def test_stale_data_are_told_by_any_current_that_is_noisy() -> None:
         table[f"actual_current_{joint}"] *= 0.01 if joint < 5 else 0.0
     columns = table.columns.drop("time")
     table.loc[50, columns] = table.loc[49, columns]
-    assert repair(table)[1]["stale data"].count == 1
+    assert repair(table)[1][Found.STALE_DATA].count == 1

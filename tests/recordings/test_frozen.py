@@ -11,6 +11,7 @@ from tests.entries import read_and_check
 from tests.synthetic import PERIOD, poor_log
 from ur5lib.channels import columns
 from ur5lib.recordings.frames import repair_frames
+from ur5lib.records.codes import Found
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.tables import channel
 
@@ -30,7 +31,7 @@ def log() -> pd.DataFrame:
 def repaired(log: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
     """The table, and what is said of its frozen channels."""
     table, _, findings = repair_frames(log.copy(), 0.008, 0.1, "log.csv")
-    return table, [said(one) for one in findings if one.finding == "frozen channel"]
+    return table, [said(one) for one in findings if one.code == Found.FROZEN_CHANNEL]
 
 
 @pytest.mark.parametrize("column", ["actual_current_1", "actual_q_4"])
@@ -66,8 +67,8 @@ def test_a_force_that_is_zero_from_some_moment_on_ends_there(
     log.rename(columns={"time": "timestamp"}).to_csv(tmp_path / "run.csv", index=False)
     entry = {"name": "run", "robot": "ur5", "format": "rtde-csv", "folder": str(tmp_path)}
     intake = read_and_check(entry | {"file": "run.csv"}, load_robot(robot_path("ur5")), 0.1)
-    codes = [one.finding for one in intake.quality.findings]
-    assert ("frozen channel" in codes) == (seconds > 1)
+    codes = [one.code for one in intake.quality.findings]
+    assert (Found.FROZEN_CHANNEL in codes) == (seconds > 1)
     if seconds > 1:
         assert intake.sensors["force"]["time"].max() == pytest.approx(30 - seconds, abs=0.1)
     assert len(intake.robot) == len(log)

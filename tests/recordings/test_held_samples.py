@@ -13,6 +13,7 @@ from ur5lib.force.sensor import fit_offset
 from ur5lib.recordings.held_samples import fresh_samples
 from ur5lib.recordings.intake import Intake
 from ur5lib.recordings.sensors import FORCE_CHANNELS
+from ur5lib.records.codes import Found
 from ur5lib.robots.description import Robot
 from ur5lib.tables import named
 
@@ -89,10 +90,10 @@ def check(intake: Intake) -> None:
     assert len(sensor) == len(sent(SLOW))
     np.testing.assert_allclose(np.diff(sensor["time"]), 1 / SLOW, atol=1 / ROWS)
     assert not [name for name in intake.robot if name.startswith("ft_")]
-    found = {one.finding: one for one in intake.quality.findings if one.device == "force"}
-    assert found["held samples"].count == len(TIME) - len(sensor)
-    assert "measures at 6 Hz" in said(found["held samples"])
-    assert found.keys() <= {"held samples", "assumed frame"}
+    found = {one.code: one for one in intake.quality.findings if one.device == "force"}
+    assert found[Found.HELD_SAMPLES].count == len(TIME) - len(sensor)
+    assert "measures at 6 Hz" in said(found[Found.HELD_SAMPLES])
+    assert found.keys() <= {Found.HELD_SAMPLES, Found.ASSUMED_FRAME}
 
 
 @pytest.mark.parametrize("place", ["beside", "own", "stored"])

@@ -16,6 +16,7 @@ from tests.entries import read_recording
 from ur5lib.recordings.host_clock import least_delayed, without_delays
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.records.clocks import OwnClock
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Finding
 from ur5lib.signals.clock import HOST_METHOD, clock_from_stamps, settle_clocks
 from ur5lib.signals.device_clock import device_clock
@@ -62,7 +63,7 @@ def test_after_the_robots_clock_restarts_no_sample_is_placed(entry: dict[str, An
     assert on_robot.max() == pytest.approx(reset, abs=0.01)
     true = record.table["ft_fx"].to_numpy() * (1 + ROBOT_DRIFT)
     assert np.abs(on_robot - true).max() < 0.001
-    assert [(one.device, one.finding) for one in findings] == [("force", "clock reset")]
+    assert [(one.device, one.code) for one in findings] == [("force", Found.CLOCK_RESET)]
     assert findings[0].count + len(record.table) == len(raw.sensors["force"].table)
 
 
@@ -102,7 +103,7 @@ def test_without_stamps_of_the_robot_a_sensor_cannot_be_placed(entry: dict[str, 
     pd.read_csv(path).drop(columns="host_time").to_csv(path, index=False)
     findings: list[Any] = []
     assert place_sensors(read_recording(entry), findings) == {}
-    assert findings[0].finding == "no start stamp"
+    assert findings[0].code == Found.NO_START_STAMP
 
 
 def keep_rows(path: Path, first: int, last: int) -> None:
@@ -117,7 +118,7 @@ def missing(entry: dict[str, Any]) -> list[tuple[str, str]]:
     findings: list[Finding] = []
     raw = read_recording(entry)
     place_sensors(raw, findings)
-    found = [one for one in raw.findings + findings if one.finding == "part missing"]
+    found = [one for one in raw.findings + findings if one.code == Found.PART_MISSING]
     assert {one.severity for one in found} <= {"warning"}
     return [(one.device, said(one)) for one in found]
 

@@ -16,6 +16,7 @@ from ur5lib.checks.checked import Checked
 from ur5lib.checks.unchecked import unchecked
 from ur5lib.recordings.entries import ENTRY
 from ur5lib.recordings.intake import Intake, read_and_repair
+from ur5lib.records.codes import Found
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot, load_robot, robot_of, robot_path
 from ur5lib.tables import channel, named, unit
@@ -57,7 +58,7 @@ def test_torques_have_their_own_name_and_unit(names: tuple[str, ...], tmp_path: 
     columns = [name for name in pq.read_schema(tmp_path / "signals.parquet").names if "_0" in name]
     assert columns == ["actual_q_0", "actual_torque_0"]
     assert unit("actual_torque_0") == "Nm"
-    noted = [one for one in found.quality.findings if one.finding == "torques by another name"]
+    noted = [one for one in found.quality.findings if one.code == Found.TORQUES_BY_ANOTHER_NAME]
     assert len(noted) == (names[0] != "actual_torque")
 
 
@@ -82,7 +83,7 @@ def test_torques_of_motors_with_currents_are_currents(tmp_path: Path) -> None:
 def test_what_is_missing_is_called_by_its_name(tmp_path: Path) -> None:
     arm = sensing(7)
     notes = unchecked(Checked(read(tmp_path, arm).robot, arm, None, None, True, cutoff=2.0))
-    (missing,) = (one for one in notes if one.finding == "no currents")
+    (missing,) = (one for one in notes if one.code == Found.NO_CURRENTS)
     assert "no actual_torque" in said(missing)
     assert "current" not in said(missing)
 

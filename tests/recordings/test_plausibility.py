@@ -16,6 +16,7 @@ from ur5lib.recordings.plausibility import (
     first_time,
     stray_times,
 )
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Finding
 
 POSSIBLE = {  # what a channel may hold, and what it may not [SI]
@@ -49,8 +50,8 @@ def test_what_no_arm_can_do_is_discarded(channel: str, sign: int) -> None:
     kept = drop_implausible(table, "run.csv", "robot", findings)
     assert len(kept) == 98
     assert kept[channel].abs().max() == POSSIBLE[channel][0]
-    ((finding, count, detail),) = ((one.finding, one.count, said(one)) for one in findings)
-    assert (finding, count) == ("impossible frames", 2)
+    ((finding, count, detail),) = ((one.code, one.count, said(one)) for one in findings)
+    assert (finding, count) == (Found.IMPOSSIBLE_FRAMES, 2)
     assert detail.startswith("first in row 61:")
 
 
@@ -180,7 +181,7 @@ def test_each_restart_is_counted_and_nothing_else() -> None:
     time = 0.008 * np.tile(np.arange(80), 3)
     findings: list[Finding] = []
     ordered = in_order(pd.DataFrame({"time": time, "actual_q_0": np.arange(240.0)}), findings)
-    assert [(one.finding, one.count) for one in findings] == [("clock reset", 2)]
+    assert [(one.code, one.count) for one in findings] == [(Found.CLOCK_RESET, 2)]
     np.testing.assert_array_equal(ordered["epoch"], np.repeat([0, 1, 2], 80))
 
 

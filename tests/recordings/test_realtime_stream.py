@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from tests.conftest import said
 from ur5lib.errors import InputError
 from ur5lib.recordings.realtime_stream import read_stream
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Finding
 
 SIZE = 756
@@ -93,7 +94,7 @@ def received_of(
 
 
 def named(findings: list[Finding]) -> dict[str, Finding]:
-    return {finding.finding: finding for finding in findings}
+    return {finding.code: finding for finding in findings}
 
 
 @settings(derandomize=True, max_examples=60)
@@ -196,7 +197,7 @@ def test_every_frame_split_in_other_blocks(capture: Path, monkeypatch: pytest.Mo
     chunks = [piece for part in parts for piece in chunked(part, range(500, len(part), 500))]
     frame, findings = read_stream(write(capture, chunks))
     assert len(received_of(frame, sent)) >= 400 - 13 * 3
-    assert "bytes skipped" in named(findings)
+    assert Found.BYTES_SKIPPED in named(findings)
 
 
 def test_a_constant_size_word_in_every_message(capture: Path) -> None:
@@ -227,8 +228,8 @@ def test_begins_and_ends_within_messages(capture: Path) -> None:
     sent = messages(5)
     frame, findings = read_stream(write(capture, [b"".join(sent)[100:-200]]))
     assert received_of(frame, sent) == [1, 2, 3]
-    assert [(f.finding, f.severity, f.count) for f in findings] == [
-        ("incomplete message", "note", 2)
+    assert [(f.code, f.severity, f.count) for f in findings] == [
+        (Found.INCOMPLETE_MESSAGE, "note", 2)
     ]
 
 
@@ -258,10 +259,10 @@ def test_damaged_lines(capture: Path, line: bytes) -> None:
     frame, findings = read_stream(capture)
     assert received_of(frame, sent) == [0, 1, 4, 5]
     assert frame["received"].tolist() == [0.5, 1.5, 5.5, 6.5]
-    damaged = named(findings)["damaged lines"]
+    damaged = named(findings)[Found.DAMAGED_LINES]
     assert (damaged.severity, damaged.count) == ("warning", 2)
     assert said(damaged).endswith("the first is line 6")
-    assert named(findings)["bytes skipped"].count == SIZE
+    assert named(findings)[Found.BYTES_SKIPPED].count == SIZE
 
 
 def test_two_layouts_in_one_capture(capture: Path) -> None:
@@ -269,7 +270,7 @@ def test_two_layouts_in_one_capture(capture: Path) -> None:
     sent, others = messages(6), messages(3, size=1108, start=70.0)
     frame, findings = read_stream(write(capture, [*others, *sent]))
     assert received_of(frame, sent) == list(range(6))
-    finding = named(findings)["other layouts"]
+    finding = named(findings)[Found.OTHER_LAYOUTS]
     assert (finding.severity, finding.count) == ("warning", 3)
     assert "1108" in said(finding)
 

@@ -24,6 +24,7 @@ from ur5lib.recordings.recording import DeviceRecord, RawRecording
 from ur5lib.recordings.sensors import FORCE_CHANNELS, FORCES
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.recordings.thesis_csv import ROBOT_CHANNELS
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.realtime_message import fields
@@ -46,7 +47,7 @@ def read(folder: Path) -> RawRecording:
 
 
 def found(findings: list[Finding], name: str) -> Finding:
-    (finding,) = [finding for finding in findings if finding.finding == name]
+    (finding,) = [finding for finding in findings if finding.code == name]
     return finding
 
 
@@ -142,7 +143,7 @@ def test_channels_of_unequal_length_share_their_frames(recording: Path) -> None:
     path = recording / "csv_files" / "log_m_target.csv"
     path.write_text("".join(path.read_text().splitlines(keepends=True)[:100]))
     raw = read(recording)
-    assert found(raw.findings, "channels of unequal length").count == 25
+    assert found(raw.findings, Found.CHANNELS_OF_UNEQUAL_LENGTH).count == 25
     assert raw.robot.table["time"].iloc[-1] == pytest.approx(99 * PERIOD)
 
 
@@ -365,7 +366,7 @@ def test_whatever_ends_a_line_its_fault_is_reported(tmp_path: Path, row: str) ->
             assert raw.robot.table["time"].tolist()[20:] == pytest.approx([0.5] * 3)
         else:
             (damaged,) = raw.findings
-            assert (damaged.finding, damaged.count) == ("damaged lines", 3)
+            assert (damaged.code, damaged.count) == (Found.DAMAGED_LINES, 3)
             assert len(raw.robot.table) == 20
 
 
@@ -405,15 +406,21 @@ def test_a_capture_of_the_port_is_taken_in(tmp_path: Path, ur5: Robot) -> None:
 
 
 THESIS_FINDINGS = {  # beside torn last lines and unequal lengths: DATA.md, defects
-    "Movement_No1": {"no sensor", "lost frames", "jitter"},
-    "Movement_No2": {"no sensor", "lost frames", "jitter"},
-    "Movement_No3_Acc": {"no sensor", "lost frames", "jitter", "no start stamp", "joint limits"},
-    "Movement_No4_Acc": {"no sensor", "joint limits"},
-    "Movement_No10_Standstill_ForceSensor_All": {"stale copy"},
-    "Movement_No10_Standstill_ForceSensor_Fx": {"stale copy"},
-    "Movement_No9_Singularity_Free_ForceSensor": {"stale copy"},
+    "Movement_No1": {Found.NO_SENSOR, Found.LOST_FRAMES, "jitter"},
+    "Movement_No2": {Found.NO_SENSOR, Found.LOST_FRAMES, "jitter"},
+    "Movement_No3_Acc": {
+        Found.NO_SENSOR,
+        Found.LOST_FRAMES,
+        "jitter",
+        Found.NO_START_STAMP,
+        Found.JOINT_LIMITS,
+    },
+    "Movement_No4_Acc": {Found.NO_SENSOR, Found.JOINT_LIMITS},
+    "Movement_No10_Standstill_ForceSensor_All": {Found.STALE_COPY},
+    "Movement_No10_Standstill_ForceSensor_Fx": {Found.STALE_COPY},
+    "Movement_No9_Singularity_Free_ForceSensor": {Found.STALE_COPY},
 }
-CUT = {"torn last line", "channels of unequal length"}
+CUT = {Found.TORN_LAST_LINE, Found.CHANNELS_OF_UNEQUAL_LENGTH}
 
 
 def intake(entry: dict, arm: Robot) -> Intake:
@@ -423,9 +430,9 @@ def intake(entry: dict, arm: Robot) -> Intake:
 def test_every_defect_of_the_thesis_is_found_and_no_other(thesis_data: Path, ur5: Robot) -> None:
     for folder in sorted(path for path in thesis_data.iterdir() if path.is_dir()):
         taken = intake({"format": "thesis-csv", "folder": str(folder)}, ur5)
-        names = {finding.finding for finding in taken.quality.findings}
-        assert names - CUT == THESIS_FINDINGS.get(folder.name, {"no sensor"}), folder.name
-        torn = [said(f) for f in taken.quality.findings if f.finding == "torn last line"]
+        names = {finding.code for finding in taken.quality.findings}
+        assert names - CUT == THESIS_FINDINGS.get(folder.name, {Found.NO_SENSOR}), folder.name
+        torn = [said(f) for f in taken.quality.findings if f.code == Found.TORN_LAST_LINE]
         ragged = {
             path.name
             for path in (folder / "csv_files").glob("log_*.csv")
@@ -449,7 +456,7 @@ def test_the_pattern_of_lost_frames_is_counted(
     )
     taken = intake({"format": "thesis-csv", "folder": str(folder)}, ur5)
     steps = np.diff(stamps[: taken.quality.rows])
-    (lost,) = [f for f in taken.quality.findings if f.finding == "lost frames"]
+    (lost,) = [f for f in taken.quality.findings if f.code == Found.LOST_FRAMES]
     assert f"{short} of 8 ms, {long} of 24 ms" in said(lost)
     assert lost.count == 2 * long
     assert (np.sum(steps <= 0.016), np.sum(steps > 0.016)) == (short, long)  # counted here
@@ -461,12 +468,12 @@ def test_every_log_of_the_ur10e_goes_through(ur10e_data: Path, real_ur10e: RealS
     assert {*real_ur10e.entries} <= logs  # the folder has more of them than the study uses
     for name, entry in real_ur10e.entries.items():
         taken = intake(entry, arm)
-        names = {finding.finding for finding in taken.quality.findings}
-        assert "irregular steps" in names
-        damaged = {"torn last line", "impossible frames", "split"}
+        names = {finding.code for finding in taken.quality.findings}
+        assert Found.IRREGULAR_STEPS in names
+        damaged = {Found.TORN_LAST_LINE, Found.IMPOSSIBLE_FRAMES, "split"}
         assert names & damaged == (damaged if "15harm" in name else set()), name
-        assert ("lost frames" in names) == name.endswith("-unload")  # one step of 30 ms
-        assert "inconsistent channels" not in names
+        assert (Found.LOST_FRAMES in names) == name.endswith("-unload")  # one step of 30 ms
+        assert Found.INCONSISTENT_CHANNELS not in names
         assert abs(taken.quality.duration_s / (0.0106 * taken.quality.rows) - 1) < 0.05
 
 
@@ -490,26 +497,26 @@ def test_channels_that_nothing_uses_are_told_from_unknown_ones(tmp_path: Path, u
     names = ["output_int_register_12", "standard_analog_input0", "output_bit_registers0_to_31"]
     names += ["i_actual_0", "actual_curent_0", "actual_qdd_0"]
     quality = intake(table_of(dict.fromkeys(names, 0.0), tmp_path), ur5).quality
-    found = {one.finding: one for one in quality.findings}
-    assert found["unused channels"].count == 3
-    assert said(found["unknown channels"]).startswith("i_actual_0, actual_qdd_0: ")
-    assert "actual_current is meant" in said(found["misspelt channels"])
+    found = {one.code: one for one in quality.findings}
+    assert found[Found.UNUSED_CHANNELS].count == 3
+    assert said(found[Found.UNKNOWN_CHANNELS]).startswith("i_actual_0, actual_qdd_0: ")
+    assert "actual_current is meant" in said(found[Found.MISSPELT_CHANNELS])
 
 
 @pytest.mark.parametrize(
     ("columns", "finding"),
     [
-        (FORCE_CHANNELS, "assumed frame"),
-        ([f"ft_{k}" for k in range(6)], "unused wrench"),
-        (FORCE_CHANNELS[:3], "no moments"),
-        (FORCE_CHANNELS[:4], "unused wrench"),
-        (FORCE_CHANNELS[1:], "unused wrench"),
+        (FORCE_CHANNELS, Found.ASSUMED_FRAME),
+        ([f"ft_{k}" for k in range(6)], Found.UNUSED_WRENCH),
+        (FORCE_CHANNELS[:3], Found.NO_MOMENTS),
+        (FORCE_CHANNELS[:4], Found.UNUSED_WRENCH),
+        (FORCE_CHANNELS[1:], Found.UNUSED_WRENCH),
     ],
 )
 def test_a_wrench_in_the_robot_s_file_is_used_or_reported(
     tmp_path: Path, ur5: Robot, columns: list[str], finding: str
 ) -> None:
     taken = intake(table_of(dict.fromkeys(columns, 1.0), tmp_path), ur5)
-    assert finding in {one.finding for one in taken.quality.findings}
+    assert finding in {one.code for one in taken.quality.findings}
     assert ("ft_fx" in taken.robot) == ({*FORCES} <= {*columns})
     assert ("ft_tx" in taken.robot) == ({*FORCE_CHANNELS} <= {*columns})

@@ -14,6 +14,7 @@ from ur5lib.recordings.intake import with_wrist_sensor
 from ur5lib.recordings.recording import Stamp
 from ur5lib.recordings.sensors import FORCE_CHANNELS, first_number, read_device
 from ur5lib.recordings.starts import robot_coverage, sensor_coverage
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Finding, Log
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.robots.statics import link_frames
@@ -34,7 +35,7 @@ def read(path: Path) -> tuple[np.ndarray | None, dict[str, Finding]]:
     findings: list[Finding] = []
     samples = read_device(Log(path, "force", findings), NAMES)
     time = None if samples is None else samples.table["time"].to_numpy()
-    return time, {one.finding: one for one in findings}
+    return time, {one.code: one for one in findings}
 
 
 @pytest.mark.parametrize(("steps", "reported"), [(3.9, False), (4.1, True)])
@@ -44,10 +45,10 @@ def test_a_single_gap_is_told_from_four_steps_on(
     time = 0.01 * np.arange(1000.0)
     time[500:] += 0.01 * (steps - 1)
     _, findings = read(write(tmp_path / "force.csv", time))
-    assert list(findings) == ["lost samples"] * reported
+    assert list(findings) == [Found.LOST_SAMPLES] * reported
     if reported:
-        assert findings["lost samples"].count == 3
-        assert said(findings["lost samples"]) == "longest step 41 ms, median step 10.0 ms"
+        assert findings[Found.LOST_SAMPLES].count == 3
+        assert said(findings[Found.LOST_SAMPLES]) == "longest step 41 ms, median step 10.0 ms"
 
 
 @pytest.mark.parametrize(("gaps", "reported"), [(10, False), (11, True)])
@@ -60,15 +61,15 @@ def test_many_short_gaps_are_told_from_a_hundredth_on(
     step[100 : 100 + 10 * gaps : 10] *= steps
     time = np.concatenate([[0.0], np.cumsum(step)])
     _, findings = read(write(tmp_path / "force.csv", time))
-    assert ("lost samples" in findings) == (reported and lost)
+    assert (Found.LOST_SAMPLES in findings) == (reported and lost)
     if reported and lost:
-        assert findings["lost samples"].count == 2 * gaps
+        assert findings[Found.LOST_SAMPLES].count == 2 * gaps
 
 
 def test_stamps_of_whole_seconds_are_stale_and_lose_no_sample(tmp_path: Path) -> None:
     """More than half of all steps are zero then."""
     times, findings = read(write(tmp_path / "force.csv", np.floor(0.04 * np.arange(1000.0))))
-    assert list(findings) == ["stale stamps"]
+    assert list(findings) == [Found.STALE_STAMPS]
     assert times is not None
     assert len(times) == 1000
 
@@ -80,8 +81,8 @@ def test_stale_stamps_are_told_from_a_hundredth_on(
     time = 0.01 * np.arange(1000.0)
     time[100 : 100 + 2 * still : 2] = time[99 : 99 + 2 * still : 2]
     times, findings = read(write(tmp_path / "force.csv", time))
-    assert ("stale stamps" in findings) == reported
-    assert not reported or findings["stale stamps"].count == still
+    assert (Found.STALE_STAMPS in findings) == reported
+    assert not reported or findings[Found.STALE_STAMPS].count == still
     assert times is not None
     assert len(times) == 1000
 
@@ -94,7 +95,7 @@ def test_a_sensor_that_reads_nothing_was_not_connected(
     path = write(tmp_path / "force.csv", 0.01 * np.arange(100.0), size)
     times, findings = read(path)
     assert (times is not None) == connected
-    assert list(findings) == ["no sensor"] * (not connected)
+    assert list(findings) == [Found.NO_SENSOR] * (not connected)
     names = ["time", *columns("imu_a"), *columns("imu_m")]
     assert read_device(Log(path, "imu", []), names) is not None
 
@@ -106,7 +107,7 @@ def test_a_missing_or_empty_file_is_no_sensor_once(tmp_path: Path, content: str 
         path.write_text(content)
     times, findings = read(path)
     assert times is None
-    assert [(found.finding, found.count) for found in findings.values()] == [("no sensor", 1)]
+    assert [(found.code, found.count) for found in findings.values()] == [(Found.NO_SENSOR, 1)]
 
 
 @pytest.mark.parametrize(("rows", "usable"), [(1, False), (2, True)])
@@ -115,7 +116,7 @@ def test_a_sensor_has_two_samples(tmp_path: Path, rows: int, usable: bool) -> No
     assert (times is not None) == usable
     if not usable:
         detail = "force.csv has fewer than two complete rows of 7 numbers"
-        assert said(findings["no sensor"]) == detail
+        assert said(findings[Found.NO_SENSOR]) == detail
 
 
 def test_samples_are_sorted_and_each_is_counted_once(tmp_path: Path) -> None:
@@ -128,13 +129,13 @@ def test_samples_are_sorted_and_each_is_counted_once(tmp_path: Path) -> None:
     times, findings = read(path)
     np.testing.assert_allclose(times, np.delete(0.01 * np.arange(200.0), 80))
     assert {name: one.count for name, one in findings.items()} == {
-        "missing cells": 1,
-        "repeated frames": 1,
-        "samples out of order": 1,
+        Found.MISSING_CELLS: 1,
+        Found.REPEATED_FRAMES: 1,
+        Found.SAMPLES_OUT_OF_ORDER: 1,
     }
     runs = np.concatenate([5 + 0.01 * np.arange(100.0), 0.01 * np.arange(60.0)])
     times, findings = read(write(path, runs))
-    assert findings["clock reset"].count == 60
+    assert findings[Found.CLOCK_RESET].count == 60
     np.testing.assert_allclose(times, 5 + 0.01 * np.arange(100.0))
 
 
@@ -231,7 +232,7 @@ def test_a_last_line_without_an_end_has_the_form_of_the_twenty_before(
     findings: list[Finding] = []
     table = read_numbers(Log(tmp_path / "t.csv", "robot", findings), ["a", "b"])
     assert len(table) == 29 + whole
-    assert [one.finding for one in findings] == ["torn last line"] * (not whole)
+    assert [one.code for one in findings] == [Found.TORN_LAST_LINE] * (not whole)
     assert all(said(one).startswith("t.csv, line 30: last line is cut off") for one in findings)
 
 
@@ -253,7 +254,7 @@ def test_zeros_far_down_are_a_damaged_line(tmp_path: Path, place: int, text: boo
     findings: list[Finding] = []
     if text:
         assert len(read_numbers(Log(tmp_path / "t.csv", "robot", findings), ["a", "b"])) == 199
-        assert findings[0].finding == "damaged lines"
+        assert findings[0].code == Found.DAMAGED_LINES
     else:
         with pytest.raises(InputError, match="line 1: not a text file"):
             read_numbers(Log(tmp_path / "t.csv", "robot", findings), ["a", "b"])

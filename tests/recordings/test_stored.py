@@ -40,6 +40,7 @@ from ur5lib.importing.files import import_files
 from ur5lib.recordings.intake import Intake
 from ur5lib.recordings.recording import RawRecording
 from ur5lib.recordings.starts import place_sensors
+from ur5lib.records.codes import Found
 from ur5lib.robots.description import Robot
 from ur5lib.signals.clock import clock_from_stamps
 from ur5lib.signals.device_clock import device_clock
@@ -180,9 +181,15 @@ def test_the_same_stamps_of_another_clock_leave_a_doubt(tmp_path: Path, made: Ma
 
 PANEL = ["Base", "Shoulder", "Elbow", "Wrist 1", "Wrist 2", "Wrist 3"]  # the teach panel's names
 BAGS = [  # a file, the order of its columns, their names, others' messages, and the finding
-    ("run.db3", [2, 1, 0, 3, 5, 4], [f"left_{name}_joint" for name in JOINTS], 9, "other messages"),
+    (
+        "run.db3",
+        [2, 1, 0, 3, 5, 4],
+        [f"left_{name}_joint" for name in JOINTS],
+        9,
+        Found.OTHER_MESSAGES,
+    ),
     ("run.bag", [5, 4, 3, 2, 1, 0], PANEL, 0, ""),
-    ("run.mcap", [0, 1, 2, 3, 4, 5], [f"j{k}" for k in range(6)], 0, "unnamed joints"),
+    ("run.mcap", [0, 1, 2, 3, 4, 5], [f"j{k}" for k in range(6)], 0, Found.UNNAMED_JOINTS),
 ]
 
 
@@ -200,7 +207,7 @@ def test_joints_of_a_bag_are_ordered_by_their_names(
     write_bag(tmp_path / file, made[0], shuffled, [names[k] for k in order], others)
     raw = read_recording(entry_of("rosbag", tmp_path / file, [*shuffled]))
     same(raw, made, [*shuffled])
-    assert [one.finding for one in raw.findings] == [finding] * bool(finding)
+    assert [one.code for one in raw.findings] == [finding] * bool(finding)
     assert not others or raw.findings[0].count == others
 
 
@@ -295,7 +302,7 @@ def test_a_block_that_was_never_written_is_reported(tmp_path: Path, made: Made, 
     q[200:285] = 0.0
     write_hdf5(tmp_path / "run.h5", time, channels | {"actual_q": q})
     taken = read_and_check(entry_of("hdf5", tmp_path / "run.h5", [*channels]), ur5, 0.1)
-    assert "zeroed cells" in [finding.finding for finding in taken.quality.findings]
+    assert Found.ZEROED_CELLS in [finding.code for finding in taken.quality.findings]
     assert (np.abs(taken.robot["actual_q_1"]) > 0.5).all()
 
 
@@ -316,9 +323,9 @@ def test_a_channel_that_was_never_written_is_not_recorded(
         entry = write(kind, tmp_path, time, channels)
     taken = read_and_check(entry, ur5, 0.1)
     assert "actual_current_0" not in taken.robot
-    reported = [one.finding for one in taken.quality.findings]
-    assert "unwritten channels" in reported
-    assert "zeroed cells" not in reported
+    reported = [one.code for one in taken.quality.findings]
+    assert Found.UNWRITTEN_CHANNELS in reported
+    assert Found.ZEROED_CELLS not in reported
     (found,) = import_files([tmp_path / entry["file"]], UserStatement("ur5"))
     named = found.entry["columns" if kind == "table" else "channels"]
     assert not any("actual_current" in name for name in named)
@@ -334,8 +341,8 @@ def test_velocities_and_currents_that_are_missing_are_replaced(
     kept = {"actual_q": channels["actual_q"], "actual_current_as_torque": torque}
     write_hdf5(tmp_path / "run.h5", time, kept)
     taken = read_and_check(entry_of("hdf5", tmp_path / "run.h5", [*kept]), ur5, 0.1)
-    reported = {finding.finding for finding in taken.quality.findings}
-    assert {"no velocities", "currents from torques"} <= reported
+    reported = {finding.code for finding in taken.quality.findings}
+    assert {Found.NO_VELOCITIES, Found.CURRENTS_FROM_TORQUES} <= reported
     np.testing.assert_allclose(channel(taken.robot, "actual_current"), channels["actual_current"])
 
 

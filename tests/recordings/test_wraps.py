@@ -13,6 +13,7 @@ from tests.entries import read_and_check
 from ur5lib.importing.contents import UserStatement
 from ur5lib.importing.files import import_files
 from ur5lib.recordings.wraps import TURN, unwrapped, without_wraps
+from ur5lib.records.codes import Found
 from ur5lib.robots.description import Robot
 from ur5lib.tables import channel, named
 from ur5lib.timeseries.arrays import Array
@@ -147,7 +148,7 @@ def robot_rows(low: float, targets: bool | None) -> pd.DataFrame:
 def test_positions_and_targets_are_in_one_turn(low: float) -> None:
     for targets, turn in ((None, 0.0), (True, 0.0), (False, TURN)):
         table, (note,) = without_wraps(robot_rows(low, targets))
-        assert (note.finding, note.severity) == ("wrapped angles", "note")
+        assert (note.code, note.severity) == (Found.WRAPPED_ANGLES, "note")
         assert said(note) == "angles that wrap around by a whole turn, of joint 1; made continuous"
         q = channel(table, "actual_q")
         assert q[0, 0] == pytest.approx(START[0] + turn)
@@ -172,7 +173,7 @@ def test_a_file_with_angles_from_0_to_360_degrees_is_imported_and_read(
     assert "wraps by 360° in columns 1" in rows["actual_q [deg]"].reason
     assert rows["actual_qd [deg/s]"].confidence == "proven"
     taken = read_and_check(found.entry, ur5, 0.1)
-    (note,) = (one for one in taken.quality.findings if one.finding == "wrapped angles")
+    (note,) = (one for one in taken.quality.findings if one.code == Found.WRAPPED_ANGLES)
     assert note.severity == "note"
     cut = np.column_stack([*degrees.values()])
     assert note.count == np.count_nonzero(np.abs(np.diff(cut, axis=0)) > 180)

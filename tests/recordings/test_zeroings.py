@@ -69,7 +69,7 @@ def zeroed(reading: Array, size: float) -> Array:
 
 def zeroings(intake: Intake) -> list[tuple[float, float]]:
     """What is said of each zeroing: its time [s] and size [N]."""
-    sentences = [said(one) for one in intake.quality.findings if one.finding == "zeroed"]
+    sentences = [said(one) for one in intake.quality.findings if one.code == "zeroed"]
     each = re.findall(r"at (\S+) s by (\S+) N", "".join(sentences))
     return [(float(time), float(force)) for time, force in each]
 
@@ -109,7 +109,7 @@ def test_what_follows_is_no_contact(tmp_path: Path, ur5: Robot, size: float) -> 
     entry |= {"name": "r", "robot": "ur5", "role": "fit"}
     study = parse_study({"study": "s", "title": "t", "recordings": [entry]}, "study.yaml")
     quality, _ = look_through(study.recordings[0], study)
-    found = {one.finding for one in quality.findings}
+    found = {one.code for one in quality.findings}
     assert "zeroed" in found
     assert "contact" not in found
 

@@ -21,8 +21,9 @@ from ur5lib.errors import InputError
 from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
-from ur5lib.records.accepted import ACCEPTED, accepting, up_to_first_standing
+from ur5lib.records.accepted import accepting, up_to_first_standing
 from ur5lib.records.aligned_recording import AlignedRecording
+from ur5lib.records.codes import CauseCode, Found
 from ur5lib.records.models import Identification
 from ur5lib.records.quality import Contradictions, contradiction
 from ur5lib.records.signals import Signals
@@ -81,8 +82,8 @@ def test_other_kinds_and_empty_reasons_are_errors(accept: dict[str, str], told: 
 
 
 ORDER, LATE = (
-    contradiction("exchanged joints", "order", "joints 1 and 3 are exchanged"),
-    contradiction("late current", "delay", "actual_current comes later"),
+    contradiction(CauseCode.EXCHANGED_JOINTS, "order", "joints 1 and 3 are exchanged"),
+    contradiction(CauseCode.LATE_CURRENT, "delay", "actual_current comes later"),
 )
 
 
@@ -90,9 +91,9 @@ def test_an_accepted_stop_sign_is_a_warning_and_others_stand() -> None:
     found = accepting(Contradictions([ORDER, LATE]), {"order": REASON})
     assert found.stop_signs == [LATE]
     (warning,) = found.findings
-    assert (warning.finding, warning.severity) == (ACCEPTED, "warning")
+    assert (warning.code, warning.severity) == (Found.ACCEPTED_STOP_SIGN, "warning")
     rows = pd.DataFrame(map(files.quality_row, files.findings(files.Quality(), found)))
-    told = rows.loc[rows["finding"] == ACCEPTED, "detail"].item()
+    told = rows.loc[rows["code"] == Found.ACCEPTED_STOP_SIGN, "detail"].item()
     assert told.startswith(f"accepted by the study: {REASON}")
     assert "joints 1 and 3" in told
     assert "`accept: {delay:" in rows.loc[rows["severity"] == "stop", "detail"].item()
@@ -107,7 +108,7 @@ def test_a_reason_that_nothing_needs_is_a_note() -> None:
 
 
 def test_behind_an_accepted_stop_sign_others_are_looked_for() -> None:
-    signs = [ORDER, LATE, contradiction("undeclared load", "payload", "2 kg more")]
+    signs = [ORDER, LATE, contradiction(CauseCode.UNDECLARED_LOAD, "payload", "2 kg more")]
     assert [*up_to_first_standing(signs, [])] == signs[:1]
     assert [*up_to_first_standing(signs, ["order"])] == signs[:2]
 
@@ -160,9 +161,13 @@ def test_the_torques_of_an_accepted_recording_rest_on_no_stop_sign(
         compute_torques(recording, ur5, {"currents": 2.0}, accepted=accept).premises
         for accept in (None, {"order": REASON, "constants": REASON})
     )
-    assert [sign.code for sign in stopped.contradictions.stop_signs] == ["exchanged joints"]
+    assert [sign.cause for sign in stopped.contradictions.stop_signs] == [
+        CauseCode.EXCHANGED_JOINTS
+    ]
     assert passed.contradictions.stop_signs == []
-    assert [one.finding for one in passed.contradictions.findings][:2] == [ACCEPTED] * 2
+    assert [one.code for one in passed.contradictions.findings][:2] == [
+        Found.ACCEPTED_STOP_SIGN
+    ] * 2
 
 
 # Arms
@@ -177,7 +182,7 @@ def test_accepted_torque_constants_are_fitted_and_remarked() -> None:
     assert len(fitted.fit.joints) == 6
     assert fitted.stopped is None
     told = remarks(Identification(), fitted, Residuals())
-    (row,) = (row for row in told if row.code == ACCEPTED)
+    (row,) = (row for row in told if row.code == CauseCode.ACCEPTED_STOP_SIGN)
     assert REASON in row.remark
     assert fitted_friction(records, prior(), smooth, "", {"constants": REASON}).remarks == []
 
@@ -187,7 +192,7 @@ def test_accepted_torque_constants_are_fitted_and_remarked() -> None:
 
 def accepted_on(*names: str, detail: str) -> Results:
     warning = asdict(accepting(Contradictions([ORDER]), {"order": REASON}).findings[0])
-    row = {key: warning[key] for key in ("device", "finding", "severity", "count")}
+    row = {key: warning[key] for key in ("device", "code", "severity", "count")}
     return results_of(quality=[row | {"recording": name, "detail": detail} for name in names])
 
 
@@ -205,7 +210,12 @@ def test_first_screen_and_section_name_the_reason() -> None:
 
 def test_of_many_reasons_the_first_are_told() -> None:
     quality = [
-        {"recording": "seen", "finding": ACCEPTED, "severity": "warning", "device": "robot"}
+        {
+            "recording": "seen",
+            "code": Found.ACCEPTED_STOP_SIGN,
+            "severity": "warning",
+            "device": "robot",
+        }
         | {"detail": f"accepted by the study: reason {k}; found: it", "count": 0}
         for k in range(9)
     ]

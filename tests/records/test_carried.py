@@ -8,6 +8,7 @@ import pytest
 from tests.conftest import said
 from tests.made_records import signals_of
 from ur5lib.records.carried import carried, disagreements
+from ur5lib.records.codes import Found
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload
 
@@ -83,7 +84,7 @@ def test_another_payload_than_the_controller_s_is_told(
     declared: Payload | None, channels: Payload | None, words: list[str] | None
 ) -> None:
     found = disagreements(declared, None, recorded(channels, steady=True))
-    assert [one.finding for one in found] == (["payload"] if words else [])
+    assert [one.code for one in found] == (["payload"] if words else [])
     assert all(text in said(one) for one in found for text in words or [])
 
 
@@ -96,4 +97,4 @@ def test_a_payload_that_changes_is_told() -> None:
 def test_another_tool_centre_point_than_the_controller_s_is_told(tcp: float, told: bool) -> None:
     signals = replace(recorded(None), tcp_offset=np.tile([0, 0, 0.1, 0, 0, 0], (5, 1)))
     found = disagreements(None, (0.0, 0.0, tcp, 0.0, 0.0, 0.0), signals)
-    assert [one.finding for one in found] == (["tool centre point"] if told else [])
+    assert [one.code for one in found] == ([Found.TOOL_CENTRE_POINT] if told else [])

@@ -2,11 +2,12 @@
 
 from pathlib import Path
 
+from ur5lib.records.codes import CauseCode, Found
 from ur5lib.records.quality import Finding, Log, Quality, contradiction
 from ur5lib.tables import read_record, write_json
 
-SIGN = contradiction("exchanged joints", "order", "joints 2 and 3 are exchanged", [2, 3])
-SATURATED = Finding("force", "saturation", "warning", 9, "ft_fx stays", channels=("ft_fx",))
+SIGN = contradiction(CauseCode.EXCHANGED_JOINTS, "order", "joints 2 and 3 are exchanged", [2, 3])
+SATURATED = Finding("force", Found.SATURATION, "warning", 9, "ft_fx stays", channels=("ft_fx",))
 
 
 def test_findings_come_back(tmp_path: Path) -> None:
@@ -19,9 +20,9 @@ def test_findings_come_back(tmp_path: Path) -> None:
 
 def test_a_finding_about_a_file_begins_with_its_place() -> None:
     log = Log(Path("raw/a.csv"), "robot", [])
-    log.add("torn last line", "note", 1, "skipped", "7")
-    log.add("missing times", "warning", 3, "rows without a time are discarded")
-    log.add("missing times", "warning", 0, "none")
+    log.add(Found.TORN_LAST_LINE, "note", 1, "skipped", "7")
+    log.add(Found.MISSING_TIMES, "warning", 3, "rows without a time are discarded")
+    log.add(Found.MISSING_TIMES, "warning", 0, "none")
     assert [one.place for one in log.findings] == ["a.csv, line 7", "a.csv"]
     assert [one.detail for one in log.findings] == [
         "a.csv, line 7: skipped",

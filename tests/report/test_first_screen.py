@@ -26,6 +26,7 @@ from tests.made_study import (
 from tests.report.illustrated import EVERY
 from tests.typeset_page import built, headline_of, page_of, plain, tables_of
 from ur5lib.force.estimators import LEADING
+from ur5lib.records.codes import Found
 from ur5lib.records.verdicts import State
 from ur5lib.report.results import Results
 from ur5lib.report.views.first_screen import first_figure
@@ -34,10 +35,10 @@ STUDIES: dict[str, dict[str, Any]] = {
     "nothing": {},
     "everything": EVERY,
     "a doubted sensor": EVERY | {"force_mae": touched(2.0, "seen") + touched(6.0, **DOUBTED)},
-    "findings": EVERY | {"quality": [finding("error"), finding("warning", "jitter")]},
+    "findings": EVERY | {"quality": [finding("error"), finding("warning", Found.JITTER)]},
     "no contact": EVERY | {"contact_errors": [], "force_mae": []},
     "refused": {"friction": [constant(1, 10.0, **REFUSED), constant(2, 10.0, **FAR)]},
-    "stopped": EVERY | {"quality": [finding("stop", "contradiction")]},
+    "stopped": EVERY | {"quality": [finding("stop", Found.CONTRADICTION)]},
     "contacts of fit": {"contact_errors": sensed((30.0, "found"), recording="fitted")},
     "a push that is not found": {
         "pushes": [push("slow", "x", None, bound=">", largest_tried=2943.0), push("fast", "y", 20)]
@@ -198,7 +199,7 @@ def test_each_contact_has_the_cause_of_its_error_in_words() -> None:
         "sensed": [{"recording": "pushed", "contacts": 1}],
         "detection": [rates("pushed")],
     }
-    doubt = finding("warning", "offset", device="force", recording="pushed")
+    doubt = finding("warning", Found.OFFSET, device="force", recording="pushed")
     sure, doubted = (
         study(contact_errors=rows, force_mae=touched(2.0, **parts), quality=own, **known)
         for own in ([], [doubt])
@@ -271,12 +272,12 @@ def test_each_recording_says_what_it_serves_and_what_not() -> None:
     assert (
         uses(study(**sensor, force_mae=touched(2.0)))[2] == "the size of forces, finding contacts"
     )
-    doubt = finding("warning", "offset", device="force", recording="pushed")
+    doubt = finding("warning", Found.OFFSET, device="force", recording="pushed")
     doubted = touched(2.0, **DOUBTED)
     assert uses(study(**sensor, force_mae=doubted, quality=[doubt]))[2] == (
         "finding contacts; not for the size of forces: sensor bias uncertain"
     )
-    stopped = study(quality=[finding("stop", "other arm", recording="seen")])
+    stopped = study(quality=[finding("stop", Found.CONTRADICTION, recording="seen")])
     assert uses(stopped)[1] == "not for anything: stop sign"
 
 
@@ -285,7 +286,7 @@ def uses(results: Results) -> list[str]:
 
 
 def test_what_could_not_be_checked_is_nobodys_gravest_finding() -> None:
-    results = study(quality=[finding("note", "order not checked")])
+    results = study(quality=[finding("note", Found.ORDER_NOT_CHECKED)])
     assert all("gravest finding" not in row for row in tables_of(results)["legend"])
 
 

@@ -18,6 +18,7 @@ from ur5lib.checks.files import quality_row
 from ur5lib.cli import app
 from ur5lib.force.estimators import LEADING
 from ur5lib.records.accepted import accepting
+from ur5lib.records.codes import CauseCode, Found
 from ur5lib.records.quality import Contradictions, Finding, contradiction
 from ur5lib.records.verdicts import Advice
 from ur5lib.report.found import MOST_FINDINGS, findings, left_out
@@ -29,18 +30,18 @@ from ur5lib.tables import as_written
 SENSED = {"recording": "pushed", "largest_force_n": 106.0, "at_s": 3.0}
 SENSED |= {"share_in_contact": 0.4, "contacts": 5}
 EXCHANGED = contradiction(
-    "exchanged joints",
+    CauseCode.EXCHANGED_JOINTS,
     "order",
     "joints 2 and 3 are exchanged: their motion explains the currents or torques far better with "
     "all their columns swapped; correct the columns",
 )
 OTHER_ARM = contradiction(
-    "other arm's currents",
+    CauseCode.OTHER_ARMS_CURRENTS,
     "robot",
     "the currents are not those of ur5: the motion of `robot: ur10` explains them far better; "
     "correct `robot`, or columns and units",
 )
-UNREAD = finding("stop", "unreadable", detail="a.csv: it has no rows; record it again")
+UNREAD = finding("stop", Found.UNREADABLE, detail="a.csv: it has no rows; record it again")
 LOAD = {"recording": "seen", "mass": 2.0, "std_error": 0.1, "configured": 0.5, "taken": "yes"}
 FEW = {"robot": "ur5", "step": "friction"}
 MOST_WORDS = 26
@@ -134,7 +135,7 @@ def test_three_steps_are_named_and_the_most_urgent_first() -> None:
     results = study(
         quality=[
             finding("warning", count=500),
-            finding("error", "touched", device="force", recording="fitted"),
+            finding("error", Found.TOUCHED, device="force", recording="fitted"),
         ],
         force_mae=touched(1.0, "fitted"),
         payload=[LOAD],
@@ -179,7 +180,7 @@ def test_a_stop_sign_asks_for_its_remedy() -> None:
     )
     unread = sentences(study(quality=[UNREAD]))[0]
     assert unread == "On “seen”, record it again: a.csv: it has no rows."
-    told = finding("stop", "contradiction", detail="nothing is right")
+    told = finding("stop", Found.CONTRADICTION, detail="nothing is right")
     assert sentences(study(quality=[told]))[0] == ("Correct “seen” or its entry: nothing is right.")
 
 
@@ -271,7 +272,9 @@ def test_a_stop_sign_is_the_first_finding_with_what_overrules_it() -> None:
         "No forces are stated. If the study is right: `accept: {order: the reason}`."
     )
     assert findings(study(quality=[UNREAD]))[0].startswith("“seen” is left out: a.csv")
-    run = finding("stop", "same run", detail="a and b are one run; keep one of them in the study")
+    run = finding(
+        "stop", Found.SAME_RUN, detail="a and b are one run; keep one of them in the study"
+    )
     assert "No forces" not in findings(study(quality=[run]))[0]
     arm = {"robot": "ur5", "step": "stop sign", "code": "x", "remark": "constants contradict"}
     assert findings(study(remarks=[arm])) == [
@@ -290,7 +293,7 @@ def test_an_accepted_stop_sign_is_a_finding_with_its_reason() -> None:
 def test_an_error_is_a_finding() -> None:
     """A sensor is ignored, or a role is wrong."""
     told = "the sensor reads up to 33 N in 2 contacts, although the role fit denies it; correct it"
-    results = study(quality=[finding("error", "touched", device="force", detail=told)])
+    results = study(quality=[finding("error", Found.TOUCHED, device="force", detail=told)])
     assert findings(results) == [f"On “seen”, {told.partition(';')[0]}."]
 
 
@@ -355,7 +358,7 @@ def test_without_a_search_no_contact_is_denied() -> None:
 
 def test_a_force_that_is_not_stated_is_named() -> None:
     told = "the currents show 61% of the friction of such a motion; since nothing was fitted, …"
-    results = study(quality=[finding("warning", "unusual friction", detail=told)])
+    results = study(quality=[finding("warning", Found.UNUSUAL_FRICTION, detail=told)])
     assert findings(results)[0] == (
         "No force is stated on “seen”: the currents show 61 % of the friction of such a motion."
     )

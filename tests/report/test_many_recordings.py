@@ -10,6 +10,7 @@ from tests.made_tables import COLUMNS, empty
 from tests.typeset_page import page_of, tables_of
 from ur5lib.errors import InputError
 from ur5lib.judging.recordings import judge_recordings
+from ur5lib.records.codes import Found
 from ur5lib.report.results import MOST_ROWS, Results
 from ur5lib.study.model import Settings
 
@@ -36,7 +37,13 @@ def made(count: int = MANY) -> Results:
         name: pd.DataFrame(row, used.index).assign(**used).reindex(columns=empty(name).columns)
         for name, row in filled.items()
     }
-    lost = {"device": "robot", "finding": "lost frames", "severity": "warning", "detail": "lost"}
+    lost = {
+        "device": "robot",
+        "code": Found.LOST_FRAMES,
+        "finding": Found.LOST_FRAMES.words,
+        "severity": "warning",
+        "detail": "lost",
+    }
     tables["quality"] = pd.DataFrame([{"recording": LOST, "count": 50, "place": ""} | lost])
     tables["payload"].loc[used["recording"] == LOADED, "taken"] = "yes"
     settings = Settings().model_dump()
@@ -97,5 +104,5 @@ def test_a_page_shows_one_recording_alone() -> None:
     (read,) = shown["files-read"]
     assert read["recording"] == f"R8 {LOST}"
     (cause,) = shown["causes"]
-    assert (cause["finding"], cause["severity"]) == ("lost frames", "warning")
+    assert (cause["code"], cause["severity"]) == (Found.LOST_FRAMES, "warning")
     assert {f"run_{k}" for k in range(MANY)} & {*page.text_content().split()} <= {LOST}

@@ -26,6 +26,7 @@ from ur5lib.force.alarms import Alarm, Matched
 from ur5lib.force.contact_figures import force_errors
 from ur5lib.force.fates import contact_rows
 from ur5lib.force.residual_model import Residuals
+from ur5lib.records.codes import CauseCode, Found
 from ur5lib.records.contacts import Contact, Detection
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.fits import RemarkRow
@@ -58,7 +59,7 @@ def hostile() -> Results:
     made = study(
         **EVERY,
         quality=[
-            finding("stop", "contradiction", detail=HOSTILE, place=""),
+            finding("stop", Found.CONTRADICTION, detail=HOSTILE, place=""),
             finding("note", HOSTILE),
         ],
         remarks=[
@@ -336,7 +337,7 @@ def test_what_a_run_carries_is_in_a_table() -> None:
 
 
 def test_remarks_of_fits_are_on_the_page_and_why_one_made_nothing() -> None:
-    odd, little = (asdict(Remark("other reason", why)) for why in ("odd", "too little"))
+    odd, little = (asdict(Remark(CauseCode.OTHER_REASON, why)) for why in ("odd", "too little"))
     fitted = {"fit": {"joints": [{"remarks": [odd]}, {"remarks": []}, {"remarks": [odd]}]}}
     whole = record(Identification, {"refused": little}), record(Friction, fitted), Residuals()
     rows = table(RemarkRow, {"ur5": remarks(*whole)})

@@ -9,6 +9,7 @@ import jsonschema
 import pytest
 
 from tests.made_study import finding, judged_anew, predicted, study, touched
+from ur5lib.records.codes import Found
 from ur5lib.report.found import findings, left_out
 from ur5lib.report.next_steps import next_steps
 from ur5lib.report.results import Results
@@ -46,7 +47,7 @@ def before(results: Results, last: Summary | None) -> list[dict[str, Any]]:
 
 
 def test_a_summary_has_the_rows_of_the_verdicts_next_steps_and_findings() -> None:
-    made = named(study(quality=[finding("stop", "contradiction")], force_mae=touched(2.9)))
+    made = named(study(quality=[finding("stop", Found.CONTRADICTION)], force_mae=touched(2.9)))
     told = json.loads(json_text(summary(made, page_data(made))))
     jsonschema.validate(told, summary_schema())
     assert told["$schema"] == "results.schema.json"

@@ -20,6 +20,7 @@ from ur5lib.recordings.intake import Intake
 from ur5lib.recordings.realtime_stream import read_stream
 from ur5lib.recordings.thesis_csv import read_thesis_csv
 from ur5lib.records.carried import configured_payload
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Finding
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import load_robot, robot_path
@@ -103,7 +104,7 @@ def like_no8(record: Recorder) -> Recorded:
 
 
 def findings(intake: Intake) -> dict[tuple[str, str], Finding]:
-    return {(f.device, f.finding): f for f in intake.quality.findings}
+    return {(f.device, f.code): f for f in intake.quality.findings}
 
 
 # Files
@@ -193,7 +194,7 @@ def test_a_sensor_that_is_not_there(record: Recorder) -> None:
     assert recorded.written() == {*recorded.files}
     intake = recorded.repaired
     assert intake.quality.devices == ["robot"]
-    assert {f.finding for f in intake.quality.findings} == {"no sensor"}
+    assert {f.code for f in intake.quality.findings} == {Found.NO_SENSOR}
     assert record("realtime-stream").repaired.quality.devices == ["robot"]
 
 
@@ -382,22 +383,22 @@ def test_a_capture_has_the_real_layout(record: Recorder) -> None:
 @pytest.mark.parametrize(
     ("format", "fault", "found"),
     [
-        ("thesis-csv", {"lost_frames": 0.05}, ("robot", "lost frames")),
-        ("realtime-stream", {"lost_frames": 0.05}, ("robot", "lost frames")),
-        ("realtime-stream", {"cut_frames": 0.05}, ("robot", "bytes skipped")),
-        ("rtde-csv", {"lost_frames": 0.05}, ("robot", "lost frames")),
-        ("thesis-csv", {"stale_stamps": 0.02}, ("robot", "repeated stamps")),
-        ("realtime-stream", {"stale_stamps": 0.02}, ("robot", "stale stamps")),
-        ("rtde-csv", {"stale_stamps": 0.02}, ("robot", "stale stamps")),
-        ("thesis-csv", {"stale_frames": 0.02}, ("robot", "stale data")),
-        ("realtime-stream", {"stale_frames": 0.02}, ("robot", "stale data")),
-        ("rtde-csv", {"stale_frames": 0.02}, ("robot", "stale data")),
-        ("thesis-csv", {"torn_files": True}, ("robot", "channels of unequal length")),
-        ("realtime-stream", {"torn_files": True}, ("robot", "damaged lines")),
-        ("rtde-csv", {"torn_files": True}, ("robot", "torn last line")),
-        ("thesis-csv", {"stale_imu": True}, ("imu", "stale copy")),
-        ("realtime-stream", {"stale_imu": True}, ("imu", "stale copy")),
-        ("rtde-csv", {"stale_imu": True}, ("imu", "stale copy")),
+        ("thesis-csv", {"lost_frames": 0.05}, ("robot", Found.LOST_FRAMES)),
+        ("realtime-stream", {"lost_frames": 0.05}, ("robot", Found.LOST_FRAMES)),
+        ("realtime-stream", {"cut_frames": 0.05}, ("robot", Found.BYTES_SKIPPED)),
+        ("rtde-csv", {"lost_frames": 0.05}, ("robot", Found.LOST_FRAMES)),
+        ("thesis-csv", {"stale_stamps": 0.02}, ("robot", Found.REPEATED_STAMPS)),
+        ("realtime-stream", {"stale_stamps": 0.02}, ("robot", Found.STALE_STAMPS)),
+        ("rtde-csv", {"stale_stamps": 0.02}, ("robot", Found.STALE_STAMPS)),
+        ("thesis-csv", {"stale_frames": 0.02}, ("robot", Found.STALE_DATA)),
+        ("realtime-stream", {"stale_frames": 0.02}, ("robot", Found.STALE_DATA)),
+        ("rtde-csv", {"stale_frames": 0.02}, ("robot", Found.STALE_DATA)),
+        ("thesis-csv", {"torn_files": True}, ("robot", Found.CHANNELS_OF_UNEQUAL_LENGTH)),
+        ("realtime-stream", {"torn_files": True}, ("robot", Found.DAMAGED_LINES)),
+        ("rtde-csv", {"torn_files": True}, ("robot", Found.TORN_LAST_LINE)),
+        ("thesis-csv", {"stale_imu": True}, ("imu", Found.STALE_COPY)),
+        ("realtime-stream", {"stale_imu": True}, ("imu", Found.STALE_COPY)),
+        ("rtde-csv", {"stale_imu": True}, ("imu", Found.STALE_COPY)),
     ],
 )
 def test_each_fault_is_found_and_survived(

@@ -27,6 +27,7 @@ from ur5lib.identification.samples import CurrentSamples
 from ur5lib.identification.validation import least_squares_coefficients
 from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.carried import Carried
+from ur5lib.records.codes import CauseCode
 from ur5lib.records.contacts import Contact, Contacts
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics, Torques
@@ -224,7 +225,9 @@ def test_the_band_of_a_loaded_arm_has_the_doubt_of_its_load(
 def test_nothing_is_predicted_beside_a_stop_sign(
     loaded: Loaded, friction: Friction, ur5: Robot
 ) -> None:
-    made = predicted(loaded, friction, ur5, signs=[contradiction("order", "", "wrong")])
+    made = predicted(
+        loaded, friction, ur5, signs=[contradiction(CauseCode.EXCHANGED_JOINTS, "", "wrong")]
+    )
     assert made.load is None
     assert made.currents.external_torque is None
 
@@ -470,10 +473,10 @@ def test_without_a_sensor_role_and_load_tell_false_alarms(ur5: Robot) -> None:
     ("friction", "signs", "withheld"),
     [
         (Friction(), [], False),
-        (Friction(refused=Remark("no currents", "no currents")), [], False),
+        (Friction(refused=Remark(CauseCode.NO_FIT_RECORDING, "no currents")), [], False),
         (Friction(from_=["free"]), [], True),
-        (Friction(stopped=Remark("wrong constants", "wrong")), [], True),
-        (Friction(), [contradiction("order", "", "wrong")], True),
+        (Friction(stopped=Remark(CauseCode.CONTRADICTING_CONSTANTS, "wrong")), [], True),
+        (Friction(), [contradiction(CauseCode.EXCHANGED_JOINTS, "", "wrong")], True),
     ],
 )
 def test_a_stop_sign_withholds_the_static_estimate_too(

@@ -15,6 +15,7 @@ from tests.conftest import PROJECT
 from tests.made_tables import COLUMNS, record, table
 from ur5lib.force.residual_model import Residuals
 from ur5lib.records.accelerations import Difference, ImuComparison
+from ur5lib.records.codes import Found
 from ur5lib.records.contacts import Contacts
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.friction import Friction
@@ -34,6 +35,7 @@ from ur5lib.steps.make_tables import (
 from ur5lib.tables import read_csv, write_csv
 
 DETAIL = 'x, "y"'
+ONE, TWO = Found.JITTER, Found.SPLIT
 PARAMETER = {"joint": 2, "name": "coulomb", "value": 6.0, "std_error": 0.1, "interval": [5, 7]}
 
 
@@ -53,19 +55,19 @@ def made(arm: Robot, judgements: dict[str, Judgement], **more: Any) -> dict[str,
     return make_tables(judgements, recordings, arms, **known | more)
 
 
-def judged(*findings: str) -> Judgement:
+def judged(*findings: Found) -> Judgement:
     return Judgement(findings=[Finding("robot", name, "note", 1, DETAIL) for name in findings])
 
 
 def test_rows_of_recordings_and_of_arms_make_one_table_each(ur5: Robot) -> None:
     """All tables are there, with all their columns, whether a recording has a row or none."""
-    found = made(ur5, {"a": judged("one", "two"), "b": Judgement(), "c": judged("one")})
+    found = made(ur5, {"a": judged(ONE, TWO), "b": Judgement(), "c": judged(ONE)})
     assert {name: [*own] for name, own in found.items()} == COLUMNS
     rows = found["quality"]
-    assert [*zip(rows["recording"], rows["finding"], strict=True)] == [
-        ("a", "one"),
-        ("a", "two"),
-        ("c", "one"),
+    assert [*zip(rows["recording"], rows["code"], strict=True)] == [
+        ("a", ONE),
+        ("a", TWO),
+        ("c", ONE),
     ]
     assert rows["detail"].eq(DETAIL).all()
     assert found["friction"][["robot", "parameter"]].to_numpy().tolist() == [["ur5", "coulomb"]]
@@ -74,13 +76,13 @@ def test_rows_of_recordings_and_of_arms_make_one_table_each(ur5: Robot) -> None:
 
 
 def test_a_recording_that_cannot_be_read_is_a_stop_sign_and_changes_no_other(ur5: Robot) -> None:
-    known = {"a": judged("one"), "c": judged("two")}
+    known = {"a": judged(ONE), "c": judged(TWO)}
     rest, found = made(ur5, known), made(ur5, known, unreadable={"b": "line 3 is none"})
     for name in rest.keys() - {"quality"}:
         pd.testing.assert_frame_equal(found[name], rest[name])
     quality = found["quality"].set_index("recording")
     stop = quality.loc["b"]
-    assert (stop["severity"], stop["finding"]) == ("stop", "unreadable")
+    assert (stop["severity"], stop["code"]) == ("stop", Found.UNREADABLE)
     assert stop["detail"] == "line 3 is none"
     others = quality.drop(index="b")
     pd.testing.assert_frame_equal(others, rest["quality"].set_index("recording"))
@@ -157,19 +159,19 @@ def test_a_sensor_that_reads_contacts_beats_the_role(ur5: Robot) -> None:
     """As an error, which takes the place of the warning of its raw readings, not of the robot's."""
     raw = Judgement(
         findings=[
-            Finding("force", "contact", "warning", 9, "up to 42 N"),
-            Finding("robot", "contact", "warning", 1, "up to 42 N"),
+            Finding("force", Found.CONTACT, "warning", 9, "up to 42 N"),
+            Finding("robot", Found.CONTACT, "warning", 1, "up to 42 N"),
         ]
     )
     judgements = dict.fromkeys(ROLES, raw)
     found = of_roles(ur5, judgements=judgements, compared=dict.fromkeys(ROLES, sensed(2)))
     rows = found["quality"].groupby("recording")
     for name, role in ROLES.items():
-        own = rows.get_group(name).set_index(["device", "finding"])
+        own = rows.get_group(name).set_index(["device", "code"])
         assert (("force", "touched") in own.index) == (role != "contact")
         assert (("force", "contact") in own.index) == (role == "contact")
         assert ("robot", "contact") in own.index
-    error = found["quality"].query("finding == 'touched' and recording == 'seen'").iloc[0]
+    error = found["quality"].query("code == 'touched' and recording == 'seen'").iloc[0]
     assert (error["severity"], error["count"]) == ("error", 2)
     assert error["detail"] == (
         "the sensor reads up to 33 N in 2 contacts, although the role validate means that nothing "
@@ -180,9 +182,9 @@ def test_a_sensor_that_reads_contacts_beats_the_role(ur5: Robot) -> None:
 @pytest.mark.parametrize("others", [{"compared": dict.fromkeys(ROLES, sensed(0))}, {}])
 def test_a_raw_contact_alone_stays_a_warning(ur5: Robot, others: dict[str, Any]) -> None:
     """As of an undeclared load that turns."""
-    raw = Judgement(findings=[Finding("force", "contact", "warning", 9, "up to 42 N")])
+    raw = Judgement(findings=[Finding("force", Found.CONTACT, "warning", 9, "up to 42 N")])
     found = of_roles(ur5, judgements=dict.fromkeys(ROLES, raw), **others)["quality"]
-    assert [*found["finding"]] == ["contact"] * 3
+    assert [*found["code"]] == [Found.CONTACT] * 3
 
 
 def test_what_sensor_and_contacts_tell_is_in_the_tables(ur5: Robot) -> None:

@@ -10,6 +10,7 @@ import yaml
 
 from tests.conftest import Workflow, copy_project
 from ur5lib.force.estimators import LEADING
+from ur5lib.records.codes import Found
 from ur5lib.records.force_errors import Compared
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.stand.plan import SimulatedRecording
@@ -75,4 +76,4 @@ def test_forces_are_compared_and_moments_are_not_invented(compared: Workflow, na
     assert table["compensated_Fx"].notna().mean() > 0.9
     assert table[[f"compensated_n{axis}" for axis in "xyz"]].isna().all(axis=None)
     findings = read_json(folder / "quality.json")["findings"]
-    assert "no moments" in [one["finding"] for one in findings]
+    assert Found.NO_MOMENTS in [one["code"] for one in findings]

@@ -23,6 +23,7 @@ from ur5lib.checks.currents import (
     moving_joints,
 )
 from ur5lib.checks.readings import in_order, readings
+from ur5lib.records.codes import CauseCode
 from ur5lib.records.phrases import as_written, number
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
@@ -106,13 +107,13 @@ def _other_mounting(likely: Sequence[Gravity], by_sign: bool, measured: Effort) 
             f"the {measured.quantity}s contradict the mounting: gravity explains them far better "
             f"with {causes}; correct `gravity`"
         )
-        return contradiction("other mounting", "mounting", detail)
+        return contradiction(CauseCode.OTHER_MOUNTING, "mounting", detail)
     detail = (
         f"gravity in {measured.channel} comes from the other side than declared: give the mounting "
         f"that fits, {causes}, or, if its sign is reversed, `{measured.channel}: opposite` under "
         "`units`"
     )
-    return contradiction("other mounting or sign", "mounting", detail)
+    return contradiction(CauseCode.OTHER_MOUNTING_OR_SIGN, "mounting", detail)
 
 
 def mounting_as_cause(gravity: Gravity) -> str:
@@ -218,8 +219,8 @@ def foreign_constant(
         f"actual_current, but the motors of {arm.name} have {number(known, '.3g')} Nm/A{cause}; "
         "correct `robot`, `payload`, or columns and units"
     )
-    code = "foreign constant of known cause" if fitting else "foreign constant"
-    return contradiction(code, "constants", detail, [joint + 1])
+    one, other = CauseCode.FOREIGN_CONSTANT_OF_KNOWN_CAUSE, CauseCode.FOREIGN_CONSTANT
+    return contradiction(one if fitting else other, "constants", detail, [joint + 1])
 
 
 def fitting_arms(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> list[str]:

@@ -19,6 +19,7 @@ from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.currents import exchanged_efforts, moving_joints, rubbing_joints
 from ur5lib.checks.readings import exchanged_order, in_order
 from ur5lib.checks.whole_motion import Explained, Lead, Misfit, WholeMotion, lead
+from ur5lib.records.codes import CauseCode, Found
 from ur5lib.records.phrases import number, numbered
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
@@ -169,7 +170,7 @@ class MotionChecks:
                     "the columns"
                 )
                 joints = [pair[0] + 1, pair[1] + 1]
-                finding = contradiction("exchanged joints", "order", detail, joints)
+                finding = contradiction(CauseCode.EXCHANGED_JOINTS, "order", detail, joints)
                 yield Cause(finding, self.gain(other), means, self.arm)
 
     def exchanges_of_efforts(self) -> Iterator[Cause]:
@@ -250,8 +251,9 @@ class MotionChecks:
                     "gravity takes there, beside the currents of the other joints; check its unit "
                     "and column"
                 )
-                code, joints = "scaled current", (joint + 1,)
-                yield Finding("robot", code, "warning", 1, detail, code=code, joints=joints)
+                code, own = Found.SCALED_CURRENT, (joint + 1,)
+                cause = CauseCode.SCALED_CURRENT
+                yield Finding("robot", code, "warning", 1, detail, cause=cause, joints=own)
 
     def undeclared_load(self) -> Iterator[Finding]:
         """Warn of a load that the currents of a UR show, if no target currents were recorded."""
@@ -265,7 +267,8 @@ class MotionChecks:
                 f"by the currents, the arm carries {carried} more than the study declares; declare "
                 "it as `payload`, or fit to recordings without a load"
             )
-            yield Finding("robot", "undeclared load", "warning", 1, detail, code="undeclared load")
+            code, cause = Found.UNDECLARED_LOAD, CauseCode.UNDECLARED_LOAD
+            yield Finding("robot", code, "warning", 1, detail, cause=cause)
 
     def other_arms(self, others: Sequence[Robot]) -> Iterator[Cause]:
         """Yield one cause with the other arm that explains the efforts best, also if both carried
@@ -282,7 +285,7 @@ class MotionChecks:
                 f"the currents are not those of {self.arm.name}: the motion of {causes} explains "
                 "them far better; correct `robot`, or columns and units"
             )
-            finding = contradiction("other arm's currents", "robot", detail)
+            finding = contradiction(CauseCode.OTHER_ARMS_CURRENTS, "robot", detail)
             (best,) = (arm for arm in others if arm.name == first)
             yield Cause(finding, ahead[first], self.means, best)
 
@@ -337,7 +340,7 @@ class MotionChecks:
             )
             sign = f"the sign of the current of joint {joints[0] + 1} is reversed"
             detail = f"{sign}: {why}; correct the column"
-            return contradiction("turned current", "sign", detail, [joints[0] + 1])
+            return contradiction(CauseCode.TURNED_CURRENT, "sign", detail, [joints[0] + 1])
         why = (
             "turned, links explain the torques of all joints far better"
             if by_links
@@ -350,7 +353,7 @@ class MotionChecks:
             "correct the columns, or turn them in the entry by `units: {actual_torque: "
             f"{self._signs(joints).astype(int).tolist()}}}`{beside}"
         )
-        return contradiction("turned torques", "sign", detail, numbers)
+        return contradiction(CauseCode.TURNED_TORQUES, "sign", detail, numbers)
 
     def _signs(self, joints: list[int]) -> Array:
         """Return -1 for some joints, 1 for others (n,)."""

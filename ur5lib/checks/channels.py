@@ -8,6 +8,7 @@ import pandas as pd
 import scipy  # loads scipy.interpolate at its first use
 
 from ur5lib.channels import joint_count
+from ur5lib.records.codes import CauseCode, Found
 from ur5lib.records.phrases import number, numbered
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.tables import channel, unit
@@ -86,7 +87,7 @@ def unfiltered(cutoffs_hz: Mapping[str, float], period: float) -> Iterator[Findi
             f"`cutoff_hz` of {', '.join(beyond)} is not below {number(nyquist, 'g')} Hz, half the "
             "rate of this recording, so that these filters are not applied"
         )
-        yield Finding("robot", "unfiltered", "note", len(beyond), detail)
+        yield Finding("robot", Found.UNFILTERED, "note", len(beyond), detail)
 
 
 def unmoved(q: Array) -> Iterator[Finding]:
@@ -97,7 +98,7 @@ def unmoved(q: Array) -> Iterator[Finding]:
             f"{numbered(still.tolist())} never moved, so that nothing says to which side friction "
             "holds a torque there; begin a recording with a small move of every joint"
         )
-        yield Finding("robot", "unmoved", "note", len(still), detail)
+        yield Finding("robot", Found.UNMOVED, "note", len(still), detail)
 
 
 def no_motion(q: Array) -> Iterator[Finding]:
@@ -107,7 +108,7 @@ def no_motion(q: Array) -> Iterator[Finding]:
             f"no joint moves by {FIRST_MOTION:g} rad, so that a fit learns no friction from it; "
             "record a motion, or give it the role `validate`"
         )
-        yield Finding("robot", "no motion", "warning", q.shape[1], detail)
+        yield Finding("robot", Found.NO_MOTION, "warning", q.shape[1], detail)
 
 
 def _moved(q: Array) -> Mask:
@@ -131,7 +132,7 @@ def too_short(segment: Labels, period: float, cutoff: float) -> list[Finding]:
         f"low-pass filter `currents` needs {number(least * period, '.2g')} s, so that no contact "
         "force is estimated; record several seconds"
     )
-    return [Finding("robot", "too short", "warning", 1, detail)]
+    return [Finding("robot", Found.TOO_SHORT, "warning", 1, detail)]
 
 
 def fast_between_samples(
@@ -150,7 +151,7 @@ def fast_between_samples(
         "tell: accelerations, and with them torques, err by more than the bands say; record at a "
         "higher rate, or move more slowly"
     )
-    return [Finding("robot", "fast between samples", "warning", len(fast), detail)]
+    return [Finding("robot", Found.FAST_BETWEEN_SAMPLES, "warning", len(fast), detail)]
 
 
 def untold_motion(
@@ -166,7 +167,7 @@ def untold_motion(
             "between them, so that accelerations are unknown; record at a higher rate, or move "
             "more slowly"
         )
-        yield contradiction("untold motion", "sampling", detail)
+        yield contradiction(CauseCode.UNTOLD_MOTION, "sampling", detail)
 
 
 def _untold_joints(
@@ -211,14 +212,14 @@ def slow_samples(
             f"{apart}: the low-pass filter `currents` leaves their noise, so that contact forces "
             "take recordings to fit that are as slow"
         )
-        return [Finding("robot", "slow samples", "note", 1, detail)]
+        return [Finding("robot", Found.SLOW_SAMPLES, "note", 1, detail)]
     detail = (
         f"{apart}, and {number(of_fit, 'g')} s in the recordings to fit: the low-pass filter "
         "`currents` leaves noise in motion that the bands of these do not hold, so that no contact "
         "force is estimated; record at their rate"
     )
     slower = period > MAX_PERIOD_RATIO * of_fit
-    return [Finding("robot", "slower than fit", "warning", 1, detail)] * slower
+    return [Finding("robot", Found.SLOWER_THAN_FIT, "warning", 1, detail)] * slower
 
 
 def slower_than_fit(
@@ -244,7 +245,7 @@ def _derivatives(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
             slopes = _slopes(robot, below, above, period)
             if slopes and not channel(robot, above).any():
                 detail = f"{above} is zero while {below} changes, as in an arm that is led by hand"
-                yield Finding("robot", "silent channel", "warning", len(slopes), detail)
+                yield Finding("robot", Found.SILENT_CHANNEL, "warning", len(slopes), detail)
                 continue
             wrong = [joint for joint, slope in slopes.items() if not 0.9 <= slope <= 1.1]
             if wrong:
@@ -268,7 +269,7 @@ def misread_velocities(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
                     f"{above} is not the velocity of {below}: the slopes of {below} are "
                     f"{number(np.median(wrong), '.3g')} times as large; correct columns and units"
                 )
-                yield contradiction("no velocity", "velocity", detail)
+                yield contradiction(CauseCode.NO_VELOCITY, "velocity", detail)
 
 
 def _slopes(robot: pd.DataFrame, below: str, above: str, period: float) -> dict[int, float]:
@@ -350,7 +351,7 @@ def _miscounted(robot: pd.DataFrame, positions: Sequence[tuple[float, float]]) -
         f"actual_q leaves the range of the arm's description ({each}): correct `home_deg`, "
         "`directions`, `coupling` or `gear_ratio`, or the limits of its `motors`"
     )
-    return [Finding("robot", "joints beyond their range", "warning", count, detail)]
+    return [Finding("robot", Found.JOINTS_BEYOND_THEIR_RANGE, "warning", count, detail)]
 
 
 def _limits(
@@ -359,7 +360,7 @@ def _limits(
     if (found := _excess(robot, name, bounds)) is not None:
         count, each = found
         detail = f"{name} exceeds the joints' limits ({each})"
-        yield Finding("robot", "joint limits", "note", count, detail)
+        yield Finding("robot", Found.JOINT_LIMITS, "note", count, detail)
 
 
 def _excess(
@@ -383,7 +384,7 @@ def _excess(
 
 
 def _inconsistent(count: int, detail: str) -> Finding:
-    return Finding("robot", "inconsistent channels", "warning", count, detail)
+    return Finding("robot", Found.INCONSISTENT_CHANNELS, "warning", count, detail)
 
 
 def are_recorded(robot: pd.DataFrame, *channels: str) -> bool:

@@ -13,6 +13,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ur5lib.checks.block_means import FULL_FRICTION_SPEED, BlockMeans
 from ur5lib.checks.channels import MIN_MOVING_SPEED
+from ur5lib.records.codes import Found
 from ur5lib.records.phrases import as_written, number
 from ur5lib.records.quality import CONTACT_TORQUE_SHARE, Finding
 from ur5lib.robots.description import Robot
@@ -20,7 +21,6 @@ from ur5lib.robots.statics import STANDARD_GRAVITY
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import runs
 
-CONTACT = "contact"  # the finding of one that the recording's role rules out
 WINDOW_BLOCKS = 5  # blocks, 0.5 s; shorter deviations are those of friction
 SETTLING_BLOCKS = 5  # blocks after a stop until friction no longer changes
 MIN_MOVING_BLOCKS = 100  # blocks in which a joint moves, which its friction is fitted to
@@ -48,7 +48,7 @@ def sensed_contacts(table: pd.DataFrame, mass: float) -> list[Finding]:
         "recording's role means that nothing touches the arm; give it the role contact, or declare "
         "`payload`"
     )
-    return [Finding("force", CONTACT, "warning", int(beyond.sum()), detail)]
+    return [Finding("force", Found.CONTACT, "warning", int(beyond.sum()), detail)]
 
 
 class FeltContact(NamedTuple):
@@ -76,7 +76,7 @@ class FeltContact(NamedTuple):
             else f"{differs}, but the recording's role means that nothing touches the arm; give it "
             "the role contact, cut the contact off by `from_s` and `to_s`, or declare `payload`"
         )
-        return Finding("robot", CONTACT, "warning", 1, detail)
+        return Finding("robot", Found.CONTACT, "warning", 1, detail)
 
 
 def felt_contact(means: BlockMeans, arm: Robot) -> FeltContact | None:
@@ -102,7 +102,7 @@ def unfelt_contacts(arm: Robot) -> Finding:
         f"contacts that change the motors' torques by less than {torques} Nm could not be noticed; "
         "the report finds weaker ones"
     )
-    return Finding("robot", "contact not checked", "note", 1, detail)
+    return Finding("robot", Found.CONTACT_NOT_CHECKED, "note", 1, detail)
 
 
 def deviations(means: BlockMeans, arm: Robot) -> Array:

@@ -18,6 +18,7 @@ from ur5lib.checks.block_means import BlockMeans, combination, fitted_load, size
 from ur5lib.checks.channels import MIN_MOVING_SPEED
 from ur5lib.checks.delays import CURRENT_NOISE, Delays, delays_by_motion
 from ur5lib.checks.innovations import innovation_likelihoods
+from ur5lib.records.codes import CauseCode
 from ur5lib.records.phrases import number
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
@@ -35,13 +36,12 @@ MIN_CONSTANT, MAX_CONSTANT = 2.5, 40.0  # Nm/A; the torque constants of common a
 # It is the largest ratio to the maker's torque constant, or its inverse. Beyond all errors, right
 # recordings need a factor of 1.51, without the worst arm 1.34.
 MAX_CONSTANT_RATIO = 1.75
-MILLIAMPERE_CODES = ("current in mA", "current not in mA")
-OPPOSITE_CODE = "opposite current"
-CONSTANTS_OF_UNITS = {  # Nm per “A” of what is no current in A, by the code of the stop sign
-    "torque as current": (0.5, 2.0),
-    MILLIAMPERE_CODES[0]: (1e-3 * MIN_CONSTANT, 1e-3 * MAX_CONSTANT),
-    MILLIAMPERE_CODES[1]: (1e3 * MIN_CONSTANT, 1e3 * MAX_CONSTANT),
-    OPPOSITE_CODE: (-MAX_CONSTANT, -MIN_CONSTANT),
+MILLIAMPERE_CODES = (CauseCode.CURRENT_IN_MA, CauseCode.CURRENT_NOT_IN_MA)
+CONSTANTS_OF_UNITS = {  # Nm per “A” of what is no current in A, by the cause
+    CauseCode.TORQUE_AS_CURRENT: (0.5, 2.0),
+    CauseCode.CURRENT_IN_MA: (1e-3 * MIN_CONSTANT, 1e-3 * MAX_CONSTANT),
+    CauseCode.CURRENT_NOT_IN_MA: (1e3 * MIN_CONSTANT, 1e3 * MAX_CONSTANT),
+    CauseCode.OPPOSITE_CURRENT: (-MAX_CONSTANT, -MIN_CONSTANT),
 }
 MIN_STANDARD_ERRORS = 5.0  # standard errors that are no chance
 # Gravity, friction and inertia may leave this share of a current's square.
@@ -117,7 +117,7 @@ def exchanged_efforts(pair: tuple[int, int], measured: Effort) -> Finding:
         f"the {measured.quantity}s of joints {pair[0] + 1} and {pair[1] + 1} are exchanged: each "
         f"follows the motion of the other joint; correct the columns of {measured.channel}"
     )
-    return contradiction("exchanged currents", "order", detail, [pair[0] + 1, pair[1] + 1])
+    return contradiction(CauseCode.EXCHANGED_CURRENTS, "order", detail, [pair[0] + 1, pair[1] + 1])
 
 
 def rubbing_joints(arm: Robot) -> Mask:
@@ -213,11 +213,11 @@ def foreign_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
         ):
             constant = 1 / (held.slope or 1e-9)
             shown = CONSTANTS_OF_UNITS if abs(held.slope) > away else {}
-            codes = (c for c, (low, high) in shown.items() if low <= constant <= high)
-            code = next(codes, "no current")
+            causes = (c for c, (low, high) in shown.items() if low <= constant <= high)
+            cause = next(causes, CauseCode.NO_CURRENT)
             motors = f"motors have {number(least, '.3g')} to {number(most, '.3g')} Nm/A"
-            detail = _unit_in_words(code, name, joint, number(constant, ".3g"), motors)
-            yield contradiction(code, "unit", detail, [joint + 1])
+            detail = _unit_in_words(cause, name, joint, number(constant, ".3g"), motors)
+            yield contradiction(cause, "unit", detail, [joint + 1])
 
 
 def possible_constants(arm: Robot, joint: int) -> tuple[float, float]:
@@ -229,24 +229,24 @@ def possible_constants(arm: Robot, joint: int) -> tuple[float, float]:
     return float(least), float(np.fmax(MAX_CONSTANT, described * MAX_CONSTANT_RATIO))
 
 
-def _unit_in_words(code: str, name: str, joint: int, constant: str, motors: str) -> str:
-    """Return the sentence on the unit of a channel; code: the stop sign's, a key of
-    CONSTANTS_OF_UNITS; constant: what gravity shows [Nm/A]; motors: what motors have, in words.
+def _unit_in_words(cause: CauseCode, name: str, joint: int, constant: str, motors: str) -> str:
+    """Return the sentence on the unit of a channel; cause: of the stop sign; constant: what gravity
+    shows [Nm/A]; motors: what motors have, in words.
     """
     holds = f"gravity's torque on joint {joint + 1} is {constant} Nm per A of"
-    if code == "torque as current":
+    if cause == CauseCode.TORQUE_AS_CURRENT:
         return (
             f"{name} is a torque in Nm, not a current in A ({holds} {name}); record currents, and "
             "name this column actual_current_as_torque"
         )
-    if code == MILLIAMPERE_CODES[0]:
+    if cause == CauseCode.CURRENT_IN_MA:
         return (
             f"{name} is in mA, not in A ({holds} {name}); give its unit, `{name}: mA`, under "
             "`units`"
         )
-    if code == MILLIAMPERE_CODES[1]:
+    if cause == CauseCode.CURRENT_NOT_IN_MA:
         return f"{name} is in A, not in mA ({holds} {name} as declared); correct its unit"
-    if code == OPPOSITE_CODE:
+    if cause == CauseCode.OPPOSITE_CURRENT:
         return (
             f"{name} has the opposite sign ({holds} it, and {motors}); give its "
             f"unit, `{name}: opposite`, under `units`, or correct `gravity`"
@@ -276,7 +276,7 @@ def undeclared_load(
                 f"by the currents, the arm carries {number(mass, '.1f')} kg more than the study "
                 "declares; declare it as `payload`, or fit to recordings without a load"
             )
-            yield contradiction("undeclared load", "payload", detail)
+            yield contradiction(CauseCode.UNDECLARED_LOAD, "payload", detail)
 
 
 def held_gravity(means: BlockMeans, gravity: Array, current: Array, joint: int) -> Held:

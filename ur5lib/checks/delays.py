@@ -9,6 +9,7 @@ import pandas as pd
 
 from ur5lib.checks.block_means import DECORRELATION_TIME
 from ur5lib.checks.channels import MIN_MOVING_SPEED
+from ur5lib.records.codes import CauseCode, Found
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
 from ur5lib.robots.friction import PRESLIDING_DISTANCE, friction_direction
@@ -125,14 +126,15 @@ def delayed_currents(delays: Delays, driven: bool, name: str) -> Iterator[Findin
     """
     if (delay := delays.shown(driven)) is None:
         return
-    code, side = ("late current", "later") if delay > 0 else ("early current", "earlier")
+    late, early = (CauseCode.LATE_CURRENT, "later"), (CauseCode.EARLY_CURRENT, "earlier")
+    cause, side = late if delay > 0 else early
     seen = f"{name} comes {abs(delay):.2f} s {side} than the motion"
     if delays.is_doubtful():
         detail = f"{seen}, or friction reverses over {1e3 * max(REVERSALS):g} mrad: check the clock"
-        yield Finding("robot", "possible delay", "warning", 1, detail, code=code)
+        yield Finding("robot", Found.POSSIBLE_DELAY, "warning", 1, detail, cause=cause)
     else:
         detail = f"{seen}; record both with one clock, or correct the time of one"
-        yield contradiction(code, "delay", detail)
+        yield contradiction(cause, "delay", detail)
 
 
 def delayed_joint(delays: Delays, rubs: bool, name: str) -> Iterator[Finding]:
@@ -143,18 +145,19 @@ def delayed_joint(delays: Delays, rubs: bool, name: str) -> Iterator[Finding]:
     if (found := delays.late_joint(rubs)) is None:
         return
     (joint, delay), number = found, found[0] + 1
-    code, side = ("late joint", "later") if delay > 0 else ("early joint", "earlier")
+    late, early = (CauseCode.LATE_JOINT, "later"), (CauseCode.EARLY_JOINT, "earlier")
+    cause, side = late if delay > 0 else early
     detail = (
         f"{name} of joint {number} comes {abs(delay):.2f} s {side} than its motion, those of the "
         "others do not; correct the time of this column"
     )
-    sign = contradiction(code, "delay", detail, [number])
+    sign = contradiction(cause, "delay", detail, [number])
     yield as_warning(sign) if delays.of_joint(joint).is_doubtful() else sign
 
 
 def as_warning(delay: Finding) -> Finding:
     """Return the stop sign of a delay as the warning of a possible one."""
-    return replace(delay, finding="possible delay", severity="warning", kind="")
+    return replace(delay, code=Found.POSSIBLE_DELAY, severity="warning", kind="")
 
 
 def delays_by_motion(robot: pd.DataFrame, arm: Robot, step: float, cutoff: float) -> Delays:

@@ -11,6 +11,7 @@ from ur5lib.checks.channels import check_robot
 from ur5lib.checks.named_rates import other_named_rate
 from ur5lib.checks.parts_of_runs import Ends, as_text
 from ur5lib.recordings.intake import Intake
+from ur5lib.records.codes import Found
 from ur5lib.records.phrases import number
 from ur5lib.records.quality import Device, Finding
 from ur5lib.robots.description import FullScale, Robot
@@ -69,7 +70,7 @@ def _saturation(table: pd.DataFrame) -> Iterator[Finding]:
         detail = (
             f"{', '.join(channels)} stay at their largest value; larger forces are not recorded"
         )
-        yield Finding("force", "saturation", "warning", count, detail, channels=channels)
+        yield Finding("force", Found.SATURATION, "warning", count, detail, channels=channels)
 
 
 def _looks_like_imu(table: pd.DataFrame) -> Iterator[Finding]:
@@ -85,7 +86,7 @@ def _looks_like_imu(table: pd.DataFrame) -> Iterator[Finding]:
             "like the acceleration from an IMU or the weight of 1 kg; check which file the study "
             "names"
         )
-        yield Finding("force", "size of gravity", "warning", len(table), detail)
+        yield Finding("force", Found.SIZE_OF_GRAVITY, "warning", len(table), detail)
 
 
 def _clipped(table: pd.DataFrame, full_scale: FullScale) -> Iterator[Finding]:
@@ -101,7 +102,7 @@ def _clipped(table: pd.DataFrame, full_scale: FullScale) -> Iterator[Finding]:
             f"{number(full_scale.angular_rate_deg, 'g')} °/s); larger values are not recorded"
         )
         count = int(reached.any(axis=1).sum())
-        yield Finding("imu", "saturation", "warning", count, detail)
+        yield Finding("imu", Found.SATURATION, "warning", count, detail)
 
 
 def _gravity(table: pd.DataFrame) -> Iterator[Finding]:
@@ -113,4 +114,4 @@ def _gravity(table: pd.DataFrame) -> Iterator[Finding]:
             f"the median specific force is {number(norm, '.3g')} m/s² instead of 9.8 m/s²; check "
             "which file the study names, its columns and its units"
         )
-        yield Finding("imu", "no gravity", "warning", len(table), detail)
+        yield Finding("imu", Found.NO_GRAVITY, "warning", len(table), detail)

@@ -8,15 +8,15 @@ import numpy as np
 
 from ur5lib.checks.by_motion import MAX_LEAD_OF_ANY_LINKS, MIN_ERRORS, MotionChecks
 from ur5lib.checks.whole_motion import STRETCHES, Misfit, Regression, WholeMotion, lead
+from ur5lib.records.codes import CauseCode, Found
 from ur5lib.records.phrases import numbered
 from ur5lib.records.quality import Finding
 from ur5lib.robots.inertia import inertial_parameters, rigid_bodies
 from ur5lib.timeseries.arrays import Array
 
-DOUBT = "links in doubt"  # the finding
 # A load's centre of mass lies within this distance of the last joint's frame.
 MAX_CENTER_DISTANCE = 0.3  # m
-OTHER_LINKS = "doubtful links"  # its code where nothing else heals the description
+Remedy = tuple[CauseCode, Misfit, list[int]]
 
 
 def doubted_links(checks: MotionChecks) -> Iterator[Finding]:
@@ -28,13 +28,13 @@ def doubted_links(checks: MotionChecks) -> Iterator[Finding]:
         return
     arm, best = checks.arm, first.by_any_links
     doubted = [joint for joint in checks.moving if _is_worse(first.by_links, best, joint)]
-    for code, misfit, joints in _remedies(checks.motion, doubted) if doubted else ():
+    for cause, misfit, joints in _remedies(checks.motion, doubted) if doubted else ():
         healed = [j for j in doubted if j in joints and not _is_worse(misfit, best, j)]
         doubted = [joint for joint in doubted if joint not in healed]
         if healed:
-            yield _doubt(code, arm.name, healed)
+            yield _doubt(cause, arm.name, healed)
     if doubted and not arm.has_ur_motors():  # a UR's links are certain
-        yield _doubt(OTHER_LINKS, arm.name, doubted)
+        yield _doubt(CauseCode.DOUBTFUL_LINKS, arm.name, doubted)
 
 
 def doubts_by_joint(findings: Iterable[Finding]) -> dict[int, Finding]:
@@ -43,13 +43,13 @@ def doubts_by_joint(findings: Iterable[Finding]) -> dict[int, Finding]:
     """
     found: dict[int, list[Finding]] = {}
     for one in findings:
-        for joint in one.joints if one.finding == DOUBT else ():
+        for joint in one.joints if one.code == Found.LINKS_IN_DOUBT else ():
             found.setdefault(joint, []).append(one)
     return {joint: max(own, key=partial(_weight, own)) for joint, own in found.items()}
 
 
 def _weight(doubts: list[Finding], doubt: Finding) -> tuple[bool, int]:
-    return doubt.code != OTHER_LINKS, [one.code for one in doubts].count(doubt.code)
+    return doubt.cause != CauseCode.DOUBTFUL_LINKS, [one.cause for one in doubts].count(doubt.cause)
 
 
 def _is_worse(misfit: Misfit, by_any_links: Misfit, joint: int) -> bool:
@@ -60,41 +60,42 @@ def _is_worse(misfit: Misfit, by_any_links: Misfit, joint: int) -> bool:
     return ahead.size > MAX_LEAD_OF_ANY_LINKS and ahead.errors > MIN_ERRORS
 
 
-def _doubt(code: str, arm: str, joints: list[int]) -> Finding:
+def _doubt(cause: CauseCode, arm: str, joints: list[int]) -> Finding:
     numbers = tuple(joint + 1 for joint in joints)
-    detail = doubt_in_words(code, arm, numbers)
-    return Finding("robot", DOUBT, "note", len(joints), detail, code=code, joints=numbers)
+    detail = doubt_in_words(cause, arm, numbers)
+    code = Found.LINKS_IN_DOUBT
+    return Finding("robot", code, "note", len(joints), detail, cause=cause, joints=numbers)
 
 
-def doubt_in_words(code: str, arm: str, joints: Sequence[int]) -> str:
+def doubt_in_words(cause: CauseCode | None, arm: str, joints: Sequence[int]) -> str:
     """Return what the torques of joints, from 1, show of an arm's description."""
     named = f"{numbered(joints)} of {arm}"
     return {
-        "missing rotors": (
+        CauseCode.MISSING_ROTORS: (
             f"the torques of {named} show rotors of motors that its description lacks; give their "
             "`rotor_inertia` and `gear_ratio` in `motors`"
         ),
-        "surplus rotors": (
+        CauseCode.SURPLUS_ROTORS: (
             f"the torques of {named} show less inertia than its description has there, as if "
             "without the motors' rotors; correct `rotor_inertia` in `motors`"
         ),
-        "missing load": (
+        CauseCode.MISSING_LOAD: (
             f"the torques of {named} show a load on the flange that nothing declares; declare it "
             "as `payload`"
         ),
-        "missing spring": (
+        CauseCode.MISSING_SPRING: (
             f"the torques of {named} show a spring or a counterbalance; write `balanced_joints: "
             f"[{', '.join(map(str, joints))}]` into its description"
         ),
-        OTHER_LINKS: (
+        CauseCode.DOUBTFUL_LINKS: (
             f"other links would explain the torques of {numbered(joints)} far better than those "
             f"that the description of {arm} has; correct them, or say `links: unknown` there"
         ),
-    }[code]
+    }[cause or CauseCode.DOUBTFUL_LINKS]
 
 
-def _remedies(motion: WholeMotion, joints: list[int]) -> Iterator[tuple[str, Misfit, list[int]]]:
-    """Yield, for each correction of the description, its code, its misfit and the joints, from 0,
+def _remedies(motion: WholeMotion, joints: list[int]) -> Iterator[Remedy]:
+    """Yield, for each correction of the description, the cause, its misfit and the joints, from 0,
     that it may heal: no rotor has a negative inertia, a load has a mass near the flange, and a UR
     no spring.
     """
@@ -114,12 +115,12 @@ def _remedies(motion: WholeMotion, joints: list[int]) -> Iterator[tuple[str, Mis
     bodies = rigid_bodies(motion.arm, motion.arm.fullest_model())
     described = inertial_parameters(motion.arm, bodies)[last + 10 :]
     more = (described == 0) & (inertia > error)
-    yield "missing rotors", misfit, np.flatnonzero(more).tolist()
+    yield CauseCode.MISSING_ROTORS, misfit, np.flatnonzero(more).tolist()
     less = (described > 0) & (inertia < -error) & (described + inertia > -error)
-    yield "surplus rotors", misfit, np.flatnonzero(less).tolist()
+    yield CauseCode.SURPLUS_ROTORS, misfit, np.flatnonzero(less).tolist()
     misfit, body, error = fitted(scale[:, None] * motion.regressor[:, :, last : last + 10])
     if body[0] > max(error[0], np.linalg.norm(body[1:4]) / MAX_CENTER_DISTANCE):
-        yield "missing load", misfit, joints
+        yield CauseCode.MISSING_LOAD, misfit, joints
     if motion.arm.has_ur_motors():
         return
     q = motion.means.q
@@ -130,4 +131,4 @@ def _remedies(motion: WholeMotion, joints: list[int]) -> Iterator[tuple[str, Mis
     for k, joint in enumerate(joints):
         own = q[:, joint]
         springs[:, joint, 3 * k : 3 * k + 3] = np.column_stack([own, np.sin(own), np.cos(own)])
-    yield "missing spring", fitted(springs)[0], joints
+    yield CauseCode.MISSING_SPRING, fitted(springs)[0], joints

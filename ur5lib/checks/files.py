@@ -6,17 +6,16 @@ from typing import Any, cast
 import numpy as np
 import pandas as pd
 
-from ur5lib.checks.parts_of_runs import ENDS, PARTS, parts_seen
+from ur5lib.checks.parts_of_runs import parts_seen
 from ur5lib.recordings.copies import same_runs, spare_copy
 from ur5lib.records.account import NOTHING
 from ur5lib.records.clocks import SettledClock
+from ur5lib.records.codes import Found
 from ur5lib.records.judgement import ClockRow, FileRead, QualityRow, RecordingSummary
 from ur5lib.records.phrases import number
-from ur5lib.records.quality import SAME_RUN, UNREADABLE, Contradictions, Device, Finding, Quality
+from ur5lib.records.quality import Contradictions, Device, Finding, Quality
 from ur5lib.records.signals import Signals
 
-UNUSED = "columns not used"  # the finding that import left them out
-SAME = "same file"  # the finding that a device's file is a copy of another recording's
 TRAVEL = 0.02  # rad; the ends of a moving joint's path are this far apart
 
 
@@ -79,11 +78,14 @@ def findings(
     found = [*contradictions.stop_signs, *quality.findings, *contradictions.findings]
     for row in quality.account:
         for columns in row.subject.split(", ") if row.taken_for == NOTHING else ():
-            found.append(Finding("robot", UNUSED, "note", 1, f"{columns}: {row.reason}", columns))
+            why = f"{columns}: {row.reason}", columns
+            found.append(Finding("robot", Found.COLUMNS_NOT_USED, "note", 1, *why))
     for device, checksum in quality.files.items():
-        found.append(Finding(device, SAME, "note", int(device in quality.devices), checksum))
-    found.append(Finding("robot", SAME_RUN, "note", 0, " ".join(map(str, quality.fingerprint))))
-    found.append(Finding("robot", ENDS, "note", 0, quality.ends))
+        used = int(device in quality.devices)
+        found.append(Finding(device, Found.SAME_FILE, "note", used, checksum))
+    fingerprint = " ".join(map(str, quality.fingerprint))
+    found.append(Finding("robot", Found.SAME_RUN, "note", 0, fingerprint))
+    found.append(Finding("robot", Found.ENDS, "note", 0, quality.ends))
     for sensor, clock in (clocks or {}).items():
         found += _doubts_of(cast(Device, sensor), clock)
     return found
@@ -95,25 +97,25 @@ def _doubts_of(device: Device, clock: SettledClock) -> Iterator[Finding]:
     accurate = f"accurate to {start} s at the start and {end} s at the end"
     if clock.warning is not None:
         detail = f"{clock.warning.text}; {accurate}"
-        yield Finding(device, "clock by stamps alone", "warning", 1, detail)
+        yield Finding(device, Found.CLOCK_BY_STAMPS_ALONE, "warning", 1, detail)
     elif clock.drift is None:
         detail = (
             f"its clock is known from its start stamp only, {accurate}; if one computer timestamps "
             "both this device and an IMU, list both under `hosts`"
         )
-        yield Finding(device, "unknown drift", "warning", 1, detail)
+        yield Finding(device, Found.UNKNOWN_DRIFT, "warning", 1, detail)
 
 
 def quality_row(finding: Finding) -> QualityRow:
     """Return a finding as a row of quality.csv."""
-    names = ("device", "finding", "severity", "count", "place")
-    return QualityRow(**{name: getattr(finding, name) for name in names}, detail=finding.sentence())
+    names = ("device", "severity", "count", "place", "code")
+    own: dict[str, Any] = {name: getattr(finding, name) for name in names}
+    return QualityRow(finding=finding.code.words, detail=finding.sentence(), **own)
 
 
 def unreadable(reason: str) -> QualityRow:
     """Return the row of quality.csv with the stop sign of a recording that cannot be read."""
-    about: dict[str, Any] = {"device": "robot", "finding": UNREADABLE, "severity": "stop"}
-    return QualityRow(**about, count=1, detail=reason)
+    return quality_row(Finding("robot", Found.UNREADABLE, "stop", 1, reason))
 
 
 def spare_copies(quality: pd.DataFrame, roles: Mapping[str, str]) -> list[str]:
@@ -121,7 +123,7 @@ def spare_copies(quality: pd.DataFrame, roles: Mapping[str, str]) -> list[str]:
 
     quality: with all robots' rows; roles: of all recordings, by name.
     """
-    pairs = _same_runs(quality[quality["finding"] == SAME_RUN])
+    pairs = _same_runs(quality[quality["code"] == Found.SAME_RUN])
     return [name for pair in pairs if (name := spare_copy(pair, roles))]
 
 
@@ -132,7 +134,8 @@ def name_copies(quality: pd.DataFrame, roles: Mapping[str, str] | None = None) -
     quality: with the notes on all device files and robots' rows; the finding of each copy names the
     other recordings; roles: by recording, which decide whether a copy is left out or a stop sign.
     """
-    files, runs, ends = (quality[quality["finding"] == kind] for kind in (SAME, SAME_RUN, ENDS))
+    kinds = Found.SAME_FILE, Found.SAME_RUN, Found.ENDS
+    files, runs, ends = (quality[quality["code"] == kind] for kind in kinds)
     alike = files.groupby(["device", "detail"], sort=False)
     copies = {at: _copy(files.loc[at], own) for _, own in alike if len(own) > 1 for at in own.index}
     copies |= _repeated(runs, roles or {})
@@ -174,8 +177,10 @@ def _neighbours(ends: pd.DataFrame, roles: Mapping[str, str]) -> dict[Any, dict[
     """Return, by index of `ends`, the findings of recordings that are a part of a fitted run."""
     details = ends["detail"].fillna("").astype(str)
     fitted = dict(parts_seen(dict(zip(ends["recording"], details, strict=True)), roles))
+    parts = Found.PARTS_OF_ONE_RUN
+    about = {"code": parts, "finding": parts.words, "count": 1}
     return {
-        at: {**row, "finding": PARTS, "count": 1, "detail": _part(row["recording"], fitted)}
+        at: {**row, **about, "detail": _part(row["recording"], fitted)}
         for at, row in ends.iterrows()
         if row["recording"] in fitted
     }

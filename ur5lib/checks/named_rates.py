@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable, Iterator
 
+from ur5lib.records.codes import Found
 from ur5lib.records.phrases import number
 from ur5lib.records.quality import Finding
 
@@ -27,7 +28,7 @@ def other_named_rate(names: Iterable[str], period: float) -> Iterator[Finding]:
                 f"it is right, velocities are {number(ratio, '.3g')} times as large; check the "
                 "clock, and the unit of `time`"
             )
-            yield Finding("robot", "other rate than named", "warning", 1, detail)
+            yield Finding("robot", Found.OTHER_RATE_THAN_NAMED, "warning", 1, detail)
 
 
 def _rate(value: str, unit: str) -> float:

@@ -17,7 +17,6 @@ from ur5lib.records.quality import Quality
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 
-ENDS, PARTS = "ends", "parts of one run"  # findings: of each recording, and of two
 MAX_PERIODS = 5  # one part follows another within this many periods
 MAX_DEVIATION = 1e-3  # rad; a posture differs by at most this from where the velocities lead
 MAX_ACCELERATION = 10.0  # rad/s²; velocities on both sides may differ by what this gives

@@ -14,6 +14,7 @@ from ur5lib.checks.currents import MAX_CONSTANT_RATIO, foreign_currents
 from ur5lib.checks.readings import exchanged_order, in_order, readings
 from ur5lib.checks.torques import foreign_torque
 from ur5lib.records.accepted import up_to_first_standing
+from ur5lib.records.codes import CauseCode, Found
 from ur5lib.records.phrases import number, numbered
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Payload, Robot
@@ -81,7 +82,7 @@ def _contradictions(
             f"the sign of the {means.measured.quantity} of joint {joint + 1} is reversed: it would "
             "drive the joint with gravity; correct the column, or `directions`"
         )
-        yield contradiction("turned current at rest", "sign", detail)
+        yield contradiction(CauseCode.TURNED_CURRENT_AT_REST, "sign", detail)
     yield from foreign_currents(means, loaded)
     yield from _exchanged_joints(means, loaded)
     yield from _unexplained(means, loaded)
@@ -89,7 +90,7 @@ def _contradictions(
     small = [one for smaller, one in _unlike_constants(means, loaded) if smaller]
     if small:
         detail = contradicting_constants(small, means.measured)
-        yield contradiction("contradicting constants", "constants", detail)
+        yield contradiction(CauseCode.CONTRADICTING_CONSTANTS, "constants", detail)
 
 
 def _exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
@@ -107,7 +108,7 @@ def _exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
             f"joints {best[0] + 1} and {best[1] + 1} are exchanged: gravity explains the "
             f"{means.measured.quantity}s far better with their columns swapped; correct the columns"
         )
-        yield contradiction("exchanged joints at rest", "order", detail)
+        yield contradiction(CauseCode.EXCHANGED_JOINTS_AT_REST, "order", detail)
 
 
 def _foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iterator[Finding]:
@@ -119,7 +120,7 @@ def _foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iter
             f"the {means.measured.quantity}s are not those of {arm.name}: the gravity of `robot: "
             f"{best}` explains them far better; correct `robot`, or columns and units"
         )
-        yield contradiction("other arm's currents at rest", "robot", detail)
+        yield contradiction(CauseCode.OTHER_ARMS_CURRENTS_AT_REST, "robot", detail)
 
 
 def _likelier_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> str | None:
@@ -162,7 +163,7 @@ def what_gravity_shows(means: BlockMeans, arm: Robot, payload: Payload | None) -
             f"checked: friction, velocities, delays{hidden}{_alike_in_words(means, arm, payload)}"
         )
     detail = f"postures at rest, without time: {told}"
-    return [Finding("robot", "postures", "note", len(means.q), detail)]
+    return [Finding("robot", Found.POSTURES, "note", len(means.q), detail)]
 
 
 def _alike_in_words(means: BlockMeans, arm: Robot, payload: Payload | None) -> str:
@@ -179,7 +180,7 @@ def large_constants(means: BlockMeans, arm: Robot) -> list[Finding]:
         f"the {means.measured.quantity} lacks torque, or `robot`, `payload`, columns or units are "
         "wrong"
     )
-    return [Finding("robot", "torque constants", "warning", len(each), detail)] if each else []
+    return [Finding("robot", Found.TORQUE_CONSTANTS, "warning", len(each), detail)] if each else []
 
 
 def _arms_alike(means: BlockMeans, arm: Robot, payload: Payload | None) -> list[str]:
@@ -220,7 +221,7 @@ def _unexplained(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
             f"joint {joint + 1}, which should hold little else; correct `robot`, `gravity`, "
             "`payload`, or columns and units"
         )
-        yield contradiction("gravity unexplained", "robot", detail)
+        yield contradiction(CauseCode.GRAVITY_UNEXPLAINED, "robot", detail)
 
 
 def _unlike_constants(means: BlockMeans, arm: Robot) -> Iterator[tuple[bool, str]]:

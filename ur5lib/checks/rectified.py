@@ -7,6 +7,7 @@ import numpy as np
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.channels import MIN_MOVING_SPEED
 from ur5lib.checks.delays import CURRENT_NOISE
+from ur5lib.records.codes import CauseCode
 from ur5lib.records.phrases import numbered
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
@@ -30,7 +31,7 @@ def rectified_efforts(means: BlockMeans, arm: Robot, name: str) -> Iterator[Find
             f"{numbered(joint + 1 for joint in joints)} change their direction, but no value its "
             "sign; record it with its sign"
         )
-        yield contradiction("rectified efforts", "rectified", detail)
+        yield contradiction(CauseCode.RECTIFIED_EFFORTS, "rectified", detail)
 
 
 def unsigned_joints(means: BlockMeans, effort: Array, arm: Robot) -> list[int]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from ur5lib.checks.block_means import BlockMeans, size
 from ur5lib.checks.currents import moving_joints
+from ur5lib.records.codes import CauseCode
 from ur5lib.records.phrases import number, numbered
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
@@ -37,13 +38,13 @@ def _foreign_size(ratio: float, arm: Robot, by_links: bool) -> Finding:
             f"{number(sum(arm.masses), '.3g')} kg of the links of {arm.name}; correct its unit or "
             "columns, or say `links: unknown` in the description if the masses there are guesses"
         )
-        return contradiction("foreign size of links", "unit", detail)
+        return contradiction(CauseCode.FOREIGN_SIZE_OF_LINKS, "unit", detail)
     detail = (
         f"actual_torque is {number(ratio, '.2g')} times what would hold an arm of "
         f"{number(arm.weight, 'g')} kg; correct its unit or columns, `gear_ratio` and `effort` of "
         f"{arm.name}, or its `weight`"
     )
-    return contradiction("foreign size", "unit", detail)
+    return contradiction(CauseCode.FOREIGN_SIZE, "unit", detail)
 
 
 def size_ratio(means: BlockMeans, arm: Robot) -> float | None:
@@ -73,4 +74,4 @@ def constant_torques(means: BlockMeans) -> Iterator[Finding]:
             f"actual_torque does not change on {numbered(still)} while the motion does; correct "
             "the columns, or leave actual_torque out"
         )
-        yield contradiction("constant torques", "torques", detail)
+        yield contradiction(CauseCode.CONSTANT_TORQUES, "torques", detail)

@@ -15,7 +15,6 @@ from ur5lib.checks.channels import misread_velocities, untold_motion
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import (
     MILLIAMPERE_CODES,
-    OPPOSITE_CODE,
     exchanged_currents,
     follows_its_model,
     foreign_currents,
@@ -33,6 +32,7 @@ from ur5lib.checks.targets import scaled_currents
 from ur5lib.checks.tool import tool_off_flange
 from ur5lib.checks.torques import foreign_torque
 from ur5lib.records.accepted import up_to_first_standing
+from ur5lib.records.codes import CauseCode
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.tables import channel
 
@@ -69,7 +69,7 @@ def _simulated(names: Sequence[str]) -> Finding:
         "no real arm's, so that nothing about an arm follows from this; take a recording of the "
         "arm itself, or correct the columns"
     )
-    return contradiction("simulated", "targets", detail)
+    return contradiction(CauseCode.SIMULATED, "targets", detail)
 
 
 def _exchanged_channels(name: str) -> Finding:
@@ -77,7 +77,7 @@ def _exchanged_channels(name: str) -> Finding:
         f"actual_{name} and target_{name} are exchanged: actual_{name} has no noise, like a "
         "target; correct the columns"
     )
-    return contradiction("exchanged channels", "targets", detail)
+    return contradiction(CauseCode.EXCHANGED_CHANNELS, "targets", detail)
 
 
 def _contradictions(checked: Checked) -> Iterator[Finding]:
@@ -149,12 +149,13 @@ def _explains(cause: Cause, units: list[Finding], motion: MotionChecks | None) -
     """Return whether a cause explains foreign units, too, and better than the opposite sign does;
     true without any, false for milliamperes. units: the findings of foreign units.
     """
-    codes = {one.code for one in units}
-    if codes.intersection(MILLIAMPERE_CODES):
+    causes = {one.cause for one in units}
+    if causes.intersection(MILLIAMPERE_CODES):
         return False
-    if motion is not None and OPPOSITE_CODE in codes and cause.gain < motion.gain_of_opposite():
+    is_opposite = CauseCode.OPPOSITE_CURRENT in causes
+    if motion is not None and is_opposite and cause.gain < motion.gain_of_opposite():
         return False
-    return not codes or not any(foreign_currents(cause.means, cause.arm))
+    return not causes or not any(foreign_currents(cause.means, cause.arm))
 
 
 def _mountings(checked: Checked) -> Iterator[Cause]:

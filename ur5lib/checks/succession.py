@@ -3,6 +3,7 @@
 import numpy as np
 
 from ur5lib.records.account import AccountRow
+from ur5lib.records.codes import Found
 from ur5lib.records.motion import SAME_POSTURE
 from ur5lib.records.phrases import number
 from ur5lib.records.quality import Finding
@@ -22,7 +23,7 @@ def moved_between(before: str, change: Array) -> Finding | None:
         f"{before}: the arm was moved in between, and what friction remembers of {before} is not "
         "used; correct `after`, or remove it"
     )
-    return Finding("robot", "moved in between", "warning", 1, detail, joints=(joint + 1,))
+    return Finding("robot", Found.MOVED_IN_BETWEEN, "warning", 1, detail, joints=(joint + 1,))
 
 
 def stated_succession(before: str, change: Array) -> AccountRow:

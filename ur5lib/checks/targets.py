@@ -11,8 +11,9 @@ from ur5lib.channels import MEASURED_CURRENT, TARGET_CURRENT
 from ur5lib.checks.arm import Constants, torque_constants
 from ur5lib.checks.block_means import BlockMeans, combination
 from ur5lib.checks.currents import moving_joints
+from ur5lib.records.codes import CauseCode, Found
 from ur5lib.records.phrases import number
-from ur5lib.records.quality import ODD_TARGET, Finding, contradiction
+from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
 
 # Current per target. It is 0.87 to 1.5 in right recordings, loads included.
@@ -31,7 +32,7 @@ def scaled_currents(means: BlockMeans, odd: Container[int]) -> Iterator[Finding]
                 f"the current of joint {joint + 1} is {number(ratio, '.2f')} times its target; "
                 "correct its unit or column, or declare the load as `payload`"
             )
-            yield contradiction("scaled current", "unit", detail, [joint + 1])
+            yield contradiction(CauseCode.SCALED_CURRENT, "unit", detail, [joint + 1])
 
 
 def odd_targets(means: BlockMeans, arm: Robot) -> dict[int, Finding]:
@@ -66,7 +67,7 @@ def _odd_target(joint: int, ratio: float, measured: Constants, targeted: Constan
         f"{number(by_target, '.3g')}; known: {number(known, '.3g')}): the target is not that of "
         "this motor, and the fit takes no torque constant from it"
     )
-    return Finding("robot", ODD_TARGET, "warning", 1, detail, joints=(joint + 1,))
+    return Finding("robot", Found.ODD_TARGET, "warning", 1, detail, joints=(joint + 1,))
 
 
 def unlike_targets(means: BlockMeans) -> Iterator[tuple[int, float]]:

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.channels import columns, joint_count
+from ur5lib.records.codes import CauseCode
 from ur5lib.records.phrases import number
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
@@ -27,7 +28,7 @@ def tool_off_flange(robot: pd.DataFrame, arm: Robot) -> Iterator[Finding]:
             f"by actual_TCP_pose, the tool moves by {number(1000 * distance, '.0f')} mm (median) "
             f"on the flange of {arm.name}; correct `robot`, or columns and units"
         )
-        yield contradiction("tool off flange", "robot", detail)
+        yield contradiction(CauseCode.TOOL_OFF_FLANGE, "robot", detail)
 
 
 def tool_and_angles(robot: pd.DataFrame) -> tuple[Array, Array]:

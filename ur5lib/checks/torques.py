@@ -8,8 +8,9 @@ import numpy as np
 from ur5lib.checks.arm import MIN_LEAD_OF_ARM, MOUNTINGS, mounting_as_cause, robots_as_cause
 from ur5lib.checks.block_means import BlockMeans, fitted_load, size
 from ur5lib.checks.checked import MIN_BLOCKS, Checked, arms_alike
+from ur5lib.records.codes import CauseCode, Found
 from ur5lib.records.phrases import number
-from ur5lib.records.quality import GIVEN_LOAD, MAX_SHARE_UNMODELLED, Finding, contradiction
+from ur5lib.records.quality import MAX_SHARE_UNMODELLED, Finding, contradiction
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.robots.statics import load_torque
 from ur5lib.timeseries.arrays import Array
@@ -52,8 +53,8 @@ def _other_torque(arm: Robot, share: float, fitting: Sequence[str]) -> Finding:
         f"target_moment differs from the torque of {arm.name} by {number(share, '.0%')} of its "
         f"size{cause}; correct `robot`, `gravity`, `payload`, or columns and units"
     )
-    code = "other torque of known cause" if fitting else "other torque"
-    return contradiction(code, "robot", detail)
+    one, other = CauseCode.OTHER_TORQUE_OF_KNOWN_CAUSE, CauseCode.OTHER_TORQUE
+    return contradiction(one if fitting else other, "robot", detail)
 
 
 def is_foreign(
@@ -76,7 +77,7 @@ def given_load(checked: Checked) -> Iterator[Finding]:
                 "recording names: declare it as `payload` if the arm carries it; link models are "
                 "compared without it"
             )
-            yield Finding("robot", GIVEN_LOAD, "warning", 1, detail)
+            yield Finding("robot", Found.GIVEN_LOAD, "warning", 1, detail)
 
 
 def _as_load(means: BlockMeans, residual: Array, arm: Robot) -> tuple[float, float]:

@@ -16,6 +16,7 @@ from ur5lib.checks.tool import (
     tool_off_flange,
 )
 from ur5lib.checks.torques import is_foreign
+from ur5lib.records.codes import Found
 from ur5lib.records.phrases import number, numbered
 from ur5lib.records.quality import Finding, Severity
 
@@ -30,12 +31,12 @@ def unchecked(checked: Checked) -> list[Finding]:
     if len(checked.means.q) < MIN_BLOCKS:
         seconds = number(len(checked.robot) * checked.step, ".1f")
         detail = f"arm, columns, units and clocks could not be checked: {seconds} s are too short"
-        return [_note("nothing checked", detail)]
+        return [_note(Found.NOTHING_CHECKED, detail)]
     return [*_arm(checked), *_order(checked), *_currents(checked), *checked.doubted_links]
 
 
-def _note(finding: str, detail: str) -> Finding:
-    return Finding("robot", finding, "note", 1, detail)
+def _note(code: Found, detail: str) -> Finding:
+    return Finding("robot", code, "note", 1, detail)
 
 
 def _arm(checked: Checked) -> Iterator[Finding]:
@@ -60,7 +61,7 @@ def _arm(checked: Checked) -> Iterator[Finding]:
             f"`robot: {checked.arm.name}` could not be told from {' or '.join(names)}: "
             f"{' or '.join(absent)} would tell"
         )
-        yield _note("arm not checked", detail)
+        yield _note(Found.ARM_NOT_CHECKED, detail)
 
 
 def _order(checked: Checked) -> Iterator[Finding]:
@@ -76,7 +77,7 @@ def _order(checked: Checked) -> Iterator[Finding]:
             f"exchanged columns of joints {_named(open_pairs)} could not be noticed: neither pose, "
             "torque nor current tells these joints apart"
         )
-        yield _note("order not checked", detail)
+        yield _note(Found.ORDER_NOT_CHECKED, detail)
 
 
 def _named(pairs: Iterable[Pair]) -> str:
@@ -128,19 +129,19 @@ def _currents(checked: Checked) -> Iterator[Finding]:
             "the unit of actual_current could not be checked: gravity bears less than "
             f"{MIN_GRAVITY_TORQUE:g} Nm on every joint, or does not explain the currents"
         )
-        yield _note("unit not checked", detail)
+        yield _note(Found.UNIT_NOT_CHECKED, detail)
     if sensed and size_ratio(means, checked.loaded) is None:
         detail = (
             f"the unit of actual_torque could not be checked: {checked.arm.name} has no `weight` "
             "[kg], or bears little here"
         )
-        yield _note("size not checked", detail)
+        yield _note(Found.SIZE_NOT_CHECKED, detail)
     if checked.answers is None and not sensed:
         detail = (
             "order, sign and delay of actual_current could not be checked: no motor moves its "
             "joint against friction"
         )
-        yield _note("currents not checked", detail)
+        yield _note(Found.CURRENTS_NOT_CHECKED, detail)
         return
     yield from _by_motion(checked, bearing)
 
@@ -152,7 +153,7 @@ def _no_currents(checked: Checked) -> Finding:
         f"no {measured.channel}: without {measured.quantity}s, there are no friction, no "
         f"{measured.constant}s and no contact forces; record them, or name their columns"
     )
-    return Finding("robot", "no currents", severity, 1, detail)
+    return Finding("robot", Found.NO_CURRENTS, severity, 1, detail)
 
 
 def _by_motion(checked: Checked, bearing: Container[int]) -> Iterator[Finding]:
@@ -170,25 +171,25 @@ def _by_motion(checked: Checked, bearing: Container[int]) -> Iterator[Finding]:
             f"the sign of the current or torque of {numbered(open_signs)} could not be checked: "
             "too little is borne, moved or rubbed there"
         )
-        yield _note("sign not checked", detail)
+        yield _note(Found.SIGN_NOT_CHECKED, detail)
     if pairs := [*_pairs_alike(checked)]:
         detail = (
             f"exchanged currents or torques of joints {_named(pairs)} could not be noticed: one of "
             "the two moves too little, or as the other"
         )
-        yield _note("columns not checked", detail)
+        yield _note(Found.COLUMNS_NOT_CHECKED, detail)
     if checked.delays is None:
         detail = (
             "sign and delay of actual_torque could not be checked by friction, as those of motor "
             "currents are"
         )
-        yield _note("torques not checked", detail)
+        yield _note(Found.TORQUES_NOT_CHECKED, detail)
     elif (delay := checked.delays.longest_unnoticed()) >= checked.delays.shortest:
         detail = (
             f"delays of up to {delay:.2f} s between the motion and its motors could not be "
             "noticed: the arm moves too little"
         )
-        yield _note("clock not checked", detail)
+        yield _note(Found.CLOCK_NOT_CHECKED, detail)
 
 
 def _pairs_alike(checked: Checked) -> Iterator[Pair]:

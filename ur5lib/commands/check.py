@@ -28,6 +28,7 @@ from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.records.account import UNKNOWN_NAME
 from ur5lib.records.carried import carried, disagreements
 from ur5lib.records.clocks import OwnClock, SettledClock
+from ur5lib.records.codes import Found
 from ur5lib.records.judgement import ClockRow, QualityRow
 from ur5lib.records.quality import UNCHECKED, Finding, Quality
 from ur5lib.records.signals import Signals
@@ -244,7 +245,7 @@ def look_through_postures(recording: Recording, arm: Robot) -> Quality:
 
 def unusable(error: InputError) -> Quality:
     """Return the quality of a recording that cannot be read."""
-    return Quality(findings=[Finding("robot", "unusable", "error", 1, str(error))])
+    return Quality(findings=[Finding("robot", Found.UNUSABLE, "error", 1, str(error))])
 
 
 def _clocks_of(intake: Intake, arm: Robot) -> dict[str, OwnClock]:
@@ -285,9 +286,9 @@ def _print_by_finding(
 
     everything: list unchecked and unused parts in full; otherwise in one line each.
     """
-    is_unused = (quality["finding"] == files.UNUSED) & ~everything
+    is_unused = (quality["code"] == Found.COLUMNS_NOT_USED) & ~everything
     found = by_finding(quality[~is_unused], None if everything else MAX_NAMED_PLACES)
-    is_open = found["finding"].isin(UNCHECKED) & ~everything
+    is_open = found["code"].isin(UNCHECKED) & ~everything
     kinds = found[~is_open].groupby(["severity", "device", "finding"], sort=False)
     for (severity, device, finding), rows in kinds:
         title, style = f"{device}: {finding} ({severity}) in ", SEVERITY_STYLES[severity]
@@ -307,7 +308,7 @@ def _print_by_finding(
 
 def _not_checked(found: pd.DataFrame, names: list[str]) -> str:
     """Return one sentence on the parts that could not be checked, with the riskiest one in full."""
-    rows = found.sort_values("finding", key=lambda f: f.map(UNCHECKED.index), kind="stable")
+    rows = found.sort_values("code", key=lambda f: f.map(UNCHECKED.index), kind="stable")
     kinds = [*dict.fromkeys(rows["finding"].str.replace(" not checked", ""))]
     riskiest = rows.iloc[0]
     where = concerned(riskiest["recordings"], names)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.finished import StudyFiles
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Finding, Quality
 from ur5lib.records.sensor_offset import OffsetAccount
 from ur5lib.records.signals import Signals
@@ -21,7 +22,7 @@ from ur5lib.timeseries.metrics import NORMAL95
 
 Interval = dict[str, float]  # value, low, high
 AXES = ("x", "y", "z")
-DOUBTS = ("mounting", "offset", "zeroed")  # findings about a sensor
+DOUBTS = (Found.MOUNTING, Found.OFFSET, Found.ZEROED)  # findings about a sensor
 FORMULA = (  # docs/exports.md has its symbols
     "f' = T f - bias_F - mass p",
     "n' = T n - bias_n - first_moment x p + I alpha + omega x (I omega)",
@@ -135,12 +136,12 @@ def _last_temperature(signals: Signals) -> float | None:
 
 def _is_doubt(one: Finding) -> bool:
     """Return whether a finding is about the sensor's bias, or concerns the whole recording."""
-    return one.finding in DOUBTS or one.severity == "stop"
+    return one.code in DOUBTS or one.severity == "stop"
 
 
 def _reading(quality: Quality) -> str:
     """Return the sensor's channel: that of a sensor in the arm's wrist, else `ft`."""
-    own = (name for f in quality.findings if f.finding == "wrist sensor" for name in f.channels)
+    own = (name for f in quality.findings if f.code == Found.WRIST_SENSOR for name in f.channels)
     return next(own, "ft")
 
 

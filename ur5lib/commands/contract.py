@@ -17,6 +17,7 @@ from ur5lib.channels import RECORDED_CHANNELS, columns, joint_count
 from ur5lib.errors import InputError
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.plausibility import is_silent
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Device, Finding, Quality
 from ur5lib.strict import Strict, explain
 from ur5lib.study.model import Recording, Study
@@ -25,7 +26,6 @@ from ur5lib.tables import write_new_text
 
 MARGIN = 0.1  # other recordings may be shorter or slower than the good ones by this share
 FEW_MISSING = 0.01  # share of missing values that a written contract always allows
-BROKEN = "contract"  # the finding that a recording violates a contract
 Role = Literal["fit", "validate", "contact"]
 
 
@@ -65,7 +65,7 @@ class Contract(Strict):
 
         Postures at rest have neither length nor rate; an unreadable recording keeps its quality.
         """
-        if recording.at_rest or any(one.finding == "unusable" for one in quality.findings):
+        if recording.at_rest or any(one.code == Found.UNUSABLE for one in quality.findings):
             return quality
         broken = [*self._of_entry(recording), *self._of_devices(recorded(recording))]
         return replace(quality, findings=[*broken, *quality.findings])
@@ -134,7 +134,7 @@ def _compared(device: Device, found: Recorded, wanted: Stream) -> Iterator[Findi
 
 
 def _broken(device: Device, place: str, found: str, wanted: str) -> Finding:
-    return Finding(device, BROKEN, "error", 1, f"{place}: {found}; wanted: {wanted}", place)
+    return Finding(device, Found.CONTRACT, "error", 1, f"{place}: {found}; wanted: {wanted}", place)
 
 
 def read_contract(path: Path) -> Contract:

@@ -10,6 +10,7 @@ from scipy.special import ndtri, stdtrit
 
 from ur5lib.errors import RefusalError, Remark
 from ur5lib.force.external_torque import FITTED_STATE_COUNT, RELAXATION_TIME, JointState, States
+from ur5lib.records.codes import CauseCode
 from ur5lib.timeseries.arrays import Array
 
 SHORT_LAG = 0.5  # s: half the duration of a push by hand
@@ -179,14 +180,14 @@ def fit_residual_model(
             f"no contact-free recording has {LONG_LAG:g} s without a gap; add a longer recording "
             "with the role “fit”"
         )
-        raise RefusalError("short recordings", text)
+        raise RefusalError(CauseCode.SHORT_RECORDINGS, text)
     still = (np.flatnonzero(np.isnan(mean_square[JointState.MOVING])) + 1).tolist()
     if still:
         text = (
             f"no contact-free recording moves joint {', '.join(map(str, still))}: its friction in "
             "motion is known from other arms at best; record a motion of all joints"
         )
-        raise RefusalError("still joints", text)
+        raise RefusalError(CauseCode.STILL_JOINTS, text)
     least = (MIN_STD_SHARE * breakaway) ** 2
     change = np.sqrt(_filled_moments(short_variogram, least))
     return ResidualModel(

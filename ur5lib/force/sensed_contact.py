@@ -12,7 +12,6 @@ RELEASE_FORCE = 2.0  # N
 CONTACT_FORCE = 5.0  # N; above it, a sample is in contact
 FREE_FORCE = 1.0  # N; below it, a sample is free if it is far from any touch
 CONTACT_CLEARANCE = 0.5  # s; a free sample is this far from any touch
-TOUCHED = "touched"  # the finding that a sensor reads contacts which the role rules out
 FREE_ROLES = ("fit", "validate")  # in recordings of these roles, nothing should touch the arm
 
 

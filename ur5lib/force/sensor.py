@@ -21,6 +21,7 @@ from ur5lib.force.free_fit import (
     quiet_stretches,
     settle,
 )
+from ur5lib.records.codes import CauseCode
 from ur5lib.records.phrases import number
 from ur5lib.records.sensor_offset import Offset
 from ur5lib.timeseries.arrays import Array, Mask
@@ -123,13 +124,13 @@ def offset_doubt(offset: SensorOffset, repeats: float = 1.0) -> Remark | None:
     free_readings = round(offset.free.sum() / repeats)
     if rival > MAX_RIVAL_SHARE * agreeing:
         text = f"{agreeing:.0%} of the samples have one bias, {rival:.0%} another"
-        return Remark("two biases", text)
+        return Remark(CauseCode.TWO_BIASES, text)
     if agreeing < MIN_AGREEING_SHARE:
         agree = f"only {agreeing:.0%} of the samples agree on one bias"
-        return Remark("disputed bias", f"{agree}, the others count as contact")
+        return Remark(CauseCode.DISPUTED_BIAS, f"{agree}, the others count as contact")
     if free_readings < MIN_FREE_SAMPLES:
         few = f"only {free_readings} samples are without contact"
-        return Remark("few free samples", f"{few}, too few for a reliable bias")
+        return Remark(CauseCode.FEW_FREE_SAMPLES, f"{few}, too few for a reliable bias")
     return None
 
 
@@ -266,4 +267,4 @@ def mounting_doubt(offset: SensorOffset, opposite: list[str]) -> Remark | None:
         f"{' and '.join(reasons)}: it may be mounted upside down or have the opposite sign; rotate "
         "its readings into the axes of frame 6"
     )
-    return Remark("turned sensor", text)
+    return Remark(CauseCode.TURNED_SENSOR, text)

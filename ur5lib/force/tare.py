@@ -9,6 +9,7 @@ import scipy  # loads scipy.ndimage at its first use
 
 from ur5lib.force.external_torque import finite_rows, is_still, joint_states
 from ur5lib.force.sensed_contact import CONTACT_FORCE
+from ur5lib.records.codes import Found
 from ur5lib.records.currents import Currents
 from ur5lib.records.motion import Motion
 from ur5lib.records.phrases import as_written, number
@@ -66,7 +67,7 @@ def _unusable(span: Span, rest: float, whole: float, unknown: float) -> Finding:
         f"its first and last {number(unknown, '.2g')} s are unknown); give a longer span at rest, "
         "or remove the key"
     )
-    return Finding("robot", "unusable tare", "error", 1, detail)
+    return Finding("robot", Found.UNUSABLE_TARE, "error", 1, detail)
 
 
 def touched_by_sensor(span: Span, time: Array, reading: Array) -> Iterator[Finding]:
@@ -78,7 +79,7 @@ def touched_by_sensor(span: Span, time: Array, reading: Array) -> Iterator[Findi
             f"[{as_written(span, 'g')}], whose torque the tare takes for zero: give a span in "
             "which nothing touches the arm"
         )
-        yield Finding("force", "touched tare", "warning", 1, detail)
+        yield Finding("force", Found.TOUCHED_TARE, "warning", 1, detail)
 
 
 def touched_by_own_clock(span: Span, sensor: pd.DataFrame, start: StartOffset) -> Iterator[Finding]:
@@ -100,7 +101,7 @@ def _touched_by_currents(span: Span, time: Array, current: Array, arm: Robot) ->
             f"`untouched` [{as_written(span, 'g')}], which the tare takes for zero: give a span in "
             "which nothing touches the arm"
         )
-        yield Finding("robot", "touched tare", "warning", 1, detail)
+        yield Finding("robot", Found.TOUCHED_TARE, "warning", 1, detail)
 
 
 def _changes(span: Span, time: Array, values: Array) -> Array:

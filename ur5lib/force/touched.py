@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ur5lib.force.sensed_contact import CONTACT_FORCE, FREE_ROLES, TOUCHED, contacts, in_contact
+from ur5lib.force.sensed_contact import CONTACT_FORCE, FREE_ROLES, contacts, in_contact
+from ur5lib.records.codes import Found
 from ur5lib.records.force_errors import Sensed
 from ur5lib.records.phrases import number
 from ur5lib.records.quality import Finding
@@ -39,4 +40,4 @@ def touched(felt: Sensed | None, role: str) -> Finding | None:
         f"the sensor reads up to {largest} N in {count}, although the role {role} "
         f"means that nothing touches the arm; give it the role contact"
     )
-    return Finding("force", TOUCHED, "error", felt.contacts, detail)
+    return Finding("force", Found.TOUCHED, "error", felt.contacts, detail)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from ur5lib.errors import RefusalError
+from ur5lib.records.codes import CauseCode
 from ur5lib.robots.description import Model, Robot
 from ur5lib.robots.inertia import link_tail, shift_inertia, tensor
 from ur5lib.timeseries.arrays import Array, Mask
@@ -167,7 +168,7 @@ def stack(blocks: Blocks) -> Stack:
             samples[i : i + 2] = [sum(samples[i : i + 2])]
     if not samples:
         text = "no recording has both a complete motion and target_moment"
-        raise RefusalError("no known torque", text)
+        raise RefusalError(CauseCode.NO_KNOWN_TORQUE, text)
     return Stack(np.stack(factors), np.array(samples))
 
 
@@ -194,7 +195,7 @@ def identify(data: Stack, prior: Array, width: Array) -> InertialEstimate:
             "standard errors need two blocks of samples or more; record a longer motion with "
             "target_moment"
         )
-        raise RefusalError("one block", text)
+        raise RefusalError(CauseCode.ONE_BLOCK, text)
     rows, count = total_factors(data), data.samples.sum()
     # alternate π and the noise of each joint, n - tr(S Sᵀ Yᵀ Y) / σ² degrees of freedom
     noise = _noise(rows, prior, np.full(len(rows), count))

@@ -9,6 +9,7 @@ import numpy as np
 
 from ur5lib.errors import RefusalError
 from ur5lib.identification.base_parameters import PARAMETERS_PER_JOINT, InertialEstimate
+from ur5lib.records.codes import CauseCode
 from ur5lib.timeseries.arrays import Array
 
 LINK_LENGTH = 0.1  # m; it scales masses, moments and inertias alike
@@ -93,7 +94,7 @@ def nearest_bodies(estimate: Array, spread: Array, bounds: LinkBounds | None = N
             "no physically consistent inertial parameters explain the torques (solver: "
             f"{problem.status}); check their units, the robot and its weight"
         )
-        raise RefusalError("no bodies", text)
+        raise RefusalError(CauseCode.NO_BODIES, text)
     return np.asarray(parameters.value, dtype=np.float64)
 
 

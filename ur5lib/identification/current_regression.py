@@ -41,6 +41,7 @@ from ur5lib.identification.samples import (
     record_paths,
 )
 from ur5lib.identification.selection import in_units, shows_gain, with_shown_terms
+from ur5lib.records.codes import CauseCode
 from ur5lib.records.friction import CoefficientEstimate, CurrentFit, JointFit
 from ur5lib.records.phrases import number
 from ur5lib.robots.friction import (
@@ -169,13 +170,13 @@ def _against(alone: float, known: float, sensed: bool) -> Remark:
             "or, of a negative gain, the sign be reversed (`units`); record faster and loaded "
             "motions"
         )
-        return Remark("torque against gain", text, constants=(alone, known))
+        return Remark(CauseCode.TORQUE_AGAINST_GAIN, text, constants=(alone, known))
     text = (
         f"the motor contradicts its known torque constant ({by_itself} instead of "
         f"{number(known, '.3g')}), which is used instead: the inertia of the rotor may be missing, "
         "or a column be wrong; record faster and loaded motions"
     )
-    return Remark("current against constant", text, constants=(alone, known))
+    return Remark(CauseCode.CURRENT_AGAINST_CONSTANT, text, constants=(alone, known))
 
 
 def expected_fit(prior: Prior, seed: int = 0) -> CurrentFit:
@@ -394,7 +395,7 @@ def _remarks(
             f"instead of {number(1 / known_inverse, '.3g')} ± {number(known_std, '.2g')} "
             f"{prior.measured.constant_unit}: check columns, units and robot"
         )
-        remarks.append(Remark("unlikely constant", text))
+        remarks.append(Remark(CauseCode.UNLIKELY_CONSTANT, text))
     return tuple(remarks)
 
 
@@ -405,16 +406,16 @@ def _few_paths(moved: int, measured: Effort) -> Iterator[Remark]:
             f"does not move: its friction is unknown and its {measured.constant} is that of the "
             "prior; record a motion of this joint"
         )
-        yield Remark("no motion", text)
+        yield Remark(CauseCode.NO_MOTION, text)
     elif moved == 1:
         text = (
             "moves along one path only: no further friction term is selected, and the error bars "
             "are untested; record another path"
         )
-        yield Remark("one path", text)
+        yield Remark(CauseCode.ONE_PATH, text)
     elif moved < MIN_UNITS:
         text = (
             f"moves along {moved} paths only: the variation between paths is hardly known; record "
             "more paths"
         )
-        yield Remark("few paths", text)
+        yield Remark(CauseCode.FEW_PATHS, text)

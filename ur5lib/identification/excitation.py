@@ -16,6 +16,7 @@ from ur5lib.identification.base_parameters import (
     solve,
     total_factors,
 )
+from ur5lib.records.codes import CauseCode
 from ur5lib.records.models import Excitation
 from ur5lib.timeseries.arrays import Array, Mask
 
@@ -125,10 +126,10 @@ def _advice(base: BaseParameters, unknown: Mask, determined: dict[str, Mask]) ->
         gained = undetermined & determined[motion]
         if not gained.any():
             none = "at this noise, none of the motions tried would determine"
-            yield Remark("no motion determines", f"{none} {_by_owner(base, undetermined)}")
+            yield Remark(CauseCode.NO_MOTION_DETERMINES, f"{none} {_by_owner(base, undetermined)}")
             return
         text = f"{motion} in many poses would determine {_by_owner(base, gained)}"
-        yield Remark("motion determines", text, motion=motion)
+        yield Remark(CauseCode.MOTION_DETERMINES, text, motion=motion)
         undetermined = undetermined & ~gained
 
 

@@ -30,6 +30,7 @@ from ur5lib.identification.consistency import (
 from ur5lib.identification.current_samples import ZeroPhaseLowpass
 from ur5lib.identification.selection import is_less
 from ur5lib.identification.torque_rows import MeasuredRun, TorqueRows, torque_rows
+from ur5lib.records.codes import CauseCode
 from ur5lib.records.phrases import numbered
 from ur5lib.robots.description import Robot
 from ur5lib.robots.drives import shaft_matrix
@@ -156,7 +157,7 @@ class ArmFit:
                 "check the signs of torques and joints (`directions`), `home_deg`, the robot and "
                 "its `weight`"
             )
-            raise RefusalError("foreign bodies", text)
+            raise RefusalError(CauseCode.FOREIGN_BODIES, text)
 
 
 def ratio(errors: Array, others: Array) -> Array:

@@ -10,6 +10,7 @@ from ur5lib.channels import CURRENT, Effort
 from ur5lib.errors import RefusalError
 from ur5lib.identification.at_rest import AtRest
 from ur5lib.identification.regression import Normal
+from ur5lib.records.codes import CauseCode
 from ur5lib.robots.friction import FITTED_TERMS, coefficient_names, term_of
 from ur5lib.timeseries.arrays import Array, Mask
 
@@ -232,7 +233,7 @@ def makers_covariance(
             "the torque constant of a motor size is unknown: neither the robot's description nor "
             "target_moment and target_current at standstill determine it"
         )
-        raise RefusalError("unknown constant", text)
+        raise RefusalError(CauseCode.UNKNOWN_CONSTANT, text)
     wide = np.where(has_constant, shared, 10.0)  # without a manufacturer's value, any constant
     covariance: Array = same * np.outer(wide, wide) + np.eye(len(motors)) * spread**2
     return covariance

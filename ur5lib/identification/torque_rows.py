@@ -18,6 +18,7 @@ from ur5lib.identification.samples import (
     blocks,
     record_paths,
 )
+from ur5lib.records.codes import CauseCode
 from ur5lib.records.phrases import numbered
 from ur5lib.robots.drives import coupled_motors
 from ur5lib.robots.friction import coefficient_names, friction_columns
@@ -101,7 +102,7 @@ def torque_rows(
     filled = [own for own in rows_of if len(own[-1])]
     if not filled:
         text = "no recording with the role “fit” has actual_torque in motion"
-        raise RefusalError("no fit torques", text)
+        raise RefusalError(CauseCode.NO_FIT_TORQUES, text)
     samples, regressor, torque, block = zip(*filled, strict=True)
     paths = record_paths(samples)
     path = np.repeat(paths, [len(rows) for rows in torque])
@@ -115,7 +116,7 @@ def torque_rows(
     if len(still := 1 + np.flatnonzero(np.ptp(torques, axis=0) == 0)):
         torque_of = f"the torque of {numbered(still)}"
         text = f"{torque_of} does not change in any recording with the role “fit”"
-        raise RefusalError("no torque of joints", text)
+        raise RefusalError(CauseCode.NO_TORQUE_OF_JOINTS, text)
     units = [(rows[unit == label], torques[unit == label]) for label in np.unique(unit)]
     motors = [*(1 + np.flatnonzero(coupled_motors(shafts)))]
     return TorqueRows(units, [*terms], motors)

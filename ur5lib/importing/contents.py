@@ -36,11 +36,12 @@ from ur5lib.importing.spellings import (
     quantity,
 )
 from ur5lib.recordings.arm_joints import FEWEST_JOINTS
-from ur5lib.recordings.array_files import LOADERS, UNREAD, format_of
-from ur5lib.recordings.channel_files import SHORT_TABLE, at_stamps, has_stamps
-from ur5lib.recordings.delimited import TURNED_TABLE, TextTable
+from ur5lib.recordings.array_files import LOADERS, format_of
+from ur5lib.recordings.channel_files import at_stamps, has_stamps
+from ur5lib.recordings.delimited import TextTable
 from ur5lib.recordings.entries import SKIPPED_COLUMN, expand
 from ur5lib.recordings.plausibility import is_silent
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Finding, Log
 from ur5lib.robots.description import robot_names
 from ur5lib.timeseries.arrays import Array
@@ -51,7 +52,10 @@ BAG_FORMAT = "rosbag"
 TOPIC_NAME = re.compile(r"joint|state|motion", re.IGNORECASE)  # and no arm's
 MAX_POSSIBLE_VALUE = 1e9  # in any unit of a channel; larger numbers are none
 GRIPPER_RANGE = (-0.1, 1.1)  # rad, m, or the share that it is open
-ROWS_TOLD = {SHORT_TABLE: "those of all files", TURNED_TABLE: "its columns"}  # by the finding
+ROWS_TOLD = {  # by the finding
+    Found.MISSING_LAST_ROW: "those of all files",
+    Found.TURNED_TABLE: "its columns",
+}
 REPEATED_INFIX = " again "  # is added, with a number, to the name of a column that is taken
 NIST_COLUMNS = [  # NIST's UR5 degradation measurements have files without a header
     "time",
@@ -199,7 +203,7 @@ def contents(
     if controls := with_controls([path.name, *header.columns, *arrays]):
         raise InputError(f"{path}: the name {controls!r} has a control character; rename it there")
     for finding in findings:
-        if taken_for := ROWS_TOLD.get(finding.finding):
+        if taken_for := ROWS_TOLD.get(finding.code):
             account.tell("assumed", "rows", taken_for, "position", finding.detail)
     account.order.extend(header.columns or arrays)
     clocks = _clocks(arrays, stated, timed, account)
@@ -300,7 +304,7 @@ def _together(run: PartedRun, findings: list[Finding], account: Account) -> dict
 def _state_unread(findings: Iterable[Finding], account: Account) -> None:
     """State in the account which columns the reader left out, and why."""
     for finding in findings:
-        for name in finding.channels if finding.finding == UNREAD else ():
+        for name in finding.channels if finding.code == Found.UNREAD else ():
             why = finding.detail.rpartition(": ")[2]
             account.state("left out", (name,), name, "name", why)
 

@@ -25,6 +25,7 @@ from ur5lib.importing.motion import ImportedMotion
 from ur5lib.importing.spellings import without_unit
 from ur5lib.recordings.arm_joints import JOINT_NAMES
 from ur5lib.records.account import Evidence
+from ur5lib.records.codes import Found
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
@@ -34,8 +35,6 @@ MAX_POSE_RATIO = 3.0  # times the distance of the best; readings farther away ar
 COMPARED_POSTURES = 12  # postures that are compared
 CLEAR_LEAD_OVER_NAMES = 3 * CLEAR_LEAD  # lead from which on numbers outdo the numbers of columns
 ORDER = "the joints' order"
-# This is found of a bag with messages that do not name an arm's joints.
-UNNAMED_JOINTS_FINDING = "unnamed joints"
 UNDESCRIBED_ARM = "my_arm"  # in an entry for an arm that has no description yet
 NAME_IT = "name the right one, as with --robot ur5e, or describe it (`ur5 describe`)"
 JOINT_WORDS = ("shoulder pan", "shoulder lift", "elbow", "wrist 1", "wrist 2", "wrist 3")
@@ -272,7 +271,7 @@ def names_order(moving: ImportedMotion) -> Literal["name", "number", ""]:
     file, block = moving.file, moving.position
     first_name = block.names[0]
     if file.format == "rosbag":
-        unnamed = [f for f in file.findings if f.finding == UNNAMED_JOINTS_FINDING]
+        unnamed = [f for f in file.findings if f.code == Found.UNNAMED_JOINTS]
         topics = (topic for finding in unnamed for topic in finding.channels)
         return "" if any(first_name.startswith(f"{topic}/") for topic in topics) else "name"
     if file.header.entry or first_name in file.stated.names():

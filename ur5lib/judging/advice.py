@@ -6,14 +6,22 @@ from typing import Any, Literal
 from ur5lib.judging.limits import HIGH_LOST_SHARE
 from ur5lib.judging.recordings import felt_while_fitted, lost_shares
 from ur5lib.judging.study import AT_REST, StudyTables
+from ur5lib.records.codes import CauseCode
 from ur5lib.records.quality import STOP
 from ur5lib.records.verdicts import Advice
 
 RECORD: Literal["recording"] = "recording"  # kinds of advice
 LATER: Literal["later"] = "later"
-CONTRADICTIONS = ["unlikely constant", "current against constant", "torque against gain"]
-EXPLAINED = "explained contradiction"  # code of a remark that names the cause
-ASKING = {"no motion": "no_motion", "one path": "one_path", "few paths": "few_paths"}  # remarks
+CONTRADICTIONS = [
+    CauseCode.UNLIKELY_CONSTANT,
+    CauseCode.CURRENT_AGAINST_CONSTANT,
+    CauseCode.TORQUE_AGAINST_GAIN,
+]
+ASKING = {  # by the remarks
+    CauseCode.NO_MOTION: "no_motion",
+    CauseCode.ONE_PATH: "one_path",
+    CauseCode.FEW_PATHS: "few_paths",
+}
 
 
 def advice(study: StudyTables) -> Iterator[Advice]:
@@ -44,7 +52,7 @@ def corrections(study: StudyTables) -> Iterator[Advice]:
         yield Advice(
             code="payload", kind="correction", recording=row.recording, recordings=count, **mass
         )
-    for row in study.rows("remarks", code=EXPLAINED).itertuples():
+    for row in study.rows("remarks", code=CauseCode.EXPLAINED_CONTRADICTION).itertuples():
         yield Advice(code="explained", kind="correction", robot=row.robot, detail=row.remark)
     for robot, (shown, _) in _contradicted(study).items():
         if shown:

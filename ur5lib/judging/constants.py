@@ -8,6 +8,7 @@ import pandas as pd
 
 from ur5lib.judging.limits import MIN_USABLE_SHARE
 from ur5lib.judging.study import StudyTables
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import STOP
 from ur5lib.records.verdicts import Reason, State, Verdict, reason_in
 
@@ -187,7 +188,7 @@ def judge_load(study: StudyTables, robot: str) -> Iterator[Verdict]:
         yield Verdict(
             **about,
             rank=rank,
-            quantity="undeclared load",
+            quantity=Found.UNDECLARED_LOAD.words,
             value=float(row.mass),
             low=float(row.low),
             high=float(row.high),

@@ -14,7 +14,7 @@ from ur5lib.judging.limits import (
     MIN_LINK_TORQUE,
 )
 from ur5lib.judging.study import StudyTables
-from ur5lib.records.quality import GIVEN_LOAD
+from ur5lib.records.codes import Found
 from ur5lib.records.verdicts import JudgedError, ModelError, Reason, Verdict
 
 QUESTION = "links"
@@ -115,7 +115,7 @@ def _under_given_load(
     study does not declare.
     """
     names = [*compared.rows["recording"].unique()]
-    loads = study.rows("quality", finding=GIVEN_LOAD, recording=names)
+    loads = study.rows("quality", code=Found.GIVEN_LOAD, recording=names)
     first, *others = rows
     if len(loads) and first.state == "good":
         first = replace(

@@ -5,6 +5,7 @@ from dataclasses import fields
 from operator import attrgetter
 from typing import Any, NamedTuple
 
+from ur5lib.records.codes import CauseCode
 from ur5lib.records.fits import FrictionRow, TorqueConstant
 from ur5lib.records.friction import Friction, Parameter
 from ur5lib.records.verdicts import Reason, Use
@@ -12,8 +13,6 @@ from ur5lib.robots.description import Robot
 from ur5lib.timeseries.metrics import NORMAL95
 
 CONSTANT = "torque_constant"  # in a fit, the gain of measured torques has this name, too
-UNLIKELY, UNPROVEN = "unlikely constant", "unproven fit"  # codes of remarks on a joint
-NO_MOTION, ONE_PATH = "no motion", "one path"
 
 
 class MayBeUsed(NamedTuple):
@@ -39,16 +38,16 @@ def _obstacles(parameter: Parameter, fitted: Friction, arm: Robot) -> Iterator[R
     codes, is_constant = codes_of(fitted, parameter.joint), parameter.name == CONSTANT
     if fitted.stopped is not None:
         yield "stopped"
-    if UNLIKELY in codes:
+    if CauseCode.UNLIKELY_CONSTANT in codes:
         yield "unlikely"
     if is_constant and contradicted(fitted, parameter.joint) is not None:
         yield "contradicted"
-    if UNPROVEN in codes:
+    if CauseCode.UNPROVEN_FIT in codes:
         yield "unproven"
     # links fitted to the measured efforts scale with these: any constant fits
     if is_constant and arm.links != "known":
         yield "unknown_links"
-    if not is_constant and (NO_MOTION in codes or _rests(fitted)):
+    if not is_constant and (CauseCode.NO_MOTION in codes or _rests(fitted)):
         yield "no_motion"
     if not parameter.determined:
         yield "prior_only" if parameter.rests_on_prior else "undetermined"
@@ -58,7 +57,7 @@ def _doubts(parameter: Parameter, fitted: Friction) -> Iterator[Reason]:
     """Yield the doubts about a usable parameter, the largest first."""
     if parameter.name == CONSTANT and _is_far(parameter, fitted):
         yield "far"
-    if ONE_PATH in codes_of(fitted, parameter.joint):
+    if CauseCode.ONE_PATH in codes_of(fitted, parameter.joint):
         yield "one_path"
 
 

@@ -8,15 +8,14 @@ from scipy.special import gammainc
 
 from ur5lib.force.estimators import GATED, LEADING
 from ur5lib.judging.limits import MAX_CHANCE_OF_ALARMS, USUAL_ALARMS, USUAL_SECONDS
-from ur5lib.judging.study import AT_REST, TOUCHED, StudyTables
+from ur5lib.judging.study import AT_REST, StudyTables
+from ur5lib.records.codes import Found
 from ur5lib.records.contacts import OF_CONTACTS
-from ur5lib.records.quality import UNREADABLE, UNUSUAL_FRICTION
 from ur5lib.records.verdicts import Reason, RecordingUse, State, Verdict
 
 QUESTION = "recordings"
-LOST_FRAMES = "lost frames"
-OF_FRAMES = (LOST_FRAMES, "impossible frames")  # findings that count frames
-IN_WORDS = {TOUCHED: "contacts in a recording whose role denies them"}  # words of findings
+OF_FRAMES = (Found.LOST_FRAMES, Found.IMPOSSIBLE_FRAMES)  # findings that count frames
+IN_WORDS = {Found.TOUCHED: "contacts in a recording whose role denies them"}  # words of findings
 SEVERITIES = ("stop", "error", "warning", "note")  # most serious first; see docs/report.md
 STATES: dict[str, tuple[State, Reason]] = {
     "stop": ("do not use", "stopped"),
@@ -43,10 +42,10 @@ def judge_recordings(study: StudyTables) -> Iterator[Verdict]:
         name, frames = str(row["recording"]), _frames(study)
         yield Verdict(
             **about,
-            quantity=IN_WORDS.get(str(row["finding"]), str(row["finding"])),
+            quantity=IN_WORDS.get(row["code"], str(row["finding"])),
             recording=name,
             count=int(row["count"]),
-            of=int(frames[name]) if row["finding"] in OF_FRAMES else None,
+            of=int(frames[name]) if row["code"] in OF_FRAMES else None,
         )
     else:
         yield Verdict(**about, quantity="errors and warnings", count=0)
@@ -67,12 +66,12 @@ def worst_finding(study: StudyTables) -> "pd.Series | None":
     None without findings.
     """
     quality = study.tables["quality"]
-    keys = ["recording", "device", "finding", "severity"]
+    keys = ["recording", "device", "code", "finding", "severity"]
     rows = quality.groupby(keys, sort=False, as_index=False)["count"].sum()
     rows = rows[rows["severity"] != SEVERITIES[-1]]
     if rows.empty:
         return None
-    share = rows["count"].where(rows["finding"].isin(OF_FRAMES), 0)
+    share = rows["count"].where(rows["code"].isin(OF_FRAMES), 0)
     share = share / rows["recording"].map(_frames(study))
     gravity = rows["severity"].map(SEVERITIES.index)
     order = rows.assign(share=-share, gravity=gravity).sort_values(
@@ -88,7 +87,7 @@ def _frames(study: StudyTables) -> "pd.Series[float]":
 def lost_shares(study: StudyTables) -> dict[str, float]:
     """Return the share of lost frames of each recording."""
     frames = _frames(study)
-    lost = study.rows("quality", finding=LOST_FRAMES).groupby("recording")["count"].sum()
+    lost = study.rows("quality", code=Found.LOST_FRAMES).groupby("recording")["count"].sum()
     shares = (lost.reindex(frames.index) / frames).fillna(0.0)
     return {str(name): float(share) for name, share in shares.items()}
 
@@ -147,7 +146,7 @@ def _served(study: StudyTables) -> Iterator[tuple[str, set[str]]]:
 def _refused(study: StudyTables) -> Iterator[tuple[str, Reason, set[str]]]:
     """Yield (purpose, reason, names of the recordings that the reason excludes from it)."""
     stops = study.rows("quality", severity="stop")
-    stopped = {*stops.loc[stops["finding"] != UNREADABLE, "recording"]}
+    stopped = {*stops.loc[stops["code"] != Found.UNREADABLE, "recording"]}
     yield "all", "stopped", stopped
     yield "all", "unread", {*study.unusable()} - stopped
     touched = {*study.touched()}
@@ -156,7 +155,8 @@ def _refused(study: StudyTables) -> Iterator[tuple[str, Reason, set[str]]]:
     unsensed = {*study.with_role("contact")} - {*study.tables["sensed"]["recording"]}
     yield "force", "no_sensor", unsensed - stopped
     yield "force", "sensor_bias", {*study.doubted()} - stopped
-    yield "force", "other_friction", {*study.rows("quality", finding=UNUSUAL_FRICTION)["recording"]}
+    withheld = study.rows("quality", code=Found.UNUSUAL_FRICTION)["recording"]
+    yield "force", "other_friction", {*withheld}
 
 
 def _doubts(study: StudyTables) -> Iterator[tuple[str, Reason, set[str]]]:

@@ -11,8 +11,9 @@ import pandas as pd
 import yaml
 
 from ur5lib.channels import CURRENT, TORQUE, Effort
+from ur5lib.records.codes import Found
 from ur5lib.records.pushes import SmallestPush
-from ur5lib.records.quality import UNREADABLE
+from ur5lib.records.quality import STOP
 from ur5lib.records.repetition import Repeated
 from ur5lib.records.verdicts import Reason, Verdict
 from ur5lib.robots.description import Robot
@@ -21,7 +22,6 @@ from ur5lib.strict import FAST_LOADER
 from ur5lib.tables import read_csv
 
 AT_REST, IN_MOTION = "at rest", "in motion"
-TOUCHED = "touched"  # the finding that a sensor reads contacts where the role says there are none
 OPTIONAL = {  # tables that not every study has
     "repetition": pd.DataFrame(columns=["robot", *(one.name for one in fields(Repeated))]),
     "pushes": pd.DataFrame(columns=["robot", *(one.name for one in fields(SmallestPush))]),
@@ -96,8 +96,8 @@ class StudyTables:
         """Return whether a recording or an arm has a stop sign, which contradicts the study; an
         unreadable recording does not count.
         """
-        found = self.rows("quality", severity="stop")["finding"]
-        return bool((found != UNREADABLE).any()) or len(self.rows("remarks", step="stop sign")) > 0
+        found = self.rows("quality", severity="stop")["code"]
+        return bool((found != Found.UNREADABLE).any()) or len(self.rows("remarks", step=STOP)) > 0
 
     def file_of(self, recording: str) -> str:
         """Return the robot's file of a recording, or the recording's name if it is a folder."""
@@ -110,7 +110,7 @@ class StudyTables:
 
     def touched(self) -> list[str]:
         """Return the recordings of fit and validate on which a force sensor reads contacts."""
-        return [*self.rows("quality", finding=TOUCHED)["recording"].unique()]
+        return [*self.rows("quality", code=Found.TOUCHED)["recording"].unique()]
 
     def quiet(self, role: str) -> list[str]:
         """Return the recordings of a role without contacts at a sensor and without an undeclared
@@ -128,7 +128,7 @@ class StudyTables:
 
     def doubted(self) -> list[str]:
         """Return the recordings on which the force sensor's bias is uncertain."""
-        doubt = {"device": "force", "severity": "warning", "finding": "offset"}
+        doubt = {"device": "force", "severity": "warning", "code": Found.OFFSET}
         return [*self.rows("quality", **doubt)["recording"].unique()]
 
     def robots(self) -> list[str]:

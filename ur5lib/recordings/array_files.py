@@ -18,6 +18,7 @@ import scipy  # loads scipy.io at its first use
 from ur5lib.errors import InputError
 from ur5lib.recordings.limits import BYTES_PER_NUMBER, expect_room
 from ur5lib.recordings.unpacked import expect_mat_room, feather_numbers, parquet_numbers
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Finding, Log
 from ur5lib.strict import MOST_BYTES, expect_file
 from ur5lib.timeseries.arrays import Array
@@ -28,7 +29,6 @@ Load = Callable[[Path, Collection[str] | None, list[Finding]], Arrays]  # None: 
 LOADERS: dict[str, Load] = {}  # by the format's name in a study
 ENDINGS: dict[str, str] = {}  # the format of a file by its ending
 LEVELS_OF_DATA_SET = 4  # folders of a LeRobot data set above its files
-UNREAD = "unread"  # the finding on what of a file has no rows of numbers
 UNPACKERS = ("array_files.py", "unpacked.py", "hdf5_links.py", "bag_chunks.py", "bag_files.py")
 OWN_CODE = Path(__file__).parents[1]
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"  # behind the 512 bytes of MATLAB's own head
@@ -97,7 +97,7 @@ def report_unread(path: Path, names: Iterable[str], why: str, findings: list[Fin
     """
     listed = sorted({*names})
     meaning = f"{', '.join(listed)}: {why}"
-    Log(path, "robot", findings).add(UNREAD, "note", len(listed), meaning, channels=listed)
+    Log(path, "robot", findings).add(Found.UNREAD, "note", len(listed), meaning, channels=listed)
 
 
 @array_format("parquet", "a Parquet file", ".parquet")

@@ -10,6 +10,7 @@ import pandas as pd
 from ur5lib.channels import JOINT_COLUMNS
 from ur5lib.recordings.host_clock import MIN_STAMPS, least_delayed
 from ur5lib.recordings.plausibility import MIN_STEP
+from ur5lib.records.codes import Found
 from ur5lib.records.phrases import number
 from ur5lib.records.quality import Finding, add_finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
@@ -39,7 +40,7 @@ def evenly_stamped(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFram
         "rows share the stamp of the row before, or follow it at once; put at equal steps of "
         f"{step} ms, so that single lost rows cannot be noticed"
     )
-    add_finding(findings, "robot", "bunched stamps", "warning", close.sum(), detail)
+    add_finding(findings, "robot", Found.BUNCHED_STAMPS, "warning", close.sum(), detail)
     return frames.assign(time=even)
 
 

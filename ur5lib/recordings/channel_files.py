@@ -9,10 +9,10 @@ import numpy as np
 from ur5lib.errors import InputError
 from ur5lib.recordings.array_files import Arrays, array_format
 from ur5lib.recordings.delimited import TextTable
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Finding, Log
 from ur5lib.timeseries.arrays import Array
 
-SHORT_TABLE = "missing last row"  # the finding on a file that has one row less
 BLANK_LINE = re.compile(rb"\n[ \t\r]*\n")
 MIN_STAMPS, MIN_SHARE_FORWARD = 4, 0.95  # of a table's stamps, and of their steps
 MAX_STEP = 1.5  # rows that show what is between them are within this many usual steps of a table
@@ -37,7 +37,7 @@ def channel_file_arrays(
     for name, rows in tables.items():
         if rows.shape[1] < len(rows) == most - 1 and not has_stamps(rows):
             meaning = f"the last of {most:,} rows is missing, as the input of a last state"
-            Log(folder / name, "robot", findings).add(SHORT_TABLE, "note", 1, meaning)
+            Log(folder / name, "robot", findings).add(Found.MISSING_LAST_ROW, "note", 1, meaning)
             tables[name] = np.vstack([rows, np.full(rows.shape[1], np.nan)])
     return tables
 
@@ -79,7 +79,7 @@ def _read_rows(path: Path, findings: list[Finding]) -> np.ndarray:
     text = TextTable(Log(path, "robot", own))
     table, _ = text.rows([*map(str, range(len(text.cells)))])
     blank = BLANK_LINE.search(path.read_bytes().strip())
-    if blank or any(finding.finding == "damaged lines" for finding in own):
+    if blank or any(finding.code == Found.DAMAGED_LINES for finding in own):
         raise InputError(
             f"{path} has lines without a number, so that its rows can no longer be matched with "
             "those of the other files; correct these lines, or record it again"

@@ -19,6 +19,7 @@ from ur5lib.errors import InputError
 from ur5lib.recordings.limits import expect_room, most_columns, too_large
 from ur5lib.recordings.recording import DAY
 from ur5lib.recordings.text_blocks import text_blocks
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Finding, Log
 from ur5lib.timeseries.arrays import Array, Labels
 
@@ -37,7 +38,6 @@ LEAD_LINES = 60  # lines that show where a table begins
 # A table without names that is wider, and so much wider than long, is transposed.
 MIN_SAMPLES, SAMPLES_A_ROW = 100, 5
 BYTES_OF_CELL = 64  # of one apart, while a table is turned
-TURNED_TABLE = "turned table"  # the finding on one that has a row a joint
 MIN_LEAD_COUNT = 6  # rows and cells that a table has at least
 SEPARATORS_BESIDE_COMMAS = (b";", b"\t")  # with these separators, commas are decimal points
 UNNAMED_COLUMN = ""  # the column behind the last separator
@@ -151,7 +151,7 @@ def drop_untimed(table: pd.DataFrame, log: Log) -> pd.DataFrame:
     """Return the rows with a finite `time`; the others are reported."""
     timed = np.isfinite(table["time"].to_numpy(float))
     meaning = "rows without a time are discarded"
-    log.add("missing times", "warning", np.count_nonzero(~timed), meaning)
+    log.add(Found.MISSING_TIMES, "warning", np.count_nonzero(~timed), meaning)
     return table if timed.all() else table[timed].reset_index(drop=True)
 
 
@@ -183,7 +183,7 @@ def _table_blocks(log: Log) -> Iterator[bytes]:
                 "record it again, or copy it again"
             )
         meaning = f"turned, for it has a row of {len(rows[0]):,} samples for each column"
-        log.add(TURNED_TABLE, "note", 1, meaning)
+        log.add(Found.TURNED_TABLE, "note", 1, meaning)
         first = b"\n".join(map(mark.join, zip(*rows, strict=True))) + b"\n"
     yield first
     yield from blocks
@@ -250,7 +250,7 @@ def _with_points(block: bytes, form: Form, log: Log) -> bytes:
     if form.delimiter not in SEPARATORS_BESIDE_COMMAS or b"," not in block:
         return block
     own: list[Finding] = []
-    Log(log.path, log.device, own).add("decimal commas", "note", 1, "read as decimal points")
+    Log(log.path, log.device, own).add(Found.DECIMAL_COMMAS, "note", 1, "read as decimal points")
     log.findings.extend(note for note in own if note not in log.findings)  # once for all blocks
     return block.replace(b",", b".")
 
@@ -275,7 +275,7 @@ def _end_of_rows(data: bytes, top: int, line: int, form: Form, log: Log) -> int:
     if last == len(data) or _ends_whole(data[top:last], data[last:], form.delimiter):
         return len(data)
     number = str(line + data.count(b"\n", 0, last))
-    log.add("torn last line", "note", 1, "last line is cut off, skipped", number)
+    log.add(Found.TORN_LAST_LINE, "note", 1, "last line is cut off, skipped", number)
     return last
 
 
@@ -431,7 +431,7 @@ def _report_damaged(log: Log, damaged: Labels, fault: str, table: pd.DataFrame, 
     named = ", ".join(map(str, damaged[:MAX_NAMED_LINES]))
     more = f" and {count - MAX_NAMED_LINES} more" if count > MAX_NAMED_LINES else ""
     place = f"{named}{more} ({fault})"
-    log.add("damaged lines", "warning", count, f"expected {width} numbers, skipped", place)
+    log.add(Found.DAMAGED_LINES, "warning", count, f"expected {width} numbers, skipped", place)
 
 
 def number_in(cell: bytes) -> float | None:

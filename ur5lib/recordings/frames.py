@@ -13,6 +13,7 @@ from ur5lib.recordings.bunched_stamps import evenly_stamped
 from ur5lib.recordings.frozen import without_frozen
 from ur5lib.recordings.ordering import in_order, report_crowded
 from ur5lib.recordings.plausibility import MIN_STEP, drop_implausible
+from ur5lib.records.codes import Found
 from ur5lib.records.phrases import number
 from ur5lib.records.quality import Finding, add_finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
@@ -97,14 +98,14 @@ def repair_frames(
         f"{' and '.join(slow)} were logged less often than the positions; they are interpolated "
         "between their samples"
     )
-    add_finding(findings, "robot", "slow channels", "note", len(slow), detail)
+    add_finding(findings, "robot", Found.SLOW_CHANNELS, "note", len(slow), detail)
     _report_lost(steps, table, timing, len(vectors), findings)
     detail = "some channels have missing cells; they are interpolated"
-    add_finding(findings, "robot", "missing cells", "warning", holes, detail)
+    add_finding(findings, "robot", Found.MISSING_CELLS, "warning", holes, detail)
     detail = "gaps are too long to fill; the recording is split, nothing is computed across them"
-    add_finding(findings, "robot", "split", "warning", int(table["segment"].max()), detail)
+    add_finding(findings, "robot", Found.SPLIT, "warning", int(table["segment"].max()), detail)
     detail = "a channel is missing for too long, or at the start or end; frames discarded"
-    add_finding(findings, "robot", "incomplete frames", "warning", lost, detail)
+    add_finding(findings, "robot", Found.INCOMPLETE_FRAMES, "warning", lost, detail)
     report_crowded(findings, sum(stretch.crowded for stretch in stretches))
     return table, timing, findings
 
@@ -128,7 +129,7 @@ def _whole_channels(frames: pd.DataFrame, findings: list[Finding], source: str) 
     if "actual_q" in absent or "actual_q_0" not in frames:
         raise no_positions(frames, joints or len(SIX_SUFFIXES), source)
     detail = f"{', '.join(absent)}: columns are missing or empty; the channel is ignored"
-    add_finding(findings, "robot", "incomplete channels", "warning", len(absent), detail)
+    add_finding(findings, "robot", Found.INCOMPLETE_CHANNELS, "warning", len(absent), detail)
     return frames.drop(columns=[column for name in absent for column in columns_of[name]])
 
 
@@ -331,13 +332,13 @@ def _report_steps(timing: Timing, findings: list[Finding]) -> None:
             f"time steps vary by {most} around {grid} ms; signals are interpolated onto a uniform "
             "grid"
         )
-        findings.append(Finding("robot", "irregular steps", "note", 1, detail))
+        findings.append(Finding("robot", Found.IRREGULAR_STEPS, "note", 1, detail))
     elif timing.jitter_99 > MIN_REPORTED_JITTER:
         detail = (
             f"timestamps deviate from the {grid} ms grid by {median} ms (median), {most}; snapped "
             "to the grid"
         )
-        findings.append(Finding("robot", "jitter", "note", 1, detail))
+        findings.append(Finding("robot", Found.JITTER, "note", 1, detail))
 
 
 def _report_lost(
@@ -355,4 +356,4 @@ def _report_lost(
             f"most frequent steps: {', '.join(each)}; longest "
             f"{number(1000 * timing.longest_step, '.0f')} ms; {filled} interpolated"
         )
-        findings.append(Finding("robot", "lost frames", "warning", lost, detail))
+        findings.append(Finding("robot", Found.LOST_FRAMES, "warning", lost, detail))

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.channels import joint_count
+from ur5lib.records.codes import Found
 from ur5lib.records.phrases import number
 from ur5lib.records.quality import Device, Finding
 from ur5lib.timeseries.arrays import Array
@@ -133,4 +134,4 @@ def _report(findings: list[Finding], device: Device, frozen: list[Frozen], time:
         f"{number(time[since] - time[0], '.4g')} s on, for "
         f"{number(np.ptp(time[since:until]), '.3g')} s: it was not measured, and is not used"
     )
-    findings.append(Finding(device, "frozen channel", "warning", until - since, detail))
+    findings.append(Finding(device, Found.FROZEN_CHANNEL, "warning", until - since, detail))

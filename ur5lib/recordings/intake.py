@@ -36,6 +36,7 @@ from ur5lib.recordings.sensors import FORCE_CHANNELS, FORCES, on_robot_clock, re
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.recordings.wraps import without_wraps
 from ur5lib.recordings.zeroings import on_one_zero
+from ur5lib.records.codes import Found
 from ur5lib.records.phrases import as_written
 from ur5lib.records.quality import Device, Finding, Log, Quality, StartOffset, add_finding
 from ur5lib.robots.description import Robot
@@ -94,7 +95,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
         detail = (
             "it has forces alone: moments are not measured, and only forces are compared with it"
         )
-        add_finding(findings, "force", "no moments", "note", len(sensed), detail)
+        add_finding(findings, "force", Found.NO_MOMENTS, "note", len(sensed), detail)
     quality = Quality(
         rows=rows,
         frames=len(robot),
@@ -117,7 +118,7 @@ def _no_velocities(frames: pd.DataFrame) -> Iterator[Finding]:
     """Yield a note if there are no velocities, so that slopes of the positions replace them."""
     if "actual_q_0" in frames and "actual_qd_0" not in frames:
         detail = "no actual_qd: velocities are the slopes of actual_q, with the noise of these"
-        yield Finding("robot", "no velocities", "note", len(frames), detail)
+        yield Finding("robot", Found.NO_VELOCITIES, "note", len(frames), detail)
 
 
 def known_frames(raw: RawRecording, arm: Robot) -> tuple[pd.DataFrame, list[Finding]]:
@@ -206,19 +207,19 @@ def _known_channels(table: pd.DataFrame, other: bool) -> tuple[pd.DataFrame, lis
         "ft_f… in the robot's file are taken as the force sensor; assumed: force of the "
         "surroundings on the arm, in the axes of frame 6"
     )
-    add_finding(notes, "force", "assumed frame", "note", sensor, detail)
+    add_finding(notes, "force", Found.ASSUMED_FRAME, "note", sensor, detail)
     detail = (
         f"{some(unread)}: a wrench in the robot's file that is not used; name its columns ft_fx to "
         "ft_tz (or to ft_fz, without moments), or declare `force_sensor`"
     )
-    add_finding(notes, "robot", "unused wrench", "warning", len(unread), detail)
+    add_finding(notes, "robot", Found.UNUSED_WRENCH, "warning", len(unread), detail)
     near = ", ".join(sorted({*misspelt.values()}))
     detail = f"{some([*misspelt])}: left out; rename them if {near} is meant"
-    add_finding(notes, "robot", "misspelt channels", "warning", len(misspelt), detail)
+    add_finding(notes, "robot", Found.MISSPELT_CHANNELS, "warning", len(misspelt), detail)
     detail = f"{some(unused)}: RTDE channels that are not used; left out"
-    add_finding(notes, "robot", "unused channels", "note", len(unused), detail)
+    add_finding(notes, "robot", Found.UNUSED_CHANNELS, "note", len(unused), detail)
     detail = f"{some(unknown)}: not channels of RTDE; ignored"
-    add_finding(notes, "robot", "unknown channels", "note", len(unknown), detail)
+    add_finding(notes, "robot", Found.UNKNOWN_CHANNELS, "note", len(unknown), detail)
     return table.drop(columns=[*others, *unread]), notes
 
 
@@ -258,7 +259,7 @@ def with_wrist_sensor(
     if other:
         detail = f"{name} is not compared: the study names another force sensor"
     used = () if other else (name,)
-    add_finding(findings, "force", "wrist sensor", "note", 1, detail, used)
+    add_finding(findings, "force", Found.WRIST_SENSOR, "note", 1, detail, used)
     return robot if other else robot.assign(**dict(zip(FORCE_CHANNELS, reading.T, strict=True)))
 
 
@@ -298,7 +299,7 @@ def _with_torques_named(table: pd.DataFrame, arm: Robot, findings: list[Finding]
     given = next((name for name in NAMES_OF_TORQUES if name in found), SENSED_TORQUE)
     detail = f"{given} is read as actual_torque [Nm], which the arm measures"
     is_other = given != SENSED_TORQUE
-    add_finding(findings, "robot", "torques by another name", "note", is_other, detail)
+    add_finding(findings, "robot", Found.TORQUES_BY_ANOTHER_NAME, "note", is_other, detail)
     others = [own for name in found if name != given for own in columns(name, MOST_JOINTS)]
     renamed = dict(
         zip(columns(given, MOST_JOINTS), columns(SENSED_TORQUE, MOST_JOINTS), strict=True)
@@ -318,7 +319,7 @@ def with_efforts(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> pd
         gravity = gravity_torque(arm, arm.chosen_model, channel(table, "actual_q"))
         table = table.assign(**named(channel(table, TORQUE_LESS_GRAVITY) + gravity, whole))
         detail = f"actual_torque_less_gravity: the gravity torque of {arm.name} is added again"
-        add_finding(findings, "robot", "gravity added", "note", len(table), detail)
+        add_finding(findings, "robot", Found.GRAVITY_ADDED, "note", len(table), detail)
     return table if arm.measured == TORQUE else _with_currents(table, arm, findings)
 
 
@@ -336,13 +337,13 @@ def _with_currents(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> 
             "actual_current_as_torque without actual_current: the torque constants of "
             f"{arm.name} are unknown"
         )
-        add_finding(findings, "robot", "no currents", "warning", len(table), detail)
+        add_finding(findings, "robot", Found.NO_CURRENTS, "warning", len(table), detail)
         return table.drop(columns=sensed)
     if name == MOTOR_TORQUE:
         detail = (
             "actual_current is actual_current_as_torque divided by "
             f"{as_written(constants, '.3g')} Nm/A, the torque constants of {arm.name}"
         )
-        add_finding(findings, "robot", "currents from torques", "note", len(table), detail)
+        add_finding(findings, "robot", Found.CURRENTS_FROM_TORQUES, "note", len(table), detail)
     currents = named(channel(table, name) / constants, MEASURED_CURRENT)
     return table.assign(**currents).drop(columns=sensed)

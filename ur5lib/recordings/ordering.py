@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.channels import JOINT_COLUMNS
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Device, Finding, add_finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
@@ -31,12 +32,12 @@ def in_order(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
         "the controller's clock restarts; the recording is split there and goes on one step later, "
         "since nothing tells how long the clock stood still"
     )
-    add_finding(findings, "robot", "clock reset", "warning", epoch.max(), detail)
+    add_finding(findings, "robot", Found.CLOCK_RESET, "warning", epoch.max(), detail)
     ordered = frames.assign(epoch=epoch)
     backwards = int((frames["time"].diff() < 0).sum()) - int(epoch.max())
     if backwards > 0:
         detail = "frames come after later ones; sorted by time"
-        add_finding(findings, "robot", "frames out of order", "note", backwards, detail)
+        add_finding(findings, "robot", Found.FRAMES_OUT_OF_ORDER, "note", backwards, detail)
         ordered = ordered.sort_values(["epoch", "time"], kind="stable", ignore_index=True)
     ordered = _nudge_stale_stamps(ordered, findings)
     ordered = _return_lost_data(_drop_stale_data(ordered, findings), findings)
@@ -87,7 +88,7 @@ def drop_repeats(
     if epochs(time[~repeated]).max() > 0:  # after a reset, timestamps may legitimately recur
         repeated = data.assign(epoch=epochs(time)).duplicated()
     detail = "rows that repeat an earlier one, as a recorder does that is faster; discarded"
-    add_finding(findings, device, "repeated frames", "note", repeated.sum(), detail)
+    add_finding(findings, device, Found.REPEATED_FRAMES, "note", repeated.sum(), detail)
     return frames[~repeated].reset_index(drop=True)
 
 
@@ -101,7 +102,7 @@ def _nudge_stale_stamps(frames: pd.DataFrame, findings: list[Finding]) -> pd.Dat
     if not stale.any():
         return frames
     detail = "new data with an old timestamp; moved to the next slot"
-    add_finding(findings, "robot", "stale stamps", "warning", stale.sum(), detail)
+    add_finding(findings, "robot", Found.STALE_STAMPS, "warning", stale.sum(), detail)
     time, stamp = frames["time"].to_numpy(), np.cumsum(~stale) - 1
     steps = np.append(np.diff(time[~stale]), np.inf)  # from each stamp to the next
     steps[np.flatnonzero(np.diff(frames["epoch"].to_numpy()[~stale]))] = np.inf
@@ -122,7 +123,7 @@ def report_crowded(findings: list[Finding], count: int) -> None:
     cycle.
     """
     detail = "several frames fall into one cycle; only the first is kept"
-    add_finding(findings, "robot", "crowded frames", "warning", count, detail)
+    add_finding(findings, "robot", Found.CROWDED_FRAMES, "warning", count, detail)
 
 
 def _drop_stale_data(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
@@ -140,7 +141,7 @@ def _drop_stale_data(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFr
     if not (same.any() and noisy):
         return frames
     detail = "data of the previous frame with a new timestamp; treated as lost frames"
-    add_finding(findings, "robot", "stale data", "warning", same.sum(), detail)
+    add_finding(findings, "robot", Found.STALE_DATA, "warning", same.sum(), detail)
     return frames[~same].reset_index(drop=True)
 
 
@@ -159,7 +160,7 @@ def _return_lost_data(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataF
     if not len(late):
         return frames
     detail = "data of a lost frame with the next timestamp; moved back to their own time"
-    add_finding(findings, "robot", "late data", "warning", len(late), detail)
+    add_finding(findings, "robot", Found.LATE_DATA, "warning", len(late), detail)
     time = time.copy()
     time[late] -= cycle
     return frames.assign(time=time)

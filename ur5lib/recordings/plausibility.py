@@ -12,6 +12,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from ur5lib.channels import CHANNELS, MOST_JOINTS, columns
 from ur5lib.errors import InputError, some
 from ur5lib.recordings.ordering import epochs
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Device, Finding, add_finding
 from ur5lib.tables import unit
 from ur5lib.timeseries.arrays import Array, Mask
@@ -56,10 +57,10 @@ def drop_implausible(
             wrong |= _beyond(frames, bounded, source)
     time = frames["time"].to_numpy(float)
     wrong[~wrong] = stray_times(time[~wrong])
-    name = "impossible frames" if device == "robot" else "impossible samples"
+    code = Found.IMPOSSIBLE_FRAMES if device == "robot" else Found.IMPOSSIBLE_SAMPLES
     row = int(np.argmax(wrong)) + 1 if len(wrong) else 0
     detail = f"first in row {row}: physically impossible values or times, discarded"
-    add_finding(findings, device, name, "warning", wrong.sum(), detail)
+    add_finding(findings, device, code, "warning", wrong.sum(), detail)
     check_pace(time[_with_positions(frames) & ~wrong], source)
     return frames[~wrong].reset_index(drop=True) if wrong.any() else frames
 
@@ -164,7 +165,7 @@ def drop_unwritten(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame
     ]
     names = [name for name in silent if np.nan_to_num(table[channels[name]].to_numpy(float)).any()]
     detail = f"{some(names)}: numbers that were never written, all but zero; not recorded"
-    add_finding(findings, "robot", "unwritten channels", "warning", len(names), detail)
+    add_finding(findings, "robot", Found.UNWRITTEN_CHANNELS, "warning", len(names), detail)
     unwritten = [column for name in names for column in channels[name]]
     return table.drop(columns=unwritten) if unwritten else table
 
@@ -188,7 +189,7 @@ def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
     if not wrong.any():
         return table
     detail = "values drop to exactly zero, as where a file lost a block; not used"
-    add_finding(findings, "robot", "zeroed cells", "warning", wrong.any(axis=1).sum(), detail)
+    add_finding(findings, "robot", Found.ZEROED_CELLS, "warning", wrong.any(axis=1).sum(), detail)
     return table.mask(wrong)
 
 

@@ -11,6 +11,7 @@ from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.intake import bounds_of, known_frames
 from ur5lib.recordings.plausibility import drop_implausible
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Finding, Quality, add_finding
 from ur5lib.robots.description import Robot
 from ur5lib.tables import channel
@@ -72,7 +73,7 @@ def _complete(
             "record more"
         )
     detail = "rows with empty cells; discarded"
-    add_finding(findings, "robot", "missing cells", "warning", (~whole).sum(), detail)
+    add_finding(findings, "robot", Found.MISSING_CELLS, "warning", (~whole).sum(), detail)
     return frames[whole].reset_index(drop=True)
 
 

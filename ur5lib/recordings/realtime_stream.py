@@ -22,6 +22,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.errors import InputError
+from ur5lib.records.codes import Found
 from ur5lib.records.phrases import number
 from ur5lib.records.quality import Finding, add_finding
 from ur5lib.robots.realtime_message import SOFTWARE_BY_SIZE, fields
@@ -154,7 +155,7 @@ def read_stream(path: Path) -> tuple[pd.DataFrame, list[Finding]]:
     findings: list[Finding] = []
     if damaged:
         detail = f"lines that are not “number,hex”; skipped, the first is line {damaged[0]}"
-        findings.append(Finding("robot", "damaged lines", "warning", len(damaged), detail))
+        findings.append(Finding("robot", Found.DAMAGED_LINES, "warning", len(damaged), detail))
     if not messages.runs:
         raise InputError(
             f"{path} has no complete message of a known layout ({min(SOFTWARE_BY_SIZE)} to "
@@ -294,7 +295,7 @@ def _layout(counts: dict[int, int], findings: list[Finding]) -> int:
         count = sum(counts[other] for other in others)
         named = ", ".join(map(str, others))
         detail = f"messages of {named} bytes among those of {size} bytes; skipped"
-        add_finding(findings, "robot", "other layouts", "warning", count, detail)
+        add_finding(findings, "robot", Found.OTHER_LAYOUTS, "warning", count, detail)
     return size
 
 
@@ -311,9 +312,9 @@ def _skipped(messages: _Messages, size: int) -> list[Finding]:
         since = float(messages.received_until(skipped[0][0] + 1) - messages.received[0])
         count = sum(end - start for start, end in skipped)
         detail = _skipped_words(len(skipped), since)
-        findings.append(Finding("robot", "bytes skipped", "warning", count, detail))
+        findings.append(Finding("robot", Found.BYTES_SKIPPED, "warning", count, detail))
     detail = "the capture begins or ends within a message; skipped"
-    add_finding(findings, "robot", "incomplete message", "note", len(partial), detail)
+    add_finding(findings, "robot", Found.INCOMPLETE_MESSAGE, "note", len(partial), detail)
     return findings
 
 

@@ -27,6 +27,7 @@ from ur5lib.recordings.json_messages import (
     number_arrays,
 )
 from ur5lib.recordings.limits import BYTES_PER_NUMBER, expect_room
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Finding, Log
 from ur5lib.timeseries.arrays import Array, Mask
 
@@ -140,7 +141,7 @@ def arrays_of_bag(path: Path, wanted: Collection[str] | None, findings: list[Fin
     if not topics and (failure := next(filter(None, failures), None)):
         raise failure
     lacking = "parts that metadata.yaml lists, but that the folder lacks"
-    Log(path, "robot", findings).add("damaged messages", "warning", missing, lacking)
+    Log(path, "robot", findings).add(Found.DAMAGED_MESSAGES, "warning", missing, lacking)
     return _by_topic(topics, wanted, path, findings)
 
 
@@ -164,7 +165,7 @@ def _of_json(
         kind = one.partition("(")[2].rstrip(")")
         report_unread(path, [one], f"JSON messages of schema {kind} are not read", findings)
     for meaning, count in lost.items():
-        Log(path, "robot", findings).add("damaged messages", "warning", count, meaning)
+        Log(path, "robot", findings).add(Found.DAMAGED_MESSAGES, "warning", count, meaning)
     if wanted is None and not topics and not tables:
         kinds = ", ".join(sorted(one.partition("(")[2].rstrip(")") for one in unread))
         raise InputError(f"{path}: JSON messages of schema {kinds} are not read")
@@ -213,7 +214,7 @@ def _read_part(
         lost["the end of the file cannot be read"] += 1
         failure = error
     for meaning, count in lost.items():
-        Log(path, "robot", findings).add("damaged messages", "warning", count, meaning)
+        Log(path, "robot", findings).add(Found.DAMAGED_MESSAGES, "warning", count, meaning)
     return failure
 
 
@@ -335,7 +336,7 @@ def _arm_arrays(
     ordered = [names[k] for k in order or range(len(names))] if whole else of_arm
     listed = ", ".join(ordered) or f"the {joints.width} of most"
     others = f"messages on {place} about other joints than {listed}; left out"
-    log.add("other messages", "note", np.count_nonzero(~kept), others)
+    log.add(Found.OTHER_MESSAGES, "note", np.count_nonzero(~kept), others)
     rest = [name for name in names if name not in ordered]
     if rest:
         report_unread(log.path, rest, f"no joint of the arm on {place}", log.findings)
@@ -343,7 +344,8 @@ def _arm_arrays(
         named = f"{listed} on {place} are not the names of an arm's joints; kept in order"
         nameless = f"the messages on {place} name no joints; kept in order"
         meaning = named if names else nameless
-        log.add("unnamed joints", "note", len(ordered) or joints.width, meaning, channels=[place])
+        count = len(ordered) or joints.width
+        log.add(Found.UNNAMED_JOINTS, "note", count, meaning, channels=[place])
     rows = {field: messages.rows(field, kept, joints, ordered) for field in messages.values}
     return _stamps(place, messages, kept) | {
         f"{place}/{field}": found for field, found in rows.items() if len(found)

@@ -17,6 +17,7 @@ from ur5lib.recordings.host_clock import without_delays
 from ur5lib.recordings.ordering import drop_repeats, epochs
 from ur5lib.recordings.plausibility import drop_implausible, first_time
 from ur5lib.recordings.recording import DeviceRecord, Stamp
+from ur5lib.records.codes import Found
 from ur5lib.records.phrases import number
 from ur5lib.records.quality import Device, Finding, Log, add_finding
 from ur5lib.strict import expect_file
@@ -116,7 +117,7 @@ def _absence(log: Log) -> Finding | None:
     """Return a note if a sensor has no file, or an empty one; else None."""
     path, name = log.path, log.path.name
     if not path.exists():
-        return Finding(log.device, "no sensor", "note", 1, f"{name} does not exist")
+        return Finding(log.device, Found.NO_SENSOR, "note", 1, f"{name} does not exist")
     if not path.is_file():
         return None  # what it is instead is reported when it is read
     with path.open("rb") as stream:
@@ -127,7 +128,7 @@ def _absence(log: Log) -> Finding | None:
 
 
 def _unconnected(log: Log, place: str, meaning: str) -> Finding:
-    return Finding(log.device, "no sensor", "note", 1, f"{place}: {meaning}", place)
+    return Finding(log.device, Found.NO_SENSOR, "note", 1, f"{place}: {meaning}", place)
 
 
 def repair_samples(table: pd.DataFrame, log: Log) -> SensorSamples | None:
@@ -143,7 +144,7 @@ def repair_samples(table: pd.DataFrame, log: Log) -> SensorSamples | None:
     # a sensor samples fast enough to do without rows with empty cells
     complete = np.isfinite(table.to_numpy()).all(axis=1)
     detail = "samples with empty cells; discarded"
-    add_finding(log.findings, log.device, "missing cells", "warning", (~complete).sum(), detail)
+    add_finding(log.findings, log.device, Found.MISSING_CELLS, "warning", (~complete).sum(), detail)
     whole = _in_order(table[complete].reset_index(drop=True), log.device, log.findings)
     whole = _without_held(_until_frozen(whole, log), log)
     if len(whole) < 2:
@@ -175,7 +176,7 @@ def _without_held(table: pd.DataFrame, log: Log) -> pd.DataFrame:
         f"rows: only new ones count, so that contacts of less than {number(1 / rate, '.2g')} s may "
         "be missed"
     )
-    log.add("held samples", "warning", (~fresh).sum(), meaning)
+    log.add(Found.HELD_SAMPLES, "warning", (~fresh).sum(), meaning)
     return table[fresh].reset_index(drop=True)
 
 
@@ -184,7 +185,7 @@ def _nothing(table: pd.DataFrame, log: Log) -> Finding | None:
     whole, name = table.dropna(), log.path.name
     if len(whole) < 2:
         detail = f"{name} has fewer than two complete rows of {len(table.columns)} numbers"
-        return Finding(log.device, "no sensor", "note", 1, detail)
+        return Finding(log.device, Found.NO_SENSOR, "note", 1, detail)
     readings = whole.drop(columns="time").abs()
     if log.device == "force" and (readings <= UNCONNECTED_READING).all(axis=None):
         return _unconnected(log, f"{name} contains only zeros", "no sensor was connected")
@@ -195,11 +196,11 @@ def _in_order(table: pd.DataFrame, device: Device, findings: list[Finding]) -> p
     table = drop_repeats(table, device, findings)
     later = epochs(table["time"].to_numpy()) > 0
     detail = "the device's clock restarts; the samples after that are discarded"
-    add_finding(findings, device, "clock reset", "warning", later.sum(), detail)
+    add_finding(findings, device, Found.CLOCK_RESET, "warning", later.sum(), detail)
     table = table[~later]
     backwards = (table["time"].diff() < 0).sum()
     detail = "samples come after later ones; sorted by time"
-    add_finding(findings, device, "samples out of order", "note", backwards, detail)
+    add_finding(findings, device, Found.SAMPLES_OUT_OF_ORDER, "note", backwards, detail)
     return table.sort_values("time", kind="stable", ignore_index=True)
 
 
@@ -210,7 +211,7 @@ def _report_timing(time: Array, device: Device, findings: list[Finding]) -> None
     still = int((steps == 0).sum())
     if still > MAX_SHARE_LOST * len(time):
         detail = "samples with the timestamp of the previous one"
-        add_finding(findings, device, "stale stamps", "warning", still, detail)
+        add_finding(findings, device, Found.STALE_STAMPS, "warning", still, detail)
 
 
 def _report_lost(steps: Array, device: Device, findings: list[Finding]) -> None:
@@ -224,7 +225,7 @@ def _report_lost(steps: Array, device: Device, findings: list[Finding]) -> None:
             f"longest step {number(1000 * steps.max(), '.0f')} ms, "
             f"median step {number(1000 * median, '.1f')} ms"
         )
-        add_finding(findings, device, "lost samples", "warning", max(lost, 1), detail)
+        add_finding(findings, device, Found.LOST_SAMPLES, "warning", max(lost, 1), detail)
 
 
 def read_sensor(

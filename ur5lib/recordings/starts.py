@@ -5,6 +5,7 @@ from dataclasses import replace
 from ur5lib.recordings.ordering import epochs
 from ur5lib.recordings.plausibility import before_reset
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
+from ur5lib.records.codes import Found
 from ur5lib.records.phrases import number
 from ur5lib.records.quality import Device, Finding, StartOffset, add_finding
 
@@ -12,7 +13,6 @@ MAX_MISSING_TIME = 2.0  # s that a device may lack at the start and the end toge
 MAX_CLOCK_DRIFT = 0.005  # share of a recording that a clock may drift
 START_STAMP_SPREAD = 3.0  # standard deviations of a start stamp that may be its error
 MIN_REPORTED_TIME = 0.05  # s, shortest missing part that is reported
-PART_MISSING = "part missing"
 
 Span = tuple[float, float]  # first and last sample [s], by the robot's clock
 
@@ -34,7 +34,7 @@ def sensor_coverage(device: Device, span: Span, robot: Span, std: float) -> list
     reported = late >= MIN_REPORTED_TIME, early >= MIN_REPORTED_TIME
     lacking = lacks.get(reported, f"{starts} and {ends} it")
     detail = f"{covered}: {lacking}; nothing is compared with it there"
-    return [Finding(device, PART_MISSING, "warning", 1, detail)]
+    return [Finding(device, Found.PART_MISSING, "warning", 1, detail)]
 
 
 def robot_coverage(robot: Span, sensors: Span) -> list[Finding]:
@@ -51,7 +51,7 @@ def robot_coverage(robot: Span, sensors: Span) -> list[Finding]:
         f"covers only {number(covered, '.1f')} of the {number(total, '.1f')} s that the sensors "
         "recorded; there is no estimate for the rest"
     )
-    return [Finding("robot", PART_MISSING, "warning", 1, detail)]
+    return [Finding("robot", Found.PART_MISSING, "warning", 1, detail)]
 
 
 def place_sensors(
@@ -70,7 +70,7 @@ def place_sensors(
         offset = _offset(recording.robot, record)
         if offset is None:
             detail = "start stamp missing or incomplete: the clock cannot be aligned; not used"
-            findings.append(Finding(device, "no start stamp", "warning", 1, detail))
+            findings.append(Finding(device, Found.NO_START_STAMP, "warning", 1, detail))
             continue
         begin, end = (offset.seconds + edge for edge in _span(record))
         if max(robot[0], begin) >= min(robot[1], end):
@@ -78,7 +78,7 @@ def place_sensors(
                 f"started {number(offset.seconds, '+.0f')} s from the robot and has no data during "
                 "the recording: probably a file of another run; not used"
             )
-            findings.append(Finding(device, "stale copy", "warning", 1, detail))
+            findings.append(Finding(device, Found.STALE_COPY, "warning", 1, detail))
         else:
             if was_reset:
                 record = _until(record, robot[1] - offset.seconds, device, findings)
@@ -115,5 +115,5 @@ def _until(
         "samples after the restart of the controller's clock, discarded: nothing tells when they "
         "were"
     )
-    add_finding(findings, device, "clock reset", "warning", later.sum(), detail)
+    add_finding(findings, device, Found.CLOCK_RESET, "warning", later.sum(), detail)
     return replace(record, table=record.table[~later])

@@ -10,6 +10,7 @@ from typing import BinaryIO
 from ur5lib.errors import InputError
 from ur5lib.recordings.limits import Unpacking, longest_line, too_large
 from ur5lib.recordings.listed_cells import with_lists_apart
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Log
 from ur5lib.strict import expect_file
 
@@ -50,11 +51,11 @@ def text_blocks(log: Log) -> Iterator[bytes]:
 def _blocks(log: Log) -> Iterator[bytes]:
     with log.path.open("rb") as plain:
         packed = plain.read(2) == GZIP_SIGNATURE
-    log.add("compressed file", "note", packed, "decompressed")
+    log.add(Found.COMPRESSED_FILE, "note", packed, "decompressed")
     with gzip.open(log.path) if packed else log.path.open("rb") as stream:
         block = _lines(stream, log.path)
         if block.startswith(BYTE_ORDER_MARK):
-            log.add("byte-order mark", "note", 1, "ignored")
+            log.add(Found.BYTE_ORDER_MARK, "note", 1, "ignored")
             block = block[len(BYTE_ORDER_MARK) :]
         if kind := next((OTHER_FILES[k] for k in OTHER_FILES if block.startswith(k)), ""):
             raise InputError(f"{log.path} is {kind}")

@@ -13,6 +13,7 @@ from ur5lib.recordings.ordering import epochs
 from ur5lib.recordings.plausibility import check_pace, stray_times
 from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
 from ur5lib.recordings.sensors import first_number, read_sensor
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Device, Finding, Log, add_finding
 
 CYCLE = 0.008  # s, the CB2 controller's
@@ -72,7 +73,7 @@ def _read_robot(csv: Path, findings: list[Finding]) -> pd.DataFrame:
     shared = robot[robot["clock"].between(start, end)].drop(columns="clock")
     lost = len(longest) - len(shared)
     detail = "channels end at different frames; cut to the shortest"
-    add_finding(findings, "robot", "channels of unequal length", "note", lost, detail)
+    add_finding(findings, "robot", Found.CHANNELS_OF_UNEQUAL_LENGTH, "note", lost, detail)
     return shared.reset_index(drop=True)
 
 
@@ -91,7 +92,7 @@ def _read_channel(path: Path, name: str, findings: list[Finding]) -> pd.DataFram
     # strays are dropped here because joining loses the file's order
     stray = stray_times(rows["time"].to_numpy())
     meaning = "rows far from all others in time; discarded"
-    log.add("impossible times", "warning", np.count_nonzero(stray), meaning)
+    log.add(Found.IMPOSSIBLE_TIMES, "warning", np.count_nonzero(stray), meaning)
     if len(rows) > 1:
         check_pace(rows["time"].to_numpy()[~stray], str(path), CYCLE / 2)
     rows = rows[~stray].reset_index(drop=True)
@@ -99,5 +100,5 @@ def _read_channel(path: Path, name: str, findings: list[Finding]) -> pd.DataFram
     rows = rows.sort_values("clock", kind="stable", ignore_index=True)
     repeated = rows.duplicated("clock")
     meaning = "rows with a timestamp that was used before; discarded"
-    log.add("repeated stamps", "warning", repeated.sum(), meaning)
+    log.add(Found.REPEATED_STAMPS, "warning", repeated.sum(), meaning)
     return rows[~repeated].reset_index(drop=True)

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pandas as pd
 
+from ur5lib.records.codes import Found
 from ur5lib.records.phrases import numbered
 from ur5lib.records.quality import Finding, add_finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
@@ -40,7 +41,7 @@ def without_wraps(table: pd.DataFrame) -> tuple[pd.DataFrame, list[Finding]]:
         table = table.assign(**{name: angle})
     joints = sorted({int(name.rpartition("_")[2]) + 1 for name in wraps})
     detail = f"angles that wrap around by a whole turn, of {numbered(joints)}; made continuous"
-    add_finding(findings, "robot", "wrapped angles", "note", sum(wraps.values()), detail)
+    add_finding(findings, "robot", Found.WRAPPED_ANGLES, "note", sum(wraps.values()), detail)
     return table, findings
 
 

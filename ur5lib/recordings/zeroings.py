@@ -12,6 +12,7 @@ import pandas as pd
 
 from ur5lib.channels import columns
 from ur5lib.recordings.starts import MAX_CLOCK_DRIFT
+from ur5lib.records.codes import Found
 from ur5lib.records.phrases import number
 from ur5lib.records.quality import Finding, StartOffset
 from ur5lib.robots.description import Robot
@@ -90,7 +91,7 @@ def on_one_zero(
     for one in zeroings:
         reading[: one.row] += one.change
         reading[one.row] = (reading[one.row - 1] + reading[one.row + 1]) / 2
-    zeroed = Finding("force", "zeroed", "warning", len(zeroings), _words(zeroings))
+    zeroed = Finding("force", Found.ZEROED, "warning", len(zeroings), _words(zeroings))
     return sensor.assign(**dict(zip(names, reading.T, strict=True))), [zeroed]
 
 

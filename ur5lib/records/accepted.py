@@ -2,9 +2,8 @@
 
 from collections.abc import Container, Iterable, Iterator, Mapping
 
+from ur5lib.records.codes import Found
 from ur5lib.records.quality import Contradictions, Finding
-
-ACCEPTED = "accepted stop sign"  # the finding that the study overrules a stop sign
 
 
 def up_to_first_standing(signs: Iterable[Finding], accepted: Container[str]) -> Iterator[Finding]:
@@ -24,15 +23,13 @@ def accepting(found: Contradictions, accepted: Mapping[str, str]) -> Contradicti
     """
     kinds = {sign.kind for sign in found.stop_signs}
     standing = [sign for sign in found.stop_signs if sign.kind not in accepted]
-    findings = [
-        Finding("robot", ACCEPTED, "warning", 1, accepted_sign(sign.detail, accepted[sign.kind]))
-        for sign in found.stop_signs
-        if sign not in standing
-    ]
+    overruled = [sign for sign in found.stop_signs if sign not in standing]
+    told = (accepted_sign(sign.detail, accepted[sign.kind]) for sign in overruled)
+    findings = [Finding("robot", Found.ACCEPTED_STOP_SIGN, "warning", 1, one) for one in told]
     if needless := [kind for kind in accepted if kind not in kinds]:
         named = " and ".join(needless)
         detail = f"`accept` names {named}, which nothing in this recording contradicts"
-        findings.append(Finding("robot", "needless reason", "note", len(needless), detail))
+        findings.append(Finding("robot", Found.NEEDLESS_REASON, "note", len(needless), detail))
     return Contradictions(standing, [*findings, *found.findings])
 
 

@@ -5,6 +5,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ur5lib.records.codes import Found
 from ur5lib.records.phrases import as_written, number
 from ur5lib.records.quality import Finding
 from ur5lib.records.signals import Signals
@@ -74,11 +75,11 @@ def disagreements(declared: Payload | None, tcp: Six | None, signals: Signals) -
     frame 6. Quantities that were not recorded are not compared.
     """
     found = {
-        "payload": _other_payload(declared, signals),
-        "changing payload": _changing_payload(signals),
-        "tool centre point": _other_tcp(tcp, signals),
+        Found.PAYLOAD: _other_payload(declared, signals),
+        Found.CHANGING_PAYLOAD: _changing_payload(signals),
+        Found.TOOL_CENTRE_POINT: _other_tcp(tcp, signals),
     }
-    return [Finding("robot", name, "warning", 1, its) for name, its in found.items() if its]
+    return [Finding("robot", code, "warning", 1, its) for code, its in found.items() if its]
 
 
 def _other_payload(declared: Payload | None, signals: Signals) -> str:

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
+from ur5lib.records.codes import Found
 from ur5lib.records.contact_place import PlaceRow
 from ur5lib.records.phrases import as_written, number
 from ur5lib.records.quality import Finding
@@ -157,4 +158,4 @@ def _other_place(row: PlaceRow) -> Finding | None:
         f"by the sensor's moments, contacts are {number(100 * away, '.0f')} cm from where they are "
         f"assumed: state `contact_place: {{position_m: [{as_written(sensed, '.2f')}]}}`"
     )
-    return Finding("force", "other contact place", "warning", 1, detail)
+    return Finding("force", Found.OTHER_CONTACT_PLACE, "warning", 1, detail)

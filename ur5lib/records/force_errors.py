@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from ur5lib.errors import Remark
+from ur5lib.records.codes import Found
 from ur5lib.records.contacts import ContactError
 from ur5lib.records.quality import Finding
 from ur5lib.records.sensor_offset import OffsetAccount
@@ -100,13 +101,13 @@ class SensorAccount:
         found = []
         if self.mounting_doubt is not None:
             detail = self.mounting_doubt.text
-            found.append(Finding("force", "mounting", "warning", 1, detail))
+            found.append(Finding("force", Found.MOUNTING, "warning", 1, detail))
         if self.offset_doubt is not None:
             detail = (
                 f"{self.offset_doubt.text}: a steady push may have been taken for bias; "
                 "record some seconds in which nothing touches the tool"
             )
-            found.append(Finding("force", "offset", "warning", 1, detail))
+            found.append(Finding("force", Found.OFFSET, "warning", 1, detail))
         return found
 
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from ur5lib.records.account import AccountRow
+from ur5lib.records.codes import Found
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.quality import Finding
 from ur5lib.timeseries.arrays import Array
@@ -11,7 +12,7 @@ from ur5lib.timeseries.arrays import Array
 
 @dataclass(frozen=True, kw_only=True)
 class QualityRow:
-    """A row of quality.csv: a finding, with its whole sentence as `detail`."""
+    """A row of quality.csv: a finding, its code, and its whole sentence as `detail`."""
 
     device: str
     finding: str
@@ -19,6 +20,7 @@ class QualityRow:
     count: int
     detail: str
     place: str = ""
+    code: Found
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,38 +2,35 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 from typing import Literal, SupportsInt, TypeVar
 
 from ur5lib.errors import InputError, overrulable, printable
 from ur5lib.records.account import AccountRow
+from ur5lib.records.codes import CauseCode, Found
 
 T = TypeVar("T")
 Device = Literal["robot", "force", "imu"]
 Severity = Literal["stop", "error", "warning", "note"]
-GIVEN_LOAD = "given load"  # the finding that the controller assumes a load unknown to the study
 # Largest share of target_moment that the right arm's model may not explain; measured: 0.063.
 MAX_SHARE_UNMODELLED = 0.15
 # A larger residual, as a share of the motor's largest torque, is a contact. In recordings without
 # contact, it is at most 0.071, without the worst arm 0.061.
 CONTACT_TORQUE_SHARE = 0.1
-ODD_TARGET = "odd target"  # the finding that a target of a current is to blame
-UNREADABLE = "unreadable"  # the finding that a recording cannot be read
 STOP = "stop sign"  # in place of a remark's step: no forces are stated for the arm
-SAME_RUN = "same run"  # the finding that a recording's contents are those of another one
-UNUSUAL_FRICTION = "unusual friction"  # the finding that friction hides a contact's force
 UNCHECKED = (  # findings that something could not be checked, the riskiest first
-    "nothing checked",
-    "arm not checked",
-    "order not checked",
-    "currents not checked",
-    "unit not checked",
-    "size not checked",
-    "sign not checked",
-    "columns not checked",
-    "torques not checked",
-    "clock not checked",
-    "contact not checked",
+    Found.NOTHING_CHECKED,
+    Found.ARM_NOT_CHECKED,
+    Found.ORDER_NOT_CHECKED,
+    Found.CURRENTS_NOT_CHECKED,
+    Found.UNIT_NOT_CHECKED,
+    Found.SIZE_NOT_CHECKED,
+    Found.SIGN_NOT_CHECKED,
+    Found.COLUMNS_NOT_CHECKED,
+    Found.TORQUES_NOT_CHECKED,
+    Found.CLOCK_NOT_CHECKED,
+    Found.CONTACT_NOT_CHECKED,
 )
 SENSORS: dict[str, Device] = {"force_sensor": "force", "imu": "imu"}  # their keys in the study
 
@@ -45,19 +42,18 @@ class Finding:
     severity: stop (the recording contradicts the study), error (the device is unusable), warning
     (results may suffer), note (harmless); count: number of samples, rows or files; detail: the
     sentence about it, made printable, since it quotes hostile files; place: in a file, with which
-    the sentence starts; kind: name by which a study accepts a stop sign, "" if it cannot; code: of
-    the cause, if other code depends on it; joints (from 1), channels: those concerned, if other
-    code depends on them.
+    the sentence starts; kind: name by which a study accepts a stop sign, "" if it cannot; cause,
+    joints (from 1), channels: those concerned, if other code depends on them.
     """
 
     device: Device
-    finding: str
+    code: Found
     severity: Severity
     count: int
     detail: str
     place: str = ""
     kind: str = ""
-    code: str = ""
+    cause: CauseCode | None = None
     joints: tuple[int, ...] = ()
     channels: tuple[str, ...] = ()
 
@@ -87,7 +83,7 @@ class StartOffset:
 def add_finding(
     findings: list[Finding],
     device: Device,
-    finding: str,
+    code: Found,
     severity: Severity,
     count: SupportsInt,
     detail: str,
@@ -95,7 +91,7 @@ def add_finding(
 ) -> None:
     """Add a finding unless its count is 0."""
     if count:
-        found = Finding(device, finding, severity, int(count), detail, channels=(*channels,))
+        found = Finding(device, code, severity, int(count), detail, channels=(*channels,))
         findings.append(found)
 
 
@@ -131,7 +127,7 @@ class Quality:
         return [
             name
             for one in self.findings
-            if (one.device, one.finding) == ("force", "saturation")
+            if (one.device, one.code) == ("force", Found.SATURATION)
             for name in one.channels
         ]
 
@@ -149,7 +145,8 @@ class Contradictions:
 
     def odd_targets(self) -> list[int]:
         """Return the joints, from 1, with a `target_current` that does not match their motors."""
-        return [joint for one in self.findings if one.finding == ODD_TARGET for joint in one.joints]
+        odd = (one.joints for one in self.findings if one.code == Found.ODD_TARGET)
+        return [*chain.from_iterable(odd)]
 
 
 @dataclass(frozen=True)
@@ -162,7 +159,7 @@ class Log:
 
     def add(
         self,
-        finding: str,
+        code: Found,
         severity: Severity,
         count: SupportsInt,
         meaning: str,
@@ -175,9 +172,7 @@ class Log:
         if count:
             place = f"{self.path.name}, line {line}" if line else self.path.name
             told = f"{place}: {meaning}", place
-            found = Finding(
-                self.device, finding, severity, int(count), *told, channels=(*channels,)
-            )
+            found = Finding(self.device, code, severity, int(count), *told, channels=(*channels,))
             self.findings.append(found)
 
     def unless_unusable(self, read: Callable[[], T | None]) -> T | None:
@@ -188,14 +183,14 @@ class Log:
             return read()
         except InputError as error:
             detail = f"{error}; not used"
-            self.findings.append(Finding(self.device, "unusable sensor", "error", 1, detail))
+            self.findings.append(Finding(self.device, Found.UNUSABLE_SENSOR, "error", 1, detail))
             return None
 
 
-def contradiction(code: str, kind: str, detail: str, joints: Sequence[int] = ()) -> Finding:
+def contradiction(cause: CauseCode, kind: str, detail: str, joints: Sequence[int] = ()) -> Finding:
     """Return a stop sign: a contradiction of the study that forbids to state forces.
 
     kind: name by which a study accepts it (`Accept`); joints: those concerned, from 1.
     """
     named = (*joints,)
-    return Finding("robot", "contradiction", "stop", 1, detail, "", kind, code, named)
+    return Finding("robot", Found.CONTRADICTION, "stop", 1, detail, "", kind, cause, named)

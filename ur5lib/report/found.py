@@ -7,11 +7,12 @@ import pandas as pd
 
 from ur5lib.errors import printable
 from ur5lib.force.estimators import LEADING
-from ur5lib.records.accepted import ACCEPTED
+from ur5lib.judging.advice import CONTRADICTIONS
 from ur5lib.records.account import NOTHING
+from ur5lib.records.codes import CauseCode, Found
 from ur5lib.records.contacts import OF_CONTACTS, OFF_FLANGE
 from ur5lib.records.phrases import as_written, number
-from ur5lib.records.quality import SAME_RUN, STOP, UNREADABLE, UNUSUAL_FRICTION
+from ur5lib.records.quality import STOP
 from ur5lib.report import topics
 from ur5lib.report.results import Results
 from ur5lib.report.stated import (
@@ -25,16 +26,12 @@ from ur5lib.report.stated import (
     with_error,
 )
 from ur5lib.report.views.forces import leading, searched
+from ur5lib.report.views.recordings import accepted_signs
 
 MOST_FINDINGS = 8  # on the page, to be readable; the tables have all
 MOST_OF_A_KIND = 3
 WRENCH_NAME = r"(?i)force|wrench|\bft[_x]|\bf_?[xyz]\b"  # matches columns with a wrench
-EXPLAINED = "explained contradiction"  # code of a remark that names the cause
-CONTRADICTIONS = ["unlikely constant", "current against constant", "torque against gain", EXPLAINED]
 ASIDE = re.compile(r"\((by itself, .*)\)$")  # the end of such a remark, with its numbers
-
-Found = tuple[str, list[str]]
-"""A table, and the findings of one kind that are in it."""
 
 
 def findings(results: Results) -> list[str]:
@@ -53,7 +50,7 @@ def findings(results: Results) -> list[str]:
     return [*(printable(told) for *_, told in shown), more]
 
 
-def _kinds(results: Results) -> Iterator[Found]:
+def _kinds(results: Results) -> Iterator[tuple[str, list[str]]]:
     """Yield (table that contains them, sentences) of each kind of findings, the gravest first."""
     yield "quality", [*_stopped_recordings(results)]
     yield "remarks", [*_stopped_arms(results)]
@@ -77,8 +74,8 @@ def _stopped_recordings(results: Results) -> Iterator[str]:
     for row in results.rows("quality", severity="stop").itertuples():
         sign, line = overruled(row.detail)
         stop = f"Stop sign on “{row.recording}”: {sign}."
-        known = {UNREADABLE: f"“{row.recording}” is left out: {sign}.", SAME_RUN: stop}
-        yield known.get(row.finding) or _without_forces(stop, line)
+        known = {Found.UNREADABLE: f"“{row.recording}” is left out: {sign}.", Found.SAME_RUN: stop}
+        yield known.get(row.code) or _without_forces(stop, line)
 
 
 def _stopped_arms(results: Results) -> Iterator[str]:
@@ -97,11 +94,9 @@ def _without_forces(stop: str, line: str) -> str:
 
 def _accepted(results: Results) -> Iterator[str]:
     """Report the stop signs that the study overrules, with its reasons."""
-    rows = results.rows("quality", finding=ACCEPTED).groupby("detail", sort=False)["recording"]
-    arms = results.rows("remarks", code=ACCEPTED).groupby("remark", sort=False)["robot"]
-    for detail, names in (*rows, *arms):
-        reason, _, sign = str(detail).partition(": ")[2].partition("; found: ")
-        yield f"On {quoted(names)}, the study accepts a stop sign ({reason}): {claim(sign)}."
+    for one in accepted_signs(results):
+        reason, _, sign = one["detail"].partition(": ")[2].partition("; found: ")
+        yield f"On {quoted(one['of'])}, the study accepts a stop sign ({reason}): {claim(sign)}."
 
 
 def _errors(results: Results) -> Iterator[str]:
@@ -114,7 +109,7 @@ def _errors(results: Results) -> Iterator[str]:
 
 def _contradictions(results: Results) -> Iterator[str]:
     """Report constants that contradict the documented ones."""
-    rows = results.rows("remarks", code=CONTRADICTIONS)
+    rows = results.rows("remarks", code=[*CONTRADICTIONS, CauseCode.EXPLAINED_CONTRADICTION])
     for (robot, remark), group in rows.groupby(["robot", "remark"], sort=False):
         numbers = group["joint"].dropna()
         place = f"{joints(numbers)} of {robot}" if len(numbers) else robot
@@ -174,7 +169,7 @@ def _without_sensor(results: Results) -> Iterator[str]:
 
 def _withheld(results: Results) -> Iterator[str]:
     """Report recordings on which no force is stated because friction hides it."""
-    for row in results.rows("quality", finding=UNUSUAL_FRICTION).itertuples():
+    for row in results.rows("quality", code=Found.UNUSUAL_FRICTION).itertuples():
         yield f"No force is stated on “{row.recording}”: {claim(row.detail)}."
 
 

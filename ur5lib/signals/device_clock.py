@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ur5lib.errors import Remark
 from ur5lib.records.clocks import ClockRelation
+from ur5lib.records.codes import CauseCode
 from ur5lib.records.phrases import number
 from ur5lib.signals.clock import CLOCK_WANDER, MOTION_METHOD, STAMPS_METHOD
 from ur5lib.timeseries.arrays import Array, Labels
@@ -52,15 +53,15 @@ def clock_from_rotation(
     """
     if min(len(time), len(device_time)) < MIN_BLOCK_SAMPLES * JACKKNIFE_BLOCKS:
         text = "the record is too short to determine its clock from motion"
-        return stamps, Remark("short record", text)
+        return stamps, Remark(CauseCode.SHORT_RECORD, text)
     if max(np.diff(time).mean(), np.diff(device_time).mean()) > 1 / (4 * BAND_LIMIT):
         text = "the sampling rate is too low to determine the clock from motion"
-        return stamps, Remark("slow record", text)
+        return stamps, Remark(CauseCode.SLOW_RECORD, text)
     pair = _compare(time, rate, segment, device_time, gyroscope)
     starts = _search(pair, stamps)
     if not starts:
         text = "the records of the device and the robot hardly overlap without gaps"
-        return stamps, Remark("little overlap", text)
+        return stamps, Remark(CauseCode.LITTLE_OVERLAP, text)
     # best clock, its standard errors, and the share of variance it explains
     (offset, drift), columns, residual = _choose(pair, starts, stamps)
     offset_std, drift_std = _jackknife(columns, residual)
@@ -247,20 +248,20 @@ def _objection(clock: ClockRelation, stamps: ClockRelation, explained: float) ->
             f"the joints explain only {max(explained, 0.0):.0%} of the gyroscope's variance: the "
             "arm hardly turned, the IMU is turned, or its file belongs to another recording"
         )
-        return Remark("unexplained rotation", text)
+        return Remark(CauseCode.UNEXPLAINED_ROTATION, text)
     if abs(difference) > PLAUSIBLE_DEVIATIONS * stamps.offset_std or abs(drift) > MAX_DRIFT:
         text = (
             f"the gyroscope implies a start {number(difference, '+.2f')} s from the start stamps "
             f"and a drift of {number(drift, '+.2%')}, which is implausible: its file may belong to "
             "another recording"
         )
-        return Remark("implausible clock", text)
+        return Remark(CauseCode.IMPLAUSIBLE_CLOCK, text)
     if clock.offset_std > stamps.offset_std:
         text = (
             f"the gyroscope determines the offset to ±{number(clock.offset_std, '.2g')} s, no "
             f"better than the start stamps (±{number(stamps.offset_std, '.2g')} s)"
         )
-        return Remark("uncertain clock", text)
+        return Remark(CauseCode.UNCERTAIN_CLOCK, text)
     return None
 
 

@@ -35,8 +35,9 @@ from ur5lib.identification.validation import (
     with_rotors_that_show,
 )
 from ur5lib.recordings.copies import same_runs
-from ur5lib.records.accepted import ACCEPTED, accepted_sign
+from ur5lib.records.accepted import accepted_sign
 from ur5lib.records.aligned_recording import AlignedRecording
+from ur5lib.records.codes import CauseCode
 from ur5lib.records.friction import CurrentFit, Friction, KnownConstants, LeftOut
 from ur5lib.records.motion import Motion, motions_before
 from ur5lib.records.phrases import number
@@ -55,7 +56,7 @@ MAX_JOINTS_WITHOUT_LOAD = 3
 # link.
 MAX_JOINTS_OF_OTHER_GAIN = 1
 # Remarks on a joint that contradicts its documented constant, which is used instead.
-UNEXPLAINED = "current against constant", "torque against gain"
+UNEXPLAINED = CauseCode.CURRENT_AGAINST_CONSTANT, CauseCode.TORQUE_AGAINST_GAIN
 MIN_GAIN = 0.4  # of such a joint, at least; with a smaller one, a unit is wrong
 
 
@@ -121,7 +122,7 @@ def _unknown_links(arm: Robot) -> Remark:
         "them: record actual_torque on several paths, or describe masses, centres of mass and "
         "inertias"
     )
-    return Remark("unknown links", text)
+    return Remark(CauseCode.UNKNOWN_LINKS, text)
 
 
 def with_causes(fit: CurrentFit, doubts: Mapping[int, Finding], arm: Robot) -> CurrentFit:
@@ -135,12 +136,12 @@ def with_causes(fit: CurrentFit, doubts: Mapping[int, Finding], arm: Robot) -> C
         if joint not in doubts or one.code not in UNEXPLAINED or one.constants is None:
             return one
         alone, known = (number(value, ".3g") for value in one.constants)
+        doubt = doubt_in_words(doubts[joint].cause, arm.name, [joint])
         text = (
-            f"{doubt_in_words(doubts[joint].code, arm.name, [joint])} (by itself, this joint would "
-            f"have a {arm.measured.constant} of {alone} instead of {known} "
-            f"{arm.measured.constant_unit}, which is used)"
+            f"{doubt} (by itself, this joint would have a {arm.measured.constant} of {alone} "
+            f"instead of {known} {arm.measured.constant_unit}, which is used)"
         )
-        return replace(one, code="explained contradiction", text=text)
+        return replace(one, code=CauseCode.EXPLAINED_CONTRADICTION, text=text)
 
     return replace(
         fit,
@@ -202,7 +203,7 @@ def _expected_friction(prior: Prior, model: str, accepted: Mapping[str, str]) ->
     """
     if not prior.typical and prior.at_rest is None:
         text = f"no recording with the role “fit” has {prior.measured.channel}"
-        raise RefusalError("no fit recording", text)
+        raise RefusalError(CauseCode.NO_FIT_RECORDING, text)
     fit = fit_postures(prior)
     doubts = accepted_doubts(fit, prior, accepted)
     found, known = parameters(fit), known_constants(prior)
@@ -219,7 +220,7 @@ def _expected_friction(prior: Prior, model: str, accepted: Mapping[str, str]) ->
         parameters=[row for row in found if row.name == "torque_constant"],
         known_constants=known,
         model=model,
-        refused=Remark("no fit in motion", text),
+        refused=Remark(CauseCode.NO_FIT_IN_MOTION, text),
     )
 
 
@@ -256,10 +257,10 @@ def with_unproven(fit: CurrentFit, explained: Array | None, measured: Effort) ->
         f"fits to the other paths predict its {measured.quantity} worse than a constant does: "
         "record contact-free motion along several paths"
     )
-    unproven = Remark("unproven fit", text)
+    unproven = Remark(CauseCode.UNPROVEN_FIT, text)
     joints = [
         own
-        if share > 0 or "no motion" in (one.code for one in own.remarks)
+        if share > 0 or CauseCode.NO_MOTION in (one.code for one in own.remarks)
         else replace(own, remarks=(*own.remarks, unproven))
         for own, share in zip(fit.joints, shares, strict=True)
     ]
@@ -281,7 +282,7 @@ def require_no_stop_sign(contradictions: Mapping[str, Contradictions]) -> None:
             f"recordings to fit on have stop signs ({', '.join(stopped)}); correct them, or remove "
             "them from the study"
         )
-        raise ContradictionError("contradicting recordings", text)
+        raise ContradictionError(CauseCode.CONTRADICTING_RECORDINGS, text)
 
 
 def require_single_runs(qualities: Mapping[str, Quality]) -> None:
@@ -294,7 +295,7 @@ def require_single_runs(qualities: Mapping[str, Quality]) -> None:
             f"recordings to fit on are one run: {' and '.join(pair)}; remove one of them from the "
             "study"
         )
-        raise ContradictionError("copied recordings", text)
+        raise ContradictionError(CauseCode.COPIED_RECORDINGS, text)
 
 
 def accepted_doubts(fit: CurrentFit, prior: Prior, accepted: Mapping[str, str]) -> list[Remark]:
@@ -311,7 +312,8 @@ def accepted_doubts(fit: CurrentFit, prior: Prior, accepted: Mapping[str, str]) 
     except ContradictionError as sign:
         if sign.remark.kind not in accepted:
             raise
-        return [Remark(ACCEPTED, accepted_sign(sign.remark.text, accepted[sign.remark.kind]))]
+        text = accepted_sign(sign.remark.text, accepted[sign.remark.kind])
+        return [Remark(CauseCode.ACCEPTED_STOP_SIGN, text)]
     return []
 
 
@@ -320,7 +322,7 @@ def require_known_side(arm: Robot) -> None:
     nothing can be fitted (`unknown_side`).
     """
     if text := unknown_side(arm):
-        raise ContradictionError("unknown side", text, "side")
+        raise ContradictionError(CauseCode.UNKNOWN_SIDE, text, "side")
 
 
 def require_gains_of_one(fit: CurrentFit) -> None:
@@ -338,7 +340,7 @@ def require_gains_of_one(fit: CurrentFit) -> None:
             f"1, but these would need {', '.join(each)}; look at the side (`effort: motor_torque` "
             "with each `gear_ratio`, or `joint_torque`), at the rotors and at the links"
         )
-        raise ContradictionError("contradicting gains", text, "constants")
+        raise ContradictionError(CauseCode.CONTRADICTING_GAINS, text, "constants")
 
 
 def _other_gain(joint: int, gain: float) -> str:
@@ -372,4 +374,4 @@ def require_known_constants(fit: CurrentFit, prior: Prior) -> None:
             for j in np.flatnonzero(wrong).tolist()
         ]
         text = contradicting_constants(each, prior.measured)
-        raise ContradictionError("contradicting constants", text, "constants")
+        raise ContradictionError(CauseCode.CONTRADICTING_CONSTANTS, text, "constants")

@@ -22,6 +22,7 @@ from ur5lib.force.residual_model import (
 )
 from ur5lib.identification.currents import breakaway_torque, constants_band, torque_constants
 from ur5lib.identification.samples import MIN_PATHS
+from ur5lib.records.codes import CauseCode
 from ur5lib.records.currents import Currents
 from ur5lib.records.friction import CurrentFit, Friction
 from ur5lib.records.motion import Motion
@@ -86,7 +87,7 @@ def _unknown_torques(joints: Sequence[int]) -> Remark:
         "them, so that the torque of a contact is unknown; record contact-free motions along "
         "several paths"
     )
-    return Remark("unknown torques", text)
+    return Remark(CauseCode.UNKNOWN_TORQUES, text)
 
 
 def usual_model(fit: CurrentFit, cutoff: float) -> ResidualModel:
@@ -140,7 +141,7 @@ def _remarks(
             "all fit recordings follow one path, which does not show how the torque varies between "
             "paths, so that nothing tests the bands; record another path"
         )
-        yield Remark("one path of all", text)
+        yield Remark(CauseCode.ONE_PATH_OF_ALL, text)
     if paths < MIN_PATHS:
         runs = inputs(recordings, cutoff)
         still = [is_still(one.states) & finite_rows(one.torque) for one in runs]
@@ -150,7 +151,7 @@ def _remarks(
                 f"the arm rests for {rest:.0f} s of the fit recordings only, so that pushes at "
                 "rest may remain unnoticed; record half a minute at rest, in several poses"
             )
-            yield Remark("little rest", text)
+            yield Remark(CauseCode.LITTLE_REST, text)
 
 
 def _residual_model(runs: Sequence[ForceInput], friction: Friction, cutoff: float) -> ResidualModel:

@@ -11,6 +11,7 @@ from ur5lib.checks.succession import moved_between, stated_succession
 from ur5lib.force.problem import unusual_friction
 from ur5lib.force.residual_model import Residuals
 from ur5lib.records.account import AccountRow
+from ur5lib.records.codes import Found
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import Friction
@@ -25,7 +26,7 @@ from ur5lib.records.motion import Alignment, Motion, posture_change
 from ur5lib.records.opened import Opened
 from ur5lib.records.prediction import JudgedLoad, Prediction
 from ur5lib.records.premises import Premises
-from ur5lib.records.quality import UNUSUAL_FRICTION, Finding, Quality
+from ur5lib.records.quality import Finding, Quality
 from ur5lib.records.signals import Signals, is_led, slowly
 from ur5lib.records.step import step
 from ur5lib.timeseries.arrays import Array
@@ -98,7 +99,7 @@ def _unusual(share: float) -> Finding:
         "hand leads the arm; since nothing was fitted, its contact force cannot be told from that, "
         "and none is stated: record motion without contact with the role fit"
     )
-    return Finding("robot", UNUSUAL_FRICTION, "warning", 1, detail)
+    return Finding("robot", Found.UNUSUAL_FRICTION, "warning", 1, detail)
 
 
 def torque_errors(signals: Signals, torques: Torques) -> Iterator[TorqueError]:

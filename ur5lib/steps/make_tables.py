@@ -8,7 +8,6 @@ from typing import Any
 import pandas as pd
 
 from ur5lib.checks import files
-from ur5lib.checks.contacts import CONTACT
 from ur5lib.errors import Remark
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.touched import touched
@@ -17,6 +16,7 @@ from ur5lib.judging.may_be_used import friction_rows, torque_constants
 from ur5lib.records.acceleration_errors import AccelerationBand, AccelerationError, Innovation
 from ur5lib.records.accelerations import ImuComparison
 from ur5lib.records.account import AccountRow
+from ur5lib.records.codes import Found
 from ur5lib.records.contact_place import PlaceRow
 from ur5lib.records.contacts import Contact, ContactError, Contacts, Detection, FixedThreshold
 from ur5lib.records.fits import (
@@ -207,8 +207,8 @@ def beside_sensor_findings(own: list[Finding], compared: Compared, role: str) ->
     contact in raw readings.
     """
     if (touch := touched(compared.sensed, role)) is not None:
-        raw = ("force", CONTACT)
-        own = [one for one in own if (one.device, one.finding) != raw] + [touch]
+        raw = ("force", Found.CONTACT)
+        own = [one for one in own if (one.device, one.code) != raw] + [touch]
     return own + compared.findings()
 
 

@@ -27,6 +27,7 @@ from tests.typeset_page import page_of, plain
 from ur5lib.channels import TORQUE
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.samples import CurrentSamples, columns_of, recorded_path
+from ur5lib.records.codes import Found
 from ur5lib.records.friction import CurrentFit
 from ur5lib.records.prediction import JudgedLoad, Prediction, Scores
 from ur5lib.records.quality import Finding, Quality
@@ -42,7 +43,9 @@ from ur5lib.topics.health.rows import Checkup, Condition, Health, JointChange
 from ur5lib.topics.health.track_health import health_of, together
 
 START = date(2026, 3, 3)
-QUALITY = Quality(frames=1000, findings=[Finding("robot", "lost frames", "warning", 20, "lost")])
+QUALITY = Quality(
+    frames=1000, findings=[Finding("robot", Found.LOST_FRAMES, "warning", 20, "lost")]
+)
 NOISE = 0.05  # A
 TAKEN = JudgedLoad(2.0, 0.1, (1.8, 2.2), True, 0.0, 2.0, True, np.zeros(3), np.zeros(3))
 

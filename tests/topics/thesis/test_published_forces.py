@@ -12,6 +12,7 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import Remark
 from ur5lib.force.controller import further_or_controller
 from ur5lib.records.clocks import SettledClock
+from ur5lib.records.codes import CauseCode
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.force_errors import Compared, ForceError
 from ur5lib.records.forces import FurtherForces, SensorWrenches
@@ -114,8 +115,8 @@ def test_the_corrected_estimate_finds_the_force(results: Results) -> None:
 @pytest.mark.parametrize(
     "contradicting",
     [
-        {"friction": Friction(stopped=Remark("contradicting constants", "wrong"))},
-        {"premises": premises(contradiction("order", "", "wrong"))},
+        {"friction": Friction(stopped=Remark(CauseCode.CONTRADICTING_CONSTANTS, "wrong"))},
+        {"premises": premises(contradiction(CauseCode.EXCHANGED_JOINTS, "", "wrong"))},
     ],
 )
 def test_no_force_is_stated_where_fit_or_recording_contradicts_the_arm(

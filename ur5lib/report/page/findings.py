@@ -4,7 +4,7 @@ import re
 
 import pandas as pd
 
-from ur5lib.records.quality import SAME_RUN
+from ur5lib.records.codes import Found
 
 SEVERITIES = ("stop", "error", "warning", "note")  # most serious first; see docs/report.md
 
@@ -20,7 +20,7 @@ def group_findings(quality: pd.DataFrame, most: int | None = None) -> pd.DataFra
     quality: the detail of a finding begins with its place; most: number of named places of a
     meaning, None for all.
     """
-    kind = ["recording", "device", "finding", "severity"]
+    kind = ["recording", "device", "code", "finding", "severity"]
     rows = [
         (*key, rows_of_kind["count"].sum(), _stated_once(rows_of_kind, most))
         for key, rows_of_kind in quality.groupby(kind, sort=False)
@@ -39,14 +39,14 @@ def by_finding(quality: pd.DataFrame, most: int | None = MAX_NAMED_PLACES) -> pd
     grouped = group_findings(quality, most).sort_values("count", ascending=False, kind="stable")
     general = grouped["detail"].str.replace(PARTICULAR_WORD, "…", regex=True)
     meaning = general.where(grouped["severity"].isin(("stop", "error")), "")
-    meaning = meaning.where(grouped["finding"] != SAME_RUN, grouped["detail"])
-    kinds = grouped.groupby(["severity", "device", "finding", meaning], sort=False)
+    meaning = meaning.where(grouped["code"] != Found.SAME_RUN, grouped["detail"])
+    kinds = grouped.groupby(["severity", "device", "code", "finding", meaning], sort=False)
     rows = kinds.agg(
         recordings=("recording", list),
         detail=("detail", "first"),
         alike=("detail", lambda details: len({*details}) == 1),
     )
-    return by_severity(rows.reset_index(level=[0, 1, 2]).reset_index(drop=True))
+    return by_severity(rows.reset_index(level=[0, 1, 2, 3]).reset_index(drop=True))
 
 
 def by_severity(rows: pd.DataFrame) -> pd.DataFrame:

@@ -3,6 +3,7 @@
 import pandas as pd
 
 from ur5lib.force.estimators import GATED, NEW, PUBLISHED
+from ur5lib.records.codes import Found
 from ur5lib.report.results import Results
 from ur5lib.report.topics import shown_first
 
@@ -39,5 +40,5 @@ def leading(rows: pd.DataFrame) -> pd.DataFrame:
 
 def saturated(results: Results, among: list[str]) -> list[str]:
     """Return the recordings among some on which the force sensor saturates."""
-    found = results.rows("quality", recording=among, device="force", finding="saturation")
+    found = results.rows("quality", recording=among, device="force", code=Found.SATURATION)
     return [*found["recording"].unique()]

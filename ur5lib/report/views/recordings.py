@@ -4,17 +4,15 @@ from typing import Any
 
 import pandas as pd
 
-from ur5lib.records.accepted import ACCEPTED
+from ur5lib.records.codes import CauseCode, Found
 from ur5lib.records.quality import UNCHECKED
 from ur5lib.report.page.findings import SEVERITIES, by_finding, by_severity
 from ur5lib.report.results import Results
 
-LOST_FRAMES = "lost frames"
-
 
 def late(results: Results) -> list[str]:
     """Return in a list the recording that lost most frames, among those with figures."""
-    lost = results.rows("quality", device="robot", finding=LOST_FRAMES)
+    lost = results.rows("quality", device="robot", code=Found.LOST_FRAMES)
     return results.shown([*lost.sort_values("count", ascending=False)["recording"]], 1)
 
 
@@ -37,9 +35,9 @@ def legend(results: Results) -> pd.DataFrame:
     """
     used = results.tables["recordings"].set_index("recording")[["duration_s", "devices", "frames"]]
     quality = by_severity(results.tables["quality"])
-    checked = quality[~quality["finding"].isin(UNCHECKED)].drop_duplicates("recording")
+    checked = quality[~quality["code"].isin(UNCHECKED)].drop_duplicates("recording")
     gravest = checked.set_index("recording")[["severity", "device", "finding"]]
-    lost = results.rows("quality", device="robot", finding=LOST_FRAMES)
+    lost = results.rows("quality", device="robot", code=Found.LOST_FRAMES)
     lost = lost.groupby("recording")["count"].first().rename("lost")
     roles = pd.Series(results.roles(), name="role", dtype=str).rename_axis("recording")
     rows = roles.to_frame().join([used, lost, gravest, _kinds(quality)]).reset_index()
@@ -76,6 +74,10 @@ def left_out(results: Results) -> list[str]:
 
 def accepted_signs(results: Results) -> list[dict[str, Any]]:
     """Return the stop signs that the study overrules, with the recordings or arms concerned."""
-    rows = results.rows("quality", finding=ACCEPTED).groupby("detail", sort=False)["recording"]
-    arms = results.rows("remarks", code=ACCEPTED).groupby("remark", sort=False)["robot"]
-    return [{"detail": detail, "of": [*of]} for group in (rows, arms) for detail, of in group]
+    rows = results.rows("quality", code=Found.ACCEPTED_STOP_SIGN)
+    arms = results.rows("remarks", code=CauseCode.ACCEPTED_STOP_SIGN)
+    groups = (
+        *rows.groupby("detail", sort=False)["recording"],
+        *arms.groupby("remark", sort=False)["robot"],
+    )
+    return [{"detail": str(detail), "of": [*of]} for detail, of in groups]

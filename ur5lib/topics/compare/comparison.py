@@ -12,6 +12,7 @@ from scipy.stats import norm
 
 from ur5lib.errors import InputError
 from ur5lib.force.estimators import LEADING
+from ur5lib.records.codes import Found
 from ur5lib.records.friction import without_totals
 from ur5lib.tables import intact, read_csv, write_text
 from ur5lib.timeseries.metrics import NORMAL95
@@ -87,8 +88,10 @@ def data(studies: StudyPair) -> Iterator[Comparison]:
     counts: list[dict[str, int]] = []
     for study in studies:
         rows = _read(study, "quality", ["recording", "device", "finding", "severity"], ["count"])
+        rows = rows.assign(code=rows.get("code", rows["finding"]))  # 1.0 has no codes
         severe = rows[rows["severity"].isin(COMPARED_SEVERITIES)].itertuples()
-        counts.append({f"{r.recording}, {r.device}: {r.finding}": int(r.count) for r in severe})
+        named = {f"{r.recording}, {r.device}: {Found(r.code).words}": int(r.count) for r in severe}
+        counts.append(named)
     for name in sorted(counts[0].keys() | counts[1].keys()):
         old, new = (by_name.get(name, 0) for by_name in counts)
         yield Comparison("data", name, str(old), str(new), old != new, old != new)

@@ -8,6 +8,7 @@ from ur5lib.channels import CURRENT, Effort
 from ur5lib.identification.current_samples import ZeroPhaseLowpass, current_record
 from ur5lib.identification.samples import CurrentSamples, Smooth
 from ur5lib.records.aligned_recording import AlignedRecording
+from ur5lib.records.codes import Found
 from ur5lib.records.friction import CurrentFit, Friction
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.quality import Quality
@@ -52,7 +53,7 @@ def checkup(
     measured: Effort = CURRENT,
 ) -> Checkup:
     """Return the condition by one recording; fit, measured: of its arm."""
-    lost = sum(one.count for one in quality.findings if one.finding == "lost frames")
+    lost = sum(one.count for one in quality.findings if one.code == Found.LOST_FRAMES)
     warmth = np.full(record.q.shape[1], np.nan)
     if record.temperature is not None:
         warmth = np.nanmean(record.temperature, axis=0)

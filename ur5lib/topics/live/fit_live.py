@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 from ur5lib.errors import InputError, RefusalError, Remark
 from ur5lib.force.residual_model import Residuals
+from ur5lib.records.codes import CauseCode
 from ur5lib.records.friction import Friction
 from ur5lib.records.measured import Measured
 from ur5lib.records.premises import Premises
@@ -51,4 +52,4 @@ def fit_live(
     except RefusalError as refusal:
         return LiveFit(refused=refusal.remark)
     except InputError as error:  # friction that couples joints
-        return LiveFit(refused=Remark("other reason", str(error)))
+        return LiveFit(refused=Remark(CauseCode.OTHER_REASON, str(error)))

@@ -19,6 +19,7 @@ from ur5lib.force.residual_model import (
     TorqueStretch,
     fit_residual_model,
 )
+from ur5lib.records.codes import CauseCode
 from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.friction import Friction
 from ur5lib.records.measured import Measured
@@ -210,7 +211,7 @@ def learned(
             f"samples of the recordings without contact lie {period:.3f} s apart, while the live "
             f"estimator needs one each {RAREST:g} s; record faster"
         )
-        raise RefusalError("rare samples live", text)
+        raise RefusalError(CauseCode.RARE_SAMPLES_LIVE, text)
     thinned = [(arm, run.at(few_rows(run.period))) for arm, run in runs]
     speeds = [np.nanquantile(np.abs(velocity(run)), 0.999, axis=0) for _, run in thinned]
     breakaway = np.median([arm["breakaway"] for arm, _ in runs], axis=0)
