@@ -20,9 +20,9 @@ from ur5lib.force.estimators import LEADING
 from ur5lib.records.accepted import accepting
 from ur5lib.records.codes import CauseCode, Found
 from ur5lib.records.quality import Contradictions, Finding, contradiction
-from ur5lib.records.verdicts import Advice
+from ur5lib.records.verdicts import Advice, Asks
 from ur5lib.report.found import MOST_FINDINGS, findings, left_out
-from ur5lib.report.next_steps import ASKED, next_steps
+from ur5lib.report.next_steps import next_steps
 from ur5lib.report.results import Results
 from ur5lib.report.stated import Step, claim, joints, line, listed, overruled, remedy, with_error
 from ur5lib.tables import as_written
@@ -94,7 +94,7 @@ def test_names_joints_and_errors_in_words() -> None:
 
 
 @pytest.mark.parametrize("effort", [None, TORQUE])
-@pytest.mark.parametrize("code", ASKED)
+@pytest.mark.parametrize("code", Asks)
 def test_each_step_is_one_short_sentence_with_what_does_it(code: str, effort: Any) -> None:
     made = study(quality=quality(EXCHANGED))
     made = replace(made, effort=effort or made.effort, study={**made.study, "study": "mine"})

@@ -8,7 +8,7 @@ from ur5lib.judging.recordings import felt_while_fitted, lost_shares
 from ur5lib.judging.study import AT_REST, StudyTables
 from ur5lib.records.codes import CauseCode
 from ur5lib.records.quality import STOP
-from ur5lib.records.verdicts import Advice
+from ur5lib.records.verdicts import Advice, Asks
 
 RECORD: Literal["recording"] = "recording"  # kinds of advice
 LATER: Literal["later"] = "later"
@@ -18,9 +18,9 @@ CONTRADICTIONS = [
     CauseCode.TORQUE_AGAINST_GAIN,
 ]
 ASKING = {  # by the remarks
-    CauseCode.NO_MOTION: "no_motion",
-    CauseCode.ONE_PATH: "one_path",
-    CauseCode.FEW_PATHS: "few_paths",
+    CauseCode.NO_MOTION: Asks.NO_MOTION,
+    CauseCode.ONE_PATH: Asks.ONE_PATH,
+    CauseCode.FEW_PATHS: Asks.FEW_PATHS,
 }
 
 
@@ -38,30 +38,30 @@ def corrections(study: StudyTables) -> Iterator[Advice]:
     """
     for row in study.rows("quality", severity="stop")[:1].itertuples():
         yield Advice(
-            code="stop_recording", kind="correction", recording=row.recording, detail=row.detail
+            code=Asks.STOP_RECORDING, kind="correction", recording=row.recording, detail=row.detail
         )
     for row in study.rows("remarks", step=STOP)[:1].itertuples():
-        yield Advice(code="stop_arm", kind="correction", robot=row.robot, detail=row.remark)
-    yield from _of_recordings("touched", study.touched())
+        yield Advice(code=Asks.STOP_ARM, kind="correction", robot=row.robot, detail=row.remark)
+    yield from _of_recordings(Asks.TOUCHED, study.touched())
     felt = [name for name in felt_while_fitted(study) if name not in study.touched()]
-    yield from _of_recordings("felt", felt)
+    yield from _of_recordings(Asks.FELT, felt)
     loads = study.rows("payload", taken="yes")
     for row in loads[:1].itertuples():
         mass = {"value": row.configured + row.mass, "std_error": row.std_error}
         count = loads["recording"].nunique()
         yield Advice(
-            code="payload", kind="correction", recording=row.recording, recordings=count, **mass
+            code=Asks.PAYLOAD, kind="correction", recording=row.recording, recordings=count, **mass
         )
     for row in study.rows("remarks", code=CauseCode.EXPLAINED_CONTRADICTION).itertuples():
-        yield Advice(code="explained", kind="correction", robot=row.robot, detail=row.remark)
+        yield Advice(code=Asks.EXPLAINED, kind="correction", robot=row.robot, detail=row.remark)
     for robot, (shown, _) in _contradicted(study).items():
         if shown:
             yield Advice(
-                code="contradiction", kind="correction", robot=robot, joints=_listed(shown)
+                code=Asks.CONTRADICTION, kind="correction", robot=robot, joints=_listed(shown)
             )
 
 
-def _of_recordings(code: str, names: list[str], value: float | None = None) -> Iterator[Advice]:
+def _of_recordings(code: Asks, names: list[str], value: float | None = None) -> Iterator[Advice]:
     """Yield one piece of advice that names the first recording and counts all of them."""
     if names:
         about: Any = {"recording": names[0], "recordings": len(names)}
@@ -88,8 +88,8 @@ def faulty_files(study: StudyTables) -> Iterator[Advice]:
     shares = lost_shares(study)
     lost = {name: share for name, share in shares.items() if share >= HIGH_LOST_SHARE}
     names = sorted(lost, key=lambda name: -lost[name])
-    yield from _of_recordings("lossy", names, lost[names[0]] if names else None)
-    yield from _of_recordings("doubted", study.doubted())
+    yield from _of_recordings(Asks.LOSSY, names, lost[names[0]] if names else None)
+    yield from _of_recordings(Asks.DOUBTED, study.doubted())
 
 
 def missing_recordings(study: StudyTables) -> Iterator[Advice]:
@@ -97,23 +97,25 @@ def missing_recordings(study: StudyTables) -> Iterator[Advice]:
     for robot in sorted(study.placeholders.difference(study.listed("parameters", "robot"))):
         refused = study.rows("remarks", robot=robot, step="identification")
         why = "; ".join(refused["remark"])
-        yield Advice(code="unknown_links", kind=RECORD, robot=robot, detail=why)
+        yield Advice(code=Asks.UNKNOWN_LINKS, kind=RECORD, robot=robot, detail=why)
     remarks = study.rows("remarks", code=[*ASKING])
     order = remarks.assign(order=remarks["code"].map([*ASKING].index))
     for (_, robot, code), part in order.groupby(["order", "robot", "code"], sort=True):
         joints = _listed([*part["joint"].astype(int)])
-        kind = LATER if ASKING[code] == "few_paths" else RECORD  # surer intervals only
+        kind = LATER if ASKING[code] == Asks.FEW_PATHS else RECORD  # surer intervals only
         yield Advice(code=ASKING[code], kind=kind, robot=robot, joints=joints)
-    for role in ("fit", "validate"):
+    for role in (Asks.FIT, Asks.VALIDATE):
         if not study.with_role(role):
             detail = AT_REST if study.with_role(AT_REST) else ""
             yield Advice(code=role, kind=RECORD, detail=detail)
     for row in study.tables["excitation"].dropna(subset="motion").itertuples():
-        yield Advice(code="advised", kind=RECORD, robot=row.robot, detail=row.motion)
+        yield Advice(code=Asks.ADVISED, kind=RECORD, robot=row.robot, detail=row.motion)
     for robot, (_, light) in _contradicted(study).items():
         if light:
             load = study.loads.get(robot)
-            yield Advice(code="light", kind=RECORD, robot=robot, joints=_listed(light), value=load)
+            yield Advice(
+                code=Asks.LIGHT, kind=RECORD, robot=robot, joints=_listed(light), value=load
+            )
     sensed = study.tables["sensed"]
     if study.tables["force_mae"].empty and not (sensed["contacts"] > 0).any():
-        yield Advice(code="pushes", kind=RECORD)
+        yield Advice(code=Asks.PUSHES, kind=RECORD)

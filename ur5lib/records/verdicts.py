@@ -1,6 +1,7 @@
 """Verdicts: what may be used, the number that decides, and the reason."""
 
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import Literal, cast, get_args
 
 from ur5lib.channels import CURRENT, Effort
@@ -286,6 +287,29 @@ class ErrorParts:
     drift_std: float | None = None
 
 
+class Asks(StrEnum):
+    """What to do next; `ASKED` in `ur5lib/report/next_steps.py` has the sentences."""
+
+    STOP_RECORDING = "stop_recording"
+    STOP_ARM = "stop_arm"
+    TOUCHED = "touched"
+    FELT = "felt"
+    PAYLOAD = "payload"
+    EXPLAINED = "explained"
+    CONTRADICTION = "contradiction"
+    LOSSY = "lossy"
+    DOUBTED = "doubted"
+    UNKNOWN_LINKS = "unknown_links"
+    NO_MOTION = "no_motion"
+    ONE_PATH = "one_path"
+    FEW_PATHS = "few_paths"
+    FIT = "fit"
+    VALIDATE = "validate"
+    ADVISED = "advised"
+    LIGHT = "light"
+    PUSHES = "pushes"
+
+
 @dataclass(frozen=True, kw_only=True)
 class Advice:
     """A row of advice.csv: what to do next, the most urgent first.
@@ -295,7 +319,7 @@ class Advice:
     value, std_error: the number in the sentence; detail: words of the finding.
     """
 
-    code: str
+    code: Asks
     kind: Literal["correction", "recording", "later"]
     robot: str = ""
     recording: str = ""

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from ur5lib.records.phrases import number
+from ur5lib.records.verdicts import Asks
 from ur5lib.report import topics
 from ur5lib.report.results import Results
 from ur5lib.report.stated import (
@@ -250,23 +251,23 @@ def _pushes(asked: Asked) -> Step:
     return Step(f"{record}: without one, the error of the force is unknown.", "role: contact")
 
 
-ASKED: dict[str, Callable[[Asked], Step]] = {  # the codes are those of advice.csv
-    "stop_recording": _stop_recording,
-    "stop_arm": _stop_arm,
-    "touched": _touched,
-    "felt": _felt,
-    "payload": _payload,
-    "explained": _explained,
-    "contradiction": _contradiction,
-    "lossy": _lossy,
-    "doubted": _doubted,
-    "unknown_links": _unknown_links,
-    "no_motion": _no_motion,
-    "one_path": _one_path,
-    "few_paths": _few_paths,
-    "fit": _fit,
-    "validate": _validate,
-    "advised": _advised,
-    "light": _light,
-    "pushes": _pushes,
+ASKED: dict[Asks, Callable[[Asked], Step]] = {
+    Asks.STOP_RECORDING: _stop_recording,
+    Asks.STOP_ARM: _stop_arm,
+    Asks.TOUCHED: _touched,
+    Asks.FELT: _felt,
+    Asks.PAYLOAD: _payload,
+    Asks.EXPLAINED: _explained,
+    Asks.CONTRADICTION: _contradiction,
+    Asks.LOSSY: _lossy,
+    Asks.DOUBTED: _doubted,
+    Asks.UNKNOWN_LINKS: _unknown_links,
+    Asks.NO_MOTION: _no_motion,
+    Asks.ONE_PATH: _one_path,
+    Asks.FEW_PATHS: _few_paths,
+    Asks.FIT: _fit,
+    Asks.VALIDATE: _validate,
+    Asks.ADVISED: _advised,
+    Asks.LIGHT: _light,
+    Asks.PUSHES: _pushes,
 }
