@@ -32,7 +32,7 @@ from ur5lib.force.fates import (
 from ur5lib.force.matching import compare
 from ur5lib.force.sensed_contact import CONTACT_FORCE, TOUCH_FORCE
 from ur5lib.force.touched import touched
-from ur5lib.records.contacts import FATES, WHOLE, ContactError, Detection
+from ur5lib.records.contacts import WHOLE, ContactError, Detection, Fate
 from ur5lib.records.force_errors import Sensed
 from ur5lib.records.forces import SensorWrenches
 from ur5lib.timeseries.arrays import Array
@@ -79,7 +79,7 @@ def test_every_contact_is_found_merged_or_missed(
     told = fates(stretches, touches)
     counted = compare(stretches, touches, 0.1)
     numbers = counted.found, counted.merged, counted.contacts - counted.found - counted.merged
-    assert [told.count(fate) for fate in FATES] == [*numbers]
+    assert [told.count(fate) for fate in Fate] == [*numbers]
 
 
 @given(SPANS, SPANS, PERIODS, st.data())

@@ -12,7 +12,7 @@ import numpy as np
 
 from ur5lib.force.alarms import Alarm
 from ur5lib.force.matching import match
-from ur5lib.records.contacts import OFF_FLANGE, WHOLE, Cause, Contact, ContactError, Fate, Kind
+from ur5lib.records.contacts import WHOLE, Cause, Contact, ContactError, Fate, Kind
 from ur5lib.records.pushes import SPEEDS
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import Span, overlap
@@ -85,7 +85,8 @@ def fates(alarm: Sequence[Span], contact: Sequence[Span]) -> list[Fate]:
     """Return whether each contact is found, merged or missed."""
     own = {k for _, k in match([*alarm], [*contact])}
     felt = [any(overlap(one, touch) for one in alarm) for touch in contact]
-    return ["found" if k in own else "merged" if one else "missed" for k, one in enumerate(felt)]
+    others = (Fate.MERGED if one else Fate.MISSED for one in felt)
+    return [Fate.FOUND if k in own else other for k, other in enumerate(others)]
 
 
 def stretch(start: float, end: float) -> Span:
@@ -128,12 +129,12 @@ def kind_of(alarm: Alarm, is_free: bool) -> Kind:
     is_free: whether the recording's role means that nothing touches the arm. The sensor decides
     before the role. It does not feel contacts off the flange, so these are not false.
     """
-    if alarm.kind == "load":
-        return "load"
+    if alarm.kind == Kind.LOAD:
+        return Kind.LOAD
     if alarm.at_sensor:
-        return "contact"
+        return Kind.CONTACT
     if alarm.at_sensor is None and is_free:  # of the whole arm
-        return "false"
+        return Kind.FALSE
     if alarm.off_flange:
-        return OFF_FLANGE
-    return "contact" if alarm.at_sensor is None else "false"
+        return Kind.OFF_FLANGE
+    return Kind.CONTACT if alarm.at_sensor is None else Kind.FALSE

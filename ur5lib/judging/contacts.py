@@ -12,7 +12,7 @@ from ur5lib.force.estimators import GATED, LEADING
 from ur5lib.force.sensed_contact import CONTACT_FORCE
 from ur5lib.judging.limits import GOOD_ALARM_RATE, UPPER_LIMIT
 from ur5lib.judging.study import AT_REST, IN_MOTION, StudyTables
-from ur5lib.records.contacts import FATES, OFF_FLANGE
+from ur5lib.records.contacts import Fate, Kind
 from ur5lib.records.verdicts import FalseAlarms, Noticed, Reason, Verdict, reason_in
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -49,7 +49,7 @@ def judge_contacts(study: StudyTables) -> Iterator[Verdict]:
     parts = [part for _, part in rows.groupby("motion")]
     if len(parts) > 1:
         numbers += [number for part in parts for number in (_found(part), _found_from(part))]
-    numbers += [_of_fate(rows, fate) for fate in ("missed", "merged")]
+    numbers += [_of_fate(rows, fate) for fate in (Fate.MISSED, Fate.MERGED)]
     numbers += [*_peaks(rows)]
     for rank, number in enumerate(filter(None, numbers), start=1):
         yield Verdict(**about | number, rank=rank, reason=doubt if rank == 1 else "")
@@ -57,13 +57,13 @@ def judge_contacts(study: StudyTables) -> Iterator[Verdict]:
 
 def _found(rows: pd.DataFrame) -> dict[str, Any]:
     """Return the number of found contacts, as fields of a verdict."""
-    count = int((rows["fate"] == FATES[0]).sum())
+    count = int((rows["fate"] == Fate.FOUND).sum())
     return {"quantity": "contacts found", "count": count, "of": len(rows)} | _motion_of(rows)
 
 
 def _found_from(rows: pd.DataFrame) -> dict[str, Any]:
     """Return the smallest peak force [N] above that of all missed contacts; {} without one."""
-    missed = rows.loc[rows["fate"] == FATES[-1], "peak"]
+    missed = rows.loc[rows["fate"] == Fate.MISSED, "peak"]
     above = rows[(rows["peak"] > missed.max()) | missed.empty]
     if above.empty:
         return {}
@@ -78,13 +78,14 @@ def _motion_of(rows: pd.DataFrame) -> dict[str, Any]:
     return {"motion": motions[0]} if len(motions) == 1 else {}
 
 
-def _of_fate(rows: pd.DataFrame, fate: str) -> dict[str, Any]:
+def _of_fate(rows: pd.DataFrame, fate: Fate) -> dict[str, Any]:
     """Return the number of contacts with a fate, missed or merged, and the largest of them, as
     fields of a verdict.
     """
     own = rows[rows["fate"] == fate]
-    words = {"missed": "contacts missed, the largest", "merged": "contacts in another's alarm"}
-    about = {"quantity": words[fate], "count": len(own), "of": len(rows)}
+    is_missed = fate == Fate.MISSED
+    words = "contacts missed, the largest" if is_missed else "contacts in another's alarm"
+    about: dict[str, Any] = {"quantity": words, "count": len(own), "of": len(rows)}
     if own.empty:
         return about
     most = own.loc[own["peak"].idxmax()]
@@ -94,7 +95,7 @@ def _of_fate(rows: pd.DataFrame, fate: str) -> dict[str, Any]:
 
 def _peaks(rows: pd.DataFrame) -> Iterator[dict[str, Any]]:
     """Yield the mean [%] and the largest [N] error of the peaks of found contacts."""
-    found = rows[rows["fate"] == FATES[0]].dropna(subset="peak_error")
+    found = rows[rows["fate"] == Fate.FOUND].dropna(subset="peak_error")
     if len(found):
         shares = 100 * found["peak_error"] / found["peak"]
         mean = {"value": float(shares.mean()), "unit": "%", "count": len(found)}
@@ -144,7 +145,7 @@ def _contacts_on(rows: pd.DataFrame) -> dict[str, Any]:
     """Return the numbers, times and peaks of one recording's contacts at the sensor, by fate
     (found, missed, merged).
     """
-    found, merged, missed = (rows[rows["fate"] == fate] for fate in FATES)
+    found, merged, missed = (rows[rows["fate"] == fate] for fate in Fate)
     errors = (found["peak_error"] / found["peak"]).astype(float).dropna()
     return {
         "contacts": len(rows),
@@ -164,8 +165,8 @@ def _alarms_on(rows: pd.DataFrame, counts: Any, study: StudyTables) -> dict[str,
     minutes = _minutes(study)[counts.recording]
     false = counts.false_alarms_per_min
     if pd.isna(false):  # without a sensor
-        false = (rows["kind"] == "false").sum() / minutes
-    own = rows[rows["kind"] != OFF_FLANGE]  # stated forces are those of the flange
+        false = (rows["kind"] == Kind.FALSE).sum() / minutes
+    own = rows[rows["kind"] != Kind.OFF_FLANGE]  # stated forces are those of the flange
     bands = own.melt(
         ["peak_s", "posture_deg"], ["Fx_std", "Fy_std", "Fz_std"], "column", "std"
     ).dropna(subset="std")

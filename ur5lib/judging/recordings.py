@@ -10,7 +10,7 @@ from ur5lib.force.estimators import GATED, LEADING
 from ur5lib.judging.limits import MAX_CHANCE_OF_ALARMS, USUAL_ALARMS, USUAL_SECONDS
 from ur5lib.judging.study import AT_REST, StudyTables
 from ur5lib.records.codes import Found
-from ur5lib.records.contacts import OF_CONTACTS
+from ur5lib.records.contacts import OF_CONTACTS, Kind
 from ur5lib.records.verdicts import Reason, RecordingUse, State, Verdict
 
 QUESTION = "recordings"
@@ -96,7 +96,7 @@ def felt_while_fitted(study: StudyTables) -> list[str]:
     """Return the fit recordings on which the arm was probably touched: a fit without the recording
     finds more contacts there than the alarm rate on the arm's other fit recordings explains.
     """
-    alarms = study.rows("contacts", estimate=LEADING, kind=[*OF_CONTACTS, "false"])
+    alarms = study.rows("contacts", estimate=LEADING, kind=[*OF_CONTACTS, Kind.FALSE])
     found = alarms["recording"].value_counts()
     lengths = study.tables["recordings"].set_index("recording")["duration_s"].astype(float)
     fitted = study.with_role("fit")

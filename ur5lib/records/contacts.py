@@ -2,20 +2,36 @@
 
 import math
 from dataclasses import dataclass, field
-from typing import Literal, get_args
+from enum import StrEnum
+from typing import Literal
 
 from ur5lib.records.codes import Found
 from ur5lib.records.contact_place import PlaceRow
 from ur5lib.records.phrases import as_written, number
 from ur5lib.records.quality import Finding
 
-Fate = Literal["found", "merged", "missed"]  # by an alarm of its own, within another one's, by none
-FATES: tuple[Fate, ...] = get_args(Fate)
 Cause = Literal["late_alarm", "constants", "stiction", "friction"]  # of an error in contact
-Kind = Literal["contact", "load", "off_flange", "false"]  # of an alarm
-OFF_FLANGE: Kind = "off_flange"
 WHOLE = "norm"  # the component of all three axes together
-OF_CONTACTS: list[Kind] = ["contact", OFF_FLANGE]  # kinds of alarms by a contact
+
+
+class Fate(StrEnum):
+    """What becomes of a contact at the sensor: a code, as in the column `fate`."""
+
+    FOUND = "found"  # by an alarm of its own
+    MERGED = "merged"  # within the alarm of another contact
+    MISSED = "missed"
+
+
+class Kind(StrEnum):
+    """What an alarm is: a code, as in the column `kind`."""
+
+    CONTACT = "contact"
+    LOAD = "load"
+    OFF_FLANGE = "off_flange"
+    FALSE = "false"
+
+
+OF_CONTACTS = [Kind.CONTACT, Kind.OFF_FLANGE]  # kinds of alarms by a contact
 
 
 @dataclass(frozen=True, kw_only=True)

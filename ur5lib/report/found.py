@@ -10,7 +10,7 @@ from ur5lib.force.estimators import LEADING
 from ur5lib.judging.advice import CONTRADICTIONS
 from ur5lib.records.account import NOTHING
 from ur5lib.records.codes import CauseCode, Found
-from ur5lib.records.contacts import OF_CONTACTS, OFF_FLANGE
+from ur5lib.records.contacts import OF_CONTACTS, Kind
 from ur5lib.records.phrases import as_written, number
 from ur5lib.records.quality import STOP
 from ur5lib.report import topics
@@ -151,7 +151,7 @@ def _without_a_sensor(results: Results) -> dict[str, pd.DataFrame]:
 def _off_flange(results: Results) -> Iterator[str]:
     """Report the contacts that seem to be off the flange, where the stated forces are wrong."""
     for name, rows in _without_a_sensor(results).items():
-        if times := [*rows.loc[rows["kind"] == OFF_FLANGE, "peak_s"]]:
+        if times := [*rows.loc[rows["kind"] == Kind.OFF_FLANGE, "peak_s"]]:
             seem, their = ("seems", "its force") if len(times) == 1 else ("seem", "their forces")
             yield (
                 f"{len(times)} of {len(rows)} contacts on “{name}”, at {as_written(times, '.1f')} "
@@ -193,7 +193,7 @@ def _undetermined_moments(results: Results) -> Iterator[str]:
 
 def _taken_up(results: Results) -> Iterator[str]:
     """Report loads that the arm picks up."""
-    for row in results.rows("contacts", estimate=LEADING, kind="load").itertuples():
+    for row in results.rows("contacts", estimate=LEADING, kind=Kind.LOAD).itertuples():
         mass = with_error(row.load_mass, row.load_mass_std)
         yield f"The arm takes up a load of {mass} kg on “{row.recording}”."
 

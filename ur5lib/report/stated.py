@@ -8,7 +8,7 @@ from datetime import date
 
 from ur5lib.errors import OVERRULED_BY, printable
 from ur5lib.force.estimators import LEADING
-from ur5lib.records.contacts import OF_CONTACTS
+from ur5lib.records.contacts import OF_CONTACTS, Kind
 from ur5lib.report.results import Results
 
 MOST_NAMED = 3  # recordings that a sentence names
@@ -91,7 +91,7 @@ def alarms_on(results: Results, recording: str) -> str:
     """Return the number of the leading estimate's alarms on a recording, but for loads, with their
     times.
     """
-    kinds = [*OF_CONTACTS, "false"]
+    kinds = [*OF_CONTACTS, Kind.FALSE]
     rows = results.rows("contacts", estimate=LEADING, recording=recording, kind=kinds)
     times = listed([f"{time:.1f}" for time in rows["peak_s"]]) if len(rows) else ""
     return f"{len(rows)} alarm{'s' * (len(rows) != 1)}{f' at {times} s' * bool(times)}"
