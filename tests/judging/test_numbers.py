@@ -171,6 +171,17 @@ def unseen_currents(model: str = "fitted") -> list[Row]:
     ]
 
 
+def test_the_verdicts_on_a_question_are_ranked_from_one_each_once(told: Judged) -> None:
+    """By rank, a page selects them."""
+    ranks: dict[tuple[str, str], list[int]] = defaultdict(list)
+    for one in told.verdicts:
+        ranks[one.question, one.arm].append(one.rank)
+    assert len(ranks) == 10
+    for own in ranks.values():
+        assert own[0] == 1
+        assert len({*own}) == len(own)
+
+
 # Currents, links
 
 

@@ -26,7 +26,7 @@ from tests.made_study import (
 )
 from ur5lib.force.estimators import UNGATED
 from ur5lib.judging import limits
-from ur5lib.judging.errors import Conditions, severest, state_of
+from ur5lib.judging.errors import Conditions, beaten, severest, state_of
 from ur5lib.records.codes import Found
 from ur5lib.records.verdicts import REASONS, Reason, State
 from ur5lib.report.results import Results
@@ -67,6 +67,17 @@ def test_a_state_follows_from_the_error_and_zero(
     assert state_of(nothing, Conditions()) == ("not determined", "too_small")
     if expected[0] == "good":
         assert state_of(row, Conditions(unseen=False)) == ("usable", "no_unseen")
+
+
+@pytest.mark.parametrize(
+    ("rival", "expected"),
+    [(1.0e-4, ["rival_better"]), (1.2e-4, ["rival_equal"]), (1.7e-4, [])],
+)
+def test_errors_that_differ_by_less_than_a_table_shows_are_equal(
+    rival: float, expected: list[str]
+) -> None:
+    assert [*beaten(1.6e-4, rival)] == expected
+    assert [*beaten(4e-5, rival)] == []
 
 
 def test_the_sentence_of_a_reason_has_the_limit_that_gives_it() -> None:
@@ -124,6 +135,14 @@ def test_constants_that_stop_a_study_are_not_to_be_used() -> None:
     assert verdicts_of(study(), "constants") == []
 
 
+def test_one_stop_sign_contradicts_a_study_and_an_unreadable_recording_does_not() -> None:
+    remark = {"robot": "ur5", "step": "stop sign", "remark": "wrong"}
+    assert study(remarks=[remark]).stopped()
+    assert study(quality=[finding("stop", "turned")]).stopped()
+    assert not study(quality=[finding("stop", "unreadable")]).stopped()
+    assert not study(remarks=[remark | {"step": "friction"}]).stopped()
+
+
 def test_gravity_is_judged_by_the_joints_that_bear_it() -> None:
     rows = [constant(1, 10.0), constant(2, 10.5), constant(3, 13.0), constant(4, 10.0, **REFUSED)]
     results = replace(study(friction=rows), bearing={"ur5": [2, 3, 4]})
@@ -144,6 +163,9 @@ def test_loads_that_agree_are_counted_where_the_currents_determine_one() -> None
     assert (agreeing.count, agreeing.of, agreeing.reason) == (1, 2, "loaded")
     assert widest.value == pytest.approx(0.4)
     assert (load.recording, load.value) == ("seen", 0.5)
+    rows[1] |= {"taken": "no"}
+    agreeing, _ = verdicts_of(replace(study(payload=rows), loads={"ur5": 2.0}), "load")
+    assert agreeing.reason == ""
 
 
 # Recordings
