@@ -17,6 +17,7 @@ from tests.conftest import said
 from tests.made_records import motion_of
 from tests.stored_files import made_up_channels
 from ur5lib.channels import CURRENT
+from ur5lib.checks.arm import Cause, likeliest
 from ur5lib.checks.block_means import block_means
 from ur5lib.checks.by_motion import (
     MotionChecks,
@@ -37,11 +38,11 @@ from ur5lib.checks.findings import (
 )
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.unchecked import unchecked
-from ur5lib.checks.whole_motion import STRETCHES, Explained, Misfit, WholeMotion
+from ur5lib.checks.whole_motion import STRETCHES, Explained, Lead, Misfit, WholeMotion
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.codes import CauseCode, Found
-from ur5lib.records.quality import Finding
+from ur5lib.records.quality import Finding, contradiction
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.robots.exports import urdf
@@ -238,6 +239,18 @@ def test_a_late_log_names_no_joint(ur5e: Robot, sensed: Robot) -> None:
     assert possible_delays(log(ur5e)) == possible_delays(log(sensed)) == []
 
 
+@pytest.mark.parametrize("gains", [(1.0, 2.0), (2.0, 1.0)])
+def test_of_several_causes_that_of_the_largest_gain_is_told(
+    ur5e: Robot, gains: tuple[float, float]
+) -> None:
+    means = block_means(log(ur5e).robot, STEP)
+    found = [contradiction(f"gains {gain:g}", "robot", "so") for gain in gains]
+    pairs = zip(found, gains, strict=True)
+    causes = [Cause(finding, gain, means, ur5e) for finding, gain in pairs]
+    assert [one.code for one in likeliest(causes)] == ["gains 2"]
+    assert [*likeliest([])] == []
+
+
 def test_another_arm_is_told_unless_a_load_may_explain_it(ur5e: Robot) -> None:
     own = log(ur5e)
     ur10e = load_robot(robot_path("ur10e"))
@@ -255,6 +268,23 @@ def test_a_load_is_told_without_targets(ur5e: Robot, mass: float, told: bool) ->
     assert [one.code for one in found] == [Found.UNDECLARED_LOAD] * told
     assert load_without_targets(replace(own, fitted=False)) == []
     assert load_without_targets(replace(own, declared=load)) == []
+
+
+@pytest.mark.parametrize(
+    ("mass", "error", "size", "told"),
+    [
+        (2.0, 0.2, 1.5, True),
+        (2.0, 0.2, 0.5, False),
+        (0.5, 0.01, 1.5, False),
+        (2.0, 0.5, 1.5, False),
+    ],
+)
+def test_a_load_is_told_where_it_is_sure_large_and_explains_far_more(
+    ur5e: Robot, mass: float, error: float, size: float, told: bool
+) -> None:
+    checks = MotionChecks(block_means(log(ur5e).robot, STEP), ur5e, rubs=True)
+    checks.motion.load = lambda: (mass, error, Lead(size, errors=9.0))
+    assert len([*checks.undeclared_load()]) == told
 
 
 @pytest.mark.parametrize("factor", [0.6, 1.0])

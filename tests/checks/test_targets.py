@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ur5lib.checks.block_means import BlockMeans
-from ur5lib.checks.targets import unlike_targets
+from ur5lib.checks.targets import scaled_currents, unlike_targets
 
 RANDOM = np.random.default_rng(0)
 
@@ -32,5 +32,8 @@ def test_a_target_tells_of_an_ampere_that_is_borne(
     target[:, 1] = constant + swing * load
     friction[:, 1] = 0.5 * np.tanh(qd[:, 1] / 0.02) + 0.1 * qdd[:, 1]
     currents = {"actual_current": 3.0 * target + friction, "target_current": target}
-    found = dict(unlike_targets(BlockMeans(q, qd, qdd, None, currents)))
-    assert found == ({1: pytest.approx(3.0, abs=1e-6)} if told else {})
+    means = BlockMeans(q, qd, qdd, None, currents)
+    assert dict(unlike_targets(means)) == ({1: pytest.approx(3.0, abs=1e-6)} if told else {})
+    for odd in ((), (0,)):
+        assert [one.joints for one in scaled_currents(means, odd)] == [(2,)] * told
+    assert [*scaled_currents(means, odd={1})] == []
