@@ -34,11 +34,12 @@ SHOWN += bumps(STARTS[:FALSE] + 300, np.full(FALSE, 6.0), 40)
 SIZE = SHOWN * (1 + 0.1 * np.sin(np.arange(COUNT))) + 1e-3 * RANDOM.random(COUNT)  # N
 DEVIATION = 0.1 + 0.01 * np.arange(COUNT)
 DIRECTION = np.array([0.6, 0.0, -0.8])
+MOMENT = RANDOM.uniform(0, 20, (COUNT, 3))  # Nm; no alarm depends on it
 
 
 def along(force: Array) -> Array:
-    """Wrenches (N, 6) of forces along one direction."""
-    return np.outer(force, [*DIRECTION, 0.0, 0.0, 0.0])
+    """Wrenches (N, 6) of forces along one direction, and of any moment."""
+    return np.hstack([np.outer(force, DIRECTION), MOMENT])
 
 
 @pytest.fixture(scope="module")

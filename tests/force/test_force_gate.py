@@ -383,6 +383,13 @@ def test_through_a_singularity_no_force_explodes(ur5: Robot) -> None:
 # The gate alone
 
 
+def test_a_contact_hides_in_stiction_only_while_the_whole_arm_rests() -> None:
+    random, still = np.random.default_rng(0), np.array([[True] * 6, [True] * 5 + [False]])
+    quick, spread, hidden = random.uniform(1, 2, (3, 2, 6))
+    hiding = TorqueVariances(quick, spread, hidden, still).hiding()
+    np.testing.assert_array_equal(hiding, [hidden[0], spread[1]])
+
+
 def test_what_is_left_of_a_load_may_be_no_contact(ur5: Robot) -> None:
     """20 Nm of load, misjudged by a tenth from 8 s on: with that doubt, nothing touches the arm."""
     run = free_run(ur5, seed=82, scale=0.3)
