@@ -171,15 +171,16 @@ def unseen_currents(model: str = "fitted") -> list[Row]:
     ]
 
 
-def test_the_verdicts_on_a_question_are_ranked_from_one_each_once(told: Judged) -> None:
-    """By rank, a page selects them."""
-    ranks: dict[tuple[str, str], list[int]] = defaultdict(list)
+def test_the_verdicts_on_a_question_are_ranked_from_one(told: Judged) -> None:
+    """By rank, a page selects them. The second is not here, where the first is also the worst."""
+    ranks: dict[str, list[int]] = defaultdict(list)
     for one in told.verdicts:
-        ranks[one.question, one.arm].append(one.rank)
+        ranks[one.question].append(one.rank)
     assert len(ranks) == 10
-    for own in ranks.values():
+    for question, own in ranks.items():
+        lacking = {"force": {2}, "links": {2, 5, 6, 7}}.get(question, set())
         assert own[0] == 1
-        assert len({*own}) == len(own)
+        assert {*own} | lacking == {*range(1, len(own) + len(lacking) + 1)}
 
 
 # Currents, links
@@ -476,6 +477,18 @@ def test_false_alarms_are_counted_with_the_time_of_their_days(told: Judged) -> N
         assert poisson.cdf(alarms, one.per_min_high * one.minutes) == pytest.approx(0.05)
 
 
+def test_false_alarms_of_unseen_recordings_are_told_of_all_and_of_days_without_a_fit(
+    told: Judged,
+) -> None:
+    own = [one for one in told.false_alarms if one.role == "validate" and one.days != "farthest"]
+    counts = [one.count for one in of_question(told, "alarms") if one.basis == "unseen"]
+    assert counts == [one.alarms for one in own]
+    limits = [one.value for one in of_question(told, "alarms") if one.unit == "a minute"]
+    assert limits == [one.per_min_high for one in own]
+    (beside,) = (one for one in of_question(told, "alarms") if "with contacts" in one.quantity)
+    assert beside.count == sum(one.false_alarms for one in told.noticed if one.contacts)
+
+
 def test_a_day_is_away_from_the_fit_from_the_first_on() -> None:
     frame = pd.DataFrame({"days": [0.0, 1.0, 1.0, np.nan], "minutes": 1.0, "alarms": 1.0})
     assert {when: len(part) for when, part in of_days(frame)} == {
@@ -546,6 +559,15 @@ def test_bands_in_contact_are_told_by_the_worst_at_rest_and_in_motion(told: Judg
         assert (width.value, width.axis) == (
             *(pytest.approx(1 / row["band_factor95"]), row["component"][1]),
         )
+
+
+@pytest.mark.parametrize(("use", "reason"), [("yes", ""), ("no", "sensor_bias")])
+def test_a_band_in_contact_is_doubted_with_its_sensor(use: str, reason: str) -> None:
+    own = touched(1.0, use=use, zero_in_band95=0.1, band_factor95=1.0)
+    about = {"recording": "pushed", "duration_s": 60.0, "frames": 100, "moving_joints": "1"}
+    entry = V1 | {"name": "pushed", "role": "contact"}
+    found = judge_force(tables_of([entry], recordings=[about], force_mae=own))
+    assert [one.reason for one in found if one.question == "bands"] == [reason] * 3
 
 
 def test_the_parts_of_a_recording_s_error_are_means_over_axes(told: Judged) -> None:
@@ -688,6 +710,34 @@ def test_what_a_remark_asks_for_is_recorded_now_or_later() -> None:
     assert {one.joints for one in kinds.values()} == {"3 5"}
     order = [one.code for one in given if one.code in kinds]
     assert order == ["no_motion", "one_path", "few_paths"]
+
+
+@pytest.mark.parametrize(
+    ("roles", "asked"),
+    [
+        (["fit", "validate"], {}),
+        (["validate"], {"fit": ""}),
+        (["fit", "still"], {"validate": "at rest"}),
+        (["contact"], {"fit": "", "validate": ""}),
+    ],
+)
+def test_a_role_that_no_recording_has_is_asked_for(roles: list[str], asked: Row) -> None:
+    entries = [
+        V1 | {"name": role, "role": "fit" if role == "still" else role, "still": role == "still"}
+        for role in roles
+    ]
+    given = [*advice(tables_of(entries))]
+    assert {one.code: one.detail for one in given if one.code in ("fit", "validate")} == asked
+
+
+@pytest.mark.parametrize(("contacts", "asked"), [(None, True), (0, True), (1, False)])
+def test_pushes_are_asked_for_where_no_sensor_read_a_contact(
+    contacts: int | None, asked: bool
+) -> None:
+    sensed = [] if contacts is None else [{"recording": "v1", "contacts": contacts}]
+    assert ("pushes" in {one.code for one in advice(tables_of([V1], sensed=sensed))}) == asked
+    compared = tables_of([V1], sensed=sensed, force_mae=touched(1.0))
+    assert "pushes" not in {one.code for one in advice(compared)}
 
 
 def test_recordings_that_lost_a_tenth_of_their_frames_are_named_the_worst_first(

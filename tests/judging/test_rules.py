@@ -173,6 +173,9 @@ def test_9_without_a_contact_the_page_says_what_would_have_been_seen() -> None:
     assert (hardest.rank, hardest.value) == (1, 2943.0)
     assert hardest.quantity == "trial push of 1 s not found"
     assert (easier.value, easiest.value, easiest.motion) == (182.0, 182.0, "fast")
+    both = [*trials, push("at rest", "y", None, bound=">", largest_tried=2000.0)]
+    assert verdicts_of(study(pushes=both), "pushes")[0].axis == "x and y"
+    assert hardest.axis == "x"
     told = headline_of(page_of(results))
     assert "from 182 N at best" in told
     assert "not even at 2940 N" in told
