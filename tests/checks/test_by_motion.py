@@ -27,6 +27,7 @@ from ur5lib.checks.by_motion import (
 )
 from ur5lib.checks.checked import Checked
 from ur5lib.checks.contacts import FeltContact
+from ur5lib.checks.currents import _unexpected_torque, fitted_load
 from ur5lib.checks.delays import Delays, delayed_currents
 from ur5lib.checks.doubts import doubts_by_joint
 from ur5lib.checks.findings import (
@@ -292,6 +293,20 @@ def test_a_load_is_told_where_it_is_sure_large_and_explains_far_more(
     checks = MotionChecks(block_means(log(ur5e).robot, STEP), ur5e, rubs=True)
     checks.motion.load = lambda: (mass, error, Lead(size, errors=9.0))
     assert len([*checks.undeclared_load()]) == told
+    checks.means = checks.means.with_efforts(checks.means.effort)
+    checks.means.currents["target_current"] = checks.means.effort
+    assert [*checks.undeclared_load()] == []  # its excess over the target tells it
+
+
+def test_each_joint_that_shows_a_load_beside_its_targets_has_one_weight(ur5e: Robot) -> None:
+    """It is over the spread of the torque by which its current exceeds the target."""
+    load = Payload(mass=2.0, center_of_mass=(0.01, 0.0, 0.08))
+    means, bare = (block_means(log(arm).robot, STEP) for arm in (ur5e.carrying(load), ur5e))
+    means.currents["target_current"] = bare.effort
+    for joint in (1, 2):
+        columns, torque = _unexpected_torque(means, ur5e, 0 * means.q, odd={*range(6)} - {joint})
+        assert torque.std() == pytest.approx(1.0)
+        assert fitted_load(columns, torque)[0] == pytest.approx(2.0, rel=0.3)
 
 
 @pytest.mark.parametrize("factor", [0.6, 1.0])
