@@ -298,12 +298,15 @@ def test_gravity_turns_by_three_newtons_in_an_imu(size: float, reported: bool) -
 
 @pytest.mark.parametrize(
     ("newton", "seconds", "mass", "found"),
-    [(29.0, 1.0, 0.0, 1), (14.0, 1.0, 0.0, 0), (29.0, 0.4, 0.0, 0), (29.0, 1.0, 1.0, 0)],
+    [
+        *((29.0, 1.0, 0.0, 1), (14.0, 1.0, 0.0, 0), (29.0, 0.4, 0.0, 0)),
+        *((34.0, 1.0, 1.0, 0), (35.0, 1.0, 1.0, 1)),
+    ],
 )
 def test_a_contact_in_a_free_recording_is_found(
     newton: float, seconds: float, mass: float, found: int
 ) -> None:
-    """29 N for a second; less, shorter, or the weight of a tool that turns is none."""
+    """29 N for a second; less, shorter, or twice the weight of a tool, which turns, is none."""
     time = np.arange(0, 10, 0.01)
     force = np.where(time < seconds, newton, 0.0) + 3.0  # and a bias
     table = pd.DataFrame({"time": time, "ft_fx": force, "ft_fy": 0.0, "ft_fz": -4.0})

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from ur5lib.force.alarms import pushes_above
 from ur5lib.force.matching import compare, match, receiver_curve
-from ur5lib.force.sensed_contact import TOUCH_FORCE
+from ur5lib.force.sensed_contact import TOUCH_FORCE, is_free
 from ur5lib.force.thresholds import (
     THRESHOLD_STEP,
     alarm_threshold,
@@ -205,3 +205,16 @@ def test_a_push_is_found_whichever_way_it_points_and_an_unknown_one_is_not() -> 
     force[500:600] = np.nan
     assert pushes_above(force, sensed, 10.0, PERIOD) == (3, 2)
     assert pushes_above(0.5 * sensed, sensed, 10.0, PERIOD) == (3, 1)
+
+
+# What a sensor reads
+
+
+def test_a_sample_is_free_below_a_newton_and_half_a_second_from_any_touch() -> None:
+    force = np.full(400, 0.9)
+    force[100], force[150:152], force[300] = 3.1, 1.1, np.nan
+    free = is_free(force, 0.01)
+    expected = np.ones(400, bool)
+    expected[50:152] = expected[300] = False
+    np.testing.assert_array_equal(free, expected)
+    assert is_free(np.full(9, 2.9), 0.01).sum() == 0

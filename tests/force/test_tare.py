@@ -28,6 +28,7 @@ from ur5lib.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.robots.description import Robot
 from ur5lib.study.reading import parse_study
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.segments import extrapolated_samples
 
 TIME: Array = 0.01 * np.arange(1500.0)
 OFFSET = np.array([3.0, -2, 1, 0.5, 0.2, 0.1])
@@ -93,6 +94,14 @@ def test_a_span_outside_or_in_motion_or_too_short_is_no_tare(
 
 def test_a_span_at_rest_is_a_tare(ur5: Robot) -> None:
     assert doubts((0.0, 1.5), resting_signals(ur5, moves_at=8.0), ur5) == []
+
+
+def test_half_a_second_of_known_torque_is_a_tare(ur5: Robot) -> None:
+    """What the filter leaves unknown at the start does not count."""
+    unknown, signals = 0.01 * extrapolated_samples(2.0, 0.01), resting_signals(ur5)
+    short, long = ((0.0, unknown + seconds) for seconds in (0.4, 0.6))
+    assert doubts(short, signals, ur5) == ["unusable tare"]
+    assert doubts(long, signals, ur5) == []
 
 
 PRESS = np.clip(TIME - 0.3, 0, 0.5)[:, None] * np.array([0.0, 30.0, 50.0, 0.0, 0.0, 0.0])
