@@ -41,7 +41,7 @@ SWAPPED |= {"<": ">=", ">": "<=", "<=": ">", ">=": "<", "==": "!=", "!=": "=="}
 SWAPPED |= {"and": "or", "or": "and"}
 OPERATOR = re.compile(r"\*\*|//|[<>=!]=|\band\b|\bor\b|[-+*/%<>]")
 IN_CPP = re.compile(r"(?<= )(?:[-+*/<>]|[<>=!]=)(?= )|(?<![\w.])\d+(?:\.\d*)?(?:e-?\d+)?(?![\w.])")
-ENOUGH = 30.0  # s of processor for a mutant: what lives longer than that counts as alive
+ENOUGH = 60.0  # s of processor, as maps have them, for a mutant: what lives longer counts as alive
 LEAST_LIMIT = 20.0
 MAPPING_LIMIT = 1800.0
 WAITING = 20  # seconds on the clock for one of the processor
