@@ -20,7 +20,7 @@ from tests.made_up_torques import (
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import JointState
 from ur5lib.force.force_input import Gears, mean_stiction_torque
-from ur5lib.force.gate import Observations, TorqueVariances, find_contacts
+from ur5lib.force.gate import Observations, TorqueVariances, find_contacts, quiet_force
 from ur5lib.force.missed_contacts import MISSED_DEVIATIONS, missed_contacts, probability_while_shut
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import (
@@ -381,6 +381,16 @@ def test_through_a_singularity_no_force_explodes(ur5: Robot) -> None:
 
 
 # The gate alone
+
+
+def test_a_quiet_force_is_a_fifth_of_what_a_standard_deviation_is_worth() -> None:
+    """By the force's columns alone; of another arm, by the median over samples."""
+    jacobian = np.zeros((3, 6, 6))
+    jacobian[:, :3, :3] = np.array([0.5, 1.0, 4.0])[:, None, None] * np.eye(3)
+    jacobian[:, 3:] = 100.0
+    variance = np.full((3, 6), 9.0)
+    # each axis turns one joint by 1 m, so that a mean axis has an information of 1 / 9
+    assert quiet_force(jacobian, variance) == pytest.approx(0.2 * 3.0)
 
 
 def test_a_contact_hides_in_stiction_only_while_the_whole_arm_rests() -> None:

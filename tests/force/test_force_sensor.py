@@ -486,6 +486,9 @@ def test_the_error_of_a_drift_changes_with_its_unit_alone(unit: float) -> None:
     given = random.normal(size=len(time)), time, 1.0, np.zeros(3)
     own, other = (slow_covariance(factor * terms, *given) for factor in (1.0, unit))
     np.testing.assert_allclose(other * unit**2, own, rtol=1e-6, atol=1e-9 * own.max())
+    residual, *known = given
+    other = slow_covariance(terms, unit * residual, *known)
+    np.testing.assert_allclose(other, unit**2 * own, rtol=1e-6)
 
 
 def test_a_prior_counts_by_its_precision_over_the_weight_of_samples() -> None:

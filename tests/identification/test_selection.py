@@ -13,7 +13,7 @@ from ur5lib.identification.current_regression import expected_fit
 from ur5lib.identification.currents import spring_current
 from ur5lib.identification.regression import huber_weight
 from ur5lib.identification.samples import JointSamples
-from ur5lib.identification.selection import MOVING, RESTING, shows
+from ur5lib.identification.selection import MOVING, RESTING, errors, shows
 from ur5lib.records.friction import CurrentFit
 
 
@@ -33,6 +33,16 @@ def test_a_path_with_hardly_any_error_counts_as_much_as_one_with_much() -> None:
         assert not shows(samples, [known], [0.5 * known], elsewhere)
     alone = np.where(np.arange(12) == 0, 0.1, known)  # less on the first path, elsewhere the same
     assert not shows([one_a_path(True)], [known], [alone], MOVING)
+
+
+@pytest.mark.parametrize("moving", [1, 2, 11])
+def test_the_errors_before_a_change_count_each_sample_once(moving: int) -> None:
+    """Of each joint, in motion and at rest, over all paths."""
+    rows = SimpleNamespace(moving=np.arange(12) < moving, path=np.arange(12) // 3)
+    known = np.random.default_rng(moving).normal(size=(2, 12))
+    told = errors([cast(JointSamples, rows)] * 2, [*known], [*known], (True, False))
+    assert told.shape == (4,)
+    assert told.sum() == pytest.approx(24)
 
 
 @pytest.mark.parametrize("count", [2, 3, 4, 5, 8, 9, 10])
