@@ -486,9 +486,22 @@ def test_the_error_of_a_drift_changes_with_its_unit_alone(unit: float) -> None:
     given = random.normal(size=len(time)), time, 1.0, np.zeros(3)
     own, other = (slow_covariance(factor * terms, *given) for factor in (1.0, unit))
     np.testing.assert_allclose(other * unit**2, own, rtol=1e-6, atol=1e-9 * own.max())
-    residual, *known = given
-    other = slow_covariance(terms, unit * residual, *known)
-    np.testing.assert_allclose(other, unit**2 * own, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("correlation", "least", "most"), [(0.0, 1.0, 40.0), (0.9, 19.0, 400.0)])
+def test_slow_errors_leave_a_mean_less_sure_than_white_ones(
+    correlation: float, least: float, most: float
+) -> None:
+    """Of N errors, its variance is theirs over N, times 19 by a correlation of 0.9, and more by
+    what a hundred blocks leave open.
+    """
+    random, time = np.random.default_rng(0), np.arange(0, 100, 0.05)
+    blocks = lfilter([np.sqrt(1 - correlation**2)], [1.0, -correlation], random.normal(size=200))
+    error = np.repeat(blocks[-100:], 20) if correlation else random.normal(size=2000)
+    count = 100 if correlation else 2000
+    left = error - error.mean()
+    (variance,) = slow_covariance(np.ones((2000, 1)), left, time, 1.0, np.zeros(1))[0]
+    assert least < variance / (left.var() / count) < most
 
 
 def test_a_prior_counts_by_its_precision_over_the_weight_of_samples() -> None:
