@@ -236,7 +236,16 @@ def estimate_live(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert known["contact"] == "unknown"
 
 
+def declare(code: str, _: pytest.MonkeyPatch) -> None:
+    """As the module of the step does."""
+    module = (PROJECT / "ur5lib" / "steps" / "estimate_forces.py").read_text()
+    *stated, _ = code.splitlines()
+    assert len(stated) > 5
+    assert [line for line in stated if line not in module.splitlines()] == []
+
+
 PYTHON: dict[str, Callable[[str, pytest.MonkeyPatch], None]] = {
+    "class Inputs": declare,
     "import rtde_receive": record,
     ">>> import ur5lib": read,
     "from ur5lib import load\n\nrows": rows_to_type_in,
