@@ -17,7 +17,6 @@ from ur5lib.jobs.code import (
     imported_modules,
     in_library,
     modules_of_step,
-    of_study,
     steps_with,
 )
 
@@ -105,10 +104,9 @@ def test_it_is_the_same_wherever_the_library_is(
     assert checksums() == before
 
 
-def test_files_are_the_library_s_or_the_study_s(package: Path) -> None:
+def test_files_of_the_library_count_as_code(package: Path) -> None:
     own, other = package / "robots" / "ur5.yaml", Path("raw/ur5.yaml")
     assert in_library([str(own), other]) == [own]
-    assert of_study([str(own), other]) == ["raw/ur5.yaml"]
 
 
 BEFORE = '''\

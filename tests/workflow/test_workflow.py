@@ -615,12 +615,26 @@ def test_a_new_step_is_one_file(workflow: Workflow) -> None:
     )
 
 
-def test_a_step_that_uses_more_than_it_declares_does_not_start(workflow: Workflow) -> None:
+@pytest.mark.parametrize(
+    ("declares", "sentence"),
+    [
+        ("", "measure_power uses `motion` of a recording, which it does not declare; add it to"),
+        (
+            "    motion: Motion\n    power: Motion\n",
+            "measure_power declares `power`, which no step writes and no study gives; see",
+        ),
+    ],
+    ids=["less", "more"],
+)
+def test_a_step_that_declares_less_or_more_than_there_is_does_not_start(
+    workflow: Workflow, declares: str, sentence: str
+) -> None:
     step = workflow.folder / "ur5lib" / "steps" / "measure_power.py"
-    step.write_text(POWER.replace("    motion: Motion\n", ""))
+    step.write_text(
+        POWER.replace("    motion: Motion\n", declares).replace('"power.csv"', '"mean.csv"')
+    )
     done = workflow.run("--dry-run")
     assert done.returncode != 0
-    sentence = "measure_power uses `motion` of a recording, which it does not declare; add it to"
     assert sentence in done.stdout
     assert "Traceback" not in done.stdout
 

@@ -83,11 +83,6 @@ def in_library(paths: Iterable[str | Path]) -> list[Path]:
     return [Path(path) for path in paths if Path(path).is_relative_to(PACKAGE)]
 
 
-def of_study(paths: Iterable[str | Path]) -> list[str]:
-    """Return those of some files that belong to the study, which are inputs of a step."""
-    return [str(path) for path in paths if not Path(path).is_relative_to(PACKAGE)]
-
-
 def steps_with(file: Path) -> list[str]:
     """Return the names of the steps that use a module of the library."""
     return [step for step in all_steps() if file.resolve() in modules_of_step(step)]

@@ -2,7 +2,6 @@
 import os
 import re
 import tempfile
-from functools import cache
 
 from snakemake.exceptions import WorkflowError
 
@@ -141,11 +140,6 @@ def list_unreadable():
 # Paths
 
 
-def result(name):
-    """Return the path of a recording's file, with the recording as a wildcard."""
-    return f"{RESULTS}/recordings/{{recording}}/{name}"
-
-
 def results(name, recordings=RECORDINGS):
     """Return the paths of a file of each of some recordings."""
     return [f"{RESULTS}/recordings/{recording}/{name}" for recording in recordings]
@@ -213,11 +207,6 @@ PRIORITY = {}  # of steps that begin early
 # Recordings and settings
 
 
-def of_recording(method):
-    """Return a function that calls a method of the selection with a job's recording."""
-    return lambda wildcards: method(wildcards.recording)
-
-
 def code(step, *files):
     """Return a checksum of a step's code, and of files of the library that it reads."""
     return checksum_of_step(step, files)
@@ -279,6 +268,11 @@ def input_of(step, name, source):
         return lambda wildcards: files_of(output, others(SELECTION, wildcards[0]))
     if source == "further":
         return lambda wildcards: further_forces(step, wildcards)
+    if source not in OUTPUTS:
+        raise WorkflowError(
+            f"{step.name} declares `{source}`, which no step writes and no study gives; "
+            "see ur5lib/study/given.py"
+        )
     if name in step.several:
         return lambda wildcards: files_of(source, read_by(step, wildcards))
     writer, file = OUTPUTS[source]
