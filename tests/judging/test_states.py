@@ -138,8 +138,8 @@ def test_constants_that_stop_a_study_are_not_to_be_used() -> None:
 def test_one_stop_sign_contradicts_a_study_and_an_unreadable_recording_does_not() -> None:
     remark = {"robot": "ur5", "step": "stop sign", "remark": "wrong"}
     assert study(remarks=[remark]).stopped()
-    assert study(quality=[finding("stop", "turned")]).stopped()
-    assert not study(quality=[finding("stop", "unreadable")]).stopped()
+    assert study(quality=[finding("stop", Found.CONTRADICTION)]).stopped()
+    assert not study(quality=[finding("stop", Found.UNREADABLE)]).stopped()
     assert not study(remarks=[remark | {"step": "friction"}]).stopped()
 
 

@@ -57,8 +57,8 @@ def assembled(
     """Return a step's arguments by name, from functions that read them and from values at hand.
 
     loads: functions that read a parameter (called now) or a field of an `Opened` (called at its
-    first use); known: parameters and fields in memory. Raises InputError for a field without any; of
-    several, all or none may be there.
+    first use); known: parameters and fields in memory. Raises InputError for a field without any;
+    of several recordings, none may be there.
     """
     own = _annotated(step)
     given = {name: load() for name, load in loads.items() if name in own}

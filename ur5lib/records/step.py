@@ -1,4 +1,4 @@
-"""What a step declares beside its function."""
+"""What a step declares in addition to its signature."""
 
 from collections.abc import Callable
 from typing import Any, Literal, TypeVar
