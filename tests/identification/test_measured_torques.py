@@ -9,6 +9,7 @@ from typing import cast
 import numpy as np
 import pytest
 
+from tests.current_study import cut
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import RefusalError
 from ur5lib.identification.base_parameters import identified_model
@@ -82,6 +83,9 @@ def test_a_part_of_a_path_is_of_one_recording(arm: Robot) -> None:
     again = replace(run, samples=replace(run.samples, name="again"))
     one, two = (torque_rows(known, [], SMOOTH, np.eye(6)) for known in ([run], [run, again]))
     assert len(one.units) > 1
+    short = replace(run, samples=cut(run.samples, slice(300), name="short"), qdd=run.qdd[:300])
+    both, alone = (torque_rows(own, [], SMOOTH, np.eye(6)) for own in ([short, run], [short]))
+    assert len(both.units) == len(alone.units) + len(one.units)
     assert [len(torque) for _, torque in two.units] == 2 * [len(torque) for _, torque in one.units]
 
 
@@ -110,14 +114,18 @@ def test_a_counterbalance_is_no_link(arm: Robot) -> None:
 class ToldErrors(ArmFit):
     """A fit of which the errors on left-out units are told, by the joints that are balanced."""
 
-    def __init__(self, by_joints: dict[tuple[int, ...], list[float]]) -> None:
-        self.told = by_joints
+    def __init__(
+        self,
+        by_joints: dict[tuple[int, ...], list[float]],
+        any_links: tuple[float, ...] = (1.0, 1.0, 1.0, 1.0),
+    ) -> None:
+        self.told, self.any_links = by_joints, any_links
         places = SimpleNamespace(joints=4, places=lambda _, own=(): tuple(own))
         self.rows, self.bounds = cast(TorqueRows, places), cast(LinkBounds, "bodies")
 
     def unseen_errors(self, places: Sequence[int], bounds: LinkBounds | None) -> Array:
-        """Of links that need not be bodies 1, in each fold."""
-        own = [1.0] * 4 if bounds is None else self.told.get(tuple(places), [30.0] * 4)
+        """The same in each fold; any_links: of links that need not be bodies."""
+        own = self.any_links if bounds is None else self.told.get(tuple(places), [30.0] * 4)
         return np.tile(own, (5, 1))
 
 
@@ -129,6 +137,8 @@ def test_a_counterbalance_has_to_explain_its_own_joint() -> None:
     assert own.balanced_joints([]) == [3]
     own = ToldErrors({(): [1.0, 1.0, 9.0, 1.0], (3,): [1.0, 1.0, 1.6, 1.0]})
     assert own.balanced_joints([]) == []  # not even so as well as any numbers
+    told = {(): [9.0, 1.0, 9.0, 1.0], (3,): [9.0, 1.0, 1.05, 1.0]}
+    assert ToldErrors(told, (1.0, 1.0, 8.9, 1.0)).balanced_joints([]) == []  # nothing to explain
 
 
 def test_counterbalances_are_found_one_after_the_other() -> None:

@@ -15,6 +15,7 @@ from ur5lib.identification.regression import huber_weight
 from ur5lib.identification.samples import JointSamples
 from ur5lib.identification.selection import MOVING, RESTING, errors, shows
 from ur5lib.records.friction import CurrentFit
+from ur5lib.robots.friction import USUAL_TEMPERATURE
 
 
 def one_a_path(moving: bool) -> JointSamples:
@@ -33,6 +34,14 @@ def test_a_path_with_hardly_any_error_counts_as_much_as_one_with_much() -> None:
         assert not shows(samples, [known], [0.5 * known], elsewhere)
     alone = np.where(np.arange(12) == 0, 0.1, known)  # less on the first path, elsewhere the same
     assert not shows([one_a_path(True)], [known], [alone], MOVING)
+
+
+def test_a_joint_is_warm_by_what_it_has_above_the_usual_temperature() -> None:
+    record = make_record(3)
+    warm = np.add.outer(np.linspace(0, 9, len(record.q)), np.arange(6.0))
+    found = replace(record, temperature=USUAL_TEMPERATURE + warm).joint(2).warmth
+    np.testing.assert_allclose(found, warm[:, 2])
+    assert record.joint(2).warmth == 0.0
 
 
 @pytest.mark.parametrize("moving", [1, 2, 11])

@@ -1,5 +1,7 @@
 """The shares of samples within their bands, by speed."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -16,6 +18,18 @@ def test_shares_of_each_range_of_speeds() -> None:
     np.testing.assert_allclose(found.share[np.isfinite(found.share)], [0.75, 0.75])
     few = share_by_speed(np.full(MIN_SAMPLES - 1, 0.3), np.ones(MIN_SAMPLES - 1, bool))
     assert np.isnan(few.suffices()).all()
+
+
+def test_shares_are_those_of_each_bin_by_itself() -> None:
+    random = np.random.default_rng(0)
+    speed = np.exp(random.uniform(np.log(1e-3), np.log(3.0), 5000))
+    inside = random.random(5000) < 0.8
+    edges = [0.0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, np.inf]  # rad/s
+    found = share_by_speed(speed, inside)
+    for k, (low, high) in enumerate(pairwise(edges)):
+        own = (speed >= low) & (speed < high)
+        assert found.samples[k] == own.sum()
+        assert found.share[k] == pytest.approx(inside[own].mean())
 
 
 @pytest.mark.parametrize(

@@ -65,6 +65,7 @@ def test_targets_are_compared_as_told_and_currents_as_carried(ur5: Robot, tmp_pa
     record = current_record(AlignedRecording(name="made", **known), ur5)
     assert record is not None
     np.testing.assert_allclose(record.torque, made.true_torque, atol=1e-6)
+    assert record.inertial is None  # of efforts behind the gears alone
     assert np.abs(torques.payload_torque).max() > 3
     load = premises.load
     assert (load.source, load.payload, load.configured) == ("study", physical, TOLD)
