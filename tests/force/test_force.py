@@ -35,6 +35,14 @@ def test_plain_least_squares_gives_the_wrench_back(ur5: Robot) -> None:
     assert (np.linalg.norm(estimate, axis=1) <= np.linalg.norm(wrench, axis=1) + 1e-9).all()
 
 
+def test_plain_least_squares_leave_out_what_no_joint_feels() -> None:
+    """A direction of less than the smallest singular value has no force, the others their own."""
+    jacobian = np.diag([2.0, 3.0, 0.5, 1.0, 0.02, 1.0])[None]
+    torque = np.array([[4.0, 6.0, 1.0, 3.0, 5.0, -2.0]])
+    found = plain_least_squares(torque, jacobian, 0.05)
+    np.testing.assert_allclose(found, [[2.0, 2.0, 2.0, 3.0, 0.0, -2.0]], atol=1e-12)
+
+
 def test_a_reading_is_turned_into_base_axes() -> None:
     """Equation 6.11, without its minus: the environment acting on the arm."""
     rotation = rotations(20)

@@ -380,6 +380,16 @@ def test_through_a_singularity_no_force_explodes(ur5: Robot) -> None:
     assert coverage(estimate.wrench, estimate.std, wrench)[:3].min() > 0.9
 
 
+def test_a_force_on_a_resting_arm_is_averaged_over_its_filter_s_time(ur5: Robot) -> None:
+    """Its steps from sample to sample are far smaller than in motion."""
+    steps = []
+    for moving in (True, False):
+        run = free_run(ur5, seed=3, moving=moving)
+        found = run.pushed(push(run, 2, 60.0, 4.0, 8.0)).estimate().wrench[:, 2]
+        steps.append(np.diff(found[(run.time > 4.8) & (run.time < 7.2)]).std())
+    assert steps[1] < 0.3 * steps[0]
+
+
 # The gate alone
 
 
