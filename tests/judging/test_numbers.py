@@ -752,6 +752,8 @@ def test_recordings_that_lost_a_tenth_of_their_frames_are_named_the_worst_first(
     (one,) = (own for own in told.advice if own.code == "lossy")
     assert (one.recording, one.recordings) == (max(shares, key=shares.__getitem__), len(many))
     assert one.value == pytest.approx(max(shares.values()))
+    whole = tables_of([V1], recordings=rows("recordings", recording="v1"))
+    assert "lossy" not in {own.code for own in advice(whole)}
 
 
 def test_of_several_stops_and_loads_the_first_is_asked_for_alone() -> None:

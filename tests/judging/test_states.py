@@ -152,7 +152,7 @@ def test_gravity_is_judged_by_the_joints_that_bear_it() -> None:
 
 
 def test_loads_that_agree_are_counted_where_the_currents_determine_one() -> None:
-    ends = {"fitted": (-0.2, 0.1), "seen": (0.1, 0.9), "pushed": (-90.0, 90.0)}
+    ends = {"fitted": (-0.9, -0.1), "seen": (0.1, 0.9), "pushed": (-90.0, 90.0)}
     rows = [
         {"recording": name, "low": low, "high": high, "mass": 0.0, "taken": "no"}
         for name, (low, high) in ends.items()
@@ -160,12 +160,12 @@ def test_loads_that_agree_are_counted_where_the_currents_determine_one() -> None
     rows[1] |= {"taken": "yes", "mass": 0.5}
     agreeing, widest, load = verdicts_of(replace(study(payload=rows), loads={"ur5": 2.0}), "load")
     assert (agreeing.rank, widest.rank, load.rank) == (1, 2, 3)
-    assert (agreeing.count, agreeing.of, agreeing.reason) == (1, 2, "loaded")
+    assert (agreeing.count, agreeing.of, agreeing.reason) == (0, 2, "loaded")
     assert widest.value == pytest.approx(0.4)
     assert (load.recording, load.value) == ("seen", 0.5)
-    rows[1] |= {"taken": "no"}
+    rows[1] |= {"taken": "no", "low": -0.1}
     agreeing, _ = verdicts_of(replace(study(payload=rows), loads={"ur5": 2.0}), "load")
-    assert agreeing.reason == ""
+    assert (agreeing.count, agreeing.reason) == (1, "")
 
 
 # Recordings
@@ -339,6 +339,8 @@ def test_recordings_with_a_sure_sensor_judge_the_force() -> None:
     first, worst, *_ = verdicts_of(study(force_mae=rows), "force")
     assert (first.state, first.value) == ("good", 2.0)
     assert (worst.rank, worst.value, worst.reason) == (2, 6.0, "sensor_bias")
+    less = [*touched(1.0, **DOUBTED), *touched(2.0, recording="seen")]
+    assert 2 not in {one.rank for one in verdicts_of(study(force_mae=less), "force")}
 
 
 @pytest.mark.parametrize(("rival", "expected"), [(1.5, "better"), (1.95, "equal"), (2.2, "")])
