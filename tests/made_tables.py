@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import MISSING, fields, is_dataclass
+from enum import EnumType
 from pathlib import Path
 from types import UnionType
 from typing import Any, Literal, get_args, get_origin, get_type_hints
@@ -63,6 +64,8 @@ def nothing(kind: Any) -> Any:
         return None
     if get_origin(kind) is tuple and Ellipsis not in inner:
         return [nothing(one) for one in inner]
+    if isinstance(kind, EnumType):
+        return next(iter(kind))
     if is_dataclass(kind):
         return whole(kind, {})
     if get_origin(kind) is dict:
