@@ -132,8 +132,7 @@ def _expect_declared(step: str, function: ast.FunctionDef, fields: Fields) -> No
 
 if __name__ == "__main__":
     if asked := declared(sys.argv[1]):
-        for received in asked.reads.values():
+        for parameter, received in asked.reads.items():
             writer = written_by().get(received)
-            print(
-                received, "of the study" if writer is None else f"{writer[1]}, by {writer[0].name}"
-            )
+            of_study = f"`{received}` of ur5lib/study/given.py"
+            print(f"{parameter}: {f'{writer[1]}, by {writer[0].name}' if writer else of_study}")

@@ -1,7 +1,8 @@
 """Codes of findings, and of causes of stop signs and remarks: closed lists, stable over versions.
 
 Whoever looks one up does so by its code: `git grep -w LOST_FRAMES` shows who finds lost frames, and
-who reacts to them. Reasons and advice have theirs in `ur5lib/records/verdicts.py`.
+who asks for the finding; what computes sees filled frames by their flag, `interpolated`.
+Reasons and advice have theirs in `ur5lib/records/verdicts.py`.
 """
 
 import re

@@ -18,9 +18,10 @@ def step(
     step, or a setting of `ur5lib.study.given`.
 
     of: what one job is for; writes: its outputs, each a file `name.ending` or `output=name.ending`;
-    recordings: those that it runs for, or whose files a step of an arm reads, "" for all; given:
-    the name of what a parameter or a field receives, where it has another one. A mapping is of
-    these recordings, in a step of a recording of the arm's `fit` recordings.
+    recordings: for a step of a recording, those that it runs for; for a step of an arm, those that
+    it reads; "" for all; given: the name of what a parameter or a field receives, where it has
+    another one. A parameter `Mapping[str, ...]` has a value for each recording that a step of an
+    arm reads; in a step of a recording, for each of its arm's `fit` recordings.
 
     `ur5lib.jobs.declared` reads it in the source: a plan of jobs imports no step.
     """

@@ -199,7 +199,7 @@ def drawn(of, *names):
     return figures | {f"{name}_data": f"{folder}/{name}.csv" for name in names}
 
 
-RUNS_FOR = {}  # the recordings of each step, in place of those that it declares
+RUNS_FOR = {}  # recordings whose outputs a run makes, by step: of a topic, else as declared
 LEFT_OUT = set()  # steps that this study does not have
 PRIORITY = {}  # of steps that begin early
 
@@ -252,15 +252,17 @@ def further_forces(step, wildcards):
     """Return the files of a topic's estimates of force, if the study has them."""
     if "further" not in OUTPUTS or OUTPUTS["further"][0].name in LEFT_OUT:
         return []
-    return files_of("further", read_by(step, wildcards) if step.of == "arm" else wildcards)
+    return files_of(
+        "further", read_by(step, wildcards) if step.of == "arm" else [wildcards.recording]
+    )
 
 
 def input_of(step, name, source):
     """Return the input of a step's rule for a parameter; None for what is no file."""
     if setting(step.of, step.recordings, source) or (source == "drifts" and not STUDY.hosts):
         return None
-    if source == "name":
-        return None  # of several, that of the folder
+    if source == "name":  # of each of several recordings: that of its folder
+        return None
     if source in FILES:
         return lambda wildcards: FILES[source](SELECTION, wildcards[0])
     if source in OF_OTHERS:
@@ -287,11 +289,11 @@ def inputs(step):
 
 def settings(step):
     """Return the settings of a step's rule by name, as functions of a job's recording or arm."""
-    found = {name: setting(step.of, step.recordings, of) for name, of in step.reads.items()}
+    found = {name: setting(step.of, step.recordings, one) for name, one in step.reads.items()}
     return {
-        name: lambda wildcards, of=of: of(SELECTION, wildcards[0])
-        for name, of in found.items()
-        if of and name not in step.several
+        name: lambda wildcards, give=give: give(SELECTION, wildcards[0])
+        for name, give in found.items()
+        if give and name not in step.several
     }
 
 

@@ -1,6 +1,7 @@
-# The steps of recordings and of arms, each with a rule by its declaration. A new step begins where
-# recordings wait for each other: for drifts of hosts, the arm's model, friction, load in others,
-# residuals and thresholds.
+# The steps of recordings and of arms: a rule for each, by what it declares next to its function;
+# `python -m ur5lib.jobs.declared <step>` prints what it reads. Work is cut into steps where a job
+# has to wait for other recordings: for drifts of hosts, the arm's model, its friction, loads found
+# in other recordings, residuals and thresholds.
 
 
 # These take less than a second: on a cluster, they run where Snakemake was started, not as jobs.
