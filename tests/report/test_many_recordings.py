@@ -104,5 +104,5 @@ def test_a_page_shows_one_recording_alone() -> None:
     (read,) = shown["files-read"]
     assert read["recording"] == f"R8 {LOST}"
     (cause,) = shown["causes"]
-    assert (cause["code"], cause["severity"]) == (Found.LOST_FRAMES, "warning")
+    assert (cause["finding"], cause["severity"]) == (Found.LOST_FRAMES.words, "warning")
     assert {f"run_{k}" for k in range(MANY)} & {*page.text_content().split()} <= {LOST}

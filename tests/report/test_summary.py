@@ -93,7 +93,7 @@ def test_three_digits_make_another_number() -> None:
 
 
 def test_counts_are_compared_too() -> None:
-    noted = [finding("note", f"n{number}") for number in range(3)]
+    noted = [finding("note", code) for code in (Found.JITTER, Found.SPLIT, Found.CONTACT)]
     few, many = (named(study(quality=noted[:count])) for count in (2, 3))
     notes = next(row for row in verdict_rows(many, summary_of(few)) if row["quantity"] == "notes")
     assert notes["count"] == 3
