@@ -134,8 +134,9 @@ def test_right_logs_are_not_stopped(ur5e: Robot, sensed: Robot, seed: int) -> No
 def test_exchanged_efforts_and_joints_are_told_apart(ur5e: Robot, sensed: Robot) -> None:
     order = [0, 3, 2, 1, 4, 5]
     for own in (log(ur5e), log(sensed), replace(log(sensed), arm=unknown(sensed))):
-        (efforts,) = signs(spoilt(own, order, own.arm.measured.channel))
-        assert "of joints 2 and 4 are exchanged: each follows" in efforts
+        (efforts,) = stop_signs(spoilt(own, order, own.arm.measured.channel))
+        assert efforts.joints == (2, 4)
+        assert "of joints 2 and 4 are exchanged: each follows" in said(efforts)
         (joints,) = signs(spoilt(own, order, "actual_q", "actual_qd", own.arm.measured.channel))
         assert "joints 2 and 4 are exchanged: their motion" in joints
 
