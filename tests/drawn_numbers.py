@@ -72,7 +72,7 @@ def check_drawn_numbers(results: Path, monkeypatch: pytest.MonkeyPatch) -> list[
         given = arguments(
             draw_figures,
             {Path(key).stem: path for key, path in files.items()},
-            {**settings, "role": entry["role"]},
+            {**settings, "role": entry["role"], "gravity": None},
         )
         figures, signals = draw_figures(**given), given["recording"].signals
         own = {

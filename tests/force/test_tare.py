@@ -100,7 +100,7 @@ def test_half_a_second_of_known_torque_is_a_tare(ur5: Robot) -> None:
     """What the filter leaves unknown at the start does not count."""
     unknown, signals = 0.01 * extrapolated_samples(2.0, 0.01), resting_signals(ur5)
     short, long = ((0.0, unknown + seconds) for seconds in (0.4, 0.6))
-    assert doubts(short, signals, ur5) == ["unusable tare"]
+    assert doubts(short, signals, ur5) == [Found.UNUSABLE_TARE]
     assert doubts(long, signals, ur5) == []
 
 

@@ -25,11 +25,13 @@ from tests.made_study import (
     touched,
 )
 from ur5lib.force.estimators import UNGATED
+from ur5lib.jobs.declared import every
 from ur5lib.report.figures.house_style import save
 from ur5lib.report.figures.traces import WRENCH_PANELS, Traces, draw_traces
 from ur5lib.report.results import Results
 
 RULES = [*PROJECT.glob("workflow/rules/*.smk"), *PROJECT.glob("ur5lib/topics/*/rules.smk")]
+OWNERS = {"recording": "{recording}", "posture": "{recording}", "arm": "{robot}"}
 DRAWN = re.compile(r'\bdrawn\(\s*"(.*?)",([^)]*)\)')
 EVERY: dict[str, Any] = {
     "friction": [constant(1, 10.0), constant(2, 20.0, **FAR), constant(3, 5.0, **UNKNOWN)],
@@ -48,6 +50,9 @@ def figures() -> dict[str, list[str]]:
     for path in RULES:
         for of, names in DRAWN.findall(path.read_text()):
             found.setdefault(of, []).extend(re.findall(r'"(\w+)"', names))
+    for step in every():
+        drawings = [Path(file).stem for file in step.writes.values() if file.endswith(".svg")]
+        found.setdefault(OWNERS[step.of], []).extend(drawings)
     return found
 
 

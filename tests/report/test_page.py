@@ -14,6 +14,7 @@ from tests.made_tables import COLUMNS
 from tests.report.illustrated import EVERY
 from tests.typeset_page import cards_of, page_of, plain, sources, text_of
 from ur5lib.errors import InputError
+from ur5lib.jobs.declared import every
 from ur5lib.report.page.handed import ROWS, SOURCES, WORDS, rows_of, rows_read, views
 from ur5lib.report.page.typeset import html_page, pdf_document
 from ur5lib.report.results import Results
@@ -83,6 +84,7 @@ def test_results_without_anything_have_a_page() -> None:
 def test_every_view_that_a_section_reads_exists() -> None:
     rules = [*PROJECT.glob("workflow/rules/*.smk"), *PROJECT.glob("ur5lib/topics/*/rules.smk")]
     made = {*re.findall(r"\w+", "".join(path.read_text() for path in rules)), *COLUMNS}
+    made |= {Path(file).stem for step in every() for file in step.writes.values()}
     for name in rows_read():
         module, _, function = name.rpartition(".")
         if module:

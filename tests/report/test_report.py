@@ -60,7 +60,7 @@ def hostile() -> Results:
         **EVERY,
         quality=[
             finding("stop", Found.CONTRADICTION, detail=HOSTILE, place=""),
-            finding("note", HOSTILE),
+            finding("note", Found.OTHER, finding=HOSTILE),
         ],
         remarks=[
             {"robot": "ur5", "step": "friction", "joint": 2, "code": "x", "remark": HOSTILE},

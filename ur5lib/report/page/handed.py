@@ -87,7 +87,7 @@ def of_no_study() -> dict[str, Any]:
     study = {"study": "", "title": "", "recordings": []}
     tables = {
         "recordings": pd.DataFrame(columns=["recording", "duration_s"]),
-        "quality": pd.DataFrame(columns=["recording", "device", "finding"]),
+        "quality": pd.DataFrame(columns=["recording", "device", "code", "finding"]),
     }
     found = {"verdicts": [], "found": {"next": [], "findings": [], "left_out": []}}
     return {
