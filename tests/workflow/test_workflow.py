@@ -35,6 +35,7 @@ from ur5lib.tables import read_csv, read_table
 SECONDS = 60  # in which a run that must fail ends
 RECORDINGS = 2
 RUN = "run_times", "ro-crate-metadata"  # files that say when or how long it ran
+ANALYSED = rb"""(?i)analysed( on |": ")(\d+ \w+ \d{4}|[\d-]+)"""  # a kept study is of another day
 EDITED = "\nEDITED = True\n"  # appended to a module
 POWER = '''\
 """Mean mechanical power of a recording."""
@@ -161,7 +162,7 @@ def jobs(*rules: str, recordings: int = RECORDINGS) -> dict[str, int]:
 
 
 def results(workflow: Workflow) -> dict[str, bytes]:
-    """What the user gets, byte by byte, without how long it took."""
+    """What the user gets, byte by byte, without when it was made and how long it took."""
     folder = workflow.folder / "results" / "small"
     kinds = {".csv", ".parquet", ".json", ".svg", ".html"}
     files = [p for p in folder.rglob("*") if p.suffix in kinds and p.stem not in RUN]
@@ -172,6 +173,8 @@ def results(workflow: Workflow) -> dict[str, bytes]:
     for page in times.keys() & found.keys():
         found[page], cut = re.subn(times[page], b"", found[page], flags=re.DOTALL)
         assert cut == 1
+    for page in {*times, "results.json"} & found.keys():
+        found[page] = re.sub(ANALYSED, b"", found[page])
     return found
 
 
